@@ -1,1 +1,20 @@
-//! (being built)
+//! The plan language: plans are read and checked here, and what they claim is judged here.
+//!
+//! [`read`] makes a [`Plan`] of a text; [`Plan::case`] gives its concrete cases one by one; [`judge`] turns a
+//! trace into verdicts. Steps are one file of [`steps`] for each verb, expectations one of [`expect`].
+//!
+//! Goals: every finding with a code, the exact place and the mend; several findings in one run; bounded time
+//! and memory for any text. Not goals: opening files, driving anything: the runtime does both.
+
+mod codes;
+pub mod expect;
+pub mod judge;
+pub mod lang;
+pub mod measure;
+pub mod plan;
+pub mod steps;
+
+pub use codes::{CODES, TOML};
+pub use lang::{Anchor, Base, Literal};
+pub use plan::{Case, Plan, Step, StepTime, read};
+pub use steps::Stimulus;

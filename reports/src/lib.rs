@@ -1,1 +1,15 @@
-//! (being built)
+//! Reports drawn from the record of a run: terminal text, JUnit, one HTML page, and VCD from a trace.
+//!
+//! Goals: the same facts in every form, each readable by the tool it is meant for; whatever a name or
+//! message holds is shown and never interpreted (no markup, no terminal sequences). Not goals: judging,
+//! reading traces for anything but VCD, writing files.
+
+pub mod html;
+pub mod junit;
+mod matrix;
+mod show;
+mod svg;
+pub mod text;
+pub mod vcd;
+
+pub use matrix::{RequirementRow, requirements};

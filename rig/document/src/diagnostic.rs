@@ -20,6 +20,13 @@ pub struct SourceFile {
     pub text: String,
 }
 
+impl SourceFile {
+    /// A text under the name that the user knows.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        SourceFile { name: name.into(), text: text.into() }
+    }
+}
+
 /// A place with what it has to say.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
@@ -44,4 +51,41 @@ pub struct Diagnostic {
     pub labels: Vec<Label>,
     /// What to do about it; may be empty.
     pub help: String,
+}
+
+impl Diagnostic {
+    /// An error without a place yet.
+    pub fn error(code: &'static str, message: impl Into<String>) -> Self {
+        Diagnostic {
+            code,
+            severity: Severity::Error,
+            message: message.into(),
+            labels: Vec::new(),
+            help: String::new(),
+        }
+    }
+
+    /// A warning without a place yet.
+    pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
+        Diagnostic { severity: Severity::Warning, ..Self::error(code, message) }
+    }
+
+    /// The same with one more place; the first one given is where the finding stands.
+    #[must_use]
+    pub fn at(mut self, file: impl Into<String>, span: Range<usize>, text: impl Into<String>) -> Self {
+        self.labels.push(Label { file: file.into(), span, text: text.into() });
+        self
+    }
+
+    /// The same with what to do about it.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = help.into();
+        self
+    }
+
+    /// Whether the file is refused for it.
+    pub fn is_error(&self) -> bool {
+        self.severity == Severity::Error
+    }
 }

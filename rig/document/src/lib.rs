@@ -1,6 +1,28 @@
 //! The user's text files: diagnostics with a code and a place, TOML whose every value knows its place, and
 //! the tables of keys that the readers (and later the schemas) are made from.
+//!
+//! The way through: [`toml::parse`] makes a tree of [`Node`]s, [`Fields::check`] holds a table of it against a
+//! list of [`KeySpec`]s and gives typed access, [`Findings`] collects what is wrong, [`render`] shows it.
+//!
+//! Goals: several findings in one run, every finding with the exact place and the mend, bounded memory for any
+//! input. Not goals: writing TOML, opening files.
 
 mod diagnostic;
+mod fields;
+mod findings;
+pub mod keys;
+mod place;
+mod render;
+mod strict;
+mod suggest;
+pub mod toml;
+mod tree;
 
 pub use diagnostic::{Diagnostic, Label, Severity, SourceFile};
+pub use fields::Fields;
+pub use findings::{Codes, Findings, MAX_FINDINGS};
+pub use keys::{KeySpec, KeyType};
+pub use place::line_col;
+pub use render::render;
+pub use suggest::suggest;
+pub use tree::{Data, Entry, Node, Origin, Table};

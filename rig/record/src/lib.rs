@@ -1,1 +1,28 @@
-//! (being built)
+//! The record of a run: verdicts, claims, measurements, provenance. It is all that reports read.
+//!
+//! Goals: plain data with a fixed order of fields, so that two runs of one seed write the same bytes
+//! (but for the facts of the host, see [`RunRecord::without_host_facts`]); a reader that refuses what it
+//! cannot trust. Not goals: judging, drawing, storing the whole trace (a case carries bounded excerpts of
+//! the signals that its claims look at).
+//!
+//! All instants are nanoseconds of the trace (0 = power-on of the case); a pair of them is
+//! `[earliest, latest]` of one event.
+
+mod case;
+mod claim;
+mod figure;
+mod json;
+mod lane;
+mod number;
+mod run;
+mod verdict;
+
+pub use case::{
+    CaseRecord, CaseStatus, Hashes, LogLine, MAX_LOG_LINES, Parameter, RigTiming, StepRecord, TaskFigures,
+};
+pub use claim::{ClaimRecord, MeasurementRecord, Window};
+pub use figure::Figure;
+pub use json::{MAX_CASES, MAX_JSON_BYTES, RecordError};
+pub use lane::{Lane, LaneKind, LanePoint, LaneValue, MAX_LANE_POINTS};
+pub use run::{Clock, FORMAT, Provenance, RunRecord, Totals};
+pub use verdict::Verdict;

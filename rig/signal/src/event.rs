@@ -164,10 +164,10 @@ impl SignalInfo {
 
     /// A value in the words of the user: a state's label, or the number with its unit.
     pub fn show(&self, value: Value) -> String {
-        if let (Kind::State, Some(n)) = (self.kind, value.as_int()) {
-            if let Some((_, label)) = self.labels.iter().find(|(number, _)| i128::from(*number) == n) {
-                return label.clone();
-            }
+        if let (Kind::State, Some(n)) = (self.kind, value.as_int())
+            && let Some((_, label)) = self.labels.iter().find(|(number, _)| i128::from(*number) == n)
+        {
+            return label.clone();
         }
         if self.unit.is_empty() { value.to_string() } else { format!("{value} {}", self.unit) }
     }

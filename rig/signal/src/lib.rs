@@ -3,10 +3,18 @@
 //! Goals: exact integer time, events that carry how well their instant is known, a trace that is the
 //! only ground for a verdict. Not goals: I/O, threads, clocks. Nothing in here reads a clock or opens a file.
 
+pub mod address;
 mod event;
+mod image;
+mod quantity;
 mod time;
+pub mod trace;
 mod value;
 
+pub use address::{Address, AddressError, AddressLimits, Area, Size};
 pub use event::{Cause, ClockDomain, Event, Kind, Policy, Sampling, SignalId, SignalInfo, When};
+pub use image::Image;
+pub use quantity::{Dimension, ParseQuantityError, Quantity, QuantityRange, SpanRange};
 pub use time::{ParseTimeError, Span, Time};
+pub use trace::{Between, Cursor, Events, LoadLimits, Spill, Trace, TraceError};
 pub use value::{Level, Value};

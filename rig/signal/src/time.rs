@@ -5,7 +5,8 @@ use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 /// An instant: nanoseconds since the origin of the trace (the moment recording began).
 ///
-/// Range ±292 years. Never derived from floating point.
+/// Range ±292 years, at whose ends all arithmetic stops: a plan's absurd duration neither panics nor wraps.
+/// Never derived from floating point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Time(i64);
 
@@ -92,17 +93,17 @@ impl Span {
 
     /// `n` microseconds.
     pub const fn from_micros(n: i64) -> Self {
-        Span(n * 1_000)
+        Span(n.saturating_mul(1_000))
     }
 
     /// `n` milliseconds.
     pub const fn from_millis(n: i64) -> Self {
-        Span(n * 1_000_000)
+        Span(n.saturating_mul(1_000_000))
     }
 
     /// `n` seconds.
     pub const fn from_secs(n: i64) -> Self {
-        Span(n * 1_000_000_000)
+        Span(n.saturating_mul(1_000_000_000))
     }
 
     /// The duration in nanoseconds.
@@ -182,7 +183,7 @@ fn parse(text: &str) -> Result<Span, ParseTimeError> {
 }
 
 /// Mantissa, number of decimals and the byte behind the number.
-fn decimal(bytes: &[u8], start: usize) -> Result<(i128, u32, usize), ParseTimeError> {
+pub(crate) fn decimal(bytes: &[u8], start: usize) -> Result<(i128, u32, usize), ParseTimeError> {
     let (mut at, mut mantissa, mut decimals, mut digits, mut point) = (start, 0i128, 0u32, 0usize, false);
     while at < bytes.len() {
         match bytes[at] {
@@ -207,7 +208,7 @@ fn decimal(bytes: &[u8], start: usize) -> Result<(i128, u32, usize), ParseTimeEr
     Ok((mantissa, decimals, at))
 }
 
-fn skip_spaces(bytes: &[u8], mut at: usize) -> usize {
+pub(crate) fn skip_spaces(bytes: &[u8], mut at: usize) -> usize {
     while at < bytes.len() && bytes[at].is_ascii_whitespace() {
         at += 1;
     }
@@ -251,55 +252,55 @@ impl fmt::Display for Time {
 impl Add<Span> for Time {
     type Output = Time;
     fn add(self, span: Span) -> Time {
-        Time(self.0 + span.0)
+        Time(self.0.saturating_add(span.0))
     }
 }
 
 impl AddAssign<Span> for Time {
     fn add_assign(&mut self, span: Span) {
-        self.0 += span.0;
+        self.0 = self.0.saturating_add(span.0);
     }
 }
 
 impl Sub<Span> for Time {
     type Output = Time;
     fn sub(self, span: Span) -> Time {
-        Time(self.0 - span.0)
+        Time(self.0.saturating_sub(span.0))
     }
 }
 
 impl Sub for Time {
     type Output = Span;
     fn sub(self, earlier: Time) -> Span {
-        Span(self.0 - earlier.0)
+        Span(self.0.saturating_sub(earlier.0))
     }
 }
 
 impl Add for Span {
     type Output = Span;
     fn add(self, other: Span) -> Span {
-        Span(self.0 + other.0)
+        Span(self.0.saturating_add(other.0))
     }
 }
 
 impl Sub for Span {
     type Output = Span;
     fn sub(self, other: Span) -> Span {
-        Span(self.0 - other.0)
+        Span(self.0.saturating_sub(other.0))
     }
 }
 
 impl Mul<i64> for Span {
     type Output = Span;
     fn mul(self, times: i64) -> Span {
-        Span(self.0 * times)
+        Span(self.0.saturating_mul(times))
     }
 }
 
 impl Neg for Span {
     type Output = Span;
     fn neg(self) -> Span {
-        Span(-self.0)
+        Span(self.0.saturating_neg())
     }
 }
 

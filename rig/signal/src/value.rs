@@ -75,6 +75,8 @@ impl PartialEq for Value {
     /// NaN that stays the same NaN is no change.
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
+            // The common case first: the trace compares every pushed value with the last one.
+            (Value::Bool(a), Value::Bool(b)) => a == b,
             (Value::Real(a), Value::Real(b)) => a.to_bits() == b.to_bits(),
             (Value::Real(a), b) | (b, Value::Real(a)) => b.as_int().is_some_and(|n| *a == n as f64),
             (Value::HighZ, Value::HighZ) | (Value::Unknown, Value::Unknown) => true,

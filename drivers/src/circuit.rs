@@ -1,0 +1,472 @@
+//! What a simulated board is made of, as data, and what is refused before it is built.
+
+use std::fmt;
+
+use signal::{Span, Value};
+
+use crate::{ChannelId, ChannelKind};
+
+/// What an undriven digital line reads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Pull {
+    /// High impedance, reported as such: a controller's output terminal.
+    None,
+    /// 1.
+    Up,
+    /// 0, as every 24 V input.
+    #[default]
+    Down,
+}
+
+/// One channel of a simulated board.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChannelSpec {
+    /// Its name, unique on the board.
+    pub name: String,
+    /// What it carries.
+    pub kind: ChannelKind,
+    /// Whether writes may drive it.
+    pub drives: bool,
+    /// Whether polls report it.
+    pub senses: bool,
+    /// What it is driven to at the start and by the safe state; [`Value::HighZ`] for not at all.
+    pub safe: Value,
+    /// What it reads while nobody drives it; without effect on an analog channel, which then reads 0.
+    pub pull: Pull,
+}
+
+impl ChannelSpec {
+    /// A digital channel that is driven and sensed, let go when safe.
+    pub fn digital(name: impl Into<String>, pull: Pull) -> Self {
+        let kind = ChannelKind::Digital;
+        ChannelSpec { name: name.into(), kind, drives: true, senses: true, safe: Value::HighZ, pull }
+    }
+
+    /// An analog channel that is driven and sensed, let go when safe.
+    pub fn analog(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        let kind = ChannelKind::Analog { unit: unit.into() };
+        ChannelSpec {
+            name: name.into(),
+            kind,
+            drives: true,
+            senses: true,
+            safe: Value::HighZ,
+            pull: Pull::None,
+        }
+    }
+}
+
+/// How the further edges of a bouncing contact lie in their time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Spacing {
+    /// Drawn anew from the board's seed at every change.
+    #[default]
+    Random,
+    /// At equal distances, the last at the end of the time.
+    Even,
+}
+
+/// Contact bounce: further edges behind every change of a wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Bounce {
+    /// Further edges: even, so that the line ends where it belongs; at most [`MAX_BOUNCE_EDGES`].
+    pub edges: u16,
+    /// Time from the change within which they all come, at least one nanosecond for each.
+    pub over: Span,
+    /// How they lie in it.
+    pub spacing: Spacing,
+}
+
+/// The most further edges of one bounce.
+pub const MAX_BOUNCE_EDGES: u16 = 1_000;
+
+/// A wire that carries the level or value of one channel to another.
+///
+/// An undriven source does not drive the wire's end either, but for an inverting wire: like the break contact of
+/// a relay it drives 1 then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WireSpec {
+    /// The channel that it listens to.
+    pub from: ChannelId,
+    /// The channel that it drives.
+    pub to: ChannelId,
+    /// Transport delay, 0 or more: every change arrives that much later, however short the pulse.
+    pub delay: Span,
+    /// Whether it drives the opposite level. Digital only.
+    pub invert: bool,
+    /// Contact bounce, of digital wires only. A new change ends a bounce that still goes on.
+    pub bounce: Option<Bounce>,
+}
+
+/// What a lag strives for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LagTarget {
+    /// For a digital input: `low` while it is 0 or undriven, `high` while it is 1.
+    Levels {
+        /// In the output's unit.
+        low: f64,
+        /// In the output's unit.
+        high: f64,
+    },
+    /// For an analog input `x`: `offset + gain x`.
+    Linear {
+        /// In the output's unit.
+        offset: f64,
+        /// Output's unit per input's unit.
+        gain: f64,
+    },
+}
+
+/// A comparator with hysteresis on the value of a plant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SwitchSpec {
+    /// The digital channel that it drives.
+    pub channel: ChannelId,
+    /// It drives 1 from the first nanosecond at which the value has reached this.
+    pub on_above: f64,
+    /// It drives 0 from the first nanosecond at which the value has come down to this; below `on_above`.
+    pub off_below: f64,
+}
+
+/// A first-order lag: a tank, an oven, a filter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LagSpec {
+    /// Name for messages.
+    pub name: String,
+    /// The channel that drives it.
+    pub input: ChannelId,
+    /// The analog channel that carries its sampled value.
+    pub output: ChannelId,
+    /// Where the input sends it.
+    pub target: LagTarget,
+    /// Value at the start.
+    pub initial: f64,
+    /// Time constant, above 0.
+    pub tau: Span,
+    /// Time between two samples of the output, above 0.
+    pub sample: Span,
+    /// Comparators on its value.
+    pub switches: Vec<SwitchSpec>,
+}
+
+/// A plant of a simulated board.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlantSpec {
+    /// First-order lag.
+    Lag(LagSpec),
+}
+
+/// A simulated board as data.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Circuit {
+    /// Its channels; a [`ChannelId`] is a place in here.
+    pub channels: Vec<ChannelSpec>,
+    /// Its wires.
+    pub wires: Vec<WireSpec>,
+    /// Its plants.
+    pub plants: Vec<PlantSpec>,
+}
+
+/// Which part of a circuit is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The channel of this place.
+    Channel(usize),
+    /// The wire of this place.
+    Wire(usize),
+    /// The plant of this place.
+    Plant(usize),
+    /// A switch of a plant.
+    Switch {
+        /// Place of the plant.
+        plant: usize,
+        /// Place of the switch in the plant.
+        switch: usize,
+    },
+}
+
+/// What is wrong with a part of a circuit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CircuitFault {
+    /// More channels, wires or plants than [`MAX_PARTS`].
+    TooMany,
+    /// A channel before it has the same name.
+    DuplicateName {
+        /// Place of the first.
+        first: usize,
+    },
+    /// The safe value does not fit the kind of channel.
+    BadSafeValue,
+    /// It names a channel that the circuit does not have.
+    NoChannel(ChannelId),
+    /// It would have to be a digital channel.
+    NotDigital(ChannelId),
+    /// It would have to be an analog channel.
+    NotAnalog(ChannelId),
+    /// A wire from a digital to an analog channel or the reverse.
+    KindsDiffer,
+    /// A wire between analog channels with inversion or bounce.
+    NotForAnalog,
+    /// An analog channel that more than one wire or plant drives.
+    TwoSources(ChannelId),
+    /// A delay below 0, or a time constant or sample time that is not above 0.
+    BadTime,
+    /// A bounce of an odd number of edges, of none or of too many.
+    BounceEdges,
+    /// A bounce with less than a nanosecond for each edge.
+    BounceTime,
+    /// A wire that closes a ring of wires without delay: the level of such a ring is not defined.
+    Loop,
+    /// A number that is infinite or no number.
+    NotFinite,
+    /// A switch that would go off where it goes on, or above.
+    NoHysteresis,
+    /// A lag's target is of levels for an analog input, or linear for a digital one.
+    TargetKind,
+}
+
+/// A circuit that cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CircuitError {
+    /// Where.
+    pub part: Part,
+    /// What.
+    pub fault: CircuitFault,
+}
+
+impl fmt::Display for CircuitFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooMany => write!(f, "more than {MAX_PARTS} channels, wires or plants"),
+            Self::DuplicateName { .. } => write!(f, "a channel before it has the same name"),
+            Self::BadSafeValue => write!(f, "the safe value does not fit the kind of channel"),
+            Self::NoChannel(_) => write!(f, "no such channel"),
+            Self::NotDigital(_) => write!(f, "a digital channel is needed here"),
+            Self::NotAnalog(_) => write!(f, "an analog channel is needed here"),
+            Self::KindsDiffer => write!(f, "a wire joins a digital channel to an analog one"),
+            Self::NotForAnalog => write!(f, "an analog wire can neither invert nor bounce"),
+            Self::TwoSources(_) => write!(f, "an analog channel is driven from two sides"),
+            Self::BadTime => write!(f, "a delay is below 0, or another time is not above 0"),
+            Self::BounceEdges => {
+                write!(f, "the edges of a bounce must be an even number from 2 to {MAX_BOUNCE_EDGES}")
+            }
+            Self::BounceTime => write!(f, "a bounce needs at least a nanosecond for each edge"),
+            Self::Loop => write!(f, "the wire closes a ring of wires without delay"),
+            Self::NotFinite => write!(f, "a number is infinite or no number"),
+            Self::NoHysteresis => write!(f, "a switch must go off below where it goes on"),
+            Self::TargetKind => write!(f, "the lag's target does not fit the kind of its input"),
+        }
+    }
+}
+
+impl fmt::Display for CircuitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.part {
+            Part::Channel(n) => write!(f, "channel {n}: {}", self.fault),
+            Part::Wire(n) => write!(f, "wire {n}: {}", self.fault),
+            Part::Plant(n) => write!(f, "plant {n}: {}", self.fault),
+            Part::Switch { plant, switch } => write!(f, "plant {plant}, switch {switch}: {}", self.fault),
+        }
+    }
+}
+
+impl std::error::Error for CircuitError {}
+
+/// The most channels, and the most wires, and the most plants of a circuit.
+pub const MAX_PARTS: usize = 4_096;
+
+impl Circuit {
+    /// Everything that is wrong with the circuit, in the order of its parts; empty for a good one.
+    pub fn check(&self) -> Vec<CircuitError> {
+        let mut errors = Vec::new();
+        if self.channels.len().max(self.wires.len()).max(self.plants.len()) > MAX_PARTS {
+            return vec![CircuitError { part: Part::Channel(0), fault: CircuitFault::TooMany }];
+        }
+        self.check_channels(&mut errors);
+        for (place, wire) in self.wires.iter().enumerate() {
+            if let Err(fault) = self.check_wire(wire) {
+                errors.push(CircuitError { part: Part::Wire(place), fault });
+            }
+        }
+        for (place, PlantSpec::Lag(lag)) in self.plants.iter().enumerate() {
+            self.check_lag(place, lag, &mut errors);
+        }
+        if errors.is_empty() {
+            self.check_sources(&mut errors);
+            if let Err(wire) = self.order() {
+                errors.push(CircuitError { part: Part::Wire(wire), fault: CircuitFault::Loop });
+            }
+        }
+        errors
+    }
+
+    fn check_channels(&self, errors: &mut Vec<CircuitError>) {
+        let mut names: Vec<(&str, usize)> =
+            self.channels.iter().enumerate().map(|(place, channel)| (channel.name.as_str(), place)).collect();
+        names.sort_unstable();
+        let mut twins: Vec<(usize, usize)> = Vec::new();
+        for pair in names.windows(2) {
+            if pair[0].0 == pair[1].0 {
+                twins.push((pair[1].1, pair[0].1));
+            }
+        }
+        twins.sort_unstable();
+        for (place, first) in twins {
+            let fault = CircuitFault::DuplicateName { first };
+            errors.push(CircuitError { part: Part::Channel(place), fault });
+        }
+        for (place, channel) in self.channels.iter().enumerate() {
+            if fit(&channel.kind, channel.safe).is_none() {
+                errors.push(CircuitError { part: Part::Channel(place), fault: CircuitFault::BadSafeValue });
+            }
+        }
+    }
+
+    fn channel(&self, id: ChannelId) -> Result<&ChannelSpec, CircuitFault> {
+        self.channels.get(usize::from(id.0)).ok_or(CircuitFault::NoChannel(id))
+    }
+
+    fn digital(&self, id: ChannelId) -> Result<bool, CircuitFault> {
+        Ok(self.channel(id)?.kind == ChannelKind::Digital)
+    }
+
+    fn check_wire(&self, wire: &WireSpec) -> Result<(), CircuitFault> {
+        let (from, to) = (self.digital(wire.from)?, self.digital(wire.to)?);
+        if from != to {
+            return Err(CircuitFault::KindsDiffer);
+        }
+        if !from && (wire.invert || wire.bounce.is_some()) {
+            return Err(CircuitFault::NotForAnalog);
+        }
+        if wire.delay.is_negative() {
+            return Err(CircuitFault::BadTime);
+        }
+        if let Some(bounce) = wire.bounce {
+            if bounce.edges == 0 || bounce.edges % 2 != 0 || bounce.edges > MAX_BOUNCE_EDGES {
+                return Err(CircuitFault::BounceEdges);
+            }
+            if bounce.over < Span::from_nanos(i64::from(bounce.edges)) {
+                return Err(CircuitFault::BounceTime);
+            }
+        }
+        Ok(())
+    }
+
+    fn check_lag(&self, plant: usize, lag: &LagSpec, errors: &mut Vec<CircuitError>) {
+        if let Err(fault) = self.check_lag_body(lag) {
+            errors.push(CircuitError { part: Part::Plant(plant), fault });
+        }
+        for (switch, spec) in lag.switches.iter().enumerate() {
+            if let Err(fault) = self.check_switch(spec) {
+                errors.push(CircuitError { part: Part::Switch { plant, switch }, fault });
+            }
+        }
+    }
+
+    fn check_lag_body(&self, lag: &LagSpec) -> Result<(), CircuitFault> {
+        let numbers = match lag.target {
+            LagTarget::Levels { low, high } => [low, high, lag.initial],
+            LagTarget::Linear { offset, gain } => [offset, gain, lag.initial],
+        };
+        if self.digital(lag.input)? != matches!(lag.target, LagTarget::Levels { .. }) {
+            return Err(CircuitFault::TargetKind);
+        }
+        if self.digital(lag.output)? {
+            return Err(CircuitFault::NotAnalog(lag.output));
+        }
+        if numbers.iter().any(|number| !number.is_finite()) {
+            return Err(CircuitFault::NotFinite);
+        }
+        if lag.tau <= Span::ZERO || lag.sample <= Span::ZERO {
+            return Err(CircuitFault::BadTime);
+        }
+        Ok(())
+    }
+
+    fn check_switch(&self, switch: &SwitchSpec) -> Result<(), CircuitFault> {
+        if !self.digital(switch.channel)? {
+            return Err(CircuitFault::NotDigital(switch.channel));
+        }
+        if !(switch.on_above.is_finite() && switch.off_below.is_finite()) {
+            return Err(CircuitFault::NotFinite);
+        }
+        if switch.off_below >= switch.on_above {
+            return Err(CircuitFault::NoHysteresis);
+        }
+        Ok(())
+    }
+
+    /// Levels that meet on a line have a winner; values that meet do not.
+    fn check_sources(&self, errors: &mut Vec<CircuitError>) {
+        let mut driven = vec![false; self.channels.len()];
+        let wires = self.wires.iter().enumerate().map(|(place, wire)| (Part::Wire(place), wire.to));
+        let plants = self
+            .plants
+            .iter()
+            .enumerate()
+            .map(|(place, PlantSpec::Lag(lag))| (Part::Plant(place), lag.output));
+        for (part, to) in wires.chain(plants) {
+            if self.digital(to) == Ok(false) && std::mem::replace(&mut driven[usize::from(to.0)], true) {
+                errors.push(CircuitError { part, fault: CircuitFault::TwoSources(to) });
+            }
+        }
+    }
+
+    /// Ranks of the channels: a wire without delay goes from a lower rank to a higher one. The error is a wire
+    /// of a ring. Channels of all wires must exist.
+    pub(crate) fn order(&self) -> Result<Vec<u16>, usize> {
+        let direct = |wire: &&WireSpec| wire.delay == Span::ZERO;
+        let mut waiting = vec![0usize; self.channels.len()];
+        for wire in self.wires.iter().filter(direct) {
+            waiting[usize::from(wire.to.0)] += 1;
+        }
+        let mut out: Vec<Vec<usize>> = vec![Vec::new(); self.channels.len()];
+        for wire in self.wires.iter().filter(direct) {
+            out[usize::from(wire.from.0)].push(usize::from(wire.to.0));
+        }
+        let mut ready: Vec<usize> =
+            (0..waiting.len()).rev().filter(|&channel| waiting[channel] == 0).collect();
+        let mut ranks = vec![u16::MAX; self.channels.len()];
+        let mut rank = 0;
+        while let Some(channel) = ready.pop() {
+            ranks[channel] = rank;
+            rank += 1;
+            for &next in &out[channel] {
+                waiting[next] -= 1;
+                if waiting[next] == 0 {
+                    ready.push(next);
+                }
+            }
+        }
+        // What has no rank hangs on a ring; going back from there along wires without rank ends in the ring.
+        let Some(mut at) = ranks.iter().position(|&rank| rank == u16::MAX) else {
+            return Ok(ranks);
+        };
+        let mut closing = 0;
+        for _ in 0..=self.channels.len() {
+            let back = self.wires.iter().position(|wire| {
+                wire.delay == Span::ZERO
+                    && usize::from(wire.to.0) == at
+                    && ranks[usize::from(wire.from.0)] == u16::MAX
+            });
+            let Some(wire) = back else { break };
+            closing = wire;
+            at = usize::from(self.wires[wire].from.0);
+        }
+        Err(closing)
+    }
+}
+
+/// The value as a channel of this kind carries it; `None` where it does not fit.
+pub(crate) fn fit(kind: &ChannelKind, value: Value) -> Option<Value> {
+    match (kind, value) {
+        (_, Value::HighZ) => Some(Value::HighZ),
+        (ChannelKind::Digital, Value::Bool(_)) => Some(value),
+        (ChannelKind::Digital, Value::Int(n @ (0 | 1))) => Some(Value::Bool(n == 1)),
+        (ChannelKind::Digital, Value::Word(n @ (0 | 1))) => Some(Value::Bool(n == 1)),
+        (ChannelKind::Analog { .. }, Value::Real(x)) if x.is_finite() => Some(value),
+        (ChannelKind::Analog { .. }, Value::Int(n)) => Some(Value::Real(n as f64)),
+        (ChannelKind::Analog { .. }, Value::Word(n)) => Some(Value::Real(n as f64)),
+        _ => None,
+    }
+}

@@ -1,0 +1,104 @@
+//! From the text of a board file to a board that can be built.
+
+use document::{Diagnostic, Fields, Findings, Node, SourceFile, suggest, toml};
+
+use super::bench::Bench;
+use super::{BoardFile, Subject, Terminals, UnknownSubject, codes, keys, parts};
+
+/// Reads a board file. `terminals` tells which terminals a subject has.
+///
+/// # Errors
+/// Everything that is wrong with the file, by place, under [`super::CODES`].
+pub fn read(
+    file: &SourceFile,
+    terminals: &dyn Fn(&Subject) -> Result<Terminals, UnknownSubject>,
+) -> Result<BoardFile, Vec<Diagnostic>> {
+    let tree = toml::parse(file, codes::DOCUMENT)?;
+    let mut out = Findings::new(file, codes::DOCUMENT);
+    let fields = Fields::check(&tree, 0..0, "board file", keys::KEYS, &mut out);
+    if let Some(format) = fields.integer("format").filter(|format| *format != 1) {
+        let place = fields.get("format").map_or(0..0, |node| node.span.clone());
+        let message = format!("format {format} is not supported");
+        out.error(codes::FORMAT, place, message, "this version of the rig reads format 1");
+    }
+    let board = fields.inner("board");
+    if let Some(node) =
+        board.and_then(|board| board.get("kind")).filter(|node| node.as_text() != Some("simulated"))
+    {
+        let message = format!("boards of kind \"{}\" are not available", node.as_text().unwrap_or_default());
+        out.bad(
+            codes::BOARD_KIND,
+            node,
+            message,
+            "write kind = \"simulated\"; real boards come with a later version",
+        );
+    }
+    let subject = subject(fields.inner("subject"), &mut out);
+    // What follows would only repeat what a wrong key or subject brings about.
+    if out.has_errors() {
+        return Err(out.into_vec());
+    }
+    let terminals = match terminals(&subject) {
+        Ok(terminals) => terminals,
+        Err(unknown) => {
+            unknown_subject(&subject, &unknown, fields.inner("subject"), &mut out);
+            return Err(out.into_vec());
+        }
+    };
+    let default = BoardFile::default_for(&terminals.inputs, &terminals.outputs);
+    let title = fields.text("title").unwrap_or_default().to_owned();
+    let mut bench = Bench::new(BoardFile { name: file.name.clone(), title, subject, ..default }, &terminals);
+    let entries = |key| fields.get(key).and_then(Node::as_table).map_or(&[][..], |table| &table.entries);
+    bench.channels(entries("channels"), &mut out);
+    bench.bind(entries("bind"), &mut out);
+    let wires = parts::wires(fields.each("wires"), &mut bench, &mut out);
+    let plants = parts::plants(fields.each("plants"), &mut bench, &mut out);
+    parts::circuit(&bench, &wires, &plants, &mut out);
+    if let Some(faults) = fields.inner("faults") {
+        bench.file.disturbance = Some(parts::disturbance(&faults, &mut out));
+    }
+    if out.has_errors() { Err(out.into_vec()) } else { Ok(bench.file) }
+}
+
+fn subject(fields: Option<Fields>, out: &mut Findings) -> Subject {
+    let Some(fields) = fields else { return Subject::default() };
+    match fields.text("kind") {
+        None | Some("model") => {}
+        Some(kind) => {
+            let message = format!("subjects of kind \"{kind}\" are not available");
+            let help = if kind == "external" {
+                "an external controller needs a real board; both come with a later version"
+            } else {
+                "write kind = \"model\""
+            };
+            if let Some(node) = fields.get("kind") {
+                out.bad(codes::SUBJECT_KIND, node, message, help);
+            }
+        }
+    }
+    let default = Subject::default();
+    let reference = fields.text("reference").map(str::to_owned);
+    match fields.text("profile") {
+        None => Subject { profile: default.profile, reference: reference.or(default.reference) },
+        Some(profile) => Subject { profile: profile.to_owned(), reference },
+    }
+}
+
+fn unknown_subject(subject: &Subject, unknown: &UnknownSubject, fields: Option<Fields>, out: &mut Findings) {
+    let (key, code, written, known) = match unknown {
+        UnknownSubject::Profile { known } => ("profile", codes::PROFILE, subject.profile.as_str(), known),
+        UnknownSubject::Reference { known } => {
+            ("reference", codes::REFERENCE, subject.reference.as_deref().unwrap_or("the usual"), known)
+        }
+    };
+    let place = fields.and_then(|fields| fields.get(key)).map_or(0..0, |node| node.span.clone());
+    let message = match unknown {
+        UnknownSubject::Profile { .. } => format!("there is no profile {written}"),
+        UnknownSubject::Reference { .. } => format!("{} has no reference {written}", subject.profile),
+    };
+    let help = match suggest(written, known.iter().map(String::as_str)) {
+        Some(meant) => format!("did you mean {meant}?"),
+        None => format!("known are {}", known.join(", ")),
+    };
+    out.error(code, place, message, help);
+}

@@ -1,0 +1,464 @@
+//! The simulated board: settles its lines at every instant at which something changes.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use signal::{Span, Time, Value, When};
+
+use super::checks;
+use super::line::{Line, MAX_FAULTS};
+use super::wire::Wire;
+use crate::board::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, LossReason, Origin};
+use crate::circuit::{Circuit, CircuitError, CircuitFault, Part, PlantSpec, fit};
+use crate::plant::{Lag, Plant};
+
+/// The most changes of one call, the most unreported events, and the most changes on their way through delays.
+pub const MAX_PENDING: u32 = 1 << 20;
+
+/// A board of modelled lines in virtual time: exact, without a shortest pulse but for the nanosecond, the same
+/// from run to run for the same seed and calls, however the time between two calls is cut.
+///
+/// All that changes at one instant changes together, then the wires without delay carry it on, each line
+/// changing at most once: there are no glitches but those that somebody asked for.
+#[derive(Debug)]
+pub struct SimulatedBoard {
+    channels: Vec<Channel>,
+    lines: Vec<Line>,
+    /// Whether the line's device is reported as lost, by line.
+    lost: Vec<bool>,
+    /// Whether the line's value is to be reported even if it is the same, by line.
+    announce: Vec<bool>,
+    wires: Vec<Wire>,
+    plants: Vec<PlantAt>,
+    links: Vec<Links>,
+    ranks: Vec<u16>,
+    /// Lines to look at, lowest rank first, with whether they are in the heap, by line.
+    dirty: BinaryHeap<Reverse<(u16, u16)>>,
+    is_dirty: Vec<bool>,
+    reports: Vec<BoardEvent>,
+    /// When wires, plants, faults next do something; [`Time::MAX`] for never.
+    next: Time,
+    /// Whether `next` may have become earlier or later.
+    stale: bool,
+    now: Time,
+    started: bool,
+    health: Health,
+    seed: u64,
+}
+
+/// A plant and the lines that it drives.
+#[derive(Debug)]
+struct PlantAt {
+    plant: Box<dyn Plant>,
+    outputs: Vec<ChannelId>,
+    /// What the outputs drive.
+    driving: Vec<Value>,
+}
+
+/// What hangs on a line.
+#[derive(Debug, Default)]
+struct Links {
+    wires_in: Vec<usize>,
+    plants_in: Vec<(usize, usize)>,
+    wires_out: Vec<usize>,
+    plants_out: Vec<(usize, usize)>,
+}
+
+impl SimulatedBoard {
+    /// Builds the board of a circuit; `seed` is where its bounces draw from.
+    ///
+    /// # Errors
+    /// The first of [`Circuit::check`].
+    pub fn new(circuit: &Circuit, seed: u64) -> Result<Self, CircuitError> {
+        if let Some(error) = circuit.check().first() {
+            return Err(*error);
+        }
+        let loops = |wire| CircuitError { part: Part::Wire(wire), fault: CircuitFault::Loop };
+        let ranks = circuit.order().map_err(loops)?;
+        let mut board = SimulatedBoard {
+            channels: circuit.channels.iter().map(checks::channel).collect(),
+            lines: circuit
+                .channels
+                .iter()
+                .map(|c| Line::new(c.kind == crate::ChannelKind::Digital, c.pull))
+                .collect(),
+            lost: vec![false; circuit.channels.len()],
+            announce: vec![false; circuit.channels.len()],
+            wires: Vec::new(),
+            plants: Vec::new(),
+            links: circuit.channels.iter().map(|_| Links::default()).collect(),
+            ranks,
+            dirty: BinaryHeap::with_capacity(circuit.channels.len()),
+            is_dirty: vec![false; circuit.channels.len()],
+            reports: Vec::new(),
+            next: Time::MAX,
+            stale: true,
+            now: Time::MIN,
+            started: false,
+            health: Health::default(),
+            seed,
+        };
+        for spec in &circuit.wires {
+            board.add_wire(Wire::new(*spec, seed, board.wires.len() as u64));
+        }
+        for PlantSpec::Lag(spec) in &circuit.plants {
+            let switches = spec.switches.iter().map(|switch| switch.channel);
+            let outputs = std::iter::once(spec.output).chain(switches).collect();
+            board.add_plant(Box::new(Lag::new(spec)), &[spec.input], outputs);
+        }
+        Ok(board)
+    }
+
+    fn add_wire(&mut self, wire: Wire) {
+        let place = self.wires.len();
+        self.links[usize::from(wire.spec.from.0)].wires_out.push(place);
+        self.links[usize::from(wire.spec.to.0)].wires_in.push(place);
+        self.wires.push(wire);
+    }
+
+    fn add_plant(&mut self, plant: Box<dyn Plant>, inputs: &[ChannelId], outputs: Vec<ChannelId>) {
+        let place = self.plants.len();
+        for (port, input) in inputs.iter().enumerate() {
+            self.links[usize::from(input.0)].plants_out.push((place, port));
+        }
+        for (port, output) in outputs.iter().enumerate() {
+            self.links[usize::from(output.0)].plants_in.push((place, port));
+        }
+        let driving = vec![Value::HighZ; outputs.len()];
+        self.plants.push(PlantAt { plant, outputs, driving });
+    }
+
+    /// What a device on the line reads now: as the last poll at the time of the last call would have told.
+    pub fn value(&self, channel: ChannelId) -> Option<Value> {
+        let place = usize::from(channel.0);
+        let line = self.lines.get(place)?;
+        Some(if self.lost[place] { Value::Unknown } else { line.seen })
+    }
+
+    fn place(&self, channel: ChannelId) -> Result<usize, BoardError> {
+        let place = usize::from(channel.0);
+        if place < self.lines.len() { Ok(place) } else { Err(BoardError::NoChannel(channel)) }
+    }
+
+    fn mark(&mut self, place: usize, origin: Origin) {
+        self.lines[place].origin = origin;
+        if !std::mem::replace(&mut self.is_dirty[place], true) {
+            // There are at most MAX_PARTS lines: a place fits.
+            self.dirty.push(Reverse((self.ranks[place], place as u16)));
+        }
+    }
+
+    /// The outcome of a line's drivers.
+    fn resolve(&self, place: usize) -> (Value, bool) {
+        let links = &self.links[place];
+        let wires = links.wires_in.iter().map(|&wire| self.wires[wire].out);
+        let plants = links.plants_in.iter().map(|&(plant, port)| self.plants[plant].driving[port]);
+        self.lines[place].resolve(wires.chain(plants))
+    }
+
+    /// Carries the marked changes through all that has no delay.
+    fn settle(&mut self, now: Time) {
+        while let Some(Reverse((_, place))) = self.dirty.pop() {
+            let place = usize::from(place);
+            self.is_dirty[place] = false;
+            let (raw, contended) = self.resolve(place);
+            let line = &mut self.lines[place];
+            self.health.contentions += u64::from(contended && !line.contended);
+            line.contended = contended;
+            if line.update(now, raw) {
+                self.carry(now, place);
+            }
+            self.stale |= self.lines[place].waiting() > 0;
+            self.report(now, place);
+        }
+    }
+
+    /// Tells wires and plants behind a line of its new level.
+    fn carry(&mut self, now: Time, place: usize) {
+        let level = self.lines[place].level;
+        for link in 0..self.links[place].wires_out.len() {
+            let wire = self.links[place].wires_out[link];
+            if self.wires[wire].feed(now, level) {
+                self.mark(usize::from(self.wires[wire].spec.to.0), Origin::Wire);
+            }
+            self.stale |= self.wires[wire].waiting() > 0;
+        }
+        for link in 0..self.links[place].plants_out.len() {
+            let (plant, port) = self.links[place].plants_out[link];
+            self.plants[plant].plant.input(now, port, level);
+            self.stale = true;
+        }
+    }
+
+    fn report(&mut self, now: Time, place: usize) {
+        let line = &mut self.lines[place];
+        let seen = line.sense();
+        let changed = seen != line.seen;
+        line.seen = seen;
+        if self.lost[place] || !self.channels[place].senses {
+            return;
+        }
+        if std::mem::replace(&mut self.announce[place], false) || changed {
+            let channel = ChannelId(place as u16);
+            let origin = line.origin;
+            self.reports.push(BoardEvent::Changed { channel, at: When::exactly(now), value: seen, origin });
+        }
+    }
+
+    /// Reports a device that went or came back.
+    fn notice_loss(&mut self, now: Time, place: usize) {
+        let lost = self.lines[place].is_lost();
+        if lost == self.lost[place] {
+            return;
+        }
+        self.lost[place] = lost;
+        let channel = ChannelId(place as u16);
+        if lost {
+            self.health.lost_on_purpose += 1;
+            self.reports.push(BoardEvent::Lost { channel, at: now, reason: LossReason::Injected });
+        } else {
+            self.health.lost_on_purpose -= 1;
+            self.reports.push(BoardEvent::Returned { channel, at: now });
+            self.announce[place] = self.channels[place].senses;
+            // What was written meanwhile reaches the line now.
+            self.lines[place].driven = self.lines[place].wanted;
+        }
+    }
+
+    /// Lets all happen that is due at `now`.
+    fn step(&mut self, now: Time) {
+        for place in 0..self.lines.len() {
+            if self.lines[place].next().is_some_and(|due| due <= now) && self.lines[place].pass(now) {
+                let origin = self.lines[place].origin;
+                self.notice_loss(now, place);
+                self.mark(place, origin);
+            }
+        }
+        for wire in 0..self.wires.len() {
+            if self.wires[wire].arrive(now) {
+                self.mark(usize::from(self.wires[wire].spec.to.0), Origin::Wire);
+            }
+        }
+        for place in 0..self.plants.len() {
+            let at = &mut self.plants[place];
+            if at.plant.next_event().is_none_or(|due| due > now) {
+                continue;
+            }
+            at.plant.advance(now);
+            self.drive_from(place);
+        }
+        self.stale = true;
+        self.settle(now);
+    }
+
+    /// Takes a plant's outputs over to its lines.
+    fn drive_from(&mut self, plant: usize) {
+        for port in 0..self.plants[plant].outputs.len() {
+            let at = &mut self.plants[plant];
+            let value = at.plant.outputs().get(port).copied().unwrap_or(Value::HighZ);
+            if std::mem::replace(&mut at.driving[port], value) != value {
+                let line = usize::from(at.outputs[port].0);
+                self.mark(line, Origin::Plant);
+            }
+        }
+    }
+
+    /// Finds out when something happens next.
+    fn reschedule(&mut self) -> Result<(), BoardError> {
+        if std::mem::replace(&mut self.stale, false) {
+            let wires = self.wires.iter().filter_map(Wire::next);
+            let lines = self.lines.iter().filter_map(Line::next);
+            let plants = self.plants.iter().filter_map(|at| at.plant.next_event());
+            self.next = wires.chain(lines).chain(plants).min().unwrap_or(Time::MAX);
+            let on_their_way: usize = self.wires.iter().map(Wire::waiting).sum::<usize>()
+                + self.lines.iter().map(Line::waiting).sum::<usize>();
+            if on_their_way > MAX_PENDING as usize {
+                return self.storm();
+            }
+        }
+        if self.reports.len() > MAX_PENDING as usize { self.storm() } else { Ok(()) }
+    }
+
+    fn storm(&mut self) -> Result<(), BoardError> {
+        self.health.failed_calls += 1;
+        Err(BoardError::Storm { at: self.now, limit: MAX_PENDING })
+    }
+
+    /// Lets all happen that is due before `until`, and what is due at it where `inclusive`.
+    fn advance(&mut self, until: Time, inclusive: bool) -> Result<(), BoardError> {
+        if !self.started {
+            return Err(BoardError::NotStarted);
+        }
+        if until < self.now {
+            return Err(BoardError::Backwards { now: until, last: self.now });
+        }
+        let mut steps = 0;
+        self.reschedule()?;
+        while self.next < until || (inclusive && self.next == until && until < Time::MAX) {
+            self.now = self.now.max(self.next);
+            self.step(self.now);
+            self.reschedule()?;
+            steps += 1;
+            if steps > MAX_PENDING {
+                return self.storm();
+            }
+        }
+        self.now = until;
+        Ok(())
+    }
+
+    /// Settles what was marked at `now` by a call.
+    fn finish(&mut self, now: Time) -> Result<(), BoardError> {
+        self.settle(now);
+        self.reschedule()
+    }
+
+    /// Lets wires and lines stand where the safe values bring them, as if they had stood there always; what never
+    /// comes to rest is left to its delays.
+    fn settle_at_start(&mut self, now: Time) {
+        let mut order: Vec<usize> = (0..self.lines.len()).collect();
+        order.sort_by_key(|&place| self.ranks[place]);
+        for plant in &mut self.plants {
+            plant.plant.start(now);
+            plant.driving.copy_from_slice(plant.plant.outputs());
+        }
+        for _ in 0..=self.wires.len() {
+            let mut moved = false;
+            for &place in &order {
+                let (raw, contended) = self.resolve(place);
+                self.lines[place].contended = contended;
+                self.lines[place].settle(raw);
+                for link in 0..self.links[place].wires_out.len() {
+                    let wire = &mut self.wires[self.links[place].wires_out[link]];
+                    moved |= wire.out != wire.carry(raw);
+                    // A delayed wire follows behind the round, so that a ring through it can be told.
+                    if wire.spec.delay == Span::ZERO {
+                        wire.settle(raw);
+                    }
+                }
+            }
+            if !moved {
+                break;
+            }
+            for wire in self.wires.iter_mut().filter(|wire| wire.spec.delay > Span::ZERO) {
+                wire.settle(self.lines[usize::from(wire.spec.from.0)].level);
+            }
+        }
+        self.health.contentions = self.lines.iter().map(|line| u64::from(line.contended)).sum();
+        for place in order {
+            self.announce[place] = self.channels[place].senses;
+            self.carry(now, place);
+            self.mark(place, Origin::Write);
+        }
+    }
+}
+
+impl Board for SimulatedBoard {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn start(&mut self, now: Time) -> Result<(), BoardError> {
+        self.started = true;
+        self.now = now;
+        self.health = Health::default();
+        self.reports.clear();
+        self.dirty.clear();
+        self.is_dirty.fill(false);
+        self.lost.fill(false);
+        for (line, channel) in self.lines.iter_mut().zip(&self.channels) {
+            line.reset(channel.safe);
+        }
+        self.wires.iter_mut().for_each(|wire| wire.reset(self.seed));
+        self.settle_at_start(now);
+        self.stale = true;
+        self.finish(now)
+    }
+
+    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
+        if self.health.latched_safe {
+            return Err(BoardError::Latched);
+        }
+        for (channel, value) in writes {
+            let place = self.place(*channel)?;
+            if !self.channels[place].drives {
+                return Err(BoardError::NotDriven(*channel));
+            }
+            if fit(&self.channels[place].kind, *value).is_none() {
+                return Err(BoardError::BadValue(*channel));
+            }
+        }
+        self.advance(now, false)?;
+        for (channel, value) in writes {
+            let place = usize::from(channel.0);
+            let value = fit(&self.channels[place].kind, *value).unwrap_or(Value::HighZ);
+            self.lines[place].wanted = value;
+            if !self.lost[place] && self.lines[place].driven != value {
+                self.lines[place].driven = value;
+                self.mark(place, Origin::Write);
+            }
+        }
+        self.finish(now)
+    }
+
+    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        let outcome = self.advance(now, true);
+        out.append(&mut self.reports);
+        outcome
+    }
+
+    fn next_event(&self) -> Option<Time> {
+        let waiting = self.reports.first().map(BoardEvent::latest);
+        let next = Some(self.next).filter(|next| self.started && *next < Time::MAX);
+        waiting.into_iter().chain(next).min()
+    }
+
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        let place = self.place(fault.channel)?;
+        let (fault, until) = checks::fault(&self.channels[place], now, fault)?;
+        self.advance(now, false)?;
+        if !self.lines[place].inject(fault, until) {
+            return Err(BoardError::TooManyFaults { channel: fault.channel, limit: MAX_FAULTS });
+        }
+        self.stale = true;
+        self.notice_loss(now, place);
+        self.mark(place, Origin::Fault);
+        self.finish(now)
+    }
+
+    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        let place = self.place(channel)?;
+        self.advance(now, false)?;
+        if self.lines[place].has_faults() {
+            self.lines[place].clear();
+            self.stale = true;
+            self.notice_loss(now, place);
+            self.mark(place, Origin::Fault);
+        }
+        self.finish(now)
+    }
+
+    fn safe(&mut self, now: Time) -> Result<(), BoardError> {
+        self.health.latched_safe = true;
+        if !self.started {
+            return Ok(());
+        }
+        let now = now.max(self.now);
+        // Lines are made safe even where the circuit storms.
+        let outcome = self.advance(now, false);
+        let now = self.now;
+        for place in 0..self.lines.len() {
+            let safe = self.channels[place].safe;
+            self.lines[place].wanted = safe;
+            if !self.lost[place] && self.lines[place].driven != safe {
+                self.lines[place].driven = safe;
+                self.mark(place, Origin::Write);
+            }
+        }
+        self.finish(now).and(outcome)
+    }
+
+    fn health(&self) -> Health {
+        self.health
+    }
+}

@@ -1,0 +1,137 @@
+//! A wire at work: transport delay, inversion, bounce.
+
+use std::collections::VecDeque;
+
+use signal::{Span, Time, Value};
+
+use crate::circuit::{Spacing, WireSpec};
+use crate::random::Random;
+
+/// A wire with what is on its way through it.
+#[derive(Debug)]
+pub(super) struct Wire {
+    pub(super) spec: WireSpec,
+    /// What its end drives now.
+    pub(super) out: Value,
+    /// Changes of its end to come, by their instants.
+    pending: VecDeque<(Time, Value)>,
+    /// What its end will drive when all has arrived.
+    settles_at: Value,
+    random: Random,
+    /// The drawn places of one bounce, kept to reuse its memory.
+    places: Vec<i64>,
+    lane: u64,
+}
+
+impl Wire {
+    pub(super) fn new(spec: WireSpec, seed: u64, lane: u64) -> Self {
+        Wire {
+            spec,
+            out: Value::HighZ,
+            pending: VecDeque::new(),
+            settles_at: Value::HighZ,
+            random: Random::new(seed, lane),
+            places: Vec::new(),
+            lane,
+        }
+    }
+
+    /// Empty, with its draws from the beginning.
+    pub(super) fn reset(&mut self, seed: u64) {
+        self.out = Value::HighZ;
+        self.settles_at = Value::HighZ;
+        self.pending.clear();
+        self.random = Random::new(seed, self.lane);
+    }
+
+    /// What the end drives while the beginning has this value.
+    pub(super) fn carry(&self, source: Value) -> Value {
+        match (self.spec.invert, source) {
+            (false, value) => value,
+            (true, Value::Bool(level)) => Value::Bool(!level),
+            (true, _) => Value::Bool(true),
+        }
+    }
+
+    /// Lets the wire carry this value as if it had always done so.
+    pub(super) fn settle(&mut self, source: Value) {
+        self.out = self.carry(source);
+        self.settles_at = self.out;
+        self.pending.clear();
+    }
+
+    /// The beginning changed to `source` at `now`. Returns whether the end changed at once.
+    pub(super) fn feed(&mut self, now: Time, source: Value) -> bool {
+        let value = self.carry(source);
+        if value == self.settles_at {
+            return false;
+        }
+        let before = std::mem::replace(&mut self.settles_at, value);
+        let at = now.saturating_add(self.spec.delay);
+        // The contact moves anew: what is left of its last bounce does not come any more.
+        if self.spec.bounce.is_some() {
+            while self.pending.back().is_some_and(|(due, _)| *due >= at) {
+                self.pending.pop_back();
+            }
+        }
+        let at_once = self.spec.delay == Span::ZERO;
+        let changed = at_once && self.out != value;
+        if at_once {
+            self.out = value;
+        } else {
+            self.pending.push_back((at, value));
+        }
+        self.bounce(at, before, value);
+        changed
+    }
+
+    fn bounce(&mut self, at: Time, before: Value, value: Value) {
+        let Some(bounce) = self.spec.bounce else { return };
+        let (edges, over) = (i64::from(bounce.edges), bounce.over.as_nanos());
+        self.places.clear();
+        match bounce.spacing {
+            Spacing::Even => self.places.extend((1..=edges).map(|edge| {
+                // Through 128 bits: the product of two large factors.
+                (i128::from(over) * i128::from(edge) / i128::from(edges)) as i64
+            })),
+            Spacing::Random => {
+                // Drawn from a range that is short by the edges, then pulled apart by one nanosecond each.
+                let free = Span::from_nanos(over - edges + 1);
+                for _ in 0..edges {
+                    self.places.push(self.random.span(free).as_nanos());
+                }
+                self.places.sort_unstable();
+                for (edge, place) in self.places.iter_mut().enumerate() {
+                    *place += edge as i64;
+                }
+            }
+        }
+        for (edge, place) in self.places.iter().enumerate() {
+            let level = if edge % 2 == 0 { before } else { value };
+            self.pending.push_back((at.saturating_add(Span::from_nanos(*place)), level));
+        }
+    }
+
+    /// When the end will next change.
+    pub(super) fn next(&self) -> Option<Time> {
+        self.pending.front().map(|(due, _)| *due)
+    }
+
+    /// How many changes are on their way.
+    pub(super) fn waiting(&self) -> usize {
+        self.pending.len()
+    }
+
+    /// Lets arrive what is due at `now`. Returns whether the end changed.
+    pub(super) fn arrive(&mut self, now: Time) -> bool {
+        let before = self.out;
+        while let Some((due, value)) = self.pending.front().copied() {
+            if due > now {
+                break;
+            }
+            self.out = value;
+            self.pending.pop_front();
+        }
+        before != self.out
+    }
+}

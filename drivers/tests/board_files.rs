@@ -1,0 +1,200 @@
+//! Board files: the good one reads, each broken one is refused with the code and the place that its first line
+//! expects, and no text panics.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use common::*;
+use document::{SourceFile, line_col};
+use proptest::prelude::*;
+use scanrig_drivers::circuit::{Bounce, LagTarget, PlantSpec, Pull, Spacing};
+use scanrig_drivers::file::KEYS;
+use scanrig_drivers::{
+    Board, BoardFile, CODES, Disturbance, Subject, Terminals, UnknownSubject, build, read,
+};
+use signal::{Address, Area, Span, Value};
+
+fn terminals(subject: &Subject) -> Result<Terminals, UnknownSubject> {
+    let known = ["m241-2014", "m241-2019", "m251-2024"].map(String::from).to_vec();
+    if !known.contains(&subject.profile) {
+        return Err(UnknownSubject::Profile { known });
+    }
+    let known = ["TM241CEC24T", "TM241CEC24R", "TM241CE40T"].map(String::from).to_vec();
+    if subject.reference.as_ref().is_some_and(|reference| !known.contains(reference)) {
+        return Err(UnknownSubject::Reference { known });
+    }
+    let inputs = (0..14).map(|bit| Address::bit(Area::Input, bit)).collect();
+    let mut outputs: Vec<Address> = (0..10).map(|bit| Address::bit(Area::Output, bit)).collect();
+    outputs.extend(Address::parse("%QW4"));
+    Ok(Terminals { inputs, outputs })
+}
+
+/// As [`terminals`] but with levels alone, as the controllers have them.
+fn levels(subject: &Subject) -> Result<Terminals, UnknownSubject> {
+    let mut terminals = terminals(subject)?;
+    terminals.outputs.truncate(10);
+    Ok(terminals)
+}
+
+fn here() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests")
+}
+
+fn good_text() -> String {
+    std::fs::read_to_string(here().join("bench.toml")).unwrap()
+}
+
+fn good() -> BoardFile {
+    read(&SourceFile::new("bench.toml", good_text()), &levels).unwrap_or_else(|found| panic!("{found:#?}"))
+}
+
+#[test]
+fn the_bench_reads() {
+    let file = good();
+    assert_eq!(file.subject, Subject::default());
+    let channel = |address: &str| {
+        let id = file.channel_of(Address::parse(address).unwrap()).unwrap();
+        &file.circuit.channels[usize::from(id.0)]
+    };
+    assert_eq!(channel("%IX0.0").name, "I0");
+    assert_eq!(channel("%IX0.3").name, "I4");
+    assert_eq!(channel("%IX0.1").name, "door");
+    assert_eq!(channel("%IX1.5").name, "I13");
+    assert_eq!(channel("%QX1.1").name, "Q9");
+    assert_eq!((channel("%IX0.2").pull, channel("%IX0.1").pull), (Pull::Up, Pull::Up));
+    // A channel of an output is high impedance while nobody drives it, unless its pull is written.
+    assert_eq!((channel("%QX0.2").name.as_str(), channel("%QX0.2").pull), ("lamp", Pull::None));
+    let wire = file.circuit.wires[0];
+    assert_eq!((wire.from, wire.to), (file.find("Q0").unwrap(), file.find("I3").unwrap()));
+    assert_eq!((wire.delay, wire.invert), (Span::from_millis(1), true));
+    let bounce = Bounce { edges: 4, over: Span::from_millis(3), spacing: Spacing::Random };
+    assert_eq!(wire.bounce, Some(bounce));
+    assert_eq!(file.circuit.wires[1].from, file.find("lamp").unwrap());
+    let PlantSpec::Lag(oven) = &file.circuit.plants[0];
+    assert_eq!(oven.target, LagTarget::Levels { low: 20.0, high: 120.5 });
+    assert_eq!((oven.initial, oven.switches[0].off_below), (25.0, 55.0));
+    let PlantSpec::Lag(tank) = &file.circuit.plants[1];
+    assert_eq!((tank.target, tank.initial), (LagTarget::Linear { offset: 1.0, gain: 2.5 }, 1.0));
+    let expected = Disturbance {
+        late_ppm: 250_000,
+        late_by: Span::from_millis(1),
+        drop_ppm: 1,
+        ..Disturbance::default()
+    };
+    assert_eq!(file.disturbance, Some(expected));
+    let mut board = build(&file, 7).unwrap();
+    board.start(at(0)).unwrap();
+    let events = poll(&mut board, 0);
+    assert_eq!(events.len(), board.channels().len());
+    assert_eq!(changes(&events, file.find("set").unwrap().0), [(0, Value::Real(0.0))]);
+}
+
+#[test]
+fn the_smallest_file_is_the_default_board() {
+    let file = read(&SourceFile::new("b.toml", "format = 1\n"), &levels).unwrap();
+    let Terminals { inputs, outputs } = levels(&Subject::default()).unwrap();
+    let default = BoardFile::default_for(&inputs, &outputs);
+    assert_eq!((&file.circuit, &file.bind), (&default.circuit, &default.bind));
+    assert_eq!(file.circuit.channels.len(), 24);
+}
+
+/// What the first lines of a file expect, as `B0102 3:7`.
+fn expected(text: &str) -> Vec<String> {
+    text.lines().map_while(|line| line.strip_prefix("# expect ")).map(str::to_owned).collect()
+}
+
+#[test]
+fn broken_files_are_refused_where_they_are_broken() {
+    let mut paths: Vec<PathBuf> =
+        std::fs::read_dir(here().join("broken")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    let mut seen = Vec::new();
+    let mut wrong = String::new();
+    for path in &paths {
+        let text = std::fs::read_to_string(path).unwrap();
+        let found = read(&SourceFile::new("b.toml", text.clone()), &terminals).err().unwrap_or_default();
+        let mut places = Vec::new();
+        for one in &found {
+            let (line, column) = line_col(&text, one.labels.first().map_or(0, |label| label.span.start));
+            places.push(format!("{} {line}:{column}", one.code));
+            seen.push(one.code);
+            assert!(!one.message.ends_with('.'), "{}: {}", path.display(), one.message);
+        }
+        if places != expected(&text) {
+            wrong += &format!("{}: {places:?}\n{found:#?}\n", path.file_name().unwrap().to_string_lossy());
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+    // Sizes have no file of their own.
+    for (code, title) in CODES.iter().filter(|(code, _)| !["B0003", "B0204"].contains(code)) {
+        assert!(seen.contains(code), "no broken file shows {code}: {title}");
+    }
+}
+
+#[test]
+fn the_register_is_in_order_and_the_keys_are_told() {
+    assert!(CODES.windows(2).all(|pair| pair[0].0 < pair[1].0));
+    assert!(KEYS.iter().all(|key| !key.doc.is_empty()));
+}
+
+#[test]
+fn too_many_parts_are_refused() {
+    let mut text = String::from("format = 1\n[channels]\n");
+    for n in 0..5_000 {
+        text += &format!("c{n} = {{ kind = \"digital\" }}\n");
+    }
+    let found = read(&SourceFile::new("b.toml", text), &terminals).unwrap_err();
+    assert_eq!(found[0].code, "B0204");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// A file with a line or a part replaced either reads, and then its board can be built and started, or is
+    /// refused with codes of the register.
+    #[test]
+    fn mutated_files_do_not_panic(
+        at in 0usize..2_000,
+        length in 0usize..40,
+        by in prop_oneof![
+            "\\PC{0,12}",
+            "[-0-9.\"%IQX ]{0,8}",
+            Just("\"0 ns\"".to_owned()),
+            Just("1e999".to_owned()),
+            Just("99999999999999999999".to_owned()),
+        ],
+    ) {
+        let mut text = good_text();
+        let mut start = at % text.len();
+        while !text.is_char_boundary(start) {
+            start -= 1;
+        }
+        let mut end = (start + length).min(text.len());
+        while !text.is_char_boundary(end) {
+            end += 1;
+        }
+        text.replace_range(start..end, &by);
+        match read(&SourceFile::new("b.toml", text), &levels) {
+            Ok(file) => {
+                let mut board = build(&file, 1).unwrap();
+                prop_assert_eq!(board.start(at_zero()), Ok(()));
+            }
+            Err(found) => {
+                prop_assert!(!found.is_empty());
+                for one in found {
+                    prop_assert!(CODES.iter().any(|(code, _)| *code == one.code), "{}", one.code);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_text_panics(text in "\\PC{0,200}") {
+        let _ = read(&SourceFile::new("b.toml", text), &levels);
+    }
+}
+
+fn at_zero() -> signal::Time {
+    at(0)
+}

@@ -1,0 +1,78 @@
+//! The register of the plan reader's codes. Every code that it reports is in here.
+
+use document::Codes;
+
+macro_rules! codes {
+    ($($name:ident = $code:literal, $title:literal;)*) => {
+        $(#[doc = $title] pub(crate) const $name: &str = $code;)*
+
+        /// Every code of the plan reader with its title, in order.
+        pub const CODES: &[(&str, &str)] = &[$(($code, $title),)*];
+    };
+}
+
+codes! {
+    SYNTAX = "P0001", "The file is not TOML";
+    NEWER_TOML = "P0002", "TOML 1.1 accepts this, TOML 1.0 does not";
+    TOO_LARGE = "P0003", "The file is larger than a plan can be";
+    UNKNOWN_KEY = "P0101", "An unknown key";
+    MISSING_KEY = "P0102", "A key is missing";
+    WRONG_TYPE = "P0103", "A value of the wrong type";
+    UNREADABLE = "P0104", "A text that does not read as what the key takes";
+    FORMAT = "P0105", "An unsupported format of plan";
+    REQUIREMENT = "P0106", "Not the ID of a requirement";
+    PROFILE = "P0107", "An unknown profile or reference";
+    NEED = "P0108", "A need that no rig can have";
+    PROGRAM = "P0109", "The program is missing or given twice";
+    SETTING = "P0110", "A setting that no controller has";
+    STEP_VERB = "P0201", "A step with no verb, an unknown verb or two verbs";
+    STEP_ID = "P0202", "A step's id is missing, malformed or used twice";
+    STEP_TIME = "P0203", "A step has no time, or two";
+    STEP_BEFORE = "P0204", "A step cannot come before what it hangs on";
+    STEP_AFTER_END = "P0205", "A step comes after the end of its case";
+    STEP_CYCLE = "P0206", "Steps hang on each other";
+    STIMULUS = "P0207", "A stimulus that cannot be";
+    TOO_MANY_STEPS = "P0208", "More steps than a plan can have";
+    ANCHOR = "P0301", "A text that does not read as an instant";
+    UNKNOWN_ANCHOR = "P0302", "An instant of an unknown step";
+    VALUE = "P0303", "A text that does not read as a value";
+    UNIT = "P0304", "A quantity of the wrong unit";
+    SIGNAL = "P0305", "Not the name of a signal";
+    ADDRESS = "P0306", "Not an address";
+    UNBOUND = "P0307", "A name that is nearly that of a bound signal";
+    OPERAND = "P0308", "A text that does not read as a signal's value at an instant";
+    REFERENCE = "P0401", "A reference to nothing";
+    REFERENCE_FORM = "P0402", "A reference that cannot stand here";
+    ROWS = "P0403", "Rows that are malformed";
+    UNKNOWN_ROW = "P0404", "An unknown row";
+    SWEEP = "P0405", "A sweep that is malformed";
+    NAME_TWICE = "P0406", "A name defined twice";
+    TOO_MANY_CASES = "P0407", "More cases than a plan can have";
+    PARAMETER = "P0408", "A parameter that the plan does not have";
+    NOTHING_CLAIMED = "P0501", "A plan that claims and measures nothing";
+    EXPECT_VERB = "P0502", "An expectation with no verb, an unknown verb or two verbs";
+    CLAIM = "P0503", "A claim that can never be met or never fail";
+    MEANING = "P0504", "A claim that means nothing for its signal";
+    NOT_IN_TRACE = "P0505", "A signal that the trace does not have";
+}
+
+/// The codes of what every TOML file can have wrong.
+pub const TOML: Codes = Codes {
+    syntax: SYNTAX,
+    newer_toml: NEWER_TOML,
+    too_large: TOO_LARGE,
+    unknown_key: UNKNOWN_KEY,
+    missing_key: MISSING_KEY,
+    wrong_type: WRONG_TYPE,
+    unreadable: UNREADABLE,
+};
+
+#[cfg(test)]
+mod tests {
+    use super::CODES;
+
+    #[test]
+    fn codes_are_in_order_and_single() {
+        assert!(CODES.windows(2).all(|pair| pair[0].0 < pair[1].0));
+    }
+}

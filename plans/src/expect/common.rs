@@ -1,0 +1,215 @@
+//! What several verbs share: keys, windows, ranges and words.
+
+use document::{Fields, KeySpec, KeyType, Node};
+use signal::{SignalInfo, Span};
+
+use super::Context;
+use crate::codes;
+use crate::lang::Anchor;
+
+/// The signal that a verb looks at.
+pub(super) const SIGNAL: KeySpec =
+    KeySpec::required("signal", KeyType::SignalRef, "The signal that is looked at");
+/// Where a window begins.
+pub(super) const FROM: KeySpec =
+    KeySpec::optional("from", KeyType::Anchor, "Where looking begins; `start` if left out");
+/// Where a window ends.
+pub(super) const UNTIL: KeySpec = KeySpec::optional(
+    "until",
+    KeyType::Anchor,
+    "Where looking ends, itself not included; `end` if left out",
+);
+/// The instant at which a value counts.
+pub(super) const WHEN: KeySpec =
+    KeySpec::optional("when", KeyType::Anchor, "The instant that counts; `end` if left out");
+/// What a sampled channel may miss.
+pub(super) const LONGER: KeySpec = KeySpec::optional(
+    "pulses-longer-than",
+    KeyType::Duration,
+    "Only pulses longer than this count; needed for a pass on a channel that is sampled and can miss short ones",
+);
+
+/// A window of the plan.
+#[derive(Clone, Debug)]
+pub(super) struct Between {
+    pub(super) from: Anchor,
+    pub(super) until: Anchor,
+}
+
+impl Between {
+    /// Reads `from` and `until`.
+    pub(super) fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Between> {
+        let from = anchor(fields, "from", Anchor::START, cx);
+        let until = anchor(fields, "until", Anchor::END, cx);
+        let (from, until) = (from?, until?);
+        if from.base == until.base && from.offset >= until.offset {
+            let node = fields.get("until").or_else(|| fields.get("from"))?;
+            let message = format!("nothing lies between `{from}` and `{until}`: the claim can never fail");
+            cx.out.bad(codes::CLAIM, node, message, "let `until` be later than `from`");
+            return None;
+        }
+        Some(Between { from, until })
+    }
+
+    pub(super) fn anchors(&self) -> Vec<&Anchor> {
+        vec![&self.from, &self.until]
+    }
+
+    /// ` from busy until end`; empty for the whole case.
+    pub(super) fn words(&self) -> String {
+        match (self.from == Anchor::START, self.until == Anchor::END) {
+            (true, true) => String::new(),
+            (false, true) => format!(" from {}", self.from),
+            (true, false) => format!(" until {}", self.until),
+            (false, false) => format!(" from {} until {}", self.from, self.until),
+        }
+    }
+}
+
+/// Reads an instant, or takes the default if the key is left out.
+pub(super) fn anchor(
+    fields: &Fields<'_>,
+    key: &str,
+    default: Anchor,
+    cx: &mut Context<'_>,
+) -> Option<Anchor> {
+    match fields.get(key) {
+        Some(node) => cx.names.anchor(node, cx.out),
+        None if fields.has(key) => None,
+        None => Some(default),
+    }
+}
+
+/// Reads the name of a signal.
+pub(super) fn signal(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<String> {
+    cx.names.signal(fields.get(key)?, cx.out)
+}
+
+/// Least and greatest number or duration, both included.
+pub(crate) type Limits = (i64, i64);
+
+/// How a range of durations without `..` is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Single {
+    /// As the greatest: `within = "5 ms"`.
+    Most,
+    /// As the only one: `is = "5 ms"`.
+    Exactly,
+}
+
+/// Reads a range of durations such as `100 ms .. 100.3 ms`, `.. 5 ms`, `5 ms ..` or `10 ms ± 1 ms`.
+pub(super) fn spans(node: &Node, key: &str, single: Single, cx: &mut Context<'_>) -> Option<Limits> {
+    let Some(text) = node.as_text() else {
+        let help = "durations need a unit: write \"100 ms .. 100.3 ms\"";
+        cx.out.bad(codes::WRONG_TYPE, node, format!("`{key}` is {}, not a range of durations", node.kind()), help);
+        return None;
+    };
+    match parse_spans(text, single) {
+        Ok((least, most)) if least <= most => Some((least, most)),
+        Ok(_) => {
+            let message = format!("`{key}` is empty: its end lies before its beginning");
+            cx.out.bad(codes::CLAIM, node, message, "write the smaller duration first");
+            None
+        }
+        Err((at, why)) => {
+            let end = text[at..].find(char::is_whitespace).map_or(text.len(), |end| at + end);
+            let message = format!("`{key}` does not read as a range of durations: {why}");
+            let help = "write \"100 ms .. 100.3 ms\", \".. 5 ms\", \"5 ms ..\" or \"10 ms ± 1 ms\"";
+            cx.out.bad_inside(codes::UNREADABLE, node, Some(at..end.max(at)), message, help);
+            None
+        }
+    }
+}
+
+fn parse_spans(text: &str, single: Single) -> Result<Limits, (usize, String)> {
+    let span = |from: usize, to: usize| match Span::parse(&text[from..to]) {
+        Ok(span) if span.is_negative() => Err((from, String::from("a duration cannot be below 0"))),
+        Ok(span) => Ok(span.as_nanos()),
+        Err(error) => Err(((from + error.offset()).min(text.len()), error.to_string())),
+    };
+    if let Some(dots) = text.find("..") {
+        let blank = |from: usize, to: usize| text[from..to].trim().is_empty();
+        let (left, right) = (blank(0, dots), blank(dots + 2, text.len()));
+        if left && right {
+            return Err((dots, String::from("a range needs a beginning or an end")));
+        }
+        let least = if left { 0 } else { span(0, dots)? };
+        let most = if right { i64::MAX } else { span(dots + 2, text.len())? };
+        return Ok((least, most));
+    }
+    for sign in ["±", "+-"] {
+        if let Some(at) = text.find(sign) {
+            let (middle, around) = (span(0, at)?, span(at + sign.len(), text.len())?);
+            return Ok((middle.saturating_sub(around).max(0), middle.saturating_add(around)));
+        }
+    }
+    let value = span(0, text.len())?;
+    Ok(match single {
+        Single::Most => (0, value),
+        Single::Exactly => (value, value),
+    })
+}
+
+/// Reads a number of events: `1`, `"2 .. 5"`, `"3 .."`.
+pub(super) fn counts(node: &Node, key: &str, cx: &mut Context<'_>) -> Option<(u64, u64)> {
+    let number = |text: &str| text.trim().replace('_', "").parse::<u64>().ok();
+    let range = match &node.data {
+        document::Data::Integer(n) => u64::try_from(*n).ok().map(|n| (n, n)),
+        document::Data::Text(text) => match text.split_once("..") {
+            Some((low, high)) if low.trim().is_empty() => number(high).map(|high| (0, high)),
+            Some((low, high)) if high.trim().is_empty() => number(low).map(|low| (low, u64::MAX)),
+            Some((low, high)) => number(low).zip(number(high)).filter(|(low, high)| low <= high),
+            None => number(text).map(|n| (n, n)),
+        },
+        _ => None,
+    };
+    if range.is_none() {
+        let message = format!("`{key}` is no number of edges");
+        cx.out.bad(codes::UNREADABLE, node, message, "write a number such as 1, or a range such as \"1 .. 3\"");
+    }
+    range
+}
+
+/// `100 ms .. 100.3 ms`, or a single duration, or an open range.
+pub(crate) fn span_range(limits: Limits) -> String {
+    let show = Span::from_nanos;
+    match limits {
+        (least, most) if least == most => show(least).to_string(),
+        (0, i64::MAX) => String::from("any time"),
+        (least, i64::MAX) => format!("at least {}", show(least)),
+        (i64::MIN, most) => format!("at most {}", show(most)),
+        (least, most) => format!("{} .. {}", show(least), show(most)),
+    }
+}
+
+/// `3`, `2 .. 5`, `at least 2`.
+pub(super) fn count_range(limits: (u64, u64)) -> String {
+    match limits {
+        (least, most) if least == most => least.to_string(),
+        (least, u64::MAX) => format!("at least {least}"),
+        (least, most) => format!("{least} .. {most}"),
+    }
+}
+
+/// `100.2 ms after busy`, `3 ms before busy`, `at busy`; an interval where the delay is not exact.
+pub(super) fn delay_words(delay: (i64, i64), anchor: &Anchor) -> String {
+    match delay {
+        (0, 0) => format!("at {anchor}"),
+        (least, most) if most <= 0 && least < 0 && most != i64::MIN => {
+            let back = (most.saturating_neg(), least.saturating_neg());
+            format!("{} before {anchor}", span_range(back))
+        }
+        delay => format!("{} after {anchor}", span_range(delay)),
+    }
+}
+
+/// How wide an interval is, if it is not a point.
+pub(super) fn width(interval: (i64, i64)) -> Option<record::Figure> {
+    let width = interval.1.saturating_sub(interval.0);
+    (width > 0).then(|| record::Figure::span(Span::from_nanos(width)))
+}
+
+/// A channel that can miss pulses, in words for a reason.
+pub(super) fn blind_words(info: &SignalInfo, missed: Span) -> String {
+    format!("`{}` is only sampled: pulses up to {missed} can go unseen; state `pulses-longer-than`", info.name)
+}

@@ -1,0 +1,323 @@
+//! `rises`, `falls`, `changes`: the first such edge at or after an instant comes within its limits.
+//!
+//! ```toml
+//! { falls = { signal = "lamp", from = "busy", within = "100 ms .. 100.3 ms" } }
+//! ```
+//! An earlier edge of the same kind fails the claim: it is the first one that counts. Without `within` any
+//! delay up to the end of the case is right.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Span, Value};
+
+use super::common::{FROM, Limits, SIGNAL, Single, anchor, delay_words, signal, span_range, spans, width};
+use super::condition::Condition;
+use super::{Claim, Context, Verb};
+use crate::judge::edges::{Delay, Edge, Finder, First, Found};
+use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
+use crate::lang::Anchor;
+
+/// How late the edge may be.
+pub(super) const WITHIN: KeySpec = KeySpec::optional(
+    "within",
+    KeyType::Range,
+    "The delay from `from` that is allowed, both limits included: \"100 ms .. 100.3 ms\", or \"5 ms\" for at most that",
+);
+
+const KEYS: &[KeySpec] = &[SIGNAL, FROM, WITHIN];
+
+/// `rises`.
+pub(super) const RISES: Verb = Verb {
+    name: "rises",
+    doc: "The first rise of a signal at or after an instant comes within its limits",
+    keys: KEYS,
+    read: |fields, cx| read(fields, Kind::Rises, cx),
+};
+/// `falls`.
+pub(super) const FALLS: Verb = Verb {
+    name: "falls",
+    doc: "The first fall of a signal at or after an instant comes within its limits",
+    keys: KEYS,
+    read: |fields, cx| read(fields, Kind::Falls, cx),
+};
+/// `changes`.
+pub(super) const CHANGES: Verb = Verb {
+    name: "changes",
+    doc: "The first change of a signal at or after an instant comes within its limits",
+    keys: KEYS,
+    read: |fields, cx| read(fields, Kind::Changes, cx),
+};
+
+/// What the edge is, before the signal is known.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Kind {
+    Rises,
+    Falls,
+    Changes,
+    Becomes(Condition),
+}
+
+impl Kind {
+    fn bind(&self, info: &SignalInfo) -> Result<Edge, String> {
+        Ok(match self {
+            Kind::Rises => Edge::Rises,
+            Kind::Falls => Edge::Falls,
+            Kind::Changes => Edge::Changes,
+            Kind::Becomes(condition) => Edge::Becomes(condition.bind(info)?),
+        })
+    }
+
+    fn present(&self) -> String {
+        match self {
+            Kind::Rises => "rises".into(),
+            Kind::Falls => "falls".into(),
+            Kind::Changes => "changes".into(),
+            Kind::Becomes(condition) => format!("becomes {condition}"),
+        }
+    }
+
+    fn past(&self) -> String {
+        match self {
+            Kind::Rises => "rose".into(),
+            Kind::Falls => "fell".into(),
+            Kind::Changes => "changed".into(),
+            Kind::Becomes(condition) => format!("became {condition}"),
+        }
+    }
+
+    fn infinitive(&self) -> String {
+        match self {
+            Kind::Rises => "rise".into(),
+            Kind::Falls => "fall".into(),
+            Kind::Changes => "change".into(),
+            Kind::Becomes(condition) => format!("become {condition}"),
+        }
+    }
+}
+
+/// The claim.
+#[derive(Clone, Debug)]
+pub(super) struct FirstEdge {
+    pub(super) signal: String,
+    pub(super) kind: Kind,
+    pub(super) from: Anchor,
+    pub(super) within: Option<Limits>,
+}
+
+fn read(fields: &Fields<'_>, kind: Kind, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let signal = signal(fields, "signal", cx);
+    read_delay(fields, signal, kind, cx)
+}
+
+/// Reads `from` and `within` of a claim on this signal.
+pub(super) fn read_delay(
+    fields: &Fields<'_>,
+    signal: Option<String>,
+    kind: Kind,
+    cx: &mut Context<'_>,
+) -> Option<Arc<dyn Claim>> {
+    let from = anchor(fields, "from", Anchor::START, cx);
+    let within = match fields.get("within") {
+        Some(node) => Some(spans(node, "within", Single::Most, cx)?),
+        None if fields.has("within") => return None,
+        None => None,
+    };
+    Some(Arc::new(FirstEdge { signal: signal?, kind, from: from?, within }))
+}
+
+impl Claim for FirstEdge {
+    fn expected(&self) -> String {
+        let (signal, what) = (&self.signal, self.kind.present());
+        match self.within {
+            Some((0, most)) if most != i64::MAX => {
+                format!("`{signal}` {what} within {} after {}", Span::from_nanos(most), self.from)
+            }
+            Some(limits) => format!("`{signal}` {what} {} after {}", span_range(limits), self.from),
+            None => format!("`{signal}` {what} after {}", self.from),
+        }
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        vec![&self.from]
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        if let Some(info) = super::known(&self.signal, wiring, out) {
+            super::meant(self.kind.bind(info).map(drop), out);
+        }
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        let point = scene.point(&self.from)?;
+        let limits = self.within.unwrap_or((0, i64::MAX));
+        let edge = self.kind.bind(info).map_err(NotJudged::NoMeaning)?;
+        Ok(Box::new(Follow {
+            claim: self.clone(),
+            info: info.clone(),
+            finder: Finder::new(edge, slack(info)),
+            first: First::new(point, limits.0, limits.1),
+            point,
+            limits,
+            end: scene.end(),
+            nearest: None,
+            last: None,
+        }))
+    }
+}
+
+/// The judge of one edge.
+struct Follow {
+    claim: FirstEdge,
+    info: SignalInfo,
+    finder: Finder,
+    first: First,
+    point: Point,
+    limits: Limits,
+    end: i64,
+    /// The edge that came closest to the limits: distance, and the edge.
+    nearest: Option<(i64, Seen)>,
+    last: Option<Value>,
+}
+
+impl Monitor for Follow {
+    #[inline]
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        self.last = Some(seen.value);
+        let Some(found) = self.finder.see(seen) else { return };
+        self.first.see(&found);
+        if found.certain {
+            self.note(seen);
+        }
+    }
+
+    fn lost(&mut self, now: i64) -> bool {
+        self.first.lost(now)
+    }
+
+    fn finish(mut self: Box<Self>) -> Finding {
+        if let Some(rest) = self.finder.rest() {
+            self.first.see(&rest);
+        }
+        // What comes after the end of the case is not known: a window that reaches beyond it stays open.
+        let cut_short = self.claim.within.is_some_and(|(_, most)| most != i64::MAX)
+            && self.point.b.saturating_add(self.limits.1) > self.end;
+        if cut_short {
+            let seen = Seen {
+                a: self.end,
+                b: i64::MAX,
+                place: u64::MAX - 1,
+                value: Value::Unknown,
+                cause: signal::Cause::Unknown,
+            };
+            self.first.see(&Found { seen, certain: false });
+        }
+        self.finding(self.first.finish(), cut_short)
+    }
+}
+
+impl Follow {
+    /// Keeps the edge if it is closer to the limits than those before it.
+    fn note(&mut self, seen: &Seen) {
+        let early = self.point.a.saturating_add(self.limits.0).saturating_sub(seen.b);
+        let late = seen.a.saturating_sub(self.point.b.saturating_add(self.limits.1));
+        let distance = early.max(late).max(0);
+        if self.nearest.is_none_or(|(least, _)| distance < least) {
+            self.nearest = Some((distance, *seen));
+        }
+    }
+
+    fn finding(&self, delay: Delay, cut_short: bool) -> Finding {
+        let mut finding = Finding {
+            can_hold: delay.can_hold,
+            can_break: delay.can_break(),
+            window: Some(self.window()),
+            ..Finding::default()
+        };
+        let (past, from) = (self.claim.kind.past(), &self.claim.from);
+        finding.observed = match delay.delay {
+            Some(delay) => format!("{past} {}", delay_words(delay, from)),
+            None => {
+                let stayed = match self.last {
+                    Some(value) => format!("; it was {} at the end", self.info.show(value)),
+                    None => String::new(),
+                };
+                format!("did not {} after {from}{stayed}", self.claim.kind.infinitive())
+            }
+        };
+        if let Some((least, most)) = delay.delay {
+            let low = least.saturating_sub(self.limits.0);
+            let high = self.limits.1.saturating_sub(most);
+            let margin = if self.claim.within.is_some() { Some(low.min(high)) } else { None };
+            finding.margin = margin.map(|margin| Figure::span(Span::from_nanos(margin)));
+            finding.uncertainty = width((least, most));
+        }
+        if let Some(found) = delay.deciding.filter(|found| found.certain) {
+            finding = finding.decided_by(&found.seen);
+        }
+        finding.reason = self.reason(&delay, cut_short, finding.can_hold);
+        finding.nearest_miss = self.nearest_miss(delay.delay.is_none());
+        finding
+    }
+
+    /// The allowed part of time, for a drawing.
+    fn window(&self) -> record::Window {
+        let until = self.end.max(self.point.b);
+        let limit = |delay: i64, at: i64| {
+            (self.claim.within.is_some() && delay != i64::MAX).then(|| at.saturating_add(delay))
+        };
+        record::Window {
+            from_ns: [self.point.a, self.point.b],
+            until_ns: [until, until],
+            limit_from_ns: limit(self.limits.0, self.point.a),
+            limit_until_ns: limit(self.limits.1, self.point.b),
+        }
+    }
+
+    fn reason(&self, delay: &Delay, cut_short: bool, can_hold: bool) -> String {
+        let what = self.claim.kind.infinitive();
+        if !can_hold {
+            return match delay.delay {
+                Some((least, _)) if delay.can_be_late && !delay.can_be_early => {
+                    format!("{} too late", Span::from_nanos(least.saturating_sub(self.limits.1)))
+                }
+                Some((_, most)) if delay.can_be_early && !delay.can_be_late => {
+                    format!("{} too early", Span::from_nanos(self.limits.0.saturating_sub(most)))
+                }
+                Some(_) => String::from("outside the limits in every placement"),
+                None => format!("it did not {what}"),
+            };
+        }
+        if delay.doubtful && delay.deciding.is_none_or(|found| !found.certain) {
+            return match cut_short {
+                true => String::from("the case ended before the window closed"),
+                false => format!("the value is not known at a time when it may {what}"),
+            };
+        }
+        if delay.doubtful {
+            return format!("the value is not known at a time when it may {what} first");
+        }
+        format!("the uncertainty of the instants reaches over a limit: whether it did {what} in time is open")
+    }
+
+    fn nearest_miss(&self, missing: bool) -> Option<(String, Option<signal::Cause>)> {
+        let (distance, seen) = self.nearest?;
+        let (least, most) =
+            (seen.a.saturating_sub(self.point.b), seen.b.saturating_sub(self.point.a));
+        let when = delay_words((least, most), &self.claim.from);
+        let distance = Span::from_nanos(distance);
+        let early = most < self.limits.0 || missing;
+        let word = match (distance, early) {
+            (Span::ZERO, _) => String::from("within reach of the limits"),
+            (distance, true) => format!("{distance} too early"),
+            (distance, false) => format!("{distance} too late"),
+        };
+        Some((format!("the nearest time that it {} was {word}, {when}", self.claim.kind.past()), Some(seen.cause)))
+    }
+}

@@ -1,0 +1,368 @@
+//! `stays` and `never`: a signal keeps to its values for a whole window, or keeps out of some.
+//!
+//! ```toml
+//! { stays = { signal = "pressure", min = "1 V", max = "5 V", from = "busy + 2 s" } }
+//! { never = { all = ["forward", "reverse"] } }
+//! ```
+//! Overlap is what counts: a value that ends at the very instant at which the window begins is not in it.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Span, Value};
+
+use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, signal, span_range, width};
+use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
+use super::{Claim, Context, Verb};
+use crate::codes;
+use crate::judge::segments::{Breach, Kept, Segments, Weight};
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Test, Truth, Wiring, blind, slack};
+use crate::lang::Anchor;
+
+/// `stays`.
+pub(super) const STAYS: Verb = Verb {
+    name: "stays",
+    doc: "A signal has its value, or one within limits, for the whole of a window",
+    keys: &[SIGNAL, IS, ONE_OF, MIN, MAX, FROM, UNTIL, LONGER],
+    read: |fields, cx| {
+        let condition = Condition::read(fields, None, cx);
+        let signal = signal(fields, "signal", cx);
+        read_window(fields, signal, condition, cx)
+    },
+};
+
+/// `never`.
+pub(super) const NEVER: Verb = Verb {
+    name: "never",
+    doc: "A signal has a value at no time of a window, or several signals are never TRUE together",
+    keys: &[
+        KeySpec::optional("signal", KeyType::SignalRef, "The signal that is looked at"),
+        KeySpec::optional(
+            "all",
+            KeyType::List(&KeyType::SignalRef),
+            "Two or more Boolean signals, in place of `signal`: never all TRUE at once",
+        ),
+        IS,
+        ONE_OF,
+        MIN,
+        MAX,
+        FROM,
+        UNTIL,
+        LONGER,
+    ],
+    read: read_never,
+};
+
+/// Most signals of `all`.
+const MOST: usize = 16;
+
+/// The claim.
+#[derive(Clone, Debug)]
+pub(super) struct Keeps {
+    pub(super) signals: Vec<String>,
+    pub(super) condition: Condition,
+    /// The condition is what must not be.
+    pub(super) forbidden: bool,
+    pub(super) between: Between,
+    pub(super) longer_than: Option<Span>,
+}
+
+/// Reads the window of a claim that a signal keeps to a condition.
+pub(super) fn read_window(
+    fields: &Fields<'_>,
+    signal: Option<String>,
+    condition: Option<Condition>,
+    cx: &mut Context<'_>,
+) -> Option<Arc<dyn Claim>> {
+    let between = Between::read(fields, cx);
+    let longer_than = fields.duration("pulses-longer-than");
+    let signals = vec![signal?];
+    Some(Arc::new(Keeps { signals, condition: condition?, forbidden: false, between: between?, longer_than }))
+}
+
+fn read_never(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let between = Between::read(fields, cx);
+    let condition = Condition::read(fields, Some(Condition::is_true()), cx);
+    let mut signals = Vec::new();
+    match (fields.has("signal"), fields.has("all")) {
+        (true, false) => signals.push(signal(fields, "signal", cx)?),
+        (false, true) => {
+            let list = fields.each("all");
+            for node in list {
+                let name = cx.names.signal(node, cx.out)?;
+                if signals.contains(&name) {
+                    cx.out.bad(codes::CLAIM, node, format!("`{name}` stands here twice"), "");
+                    return None;
+                }
+                signals.push(name);
+            }
+            if !(2..=MOST).contains(&signals.len()) {
+                let node = fields.get("all")?;
+                let help = "for a single signal, write `signal`";
+                cx.out.bad(codes::CLAIM, node, format!("`all` takes 2 to {MOST} signals"), help);
+                return None;
+            }
+        }
+        _ => {
+            let message = "`never` looks at either `signal` or `all`";
+            cx.out.error(codes::CLAIM, cx.place.clone(), message, "give one of them");
+            return None;
+        }
+    }
+    let longer_than = fields.duration("pulses-longer-than");
+    Some(Arc::new(Keeps { signals, condition: condition?, forbidden: true, between: between?, longer_than }))
+}
+
+impl Keeps {
+    fn test(&self, info: &SignalInfo) -> Result<Test, String> {
+        let test = self.condition.bind(info)?;
+        Ok(if self.forbidden { Test::Not(Box::new(test)) } else { test })
+    }
+
+    fn subject(&self) -> String {
+        let quoted: Vec<String> = self.signals.iter().map(|name| format!("`{name}`")).collect();
+        quoted.join(" and ")
+    }
+}
+
+impl Claim for Keeps {
+    fn expected(&self) -> String {
+        let (subject, window) = (self.subject(), self.between.words());
+        let longer = match self.longer_than {
+            Some(span) => format!(" for longer than {span}"),
+            None => String::new(),
+        };
+        match (self.forbidden, self.signals.len()) {
+            (false, _) => format!("{subject} stays {}{window}", self.condition),
+            (true, 1) => format!("{subject} is never {}{longer}{window}", self.condition),
+            (true, _) => format!("{subject} are never all {}{longer}{window}", self.condition),
+        }
+    }
+
+    fn signals(&self) -> Vec<String> {
+        self.signals.clone()
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        for name in &self.signals {
+            if let Some(info) = super::known(name, wiring, out) {
+                super::meant(self.test(info).map(drop), out);
+            }
+        }
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let window = scene.window(&self.between.from, &self.between.until)?;
+        let mut watched = Vec::new();
+        let mut missed = None;
+        for name in &self.signals {
+            let info = scene.signal(name)?;
+            let test = self.test(info).map_err(NotJudged::NoMeaning)?;
+            watched.push(Watched { test, slack: slack(info), info: info.clone() });
+            missed = missed.or_else(|| blind(info, self.longer_than).map(|span| blind_words(info, span)));
+        }
+        let open = scene.is_open();
+        let segments = Segments::new(window);
+        let common = Common { claim: self.clone(), watched, segments, missed, open };
+        if self.signals.len() > 1 {
+            return Ok(super::together::start(common));
+        }
+        Ok(Box::new(Single { common, last: None, extreme: None, breach: None }))
+    }
+}
+
+/// A signal with its condition: what it has to keep to.
+pub(super) struct Watched {
+    pub(super) test: Test,
+    pub(super) slack: f64,
+    pub(super) info: SignalInfo,
+}
+
+/// What the judges of one and of several signals share.
+pub(super) struct Common {
+    pub(super) claim: Keeps,
+    pub(super) watched: Vec<Watched>,
+    pub(super) segments: Segments,
+    /// Why short breaches can have gone unseen.
+    pub(super) missed: Option<String>,
+    /// The end of the window is still to come.
+    pub(super) open: bool,
+}
+
+impl Common {
+    /// What a forbidden stretch counts for, by its width.
+    pub(super) fn weigh(&self, class: Truth, start: &Seen, end: (i64, i64)) -> Truth {
+        let Some(longer) = self.claim.longer_than else { return class };
+        let width = (end.0.saturating_sub(start.b).max(0), end.1.saturating_sub(start.a));
+        match class {
+            _ if width.1 <= longer.as_nanos() => Truth::True,
+            Truth::False if width.0 <= longer.as_nanos() => Truth::Unknown,
+            class => class,
+        }
+    }
+
+    pub(super) fn lost(&mut self, now: i64) -> bool {
+        if self.open {
+            self.segments.advance(now);
+        }
+        self.segments.lost(now)
+    }
+
+    /// The finding, with how far the values kept inside their limits.
+    pub(super) fn finding(&mut self, extreme: Option<(f64, Seen)>) -> Finding {
+        let kept = self.segments.finish();
+        let mut finding = Finding {
+            can_hold: kept.can_hold,
+            can_break: kept.can_break || self.missed.is_some(),
+            window: Some(self.segments.window().shown()),
+            ..Finding::default()
+        };
+        finding.observed = self.observed(&kept);
+        finding.reason = self.reason(&kept);
+        finding.margin = self.margin(&kept, extreme);
+        if let Some(breach) = kept.worst {
+            finding.deciding = Some(crate::judge::clipped(breach.start.0, breach.start.1));
+            finding.cause = Some(breach.cause);
+            finding.uncertainty = width(breach.start).filter(|_| breach.start.0 != i64::MIN);
+        } else if let Some((_, seen)) = extreme {
+            finding = finding.decided_by(&seen);
+        }
+        finding
+    }
+
+    fn show(&self, value: Value) -> String {
+        match self.watched.as_slice() {
+            [one] => one.info.show(value),
+            _ => format!("all {}", self.claim.condition),
+        }
+    }
+
+    fn observed(&self, kept: &Kept) -> String {
+        match kept.worst {
+            None if self.claim.forbidden => String::from("it did not happen"),
+            None => format!("it stayed {}", self.claim.condition),
+            Some(Breach { weight: Weight::Unknown, .. }) => String::from("the value is not known throughout"),
+            Some(breach) => {
+                let least = breach.end.0.saturating_sub(breach.start.1).max(0);
+                let most = breach.end.1.saturating_sub(breach.start.0);
+                let lasting = match breach.end.0 {
+                    i64::MAX => String::from("to the end of the case"),
+                    _ => format!("for {}", span_range((least, most))),
+                };
+                let from = &self.claim.between.from;
+                let point = &self.segments.window().from;
+                let delay = (breach.start.0.saturating_sub(point.b), breach.start.1.saturating_sub(point.a));
+                let when = super::common::delay_words(delay, from);
+                format!("{} {lasting}, from {when}", self.show(breach.value))
+            }
+        }
+    }
+
+    fn reason(&self, kept: &Kept) -> String {
+        match kept.worst {
+            Some(breach) if !kept.can_hold => {
+                format!("it was {} inside the window", self.show(breach.value))
+            }
+            Some(Breach { weight: Weight::Unknown, .. }) => {
+                String::from("the value is not known for a part of the window")
+            }
+            Some(breach) => format!(
+                "whether it was {} inside the window lies within the uncertainty of the instants",
+                self.show(breach.value)
+            ),
+            None => self.missed.clone().unwrap_or_default(),
+        }
+    }
+
+    /// In values where the condition has limits, else in time: how far off forbidden values kept, or for
+    /// how long one lay in the window.
+    fn margin(&self, kept: &Kept, extreme: Option<(f64, Seen)>) -> Option<Figure> {
+        if let (Some((margin, _)), [one]) = (extreme, self.watched.as_slice()) {
+            return Some(Figure::new(margin, one.info.unit.clone()));
+        }
+        let window = self.segments.window();
+        let nanos = match kept.worst {
+            Some(Breach { weight: Weight::Unknown, .. }) => return None,
+            Some(breach) => {
+                let inside = breach.end.1.min(window.until.b).saturating_sub(breach.start.0.max(window.from.a));
+                inside.max(0).saturating_neg()
+            }
+            None => kept.distance?,
+        };
+        Some(Figure::span(Span::from_nanos(nanos)))
+    }
+}
+
+/// The judge of one signal.
+struct Single {
+    common: Common,
+    last: Option<Seen>,
+    /// The value of the window that is nearest to a limit, or farthest outside.
+    extreme: Option<(f64, Seen)>,
+    /// With `pulses-longer-than`: the forbidden stretch that is open, whose width decides.
+    breach: Option<(Truth, Seen)>,
+}
+
+impl Single {
+    /// The last value lasted until here.
+    fn extent(&mut self, end: i64) {
+        let Some(last) = self.last else { return };
+        let watched = &self.common.watched[0];
+        let Some(margin) = watched.test.margin(last.value) else { return };
+        let margin = margin - watched.slack;
+        let nearer = self.extreme.is_none_or(|(least, _)| margin < least);
+        if nearer && self.common.segments.window().can_meet(last.a, end) {
+            self.extreme = Some((margin, last));
+        }
+    }
+
+    fn end_breach(&mut self, end: (i64, i64)) {
+        if let Some((class, start)) = self.breach.take() {
+            match self.common.weigh(class, &start, end) {
+                Truth::True => {}
+                class => self.common.segments.segment(class, &start, end),
+            }
+        }
+    }
+}
+
+impl Monitor for Single {
+    #[inline]
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        let watched = &self.common.watched[0];
+        let class = watched.test.holds(seen.value, watched.slack);
+        if matches!(watched.test, Test::Range { .. }) {
+            self.extent(seen.b);
+            self.last = Some(*seen);
+        }
+        if self.common.claim.longer_than.is_none() {
+            self.common.segments.change(class, seen);
+            return;
+        }
+        // Before the first event nothing is known; that stretch is over now.
+        self.common.segments.change(Truth::True, seen);
+        if self.breach.is_some_and(|(open, _)| open == class) {
+            return;
+        }
+        self.end_breach((seen.a, seen.b));
+        if class != Truth::True {
+            self.breach = Some((class, *seen));
+        }
+    }
+
+    fn lost(&mut self, now: i64) -> bool {
+        self.common.lost(now)
+    }
+
+    fn finish(mut self: Box<Self>) -> Finding {
+        self.extent(i64::MAX);
+        self.end_breach((i64::MAX, i64::MAX));
+        let extreme = self.extreme;
+        self.common.finding(extreme)
+    }
+}

@@ -1,0 +1,158 @@
+//! Expectations: what a plan claims of its trace, one file for each verb.
+//!
+//! A verb is a table of keys, a reader and a [`Claim`]; [`VERBS`] lists them all, and nothing outside this
+//! folder knows any of them by name. How to add one: `docs/add-an-expectation.md`.
+
+mod common;
+mod condition;
+mod edges;
+mod equal;
+mod first_edge;
+pub(crate) mod happens;
+mod keeps;
+mod order;
+mod period;
+mod pulse;
+mod state;
+mod value;
+
+use std::fmt::{self, Debug};
+use std::ops::Range;
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, Findings, KeySpec, Node};
+
+use crate::codes;
+use crate::judge::{Monitor, NotJudged, Scene, Wiring};
+use crate::lang::{Anchor, Operand};
+
+pub(crate) use common::{Limits, span_range};
+pub(crate) use condition::{Condition, literal, number, show};
+
+/// A verb of `expect`: `{ falls = { signal = ... } }`.
+#[derive(Debug)]
+pub struct Verb {
+    /// The verb as written.
+    pub name: &'static str,
+    /// What it claims, one sentence, for the schema and the manual.
+    pub doc: &'static str,
+    /// Its keys.
+    pub keys: &'static [KeySpec],
+    /// Makes the claim of a table that was held against `keys`. `None` after it reported what is wrong.
+    pub read: fn(&Fields<'_>, &mut Context<'_>) -> Option<Arc<dyn Claim>>,
+}
+
+/// What a verb's reader may ask of the plan around it.
+pub trait Names {
+    /// Reads an instant such as `busy + 102 ms`; reports what is wrong with it, unknown steps included.
+    fn anchor(&self, node: &Node, out: &mut Findings) -> Option<Anchor>;
+    /// Reads the name of a signal: bound by the plan, built in, or a variable's path.
+    fn signal(&self, node: &Node, out: &mut Findings) -> Option<String>;
+    /// Reads `n` or `n @ cut`: a signal, and the instant at which its value is meant.
+    fn operand(&self, node: &Node, out: &mut Findings) -> Option<Operand>;
+}
+
+/// Where a reader reports, and the plan around it.
+pub struct Context<'a> {
+    /// The findings so far.
+    pub out: &'a mut Findings,
+    /// The names of the plan.
+    pub names: &'a dyn Names,
+    /// Where the verb's table stands.
+    pub place: Range<usize>,
+}
+
+impl fmt::Debug for Context<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Context").field("place", &self.place).finish_non_exhaustive()
+    }
+}
+
+/// An expectation of one case.
+#[derive(Clone, Debug)]
+pub struct Expectation {
+    /// The name that the plan gives it, empty for none: the claim's own words serve then.
+    pub name: String,
+    /// The verb.
+    pub verb: &'static str,
+    /// What it claims.
+    pub claim: Arc<dyn Claim>,
+    /// Where it stands, for findings about it; `None` for a claim that is in no plan file.
+    pub place: Option<Place>,
+}
+
+/// Where an expectation or a measurement stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Name of the plan file.
+    pub file: Arc<str>,
+    /// Bytes of the file.
+    pub span: Range<usize>,
+    /// Line of the file, from 1.
+    pub line: u32,
+}
+
+/// What a verb claims of a trace. It is plain data; judging is done by the [`Monitor`] that it starts.
+pub trait Claim: Debug + Send + Sync {
+    /// The claim in words: `lamp falls 100 ms .. 100.3 ms after busy`.
+    fn expected(&self) -> String;
+    /// The signals that it looks at. The place in this list is the `slot` of [`Monitor::feed`].
+    fn signals(&self) -> Vec<String>;
+    /// The instants that it hangs on.
+    fn anchors(&self) -> Vec<&Anchor>;
+    /// Finds what cannot be judged with these signals at all (a label that the state does not have).
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>);
+    /// Starts judging; every instant that the claim hangs on is known by now, or known not to have come.
+    ///
+    /// # Errors
+    /// [`NotJudged`] when it hangs on an instant that never came or on a window that is empty.
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged>;
+}
+
+/// Every verb, in the order of the manual.
+pub static VERBS: &[&Verb] = &[
+    &first_edge::RISES,
+    &first_edge::FALLS,
+    &first_edge::CHANGES,
+    &keeps::STAYS,
+    &keeps::NEVER,
+    &edges::EDGES,
+    &pulse::PULSE,
+    &period::PERIOD,
+    &state::STATE,
+    &value::VALUE,
+    &equal::EQUAL,
+    &order::ORDER,
+    &happens::HAPPENS,
+];
+
+/// The verb of this name.
+pub fn verb(name: &str) -> Option<&'static Verb> {
+    VERBS.iter().copied().find(|verb| verb.name == name)
+}
+
+/// The signal of this name, or a finding that the trace does not have it.
+pub(crate) fn known<'a>(
+    name: &str,
+    wiring: &Wiring<'a>,
+    out: &mut Vec<Diagnostic>,
+) -> Option<&'a signal::SignalInfo> {
+    let found = wiring.find(name);
+    if found.is_none() {
+        let names = wiring.signals.iter().map(|info| info.name.as_str());
+        let help = match document::suggest(name, names) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => String::from("bind it under `signals`, or use a variable's path"),
+        };
+        let message = format!("the trace has no signal `{name}`");
+        out.push(Diagnostic::error(codes::NOT_IN_TRACE, message).help(help));
+    }
+    found
+}
+
+/// Keeps why a value means nothing for its signal.
+pub(crate) fn meant(result: Result<(), String>, out: &mut Vec<Diagnostic>) {
+    if let Err(why) = result {
+        out.push(Diagnostic::error(codes::MEANING, why));
+    }
+}

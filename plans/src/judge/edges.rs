@@ -1,0 +1,247 @@
+//! Edges out of changes, and the first edge after an instant.
+
+use signal::Value;
+
+use super::{Point, Seen, Test, Truth};
+
+/// Which changes of a signal count.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Edge {
+    /// A line becomes TRUE, a number grows.
+    Rises,
+    /// A line is TRUE no longer (FALSE or not driven), a number shrinks.
+    Falls,
+    /// The value becomes another.
+    Changes,
+    /// The value meets a condition that it did not meet before.
+    Becomes(Test),
+}
+
+impl Edge {
+    /// Whether the change from `old` to `new`, both known, counts.
+    #[inline]
+    pub fn matches(&self, old: Value, new: Value, slack: f64) -> Truth {
+        match self {
+            Edge::Rises => Truth::of(grows(old, new)),
+            Edge::Falls => Truth::of(grows(new, old)),
+            Edge::Changes => Truth::of(old != new),
+            Edge::Becomes(test) => match (test.holds(old, slack), test.holds(new, slack)) {
+                (Truth::True, _) | (_, Truth::False) => Truth::False,
+                (Truth::False, Truth::True) => Truth::True,
+                _ => Truth::Unknown,
+            },
+        }
+    }
+
+    /// The word for one in the past: `rose`.
+    pub fn past(&self) -> &'static str {
+        match self {
+            Edge::Rises => "rose",
+            Edge::Falls => "fell",
+            Edge::Changes => "changed",
+            Edge::Becomes(_) => "came",
+        }
+    }
+}
+
+fn grows(old: Value, new: Value) -> bool {
+    let on = |value: Value| matches!(value, Value::Bool(true));
+    match (old, new) {
+        (Value::Bool(_) | Value::HighZ, _) | (_, Value::Bool(_) | Value::HighZ) => !on(old) && on(new),
+        _ => match (old.as_int(), new.as_int()) {
+            (Some(old), Some(new)) => new > old,
+            _ => matches!((old.as_real(), new.as_real()), (Some(old), Some(new)) if new > old),
+        },
+    }
+}
+
+/// A change that counts, or one that may be hidden in a stretch of which nothing is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// When, and who.
+    pub seen: Seen,
+    /// `false` for an edge that may not exist.
+    pub certain: bool,
+}
+
+/// Finds the edges of one kind in the events of one signal.
+#[derive(Clone, Debug)]
+pub struct Finder {
+    edge: Edge,
+    slack: f64,
+    last: Option<Value>,
+    /// The earliest instant from which the value is not known.
+    unknown_from: Option<i64>,
+    place: u64,
+}
+
+impl Finder {
+    /// Nothing is known of the signal before its first event.
+    pub fn new(edge: Edge, slack: f64) -> Self {
+        Finder { edge, slack, last: None, unknown_from: Some(i64::MIN), place: 0 }
+    }
+
+    /// The kind of edge.
+    pub fn edge(&self) -> &Edge {
+        &self.edge
+    }
+
+    /// The value after the last event, if it is known.
+    pub fn value(&self) -> Option<Value> {
+        self.last
+    }
+
+    /// The edge that this event makes.
+    #[inline]
+    pub fn see(&mut self, seen: &Seen) -> Option<Found> {
+        self.place = seen.place;
+        if matches!(seen.value, Value::Unknown) {
+            self.unknown_from.get_or_insert(seen.a);
+            self.last = None;
+            return None;
+        }
+        let old = self.last.replace(seen.value);
+        if let Some(from) = self.unknown_from.take() {
+            return Some(Found { seen: Seen { a: from, ..*seen }, certain: false });
+        }
+        match self.edge.matches(old?, seen.value, self.slack) {
+            Truth::True => Some(Found { seen: *seen, certain: true }),
+            Truth::Unknown => Some(Found { seen: *seen, certain: false }),
+            Truth::False => None,
+        }
+    }
+
+    /// The edge that may lie in an unknown stretch which lasts to the end.
+    pub fn rest(&self) -> Option<Found> {
+        let (value, cause) = (Value::Unknown, signal::Cause::Unknown);
+        let seen = Seen { a: self.unknown_from?, b: i64::MAX, place: self.place, value, cause };
+        Some(Found { seen, certain: false })
+    }
+}
+
+/// The first edge at or after an instant: is its delay within limits?
+///
+/// Each edge in turn is the first one in those placements that have the instant behind the edge before it.
+/// For each, the placements of the instant that make the delay right, too short or too long are intervals,
+/// so that nothing needs to be enumerated.
+#[derive(Clone, Debug)]
+pub struct First {
+    from: Point,
+    least: i64,
+    most: i64,
+    /// The earliest placement of the instant with all certain edges so far before it.
+    left: i64,
+    done: bool,
+    can_hold: bool,
+    can_be_early: bool,
+    can_be_late: bool,
+    /// Least and greatest delay of all placements so far.
+    delay: Option<(i64, i64)>,
+    /// The edge that is the first one, or may be.
+    deciding: Option<Found>,
+    doubtful: bool,
+}
+
+/// What the first edge came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Delay {
+    /// Some placement has it within the limits.
+    pub can_hold: bool,
+    /// Some placement has it before the limits.
+    pub can_be_early: bool,
+    /// Some placement has it after the limits.
+    pub can_be_late: bool,
+    /// Some placement has no edge at all.
+    pub can_be_missing: bool,
+    /// Least and greatest delay of the placements that have an edge, nanoseconds.
+    pub delay: Option<(i64, i64)>,
+    /// The first edge, or the first that may be it.
+    pub deciding: Option<Found>,
+    /// An edge may be hidden where nothing is known.
+    pub doubtful: bool,
+}
+
+impl First {
+    /// The first edge at or after `from`, wanted `least` to `most` nanoseconds later, both included.
+    pub fn new(from: Point, least: i64, most: i64) -> Self {
+        First {
+            from,
+            least,
+            most,
+            left: i64::MIN,
+            done: false,
+            can_hold: false,
+            can_be_early: false,
+            can_be_late: false,
+            delay: None,
+            deciding: None,
+            doubtful: false,
+        }
+    }
+
+    /// The next edge.
+    #[inline]
+    pub fn see(&mut self, found: &Found) {
+        if self.done {
+            return;
+        }
+        let seen = &found.seen;
+        // The instants that have this edge as the first at or after them.
+        let low = self.from.a.max(self.left);
+        let high = self.from.b.min(seen.after(&self.from));
+        if low <= high {
+            let soonest = i64::from(seen.place < self.from.place);
+            let least = self.least.max(soonest);
+            let right = (low.max(seen.a.saturating_sub(self.most)), high.min(seen.b.saturating_sub(least)));
+            self.can_hold |= least <= self.most && right.0 <= right.1;
+            self.can_be_late |= low <= high.min(seen.b.saturating_sub(self.most).saturating_sub(1));
+            self.can_be_early |= self.least > soonest
+                && low.max(seen.a.saturating_sub(self.least).saturating_add(1)) <= high;
+            self.doubtful |= !found.certain;
+            let delay = (seen.a.saturating_sub(high).max(soonest), seen.b.saturating_sub(low));
+            if found.certain {
+                self.delay = Some(match self.delay {
+                    Some(old) => (old.0.min(delay.0), old.1.max(delay.1)),
+                    None => delay,
+                });
+            }
+            if self.deciding.is_none_or(|old| found.certain && !old.certain) {
+                self.deciding = Some(*found);
+            }
+        }
+        if found.certain {
+            self.left = self.left.max(seen.before(&self.from));
+            self.done = self.left > self.from.b;
+        }
+    }
+
+    /// Whether no placement can be right whatever comes, when nothing unseen lies before `now`.
+    pub fn lost(&self, now: i64) -> bool {
+        !self.can_hold && (self.done || now > self.from.b.saturating_add(self.most))
+    }
+
+    /// Whether later edges do not matter.
+    pub fn is_done(&self) -> bool {
+        self.done
+    }
+
+    /// The judgement when no edge comes any more.
+    pub fn finish(&self) -> Delay {
+        Delay {
+            can_hold: self.can_hold,
+            can_be_early: self.can_be_early,
+            can_be_late: self.can_be_late,
+            can_be_missing: !self.done && self.from.a.max(self.left) <= self.from.b,
+            delay: self.delay,
+            deciding: self.deciding,
+            doubtful: self.doubtful,
+        }
+    }
+}
+
+impl Delay {
+    /// Some placement is wrong.
+    pub fn can_break(&self) -> bool {
+        self.can_be_early || self.can_be_late || self.can_be_missing
+    }
+}

@@ -1,0 +1,135 @@
+//! Watching claims while the trace grows, only to notice early that one is lost.
+//!
+//! A claim is watched from the moment that the instants it hangs on are known. What is noticed here never
+//! becomes a verdict: the last reading decides.
+
+use signal::{Event, SignalInfo};
+
+use super::order::Orderer;
+use super::scene::lag;
+use super::{Monitor, Scene, Seen};
+use crate::expect::Expectation;
+use crate::lang::Anchor;
+
+/// How far a claim is watched.
+enum Watch {
+    /// An instant is still to come.
+    Waiting,
+    /// Fed; `open` if the end of its window is still to come.
+    Running { monitor: Box<dyn Monitor>, open: bool },
+    /// Not watched any more.
+    Over { lost: bool },
+}
+
+/// A signal with the claims that look at it.
+struct Line {
+    orderer: Orderer,
+    followers: Vec<(usize, usize)>,
+    last: Option<Seen>,
+}
+
+/// The claims under watch.
+pub(crate) struct Live {
+    watches: Vec<Watch>,
+    /// How late an event of a claim's signals can become known, nanoseconds.
+    lags: Vec<i64>,
+    lines: Vec<Line>,
+    now: i64,
+}
+
+impl Live {
+    pub(crate) fn new(expectations: &[Expectation], signals: &[SignalInfo]) -> Live {
+        let line = |_| Line { orderer: Orderer::default(), followers: Vec::new(), last: None };
+        let mut live = Live {
+            watches: Vec::new(),
+            lags: Vec::new(),
+            lines: signals.iter().map(line).collect(),
+            now: i64::MIN,
+        };
+        for (at, expectation) in expectations.iter().enumerate() {
+            let mut latest = 0;
+            for (slot, name) in expectation.claim.signals().iter().enumerate() {
+                if let Some(place) = signals.iter().position(|info| info.name == *name) {
+                    live.lines[place].followers.push((at, slot));
+                    latest = latest.max(lag(&signals[place]).as_nanos());
+                }
+            }
+            live.lags.push(latest);
+            // What looks back needs what was before; what looks at the end is decided there.
+            let back = expectation.claim.anchors().iter().any(|anchor| anchor.offset.is_negative());
+            live.watches.push(if back { Watch::Over { lost: false } } else { Watch::Waiting });
+        }
+        live
+    }
+
+    #[inline]
+    pub(crate) fn feed(&mut self, event: &Event, place: u64) {
+        self.now = self.now.max(event.at.earliest.as_nanos());
+        let Some(line) = self.lines.get_mut(event.signal.0 as usize) else { return };
+        if line.followers.is_empty() {
+            return;
+        }
+        let Line { orderer, followers, last } = line;
+        let watches = &mut self.watches;
+        orderer.push(event, place, |seen| {
+            *last = Some(*seen);
+            for (watch, slot) in followers.iter() {
+                if let Watch::Running { monitor, .. } = &mut watches[*watch] {
+                    monitor.feed(*slot, seen);
+                }
+            }
+        });
+    }
+
+    /// An instant became known at `now`.
+    pub(crate) fn news(&mut self, expectations: &[Expectation], scene: &Scene<'_>, now: i64) {
+        for (at, expectation) in expectations.iter().enumerate() {
+            let claim = &expectation.claim;
+            let open = || claim.anchors().iter().any(|anchor| scene.point(anchor).is_err());
+            match &mut self.watches[at] {
+                Watch::Over { .. } => {}
+                Watch::Running { monitor, open: was_open } => {
+                    if *was_open && !open() {
+                        // The window ends here or a known time after: an open end would stretch too far.
+                        let lost = monitor.lost(now.saturating_sub(self.lags[at]));
+                        self.watches[at] = Watch::Over { lost };
+                    }
+                }
+                Watch::Waiting => self.begin(at, expectation, scene, now, open()),
+            }
+        }
+    }
+
+    fn begin(&mut self, at: usize, expectation: &Expectation, scene: &Scene<'_>, now: i64, open: bool) {
+        let claim = &expectation.claim;
+        if claim.anchors().contains(&&Anchor::END) && scene.point(&Anchor::END).is_ok() {
+            self.watches[at] = Watch::Over { lost: false };
+            return;
+        }
+        let Ok(mut monitor) = claim.start(scene) else { return };
+        for line in &self.lines {
+            for (_, slot) in line.followers.iter().filter(|(watch, _)| *watch == at) {
+                match line.last {
+                    // Events that may lie behind the instant would have to be fed, and only the last is kept.
+                    last if !line.orderer.is_idle() || last.is_some_and(|last| last.b > now) => {
+                        self.watches[at] = Watch::Over { lost: false };
+                        return;
+                    }
+                    Some(last) => monitor.feed(*slot, &last),
+                    None => {}
+                }
+            }
+        }
+        self.watches[at] = Watch::Running { monitor, open };
+    }
+
+    /// Whether a claim is lost.
+    pub(crate) fn lost(&mut self) -> bool {
+        let (now, lags) = (self.now, &self.lags);
+        self.watches.iter_mut().zip(lags).any(|(watch, lag)| match watch {
+            Watch::Waiting => false,
+            Watch::Running { monitor, .. } => monitor.lost(now.saturating_sub(*lag)),
+            Watch::Over { lost } => *lost,
+        })
+    }
+}

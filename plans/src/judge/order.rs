@@ -1,0 +1,59 @@
+//! Events of one signal keep their order: each interval is cut down to what its neighbours leave possible.
+//!
+//! After this, both ends of the intervals of one signal never run backwards, and every instant that is left
+//! in an interval belongs to some consistent placement of all of them. Every judgement relies on that.
+
+use std::collections::VecDeque;
+
+use signal::Event;
+
+use super::Seen;
+
+/// Most events of one signal that wait for a successor. Beyond it the oldest passes with the interval it has:
+/// wider than need be, so that a verdict can become inconclusive by it but never wrong.
+const WAITING: usize = 256;
+
+/// The events of one signal on their way to the monitors.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Orderer {
+    waiting: VecDeque<Seen>,
+    earliest: Option<i64>,
+}
+
+impl Orderer {
+    /// Takes the next event of the signal and hands on those whose intervals are final.
+    #[inline]
+    pub(crate) fn push(&mut self, event: &Event, place: u64, mut out: impl FnMut(&Seen)) {
+        let a = event.at.earliest.as_nanos().max(self.earliest.unwrap_or(i64::MIN));
+        let b = event.at.latest.as_nanos().max(a);
+        self.earliest = Some(a);
+        let seen = Seen { a, b, place, value: event.value, cause: event.cause };
+        if self.waiting.is_empty() && a == b {
+            out(&seen);
+            return;
+        }
+        // What can end after `b` cannot: this one comes later and ends at `b`.
+        for earlier in self.waiting.iter_mut().rev().take_while(|earlier| earlier.b > b) {
+            earlier.b = b.max(earlier.a);
+        }
+        self.waiting.push_back(seen);
+        // Whatever comes next begins at `a` or later, so an event that ends by then is final.
+        while self.waiting.front().is_some_and(|first| first.b <= a) || self.waiting.len() > WAITING {
+            if let Some(first) = self.waiting.pop_front() {
+                out(&first);
+            }
+        }
+    }
+
+    /// Whether nothing waits.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
+    /// Hands on what still waits: nothing comes any more.
+    pub(crate) fn drain(&mut self, mut out: impl FnMut(&Seen)) {
+        for seen in self.waiting.drain(..) {
+            out(&seen);
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! What a claim starts from: the signals and the instants of one case.
+
+use std::fmt;
+
+use signal::{Sampling, SignalInfo, Span};
+
+use super::anchors::Anchors;
+use super::{Point, Window};
+use crate::lang::Anchor;
+
+/// The signals of a trace.
+#[derive(Clone, Copy, Debug)]
+pub struct Wiring<'a> {
+    /// All of them, by their places in the trace.
+    pub signals: &'a [SignalInfo],
+}
+
+impl<'a> Wiring<'a> {
+    /// The signal of this name.
+    pub fn find(&self, name: &str) -> Option<&'a SignalInfo> {
+        self.signals.iter().find(|info| info.name == name)
+    }
+}
+
+/// Why a claim was not judged. The verdict is then inconclusive: no evidence is no pass, and no failure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NotJudged {
+    /// The instant that it hangs on never came.
+    NeverCame(String),
+    /// Its window ends before it begins, or has no length.
+    EmptyWindow(String),
+    /// The trace has no signal of this name.
+    NoSignal(String),
+    /// A value of the claim means nothing for its signal.
+    NoMeaning(String),
+}
+
+impl fmt::Display for NotJudged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotJudged::NeverCame(anchor) => write!(f, "`{anchor}` never came"),
+            NotJudged::EmptyWindow(window) => write!(f, "the window from {window} is empty"),
+            NotJudged::NoSignal(name) => write!(f, "the trace has no signal `{name}`"),
+            NotJudged::NoMeaning(why) => f.write_str(why),
+        }
+    }
+}
+
+/// The signals and instants of one case.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    pub(crate) signals: &'a [SignalInfo],
+    pub(crate) anchors: &'a Anchors,
+    /// While the trace grows: an end that is not known yet lies at this instant or later.
+    pub(crate) open_from: Option<i64>,
+}
+
+impl<'a> Scene<'a> {
+    /// An instant.
+    ///
+    /// # Errors
+    /// [`NotJudged::NeverCame`].
+    pub fn point(&self, anchor: &Anchor) -> Result<Point, NotJudged> {
+        self.anchors.resolve(anchor).ok_or_else(|| NotJudged::NeverCame(anchor.to_string()))
+    }
+
+    /// A window.
+    ///
+    /// # Errors
+    /// [`NotJudged`] if an end never came or the window is empty in every placement.
+    pub fn window(&self, from: &Anchor, until: &Anchor) -> Result<Window, NotJudged> {
+        let start = self.point(from)?;
+        let end = match (self.point(until), self.open_from) {
+            (Err(_), Some(now)) => {
+                Point { a: now, b: i64::MAX, place: u64::MAX, base: u32::MAX, offset: 0 }
+            }
+            (end, _) => end?,
+        };
+        Window::new(start, end).ok_or_else(|| NotJudged::EmptyWindow(format!("{from} until {until}")))
+    }
+
+    /// The end of the case; later than all time while it is not known.
+    pub fn end(&self) -> i64 {
+        self.anchors.resolve(&Anchor::END).map_or(i64::MAX, |end| end.b)
+    }
+
+    /// A signal.
+    ///
+    /// # Errors
+    /// [`NotJudged::NoSignal`].
+    pub fn signal(&self, name: &str) -> Result<&'a SignalInfo, NotJudged> {
+        Wiring { signals: self.signals }.find(name).ok_or_else(|| NotJudged::NoSignal(name.to_owned()))
+    }
+}
+
+/// The width of pulses that a channel can miss without a sign, if the claim speaks of such short ones:
+/// `longer_than` is what the plan says of the pulses that matter.
+///
+/// Only sampled channels count: one that stamps edges reports what it lost, and a run that lost events is no
+/// pass.
+pub fn blind(info: &SignalInfo, longer_than: Option<Span>) -> Option<Span> {
+    let missed = match (info.sampling, info.policy) {
+        (Sampling::Sampled { period }, _) => info.shortest_pulse.max(period),
+        (_, signal::Policy::AtMostEvery(span)) => span,
+        _ => return None,
+    };
+    // Pulses of exactly the shortest certain width are seen.
+    longer_than.is_none_or(|stated| stated < missed).then_some(missed)
+}
+
+/// How late an event of the signal can become known: the latest stamp that is still to come.
+pub(crate) fn lag(info: &SignalInfo) -> Span {
+    match info.sampling {
+        Sampling::Edges { resolution } => resolution,
+        Sampling::Sampled { period } => period,
+    }
+}

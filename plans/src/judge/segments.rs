@@ -1,0 +1,158 @@
+//! Does a signal keep out of its forbidden values for a whole window?
+//!
+//! The signal's life is cut into segments: allowed, forbidden, unknown. Neighbouring forbidden segments are
+//! one. The claim can break if some forbidden or unknown segment can meet the window; it can hold if the
+//! window can be placed wholly between two forbidden segments. Because the intervals of one signal never run
+//! backwards (see [`super::order`]), both questions are answered exactly by looking at each segment once.
+
+use signal::{Cause, Value};
+
+use super::{Seen, Truth, Window};
+
+/// The segment that speaks most clearly against the claim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Breach {
+    /// Earliest and latest beginning, nanoseconds.
+    pub start: (i64, i64),
+    /// Earliest and latest end, nanoseconds; `i64::MAX` for one that lasts.
+    pub end: (i64, i64),
+    /// The value with which it began.
+    pub value: Value,
+    /// Who began it.
+    pub cause: Cause,
+    /// How clearly it speaks.
+    pub weight: Weight,
+}
+
+/// How clearly a segment speaks against a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Weight {
+    /// Its value is not known, and it can lie in the window.
+    Unknown,
+    /// It is forbidden and can lie in the window.
+    Possible,
+    /// It is forbidden and lies in the window in every placement.
+    Certain,
+}
+
+/// The judgement on one window.
+#[derive(Clone, Debug)]
+pub struct Segments {
+    window: Window,
+    class: Truth,
+    since: Seen,
+    /// The earliest end of the last forbidden segment.
+    free_from: i64,
+    can_hold: bool,
+    worst: Option<Breach>,
+    /// The least distance of a forbidden segment that keeps out of the window, nanoseconds.
+    distance: Option<i64>,
+}
+
+impl Segments {
+    /// Nothing is known yet: the signal's value is unknown until its first event.
+    pub fn new(window: Window) -> Self {
+        let since =
+            Seen { a: i64::MIN, b: i64::MIN, place: 0, value: Value::Unknown, cause: Cause::Unknown };
+        Segments {
+            window,
+            class: Truth::Unknown,
+            since,
+            free_from: i64::MIN,
+            can_hold: false,
+            worst: None,
+            distance: None,
+        }
+    }
+
+    /// The next event, and whether its value is allowed.
+    #[inline]
+    pub fn change(&mut self, class: Truth, seen: &Seen) {
+        if class == self.class {
+            return;
+        }
+        self.close((seen.a, seen.b));
+        if class == Truth::False {
+            self.can_hold |= self.window.fits(self.free_from, seen.b);
+        }
+        self.class = class;
+        self.since = *seen;
+    }
+
+    /// A forbidden or unknown segment with ends that hang on different signals, in the order of beginnings.
+    pub fn segment(&mut self, class: Truth, start: &Seen, end: (i64, i64)) {
+        self.change(class, start);
+        let over = Seen { a: end.0, b: end.1, value: Value::Unknown, cause: Cause::Unknown, ..*start };
+        self.change(Truth::True, &over);
+    }
+
+    fn close(&mut self, end: (i64, i64)) {
+        if self.class == Truth::True {
+            return;
+        }
+        let start = (self.since.a, self.since.b);
+        if self.class == Truth::False {
+            self.free_from = end.0;
+        }
+        if self.window.can_meet(start.0, end.1) {
+            let weight = match self.class {
+                Truth::False if self.window.must_meet(start.1, end.0) => Weight::Certain,
+                Truth::False => Weight::Possible,
+                _ => Weight::Unknown,
+            };
+            if self.worst.is_none_or(|worst| weight > worst.weight) {
+                let (value, cause) = (self.since.value, self.since.cause);
+                self.worst = Some(Breach { start, end, value, cause, weight });
+            }
+        } else if self.class == Truth::False {
+            let before = self.window.from.a.saturating_sub(end.1);
+            let after = start.0.saturating_sub(self.window.until.b);
+            let apart = before.max(after).max(0);
+            self.distance = Some(self.distance.map_or(apart, |least| least.min(apart)));
+        }
+    }
+
+    /// Whether the claim is lost whatever comes, as far as is known at `now`: an open segment lasts at least
+    /// until then.
+    pub fn lost(&self, now: i64) -> bool {
+        let open = self.class == Truth::False && self.window.must_meet(self.since.b, now);
+        open || self.worst.is_some_and(|worst| worst.weight == Weight::Certain)
+    }
+
+    /// The window's end is not known yet; it lies at `now` or later.
+    pub fn advance(&mut self, now: i64) {
+        self.window.until.a = self.window.until.a.max(now.min(self.window.until.b));
+    }
+
+    /// The judgement when nothing comes any more.
+    pub fn finish(&mut self) -> Kept {
+        self.close((i64::MAX, i64::MAX));
+        if self.class != Truth::False {
+            self.can_hold |= self.window.fits(self.free_from, i64::MAX);
+        }
+        Kept {
+            can_hold: self.can_hold,
+            can_break: self.worst.is_some(),
+            worst: self.worst,
+            distance: self.distance,
+        }
+    }
+
+    /// The window.
+    pub fn window(&self) -> &Window {
+        &self.window
+    }
+}
+
+/// Whether a signal kept out of its forbidden values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kept {
+    /// Some placement keeps it out.
+    pub can_hold: bool,
+    /// Some placement has it inside.
+    pub can_break: bool,
+    /// What speaks most clearly against it, the first of its kind.
+    pub worst: Option<Breach>,
+    /// The distance of the nearest forbidden segment that certainly keeps out of the window, nanoseconds.
+    pub distance: Option<i64>,
+}

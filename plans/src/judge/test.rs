@@ -1,0 +1,203 @@
+//! Conditions on a value, answered with true, false or unknown.
+
+use std::cmp::Ordering;
+
+use signal::{Policy, SignalInfo, Value};
+
+/// The answer to a condition on a value that may not be known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Truth {
+    /// It holds.
+    True,
+    /// It does not hold.
+    False,
+    /// The value, or how exactly it is known, leaves it open.
+    Unknown,
+}
+
+impl Truth {
+    /// The answer of something that is known.
+    pub const fn of(holds: bool) -> Truth {
+        if holds { Truth::True } else { Truth::False }
+    }
+
+    /// The opposite; unknown stays unknown.
+    #[must_use]
+    pub const fn not(self) -> Truth {
+        match self {
+            Truth::True => Truth::False,
+            Truth::False => Truth::True,
+            Truth::Unknown => Truth::Unknown,
+        }
+    }
+
+    /// Whether it may hold.
+    pub const fn possible(self) -> bool {
+        !matches!(self, Truth::False)
+    }
+}
+
+/// A number of a condition: exact where it can be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// A whole number.
+    Int(i128),
+    /// Any other, finite.
+    Real(f64),
+}
+
+impl Number {
+    /// The number as a real one.
+    pub fn as_real(self) -> f64 {
+        match self {
+            Number::Int(n) => n as f64,
+            Number::Real(r) => r,
+        }
+    }
+
+    fn of(value: Value) -> Option<Number> {
+        match value {
+            Value::Real(real) => Some(Number::Real(real)),
+            other => other.as_int().map(Number::Int),
+        }
+    }
+
+    /// `None` only for a NaN.
+    fn compare(self, other: Number) -> Option<Ordering> {
+        match (self, other) {
+            (Number::Int(a), Number::Int(b)) => Some(a.cmp(&b)),
+            (a, b) => a.as_real().partial_cmp(&b.as_real()),
+        }
+    }
+}
+
+/// A condition on a value, in the terms of one signal.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Test {
+    /// It is one of these numbers; `TRUE` is 1.
+    OneOf(Vec<Number>),
+    /// It is a number within these limits, both included.
+    Range {
+        /// The least that is allowed.
+        min: Option<Number>,
+        /// The greatest that is allowed.
+        max: Option<Number>,
+    },
+    /// Nobody drives the line.
+    HighZ,
+    /// The condition does not hold.
+    Not(Box<Test>),
+}
+
+impl Test {
+    /// It is TRUE, or a number other than 0 is required by `Not` of `FALSE`.
+    pub fn bool(on: bool) -> Test {
+        Test::OneOf(vec![Number::Int(i128::from(on))])
+    }
+
+    /// Whether a value meets the condition. `slack` is how far a real value may be from what is recorded.
+    #[inline]
+    pub fn holds(&self, value: Value, slack: f64) -> Truth {
+        if matches!(value, Value::Unknown) {
+            return Truth::Unknown;
+        }
+        match self {
+            Test::Not(inner) => inner.holds(value, slack).not(),
+            Test::HighZ => Truth::of(matches!(value, Value::HighZ)),
+            Test::OneOf(wanted) => match Number::of(value) {
+                None => Truth::False,
+                Some(Number::Real(real)) if slack > 0.0 => {
+                    let near = wanted.iter().any(|want| (want.as_real() - real).abs() <= slack);
+                    if near { Truth::Unknown } else { Truth::False }
+                }
+                Some(number) => Truth::of(wanted.iter().any(|want| number.compare(*want) == Some(Ordering::Equal))),
+            },
+            Test::Range { min, max } => match Number::of(value) {
+                None => Truth::False,
+                Some(Number::Real(real)) if slack > 0.0 => {
+                    let inside = |real: f64| within(Number::Real(real), *min, *max);
+                    let reaches = min.is_none_or(|min| real + slack >= min.as_real())
+                        && max.is_none_or(|max| real - slack <= max.as_real());
+                    match (inside(real - slack) && inside(real + slack), reaches) {
+                        (true, _) => Truth::True,
+                        (false, true) => Truth::Unknown,
+                        (false, false) => Truth::False,
+                    }
+                }
+                Some(number) => Truth::of(within(number, *min, *max)),
+            },
+        }
+    }
+
+    /// How far inside its limits a value is, negative outside; `None` where the condition has no limits.
+    pub fn margin(&self, value: Value) -> Option<f64> {
+        let Test::Range { min, max } = self else { return None };
+        let number = Number::of(value)?;
+        let below = max.map(|max| distance(number, max));
+        let above = min.map(|min| distance(min, number));
+        match (below, above) {
+            (Some(below), Some(above)) => Some(below.min(above)),
+            (one, other) => one.or(other),
+        }
+    }
+}
+
+fn within(number: Number, min: Option<Number>, max: Option<Number>) -> bool {
+    min.is_none_or(|min| matches!(number.compare(min), Some(Ordering::Greater | Ordering::Equal)))
+        && max.is_none_or(|max| matches!(number.compare(max), Some(Ordering::Less | Ordering::Equal)))
+}
+
+/// From `low` up to `high`.
+fn distance(low: Number, high: Number) -> f64 {
+    match (low, high) {
+        (Number::Int(low), Number::Int(high)) => high.saturating_sub(low) as f64,
+        (low, high) => high.as_real() - low.as_real(),
+    }
+}
+
+/// How far a signal's true value may be from the recorded one.
+pub fn slack(info: &SignalInfo) -> f64 {
+    match info.policy {
+        Policy::Deadband(width) if width.is_finite() => width.abs(),
+        _ => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_at_the_limit_is_inside() {
+        let test = Test::Range { min: Some(Number::Int(10)), max: Some(Number::Real(20.5)) };
+        assert_eq!(test.holds(Value::Int(10), 0.0), Truth::True);
+        assert_eq!(test.holds(Value::Int(9), 0.0), Truth::False);
+        assert_eq!(test.holds(Value::Real(20.5), 0.0), Truth::True);
+        assert_eq!(test.holds(Value::Real(f64::NAN), 0.0), Truth::False);
+        assert_eq!(test.margin(Value::Int(12)), Some(2.0));
+        assert_eq!(test.margin(Value::Real(21.0)), Some(-0.5));
+    }
+
+    #[test]
+    fn a_deadband_leaves_values_near_a_limit_open() {
+        let test = Test::Range { min: None, max: Some(Number::Real(10.0)) };
+        assert_eq!(test.holds(Value::Real(9.7), 0.5), Truth::Unknown);
+        assert_eq!(test.holds(Value::Real(9.4), 0.5), Truth::True);
+        assert_eq!(test.holds(Value::Real(10.6), 0.5), Truth::False);
+    }
+
+    #[test]
+    fn a_line_that_nobody_drives_is_neither_true_nor_false() {
+        assert_eq!(Test::bool(false).holds(Value::HighZ, 0.0), Truth::False);
+        assert_eq!(Test::bool(true).holds(Value::HighZ, 0.0), Truth::False);
+        assert_eq!(Test::HighZ.holds(Value::HighZ, 0.0), Truth::True);
+        assert_eq!(Test::bool(true).holds(Value::Unknown, 0.0), Truth::Unknown);
+    }
+
+    #[test]
+    fn large_numbers_stay_exact() {
+        let test = Test::OneOf(vec![Number::Int(i128::from(u64::MAX))]);
+        assert_eq!(test.holds(Value::Word(u64::MAX), 0.0), Truth::True);
+        assert_eq!(test.holds(Value::Word(u64::MAX - 1), 0.0), Truth::False);
+    }
+}

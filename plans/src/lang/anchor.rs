@@ -1,0 +1,285 @@
+//! Instants of a plan: `start + 1 s`, `busy`, `train.pulse[1000] - 2 us`, `cut.done + $wait`.
+//!
+//! ```text
+//! anchor = base { ("+" | "-") duration }
+//! base   = "start" | "end" | id | id ".done" | id ".pulse[" number "]"
+//! ```
+//! An id may contain `-` before a letter; everywhere else `-` subtracts.
+
+use std::fmt;
+use std::ops::Range;
+
+use signal::{ParseTimeError, Span};
+
+use super::words::id_length;
+
+/// What an instant counts from.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Base {
+    /// The controller is booted, in its initial state, at the first release of MAST.
+    Start,
+    /// The end of the case.
+    End,
+    /// The step of this id begins.
+    Step(String),
+    /// All that the step of this id does is done: the pulse is over, the power is back.
+    StepDone(String),
+    /// The rising edge of a pulse of the train that the step emits, counted from 1.
+    Pulse {
+        /// Id of the step.
+        step: String,
+        /// Number of the pulse, from 1.
+        n: u64,
+    },
+}
+
+impl Base {
+    /// The id of the step it hangs on, if any.
+    pub fn step(&self) -> Option<&str> {
+        match self {
+            Base::Start | Base::End => None,
+            Base::Step(id) | Base::StepDone(id) | Base::Pulse { step: id, .. } => Some(id),
+        }
+    }
+}
+
+impl fmt::Display for Base {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Base::Start => f.write_str("start"),
+            Base::End => f.write_str("end"),
+            Base::Step(id) => f.write_str(id),
+            Base::StepDone(id) => write!(f, "{id}.done"),
+            Base::Pulse { step, n } => write!(f, "{step}.pulse[{n}]"),
+        }
+    }
+}
+
+/// An instant: a base and a signed distance from it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Anchor {
+    /// What it counts from.
+    pub base: Base,
+    /// How long after the base, negative for before.
+    pub offset: Span,
+}
+
+impl Anchor {
+    /// The start of the case's stimuli.
+    pub const START: Anchor = Anchor { base: Base::Start, offset: Span::ZERO };
+    /// The end of the case.
+    pub const END: Anchor = Anchor { base: Base::End, offset: Span::ZERO };
+
+    /// Reads an instant.
+    ///
+    /// # Errors
+    /// [`AnchorError`] with the bytes of the text at fault.
+    pub fn parse(text: &str) -> Result<Anchor, AnchorError> {
+        parse(text)
+    }
+}
+
+impl fmt::Display for Anchor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.base)?;
+        match self.offset {
+            Span::ZERO => Ok(()),
+            below if below.is_negative() && below != Span::from_nanos(i64::MIN) => write!(f, " - {}", -below),
+            offset => write!(f, " + {offset}"),
+        }
+    }
+}
+
+/// Why a text is no instant.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AnchorError {
+    /// Bytes of the text at fault.
+    pub at: Range<usize>,
+    /// What is wrong there.
+    pub fault: AnchorFault,
+}
+
+/// What can be wrong with an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnchorFault {
+    /// No base where one is expected.
+    Base,
+    /// A duration stands where a base is expected.
+    NoBase,
+    /// A part of a step that does not exist.
+    Part,
+    /// Not a pulse's number from 1.
+    Number,
+    /// Neither `+` nor `-`.
+    Operator,
+    /// Not a duration.
+    Duration(ParseTimeError),
+    /// The sum is beyond 292 years.
+    TooLarge,
+}
+
+impl fmt::Display for AnchorFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            AnchorFault::Base => f.write_str("expected `start`, `end` or the id of a step"),
+            AnchorFault::NoBase => {
+                f.write_str("a duration alone is no instant: say from where, as in `start + 1 s`")
+            }
+            AnchorFault::Part => f.write_str("a step has `.done` and, if it is a train, `.pulse[n]`"),
+            AnchorFault::Number => f.write_str("expected the number of a pulse, from 1, as in `.pulse[1000]`"),
+            AnchorFault::Operator => f.write_str("expected `+` or `-` and a duration, or nothing"),
+            AnchorFault::Duration(error) => error.fmt(f),
+            AnchorFault::TooLarge => f.write_str("further than 292 years away"),
+        }
+    }
+}
+
+fn parse(text: &str) -> Result<Anchor, AnchorError> {
+    let fail = |at: Range<usize>, fault| Err(AnchorError { at, fault });
+    let mut at = skip_blanks(text, 0);
+    let length = id_length(&text[at..]);
+    if length == 0 {
+        let fault = if Span::parse(text).is_ok() { AnchorFault::NoBase } else { AnchorFault::Base };
+        return fail(at..word_end(text, at), fault);
+    }
+    let id = &text[at..at + length];
+    at += length;
+    let mut base = match id {
+        "start" => Base::Start,
+        "end" => Base::End,
+        _ => Base::Step(id.to_owned()),
+    };
+    if text[at..].starts_with('.') {
+        let (part, after) = part(text, id, at)?;
+        base = part;
+        at = after;
+    }
+    let mut total = 0i128;
+    loop {
+        at = skip_blanks(text, at);
+        let Some(operator) = text[at..].chars().next() else { break };
+        let sign = match operator {
+            '+' => 1,
+            '-' => -1,
+            _ => return fail(at..word_end(text, at), AnchorFault::Operator),
+        };
+        let from = skip_blanks(text, at + 1);
+        let end = duration_end(text, from);
+        match Span::parse(&text[from..end]) {
+            Ok(span) => total += sign * i128::from(span.as_nanos()),
+            Err(error) => {
+                let place = (from + error.offset()).min(text.len());
+                return fail(place..word_end(text, place), AnchorFault::Duration(error));
+            }
+        }
+        at = end;
+    }
+    match i64::try_from(total) {
+        Ok(nanos) if nanos != i64::MIN => Ok(Anchor { base, offset: Span::from_nanos(nanos) }),
+        _ => fail(0..text.len(), AnchorFault::TooLarge),
+    }
+}
+
+/// The part of a step behind the dot at `dot`.
+fn part(text: &str, id: &str, dot: usize) -> Result<(Base, usize), AnchorError> {
+    let rest = &text[dot + 1..];
+    if matches!(id, "start" | "end") {
+        return Err(AnchorError { at: dot..word_end(text, dot), fault: AnchorFault::Part });
+    }
+    if let Some(inside) = rest.strip_prefix("pulse[") {
+        let from = dot + 1 + "pulse[".len();
+        let end = inside.find(']').map_or(text.len(), |end| from + end);
+        return match text[from..end].trim().parse::<u64>() {
+            Ok(n) if n > 0 && end < text.len() => Ok((Base::Pulse { step: id.to_owned(), n }, end + 1)),
+            _ => Err(AnchorError { at: from..end, fault: AnchorFault::Number }),
+        };
+    }
+    let length = id_length(rest);
+    if &rest[..length] == "done" {
+        return Ok((Base::StepDone(id.to_owned()), dot + 1 + length));
+    }
+    Err(AnchorError { at: dot + 1..(dot + 1 + length).max(dot + 1), fault: AnchorFault::Part })
+}
+
+/// The end of the duration at `from`: the next operator, but not the sign right at the beginning.
+fn duration_end(text: &str, from: usize) -> usize {
+    let signed = usize::from(text[from..].starts_with(['+', '-']));
+    text[from + signed..].find(['+', '-']).map_or(text.len(), |end| from + signed + end)
+}
+
+fn skip_blanks(text: &str, at: usize) -> usize {
+    at + (text[at..].len() - text[at..].trim_start().len())
+}
+
+fn word_end(text: &str, at: usize) -> usize {
+    text[at..].find(char::is_whitespace).map_or(text.len(), |end| at + end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn step(id: &str, offset: Span) -> Anchor {
+        Anchor { base: Base::Step(id.into()), offset }
+    }
+
+    #[test]
+    fn instants_read() {
+        assert_eq!(Anchor::parse("start"), Ok(Anchor::START));
+        assert_eq!(Anchor::parse(" busy + 102 ms "), Ok(step("busy", Span::from_millis(102))));
+        assert_eq!(Anchor::parse("busy-2 ms"), Ok(step("busy", Span::from_millis(-2))));
+        assert_eq!(Anchor::parse("power-cut + 2 s + 0.37 ms"), Ok(step("power-cut", Span::from_micros(2_000_370))));
+        assert_eq!(Anchor::parse("a + 1 min 30 s - 1 s"), Ok(step("a", Span::from_secs(89))));
+        assert_eq!(Anchor::parse("a + -2 ms"), Ok(step("a", Span::from_millis(-2))));
+        let pulse = Base::Pulse { step: "train".into(), n: 1000 };
+        assert_eq!(Anchor::parse("train.pulse[1000]"), Ok(Anchor { base: pulse, offset: Span::ZERO }));
+        let done = Base::StepDone("cut".into());
+        assert_eq!(Anchor::parse("cut.done"), Ok(Anchor { base: done, offset: Span::ZERO }));
+    }
+
+    #[test]
+    fn faults_name_their_place() {
+        let fault = |text: &str| Anchor::parse(text).map_err(|error| (error.at, error.fault)).unwrap_err();
+        assert_eq!(fault(""), (0..0, AnchorFault::Base));
+        assert_eq!(fault("1 s"), (0..1, AnchorFault::NoBase));
+        assert_eq!(fault("start 1 s"), (6..7, AnchorFault::Operator));
+        assert_eq!(fault("start + 1"), (8..9, AnchorFault::Duration(ParseTimeError::MissingUnit(0))));
+        assert_eq!(fault("start + 1 s + 2 sec"), (16..19, AnchorFault::Duration(ParseTimeError::UnknownUnit(2))));
+        assert_eq!(fault("start +"), (7..7, AnchorFault::Duration(ParseTimeError::Empty)));
+        assert_eq!(fault("a.pulse[0]"), (8..9, AnchorFault::Number));
+        assert_eq!(fault("a.pulse[1"), (8..9, AnchorFault::Number));
+        assert_eq!(fault("a.ready"), (2..7, AnchorFault::Part));
+        assert_eq!(fault("start.done"), (5..10, AnchorFault::Part));
+        assert_eq!(fault("a + 290 d + 290000 d").1, AnchorFault::Duration(ParseTimeError::TooLarge));
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_reads_back(
+            offset in -i64::MAX..=i64::MAX,
+            id in "[a-z_][a-z0-9_]{0,8}(-[a-z][a-z0-9]{0,3})?",
+            part in 0u8..3,
+            n in 1u64..u64::MAX,
+        ) {
+            prop_assume!(id != "start" && id != "end");
+            let base = match part {
+                0 => Base::Step(id),
+                1 => Base::StepDone(id),
+                _ => Base::Pulse { step: id, n },
+            };
+            let anchor = Anchor { base, offset: Span::from_nanos(offset) };
+            prop_assert_eq!(Anchor::parse(&anchor.to_string()), Ok(anchor));
+        }
+
+        #[test]
+        fn no_text_panics(text in "\\PC*", near in "(start|a|a\\.pulse\\[|\\.done| |\\+|-|[0-9]{1,3}|s|ms|µ){0,9}") {
+            for text in [text, near] {
+                if let Err(error) = Anchor::parse(&text) {
+                    prop_assert!(error.at.start <= error.at.end && error.at.end <= text.len());
+                    prop_assert!(text.is_char_boundary(error.at.start));
+                }
+            }
+        }
+    }
+}

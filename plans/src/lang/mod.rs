@@ -1,0 +1,20 @@
+//! The small languages inside a plan's texts: instants, values, needs and references. One grammar each, and
+//! errors that point inside the text.
+
+mod anchor;
+mod decimal;
+mod literal;
+mod need;
+mod operand;
+mod reference;
+mod words;
+
+pub use anchor::{Anchor, AnchorError, AnchorFault, Base};
+pub use decimal::Decimal;
+pub use literal::{Literal, LiteralFault};
+pub use need::{Amount, Bound, CAPABILITIES, Capability, Measure, Need, NeedFault, Relation};
+pub(crate) use need::millihertz;
+pub use operand::{Operand, OperandError};
+pub(crate) use reference::has_reference;
+pub use reference::{Bindings, MAX_VALUE_BYTES, substitute};
+pub use words::{is_id, is_path};

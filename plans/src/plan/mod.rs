@@ -1,0 +1,241 @@
+//! A plan and its concrete cases.
+
+mod build;
+mod envelope;
+mod keys;
+mod read;
+mod scope;
+mod settings;
+mod signals;
+mod times;
+mod variants;
+
+use std::ops::Range;
+
+use profile::Profile;
+use signal::{Address, Span};
+
+use crate::expect::Expectation;
+use crate::judge::{Scenario, StepFacts};
+use crate::lang::{Anchor, Literal, Need};
+use crate::measure::Measurement;
+use crate::steps::Stimulus;
+
+pub use keys::{PLAN_KEYS, STEP_KEYS};
+pub use read::{MAX_CASES, MAX_STEPS, Plan, read};
+pub use scope::Scope;
+pub use settings::{Initial, OutputsInStop, Settings, StartingMode, TaskSettings};
+
+/// The program of a case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ProgramRef {
+    /// Structured Text files, as written: relative to the plan's folder.
+    Files(Vec<String>),
+    /// Structured Text in the plan itself, with the byte of the plan at which it begins (where the plan has
+    /// it as it is).
+    Text {
+        /// The source.
+        text: String,
+        /// Byte of the plan, `None` if escapes stand in it.
+        at: Option<usize>,
+    },
+    /// None: the controller starts without an application.
+    None,
+}
+
+/// What a name of a plan stands for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// An input or output terminal of the controller: the line itself (`%IX0.0`, `%QX0.4`).
+    Line(Address),
+    /// A place of the memory (`%MW10`), or more than one bit of the inputs or outputs (`%IW0`).
+    Memory(Address),
+    /// A bit of the image that the program sees, behind the filter or before the output.
+    Image(Address),
+    /// A variable of the program, a system variable (`PLC_R...`) or a channel of the board, found by the runtime
+    /// in this order.
+    Path(String),
+    /// A channel of the board.
+    Channel(String),
+    /// A figure of a task.
+    Task {
+        /// Name of the task.
+        task: String,
+        /// Which figure.
+        figure: TaskFigure,
+    },
+}
+
+/// What can be asked of a task. Times are in nanoseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TaskFigure {
+    /// Cycles that ended.
+    Cycles,
+    /// Processor time of the last cycle.
+    LastCycle,
+    /// Least processor time of a cycle.
+    MinCycle,
+    /// Most processor time of a cycle.
+    MaxCycle,
+    /// From start to end of the last cycle.
+    Elapsed,
+    /// Cycles that took longer than the interval.
+    Overruns,
+    /// Lost releases.
+    Lost,
+    /// Watchdog exceptions.
+    Exceptions,
+}
+
+impl TaskFigure {
+    /// The names in plans, in the order of the enumeration.
+    pub const NAMES: &[&str] = &[
+        "cycles", "last-cycle", "min-cycle", "max-cycle", "elapsed", "overruns", "lost", "exceptions",
+    ];
+
+    /// Every figure.
+    pub const ALL: [TaskFigure; 8] = [
+        TaskFigure::Cycles,
+        TaskFigure::LastCycle,
+        TaskFigure::MinCycle,
+        TaskFigure::MaxCycle,
+        TaskFigure::Elapsed,
+        TaskFigure::Overruns,
+        TaskFigure::Lost,
+        TaskFigure::Exceptions,
+    ];
+
+    /// The figure of this name.
+    pub fn find(name: &str) -> Option<TaskFigure> {
+        let at = Self::NAMES.iter().position(|known| *known == name)?;
+        Self::ALL.get(at).copied()
+    }
+}
+
+/// A name of the plan and what it stands for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SignalBinding {
+    /// The name that the trace has.
+    pub name: String,
+    /// What it stands for.
+    pub source: Source,
+    /// Bytes of the plan at which it is bound, or first used where it is not bound.
+    pub span: Range<usize>,
+}
+
+/// What an awaited step waits for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Await {
+    /// The signal changes to this value.
+    Becomes(Literal),
+    /// It becomes TRUE (or non-zero).
+    Rises,
+    /// It becomes FALSE (or zero).
+    Falls,
+    /// Any change.
+    Changes,
+    /// It moves from at or below to above this.
+    Above(Literal),
+    /// It moves from at or above to below this.
+    Below(Literal),
+}
+
+/// When a step comes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StepTime {
+    /// At an instant. Its base is never `end`, and a step among its bases is one that is awaited or whose
+    /// `.done` or pulse is meant: what hangs on other steps was added up to here.
+    At(Anchor),
+    /// When something happens.
+    When {
+        /// The signal.
+        signal: String,
+        /// What it does.
+        awaits: Await,
+        /// Where waiting begins; a change at the very instant counts if the trace has it later.
+        from: Anchor,
+        /// How long to wait. If it does not happen the case goes on without the step.
+        within: Span,
+    },
+}
+
+/// A step of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Its id; `step:<id>` is its signal in the trace.
+    pub id: String,
+    /// When it comes.
+    pub when: StepTime,
+    /// What it does.
+    pub stimulus: Stimulus,
+    /// Whether the controller must refuse it (a command or a download).
+    pub refused: bool,
+    /// Bytes of the plan.
+    pub span: Range<usize>,
+    /// Line of the plan, from 1.
+    pub line: u32,
+}
+
+/// A concrete case: a plan with one row, one point of each sweep and one phase.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Its name: the plan's path without `.toml`, then `[row]`, `[sweep=value]`, `[step.phase=3/16]`.
+    pub name: String,
+    /// The plan's title, with the case's values put in.
+    pub title: String,
+    /// Name of the row, where the plan has rows.
+    pub row: Option<String>,
+    /// What `$` names had which value, in the plan's order.
+    pub parameters: Vec<(String, String)>,
+    /// The configuration.
+    pub settings: Settings,
+    /// The program.
+    pub program: ProgramRef,
+    /// The board file as written, relative to the plan's folder; `None`: the simulated board.
+    pub board: Option<String>,
+    /// The signals that the plan binds, then those that it uses without binding them. `state` is built in and
+    /// not among them.
+    pub signals: Vec<SignalBinding>,
+    /// The steps, in the plan's order: the place is that of [`signal::Cause::Step`].
+    pub steps: Vec<Step>,
+    /// What is claimed.
+    pub expectations: Vec<Expectation>,
+    /// What is measured.
+    pub measurements: Vec<Measurement>,
+    /// The end of the case; its base is as that of [`StepTime::At`].
+    pub ends: Anchor,
+    /// Most modelled time from power-on to the end of the case.
+    pub timeout: Span,
+    /// What it needs of rig and subject: what the plan says and what its verbs and signals imply.
+    pub needs: Vec<Need>,
+    /// IDs of the requirements that it proves.
+    pub proves: Vec<String>,
+    /// The profiles that it holds for; empty for all.
+    pub profiles: Vec<Profile>,
+}
+
+impl Case {
+    /// What the judge needs of the case.
+    pub fn scenario(&self) -> Scenario {
+        Scenario {
+            expectations: self.expectations.clone(),
+            measurements: self.measurements.clone(),
+            steps: self
+                .steps
+                .iter()
+                .map(|step| StepFacts {
+                    id: step.id.clone(),
+                    awaited: match step.when {
+                        StepTime::When { within, .. } => Some(within),
+                        StepTime::At(_) => None,
+                    },
+                    train: match &step.stimulus {
+                        Stimulus::Train(train) => Some(train.signal.clone()),
+                        _ => None,
+                    },
+                    line: step.line,
+                })
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! `set`, `pulse`, `force`, `release` and `write`: values put on lines, inputs, outputs and memory.
+
+use document::{Data, Fields, Findings, KeySpec, KeyType, Node};
+use signal::Span;
+
+use super::{Stimulus, Verb};
+use crate::codes;
+use crate::lang::Literal;
+use crate::plan::Scope;
+
+const SIGNAL: KeySpec = KeySpec::required("signal", KeyType::SignalRef, "The signal.");
+
+const VALUED: &[KeySpec] = &[SIGNAL, KeySpec::required("value", KeyType::Value, "The value that it gets.")];
+const VALUED_TABLE: KeyType = KeyType::Table(VALUED);
+
+const PULSE_KEYS: &[KeySpec] = &[
+    SIGNAL,
+    KeySpec::optional("value", KeyType::Value, "The value during the pulse; TRUE if left out."),
+    KeySpec::required("width", KeyType::Duration, "How long the pulse lasts."),
+];
+
+const WRITE_KEYS: &[KeySpec] = &[
+    KeySpec::required("of", KeyType::SignalRef, "The variable or place of memory."),
+    KeySpec::required("value", KeyType::Value, "The value that is written."),
+];
+
+pub(super) const SET: Verb = Verb {
+    name: "set",
+    doc: "Drives one line, or several at once, until something else drives them.",
+    value: KeyType::OneOrMore(&VALUED_TABLE),
+    needs: &[],
+    read: read_set,
+};
+
+pub(super) const PULSE: Verb = Verb {
+    name: "pulse",
+    doc: "Drives a line for a time, then back to what it was.",
+    value: KeyType::Table(PULSE_KEYS),
+    needs: &[],
+    read: read_pulse,
+};
+
+pub(super) const FORCE: Verb = Verb {
+    name: "force",
+    doc: "Forces an input or output of the controller until it is released.",
+    value: KeyType::Table(VALUED),
+    needs: &["force"],
+    read: read_force,
+};
+
+pub(super) const RELEASE: Verb = Verb {
+    name: "release",
+    doc: "Ends the forcing of an input or output.",
+    value: KeyType::Table(&[SIGNAL]),
+    needs: &["force"],
+    read: read_release,
+};
+
+pub(super) const WRITE: Verb = Verb {
+    name: "write",
+    doc: "Writes a variable or a place of memory once.",
+    value: KeyType::Table(WRITE_KEYS),
+    needs: &["memory-access"],
+    read: read_write,
+};
+
+/// The signal and the value of one table; reports what is wrong with either.
+fn pair(fields: &Fields<'_>, key: &str, scope: &Scope<'_>, out: &mut Findings) -> Option<(String, Literal)> {
+    let signal = scope.signal_of(fields.get(key)?, out);
+    let value = literal(fields.get("value")?, out);
+    Some((signal?, value?))
+}
+
+/// A value; reports what is wrong with it.
+pub(super) fn literal(node: &Node, out: &mut Findings) -> Option<Literal> {
+    match Literal::of(node) {
+        Ok(literal) => Some(literal),
+        Err(fault) => {
+            out.bad(codes::VALUE, node, format!("the value does not read: {fault}"), "");
+            None
+        }
+    }
+}
+
+/// A duration above 0; reports one that is not.
+pub(super) fn above_zero(fields: &Fields<'_>, key: &str, out: &mut Findings) -> Option<Span> {
+    let span = fields.duration(key)?;
+    if span == Span::ZERO {
+        let node = fields.get(key)?;
+        out.bad(codes::STIMULUS, node, format!("`{key}` is 0"), "nothing can last no time at all");
+        return None;
+    }
+    Some(span)
+}
+
+fn read_set(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
+    let tables = match &node.data {
+        Data::Array(list) => list.as_slice(),
+        _ => std::slice::from_ref(node),
+    };
+    let mut list: Vec<(String, Literal)> = Vec::with_capacity(tables.len());
+    let mut right = true;
+    for table in tables {
+        let Some(fields) = scope.fields(table, VALUED) else { return None };
+        match pair(&fields, "signal", scope, out) {
+            Some((signal, _)) if list.iter().any(|(known, _)| *known == signal) => {
+                let message = format!("`{signal}` is set twice at one instant");
+                out.bad(codes::STIMULUS, table, message, "leave one of the two");
+                right = false;
+            }
+            Some(pair) => list.push(pair),
+            None => right = false,
+        }
+    }
+    right.then_some(Stimulus::Set(list))
+}
+
+fn read_pulse(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
+    let fields = scope.fields(node, PULSE_KEYS)?;
+    let signal = scope.signal_of(fields.get("signal")?, out);
+    let width = above_zero(&fields, "width", out);
+    let value = match fields.get("value") {
+        Some(value) => literal(value, out),
+        None => Some(Literal::TRUE),
+    };
+    Some(Stimulus::Pulse { signal: signal?, value: value?, width: width? })
+}
+
+fn read_force(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
+    let (signal, value) = pair(&scope.fields(node, VALUED)?, "signal", scope, out)?;
+    Some(Stimulus::Force { signal, value })
+}
+
+fn read_release(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
+    let fields = scope.fields(node, &[SIGNAL])?;
+    Some(Stimulus::Release { signal: scope.signal_of(fields.get("signal")?, out)? })
+}
+
+fn read_write(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
+    let (of, value) = pair(&scope.fields(node, WRITE_KEYS)?, "of", scope, out)?;
+    Some(Stimulus::Write { of, value })
+}

@@ -1,0 +1,30 @@
+//! `overload`: cycles of a task that take longer than its program does.
+
+use document::{Findings, KeySpec, KeyType, Node};
+
+use super::drive::above_zero;
+use super::{Stimulus, Verb};
+use crate::plan::Scope;
+
+const KEYS: &[KeySpec] = &[
+    KeySpec::required("task", KeyType::Text, "Name of the task."),
+    KeySpec::required("cycle", KeyType::Duration, "Time of execution of one cycle in all."),
+    KeySpec::optional("times", KeyType::Integer(1, 1_000_000), "How many cycles; 1 if left out."),
+];
+
+pub(super) const OVERLOAD: Verb = Verb {
+    name: "overload",
+    doc: "Makes the next cycles of a task take a given time.",
+    value: KeyType::Table(KEYS),
+    needs: &["task-load"],
+    read,
+};
+
+fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
+    let fields = scope.fields(node, KEYS)?;
+    let task = scope.task(fields.get("task")?, out);
+    let cycle = above_zero(&fields, "cycle", out);
+    // The type's limits hold the number within 32 bits.
+    let times = fields.integer("times").map_or(1, |times| u32::try_from(times).unwrap_or(u32::MAX));
+    Some(Stimulus::Overload { task: task?, cycle: cycle?, times })
+}

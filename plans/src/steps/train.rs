@@ -1,0 +1,178 @@
+//! `train`: pulses at a frequency that need not have a period of whole nanoseconds.
+
+use document::{Fields, Findings, KeySpec, KeyType, Node};
+use signal::Span;
+
+use super::{Stimulus, Verb};
+use crate::codes;
+use crate::lang::{Decimal, millihertz};
+use crate::plan::Scope;
+
+/// Most pulses of one train.
+pub const MAX_PULSES: u32 = 10_000_000;
+
+/// One second in nanoseconds for a frequency in thousandths of a Hertz.
+const NANOS_MILLIHERTZ: u64 = 1_000_000_000_000;
+
+const KEYS: &[KeySpec] = &[
+    KeySpec::required("signal", KeyType::SignalRef, "The line that the pulses are emitted on."),
+    KeySpec::optional("frequency", KeyType::Text, "Pulses per time, as in \"200 kHz\"."),
+    KeySpec::optional("period", KeyType::Duration, "Time from one rising edge to the next."),
+    KeySpec::required("count", KeyType::Integer(1, MAX_PULSES as i64), "How many pulses."),
+    KeySpec::optional("duty", KeyType::Text, "Part of the period that is high, as in \"25 %\"; half if left out."),
+    KeySpec::optional("jitter", KeyType::Duration, "Each edge is moved by up to this, at random, to either side."),
+];
+
+pub(super) const TRAIN: Verb = Verb {
+    name: "train",
+    doc: "Emits a train of pulses.",
+    value: KeyType::Table(KEYS),
+    needs: &["pulse"],
+    read,
+};
+
+/// A train of pulses. Pulse `n`, counted from 1, rises at [`Train::rises`] and falls at [`Train::falls`] after
+/// the step, before jitter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Train {
+    /// The line.
+    pub signal: String,
+    /// How many pulses, 1 ..= [`MAX_PULSES`].
+    pub count: u32,
+    /// The period is `numerator / denominator` nanoseconds, so that every frequency is exact over the train.
+    numerator: u64,
+    denominator: u64,
+    /// Millionths of the period that are high, above 0 and below 1 000 000.
+    duty: u32,
+    /// Each edge is moved by up to this to either side; less than half of the shorter part of a period.
+    pub jitter: Span,
+}
+
+impl Train {
+    /// From the step to the rising edge of pulse `n` from 1, rounded to the nanosecond.
+    pub fn rises(&self, n: u32) -> Span {
+        self.edge(u128::from(n.saturating_sub(1)) * 1_000_000)
+    }
+
+    /// From the step to the falling edge of pulse `n` from 1, rounded to the nanosecond.
+    pub fn falls(&self, n: u32) -> Span {
+        self.edge(u128::from(n.saturating_sub(1)) * 1_000_000 + u128::from(self.duty))
+    }
+
+    /// From the step to the last falling edge.
+    pub fn length(&self) -> Span {
+        self.falls(self.count)
+    }
+
+    /// Pulses per time, in thousandths of a Hertz, rounded up: what the rig must be able to emit.
+    pub fn millihertz(&self) -> u64 {
+        let exact = u128::from(NANOS_MILLIHERTZ) * u128::from(self.denominator);
+        u64::try_from(exact.div_ceil(u128::from(self.numerator))).unwrap_or(u64::MAX)
+    }
+
+    /// The instant after so many millionths of a period.
+    fn edge(&self, millionths: u128) -> Span {
+        let divisor = u128::from(self.denominator) * 1_000_000;
+        // At most 10^13 millionths of at most 2^63 ns: within 128 bits.
+        let nanos = (millionths * u128::from(self.numerator) + divisor / 2) / divisor;
+        Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX))
+    }
+}
+
+fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
+    let fields = scope.fields(node, KEYS)?;
+    let signal = scope.signal_of(fields.get("signal")?, out);
+    let period = period(&fields, node, out);
+    let duty = duty(&fields, out);
+    let count = u32::try_from(fields.integer("count")?).unwrap_or(MAX_PULSES);
+    let (numerator, denominator) = period?;
+    let train = Train {
+        signal: signal?,
+        count,
+        numerator,
+        denominator,
+        duty: duty?,
+        jitter: fields.duration("jitter").unwrap_or(Span::ZERO),
+    };
+    let high = train.falls(1);
+    let low = train.rises(2) - high;
+    let shorter = high.min(low);
+    if shorter <= Span::ZERO {
+        let message = "a pulse, or the pause behind it, is shorter than 1 ns";
+        out.bad(codes::STIMULUS, node, message, "lower the frequency, or take a duty nearer to 50 %");
+        return None;
+    }
+    if train.length() == Span::MAX {
+        out.bad(codes::STIMULUS, node, "the train lasts longer than 292 years", "lower its count");
+        return None;
+    }
+    if train.jitter.as_nanos() > (shorter.as_nanos() - 1) / 2 {
+        let place = fields.get("jitter").unwrap_or(node);
+        let help = format!("edges would pass each other: less than half of {shorter} is possible");
+        out.bad(codes::STIMULUS, place, "the jitter is too large for this train", help);
+        return None;
+    }
+    Some(Stimulus::Train(train))
+}
+
+/// The period as a fraction of nanoseconds.
+fn period(fields: &Fields<'_>, node: &Node, out: &mut Findings) -> Option<(u64, u64)> {
+    match (fields.has("frequency"), fields.has("period")) {
+        (true, false) => {
+            let text = fields.get("frequency")?;
+            let Some(frequency) = millihertz(text.as_text()?) else {
+                let message = "`frequency` does not read as a frequency above 0";
+                out.bad(codes::UNIT, text, message, "write it in Hz, kHz or MHz, as in \"200 kHz\"");
+                return None;
+            };
+            Some((NANOS_MILLIHERTZ, frequency))
+        }
+        (false, true) => {
+            let nanos = u64::try_from(super::drive::above_zero(fields, "period", out)?.as_nanos()).ok()?;
+            Some((nanos, 1))
+        }
+        _ => {
+            let message = "a train has either a `frequency` or a `period`";
+            out.bad(codes::STIMULUS, node, message, "as in frequency = \"200 kHz\"");
+            None
+        }
+    }
+}
+
+/// The high part of the period in millionths.
+fn duty(fields: &Fields<'_>, out: &mut Findings) -> Option<u32> {
+    let Some(node) = fields.get("duty") else { return (!fields.has("duty")).then_some(500_000) };
+    let read = Decimal::split(node.as_text()?)
+        .filter(|(_, unit)| *unit == "%")
+        .and_then(|(number, _)| u32::try_from(number.scaled(4)?).ok())
+        .filter(|duty| (1..1_000_000).contains(duty));
+    if read.is_none() {
+        let message = "`duty` is not a part of the period";
+        out.bad(codes::UNIT, node, message, "write per cent above 0 and below 100, as in \"25 %\"");
+    }
+    read
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // A period of 333 333.3 ns must not drift over a train: edges are rounded one by one.
+    #[test]
+    fn a_train_does_not_drift() {
+        let train = Train {
+            signal: "a".into(),
+            count: 30_000,
+            numerator: NANOS_MILLIHERTZ,
+            denominator: 3_000_000,
+            duty: 500_000,
+            jitter: Span::ZERO,
+        };
+        assert_eq!(train.rises(1), Span::ZERO);
+        assert_eq!(train.rises(2), Span::from_nanos(333_333));
+        assert_eq!(train.rises(3), Span::from_nanos(666_667));
+        assert_eq!(train.rises(30_001), Span::from_secs(10));
+        assert_eq!(train.falls(1), Span::from_nanos(166_667));
+        assert_eq!(train.millihertz(), 3_000_000);
+    }
+}

@@ -1,0 +1,161 @@
+//! How names, verdicts and figures are written, the same in every report.
+
+use record::{CaseRecord, CaseStatus, Figure, MeasurementRecord, Verdict};
+use signal::Span;
+use std::borrow::Cow;
+
+/// What a case came to, with "not applicable" and "skipped" beside the verdicts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Outcome {
+    Judged(Verdict),
+    Skipped,
+    NotApplicable,
+}
+
+impl Outcome {
+    pub(crate) fn of(case: &CaseRecord) -> Outcome {
+        match case.status {
+            CaseStatus::Judged => Outcome::Judged(case.verdict),
+            CaseStatus::NotApplicable { .. } => Outcome::NotApplicable,
+            CaseStatus::Skipped { .. } => Outcome::Skipped,
+        }
+    }
+
+    /// A word that is also the class in the page.
+    pub(crate) const fn word(self) -> &'static str {
+        match self {
+            Outcome::Judged(verdict) => verdict.word(),
+            Outcome::Skipped => "skipped",
+            Outcome::NotApplicable => "not-applicable",
+        }
+    }
+
+    /// A sign beside the colour, so that colour is never the only difference.
+    pub(crate) const fn sign(self) -> &'static str {
+        match self {
+            Outcome::Judged(verdict) => sign(verdict),
+            Outcome::Skipped | Outcome::NotApplicable => "–",
+        }
+    }
+}
+
+/// The sign of a verdict.
+pub(crate) const fn sign(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::None => "·",
+        Verdict::Pass => "✓",
+        Verdict::Inconclusive => "?",
+        Verdict::Fail => "✗",
+        Verdict::Error => "!",
+    }
+}
+
+/// Why a case came to its verdict, or why it has none; may be empty.
+pub(crate) fn reason(case: &CaseRecord) -> &str {
+    match &case.status {
+        CaseStatus::Judged => &case.reason,
+        CaseStatus::NotApplicable { reason } | CaseStatus::Skipped { reason } => reason,
+    }
+}
+
+/// The text with everything that a terminal or a reader of markup could act on made visible or blank:
+/// control characters (escape sequences) and invisible direction marks become `�`, line ends and tabs blanks.
+pub(crate) fn clean(text: &str) -> Cow<'_, str> {
+    if text.chars().all(|c| replacement(c).is_none()) {
+        return Cow::Borrowed(text);
+    }
+    Cow::Owned(text.chars().map(|c| replacement(c).unwrap_or(c)).collect())
+}
+
+fn replacement(c: char) -> Option<char> {
+    match c {
+        '\n' | '\r' | '\t' => Some(' '),
+        '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}' => {
+            Some('\u{fffd}')
+        }
+        '\u{fffe}' | '\u{ffff}' => Some('\u{fffd}'),
+        c if c.is_control() => Some('\u{fffd}'),
+        _ => None,
+    }
+}
+
+/// A duration in nanoseconds.
+pub(crate) fn span(ns: i64) -> String {
+    Span::from_nanos(ns).to_string()
+}
+
+/// A duration to three significant digits: `99.7 ms`.
+pub(crate) fn rounded(ns: i64) -> String {
+    let least = 10i64.pow(ns.unsigned_abs().checked_ilog10().unwrap_or(0).saturating_sub(2));
+    span((ns / least).saturating_add(i64::from(ns % least >= least / 2 + 1)).saturating_mul(least))
+}
+
+/// The instant or interval relative to `origin`: `+1.1002 s`, `+5.1 ms .. +5.3 ms`.
+pub(crate) fn relative([earliest, latest]: [i64; 2], origin: i64) -> String {
+    let one = |at: i64| {
+        let ns = at.saturating_sub(origin);
+        if ns < 0 { span(ns) } else { format!("+{}", span(ns)) }
+    };
+    if earliest == latest { one(earliest) } else { format!("{} .. {}", one(earliest), one(latest)) }
+}
+
+/// A measured value with its unit, an interval as `low .. high`.
+pub(crate) fn value(measurement: &MeasurementRecord) -> String {
+    match measurement.value {
+        None => "never taken".to_owned(),
+        Some([low, high]) if low == high => figure(low, &measurement.unit),
+        Some([low, high]) => {
+            format!("{} .. {}", figure(low, &measurement.unit), figure(high, &measurement.unit))
+        }
+    }
+}
+
+/// The limits of a measurement as the plan gave them; empty when it has none.
+pub(crate) fn limits(measurement: &MeasurementRecord) -> String {
+    let unit = &measurement.unit;
+    match (measurement.nominal, measurement.tolerance, measurement.min, measurement.max) {
+        (Some(nominal), Some(tolerance), ..) => {
+            format!("{} ± {}", figure(nominal, unit), figure(tolerance, unit))
+        }
+        (_, _, Some(min), Some(max)) => format!("{} .. {}", figure(min, unit), figure(max, unit)),
+        (_, _, Some(min), None) => format!("≥ {}", figure(min, unit)),
+        (_, _, None, Some(max)) => format!("≤ {}", figure(max, unit)),
+        (_, _, None, None) => String::new(),
+    }
+}
+
+/// The limits of a measurement as numbers, whichever way they were given.
+pub(crate) fn bounds(measurement: &MeasurementRecord) -> (Option<f64>, Option<f64>) {
+    match (measurement.nominal, measurement.tolerance) {
+        (Some(nominal), Some(tolerance)) => (Some(nominal - tolerance), Some(nominal + tolerance)),
+        _ => (measurement.min, measurement.max),
+    }
+}
+
+fn figure(value: f64, unit: &str) -> String {
+    Figure::new(value, unit).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_in_a_name_acts_on_a_terminal() {
+        assert_eq!(clean("lamp\u{1b}[31m\nfalls\u{202e}"), "lamp\u{fffd}[31m falls\u{fffd}");
+        assert!(matches!(clean("lamp ± 1 µs"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn rounding_keeps_three_digits() {
+        let all = [99_666_667, 7, 1_000, 999_999, i64::MAX].map(rounded);
+        assert_eq!(all, ["99.7 ms", "7 ns", "1 us", "1 ms", "9220000000 s"]);
+    }
+
+    #[test]
+    fn instants_are_relative_to_the_start() {
+        assert_eq!(relative([1_100_200_000, 1_100_200_000], 1_000_000_000), "+100.2 ms");
+        assert_eq!(relative([-5, 5], 0), "-5 ns .. +5 ns");
+        assert_eq!(relative([i64::MAX, i64::MAX], -1), "+9223372036.854775807 s");
+    }
+}

@@ -1,0 +1,200 @@
+//! The summary of a run for a terminal or a CI log: a line a case, then what needs attention, then counts.
+
+use crate::show::{self, Outcome, clean};
+use record::{CaseRecord, ClaimRecord, MeasurementRecord, RunRecord, Totals, Verdict};
+use std::fmt::Write;
+
+/// How the text is dressed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Style {
+    /// With ANSI colour sequences.
+    pub color: bool,
+    /// Without the lines of cases that passed, do not apply or were skipped.
+    pub quiet: bool,
+}
+
+/// The whole summary: [`case_line`] of every case, [`details`] of every one that needs attention, [`summary`].
+pub fn render(run: &RunRecord, style: Style) -> String {
+    let mut out = String::new();
+    for case in &run.cases {
+        if !(style.quiet && is_quiet(case)) {
+            out.push_str(&case_line(case, style));
+            out.push('\n');
+        }
+    }
+    for case in run.cases.iter().filter(|case| !is_quiet(case)) {
+        out.push('\n');
+        out.push_str(&details(case, style));
+    }
+    out.push('\n');
+    out.push_str(&summary(run, style));
+    out.push('\n');
+    out
+}
+
+fn is_quiet(case: &CaseRecord) -> bool {
+    !case.is_judged() || case.verdict == Verdict::Pass
+}
+
+/// One line, without its end: verdict, modelled time of the case in seconds, name; and the reason of a case
+/// that does not apply or was skipped.
+pub fn case_line(case: &CaseRecord, style: Style) -> String {
+    let outcome = Outcome::of(case);
+    let word = match outcome {
+        Outcome::Judged(Verdict::Pass) => "PASS",
+        Outcome::Judged(Verdict::Fail) => "FAIL",
+        Outcome::Judged(Verdict::Inconclusive) => "INCONCLUSIVE",
+        Outcome::Judged(Verdict::Error) => "ERROR",
+        Outcome::Judged(Verdict::None) => "NO VERDICT",
+        Outcome::Skipped => "SKIP",
+        Outcome::NotApplicable => "N/A",
+    };
+    let name = clean(&case.name);
+    let word = paint(&format!("{word:>12}"), outcome, style);
+    if case.is_judged() {
+        format!("{word} [{:>10}] {name}", seconds(case.duration_ns))
+    } else {
+        format!("{word} [{:>10}] {name}: {}", "", clean(show::reason(case)))
+    }
+}
+
+/// What needs attention in a case: every claim and measurement that did not pass, with its figures. Ends
+/// with a line end.
+pub fn details(case: &CaseRecord, style: Style) -> String {
+    let mut out = String::new();
+    let outcome = Outcome::of(case);
+    let head = format!("{} {}", outcome.sign(), clean(&case.name));
+    line(&mut out, 0, &paint(&head, outcome, style), &clean(&case.title));
+    if !case.reason.is_empty() {
+        line(&mut out, 2, "why", &clean(&case.reason));
+    }
+    for claim in case.claims.iter().filter(|claim| claim.verdict != Verdict::Pass) {
+        claim_details(&mut out, case, claim, style);
+    }
+    let attention = |m: &&MeasurementRecord| !matches!(m.verdict, Verdict::Pass | Verdict::None);
+    for measurement in case.measurements.iter().filter(attention) {
+        measurement_details(&mut out, case, measurement, style);
+    }
+    let origin = format!("{}seed {}, {}", place(case, 0, ", "), case.seed, clean(&case.profile));
+    line(&mut out, 2, "case", origin.trim_end_matches([',', ' ']));
+    out
+}
+
+fn claim_details(out: &mut String, case: &CaseRecord, claim: &ClaimRecord, style: Style) {
+    let head = format!("{} {}", show::sign(claim.verdict), clean(&claim.name));
+    line(out, 2, &paint(&head, Outcome::Judged(claim.verdict), style), "");
+    facts(
+        out,
+        &[
+            ("expected", claim.expected.clone()),
+            ("observed", claim.observed.clone()),
+            ("why", claim.reason.clone()),
+            (
+                "at",
+                claim
+                    .deciding_ns
+                    .map_or(String::new(), |at| format!("start {}", show::relative(at, case.start_ns))),
+            ),
+            ("margin", claim.margin.as_ref().map_or(String::new(), ToString::to_string)),
+            (
+                "uncertainty",
+                claim
+                    .uncertainty
+                    .as_ref()
+                    .filter(|u| u.value != 0.0)
+                    .map_or(String::new(), ToString::to_string),
+            ),
+            ("nearest miss", claim.nearest_miss.clone().unwrap_or_default()),
+            ("last writer", claim.last_writer.clone().unwrap_or_default()),
+            ("in", place(case, claim.line, "")),
+        ],
+    );
+}
+
+fn measurement_details(out: &mut String, case: &CaseRecord, measurement: &MeasurementRecord, style: Style) {
+    let head = format!("{} {}", show::sign(measurement.verdict), clean(&measurement.name));
+    line(out, 2, &paint(&head, Outcome::Judged(measurement.verdict), style), "");
+    facts(
+        out,
+        &[
+            ("limits", show::limits(measurement)),
+            ("measured", show::value(measurement)),
+            ("why", measurement.reason.clone()),
+            ("margin", measurement.margin.as_ref().map_or(String::new(), ToString::to_string)),
+            ("in", place(case, measurement.line, "")),
+        ],
+    );
+}
+
+/// `plan:line` as editors and CI logs link it, then `after`; empty when there is no plan.
+fn place(case: &CaseRecord, line: u32, after: &str) -> String {
+    match (case.plan.as_str(), line) {
+        ("", _) => String::new(),
+        (plan, 0) => format!("{}{after}", clean(plan)),
+        (plan, line) => format!("{}:{line}{after}", clean(plan)),
+    }
+}
+
+fn facts(out: &mut String, facts: &[(&str, String)]) {
+    for (label, text) in facts.iter().filter(|(_, text)| !text.is_empty()) {
+        line(out, 6, label, &clean(text));
+    }
+}
+
+/// A label padded to a column, then the text.
+fn line(out: &mut String, indent: usize, label: &str, text: &str) {
+    let width = if indent == 6 { 12 } else { 0 };
+    let whole = format!("{:indent$}{label:<width$}  {text}", "");
+    out.push_str(whole.trim_end());
+    out.push('\n');
+}
+
+/// The counts, in one line without its end. Counts of errors, of cases without verdict and of skipped cases
+/// appear when they are not 0.
+pub fn summary(run: &RunRecord, style: Style) -> String {
+    let Totals { passed, none, inconclusive, failed, errors, not_applicable, skipped } = run.totals;
+    let count = |n: u64, word: &str, outcome: Outcome| {
+        let text = format!("{n} {word}");
+        if n == 0 { text } else { paint(&text, outcome, style) }
+    };
+    let mut parts = vec![
+        count(passed, "passed", Outcome::Judged(Verdict::Pass)),
+        count(failed, "failed", Outcome::Judged(Verdict::Fail)),
+        count(inconclusive, "inconclusive", Outcome::Judged(Verdict::Inconclusive)),
+        count(not_applicable, "not applicable", Outcome::NotApplicable),
+    ];
+    for (n, word, outcome) in [
+        (errors, if errors == 1 { "error" } else { "errors" }, Outcome::Judged(Verdict::Error)),
+        (none, "without verdict", Outcome::Judged(Verdict::None)),
+        (skipped, "skipped", Outcome::Skipped),
+    ] {
+        if n > 0 {
+            parts.push(count(n, word, outcome));
+        }
+    }
+    format!("Summary: {}", parts.join(", "))
+}
+
+fn paint(text: &str, outcome: Outcome, style: Style) -> String {
+    if !style.color {
+        return text.to_owned();
+    }
+    let code = match outcome {
+        Outcome::Judged(Verdict::Pass) => "32;1",
+        Outcome::Judged(Verdict::Fail) => "31;1",
+        Outcome::Judged(Verdict::Inconclusive) => "33;1",
+        Outcome::Judged(Verdict::Error) => "35;1",
+        Outcome::Judged(Verdict::None) | Outcome::Skipped | Outcome::NotApplicable => "2",
+    };
+    format!("\u{1b}[{code}m{text}\u{1b}[0m")
+}
+
+/// Seconds to the millisecond, cut and not rounded: `2.340 s`.
+fn seconds(ns: i64) -> String {
+    let mut out = String::new();
+    let magnitude = ns.unsigned_abs();
+    let sign = if ns < 0 { "-" } else { "" };
+    // Writing to a String cannot fail.
+    let _ = write!(out, "{sign}{}.{:03} s", magnitude / 1_000_000_000, magnitude / 1_000_000 % 1_000);
+    out
+}

@@ -1,0 +1,320 @@
+//! Value change dumps (IEEE 1364-2001, 18.2) for waveform viewers and logic analyser tools.
+//!
+//! A change that is known to lie within an interval is written at its latest instant: from there on the
+//! value is certain. Instants before the trace's origin are written at 0. Changes are put in order of that
+//! instant within a bounded buffer; one that comes later still is written at the instant reached.
+
+use signal::{Event, Kind, SignalId, SignalInfo, Trace, TraceError, Value};
+use std::cmp::Reverse;
+use std::collections::{BTreeSet, BinaryHeap};
+use std::io::{self, Write};
+use vcd::{IdCode, SimulationCommand, TimescaleUnit, VarType, Writer};
+
+/// How many changes wait to be put in order.
+const REORDER: usize = 4_096;
+
+/// Writes the signals and their changes, timescale 1 ns.
+///
+/// Booleans are one bit with `z` and `x`, numbers and states vectors of 64 bits (two's complement), real
+/// numbers `real`, marks 64-bit counters. The labels of states stand in a comment of the header. Events of
+/// signals that `signals` does not hold are left out. `signals` in the order of their [`SignalId`]s.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write<W: Write>(
+    signals: &[SignalInfo],
+    events: impl IntoIterator<Item = Event>,
+    rig_version: &str,
+    out: W,
+) -> io::Result<()> {
+    let mut sink = Sink::begin(signals, rig_version, out)?;
+    for event in events {
+        sink.push(&event)?;
+    }
+    sink.finish()
+}
+
+/// Why a trace was not written as VCD.
+#[derive(Debug)]
+pub enum VcdError {
+    /// The trace could not be read.
+    Trace(TraceError),
+    /// The output could not be written.
+    Output(io::Error),
+}
+
+impl std::fmt::Display for VcdError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            VcdError::Trace(error) => write!(f, "the trace cannot be read: {error}"),
+            VcdError::Output(error) => write!(f, "the dump cannot be written: {error}"),
+        }
+    }
+}
+
+impl std::error::Error for VcdError {}
+
+/// Writes a whole trace; see [`write`].
+///
+/// # Errors
+/// [`VcdError`]: reading the trace or writing the dump failed.
+pub fn write_trace<W: Write>(trace: &Trace, rig_version: &str, out: W) -> Result<(), VcdError> {
+    let mut sink = Sink::begin(trace.signals(), rig_version, out).map_err(VcdError::Output)?;
+    for event in trace.events() {
+        sink.push(&event.map_err(VcdError::Trace)?).map_err(VcdError::Output)?;
+    }
+    sink.finish().map_err(VcdError::Output)
+}
+
+/// A dump that is being written, for events that come one by one or may fail to be read.
+pub struct Sink<'a, W: Write> {
+    writer: Writer<W>,
+    signals: &'a [SignalInfo],
+    codes: Vec<IdCode>,
+    /// Waiting changes: instant, then order of arrival.
+    waiting: BinaryHeap<Reverse<(u64, u64, Change)>>,
+    arrived: u64,
+    now: u64,
+}
+
+impl<W: Write> std::fmt::Debug for Sink<'_, W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Sink")
+            .field("signals", &self.signals.len())
+            .field("now", &self.now)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A change in the heap; ordered only so that the heap's key is complete.
+#[derive(Clone, Copy, Debug)]
+struct Change(SignalId, Value);
+
+impl PartialEq for Change {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+impl Eq for Change {}
+impl PartialOrd for Change {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Change {
+    fn cmp(&self, _: &Self) -> std::cmp::Ordering {
+        std::cmp::Ordering::Equal
+    }
+}
+
+impl<'a, W: Write> Sink<'a, W> {
+    /// Writes the header; every signal is unknown until its first event.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn begin(signals: &'a [SignalInfo], rig_version: &str, out: W) -> io::Result<Self> {
+        let mut writer = Writer::new(out);
+        writer.version(&word(&format!("rig {rig_version}")).replace('_', " "))?;
+        for info in signals.iter().filter(|info| !info.labels.is_empty()) {
+            let labels: Vec<String> =
+                info.labels.iter().map(|(n, label)| format!("{n}={}", word(label))).collect();
+            writer.comment(&format!("{}: {}", word(&info.name), labels.join(" ")))?;
+        }
+        writer.timescale(1, TimescaleUnit::NS)?;
+        writer.add_module("rig")?;
+        let mut names = BTreeSet::new();
+        let mut codes = Vec::with_capacity(signals.len());
+        for info in signals {
+            let stem = word(&info.name);
+            let mut name = stem.clone();
+            let mut copy = 2;
+            while !names.insert(name.clone()) {
+                name = format!("{stem}_{copy}");
+                copy += 1;
+            }
+            codes.push(match info.kind {
+                Kind::Bool => writer.add_wire(1, &name)?,
+                Kind::Real => writer.add_var(VarType::Real, 64, &name, None)?,
+                Kind::Int | Kind::Word | Kind::State | Kind::Mark => writer.add_wire(64, &name)?,
+            });
+        }
+        writer.upscope()?;
+        writer.enddefinitions()?;
+        writer.timestamp(0)?;
+        writer.begin(SimulationCommand::Dumpvars)?;
+        for (info, code) in signals.iter().zip(&codes) {
+            match info.kind {
+                Kind::Bool => writer.change_scalar(*code, vcd::Value::X)?,
+                Kind::Real => {}
+                Kind::Int | Kind::Word | Kind::State | Kind::Mark => unknown_vector(&mut writer, *code)?,
+            }
+        }
+        writer.end()?;
+        Ok(Sink { writer, signals, codes, waiting: BinaryHeap::new(), arrived: 0, now: 0 })
+    }
+
+    /// Takes one event, in the order of the trace.
+    ///
+    /// # Errors
+    /// Those of the output.
+    pub fn push(&mut self, event: &Event) -> io::Result<()> {
+        let at = u64::try_from(event.at.latest.as_nanos()).unwrap_or(0);
+        self.waiting.push(Reverse((at, self.arrived, Change(event.signal, event.value))));
+        self.arrived += 1;
+        if self.waiting.len() > REORDER { self.write_next() } else { Ok(()) }
+    }
+
+    /// Writes what is waiting and flushes.
+    ///
+    /// # Errors
+    /// Those of the output.
+    pub fn finish(mut self) -> io::Result<()> {
+        while !self.waiting.is_empty() {
+            self.write_next()?;
+        }
+        self.writer.flush()
+    }
+
+    fn write_next(&mut self) -> io::Result<()> {
+        let Some(Reverse((at, _, Change(id, value)))) = self.waiting.pop() else { return Ok(()) };
+        let place = id.0 as usize;
+        let (Some(info), Some(&code)) = (self.signals.get(place), self.codes.get(place)) else {
+            return Ok(());
+        };
+        let at = at.max(self.now);
+        if self.now != at {
+            self.writer.timestamp(at)?;
+            self.now = at;
+        }
+        match info.kind {
+            Kind::Bool => self.writer.change_scalar(code, scalar(value)),
+            Kind::Real => self.writer.change_real(code, value.as_real().unwrap_or(f64::NAN)),
+            Kind::Int | Kind::Word | Kind::State | Kind::Mark => match value.as_int() {
+                // The low 64 bits: an Int as two's complement, a Word as it is.
+                Some(n) => {
+                    let bit = |place: u32| if n >> place & 1 == 1 { vcd::Value::V1 } else { vcd::Value::V0 };
+                    self.writer.change_vector(code, (0..64).rev().map(bit))
+                }
+                None => unknown_vector(&mut self.writer, code),
+            },
+        }
+    }
+}
+
+fn scalar(value: Value) -> vcd::Value {
+    match value {
+        Value::HighZ => vcd::Value::Z,
+        Value::Unknown => vcd::Value::X,
+        other => match other.as_bool() {
+            Some(true) => vcd::Value::V1,
+            Some(false) => vcd::Value::V0,
+            None => vcd::Value::X,
+        },
+    }
+}
+
+/// All bits unknown: one `x` stands for the whole vector.
+fn unknown_vector<W: Write>(writer: &mut Writer<W>, code: IdCode) -> io::Result<()> {
+    writer.change_vector(code, [vcd::Value::X])
+}
+
+/// A name as VCD can hold it: printable ASCII without blanks, `$` (a keyword's first letter) or `[` (a bit
+/// select).
+fn word(name: &str) -> String {
+    let safe = |c: char| if c.is_ascii_graphic() && !matches!(c, '$' | '[' | ']') { c } else { '_' };
+    let text: String = name.chars().map(safe).collect();
+    if text.is_empty() { "_".to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use signal::{Cause, Time, When};
+
+    fn event(signal: u32, earliest: i64, latest: i64, value: Value) -> Event {
+        let at = When::within(Time::from_nanos(earliest), Time::from_nanos(latest));
+        Event { signal: SignalId(signal), at, value, cause: Cause::Unknown }
+    }
+
+    /// What the reader of the same library sees: (time, reference, value in text).
+    fn read(text: &[u8]) -> Vec<(u64, String, String)> {
+        let mut parser = vcd::Parser::new(text);
+        let header = parser.parse_header().unwrap();
+        assert_eq!(header.timescale, Some((1, TimescaleUnit::NS)));
+        let scope = header.find_scope(&["rig"]).unwrap();
+        let name = |id: IdCode| {
+            scope.items.iter().find_map(|item| match item {
+                vcd::ScopeItem::Var(var) if var.code == id => Some(var.reference.clone()),
+                _ => None,
+            })
+        };
+        let (mut now, mut seen) = (0, Vec::new());
+        for command in parser {
+            let (id, value) = match command.unwrap() {
+                vcd::Command::Timestamp(t) => {
+                    assert!(t >= now);
+                    now = t;
+                    continue;
+                }
+                vcd::Command::ChangeScalar(id, v) => (id, v.to_string()),
+                vcd::Command::ChangeVector(id, v) => (id, v.to_string()),
+                vcd::Command::ChangeReal(id, v) => (id, v.to_string()),
+                _ => continue,
+            };
+            seen.push((now, name(id).unwrap(), value));
+        }
+        seen
+    }
+
+    #[test]
+    fn every_kind_reads_back() {
+        let mut state = SignalInfo::exact("state", Kind::State);
+        state.labels = vec![(2, "RUNNING $end".into())];
+        let signals = [
+            SignalInfo::exact("HSC0.out0", Kind::Bool),
+            state,
+            SignalInfo::exact("level $end", Kind::Real),
+            SignalInfo::exact("level__end", Kind::Int),
+        ];
+        let events = [
+            event(0, 5, 5, Value::Bool(true)),
+            event(1, 7, 7, Value::Int(2)),
+            event(2, 7, 7, Value::Real(21.5)),
+            event(3, 8, 8, Value::Int(-1)),
+            event(0, 9, 9, Value::HighZ),
+            event(0, 10, 10, Value::Unknown),
+            event(9, 10, 10, Value::Bool(true)),
+        ];
+        let mut out = Vec::new();
+        write(&signals, events, "0.1.0", &mut out).unwrap();
+        let seen = read(&out);
+        let after: Vec<_> =
+            seen.iter().filter(|(at, ..)| *at > 0).map(|(at, n, v)| (*at, n.as_str(), v.as_str())).collect();
+        let (two, minus) = (format!("{:064b}", 2), "1".repeat(64));
+        assert_eq!(
+            after,
+            [
+                (5, "HSC0.out0", "1"),
+                (7, "state", two.as_str()),
+                (7, "level__end", "21.5"),
+                (8, "level__end_2", minus.as_str()),
+                (9, "HSC0.out0", "z"),
+                (10, "HSC0.out0", "x"),
+            ]
+        );
+    }
+
+    #[test]
+    fn time_never_runs_backwards() {
+        let signals = [SignalInfo::exact("a", Kind::Bool), SignalInfo::exact("b", Kind::Bool)];
+        let events = [
+            event(0, -50, -40, Value::Bool(true)),
+            event(0, 100, 200, Value::Bool(false)),
+            event(1, 120, 120, Value::Bool(true)),
+        ];
+        let mut out = Vec::new();
+        write(&signals, events, "", &mut out).unwrap();
+        let seen: Vec<_> = read(&out).into_iter().skip(2).map(|(at, n, v)| (at, n + &v)).collect();
+        assert_eq!(seen, [(0, "a1".into()), (120, "b1".into()), (200, "a0".into())]);
+    }
+}

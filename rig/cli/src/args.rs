@@ -1,0 +1,161 @@
+//! The command line of `rig`.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// A hardware-in-the-loop test rig for logic controllers: runs test plans against a modelled or a real
+/// controller and says with figures whether its behaviour is right.
+#[derive(Debug, Parser)]
+#[command(name = "rig", version, after_help = EXIT_CODES, disable_help_subcommand = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The exit codes, as `--help` and the README list them.
+pub const EXIT_CODES: &str = "Exit codes: 0 all passed, 1 a case failed, 2 something is wrong with your files or \
+arguments (an empty selection too), 3 inconclusive at worst, 4 an error of the rig itself, 130 interrupted after a \
+clean teardown.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run test plans; without any, the plans that ship with the rig, on the simulated board.
+    Test(TestArgs),
+    /// Read plans, boards and programs and say what is wrong with them; nothing moves.
+    Check(CheckArgs),
+    /// Judge a recorded trace again by its plan.
+    Judge(JudgeArgs),
+    /// What each requirement is proven by.
+    Requirements(RequirementsArgs),
+    /// Try a Structured Text program alone.
+    #[command(subcommand)]
+    Program(ProgramCommand),
+}
+
+/// Which clock a run keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ClockChoice {
+    /// Jump from event to event: a day of scans in seconds, the same every time.
+    #[default]
+    Virtual,
+    /// The host's clock.
+    Real,
+}
+
+/// `rig test`.
+#[derive(Debug, Args)]
+pub struct TestArgs {
+    /// Plan files, or folders that are searched for plans.
+    #[arg(value_name = "PLAN|DIR")]
+    pub plans: Vec<PathBuf>,
+    /// The board file to use in place of each plan's own.
+    #[arg(long, value_name = "FILE")]
+    pub board: Option<PathBuf>,
+    /// The clock to run on.
+    #[arg(long, value_enum, default_value_t)]
+    pub clock: ClockChoice,
+    /// Write the record, the reports and the traces into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// Cases to run at once in virtual time [default: the number of cores].
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<std::num::NonZeroUsize>,
+    /// Run only the cases that this expression selects: words that the case's name holds, `title:WORD`,
+    /// `proves:ID`, `profile:NAME`, joined by `and`, `or`, `not`, with brackets.
+    #[arg(long, value_name = "EXPR")]
+    pub only: Option<String>,
+    /// Give a plan's parameter a value.
+    #[arg(long = "param", value_name = "K=V")]
+    pub params: Vec<String>,
+    /// The seed of everything that is left to chance.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Run every case this many times, each with a seed of its own.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub repeat: std::num::NonZeroU32,
+    /// Start no further case after the first that did not pass.
+    #[arg(long)]
+    pub fail_fast: bool,
+    /// List the cases and run none.
+    #[arg(long)]
+    pub list: bool,
+}
+
+/// `rig check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Plans, board files, programs (`.st`), or folders that are searched for plans.
+    #[arg(value_name = "FILE|DIR", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Give a plan's parameter a value.
+    #[arg(long = "param", value_name = "K=V")]
+    pub params: Vec<String>,
+}
+
+/// `rig judge`.
+#[derive(Debug, Args)]
+pub struct JudgeArgs {
+    /// The plan.
+    pub plan: PathBuf,
+    /// The trace that a run recorded (`--report DIR` writes it to `DIR/traces`).
+    pub trace: PathBuf,
+}
+
+/// `rig requirements`.
+#[derive(Debug, Args)]
+pub struct RequirementsArgs {
+    /// How to print.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Take the last verdicts from this folder, which `rig test --report DIR` wrote, instead of running the library.
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+}
+
+/// For a person or for a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Columns for a person.
+    #[default]
+    Table,
+    /// JSON for a program.
+    Json,
+}
+
+/// `rig program`.
+#[derive(Debug, Subcommand)]
+pub enum ProgramCommand {
+    /// Compile and say what is wrong.
+    Check {
+        /// Structured Text files of one application.
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+    },
+    /// Run an application alone in virtual time and print its variables.
+    Run(ProgramRunArgs),
+}
+
+/// `rig program run`.
+#[derive(Debug, Args)]
+pub struct ProgramRunArgs {
+    /// Structured Text files of one application.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// How long to run, in modelled time.
+    #[arg(long = "for", value_name = "TIME", default_value = "1 s")]
+    pub duration: String,
+    /// Interval of the task.
+    #[arg(long, value_name = "TIME", default_value = "20 ms")]
+    pub interval: String,
+    /// Set a variable before the first cycle.
+    #[arg(long, value_name = "VAR=VALUE")]
+    pub set: Vec<String>,
+    /// Print these variables in place of all.
+    #[arg(long, value_name = "VAR,...", value_delimiter = ',')]
+    pub print: Vec<String>,
+    /// How to print.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}

@@ -1,0 +1,201 @@
+//! What the controller asks of an application, and of whoever turns a bundle into one.
+
+use crate::Memory;
+use profile::ApplicationError;
+use signal::{Span, Time, Value};
+use std::fmt;
+
+/// The user's code and variables, resumable in modelled time.
+///
+/// Operations are atomic and take effect when they complete. Whatever is called between two calls of
+/// [`Application::resume`], and however its budget is cut, the same operations complete at the same instants.
+/// Nothing in here allocates between two calls of [`Application::reset`].
+pub trait Application: Send {
+    /// The number of tasks that it was built for.
+    fn tasks(&self) -> usize;
+
+    /// Starts a cycle of a task, abandoning an unfinished one.
+    fn begin(&mut self, task: usize);
+
+    /// Runs a task's cycle from `now` for at most `budget`. Operations complete as long as their cost fits; those
+    /// without cost complete with the one before them.
+    fn resume(&mut self, task: usize, now: Time, budget: Span, memory: &mut Memory) -> Slice;
+
+    /// Gives variables their initial values, except the kinds that `reset` keeps.
+    fn reset(&mut self, reset: VariableReset);
+
+    /// Writes the initial values of located variables into memory. Called behind [`Application::reset`]; the bits of
+    /// %Q that are written here have a software initialization value (controller:OUT-03).
+    fn initialize(&self, memory: &mut Memory) {
+        let _ = memory;
+    }
+
+    /// Whether a variable is associated with `%MW<word>`, which ends the word's automatic retention
+    /// (controller:REM-03).
+    fn associates(&self, word: u32) -> bool {
+        let _ = word;
+        false
+    }
+
+    /// Whether a task writes into byte `byte` of %Q (controller:PRIO-05).
+    fn writes_output(&self, task: usize, byte: u32) -> bool {
+        let _ = (task, byte);
+        false
+    }
+
+    /// Bytes of an image of the remanent variables.
+    fn retained_len(&self) -> usize;
+
+    /// Writes the image of the remanent variables into `out`, which has [`Application::retained_len`] bytes.
+    fn save_retained(&self, out: &mut [u8]);
+
+    /// Takes the remanent variables from an image; FALSE, with nothing taken, when it does not fit this application.
+    fn restore_retained(&mut self, image: &[u8]) -> bool;
+
+    /// Whether a remanent variable changed since the last call.
+    fn retained_dirty(&mut self) -> bool;
+
+    /// Identity of code and variables (controller:STATE-10).
+    fn signature(&self) -> u64;
+
+    /// The value of a variable.
+    fn read(&self, variable: u32) -> Value;
+
+    /// Writes a variable, cut to its width.
+    fn write(&mut self, variable: u32, value: Value);
+
+    /// The variable with this path.
+    fn find(&self, path: &str) -> Option<u32>;
+
+    /// From now on, a change of the variable ends a slice with [`Stop::Touched`].
+    fn watch(&mut self, variable: u32);
+}
+
+/// What a call of [`Application::resume`] did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slice {
+    /// Modelled time of the operations that completed, 0...budget.
+    pub used: Span,
+    /// Why it returned.
+    pub stop: Stop,
+}
+
+/// Why a slice ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The next operation does not fit into what is left of the budget: it has begun at now + used and will complete
+    /// at now + used + `next`.
+    Budget {
+        /// Cost of that operation, more than what is left.
+        next: Span,
+    },
+    /// The cycle is complete.
+    Done,
+    /// A watched variable or place changed at now + used; the cycle goes on with the next call.
+    Touched,
+    /// The operation completing at now + used is an error; the cycle is over.
+    Fault(ApplicationFault),
+}
+
+/// An error of the application.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ApplicationFault {
+    /// The code that the system variable shows (controller:SYS-03).
+    pub error: ApplicationError,
+    /// How the controller reacts (controller:ERR-01).
+    pub class: FaultClass,
+    /// Place of the source file in the application.
+    pub file: u8,
+    /// Line in that file, from 1.
+    pub line: u32,
+}
+
+/// Class of an application's error (controller:ERR-01).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FaultClass {
+    /// The controller goes to HALT.
+    Application,
+    /// The controller reboots into EMPTY.
+    System,
+}
+
+/// Which remanent variables a reset keeps (controller:REM-02). Others get their initial values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct VariableReset {
+    /// RETAIN variables keep their values.
+    pub keep_retain: bool,
+    /// PERSISTENT and RETAIN PERSISTENT variables keep their values.
+    pub keep_persistent: bool,
+}
+
+impl VariableReset {
+    /// Every variable is initialised.
+    pub const ALL: VariableReset = VariableReset { keep_retain: false, keep_persistent: false };
+    /// Reset warm.
+    pub const WARM: VariableReset = VariableReset { keep_retain: true, keep_persistent: true };
+    /// Reset cold.
+    pub const COLD: VariableReset = VariableReset { keep_retain: false, keep_persistent: true };
+    /// Download of the same application.
+    pub const DOWNLOAD: VariableReset = VariableReset::COLD;
+}
+
+/// Turns an application bundle into an application. Called at boot and download, never inside a scan.
+pub trait Loader: Send {
+    /// Builds the application of a bundle.
+    ///
+    /// # Errors
+    /// [`LoadError`]; the controller then treats the bundle as an invalid application (controller:TR-04,
+    /// controller:DL-04).
+    fn load(&mut self, bundle: &[u8]) -> Result<Box<dyn Application>, LoadError>;
+}
+
+/// Why a bundle is no valid application of this controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadError {
+    /// The bytes are no application bundle, or a damaged one.
+    Bundle,
+    /// The program does not compile.
+    Program {
+        /// Number of errors.
+        errors: usize,
+    },
+    /// The bundle was built for another number of tasks.
+    Tasks {
+        /// Tasks of the controller's configuration.
+        expected: usize,
+        /// Tasks of the bundle.
+        found: usize,
+    },
+    /// More remanent data than the store holds (controller:MEM-08).
+    Remanent {
+        /// Bytes that the application asks for.
+        bytes: usize,
+    },
+    /// Two tasks write outputs of one byte, which these profiles refuse (controller:PRIO-05).
+    SharedOutputByte {
+        /// Byte of %Q.
+        byte: u32,
+        /// The tasks, by their places in the configuration.
+        tasks: (usize, usize),
+    },
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            LoadError::Bundle => f.write_str("the application bundle is foreign, cut off or damaged"),
+            LoadError::Program { errors } => write!(f, "the program of the bundle has {errors} errors"),
+            LoadError::Tasks { expected, found } => {
+                write!(f, "the bundle was built for {found} tasks, the controller is configured with {expected}")
+            }
+            LoadError::Remanent { bytes } => {
+                write!(f, "{bytes} bytes of remanent variables, the store holds {}", profile::REMANENT_BYTES)
+            }
+            LoadError::SharedOutputByte { byte, tasks } => {
+                write!(f, "outputs of %QB{byte} are written by tasks {} and {}: use one task", tasks.0, tasks.1)
+            }
+        }
+    }
+}
+
+impl std::error::Error for LoadError {}

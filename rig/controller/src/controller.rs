@@ -1,0 +1,351 @@
+//! The controller: its parts, and what can be asked of it.
+
+use crate::context::Context;
+use crate::input::Inputs;
+use crate::output::Outputs;
+use crate::task::Task;
+use crate::watch::Watches;
+use crate::{
+    Application, Config, ConfigError, Effects, LoadError, Loader, Log, Memory, NonVolatile, Probe, State,
+    SystemVariable, TaskFigures, WriteError,
+};
+use profile::{ApplicationError, BootProjectStatus, StopCause};
+use signal::{Address, Area, Cause, Level, Size, Span, Time, Value};
+use std::fmt;
+
+/// A logic controller, without power when it is made.
+pub struct Controller {
+    pub(crate) config: Config,
+    pub(crate) loader: Box<dyn Loader>,
+    pub(crate) store: Box<dyn NonVolatile>,
+    pub(crate) state: State,
+    pub(crate) application: Option<Box<dyn Application>>,
+    pub(crate) memory: Memory,
+    pub(crate) inputs: Inputs,
+    pub(crate) outputs: Outputs,
+    pub(crate) forced_inputs: Forced,
+    pub(crate) forced_outputs: Forced,
+    /// The tasks, highest priority first: a task's place in here is its rank.
+    pub(crate) tasks: Vec<Task>,
+    /// Processor and scheduling.
+    pub(crate) cpu: Processor,
+    pub(crate) power: Power,
+    pub(crate) context: Context,
+    pub(crate) system: System,
+    pub(crate) watches: Watches,
+    pub(crate) log: Log,
+}
+
+/// The one processor (controller:TASK-03).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Processor {
+    /// Up to here application code has taken effect.
+    pub at: Time,
+    /// An operation is under way since `at` and completes then; it belongs to the task of rank `running`.
+    pub in_flight: Option<Time>,
+    /// Rank of the task that ran last.
+    pub running: usize,
+    /// Ranks with a release that waits for its cycle, bit 0 the highest priority.
+    pub ready: u32,
+    /// Ranks with a cycle under way.
+    pub active: u32,
+    /// A stop waits for the cycles under way.
+    pub stopping: Option<StopCause>,
+    /// Controller tasks (priority 0...24) have had the processor without a gap in this time (controller:WD-02).
+    pub busy_since: Time,
+    pub busy_until: Time,
+}
+
+/// Supply, boot and the work of a controller that does not run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Power {
+    /// The supply is gone; the controller lives until then.
+    pub hold_up: Option<Time>,
+    /// Step of BOOTING and its end.
+    pub stage: Option<(usize, Time)>,
+    /// The boot was provoked by a system error.
+    pub system_error: bool,
+    /// The Run/Stop switch is at Run.
+    pub switch_at_run: bool,
+    /// Next update of inputs and outputs in STOPPED and HALT.
+    pub refresh: Option<Time>,
+    /// What the outputs are set to at each of these updates; none to keep what is in %Q.
+    pub stop_image: Option<u32>,
+}
+
+/// The system variables.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct System {
+    pub boot_project: BootProjectStatus,
+    pub stop_cause: StopCause,
+    pub error: ApplicationError,
+}
+
+/// Forced channels (controller:FRC-02).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Forced {
+    /// A 1 for every forced channel.
+    pub mask: u32,
+    /// Their values.
+    pub bits: u32,
+}
+
+impl Forced {
+    #[inline]
+    pub(crate) const fn apply(self, bits: u32) -> u32 {
+        bits & !self.mask | self.bits & self.mask
+    }
+
+    pub(crate) fn set(&mut self, channel: usize, on: Option<bool>) {
+        let bit = 1 << channel;
+        self.mask = if on.is_some() { self.mask | bit } else { self.mask & !bit };
+        self.bits = if on == Some(true) { self.bits | bit } else { self.bits & !bit };
+    }
+}
+
+impl fmt::Debug for Controller {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Controller")
+            .field("config", &self.config)
+            .field("state", &self.state)
+            .field("tasks", &self.tasks)
+            .field("cpu", &self.cpu)
+            .field("power", &self.power)
+            .field("system", &self.system)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Controller {
+    /// A controller of this configuration, without power, its switch at Run.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where no controller of the profile accepts the configuration.
+    pub fn new(
+        config: Config,
+        loader: Box<dyn Loader>,
+        store: Box<dyn NonVolatile>,
+    ) -> Result<Controller, ConfigError> {
+        config.check()?;
+        let mut tasks: Vec<_> = config.tasks.iter().enumerate().map(|(place, task)| Task::new(place, task)).collect();
+        tasks.sort_by_key(|task| task.priority);
+        let filters = config.filters.iter().copied().chain(std::iter::repeat_with(profile::Filter::default));
+        let inputs = Inputs::new(profile::inputs(config.reference).zip(filters).map(|(input, filter)| (input.delay, filter)));
+        Ok(Controller {
+            memory: Memory::new(config.profile),
+            outputs: Outputs::new(profile::outputs(config.reference)),
+            inputs,
+            tasks,
+            config,
+            loader,
+            store,
+            state: State::Off,
+            application: None,
+            forced_inputs: Forced::default(),
+            forced_outputs: Forced::default(),
+            cpu: Processor {
+                at: Time::MIN,
+                in_flight: None,
+                running: 0,
+                ready: 0,
+                active: 0,
+                stopping: None,
+                busy_since: Time::MIN,
+                busy_until: Time::MIN,
+            },
+            power: Power {
+                hold_up: None,
+                stage: None,
+                system_error: false,
+                switch_at_run: true,
+                refresh: None,
+                stop_image: None,
+            },
+            context: Context::default(),
+            system: System {
+                boot_project: BootProjectStatus::None,
+                stop_cause: StopCause::Unknown,
+                error: ApplicationError::None,
+            },
+            watches: Watches::default(),
+            log: Log::new(),
+        })
+    }
+
+    /// Prepares the storage as if this application had been downloaded and the controller then left in state `left`
+    /// when its power went: with the default starting mode and RUNNING, the next power-on ends in RUNNING. To be
+    /// called without power: a controller that is on goes on writing its own storage.
+    ///
+    /// # Errors
+    /// [`LoadError`]; the storage is then as it was.
+    pub fn commission(&mut self, bundle: &[u8], left: State) -> Result<(), LoadError> {
+        let mut application = self.build(bundle)?;
+        application.reset(crate::VariableReset::ALL);
+        self.store.write(crate::APPLICATION_FILE, bundle);
+        let mut context = Context::default();
+        context.newest(&*self.store);
+        context.prepare(&*application);
+        context.save_now(&*application, &Memory::new(self.config.profile), &mut *self.store);
+        crate::transition::record(&mut *self.store, left, application.signature());
+        Ok(())
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The state. While a stop waits for cycles under way it is still RUNNING.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Whether EMPTY was entered because of a system error (controller:STATE-01).
+    pub fn after_system_error(&self) -> bool {
+        self.state == State::Empty && self.power.system_error
+    }
+
+    /// Whether any input or output is forced (controller:STATE-03).
+    pub fn has_forced_io(&self) -> bool {
+        self.forced_inputs.mask | self.forced_outputs.mask != 0
+    }
+
+    /// The storage.
+    pub fn store(&self) -> &dyn NonVolatile {
+        &*self.store
+    }
+
+    /// The storage, to place or take files.
+    pub fn store_mut(&mut self) -> &mut dyn NonVolatile {
+        &mut *self.store
+    }
+
+    /// The log.
+    pub fn log(&self) -> &Log {
+        &self.log
+    }
+
+    /// The figures of a task by its place in the configuration.
+    pub fn task_figures(&self, task: usize) -> Option<TaskFigures> {
+        self.tasks.iter().find(|at| at.place == task).map(|at| at.figures)
+    }
+
+    /// The number of the application's variable with this path; none without an application.
+    pub fn find_variable(&self, path: &str) -> Option<u32> {
+        self.application.as_ref().and_then(|application| application.find(path))
+    }
+
+    /// The physical level at terminal I`input` from `now` on. Numbers beyond the reference's inputs are ignored.
+    pub fn input(&mut self, now: Time, input: usize, level: Level) {
+        self.inputs.set(now, input, level);
+    }
+
+    /// The next `times` cycles of a task take `cycle` of processor time in all, however little the program needs.
+    /// The time behind the program's last operation can be pre-empted at any nanosecond.
+    pub fn overload(&mut self, task: usize, cycle: Span, times: u32) {
+        if let Some(task) = self.tasks.iter_mut().find(|at| at.place == task) {
+            task.overload = (cycle, times);
+        }
+    }
+
+    /// What a probe shows now.
+    pub fn read(&self, probe: &Probe) -> Value {
+        match *probe {
+            Probe::State => Value::Int(self.state.number()),
+            Probe::Input(input) => {
+                Value::Bool(input < 32 && self.memory.input_bits() & self.inputs.mask() & 1 << input != 0)
+            }
+            Probe::Address(at) => {
+                let value = self.memory.load(at);
+                if at.size() == Size::Bit { Value::Bool(value != 0) } else { Value::Word(value) }
+            }
+            Probe::Variable(variable) => self.application.as_ref().map_or(Value::Unknown, |it| it.read(variable)),
+            Probe::System(variable) => self.read_system(variable),
+            Probe::TaskFigure { task, figure } => {
+                self.task_figures(task).map_or(Value::Unknown, |figures| figures.get(figure))
+            }
+            Probe::Terminal(output) => self.outputs.level(output).map_or(Value::Unknown, Value::from),
+        }
+    }
+
+    fn read_system(&self, variable: SystemVariable) -> Value {
+        let Some(status) = self.state.status() else { return Value::Unknown };
+        Value::Word(u64::from(match variable {
+            SystemVariable::Status => status.code(),
+            SystemVariable::BootProjectStatus => self.system.boot_project.code(),
+            SystemVariable::LastStopCause => self.system.stop_cause.code(),
+            SystemVariable::LastApplicationError => self.system.error.code(),
+        }))
+    }
+
+    /// Writes a variable or a place in memory at `now`, between two operations of the application. The places of
+    /// located system variables are not part of %MW (controller:MEM-09).
+    ///
+    /// # Errors
+    /// [`WriteError`].
+    pub fn write(
+        &mut self,
+        now: Time,
+        probe: &Probe,
+        value: Value,
+        cause: Cause,
+        fx: &mut Effects,
+    ) -> Result<(), WriteError> {
+        if self.state.status().is_none() {
+            return Err(WriteError::State(self.state));
+        }
+        match *probe {
+            Probe::Address(at) => {
+                let number = value.as_int().ok_or(WriteError::NotANumber)?;
+                self.memory.set_cause(cause);
+                self.memory.store(at, number as u64);
+            }
+            Probe::Variable(variable) => {
+                let application = self.application.as_mut().ok_or(WriteError::State(self.state))?;
+                if matches!(value, Value::HighZ | Value::Unknown) {
+                    return Err(WriteError::NotANumber);
+                }
+                application.write(variable, value);
+            }
+            _ => return Err(WriteError::ReadOnly),
+        }
+        self.observe_memory(now, cause, fx);
+        if self.state == State::Stopped {
+            self.save_if_dirty(now);
+        }
+        Ok(())
+    }
+
+    /// Builds and checks the application of a bundle.
+    pub(crate) fn build(&mut self, bundle: &[u8]) -> Result<Box<dyn Application>, LoadError> {
+        let application = self.loader.load(bundle)?;
+        let (expected, found) = (self.config.tasks.len(), application.tasks());
+        if expected != found {
+            return Err(LoadError::Tasks { expected, found });
+        }
+        let bytes = application.retained_len();
+        if bytes > profile::REMANENT_BYTES {
+            return Err(LoadError::Remanent { bytes });
+        }
+        if self.config.profile != profile::Profile::M241_2014 {
+            if let Some((byte, tasks)) = self.shared_output_byte(&*application) {
+                return Err(LoadError::SharedOutputByte { byte, tasks });
+            }
+        }
+        Ok(application)
+    }
+
+    /// The first byte of embedded outputs that two tasks write (controller:PRIO-05).
+    pub(crate) fn shared_output_byte(&self, application: &dyn Application) -> Option<(u32, (usize, usize))> {
+        let bytes = self.config.reference.output_count().div_ceil(8) as u32;
+        (0..bytes).find_map(|byte| {
+            let mut writers = (0..self.config.tasks.len()).filter(|task| application.writes_output(*task, byte));
+            Some((byte, (writers.next()?, writers.next()?)))
+        })
+    }
+
+    /// The address of the image bit of an embedded input.
+    pub(crate) fn input_address(input: usize) -> Address {
+        Address::bit(Area::Input, u32::try_from(input).unwrap_or(u32::MAX))
+    }
+}

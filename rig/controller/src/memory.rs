@@ -1,0 +1,229 @@
+//! The memory that application and controller share: the images of inputs and outputs, and %M.
+
+use profile::{Profile, REMANENT_WORDS};
+use signal::{Address, Area, Cause, Image};
+
+/// %I, %Q and %M (controller:MEM-06, controller:ADDR-01), with the last writer of every output bit.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    inputs: Image,
+    outputs: Image,
+    words: Image,
+    /// A 1 for every bit whose change ends a slice.
+    watched: [Image; 3],
+    any_watched: bool,
+    /// Last writer of each bit of %Q.
+    writers: Box<[Cause]>,
+    cause: Cause,
+    remanent_dirty: bool,
+}
+
+impl Memory {
+    /// Memory of zeros with the areas of a profile.
+    pub fn new(profile: Profile) -> Memory {
+        let limits = profile.address_limits();
+        let image = |area| Image::new(limits.bits(area));
+        let images = [image(Area::Input), image(Area::Output), image(Area::Memory)];
+        let [inputs, outputs, words] = images.clone();
+        Memory {
+            inputs,
+            outputs,
+            words,
+            watched: images,
+            any_watched: false,
+            writers: vec![Cause::Unknown; limits.bits(Area::Output) as usize].into_boxed_slice(),
+            cause: Cause::Unknown,
+            remanent_dirty: false,
+        }
+    }
+
+    /// Who makes the following stores.
+    #[inline]
+    pub fn set_cause(&mut self, cause: Cause) {
+        self.cause = cause;
+    }
+
+    /// Who made the last stores.
+    pub fn cause(&self) -> Cause {
+        self.cause
+    }
+
+    /// The value at an address in the low bits; 0 beyond the end of its area.
+    #[inline]
+    pub fn load(&self, at: Address) -> u64 {
+        match at.area() {
+            Area::Input => self.inputs.get(at),
+            Area::Output => self.outputs.get(at),
+            Area::Memory => self.words.get(at),
+        }
+    }
+
+    /// Stores the low bits of `value`; TRUE when a watched place changed. Beyond the end of its area nothing happens.
+    #[inline]
+    pub fn store(&mut self, at: Address, value: u64) -> bool {
+        let changed = match at.area() {
+            Area::Input => self.inputs.set(at, value),
+            Area::Output => {
+                let first = at.bit_offset() as usize;
+                if let Some(writers) = self.writers.get_mut(first..first + at.bit_len() as usize) {
+                    writers.fill(self.cause);
+                }
+                self.outputs.set(at, value)
+            }
+            Area::Memory => {
+                let changed = self.words.set(at, value);
+                self.remanent_dirty |= changed && at.bit_offset() < REMANENT_WORDS * 16;
+                changed
+            }
+        };
+        changed && self.any_watched && self.watched[at.area() as usize].get(at) != 0
+    }
+
+    /// From now on, a store that changes this place reports it.
+    pub fn watch(&mut self, at: Address) {
+        self.any_watched = true;
+        self.watched[at.area() as usize].set(at, u64::MAX);
+    }
+
+    /// Who wrote a bit of %Q last; unknown for a bit that nobody wrote since [`Memory::clear`].
+    pub fn writer(&self, output_bit: u32) -> Cause {
+        self.writers.get(output_bit as usize).copied().unwrap_or_default()
+    }
+
+    /// Sets every bit to 0 and forgets who wrote it. Watched places stay watched.
+    pub(crate) fn clear(&mut self) {
+        self.inputs.clear();
+        self.words.clear();
+        self.clear_outputs();
+        self.cause = Cause::Unknown;
+        self.remanent_dirty = false;
+    }
+
+    /// Sets every output bit to 0 and forgets who wrote it.
+    pub(crate) fn clear_outputs(&mut self) {
+        self.outputs.clear();
+        self.writers.fill(Cause::Unknown);
+    }
+
+    /// Sets %I to 0, and %M except the words that `keep` keeps.
+    pub(crate) fn reset(&mut self, keep: impl Fn(u32) -> bool) {
+        self.inputs.clear();
+        self.clear_outputs();
+        let remanent = REMANENT_WORDS as usize * 2;
+        self.words.bytes_mut()[remanent..].fill(0);
+        for word in (0..REMANENT_WORDS).filter(|word| !keep(*word)) {
+            self.words.set_word(word, 0);
+        }
+        self.remanent_dirty = true;
+    }
+
+    /// The first 32 bits of %I.
+    #[inline]
+    pub(crate) fn input_bits(&self) -> u32 {
+        low_bits(&self.inputs)
+    }
+
+    /// Sets the input bits of `mask`; whether any changed.
+    #[inline]
+    pub(crate) fn set_input_bits(&mut self, bits: u32, mask: u32) -> bool {
+        set_low_bits(&mut self.inputs, bits, mask) != 0
+    }
+
+    /// The first 32 bits of %Q.
+    #[inline]
+    pub(crate) fn output_bits(&self) -> u32 {
+        low_bits(&self.outputs)
+    }
+
+    /// Sets the output bits of `mask`; whether any changed. Changed ones have the writer `cause`.
+    #[inline]
+    pub(crate) fn set_output_bits(&mut self, bits: u32, mask: u32, cause: Cause) -> bool {
+        let mut changed = set_low_bits(&mut self.outputs, bits, mask);
+        let any = changed != 0;
+        while changed != 0 {
+            self.writers[changed.trailing_zeros() as usize] = cause;
+            changed &= changed - 1;
+        }
+        any
+    }
+
+    /// Which of the first 32 output bits somebody wrote since they were cleared.
+    pub(crate) fn written_outputs(&self) -> u32 {
+        (0..32).filter(|bit| self.writer(*bit) != Cause::Unknown).fold(0, |mask, bit| mask | 1 << bit)
+    }
+
+    /// The bytes of %MW0...%MW999.
+    pub(crate) fn remanent(&self) -> &[u8] {
+        &self.words.bytes()[..REMANENT_WORDS as usize * 2]
+    }
+
+    /// The bytes of %MW0...%MW999, to be filled from a saved context.
+    pub(crate) fn remanent_mut(&mut self) -> &mut [u8] {
+        &mut self.words.bytes_mut()[..REMANENT_WORDS as usize * 2]
+    }
+
+    /// Whether a remanent word changed since the last call.
+    #[inline]
+    pub(crate) fn take_remanent_dirty(&mut self) -> bool {
+        std::mem::take(&mut self.remanent_dirty)
+    }
+}
+
+#[inline]
+fn low_bits(image: &Image) -> u32 {
+    image.bytes().first_chunk::<4>().map_or(0, |bytes| u32::from_le_bytes(*bytes))
+}
+
+#[inline]
+fn set_low_bits(image: &mut Image, bits: u32, mask: u32) -> u32 {
+    let Some(bytes) = image.bytes_mut().first_chunk_mut::<4>() else { return 0 };
+    let old = u32::from_le_bytes(*bytes);
+    let new = old & !mask | bits & mask;
+    *bytes = new.to_le_bytes();
+    old ^ new
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(text: &str) -> Address {
+        Address::parse(text).unwrap()
+    }
+
+    #[test]
+    fn only_watched_changes_are_reported() {
+        let mut memory = Memory::new(Profile::default());
+        memory.watch(at("%MW10"));
+        assert!(!memory.store(at("%MW9"), 1));
+        assert!(memory.store(at("%MX20.3"), 1), "a bit of the word");
+        assert!(!memory.store(at("%MX20.3"), 1), "no change");
+        assert!(memory.store(at("%MD5"), 0), "overlaps the word (controller:ADDR-01)");
+    }
+
+    #[test]
+    fn output_bits_know_their_writer() {
+        let mut memory = Memory::new(Profile::default());
+        let program = Cause::Program { task: 0, file: 1, line: 7 };
+        memory.set_cause(program);
+        memory.store(at("%QX0.4"), 1);
+        assert_eq!((memory.writer(4), memory.writer(5)), (program, Cause::Unknown));
+        assert_eq!((memory.output_bits(), memory.written_outputs()), (0x10, 0x10));
+        memory.set_output_bits(0, 0xFF, Cause::Controller);
+        assert_eq!(memory.writer(4), Cause::Controller);
+        assert_eq!(memory.writer(5), Cause::Unknown, "it did not change");
+    }
+
+    // controller:REM-03
+    #[test]
+    fn remanent_words_end_at_999() {
+        let mut memory = Memory::new(Profile::default());
+        memory.store(at("%MW1000"), 5);
+        assert!(!memory.take_remanent_dirty());
+        memory.store(at("%MW999"), 5);
+        memory.store(at("%MW3"), 6);
+        assert!(memory.take_remanent_dirty());
+        memory.reset(|word| word != 3);
+        assert_eq!(["%MW3", "%MW999", "%MW1000"].map(|text| memory.load(at(text))), [0, 5, 0]);
+    }
+}

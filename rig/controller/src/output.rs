@@ -1,0 +1,197 @@
+//! Output terminals: what the drivers command and when the edge comes out.
+
+use crate::{Effect, Effects, Memory};
+use profile::{Output, OutputKind};
+use signal::{Cause, Level, Span, Time};
+
+/// One terminal. Its delays are inertial: a command that is taken back before its edge came out leaves none.
+#[derive(Clone, Debug)]
+struct Terminal {
+    on_delay: Span,
+    off_delay: Span,
+    level: Level,
+    /// The level to come and when, while they differ.
+    next: Level,
+    at: Time,
+    cause: Cause,
+}
+
+/// All embedded outputs.
+#[derive(Clone, Debug)]
+pub(crate) struct Outputs {
+    terminals: Vec<Terminal>,
+    /// Outputs that are not driven under hardware initialization values (controller:OUT-02).
+    floating: u32,
+    /// What the drivers are commanded: 1, and not driven at all.
+    on: u32,
+    undriven: u32,
+    /// Terminals with an edge to come, and the first of these edges.
+    pending: u32,
+    first: Time,
+}
+
+impl Outputs {
+    /// Outputs in hardware initialization values.
+    pub(crate) fn new(outputs: impl Iterator<Item = Output>) -> Outputs {
+        let mut floating = 0;
+        let terminals = outputs
+            .map(|output| {
+                let floats = output.kind == OutputKind::Fast;
+                floating |= u32::from(floats) << output.index;
+                let level = if floats { Level::HighZ } else { Level::Low };
+                Terminal {
+                    on_delay: output.on_delay,
+                    off_delay: output.off_delay,
+                    level,
+                    next: level,
+                    at: Time::MAX,
+                    cause: Cause::Controller,
+                }
+            })
+            .collect();
+        Outputs { terminals, floating, on: 0, undriven: floating, pending: 0, first: Time::MAX }
+    }
+
+    /// A 1 for every output.
+    pub(crate) fn mask(&self) -> u32 {
+        ((1u64 << self.terminals.len()) - 1) as u32
+    }
+
+    /// The level at a terminal; none beyond the reference's outputs.
+    pub(crate) fn level(&self, output: usize) -> Option<Level> {
+        self.terminals.get(output).map(|terminal| terminal.level)
+    }
+
+    /// Commands every output at `now`: bit n drives Qn. The cause of an edge is the last writer of its %Q bit.
+    #[inline]
+    pub(crate) fn drive(&mut self, now: Time, bits: u32, memory: &Memory) {
+        let changed = (bits ^ self.on | self.undriven) & self.mask();
+        if changed != 0 {
+            (self.on, self.undriven) = (bits & self.mask(), 0);
+            self.aim(now, changed, |n| (Level::from_bool(bits >> n & 1 == 1), memory.writer(n)));
+        }
+    }
+
+    /// Commands hardware initialization values at `now` (controller:OUT-02).
+    pub(crate) fn initialize(&mut self, now: Time) {
+        let floating = self.floating;
+        (self.on, self.undriven) = (0, floating);
+        self.aim(now, self.mask(), |n| {
+            (if floating >> n & 1 == 1 { Level::HighZ } else { Level::Low }, Cause::Controller)
+        });
+    }
+
+    fn aim(&mut self, now: Time, mut which: u32, target: impl Fn(u32) -> (Level, Cause)) {
+        while which != 0 {
+            let n = which.trailing_zeros();
+            which &= which - 1;
+            let terminal = &mut self.terminals[n as usize];
+            let (level, cause) = target(n);
+            if level == terminal.level {
+                terminal.next = level;
+                self.pending &= !(1 << n);
+            } else if level != terminal.next {
+                let delay = if level == Level::High { terminal.on_delay } else { terminal.off_delay };
+                (terminal.next, terminal.at, terminal.cause) = (level, now.saturating_add(delay), cause);
+                self.pending |= 1 << n;
+            }
+        }
+        self.find_first();
+    }
+
+    fn find_first(&mut self) {
+        self.first = Time::MAX;
+        let mut left = self.pending;
+        while left != 0 {
+            self.first = self.first.min(self.terminals[left.trailing_zeros() as usize].at);
+            left &= left - 1;
+        }
+    }
+
+    /// When the next edge comes out; [`Time::MAX`] for none.
+    #[inline]
+    pub(crate) fn next(&self) -> Time {
+        self.first
+    }
+
+    /// The edges due at `now` come out; whether there were any.
+    pub(crate) fn fire(&mut self, now: Time, fx: &mut Effects) -> bool {
+        if self.first > now {
+            return false;
+        }
+        let mut left = self.pending;
+        while left != 0 {
+            let n = left.trailing_zeros();
+            left &= left - 1;
+            let terminal = &mut self.terminals[n as usize];
+            if terminal.at <= now {
+                terminal.level = terminal.next;
+                self.pending &= !(1 << n);
+                let (output, level, cause) = (n as usize, terminal.level, terminal.cause);
+                fx.push(Effect::Terminal { at: terminal.at, output, level, cause });
+            }
+        }
+        self.find_first();
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profile::{Profile, Reference};
+
+    fn outputs(name: &str) -> Outputs {
+        Outputs::new(profile::outputs(Reference::find(name).unwrap()))
+    }
+
+    fn us(n: i64) -> Time {
+        Time::from_nanos(n * 1_000)
+    }
+
+    // io:STD-OUT-01
+    #[test]
+    fn delays_by_kind_and_direction() {
+        let (mut out, mut fx, memory) = (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        out.drive(us(0), 0b1_0001, &memory);
+        assert_eq!(out.next(), us(2));
+        out.fire(us(2), &mut fx);
+        assert_eq!((out.level(0), out.level(1), out.level(4)), (Some(Level::High), Some(Level::Low), Some(Level::Low)));
+        assert_eq!(out.next(), us(34));
+        out.fire(us(34), &mut fx);
+        assert_eq!(out.level(4), Some(Level::High));
+        out.drive(us(100), 0, &memory);
+        out.fire(us(102), &mut fx);
+        assert_eq!(out.next(), us(350));
+        let mut relay = outputs("TM241CEC24R");
+        relay.drive(us(0), 0b1_0000, &memory);
+        relay.fire(us(2), &mut fx);
+        assert_eq!(relay.next(), us(10_000));
+    }
+
+    // controller:OUT-02
+    #[test]
+    fn hardware_initialization_values() {
+        let (mut out, mut fx, memory) = (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        assert_eq!((out.level(3), out.level(4)), (Some(Level::HighZ), Some(Level::Low)));
+        out.drive(us(0), 0x3FF, &memory);
+        out.fire(us(1_000), &mut fx);
+        out.initialize(us(2_000));
+        out.fire(us(2_250), &mut fx);
+        assert_eq!((out.level(3), out.level(4), out.next()), (Some(Level::HighZ), Some(Level::Low), Time::MAX));
+    }
+
+    #[test]
+    fn a_command_taken_back_in_time_leaves_no_edge() {
+        let (mut out, mut fx, memory) = (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        out.drive(us(0), 0, &memory);
+        out.fire(us(2), &mut fx);
+        fx.list.clear();
+        out.drive(us(10), 0b1_0000, &memory);
+        out.drive(us(40), 0, &memory);
+        assert_eq!(out.next(), Time::MAX);
+        out.drive(us(50), 0b1_0000, &memory);
+        assert_eq!(out.next(), us(84), "the delay starts anew");
+        assert!(fx.list.is_empty());
+    }
+}

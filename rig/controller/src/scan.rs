@@ -1,0 +1,222 @@
+//! The scan: application code on the one processor, cycle by cycle.
+
+use crate::controller::Forced;
+use crate::watch::class;
+use crate::{ApplicationFault, Controller, Effects, Entry, FaultClass, State, Stop};
+use profile::{MINIMUM_CYCLE, StopCause};
+use signal::{Cause, Span, Time};
+
+/// What a step of the processor did.
+enum Step {
+    /// Time may go on.
+    Go,
+    /// Nothing completes before the end of the span that was given.
+    Wait,
+}
+
+impl Controller {
+    /// Lets application code run up to and including `limit`, and hands back how far it went: to `limit`, to the
+    /// next timer, or to the instant at which something happened, whichever comes first. The instants handed back
+    /// never go backwards.
+    ///
+    /// Operations that complete at `limit` take effect, cycles that end there write their outputs; a cycle that could
+    /// start there starts with the next call, when everything else of that instant is known.
+    pub fn run(&mut self, limit: Time, fx: &mut Effects) -> Time {
+        let before = fx.len();
+        loop {
+            if fx.len() > before {
+                return self.cpu.at;
+            }
+            let end = self.next_timer().map_or(limit, |timer| timer.min(limit));
+            if self.state != State::Running {
+                self.cpu.at = self.cpu.at.max(end);
+                return end;
+            }
+            if self.cpu.at >= end {
+                return end;
+            }
+            match self.step(end, fx) {
+                Step::Go => {}
+                Step::Wait => return end,
+            }
+        }
+    }
+
+    /// Ranks that want the processor.
+    #[inline]
+    pub(crate) fn runnable(&self) -> u32 {
+        match self.cpu.stopping {
+            None => self.cpu.active | self.cpu.ready,
+            Some(_) => self.cpu.active,
+        }
+    }
+
+    fn step(&mut self, end: Time, fx: &mut Effects) -> Step {
+        let runnable = self.runnable();
+        if runnable == 0 {
+            self.cpu.at = end;
+            return Step::Wait;
+        }
+        let top = runnable.trailing_zeros() as usize;
+        // controller:TASK-03: pre-emption waits for the operation under way.
+        let (rank, cap) = match self.cpu.in_flight {
+            Some(until) if self.cpu.running != top => (self.cpu.running, until),
+            _ => (top, end),
+        };
+        if cap > end {
+            return Step::Wait;
+        }
+        self.cpu.running = rank;
+        if self.tasks[rank].foreground() && self.cpu.at > self.cpu.busy_until {
+            self.cpu.busy_since = self.cpu.at;
+            self.cpu.busy_until = self.cpu.at;
+        }
+        if self.cpu.active >> rank & 1 == 0 {
+            self.start_cycle(rank, fx);
+            return Step::Go;
+        }
+        self.execute(rank, cap, fx)
+    }
+
+    /// Runs the cycle of a task up to `cap`.
+    fn execute(&mut self, rank: usize, cap: Time, fx: &mut Effects) -> Step {
+        if let Some(rest) = self.tasks[rank].cycle.rest {
+            let used = rest.min(cap - self.cpu.at);
+            self.tasks[rank].cycle.rest = Some(rest - used);
+            self.pass(rank, used);
+            if used == rest {
+                self.end_cycle(rank, fx);
+            }
+            return Step::Go;
+        }
+        let (place, before, mut cap) = (self.tasks[rank].place, fx.len(), cap);
+        loop {
+            let Some(application) = &mut self.application else { return Step::Wait };
+            let budget = cap - self.cpu.at;
+            let slice = application.resume(place, self.cpu.at, budget, &mut self.memory);
+            self.cpu.in_flight = None;
+            self.pass(rank, slice.used);
+            match slice.stop {
+                Stop::Budget { next } => {
+                    if slice.used < budget {
+                        // It is under way; at least a nanosecond, so that a cost of 0 cannot hold up the time.
+                        let until = self.cpu.at.saturating_add(next.max(Span::from_nanos(1)));
+                        self.cpu.in_flight = Some(until);
+                        if slice.used == Span::ZERO || until > cap {
+                            return Step::Wait;
+                        }
+                    }
+                }
+                Stop::Touched => {
+                    let (at, cause) = (self.cpu.at, self.memory.cause());
+                    self.observe_memory(at, cause, fx);
+                    if fx.len() > before {
+                        // What completes without further time still belongs to this instant: watching must not move
+                        // the end of a cycle behind a watchdog.
+                        cap = at;
+                    }
+                    continue;
+                }
+                Stop::Done => {
+                    let cycle = &mut self.tasks[rank].cycle;
+                    if cycle.used < cycle.least {
+                        cycle.rest = Some(cycle.least - cycle.used);
+                    } else {
+                        self.end_cycle(rank, fx);
+                    }
+                }
+                Stop::Fault(fault) => self.fault(rank, fault, fx),
+            }
+            return Step::Go;
+        }
+    }
+
+    /// Processor time passes for a task.
+    #[inline]
+    fn pass(&mut self, rank: usize, used: Span) {
+        self.cpu.at += used;
+        let task = &mut self.tasks[rank];
+        task.cycle.used = task.cycle.used + used;
+        if task.foreground() {
+            self.cpu.busy_until = self.cpu.at;
+        }
+    }
+
+    /// Phase 1 of a cycle (controller:TASK-10): physical inputs -> %I, shared by all tasks (controller:PRIO-04).
+    fn start_cycle(&mut self, rank: usize, fx: &mut Effects) {
+        let at = self.cpu.at;
+        self.read_inputs(at, fx);
+        self.cpu.ready &= !(1 << rank);
+        self.cpu.active |= 1 << rank;
+        let task = &mut self.tasks[rank];
+        task.start(at, MINIMUM_CYCLE);
+        let place = task.place;
+        if let Some(application) = &mut self.application {
+            application.begin(place);
+        }
+    }
+
+    /// Phase 3 of a cycle (controller:TASK-10): %Q, adjusted for forcing, -> outputs.
+    fn end_cycle(&mut self, rank: usize, fx: &mut Effects) {
+        let at = self.cpu.at;
+        let task = &mut self.tasks[rank];
+        let (place, elapsed) = (task.place, task.end(at));
+        let over = elapsed > task.interval;
+        self.cpu.active &= !(1 << rank);
+        self.write_outputs(at, fx);
+        if over {
+            self.note(at, Entry::Overrun { task: place, elapsed }, fx);
+        }
+        // A context is consistent only while no cycle is half done (controller:REM-07).
+        if self.cpu.active == 0 {
+            self.save_if_dirty(at);
+            if let Some(cause) = self.cpu.stopping {
+                self.enter_stopped(at, cause, fx);
+            }
+        }
+        self.observe(class::FIGURE, at, Cause::Controller, fx);
+    }
+
+    /// Physical inputs -> %I, with forcing.
+    #[inline]
+    pub(crate) fn read_inputs(&mut self, at: Time, fx: &mut Effects) {
+        let mask = self.inputs.mask();
+        let bits = self.forced_inputs.apply(self.inputs.levels(at));
+        if self.memory.set_input_bits(bits, mask) {
+            self.observe(class::MEMORY, at, Cause::Board, fx);
+        }
+    }
+
+    /// %Q, changed by forcing (controller:FRC-02, controller:FRC-05), -> drivers.
+    #[inline]
+    pub(crate) fn write_outputs(&mut self, at: Time, fx: &mut Effects) {
+        if self.forced_outputs.mask != 0 {
+            let Forced { mask, bits } = self.forced_outputs;
+            if self.memory.set_output_bits(bits, mask, Cause::Controller) {
+                self.observe(class::MEMORY, at, Cause::Controller, fx);
+            }
+        }
+        self.outputs.drive(at, self.memory.output_bits(), &self.memory);
+    }
+
+    /// Starts a save of the remanent variables where one changed.
+    #[inline]
+    pub(crate) fn save_if_dirty(&mut self, at: Time) {
+        let Some(application) = &mut self.application else { return };
+        let dirty = application.retained_dirty() | self.memory.take_remanent_dirty();
+        self.context.dirty |= dirty;
+        self.context.start(at, &**application, &self.memory);
+    }
+
+    /// An operation failed (controller:ERR-01).
+    fn fault(&mut self, rank: usize, fault: ApplicationFault, fx: &mut Effects) {
+        let at = self.cpu.at;
+        let task = self.tasks[rank].place;
+        self.note(at, Entry::Fault { task, fault }, fx);
+        match fault.class {
+            FaultClass::Application => self.enter_halt(at, fault.error, fx),
+            FaultClass::System => self.system_error(at, StopCause::Exception, fault.error, fx),
+        }
+    }
+}
+

@@ -1,0 +1,98 @@
+//! Observed values: each change becomes an effect.
+
+use crate::{Controller, Effect, Effects, Probe, ProbeId};
+use signal::{Area, Cause, Time, Value};
+
+/// What can change together: probes are looked at only when something of their kind happened.
+pub(crate) mod class {
+    pub const MEMORY: u8 = 1;
+    pub const VARIABLE: u8 = 2;
+    pub const STATE: u8 = 4;
+    pub const FIGURE: u8 = 8;
+    pub const TERMINAL: u8 = 16;
+    pub const ALL: u8 = 31;
+}
+
+fn class_of(probe: &Probe) -> u8 {
+    match probe {
+        Probe::Input(_) | Probe::Address(_) => class::MEMORY,
+        Probe::Variable(_) => class::VARIABLE,
+        Probe::State | Probe::System(_) => class::STATE,
+        Probe::TaskFigure { .. } => class::FIGURE,
+        Probe::Terminal(_) => class::TERMINAL,
+    }
+}
+
+/// The observed probes with their last values.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Watches {
+    list: Vec<(Probe, Value)>,
+    classes: u8,
+}
+
+impl Controller {
+    /// From now on, every change of what the probe shows is an [`Effect::Changed`] with the number returned. The
+    /// value at this moment is not reported: [`Controller::read`] tells it. A probe that is observed already has its
+    /// number again. Variables stay observed over power cycles and downloads.
+    pub fn watch(&mut self, probe: Probe) -> ProbeId {
+        if let Some(place) = self.watches.list.iter().position(|(at, _)| *at == probe) {
+            return ProbeId(place as u32);
+        }
+        match probe {
+            Probe::Address(at) => self.memory.watch(at),
+            Probe::Input(input) => self.memory.watch(Self::input_address(input)),
+            Probe::Variable(variable) => {
+                if let Some(application) = &mut self.application {
+                    application.watch(variable);
+                }
+            }
+            _ => {}
+        }
+        self.watches.classes |= class_of(&probe);
+        self.watches.list.push((probe, self.read(&probe)));
+        ProbeId(self.watches.list.len() as u32 - 1)
+    }
+
+    /// Has a new application watch the variables that are observed.
+    pub(crate) fn watch_again(&mut self) {
+        let Some(application) = &mut self.application else { return };
+        for (probe, _) in &self.watches.list {
+            if let Probe::Variable(variable) = probe {
+                application.watch(*variable);
+            }
+        }
+    }
+
+    /// Reports the changes of observed values of these classes.
+    #[inline]
+    pub(crate) fn observe(&mut self, classes: u8, at: Time, cause: Cause, fx: &mut Effects) {
+        if self.watches.classes & classes != 0 {
+            self.report(classes, at, cause, fx);
+        }
+    }
+
+    /// Reports the changes of observed memory and variables.
+    pub(crate) fn observe_memory(&mut self, at: Time, cause: Cause, fx: &mut Effects) {
+        self.observe(class::MEMORY | class::VARIABLE, at, cause, fx);
+    }
+
+    fn report(&mut self, classes: u8, at: Time, cause: Cause, fx: &mut Effects) {
+        for place in 0..self.watches.list.len() {
+            let (probe, last) = self.watches.list[place];
+            if class_of(&probe) & classes == 0 {
+                continue;
+            }
+            let value = self.read(&probe);
+            if value != last {
+                self.watches.list[place].1 = value;
+                let cause = match probe {
+                    Probe::Address(address) if address.area() == Area::Output => {
+                        self.memory.writer(address.bit_offset())
+                    }
+                    _ => cause,
+                };
+                fx.push(Effect::Changed { at, probe: ProbeId(place as u32), value, cause });
+            }
+        }
+    }
+}

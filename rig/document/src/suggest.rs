@@ -1,0 +1,32 @@
+//! Which word was meant.
+
+/// The candidate that a misspelt `word` most likely means, `None` when none is near. Ties go to the first.
+pub fn suggest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    // Words longer than any name are no misspelling; comparing them would only take time.
+    if word.len() > 64 {
+        return None;
+    }
+    let lower = word.to_lowercase();
+    let allowed = (word.chars().count() / 3).clamp(1, 3);
+    let mut best: Option<(usize, &str)> = None;
+    for candidate in candidates.into_iter().filter(|candidate| candidate.len() <= 64) {
+        let distance = strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
+        if distance <= allowed && best.is_none_or(|(least, _)| distance < least) {
+            best = Some((distance, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::suggest;
+
+    #[test]
+    fn the_nearest_word_is_meant() {
+        assert_eq!(suggest("sginal", ["signal", "is"]), Some("signal"));
+        assert_eq!(suggest("outputs_in_stop", ["outputs-in-stop"]), Some("outputs-in-stop"));
+        assert_eq!(suggest("xyz", ["signal"]), None);
+        assert_eq!(suggest(&"x".repeat(100_000), ["signal"]), None);
+    }
+}

@@ -1,0 +1,139 @@
+//! Operations of the machine.
+
+use crate::types::Elementary;
+
+/// What an operation does. `acc` is the top of the operand stack.
+///
+/// Cells are addressed absolutely, relative to the instance of the running block (`This`), or in the running
+/// unit's frame (`Local`). The `At` forms add an offset from the operand stack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Op {
+    Const(i32),
+    /// A constant of the table.
+    Wide(u32),
+    Load(u32),
+    LoadThis(u32),
+    LoadLocal(u32),
+    LoadAt(u32),
+    LoadThisAt(u32),
+    LoadLocalAt(u32),
+    /// A located place, by its entry.
+    LoadIo(u32),
+    Store(u32),
+    StoreThis(u32),
+    StoreLocal(u32),
+    /// Offset below value.
+    StoreAt(u32),
+    StoreThisAt(u32),
+    StoreLocalAt(u32),
+    StoreIo(u32),
+    /// An index to an offset, checked against an entry of the bounds.
+    Index(u32),
+    Add(Elementary),
+    Sub(Elementary),
+    Mul(Elementary),
+    Div(Elementary),
+    Mod(Elementary),
+    /// The next four with a constant on the right.
+    AddConst(Elementary, i32),
+    EqConst(i32),
+    LtConst(i32),
+    GtConst(i32),
+    And,
+    Or,
+    Xor,
+    Not(Elementary),
+    Neg(Elementary),
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+    /// The order of ULINT and LWORD.
+    LtWide,
+    LeWide,
+    GtWide,
+    GeWide,
+    Wrap(Elementary),
+    /// 1 where not 0.
+    Truth,
+    Abs(Elementary),
+    Min,
+    Max,
+    MinWide,
+    MaxWide,
+    /// Condition, value if FALSE, value if TRUE.
+    Sel,
+    Shl(Elementary),
+    Shr(Elementary),
+    Rol(Elementary),
+    Ror(Elementary),
+    Jump(u32),
+    JumpIfNot(u32),
+    JumpIf(u32),
+    /// FOR: value, end, step; whether the value is not past the end.
+    Within(Elementary),
+    /// FOR: value, step; the next value, or the jump where the type cannot hold it.
+    NextOrJump(Elementary, u32),
+    /// A function: its parameters are on the operand stack, its result comes there.
+    CallFunction(u16),
+    /// A block or a program: the unit and the absolute first cell of the instance.
+    CallBlock(u16, u32),
+    CallBlockThis(u16, u32),
+    /// The same with an offset from the operand stack.
+    CallBlockAt(u16, u32),
+    CallBlockThisAt(u16, u32),
+    CallNative(u16, u32),
+    CallNativeThis(u16, u32),
+    CallNativeAt(u16, u32),
+    CallNativeThisAt(u16, u32),
+    Return,
+}
+
+/// An operation with its modelled time and its place in the source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Step {
+    pub op: Op,
+    /// Nanoseconds.
+    pub cost: u32,
+    /// From 1.
+    pub line: u32,
+}
+
+/// One dimension of an array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Bounds {
+    pub low: i64,
+    pub high: i64,
+    /// Cells from one element to the next.
+    pub stride: u32,
+}
+
+/// Code that can be called.
+#[derive(Clone, Debug)]
+pub(crate) struct Unit {
+    /// As declared.
+    pub name: String,
+    /// Place of the source file.
+    pub file: u8,
+    pub entry: u32,
+    /// Cells of the frame: for a function the result first, then the inputs.
+    pub frame: u32,
+    /// Parameters on the operand stack.
+    pub inputs: u32,
+    /// Leading cells of the frame at a call: inputs are put over it.
+    pub template: Vec<i64>,
+    /// Whether a result goes to the operand stack.
+    pub has_result: bool,
+    /// Operands, frame cells and calls that it needs, units it calls included.
+    pub need: Need,
+}
+
+/// Room for running a unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Need {
+    pub operands: u32,
+    pub frame: u32,
+    pub calls: u32,
+}

@@ -1,0 +1,174 @@
+//! What the caller decides about a compilation: costs, limits, the blocks that exist.
+
+use crate::native::{Native, STANDARD};
+use crate::types::{Class, Elementary};
+use signal::AddressLimits;
+
+/// Modelled time of each operation of the source, in nanoseconds (controller:PERF-01, controller:PERF-03).
+///
+/// A load and a store share the documented figure of a load-store pair, the store taking the odd nanosecond.
+/// Literals cost nothing: they are part of the operation that uses them. What the documents do not give is a
+/// definition of the rig and says so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Costs {
+    /// AND, OR, XOR, NOT and comparison of BOOL: 75.
+    pub bool_op: u32,
+    /// Reading a BOOL: 37. Rig definition: moving a BOOL (load and store) is one BOOL operation.
+    pub bool_load: u32,
+    /// Writing a BOOL: 38.
+    pub bool_store: u32,
+    /// Addition, subtraction, multiplication, comparison or bit operation on types of 8 and 16 bits: 42.
+    pub int_op: u32,
+    /// Division and MOD of those. Rig definition: 84.
+    pub int_div: u32,
+    /// Reading one: 32.
+    pub int_load: u32,
+    /// Writing one: 32.
+    pub int_store: u32,
+    /// The same operations on types of 32 bits and TIME: 41.
+    pub dint_op: u32,
+    /// Division and MOD of those. Rig definition: 82.
+    pub dint_div: u32,
+    /// Reading one: 24.
+    pub dint_load: u32,
+    /// Writing one: 25.
+    pub dint_store: u32,
+    /// The same operations on types of 64 bits. Rig definition: twice those of 32 bits, 82.
+    pub long_op: u32,
+    /// Division and MOD of those. Rig definition: 164.
+    pub long_div: u32,
+    /// Reading one. Rig definition: 48.
+    pub long_load: u32,
+    /// Writing one. Rig definition: 50.
+    pub long_store: u32,
+    /// What a retained variable's load or store costs besides (controller:REM-05). Rig definition: 20. It
+    /// applies where the declaration says RETAIN or PERSISTENT, not inside blocks of which a whole instance does.
+    pub retained: u32,
+    /// A condition tested, a label of CASE passed, a turn of a loop. Rig definition: 20. Turns cost at least 1.
+    pub branch: u32,
+    /// Calling a function, a block or a program, besides its parameters and its body. Rig definition: 200.
+    pub call: u32,
+    /// One call of a standard block such as TON, body included. Rig definition: 400.
+    pub block: u32,
+    /// Checking one index of an array. Rig definition: 42.
+    pub index: u32,
+}
+
+impl Default for Costs {
+    fn default() -> Self {
+        Costs {
+            bool_op: 75,
+            bool_load: 37,
+            bool_store: 38,
+            int_op: 42,
+            int_div: 84,
+            int_load: 32,
+            int_store: 32,
+            dint_op: 41,
+            dint_div: 82,
+            dint_load: 24,
+            dint_store: 25,
+            long_op: 82,
+            long_div: 164,
+            long_load: 48,
+            long_store: 50,
+            retained: 20,
+            branch: 20,
+            call: 200,
+            block: 400,
+            index: 42,
+        }
+    }
+}
+
+impl Costs {
+    pub(crate) fn op(&self, ty: Elementary) -> u32 {
+        match ty.class() {
+            Class::Bool => self.bool_op,
+            Class::Int => self.int_op,
+            Class::Dint => self.dint_op,
+            Class::Long => self.long_op,
+        }
+    }
+
+    pub(crate) fn div(&self, ty: Elementary) -> u32 {
+        match ty.class() {
+            Class::Bool => self.bool_op,
+            Class::Int => self.int_div,
+            Class::Dint => self.dint_div,
+            Class::Long => self.long_div,
+        }
+    }
+
+    pub(crate) fn load(&self, ty: Elementary) -> u32 {
+        match ty.class() {
+            Class::Bool => self.bool_load,
+            Class::Int => self.int_load,
+            Class::Dint => self.dint_load,
+            Class::Long => self.long_load,
+        }
+    }
+
+    pub(crate) fn store(&self, ty: Elementary) -> u32 {
+        match ty.class() {
+            Class::Bool => self.bool_store,
+            Class::Int => self.int_store,
+            Class::Dint => self.dint_store,
+            Class::Long => self.long_store,
+        }
+    }
+
+    /// A jump that can close a loop is never free, so that no loop runs for ever in no time.
+    pub(crate) fn turn(&self) -> u32 {
+        self.branch.max(1)
+    }
+}
+
+/// How large a program may become. What is beyond is refused with a code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// How far `%I`, `%Q` and `%M` reach (controller:ADDR-02).
+    pub addresses: AddressLimits,
+    /// Bytes of source text in all.
+    pub source: usize,
+    /// Elementary variables, elements of arrays counted singly.
+    pub cells: u32,
+    /// Bytes of the retained image (controller:MEM-08).
+    pub retained: usize,
+    /// Operations of the compiled code.
+    pub code: usize,
+    /// Errors after which a compilation gives up.
+    pub errors: usize,
+}
+
+impl Default for Limits {
+    /// `%MW0` to `%MW59999`, images of 8 Kbytes, 1 Mbyte of text, a million variables, 64 Kbytes retained, 50 errors.
+    fn default() -> Self {
+        Limits {
+            addresses: AddressLimits { input_bits: 65_536, output_bits: 65_536, memory_words: 60_000 },
+            source: 1 << 20,
+            cells: 1_000_000,
+            retained: 65_536,
+            code: 1_000_000,
+            errors: 50,
+        }
+    }
+}
+
+/// What a compilation is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Modelled time of the operations.
+    pub costs: Costs,
+    /// How large the program may become.
+    pub limits: Limits,
+    /// The function blocks that are not written in Structured Text.
+    pub blocks: &'static [Native],
+}
+
+impl Default for Options {
+    /// The documented costs, the default limits, the standard blocks.
+    fn default() -> Self {
+        Options { costs: Costs::default(), limits: Limits::default(), blocks: STANDARD }
+    }
+}

@@ -1,0 +1,207 @@
+//! The record of one case: one plan with one row or one point of a sweep.
+
+use crate::{ClaimRecord, Lane, MeasurementRecord, Verdict};
+use serde::{Deserialize, Serialize};
+
+/// The most lines that a case's log keeps; further ones are counted only.
+pub const MAX_LOG_LINES: usize = 1_000;
+
+/// Whether a case was judged at all.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "is", rename_all = "kebab-case")]
+pub enum CaseStatus {
+    /// It ran and has a verdict.
+    #[default]
+    Judged,
+    /// It needs a power that this rig or this subject does not have. Never a pass.
+    NotApplicable {
+        /// Which power is missing and why.
+        reason: String,
+    },
+    /// It was left out: by a filter, or because the run was stopped before it.
+    Skipped {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// A parameter of a row, a sweep or the command line, as the user wrote its value.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// Its value, in text.
+    pub value: String,
+}
+
+/// SHA-256 of the files that a case was made from, 64 hexadecimal digits each; empty where there is none.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Hashes {
+    /// The plan file.
+    pub plan: String,
+    /// The board file.
+    pub board: String,
+    /// The program's sources.
+    pub program: String,
+}
+
+/// A step of the plan as it happened.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StepRecord {
+    /// Its id in the plan, or `start` and `end` for those anchors.
+    pub id: String,
+    /// `[earliest, latest]`, nanoseconds; nothing when it never came.
+    pub at_ns: Option<[i64; 2]>,
+    /// What it did: `overload MAST by 101 ms, once`.
+    pub what: String,
+}
+
+/// How well the rig itself kept time. All zero in virtual time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RigTiming {
+    /// The latest that the rig was behind its own schedule, nanoseconds.
+    pub late_max_ns: i64,
+    /// How often it missed a deadline of its own.
+    pub overruns: u64,
+    /// Events lost between the board and the trace.
+    pub dropped: u64,
+    /// How far the application may run ahead of the wall clock, nanoseconds.
+    pub horizon_ns: i64,
+}
+
+/// What a task of the controller did, in modelled time.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TaskFigures {
+    /// Its name.
+    pub name: String,
+    /// Period of a cyclic task, nanoseconds; 0 for another kind.
+    pub period_ns: i64,
+    /// Completed cycles.
+    pub cycles: u64,
+    /// Shortest cycle, nanoseconds.
+    pub cycle_min_ns: i64,
+    /// Mean cycle, nanoseconds.
+    pub cycle_mean_ns: i64,
+    /// Longest cycle, nanoseconds.
+    pub cycle_max_ns: i64,
+    /// Cycles that outlasted the period.
+    pub overruns: u64,
+    /// Watchdog exceptions.
+    pub watchdogs: u64,
+}
+
+/// A line of the case's log.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LogLine {
+    /// When, nanoseconds.
+    pub at_ns: i64,
+    /// The text.
+    pub text: String,
+}
+
+/// The record of one case.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CaseRecord {
+    /// Its name: `watchdog/fallback[over]`; unique in the run.
+    pub name: String,
+    /// The plan's path as the user gave it.
+    pub plan: String,
+    /// The row's name, where the plan has rows.
+    pub row: Option<String>,
+    /// Parameters of the row, the sweep and the command line, in the plan's order.
+    pub parameters: Vec<Parameter>,
+    /// The plan's title.
+    pub title: String,
+    /// Whether it was judged.
+    pub status: CaseStatus,
+    /// The combination of its claims and measurements, and of the rig's own trouble.
+    pub verdict: Verdict,
+    /// Why the verdict, in one sentence; empty for a plain pass.
+    pub reason: String,
+    /// Requirements that the plan proves: `controller:WD-04`.
+    pub proves: Vec<String>,
+    /// Profile of the controller: `m241-2019`.
+    pub profile: String,
+    /// Reference of the controller: `TM241CE24T`.
+    pub reference: String,
+    /// What it was made from.
+    pub hashes: Hashes,
+    /// Seed of everything random in it.
+    pub seed: u64,
+    /// The plan's anchor `start`, nanoseconds of the trace; 0 when the case never got there.
+    pub start_ns: i64,
+    /// The plan's anchor `end`, nanoseconds of the trace; the last instant when the case was cut short.
+    pub end_ns: i64,
+    /// Modelled time that the case took from power-on, nanoseconds.
+    pub duration_ns: i64,
+    /// Time that it took on the host, milliseconds.
+    pub host_ms: u64,
+    /// SHA-256 of the trace, 64 hexadecimal digits; empty when there is none.
+    pub trace_sha256: String,
+    /// Where the trace was kept, relative to the record.
+    pub trace_file: Option<String>,
+    /// Expectations, in the plan's order.
+    pub claims: Vec<ClaimRecord>,
+    /// Measurements, in the plan's order.
+    pub measurements: Vec<MeasurementRecord>,
+    /// Steps, in the plan's order.
+    pub steps: Vec<StepRecord>,
+    /// How well the rig kept time.
+    pub timing: RigTiming,
+    /// The controller's tasks.
+    pub tasks: Vec<TaskFigures>,
+    /// The log, at most [`MAX_LOG_LINES`].
+    pub log: Vec<LogLine>,
+    /// Log lines that found no room.
+    pub log_dropped: u64,
+    /// Excerpts of the signals that the claims look at.
+    pub lanes: Vec<Lane>,
+}
+
+impl CaseRecord {
+    /// A case that needs a power that is not there.
+    pub fn not_applicable(name: impl Into<String>, reason: impl Into<String>) -> Self {
+        CaseRecord {
+            name: name.into(),
+            status: CaseStatus::NotApplicable { reason: reason.into() },
+            ..CaseRecord::default()
+        }
+    }
+
+    /// A case that was left out.
+    pub fn skipped(name: impl Into<String>, reason: impl Into<String>) -> Self {
+        CaseRecord {
+            name: name.into(),
+            status: CaseStatus::Skipped { reason: reason.into() },
+            ..CaseRecord::default()
+        }
+    }
+
+    /// Appends to the log, or counts the line when there is no room.
+    pub fn log_line(&mut self, at_ns: i64, text: impl Into<String>) {
+        if self.log.len() < MAX_LOG_LINES {
+            self.log.push(LogLine { at_ns, text: text.into() });
+        } else {
+            self.log_dropped += 1;
+        }
+    }
+
+    /// The greatest verdict of the claims and the measurements.
+    pub fn folded(&self) -> Verdict {
+        let claims = self.claims.iter().map(|c| c.verdict);
+        Verdict::fold(claims.chain(self.measurements.iter().map(|m| m.verdict)))
+    }
+
+    /// Whether the case was judged, so that its verdict counts.
+    pub fn is_judged(&self) -> bool {
+        self.status == CaseStatus::Judged
+    }
+
+    /// Folder of the plan, as reports group by it: `watchdog` of `watchdog/fallback[over]`; empty for none.
+    ///
+    /// Only the part before the first `[` counts: a row's name may hold slashes.
+    pub fn folder(&self) -> &str {
+        let plan = self.name.split('[').next().unwrap_or_default();
+        plan.rfind('/').map_or("", |at| &self.name[..at])
+    }
+}

@@ -1,0 +1,89 @@
+//! What was claimed of a case and what was measured in it.
+
+use crate::{Figure, Verdict};
+use serde::{Deserialize, Serialize};
+
+/// When a claim looks at its signal. Each end is itself known to within an interval where it hangs on an
+/// event; `limit_...` is the allowed part of the window where the claim has one (`within = "a .. b"`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Window {
+    /// `[earliest, latest]` of the beginning, nanoseconds.
+    pub from_ns: [i64; 2],
+    /// `[earliest, latest]` of the end, nanoseconds.
+    pub until_ns: [i64; 2],
+    /// The earliest instant allowed, nanoseconds.
+    pub limit_from_ns: Option<i64>,
+    /// The latest instant allowed, nanoseconds.
+    pub limit_until_ns: Option<i64>,
+}
+
+/// One expectation, judged.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ClaimRecord {
+    /// The expectation's own name, or what it says in short; unique in its case is not required.
+    pub name: String,
+    /// Its verb: `falls`, `state`, `value`.
+    pub verb: String,
+    /// What it came to.
+    pub verdict: Verdict,
+    /// Why, in one sentence; empty for a plain pass.
+    pub reason: String,
+    /// What was expected: `falls 100 ms .. 100.3 ms after busy`.
+    pub expected: String,
+    /// What was observed: `fell 100.2 ms after busy`.
+    pub observed: String,
+    /// Distance to the nearest limit in the worst placement; negative where it is exceeded.
+    pub margin: Option<Figure>,
+    /// How well the deciding figure is known (the full width).
+    pub uncertainty: Option<Figure>,
+    /// When the claim looks.
+    pub window: Option<Window>,
+    /// `[earliest, latest]` of the instant that decided, nanoseconds.
+    pub deciding_ns: Option<[i64; 2]>,
+    /// The signal that is the evidence.
+    pub signal: Option<String>,
+    /// Who made the deciding change: `MAST lamp.st:12`, `step busy`, `controller`.
+    pub last_writer: Option<String>,
+    /// On failure, what came closest to what was wanted.
+    pub nearest_miss: Option<String>,
+    /// Line of the plan, from 1; 0 where it is not in the plan (an invariant of the board).
+    pub line: u32,
+}
+
+/// One measurement, judged against its limits if it has any.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MeasurementRecord {
+    /// Name in the plan.
+    pub name: String,
+    /// The value lies within `[low, high]`, in `unit`; nothing when it was never taken.
+    #[serde(with = "crate::number::interval")]
+    pub value: Option<[f64; 2]>,
+    /// Unit of all numbers of this measurement; durations are in `ns`.
+    pub unit: String,
+    /// Least value allowed.
+    #[serde(with = "crate::number::option")]
+    pub min: Option<f64>,
+    /// Greatest value allowed.
+    #[serde(with = "crate::number::option")]
+    pub max: Option<f64>,
+    /// Value wanted, where limits were given as nominal and tolerance.
+    #[serde(with = "crate::number::option")]
+    pub nominal: Option<f64>,
+    /// Allowed distance from `nominal`.
+    #[serde(with = "crate::number::option")]
+    pub tolerance: Option<f64>,
+    /// What it came to; [`Verdict::None`] for a measurement without limits that was taken.
+    pub verdict: Verdict,
+    /// Why, in one sentence; empty for a plain pass.
+    pub reason: String,
+    /// Distance to the nearest limit in the worst placement; negative where it is exceeded.
+    pub margin: Option<Figure>,
+    /// `[earliest, latest]` of the first instant it was taken between, nanoseconds.
+    pub from_ns: Option<[i64; 2]>,
+    /// `[earliest, latest]` of the second instant, nanoseconds.
+    pub to_ns: Option<[i64; 2]>,
+    /// The signal that it was taken from.
+    pub signal: Option<String>,
+    /// Line of the plan, from 1; 0 where it is not in the plan.
+    pub line: u32,
+}

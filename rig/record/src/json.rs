@@ -1,0 +1,172 @@
+//! The record as JSON, and a reader that refuses what it cannot trust.
+
+use crate::{CaseRecord, FORMAT, MAX_LANE_POINTS, MAX_LOG_LINES, RunRecord, Totals};
+use serde::Deserialize;
+use std::fmt;
+
+/// The longest JSON text that is read.
+pub const MAX_JSON_BYTES: usize = 256 << 20;
+
+/// The most cases of one record.
+pub const MAX_CASES: usize = 100_000;
+
+/// Why a text is no record of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RecordError {
+    /// R0401: longer than [`MAX_JSON_BYTES`].
+    TooLong {
+        /// Its length in bytes.
+        bytes: usize,
+    },
+    /// R0402: not JSON, at this place.
+    Syntax {
+        /// Line from 1.
+        line: usize,
+        /// Column from 1.
+        column: usize,
+    },
+    /// R0403: JSON, but not of the shape of a record, at this place.
+    Shape {
+        /// Line from 1.
+        line: usize,
+        /// Column from 1.
+        column: usize,
+    },
+    /// R0404: written by another version.
+    Format {
+        /// The version found.
+        found: u64,
+    },
+    /// R0405: more cases, lane points or log lines than a record may hold.
+    TooMany {
+        /// Place of the case, from 0.
+        case: usize,
+    },
+    /// R0406: two cases have the same name.
+    DuplicateCase {
+        /// Place of the second one, from 0.
+        case: usize,
+    },
+    /// R0407: the totals are not those of the cases.
+    Totals,
+    /// R0408: an interval of time runs backwards.
+    Backwards {
+        /// Place of the case, from 0.
+        case: usize,
+    },
+}
+
+impl RecordError {
+    /// The code that has a page.
+    pub const fn code(self) -> &'static str {
+        match self {
+            Self::TooLong { .. } => "R0401",
+            Self::Syntax { .. } => "R0402",
+            Self::Shape { .. } => "R0403",
+            Self::Format { .. } => "R0404",
+            Self::TooMany { .. } => "R0405",
+            Self::DuplicateCase { .. } => "R0406",
+            Self::Totals => "R0407",
+            Self::Backwards { .. } => "R0408",
+        }
+    }
+}
+
+impl fmt::Display for RecordError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooLong { bytes } => {
+                write!(f, "the record has {bytes} bytes; at most {MAX_JSON_BYTES} are read")
+            }
+            Self::Syntax { line, column } => write!(f, "not JSON at line {line}, column {column}"),
+            Self::Shape { line, column } => {
+                write!(f, "not the record of a run: wrong field or type at line {line}, column {column}")
+            }
+            Self::Format { found } => {
+                write!(f, "the record has format {found}; this version of rig reads format {FORMAT}")
+            }
+            Self::TooMany { case } => write!(f, "more data than a record may hold, at case {case}"),
+            Self::DuplicateCase { case } => {
+                write!(f, "case {case} has the name of an earlier one")
+            }
+            Self::Totals => f.write_str("the totals do not agree with the cases: the record was edited"),
+            Self::Backwards { case } => write!(f, "an interval of time runs backwards in case {case}"),
+        }
+    }
+}
+
+impl std::error::Error for RecordError {}
+
+impl RunRecord {
+    /// The record as JSON: fields in the order of their declaration, a final newline.
+    pub fn to_json(&self) -> String {
+        // Every map key is a string and every number finite or written as a word, so this cannot fail.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// Reads what [`RunRecord::to_json`] writes.
+    ///
+    /// # Errors
+    /// [`RecordError`], with the place; never panics, whatever the text.
+    pub fn from_json(text: &str) -> Result<RunRecord, RecordError> {
+        if text.len() > MAX_JSON_BYTES {
+            return Err(RecordError::TooLong { bytes: text.len() });
+        }
+        // The version first: the shape of another version is not an error of shape.
+        #[derive(Deserialize)]
+        struct Versioned {
+            format: u64,
+        }
+        let versioned: Versioned = serde_json::from_str(text).map_err(located)?;
+        if versioned.format != u64::from(FORMAT) {
+            return Err(RecordError::Format { found: versioned.format });
+        }
+        let record: RunRecord = serde_json::from_str(text).map_err(located)?;
+        record.check()?;
+        Ok(record)
+    }
+
+    /// Checks bounds, names, totals and the order of interval ends.
+    ///
+    /// # Errors
+    /// The first of [`RecordError`] that applies.
+    pub fn check(&self) -> Result<(), RecordError> {
+        if self.cases.len() > MAX_CASES {
+            return Err(RecordError::TooMany { case: MAX_CASES });
+        }
+        let mut names = std::collections::BTreeSet::new();
+        for (place, case) in self.cases.iter().enumerate() {
+            if !names.insert(case.name.as_str()) {
+                return Err(RecordError::DuplicateCase { case: place });
+            }
+            if case.log.len() > MAX_LOG_LINES || case.lanes.iter().any(|l| l.points.len() > MAX_LANE_POINTS) {
+                return Err(RecordError::TooMany { case: place });
+            }
+            if intervals(case).any(|[earliest, latest]| earliest > latest) {
+                return Err(RecordError::Backwards { case: place });
+            }
+        }
+        if self.totals == Totals::of(&self.cases) { Ok(()) } else { Err(RecordError::Totals) }
+    }
+}
+
+fn intervals(case: &CaseRecord) -> impl Iterator<Item = [i64; 2]> {
+    let claims = case.claims.iter().flat_map(|claim| {
+        let window = claim.window.iter().flat_map(|w| [w.from_ns, w.until_ns]);
+        claim.deciding_ns.into_iter().chain(window)
+    });
+    let measurements = case.measurements.iter().flat_map(|m| m.from_ns.into_iter().chain(m.to_ns));
+    let steps = case.steps.iter().filter_map(|s| s.at_ns);
+    let lanes = case.lanes.iter().flat_map(|l| l.points.iter().map(|p| p.at));
+    claims.chain(measurements).chain(steps).chain(lanes)
+}
+
+fn located(error: serde_json::Error) -> RecordError {
+    let (line, column) = (error.line(), error.column());
+    match error.classify() {
+        serde_json::error::Category::Data => RecordError::Shape { line, column },
+        _ => RecordError::Syntax { line, column },
+    }
+}

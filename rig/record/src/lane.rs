@@ -1,0 +1,161 @@
+//! Excerpts of signals, so that reports can draw without the trace.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use signal::{Event, Kind, SignalInfo, Value, When};
+
+/// The most points that one lane keeps; what comes after them is marked by [`Lane::truncated`].
+pub const MAX_LANE_POINTS: usize = 2_000;
+
+/// How a lane is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LaneKind {
+    /// High, low, not driven, unknown.
+    #[default]
+    Digital,
+    /// A number over time.
+    Analog,
+    /// Named or numbered values, one box each.
+    State,
+}
+
+/// What a signal is from a point on. In JSON a number, `"z"` or `"x"`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LaneValue {
+    /// A number: 0 and 1 in a digital lane. Never NaN or infinite in JSON: those are written as unknown.
+    Number(f64),
+    /// Not driven.
+    HighZ,
+    /// Not known.
+    Unknown,
+}
+
+/// A change of a signal. In JSON `[earliest, latest, value]`, instants in nanoseconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LanePoint {
+    /// `[earliest, latest]` of the change, nanoseconds of the trace.
+    pub at: [i64; 2],
+    /// What the signal is from then on.
+    pub value: LaneValue,
+}
+
+/// A bounded excerpt of one signal.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Lane {
+    /// Name of the signal.
+    pub signal: String,
+    /// How to draw it.
+    pub kind: LaneKind,
+    /// Unit of an analog lane; empty for none.
+    pub unit: String,
+    /// Names of a state lane's numbers.
+    pub labels: Vec<(i64, String)>,
+    /// Changes in the order of the trace, at most [`MAX_LANE_POINTS`]. The first one gives the value at the
+    /// beginning of the excerpt.
+    pub points: Vec<LanePoint>,
+    /// The lane ends at its last point because there was no more room.
+    pub truncated: bool,
+}
+
+impl Lane {
+    /// An empty lane for a signal of a trace.
+    pub fn of(info: &SignalInfo) -> Lane {
+        let kind = match info.kind {
+            Kind::Bool => LaneKind::Digital,
+            Kind::Real => LaneKind::Analog,
+            Kind::Int | Kind::Word | Kind::State | Kind::Mark => LaneKind::State,
+        };
+        Lane {
+            signal: info.name.clone(),
+            kind,
+            unit: info.unit.clone(),
+            labels: info.labels.clone(),
+            points: Vec::new(),
+            truncated: false,
+        }
+    }
+
+    /// Appends a change; false, and the lane marked as truncated, when there is no room.
+    pub fn push(&mut self, at: When, value: Value) -> bool {
+        if self.points.len() >= MAX_LANE_POINTS {
+            self.truncated = true;
+            return false;
+        }
+        let at = [at.earliest.as_nanos(), at.latest.as_nanos()];
+        self.points.push(LanePoint { at, value: LaneValue::from(value) });
+        true
+    }
+
+    /// Appends the change that an event of this signal tells of; as [`Lane::push`].
+    pub fn push_event(&mut self, event: &Event) -> bool {
+        self.push(event.at, event.value)
+    }
+}
+
+impl From<Value> for LaneValue {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::HighZ => LaneValue::HighZ,
+            Value::Unknown => LaneValue::Unknown,
+            other => other.as_real().filter(|n| n.is_finite()).map_or(LaneValue::Unknown, LaneValue::Number),
+        }
+    }
+}
+
+impl Serialize for LaneValue {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            // Whole numbers without ".0" keep the many digital points short.
+            LaneValue::Number(n) if n.fract() == 0.0 && n.abs() < 9e15 => serializer.serialize_i64(*n as i64),
+            LaneValue::Number(n) if n.is_finite() => serializer.serialize_f64(*n),
+            LaneValue::HighZ => serializer.serialize_str("z"),
+            LaneValue::Number(_) | LaneValue::Unknown => serializer.serialize_str("x"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for LaneValue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Number(f64),
+            Word(String),
+        }
+        match Written::deserialize(deserializer)? {
+            Written::Number(n) => Ok(LaneValue::Number(n)),
+            Written::Word(word) if word == "z" => Ok(LaneValue::HighZ),
+            Written::Word(word) if word == "x" => Ok(LaneValue::Unknown),
+            Written::Word(_) => Err(de::Error::custom("expected a number, \"z\" or \"x\"")),
+        }
+    }
+}
+
+impl Serialize for LanePoint {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (self.at[0], self.at[1], self.value).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for LanePoint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (earliest, latest, value) = Deserialize::deserialize(deserializer)?;
+        Ok(LanePoint { at: [earliest, latest], value })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use signal::Time;
+
+    #[test]
+    fn a_lane_is_bounded() {
+        let mut lane = Lane::of(&SignalInfo::exact("lamp", Kind::Bool));
+        for n in 0..MAX_LANE_POINTS as i64 {
+            assert!(lane.push(When::exactly(Time::from_nanos(n)), Value::Bool(n % 2 == 0)));
+        }
+        assert!(!lane.push(When::exactly(Time::from_nanos(9_999)), Value::HighZ));
+        assert_eq!((lane.points.len(), lane.truncated), (MAX_LANE_POINTS, true));
+    }
+}

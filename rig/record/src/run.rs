@@ -1,0 +1,147 @@
+//! The record of a whole run.
+
+use crate::{CaseRecord, CaseStatus, Verdict};
+use serde::{Deserialize, Serialize};
+
+/// Version of the record's shape that this crate writes and reads.
+pub const FORMAT: u32 = 1;
+
+/// On which clock the cases ran.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Clock {
+    /// Modelled time, from event to event.
+    #[default]
+    Virtual,
+    /// The host's monotonic clock.
+    Real,
+}
+
+impl Clock {
+    /// The word used in every file and report.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Clock::Virtual => "virtual",
+            Clock::Real => "real",
+        }
+    }
+}
+
+/// Where the run came from.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// SHA-256 of the `rig` binary, 64 hexadecimal digits; empty when it could not be read.
+    pub binary_sha256: String,
+    /// The host's kernel release; empty when unknown.
+    pub kernel: String,
+    /// The host's processor, where known.
+    pub host_cpu: Option<String>,
+    /// Profiles that the cases ran with, in the order of their first use.
+    pub profiles: Vec<String>,
+    /// Seed of the run, from which the cases' seeds are derived.
+    pub seed: u64,
+    /// On which clock.
+    pub clock: Clock,
+    /// The command line as the user gave it, without the program's own path.
+    pub arguments: Vec<String>,
+    /// When the run began, RFC 3339; nothing where a reproducible record was asked for.
+    pub started: Option<String>,
+}
+
+/// How many cases came to what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Totals {
+    /// Judged cases that passed.
+    pub passed: u64,
+    /// Judged cases without a verdict: nothing in them was judged.
+    pub none: u64,
+    /// Inconclusive cases.
+    pub inconclusive: u64,
+    /// Failed cases.
+    pub failed: u64,
+    /// Cases in which the rig had trouble of its own.
+    pub errors: u64,
+    /// Cases that do not apply.
+    pub not_applicable: u64,
+    /// Cases left out.
+    pub skipped: u64,
+}
+
+impl Totals {
+    /// Counts the cases.
+    pub fn of<'a>(cases: impl IntoIterator<Item = &'a CaseRecord>) -> Totals {
+        let mut totals = Totals::default();
+        for case in cases {
+            totals.count(case);
+        }
+        totals
+    }
+
+    /// Counts one more case.
+    pub fn count(&mut self, case: &CaseRecord) {
+        *match (&case.status, case.verdict) {
+            (CaseStatus::NotApplicable { .. }, _) => &mut self.not_applicable,
+            (CaseStatus::Skipped { .. }, _) => &mut self.skipped,
+            (CaseStatus::Judged, Verdict::None) => &mut self.none,
+            (CaseStatus::Judged, Verdict::Pass) => &mut self.passed,
+            (CaseStatus::Judged, Verdict::Inconclusive) => &mut self.inconclusive,
+            (CaseStatus::Judged, Verdict::Fail) => &mut self.failed,
+            (CaseStatus::Judged, Verdict::Error) => &mut self.errors,
+        } += 1;
+    }
+
+    /// Number of judged cases.
+    pub const fn judged(&self) -> u64 {
+        self.passed + self.none + self.inconclusive + self.failed + self.errors
+    }
+}
+
+/// The record of a run: all that reports read.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// Version of this shape: [`FORMAT`].
+    pub format: u32,
+    /// Version of the `rig` command.
+    pub rig_version: String,
+    /// Where it came from.
+    pub provenance: Provenance,
+    /// How many cases came to what; kept by [`RunRecord::push`].
+    pub totals: Totals,
+    /// The cases, in the order in which the plans were given.
+    pub cases: Vec<CaseRecord>,
+}
+
+impl RunRecord {
+    /// A record without cases.
+    pub fn new(rig_version: impl Into<String>, provenance: Provenance) -> Self {
+        RunRecord { format: FORMAT, rig_version: rig_version.into(), provenance, ..RunRecord::default() }
+    }
+
+    /// Appends a case and counts it.
+    pub fn push(&mut self, case: CaseRecord) {
+        let profiles = &mut self.provenance.profiles;
+        if !case.profile.is_empty() && !profiles.contains(&case.profile) {
+            profiles.push(case.profile.clone());
+        }
+        self.totals.count(&case);
+        self.cases.push(case);
+    }
+
+    /// The greatest verdict of the judged cases; [`Verdict::None`] when none was judged.
+    pub fn verdict(&self) -> Verdict {
+        Verdict::fold(self.cases.iter().filter(|c| c.is_judged()).map(|c| c.verdict))
+    }
+
+    /// The record without what depends on the host and the moment: two runs of one seed then compare equal.
+    pub fn without_host_facts(mut self) -> Self {
+        self.provenance.binary_sha256.clear();
+        self.provenance.kernel.clear();
+        self.provenance.host_cpu = None;
+        self.provenance.started = None;
+        self.provenance.arguments.clear();
+        for case in &mut self.cases {
+            case.host_ms = 0;
+        }
+        self
+    }
+}

@@ -1,0 +1,236 @@
+//! The user's program as the controller's application: `program` and `controller` meet here, for neither knows
+//! the other.
+
+use crate::bundle::Bundle;
+use controller::{
+    Application, ApplicationFault, FaultClass, LoadError, Loader, Memory, Slice, Stop, VariableReset,
+};
+use document::{Diagnostic, SourceFile};
+use profile::{ApplicationError, Profile};
+use program::{FaultKind, Host, Machine, Options, Program, VarRef};
+use signal::{Address, Area, Cause, Span, Time, Value};
+use std::sync::Arc;
+
+/// What a program of this controller is compiled with: its address ranges and its instruction times.
+pub fn options(profile: Profile) -> Options {
+    let mut options = Options::default();
+    options.limits.addresses = profile.address_limits();
+    let documented = profile.instruction_costs();
+    let costs = &mut options.costs;
+    costs.bool_op = documented.bool_op;
+    (costs.bool_load, costs.bool_store) = halves(documented.bool_op);
+    costs.int_op = documented.int_arith;
+    (costs.int_load, costs.int_store) = halves(documented.int_load_store);
+    costs.dint_op = documented.dint_arith;
+    (costs.dint_load, costs.dint_store) = halves(documented.dint_load_store);
+    options
+}
+
+/// A documented figure for load and store together, the store taking the odd nanosecond.
+const fn halves(pair: u32) -> (u32, u32) {
+    (pair / 2, pair - pair / 2)
+}
+
+/// Compiles the sources of an application for a controller of this profile.
+///
+/// # Errors
+/// The findings of the compiler.
+pub fn compile(sources: &[SourceFile], profile: Profile) -> Result<Program, Vec<Diagnostic>> {
+    program::compile(sources, &options(profile))
+}
+
+/// The PROGRAMs that each task runs: those that its list names, and for the tasks with an empty list all that no
+/// other task names. `None` where a list names a PROGRAM that the sources do not have.
+pub fn assign(program: &Program, tasks: &[(String, Vec<String>)]) -> Option<Vec<Vec<usize>>> {
+    let find = |name: &String| program.programs().iter().position(|known| known.eq_ignore_ascii_case(name));
+    let named: Option<Vec<Vec<usize>>> =
+        tasks.iter().map(|(_, programs)| programs.iter().map(find).collect()).collect();
+    let mut named = named?;
+    let taken: Vec<usize> = named.iter().flatten().copied().collect();
+    let rest: Vec<usize> = (0..program.programs().len()).filter(|place| !taken.contains(place)).collect();
+    for (places, (_, programs)) in named.iter_mut().zip(tasks) {
+        if programs.is_empty() {
+            places.clone_from(&rest);
+        }
+    }
+    Some(named)
+}
+
+/// A machine in the controller's hands.
+#[derive(Debug)]
+pub struct ProgramApplication {
+    machine: Machine,
+    tasks: usize,
+    profile: Profile,
+    /// Per task the bytes of %Q that its programs can write.
+    output_bytes: Vec<Vec<u32>>,
+}
+
+impl ProgramApplication {
+    /// A machine for `program` whose tasks run the PROGRAMs at these places.
+    ///
+    /// # Errors
+    /// [`LoadError`] when the program does not fit the controller.
+    pub fn new(program: Arc<Program>, tasks: &[Vec<usize>], profile: Profile) -> Result<Self, LoadError> {
+        let machine = Machine::new(Arc::clone(&program), tasks).map_err(|_| LoadError::Bundle)?;
+        let output_bytes = tasks.iter().map(|programs| written_bytes(&program, programs)).collect();
+        Ok(ProgramApplication { machine, tasks: tasks.len(), profile, output_bytes })
+    }
+}
+
+fn written_bytes(program: &Program, programs: &[usize]) -> Vec<u32> {
+    let mut bytes: Vec<u32> = programs
+        .iter()
+        .flat_map(|place| program.outputs_of(*place))
+        .flat_map(|address| {
+            let last = address.bit_offset() + address.bit_len() - 1;
+            address.bit_offset() / 8..=last / 8
+        })
+        .collect();
+    bytes.sort_unstable();
+    bytes.dedup();
+    bytes
+}
+
+/// The controller's memory as the machine's host.
+struct TaskMemory<'a> {
+    memory: &'a mut Memory,
+    task: u8,
+}
+
+impl Host for TaskMemory<'_> {
+    #[inline]
+    fn load(&mut self, at: Address) -> u64 {
+        self.memory.load(at)
+    }
+
+    #[inline]
+    fn store(&mut self, at: Address, value: u64, file: u8, line: u32) -> bool {
+        self.memory.set_cause(Cause::Program { task: self.task, file, line });
+        self.memory.store(at, value)
+    }
+}
+
+impl Application for ProgramApplication {
+    fn tasks(&self) -> usize {
+        self.tasks
+    }
+
+    fn begin(&mut self, task: usize) {
+        self.machine.begin(task);
+    }
+
+    fn resume(&mut self, task: usize, now: Time, budget: Span, memory: &mut Memory) -> Slice {
+        let mut host = TaskMemory { memory, task: task as u8 };
+        let slice = self.machine.resume(task, now, budget, &mut host);
+        let stop = match slice.stop {
+            program::Stop::Budget { next } => Stop::Budget { next },
+            program::Stop::Done => Stop::Done,
+            program::Stop::Touched => Stop::Touched,
+            program::Stop::Fault(fault) => Stop::Fault(application_fault(fault, self.profile)),
+        };
+        Slice { used: slice.used, stop }
+    }
+
+    fn reset(&mut self, reset: VariableReset) {
+        self.machine.reset(reset.keep_retain, reset.keep_persistent);
+    }
+
+    fn initialize(&self, memory: &mut Memory) {
+        for located in self.machine.program().located() {
+            if let Some(initial) = located.initial {
+                memory.set_cause(Cause::Controller);
+                memory.store(located.address, initial);
+            }
+        }
+    }
+
+    fn associates(&self, word: u32) -> bool {
+        let first = word * 16;
+        self.machine.program().located().iter().any(|located| {
+            let at = located.address;
+            located.declared
+                && at.area() == Area::Memory
+                && at.bit_offset() < first + 16
+                && at.bit_offset() + at.bit_len() > first
+        })
+    }
+
+    fn writes_output(&self, task: usize, byte: u32) -> bool {
+        self.output_bytes.get(task).is_some_and(|bytes| bytes.binary_search(&byte).is_ok())
+    }
+
+    fn retained_len(&self) -> usize {
+        self.machine.retained_len()
+    }
+
+    fn save_retained(&self, out: &mut [u8]) {
+        self.machine.save_retained(out);
+    }
+
+    fn restore_retained(&mut self, image: &[u8]) -> bool {
+        self.machine.restore_retained(image)
+    }
+
+    fn retained_dirty(&mut self) -> bool {
+        self.machine.retained_dirty()
+    }
+
+    fn signature(&self) -> u64 {
+        self.machine.signature()
+    }
+
+    fn read(&self, variable: u32) -> Value {
+        self.machine.read(VarRef(variable))
+    }
+
+    fn write(&mut self, variable: u32, value: Value) {
+        self.machine.write(VarRef(variable), value);
+    }
+
+    fn find(&self, path: &str) -> Option<u32> {
+        self.machine.find(path).map(|variable| variable.0)
+    }
+
+    fn watch(&mut self, variable: u32) {
+        self.machine.watch(VarRef(variable));
+    }
+}
+
+/// What the controller makes of a fault of the machine (controller:ERR-01, controller:SYS-03).
+fn application_fault(fault: program::Fault, profile: Profile) -> ApplicationFault {
+    let (error, class) = match fault.kind {
+        FaultKind::DivisionByZero => (ApplicationError::IntegerDivision, FaultClass::Application),
+        // The 2014 document names an exceeded array as a system error. The later ones do not, and they let
+        // system errors that can be managed at run time be treated as application errors (controller:ERR-02).
+        FaultKind::Bounds if profile == Profile::M241_2014 => {
+            (ApplicationError::ReservedMemory, FaultClass::System)
+        }
+        FaultKind::Bounds => (ApplicationError::ReservedMemory, FaultClass::Application),
+        FaultKind::Internal => (ApplicationError::UndefinedInstruction, FaultClass::System),
+    };
+    ApplicationFault { error, class, file: fault.file, line: fault.line }
+}
+
+/// Compiles the bundles that a controller loads.
+#[derive(Clone, Copy, Debug)]
+pub struct BundleLoader {
+    profile: Profile,
+}
+
+impl BundleLoader {
+    /// A loader for a controller of this profile.
+    pub const fn new(profile: Profile) -> Self {
+        BundleLoader { profile }
+    }
+}
+
+impl Loader for BundleLoader {
+    fn load(&mut self, bundle: &[u8]) -> Result<Box<dyn Application>, LoadError> {
+        let bundle = Bundle::from_bytes(bundle).map_err(|_| LoadError::Bundle)?;
+        let program = compile(&bundle.sources, self.profile)
+            .map_err(|findings| LoadError::Program { errors: findings.len() })?;
+        let tasks = assign(&program, &bundle.tasks).ok_or(LoadError::Bundle)?;
+        Ok(Box::new(ProgramApplication::new(Arc::new(program), &tasks, self.profile)?))
+    }
+}

@@ -1,0 +1,482 @@
+//! The executor: one loop that brings subject, board and steps together on a clock, virtual or not.
+//!
+//! At one instant the order is: operations of the program that complete, changes of the board, steps of the plan,
+//! timers of the controller (docs/decisions/0003-time-of-an-operation.md).
+
+use crate::clock::Clock;
+use crate::recorder::Recorder;
+use crate::schedule::{Act, Due, Expected, Schedule};
+use crate::subject::Subject;
+use crate::trouble::Trouble;
+use crate::wiring::Wiring;
+use controller::{Command, Effect, Effects, State};
+use drivers::{Board, BoardEvent, ChannelId, LossReason, Origin};
+use signal::{Cause, Level, Span, Time, Value, When};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Turns of the loop without a moment of time passing: more is a circuit that oscillates for ever in no time.
+const MOST_SIMULTANEOUS: u32 = 1_000_000;
+
+/// How long the subject may take to reach the state that the case begins in, in modelled time.
+const PRELUDE: Span = Span::from_secs(60);
+
+/// Lines that a case's log keeps.
+const LOG_LINES: usize = 1_000;
+
+/// What the executor is told of a case.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// The state in which the case begins.
+    pub initial: State,
+    /// The longest that the rig may be late before its verdict is `error`.
+    pub late: Span,
+    /// The longest that the application may run on before the rest of the rig is looked after; `Span::MAX` leaves
+    /// it to the events. Never shows in the trace.
+    pub slice: Span,
+    /// The case ends when a claim is lost.
+    pub fail_fast: bool,
+}
+
+/// What a case's run leaves besides its trace.
+#[derive(Debug, Default)]
+pub struct Ran {
+    /// When the case's own time began.
+    pub start: Option<Time>,
+    /// The last instant.
+    pub end: Time,
+    /// Trouble of the rig: the verdict is then `error`.
+    pub trouble: Option<Trouble>,
+    /// Deadlines of the rig that it missed.
+    pub overruns: u64,
+    /// Events that the board lost.
+    pub dropped: u64,
+    /// The log.
+    pub log: Vec<(Time, String)>,
+    /// Log lines that found no room.
+    pub log_dropped: u64,
+}
+
+/// Runs one case.
+pub struct Executor<'a> {
+    clock: &'a mut dyn Clock,
+    subject: &'a mut dyn Subject,
+    board: &'a mut dyn Board,
+    recorder: &'a mut Recorder,
+    schedule: &'a mut Schedule,
+    wiring: &'a mut Wiring,
+    limits: Limits,
+    interrupt: &'a AtomicBool,
+    effects: Effects,
+    spare: Vec<Effect>,
+    writes: Vec<(ChannelId, Value)>,
+    polled: Vec<BoardEvent>,
+    /// What each channel was driven to last, to be driven back to after a pulse.
+    driven: Vec<Value>,
+    restore: Vec<Value>,
+    /// Instant that the rig has reached: modelled, and on the clock.
+    now: Time,
+    actual: Time,
+    same: u32,
+    over: bool,
+    ran: Ran,
+}
+
+impl std::fmt::Debug for Executor<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Executor").field("now", &self.now).field("ran", &self.ran).finish_non_exhaustive()
+    }
+}
+
+/// The parts that an executor brings together.
+pub struct Parts<'a> {
+    /// Wakes it.
+    pub clock: &'a mut dyn Clock,
+    /// Is under test.
+    pub subject: &'a mut dyn Subject,
+    /// Is between the subject and the world.
+    pub board: &'a mut dyn Board,
+    /// Keeps what is seen.
+    pub recorder: &'a mut Recorder,
+    /// Says what is done when.
+    pub schedule: &'a mut Schedule,
+    /// Says who is behind whom.
+    pub wiring: &'a mut Wiring,
+    /// Ends the case early when it becomes TRUE.
+    pub interrupt: &'a AtomicBool,
+}
+
+impl std::fmt::Debug for Parts<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Parts").finish_non_exhaustive()
+    }
+}
+
+impl<'a> Executor<'a> {
+    /// An executor at time 0.
+    pub fn new(parts: Parts<'a>, limits: Limits) -> Executor<'a> {
+        let channels = parts.board.channels();
+        let driven: Vec<Value> = channels.iter().map(|channel| channel.safe).collect();
+        Executor {
+            effects: Effects::new(),
+            spare: Vec::with_capacity(256),
+            writes: Vec::with_capacity(channels.len()),
+            polled: Vec::with_capacity(1024),
+            restore: driven.clone(),
+            driven,
+            clock: parts.clock,
+            subject: parts.subject,
+            board: parts.board,
+            recorder: parts.recorder,
+            schedule: parts.schedule,
+            wiring: parts.wiring,
+            interrupt: parts.interrupt,
+            limits,
+            now: Time::ZERO,
+            actual: Time::ZERO,
+            same: 0,
+            over: false,
+            ran: Ran { log: Vec::with_capacity(64), ..Ran::default() },
+        }
+    }
+
+    /// Runs the case from power-on to its end, then drives every output to its safe value.
+    pub fn run(mut self) -> Ran {
+        let outcome = self.prelude().and_then(|()| self.main());
+        if let Err(trouble) = outcome {
+            self.ran.trouble.get_or_insert(trouble);
+        }
+        self.ran.end = self.now;
+        if let Some(mark) = self.wiring.end {
+            self.recorder.mark(mark, self.actual);
+        }
+        if let Err(error) = self.board.safe(self.actual) {
+            self.ran.trouble.get_or_insert(Trouble::Board { at: self.actual, error });
+        }
+        let health = self.board.health();
+        self.ran.dropped = health.dropped;
+        if !health.is_sound() {
+            self.ran.trouble.get_or_insert(Trouble::Unsound { at: self.now, health });
+        }
+        if let Some(error) = self.recorder.take_fault() {
+            self.ran.trouble.get_or_insert(Trouble::Trace(error));
+        }
+        self.ran
+    }
+
+    /// Brings the subject into the state in which the case begins.
+    fn prelude(&mut self) -> Result<(), Trouble> {
+        self.board.start(Time::ZERO).map_err(|error| Trouble::Board { at: Time::ZERO, error })?;
+        self.show_initial();
+        self.poll()?;
+        let initial = self.limits.initial;
+        if initial != State::Off {
+            self.subject.power(Time::ZERO, true, &mut self.effects);
+            self.apply()?;
+        }
+        let mut commanded = false;
+        loop {
+            let state = self.subject.state();
+            if state == initial {
+                break;
+            }
+            let settled = matches!(state, State::Stopped | State::Running | State::Empty);
+            if settled && !commanded {
+                commanded = true;
+                let command = if initial == State::Running { Command::Run } else { Command::Stop };
+                let at = self.now;
+                self.subject
+                    .command(at, &command, &mut self.effects)
+                    .map_err(|refusal| Trouble::Prelude { state, refusal: Some(refusal) })?;
+                self.apply()?;
+                continue;
+            }
+            if self.now > Time::ZERO + PRELUDE || !self.turn(Time::ZERO + PRELUDE + Span::from_secs(1))? {
+                return Err(Trouble::Prelude { state, refusal: None });
+            }
+        }
+        self.ran.start = Some(self.now);
+        if let Some(mark) = self.wiring.start {
+            self.recorder.mark(mark, self.actual);
+        }
+        self.schedule.start(self.now);
+        Ok(())
+    }
+
+    /// What every observed probe shows before anything happens.
+    fn show_initial(&mut self) {
+        if let Some(signal) = self.wiring.state {
+            let state = Value::Int(self.subject.state().number());
+            self.recorder.record(signal, When::exactly(Time::ZERO), state, Cause::Controller);
+        }
+    }
+
+    fn main(&mut self) -> Result<(), Trouble> {
+        // Steps at the start itself come before the first operation of the first cycle.
+        while !self.over {
+            let end = self.schedule.end().unwrap_or(Time::MAX);
+            if !self.turn(end)? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// One turn: everything up to the next instant at which something happens. FALSE at `end`, or when nothing
+    /// will ever happen again.
+    fn turn(&mut self, end: Time) -> Result<bool, Trouble> {
+        let timer = self.subject.next_timer().unwrap_or(Time::MAX);
+        let board = self.board.next_event().unwrap_or(Time::MAX);
+        let step = self.schedule.next_due().unwrap_or(Time::MAX);
+        let due = timer.min(board).min(step).min(end).min(self.now.saturating_add(self.limits.slice));
+        if due == Time::MAX {
+            return Err(Trouble::Stuck { at: self.now });
+        }
+        let due = due.max(self.now);
+        let reached = self.subject.run(due, &mut self.effects);
+        self.pass(reached)?;
+        if !self.effects.list.is_empty() {
+            self.apply()?;
+            return Ok(true);
+        }
+        if reached < due {
+            return Ok(true);
+        }
+        if board <= due {
+            self.poll()?;
+        }
+        if step <= due {
+            self.steps(due)?;
+        }
+        if self.over || due >= end {
+            // Whatever is due at the end itself still belongs to the case, but no step comes after it.
+            self.fire(due)?;
+            return Ok(false);
+        }
+        self.fire(due)?;
+        if self.interrupt.load(Ordering::Relaxed) {
+            return Err(Trouble::Interrupted);
+        }
+        if self.limits.fail_fast && self.recorder.failed_early() {
+            return Ok(false);
+        }
+        Ok(true)
+    }
+
+    fn fire(&mut self, due: Time) -> Result<(), Trouble> {
+        if self.subject.next_timer().is_some_and(|timer| timer <= due) {
+            self.subject.fire(due, &mut self.effects);
+            self.apply()?;
+        }
+        Ok(())
+    }
+
+    /// Time passes to `to`: waits for it, and takes note of how late the wait ended.
+    #[inline]
+    fn pass(&mut self, to: Time) -> Result<(), Trouble> {
+        if to > self.now {
+            self.same = 0;
+            self.now = to;
+        } else {
+            self.same += 1;
+            if self.same > MOST_SIMULTANEOUS {
+                return Err(Trouble::Simultaneous { at: self.now });
+            }
+        }
+        self.actual = self.clock.wait_until(to).max(self.actual);
+        let late = self.actual - to;
+        if late > Span::ZERO {
+            self.recorder.note_late(late);
+            if late > self.limits.late {
+                self.ran.overruns += 1;
+                self.ran.trouble.get_or_insert(Trouble::Late { at: to, late, limit: self.limits.late });
+            }
+        }
+        Ok(())
+    }
+
+    /// Carries out what the subject did.
+    fn apply(&mut self) -> Result<(), Trouble> {
+        if self.effects.list.is_empty() {
+            return Ok(());
+        }
+        std::mem::swap(&mut self.effects.list, &mut self.spare);
+        self.writes.clear();
+        for index in 0..self.spare.len() {
+            let effect = self.spare[index];
+            match effect {
+                Effect::Terminal { output, level, cause, .. } => {
+                    let Some(channel) = self.wiring.output(output) else { continue };
+                    self.wiring.writers[usize::from(channel.0)] = cause;
+                    self.writes.push((channel, Value::from(level)));
+                }
+                Effect::State { at, state } => {
+                    if let Some(signal) = self.wiring.state {
+                        let at = self.seen(at);
+                        self.record(signal, at, Value::Int(state.number()), Cause::Controller);
+                    }
+                }
+                Effect::Changed { at, probe, value, cause } => {
+                    let at = self.seen(at);
+                    for place in 0..self.wiring.probes.get(probe.0 as usize).map_or(0, Vec::len) {
+                        let signal = self.wiring.probes[probe.0 as usize][place];
+                        self.record(signal, at, value, cause);
+                    }
+                }
+                Effect::Log { at, entry } => {
+                    if self.ran.log.len() < LOG_LINES {
+                        self.ran.log.push((at, crate::log::show(&entry, &*self.subject)));
+                    } else {
+                        self.ran.log_dropped += 1;
+                    }
+                }
+            }
+        }
+        self.spare.clear();
+        if !self.writes.is_empty() {
+            let writes = std::mem::take(&mut self.writes);
+            let written = self.board.write(self.actual, &writes);
+            self.writes = writes;
+            written.map_err(|error| Trouble::Board { at: self.actual, error })?;
+            self.poll()?;
+        }
+        Ok(())
+    }
+
+    /// When something of the model was seen: exactly in virtual time, else up to now.
+    fn seen(&self, at: Time) -> When {
+        if self.clock.is_exact() { When::exactly(at) } else { When::within(at, self.actual) }
+    }
+
+    fn record(&mut self, signal: signal::SignalId, at: When, value: Value, cause: Cause) {
+        if self.recorder.record(signal, at, value, cause) && self.schedule.awaits(signal) {
+            self.schedule.changed(signal, value, self.now);
+        }
+    }
+
+    /// What the board saw up to now goes to the trace and to the subject's inputs.
+    fn poll(&mut self) -> Result<(), Trouble> {
+        let mut events = std::mem::take(&mut self.polled);
+        events.clear();
+        let polled = self.board.poll(self.actual, &mut events);
+        for event in &events {
+            self.see(event);
+        }
+        self.polled = events;
+        polled.map_err(|error| Trouble::Board { at: self.actual, error })
+    }
+
+    fn see(&mut self, event: &BoardEvent) {
+        let place = usize::from(event.channel().0);
+        let (at, value, cause) = match *event {
+            BoardEvent::Changed { at, value, origin, .. } => {
+                let cause = if origin == Origin::Write { self.wiring.writers[place] } else { Cause::Board };
+                (at, value, cause)
+            }
+            BoardEvent::Lost { at, reason, .. } => {
+                if reason != LossReason::Injected {
+                    self.ran.trouble.get_or_insert(Trouble::Lost { at, channel: event.channel(), reason });
+                }
+                (When::exactly(at), Value::Unknown, Cause::Board)
+            }
+            BoardEvent::Returned { .. } => return,
+            BoardEvent::Dropped { at, count, channel } => {
+                self.ran.trouble.get_or_insert(Trouble::Dropped { at, channel, count });
+                return;
+            }
+        };
+        for index in 0..self.wiring.channels[place].len() {
+            let signal = self.wiring.channels[place][index];
+            self.record(signal, at, value, cause);
+        }
+        if let Some(input) = self.wiring.inputs[place] {
+            let level = match value {
+                Value::Bool(true) => Level::High,
+                Value::Bool(false) => Level::Low,
+                _ => Level::HighZ,
+            };
+            self.subject.input(self.now.max(at.latest), input, level);
+        }
+    }
+
+    /// The steps that are due.
+    fn steps(&mut self, now: Time) -> Result<(), Trouble> {
+        while let Some((_, step, due)) = self.schedule.take(now) {
+            match due {
+                Due::Begin => {
+                    let mark = self.schedule.steps()[step].mark;
+                    self.recorder.mark(mark, self.actual);
+                    self.schedule.begin(step, now);
+                }
+                Due::Act(act) => self.act(step, act as usize)?,
+                Due::Edge(n, rising) => {
+                    if let Some(work) = &self.schedule.steps()[step].train {
+                        let channel = work.channel;
+                        self.drive(channel, Value::Bool(rising), step)?;
+                    }
+                    self.schedule.emitted(step, n, rising);
+                }
+                Due::Done => {
+                    let done = self.schedule.steps()[step].done;
+                    self.recorder.mark(done, self.actual);
+                    self.schedule.finish(step, now);
+                }
+                // The step's own claim fails with what was waited for; the case is over.
+                Due::Missed => self.over |= self.schedule.is_armed(step),
+            }
+        }
+        Ok(())
+    }
+
+    fn drive(&mut self, channel: ChannelId, value: Value, step: usize) -> Result<(), Trouble> {
+        self.wiring.writers[usize::from(channel.0)] = Cause::Step(step as u16);
+        self.restore[usize::from(channel.0)] = self.driven[usize::from(channel.0)];
+        self.driven[usize::from(channel.0)] = value;
+        let written = self.board.write(self.actual, &[(channel, value)]);
+        written.map_err(|error| Trouble::Board { at: self.actual, error })?;
+        self.poll()
+    }
+
+    fn act(&mut self, step: usize, place: usize) -> Result<(), Trouble> {
+        let act = self.schedule.steps()[step].acts[place].1.clone();
+        let (now, at) = (self.now, self.actual);
+        match act {
+            Act::Drive(channel, value) => self.drive(channel, value, step)?,
+            Act::Restore(channel) => {
+                let value = self.restore[usize::from(channel.0)];
+                self.drive(channel, value, step)?;
+            }
+            Act::Command(command, expected) => {
+                let answer = self.subject.command(now, &command, &mut self.effects);
+                let id = || self.schedule.steps()[step].id.clone();
+                match (answer, expected) {
+                    (Err(refusal), Expected::Obeyed) => {
+                        self.ran.trouble.get_or_insert(Trouble::Refused { step: id(), refusal });
+                    }
+                    (Ok(()), Expected::Refused) => {
+                        let note = format!("refused:{}", id());
+                        self.recorder.trace_mut().set_note(&note, "the command was obeyed".into());
+                    }
+                    _ => {}
+                }
+            }
+            Act::Power(on) => self.subject.power(now, on, &mut self.effects),
+            Act::Overload { task, cycle, times } => self.subject.overload(task, cycle, times),
+            Act::Fault(fault) => {
+                self.board.inject(at, fault).map_err(|error| Trouble::Board { at, error })?;
+                self.poll()?;
+            }
+            Act::Clear(channel) => {
+                self.board.clear(at, channel).map_err(|error| Trouble::Board { at, error })?;
+                self.poll()?;
+            }
+            Act::Write(probe, value) => {
+                let written = self.subject.write(now, &probe, value, Cause::Step(step as u16), &mut self.effects);
+                if let Err(error) = written {
+                    let id = self.schedule.steps()[step].id.clone();
+                    self.ran.trouble.get_or_insert(Trouble::NotWritten { step: id, error });
+                }
+            }
+        }
+        self.apply()
+    }
+}

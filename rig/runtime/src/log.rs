@@ -1,0 +1,37 @@
+//! The controller's log in words.
+
+use crate::subject::Subject;
+use controller::{Entry, FaultClass};
+
+/// A log entry with the names of the tasks.
+pub fn show(entry: &Entry, subject: &dyn Subject) -> String {
+    let task = |place: usize| subject.task_name(place).unwrap_or("?").to_owned();
+    match *entry {
+        Entry::State { from, to } => format!("{from} -> {to}"),
+        Entry::Stopped(cause) => format!("RUNNING left, stop cause {:02X} hex ({cause:?})", cause.code()),
+        Entry::Boot { row } => format!("boot decision by row {row}"),
+        Entry::Overrun { task: place, elapsed } => {
+            format!("a cycle of {} took {elapsed}, longer than its interval", task(place))
+        }
+        Entry::WatchdogException { task: place, consecutive } => {
+            format!("task watchdog exception of {}, {consecutive} in a row", task(place))
+        }
+        Entry::TaskWatchdog { task: place } => format!("the task watchdog of {} stopped the application", task(place)),
+        Entry::SystemWatchdog => String::from("system watchdog: the tasks of priority 0 to 24 took the whole processor"),
+        Entry::Fault { task: place, fault } => {
+            let class = match fault.class {
+                FaultClass::Application => "application error",
+                FaultClass::System => "system error",
+            };
+            let (code, file) = (fault.error.code(), subject.file_name(fault.file));
+            format!("{class} {code:04X} hex in {} at {}:{}", task(place), file.unwrap_or("?"), fault.line)
+        }
+        Entry::Load(error) => format!("application refused: {error}"),
+        Entry::SharedOutputByte { byte, tasks } => {
+            format!("outputs of %QB{byte} are written by {} and by {}", task(tasks.0), task(tasks.1))
+        }
+        Entry::ContextInvalid => String::from("the saved context of the remanent variables is not valid"),
+        Entry::SupplyLost => String::from("the supply was interrupted"),
+        Entry::SupplyBack => String::from("the supply came back within the hold-up time"),
+    }
+}

@@ -1,0 +1,84 @@
+//! What is seen goes into the trace, and from the trace to the judge.
+
+use plans::judge::Judge;
+use signal::{Cause, Event, SignalId, Span, Time, Trace, TraceError, Value, When};
+
+/// The trace of a case as it grows, with the judge that follows it.
+#[derive(Debug)]
+pub struct Recorder {
+    trace: Trace,
+    judge: Judge,
+    /// How late the rig was at worst so far: by so much every instant may be earlier than it was seen.
+    late: Span,
+    fault: Option<TraceError>,
+}
+
+impl Recorder {
+    /// Records into `trace`, whose signals are all defined.
+    pub fn new(trace: Trace, judge: Judge) -> Recorder {
+        Recorder { trace, judge, late: Span::ZERO, fault: None }
+    }
+
+    /// The rig was this late.
+    pub fn note_late(&mut self, late: Span) {
+        self.late = self.late.max(late);
+    }
+
+    /// The worst lateness so far.
+    pub fn late(&self) -> Span {
+        self.late
+    }
+
+    /// Records a change that happened no later than `at`; TRUE when the trace kept it.
+    #[inline]
+    pub fn record(&mut self, signal: SignalId, at: When, value: Value, cause: Cause) -> bool {
+        let at = When { earliest: at.earliest.saturating_add(-self.late), latest: at.latest };
+        let event = Event { signal, at, value, cause };
+        match self.trace.push(event) {
+            Ok(kept) => {
+                if kept {
+                    self.judge.feed(&event);
+                }
+                kept
+            }
+            Err(fault) => {
+                self.fault.get_or_insert(fault);
+                false
+            }
+        }
+    }
+
+    /// Records a happening: its value counts how often it happened.
+    pub fn mark(&mut self, signal: SignalId, at: Time) {
+        let times = match self.trace.last(signal) {
+            Some(Event { value: Value::Int(times), .. }) => times + 1,
+            _ => 1,
+        };
+        self.record(signal, When::exactly(at), Value::Int(times), Cause::Unknown);
+    }
+
+    /// The trace.
+    pub fn trace(&self) -> &Trace {
+        &self.trace
+    }
+
+    /// The trace, to add notes.
+    pub fn trace_mut(&mut self) -> &mut Trace {
+        &mut self.trace
+    }
+
+    /// Whether some claim is lost already.
+    pub fn failed_early(&mut self) -> bool {
+        self.judge.failed_early()
+    }
+
+    /// Why the trace could not be written, if so.
+    pub fn take_fault(&mut self) -> Option<TraceError> {
+        self.fault.take()
+    }
+
+    /// Trace and judge for the verdicts.
+    pub fn into_parts(self) -> (Trace, Judge) {
+        (self.trace, self.judge)
+    }
+}

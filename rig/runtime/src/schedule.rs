@@ -1,0 +1,331 @@
+//! The steps of a case on their way to their instants. Prepared before the start: nothing is allocated while the
+//! case runs.
+
+use crate::random::Random;
+use controller::{Command, Probe};
+use drivers::{ChannelId, Fault};
+use plans::lang::{Anchor, Base};
+use plans::steps::Train;
+use signal::{SignalId, Span, Time, Value};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// One thing that a step does, with every name resolved.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Act {
+    /// Drives a line.
+    Drive(ChannelId, Value),
+    /// Drives a line back to what it was before the step.
+    Restore(ChannelId),
+    /// Commands the subject; with whether the plan expects a refusal.
+    Command(Command, Expected),
+    /// Switches the subject's supply.
+    Power(bool),
+    /// Puts load on a task.
+    Overload {
+        /// Place of the task.
+        task: usize,
+        /// Time of execution of one cycle.
+        cycle: Span,
+        /// Number of cycles.
+        times: u32,
+    },
+    /// Puts a fault on a line.
+    Fault(Fault),
+    /// Takes the faults off a line.
+    Clear(ChannelId),
+    /// Writes a variable or a place in memory.
+    Write(Probe, Value),
+}
+
+/// Whether a command is to be obeyed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Expected {
+    /// A refusal is trouble.
+    #[default]
+    Obeyed,
+    /// Obedience is trouble.
+    Refused,
+}
+
+/// What an awaited step waits for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Awaited {
+    /// The signal becomes this value.
+    Becomes(Value),
+    /// It becomes TRUE.
+    Rises,
+    /// It becomes FALSE.
+    Falls,
+    /// It changes.
+    Changes,
+}
+
+/// When a step comes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Timing {
+    /// At an instant.
+    At(Anchor),
+    /// When something happens, looked for from the step before on.
+    When {
+        /// The signal.
+        signal: SignalId,
+        /// What it does.
+        event: Awaited,
+        /// How long to wait for it.
+        within: Span,
+    },
+}
+
+/// A train of pulses under way.
+#[derive(Clone, Debug)]
+pub struct TrainWork {
+    /// Where it is emitted.
+    pub channel: ChannelId,
+    /// The pulses.
+    pub train: Train,
+}
+
+/// A step with everything resolved.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    /// Its id.
+    pub id: String,
+    /// The mark of its beginning.
+    pub mark: SignalId,
+    /// The mark of its end.
+    pub done: SignalId,
+    /// When it comes.
+    pub timing: Timing,
+    /// What it does, by the time since its beginning, in order.
+    pub acts: Vec<(Span, Act)>,
+    /// Its train, if any.
+    pub train: Option<TrainWork>,
+    /// How long after its beginning it is done.
+    pub lasts: Span,
+}
+
+/// What is due.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Due {
+    /// The step begins.
+    Begin,
+    /// One of its acts.
+    Act(u32),
+    /// An edge of its train: number of the pulse from 1, TRUE for the rising one.
+    Edge(u32, bool),
+    /// It is done.
+    Done,
+    /// What it waits for did not come.
+    Missed,
+}
+
+/// The steps and what of them is due next.
+#[derive(Debug)]
+pub struct Schedule {
+    steps: Vec<Planned>,
+    begun: Vec<Option<Time>>,
+    armed: Vec<bool>,
+    queue: BinaryHeap<Reverse<(Time, u64, usize, Due)>>,
+    order: u64,
+    ends: Anchor,
+    end: Option<Time>,
+    start: Option<Time>,
+    seed: u64,
+}
+
+impl Schedule {
+    /// A schedule that waits for its start. `ends` is the end of the case.
+    pub fn new(steps: Vec<Planned>, ends: Anchor, seed: u64) -> Schedule {
+        let count = steps.len();
+        Schedule {
+            steps,
+            begun: vec![None; count],
+            armed: vec![false; count],
+            // Of each step at most its beginning or miss, its acts, one edge and its end wait at once.
+            queue: BinaryHeap::with_capacity(count * 8 + 8),
+            order: 0,
+            ends,
+            end: None,
+            start: None,
+            seed,
+        }
+    }
+
+    /// The steps.
+    pub fn steps(&self) -> &[Planned] {
+        &self.steps
+    }
+
+    /// When a step began.
+    pub fn begun(&self, step: usize) -> Option<Time> {
+        self.begun[step]
+    }
+
+    /// The end of the case, once it is known.
+    pub fn end(&self) -> Option<Time> {
+        self.end
+    }
+
+    /// When something is due.
+    #[inline]
+    pub fn next_due(&self) -> Option<Time> {
+        self.queue.peek().map(|Reverse((at, ..))| *at)
+    }
+
+    /// Takes what is due up to `now`, oldest first.
+    #[inline]
+    pub fn take(&mut self, now: Time) -> Option<(Time, usize, Due)> {
+        let Reverse((at, _, step, due)) = *self.queue.peek()?;
+        if at > now {
+            return None;
+        }
+        self.queue.pop();
+        Some((at, step, due))
+    }
+
+    fn put(&mut self, at: Time, step: usize, due: Due) {
+        self.order += 1;
+        self.queue.push(Reverse((at, self.order, step, due)));
+    }
+
+    /// The case starts.
+    pub fn start(&mut self, at: Time) {
+        self.start = Some(at);
+        self.came(&Base::Start, at, at);
+        self.arm(0, at);
+    }
+
+    /// An instant that steps or the end hang on came at `base_at`.
+    fn came(&mut self, base: &Base, base_at: Time, now: Time) {
+        for step in 0..self.steps.len() {
+            let at = match &self.steps[step].timing {
+                Timing::At(anchor) if anchor.base == *base => base_at.saturating_add(anchor.offset),
+                _ => continue,
+            };
+            self.put(at.max(now), step, Due::Begin);
+        }
+        if self.ends.base == *base {
+            self.end = Some(base_at.saturating_add(self.ends.offset).max(now));
+        }
+    }
+
+    /// The step waits from now on, if it is one that waits.
+    fn arm(&mut self, step: usize, now: Time) {
+        let Some(planned) = self.steps.get(step) else { return };
+        if let Timing::When { within, .. } = planned.timing {
+            if !self.armed[step] && self.begun[step].is_none() {
+                self.armed[step] = true;
+                self.put(now.saturating_add(within), step, Due::Missed);
+            }
+        }
+    }
+
+    /// Whether a step waits for changes of this signal: asked for every recorded event.
+    pub fn awaits(&self, signal: SignalId) -> bool {
+        self.steps.iter().zip(&self.armed).any(|(step, armed)| {
+            *armed && matches!(step.timing, Timing::When { signal: awaited, .. } if awaited == signal)
+        })
+    }
+
+    /// A recorded change: steps that waited for it begin now.
+    pub fn changed(&mut self, signal: SignalId, value: Value, now: Time) {
+        for step in 0..self.steps.len() {
+            let Timing::When { signal: awaited, event, .. } = self.steps[step].timing else { continue };
+            let met = awaited == signal
+                && match event {
+                    Awaited::Becomes(wanted) => value == wanted,
+                    Awaited::Rises => value.as_bool() == Some(true),
+                    Awaited::Falls => value.as_bool() == Some(false),
+                    Awaited::Changes => true,
+                };
+            if self.armed[step] && met {
+                self.armed[step] = false;
+                self.put(now, step, Due::Begin);
+            }
+        }
+    }
+
+    /// A step begins: what it does is queued, what hangs on it learns its instant.
+    pub fn begin(&mut self, step: usize, now: Time) {
+        self.begun[step] = Some(now);
+        self.armed[step] = false;
+        for act in 0..self.steps[step].acts.len() {
+            let after = self.steps[step].acts[act].0;
+            self.put(now.saturating_add(after), step, Due::Act(act as u32));
+        }
+        if self.steps[step].train.is_some() {
+            self.edge(step, 1, true);
+        }
+        let lasts = self.steps[step].lasts;
+        self.put(now.saturating_add(lasts), step, Due::Done);
+        let id = self.steps[step].id.clone();
+        for pulse in self.pulses(&id) {
+            if let Some(rises) = self.rises(step, pulse) {
+                self.came(&Base::Pulse { step: id.clone(), n: u64::from(pulse) }, rises, now);
+            }
+        }
+        self.came(&Base::Step(id), now, now);
+        self.arm(step + 1, now);
+    }
+
+    /// A step is done.
+    pub fn finish(&mut self, step: usize, now: Time) {
+        let id = self.steps[step].id.clone();
+        self.came(&Base::StepDone(id), now, now);
+    }
+
+    /// Whether a waiting step is still waiting: a miss counts only then.
+    pub fn is_armed(&self, step: usize) -> bool {
+        self.armed[step]
+    }
+
+    /// Pulses of a step's train that others hang on.
+    fn pulses(&self, id: &str) -> Vec<u32> {
+        let anchors = self.steps.iter().filter_map(|step| match &step.timing {
+            Timing::At(anchor) => Some(anchor),
+            Timing::When { .. } => None,
+        });
+        anchors
+            .chain([&self.ends])
+            .filter_map(|anchor| match &anchor.base {
+                Base::Pulse { step, n } if step == id => u32::try_from(*n).ok(),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// When pulse `n` of a train rises, jitter included.
+    fn rises(&self, step: usize, n: u32) -> Option<Time> {
+        Some(self.begun[step]? + self.edge_after(step, n, true)?)
+    }
+
+    fn edge_after(&self, step: usize, n: u32, rising: bool) -> Option<Span> {
+        let train = &self.steps[step].train.as_ref()?.train;
+        let nominal = if rising { train.rises(n) } else { train.falls(n) };
+        if train.jitter == Span::ZERO {
+            return Some(nominal);
+        }
+        // The jitter of an edge depends on its number alone, so that an edge can be asked for ahead of its turn.
+        let mut random = Random::new(self.seed ^ (u64::from(n) << 1 | u64::from(rising)).wrapping_mul(0x9e37_79b9));
+        let width = train.jitter.as_nanos() as u64 * 2 + 1;
+        let moved = Span::from_nanos(random.below(width) as i64) - train.jitter;
+        Some((nominal + moved).max(Span::ZERO))
+    }
+
+    /// Queues an edge of a train.
+    fn edge(&mut self, step: usize, n: u32, rising: bool) {
+        let (Some(begun), Some(after)) = (self.begun[step], self.edge_after(step, n, rising)) else { return };
+        self.put(begun.saturating_add(after), step, Due::Edge(n, rising));
+    }
+
+    /// An edge was emitted: queues the next one.
+    pub fn emitted(&mut self, step: usize, n: u32, rising: bool) {
+        let count = self.steps[step].train.as_ref().map_or(0, |work| work.train.count);
+        if rising {
+            self.edge(step, n, false);
+        } else if n < count {
+            self.edge(step, n + 1, true);
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Trouble of the rig itself: the verdict is then `error`, whatever the controller did.
+
+use controller::{Refusal, State, WriteError};
+use drivers::{BoardError, ChannelId, Health, LossReason};
+use signal::{Span, Time, TraceError};
+use std::fmt;
+
+/// What went wrong in the rig, not in the controller.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Trouble {
+    /// A call of the board failed.
+    Board {
+        /// When.
+        at: Time,
+        /// Why.
+        error: BoardError,
+    },
+    /// The board was not sound at the end of the case.
+    Unsound {
+        /// When.
+        at: Time,
+        /// What it says.
+        health: Health,
+    },
+    /// A device went away.
+    Lost {
+        /// When.
+        at: Time,
+        /// The channel.
+        channel: ChannelId,
+        /// Why.
+        reason: LossReason,
+    },
+    /// Events were lost.
+    Dropped {
+        /// When.
+        at: Time,
+        /// The channel.
+        channel: ChannelId,
+        /// How many, at least.
+        count: u32,
+    },
+    /// The rig missed a deadline of its own.
+    Late {
+        /// The deadline.
+        at: Time,
+        /// How late it was.
+        late: Span,
+        /// How late it may be.
+        limit: Span,
+    },
+    /// The subject did not come into the state in which the case begins.
+    Prelude {
+        /// The state it was in.
+        state: State,
+        /// Why, where it said so.
+        refusal: Option<Refusal>,
+    },
+    /// Nothing will ever happen again, and the end is not known.
+    Stuck {
+        /// Since when.
+        at: Time,
+    },
+    /// Events without end at one instant.
+    Simultaneous {
+        /// When.
+        at: Time,
+    },
+    /// A command of a step was refused.
+    Refused {
+        /// The step.
+        step: String,
+        /// Why.
+        refusal: Refusal,
+    },
+    /// A step could not write.
+    NotWritten {
+        /// The step.
+        step: String,
+        /// Why.
+        error: WriteError,
+    },
+    /// The trace could not be written.
+    Trace(TraceError),
+    /// The user stopped the run.
+    Interrupted,
+}
+
+impl fmt::Display for Trouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Trouble::Board { at, error } => write!(f, "at {at}: {error}"),
+            Trouble::Unsound { at, health } => write!(
+                f,
+                "at {at} the board had lost {} channels and {} events, and {} calls had failed",
+                health.lost, health.dropped, health.failed_calls
+            ),
+            Trouble::Lost { at, channel, reason } => {
+                let reason = match reason {
+                    LossReason::Injected => "as asked",
+                    LossReason::Gone => "its device is gone",
+                    LossReason::Silent => "its device does not answer",
+                };
+                write!(f, "channel {} was lost at {at}: {reason}", channel.0)
+            }
+            Trouble::Dropped { at, channel, count } => {
+                write!(f, "at least {count} events of channel {} were lost by {at}", channel.0)
+            }
+            Trouble::Late { at, late, limit } => {
+                write!(f, "the rig was {late} late at {at}, where {limit} is the limit")
+            }
+            Trouble::Prelude { state, refusal: Some(refusal) } => {
+                write!(f, "the controller did not reach the state in which the case begins: it was {state}: {refusal}")
+            }
+            Trouble::Prelude { state, refusal: None } => {
+                write!(f, "the controller did not reach the state in which the case begins: it stayed {state}")
+            }
+            Trouble::Stuck { at } => write!(f, "nothing happens any more since {at}, and the case has no end"),
+            Trouble::Simultaneous { at } => write!(f, "events without end at {at}: wires or steps that chase each other"),
+            Trouble::Refused { step, refusal } => {
+                write!(f, "the command of step `{step}` was refused: {refusal}; `refused = true` expects that")
+            }
+            Trouble::NotWritten { step, error } => write!(f, "step `{step}` could not write: {error}"),
+            Trouble::Trace(error) => write!(f, "the trace could not be written: {error}"),
+            Trouble::Interrupted => f.write_str("interrupted"),
+        }
+    }
+}
+
+impl std::error::Error for Trouble {}

@@ -1,0 +1,273 @@
+//! The trace: every change of every signal, in the order in which the changes became known.
+//!
+//! It is the only ground for a verdict, so it can be read while it grows, it has a digest that two equal
+//! runs share, and a file that repeats it exactly. Events are kept encoded, about six bytes for a change
+//! of a Boolean, in segments of which all but the newest can be moved out of memory.
+
+mod code;
+mod error;
+mod file;
+mod info;
+mod read;
+mod segment;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use sha2::{Digest, Sha256};
+
+use crate::{Event, Kind, Policy, SignalId, SignalInfo, When};
+use code::{MAX_EVENT, State};
+use segment::Segments;
+
+pub use error::{TraceError, Transfer};
+pub use file::LoadLimits;
+pub use read::{Between, Cursor, Events};
+pub use segment::Spill;
+
+/// The most signals that a trace defines.
+pub const MAX_SIGNALS: usize = 65_536;
+
+/// Length of a segment where nothing asks for a shorter one.
+const SEGMENT_BYTES: usize = 64 * 1024;
+
+/// The one record of what happened: defined signals, their events, and notes about where it comes from.
+pub struct Trace {
+    signals: Vec<SignalInfo>,
+    names: BTreeMap<String, SignalId>,
+    notes: BTreeMap<String, String>,
+    /// Memory taken by `signals`, `names` and `notes`, roughly.
+    described_bytes: usize,
+    state: State,
+    segments: Segments,
+    events: u64,
+    /// Of the stream of all closed segments.
+    hasher: Sha256,
+    /// Why no more events are taken.
+    broken: Option<TraceError>,
+}
+
+impl Default for Trace {
+    fn default() -> Self {
+        Trace::new()
+    }
+}
+
+impl fmt::Debug for Trace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Trace")
+            .field("signals", &self.signals.len())
+            .field("events", &self.events)
+            .field("segments", &self.segments.count())
+            .field("broken", &self.broken)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Trace {
+    /// A trace held in memory, whatever its length: for short cases.
+    pub fn new() -> Trace {
+        Trace::segmented(SEGMENT_BYTES, usize::MAX, None)
+    }
+
+    /// A trace whose segments move to `store`, an empty file, while they take more than `bound_bytes` of memory.
+    ///
+    /// The segment that grows stays in memory, so the least useful bound is some tens of kilobytes; what is
+    /// remembered of each stored segment takes about a thousandth of its length.
+    pub fn with_spill(bound_bytes: usize, store: Box<dyn Spill>) -> Trace {
+        Trace::segmented((bound_bytes / 4).clamp(4096, SEGMENT_BYTES), bound_bytes, Some(store))
+    }
+
+    fn segmented(segment_bytes: usize, bound: usize, store: Option<Box<dyn Spill>>) -> Trace {
+        Trace {
+            signals: Vec::new(),
+            names: BTreeMap::new(),
+            notes: BTreeMap::new(),
+            described_bytes: 0,
+            state: State::default(),
+            segments: Segments::new(segment_bytes, bound, store),
+            events: 0,
+            hasher: Sha256::new(),
+            broken: None,
+        }
+    }
+
+    /// Defines the next signal; also while events are recorded.
+    ///
+    /// # Errors
+    /// [`TraceError::DuplicateName`], [`TraceError::TooManySignals`].
+    pub fn define(&mut self, info: SignalInfo) -> Result<SignalId, TraceError> {
+        if let Some(other) = self.names.get(&info.name) {
+            return Err(TraceError::DuplicateName(*other));
+        }
+        if self.signals.len() >= MAX_SIGNALS {
+            return Err(TraceError::TooManySignals);
+        }
+        let id = SignalId(self.signals.len() as u32);
+        self.described_bytes += info::info_bytes(&info);
+        self.names.insert(info.name.clone(), id);
+        self.signals.push(info);
+        self.state.add_signal();
+        Ok(id)
+    }
+
+    /// All signals; a signal's [`SignalId`] is its place.
+    pub fn signals(&self) -> &[SignalInfo] {
+        &self.signals
+    }
+
+    /// The signal of this name.
+    pub fn find(&self, name: &str) -> Option<SignalId> {
+        self.names.get(name).copied()
+    }
+
+    /// Sets a note about the trace, such as the plan's path or `task:0`'s name. Notes are not part of the digest.
+    pub fn set_note(&mut self, key: &str, value: String) {
+        self.described_bytes += value.len();
+        match self.notes.get_mut(key) {
+            Some(place) => {
+                self.described_bytes -= place.len();
+                *place = value;
+            }
+            None => {
+                self.described_bytes += note_bytes(key);
+                self.notes.insert(key.to_string(), value);
+            }
+        }
+    }
+
+    /// The note of this key.
+    pub fn note(&self, key: &str) -> Option<&str> {
+        self.notes.get(key).map(String::as_str)
+    }
+
+    /// All notes, sorted by key.
+    pub fn notes(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.notes.iter().map(|(key, value)| (key.as_str(), value.as_str()))
+    }
+
+    /// Records an event; `false` if it is none: the signal has this value already (a [`Kind::Mark`] excepted),
+    /// or its [`Policy`] drops it. A signal's first value is always kept, unless the policy is to keep none.
+    ///
+    /// # Errors
+    /// [`TraceError::UnknownSignal`]; [`TraceError::Io`] if a full segment cannot be stored, and from then on
+    /// for every event: a trace with a hole is none.
+    pub fn push(&mut self, event: Event) -> Result<bool, TraceError> {
+        let Some(info) = self.signals.get(event.signal.0 as usize) else {
+            return Err(TraceError::UnknownSignal(event.signal));
+        };
+        if let Some(error) = self.broken {
+            return Err(error);
+        }
+        if !keeps(info, self.state.last(event.signal), &event) {
+            return Ok(false);
+        }
+        self.append(event)?;
+        Ok(true)
+    }
+
+    fn append(&mut self, event: Event) -> Result<(), TraceError> {
+        let event = Event { at: When::within(event.at.earliest, event.at.latest), ..event };
+        let mut buffer = [0; MAX_EVENT];
+        let length = self.state.encode(&event, &mut buffer);
+        self.state.note(event);
+        self.events += 1;
+        if self.segments.append(&buffer[..length], event.at) {
+            self.hasher.update(self.segments.open_stream());
+            if let Err(error) = self.segments.close(&self.state) {
+                self.broken = Some(error);
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+
+    /// The last recorded event of a signal.
+    pub fn last(&self, id: SignalId) -> Option<Event> {
+        self.state.last(id)
+    }
+
+    /// Number of recorded events.
+    pub fn len(&self) -> u64 {
+        self.events
+    }
+
+    /// Whether no event has been recorded.
+    pub fn is_empty(&self) -> bool {
+        self.events == 0
+    }
+
+    /// Memory that the trace takes, in bytes: events, definitions and notes.
+    pub fn bytes_in_memory(&self) -> usize {
+        self.segments.bytes_in_memory() + self.state.bytes() + self.described_bytes
+    }
+
+    /// SHA-256 over the definitions and all events, the same for equal traces however they are held in memory.
+    pub fn digest(&self) -> [u8; 32] {
+        let mut stream = self.hasher.clone();
+        stream.update(self.segments.open_stream());
+        let mut all = Sha256::new();
+        let mut definition = Vec::new();
+        for info in &self.signals {
+            definition.clear();
+            info::put_info(&mut definition, info);
+            all.update((definition.len() as u64).to_le_bytes());
+            all.update(&definition);
+        }
+        // A definition is never this long, so that the definitions end unmistakably.
+        all.update(u64::MAX.to_le_bytes());
+        all.update(self.events.to_le_bytes());
+        all.update(stream.finalize());
+        all.finalize().into()
+    }
+
+    /// All events from the beginning, in the order in which they became known.
+    pub fn events(&self) -> Events<'_> {
+        Events::all(self)
+    }
+
+    /// The events behind the cursor, which moves along: for reading a trace while it grows.
+    pub fn since<'a>(&'a self, cursor: &'a mut Cursor) -> Events<'a> {
+        Events::since(self, cursor)
+    }
+
+    /// The events whose interval touches `[from, to]`, and the values of all signals before.
+    ///
+    /// # Errors
+    /// [`TraceError::Io`] or [`TraceError::SpillDamaged`] if a stored segment cannot be read.
+    pub fn between(&self, from: crate::Time, to: crate::Time) -> Result<Between<'_>, TraceError> {
+        Between::new(self, from, to)
+    }
+}
+
+/// Memory taken by a note of this key, its value excepted.
+fn note_bytes(key: &str) -> usize {
+    key.len() + 2 * size_of::<String>() + 32
+}
+
+/// Whether an event belongs into the trace.
+#[inline]
+fn keeps(info: &SignalInfo, last: Option<Event>, event: &Event) -> bool {
+    if info.policy == Policy::Off {
+        return false;
+    }
+    let Some(last) = last else { return true };
+    if info.kind != Kind::Mark && last.value == event.value {
+        return false;
+    }
+    match info.policy {
+        Policy::Changes => true,
+        Policy::Off => false,
+        Policy::Deadband(band) => match (last.value.as_real(), event.value.as_real()) {
+            // Not a number is no distance: such a change is kept.
+            (Some(old), Some(new)) => (new - old).abs() > band || (new - old).is_nan(),
+            _ => true,
+        },
+        Policy::AtMostEvery(span) => {
+            let elapsed = i128::from(event.at.earliest.as_nanos()) - i128::from(last.at.earliest.as_nanos());
+            elapsed >= i128::from(span.as_nanos())
+        }
+    }
+}

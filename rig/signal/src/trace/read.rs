@@ -1,0 +1,206 @@
+//! Reading a trace: from the beginning, from where a cursor stands, or a window of time.
+
+use super::Trace;
+use super::code::State;
+use super::error::TraceError;
+use super::segment::Fetched;
+use crate::{Event, SignalId, Time};
+
+/// A place in one trace, between two events: where reading goes on while the trace grows.
+#[derive(Clone, Debug, Default)]
+pub struct Cursor {
+    segment: usize,
+    offset: usize,
+    state: State,
+    fetched: Fetched,
+}
+
+impl Cursor {
+    /// Before the first event.
+    pub fn new() -> Self {
+        Cursor::default()
+    }
+
+    /// At the beginning of a segment.
+    fn at_segment(trace: &Trace, segment: usize) -> Result<Cursor, TraceError> {
+        let mut cursor = Cursor { segment, ..Cursor::default() };
+        if let Some((state, _)) = trace.segments.get(segment, &mut cursor.fetched)? {
+            cursor.state = State::restore(state, trace.signals.len()).map_err(|_| damaged(segment))?;
+        }
+        Ok(cursor)
+    }
+
+    fn next(&mut self, trace: &Trace) -> Option<Result<Event, TraceError>> {
+        loop {
+            let stream = match trace.segments.get(self.segment, &mut self.fetched) {
+                Ok(Some((_, stream))) => stream,
+                Ok(None) => return Some(Err(TraceError::ForeignCursor)),
+                Err(error) => return Some(Err(error)),
+            };
+            match stream.get(self.offset..) {
+                None => return Some(Err(TraceError::ForeignCursor)),
+                Some([]) if self.segment + 1 < trace.segments.count() => {
+                    self.segment += 1;
+                    self.offset = 0;
+                }
+                Some([]) => return None,
+                Some(bytes) => {
+                    return match self.state.decode(bytes, trace.signals.len()) {
+                        Ok((event, length)) => {
+                            self.offset += length;
+                            Some(Ok(event))
+                        }
+                        Err(_) => Some(Err(damaged(self.segment))),
+                    };
+                }
+            }
+        }
+    }
+}
+
+fn damaged(segment: usize) -> TraceError {
+    TraceError::SpillDamaged { segment }
+}
+
+/// The events of a trace in the order in which they became known. Ends after the first error.
+#[derive(Debug)]
+pub struct Events<'a> {
+    trace: &'a Trace,
+    cursor: Held<'a>,
+    failed: bool,
+}
+
+#[derive(Debug)]
+enum Held<'a> {
+    Own(Box<Cursor>),
+    Lent(&'a mut Cursor),
+}
+
+impl<'a> Events<'a> {
+    pub(super) fn all(trace: &'a Trace) -> Self {
+        Events { trace, cursor: Held::Own(Box::default()), failed: false }
+    }
+
+    pub(super) fn since(trace: &'a Trace, cursor: &'a mut Cursor) -> Self {
+        Events { trace, cursor: Held::Lent(cursor), failed: false }
+    }
+}
+
+impl Iterator for Events<'_> {
+    type Item = Result<Event, TraceError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.failed {
+            return None;
+        }
+        let cursor = match &mut self.cursor {
+            Held::Own(cursor) => cursor,
+            Held::Lent(cursor) => &mut **cursor,
+        };
+        let next = cursor.next(self.trace);
+        self.failed = matches!(next, Some(Err(_)));
+        next
+    }
+}
+
+/// The events that can have happened within a window of time, in the order in which they became known.
+///
+/// Segments that lie outside the window are not read. Ends after the first error.
+#[derive(Debug)]
+pub struct Between<'a> {
+    trace: &'a Trace,
+    from: Time,
+    to: Time,
+    before: Vec<Option<Event>>,
+    cursor: Cursor,
+    /// The first segment that has not been entered.
+    next_segment: usize,
+    failed: bool,
+}
+
+impl<'a> Between<'a> {
+    pub(super) fn new(trace: &'a Trace, from: Time, to: Time) -> Result<Self, TraceError> {
+        let count = trace.segments.count();
+        let reaches = |segment: &usize| trace.segments.times(*segment).is_some_and(|t| t.last_latest >= from);
+        let first = (0..count).find(reaches).unwrap_or(count - 1);
+        let cursor = Cursor::at_segment(trace, first)?;
+        let mut before: Vec<Option<Event>> = Vec::new();
+        before.resize(trace.signals.len(), None);
+        for (id, place) in before.iter_mut().enumerate() {
+            *place = cursor.state.last(SignalId(id as u32));
+        }
+        // An event can become known after a later one: look for stragglers from before the window.
+        for segment in first..count {
+            if trace.segments.times(segment).is_none_or(|t| t.first_latest >= from) {
+                continue;
+            }
+            let mut cursor = Cursor::at_segment(trace, segment)?;
+            while cursor.segment == segment {
+                let event = match cursor.next(trace) {
+                    // The step into the next segment has been made: its event is not this loop's.
+                    Some(Ok(_)) if cursor.segment != segment => break,
+                    Some(event) => event?,
+                    None => break,
+                };
+                if event.at.latest < from {
+                    before[event.signal.0 as usize] = Some(event);
+                }
+            }
+        }
+        Ok(Between { trace, from, to, before, cursor, next_segment: first + 1, failed: false })
+    }
+
+    /// The last event of a signal that lies wholly before the window: its value when the window begins, unless
+    /// an event whose interval reaches into the window changed it.
+    pub fn before(&self, signal: SignalId) -> Option<Event> {
+        self.before.get(signal.0 as usize).copied().flatten()
+    }
+
+    fn step(&mut self) -> Option<Result<Event, TraceError>> {
+        loop {
+            let stream_left = match self.trace.segments.get(self.cursor.segment, &mut self.cursor.fetched) {
+                Ok(Some((_, stream))) => stream.len() > self.cursor.offset,
+                Ok(None) => false,
+                Err(error) => return Some(Err(error)),
+            };
+            if stream_left {
+                let event = match self.cursor.next(self.trace)? {
+                    Ok(event) => event,
+                    Err(error) => return Some(Err(error)),
+                };
+                if event.at.latest >= self.from && event.at.earliest <= self.to {
+                    return Some(Ok(event));
+                }
+                continue;
+            }
+            let inside = |segment: &usize| {
+                let times = self.trace.segments.times(*segment);
+                times.is_some_and(|t| t.last_latest >= self.from && t.first_earliest <= self.to)
+            };
+            let segment = (self.next_segment..self.trace.segments.count()).find(inside)?;
+            self.next_segment = segment + 1;
+            if segment == self.cursor.segment + 1 {
+                self.cursor.segment = segment;
+                self.cursor.offset = 0;
+            } else {
+                self.cursor = match Cursor::at_segment(self.trace, segment) {
+                    Ok(cursor) => cursor,
+                    Err(error) => return Some(Err(error)),
+                };
+            }
+        }
+    }
+}
+
+impl Iterator for Between<'_> {
+    type Item = Result<Event, TraceError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.failed {
+            return None;
+        }
+        let next = self.step();
+        self.failed = matches!(next, Some(Err(_)));
+        next
+    }
+}
