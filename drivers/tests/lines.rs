@@ -76,7 +76,7 @@ fn a_driven_one_wins_and_the_contention_is_counted() {
 
 #[test]
 fn writes_at_once_make_no_glitch() {
-    // An AND-free check: the sum of two wires never falls while one source takes over from the other.
+    // One source takes over from the other in one write: the line behind both never falls.
     let mut circuit = digital(2, 1);
     circuit.wires.push(wire(0, 2, 0));
     circuit.wires.push(wire(1, 2, 0));

@@ -10,11 +10,14 @@ mod codes;
 pub mod expect;
 pub mod judge;
 pub mod lang;
+mod meaning;
 pub mod measure;
 pub mod plan;
+pub mod register;
 pub mod steps;
 
 pub use codes::{CODES, TOML};
 pub use lang::{Anchor, Base, Literal};
+pub use meaning::{show_literal, value_of};
 pub use plan::{Case, Plan, Step, StepTime, read};
 pub use steps::Stimulus;

@@ -87,7 +87,7 @@ pub(crate) fn span(ns: i64) -> String {
 /// A duration to three significant digits: `99.7 ms`.
 pub(crate) fn rounded(ns: i64) -> String {
     let least = 10i64.pow(ns.unsigned_abs().checked_ilog10().unwrap_or(0).saturating_sub(2));
-    span((ns / least).saturating_add(i64::from(ns % least >= least / 2 + 1)).saturating_mul(least))
+    span((ns / least).saturating_add(i64::from(ns % least * 2 >= least)).saturating_mul(least))
 }
 
 /// The instant or interval relative to `origin`: `+1.1002 s`, `+5.1 ms .. +5.3 ms`.

@@ -305,6 +305,21 @@ mod tests {
     }
 
     #[test]
+    fn a_trace_and_its_events_write_the_same_dump() {
+        let mut trace = Trace::new();
+        let id = trace.define(SignalInfo::exact("lamp", Kind::Bool)).unwrap();
+        let events = [event(id.0, 5, 5, Value::Bool(true)), event(id.0, 9, 12, Value::Bool(false))];
+        for event in events {
+            trace.push(event).unwrap();
+        }
+        let (mut whole, mut parts) = (Vec::new(), Vec::new());
+        write_trace(&trace, "0.1.0", &mut whole).unwrap();
+        write(trace.signals(), events, "0.1.0", &mut parts).unwrap();
+        assert_eq!(whole, parts);
+        assert_eq!(read(&whole).last().map(|(at, _, v)| (*at, v.as_str())), Some((12, "0")));
+    }
+
+    #[test]
     fn time_never_runs_backwards() {
         let signals = [SignalInfo::exact("a", Kind::Bool), SignalInfo::exact("b", Kind::Bool)];
         let events = [

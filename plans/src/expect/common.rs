@@ -199,6 +199,9 @@ pub(super) fn delay_words(delay: (i64, i64), anchor: &Anchor) -> String {
             let back = (most.saturating_neg(), least.saturating_neg());
             format!("{} before {anchor}", span_range(back))
         }
+        (least, most) if least < 0 && least != i64::MIN => {
+            format!("{} before to {} after {anchor}", Span::from_nanos(-least), Span::from_nanos(most))
+        }
         delay => format!("{} after {anchor}", span_range(delay)),
     }
 }

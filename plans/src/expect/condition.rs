@@ -128,16 +128,16 @@ impl fmt::Display for Condition {
     /// `TRUE`, `one of 1, 2`, `at least 3 V`, `1 .. 5`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Condition::OneOf(list) if list.len() == 1 => f.write_str(&show(&list[0])),
+            Condition::OneOf(list) if list.len() == 1 => list[0].fmt(f),
             Condition::OneOf(list) => {
-                let shown: Vec<String> = list.iter().map(show).collect();
+                let shown: Vec<String> = list.iter().map(Literal::to_string).collect();
                 write!(f, "one of {}", shown.join(", "))
             }
             Condition::Within { min: Some(min), max: Some(max) } => {
-                write!(f, "{} .. {}", show(min), show(max))
+                write!(f, "{min} .. {max}")
             }
-            Condition::Within { min: Some(min), max: None } => write!(f, "at least {}", show(min)),
-            Condition::Within { min: None, max: Some(max) } => write!(f, "at most {}", show(max)),
+            Condition::Within { min: Some(min), max: None } => write!(f, "at least {min}"),
+            Condition::Within { min: None, max: Some(max) } => write!(f, "at most {max}"),
             Condition::Within { min: None, max: None } => f.write_str("anything"),
         }
     }
@@ -154,17 +154,18 @@ pub(crate) fn literal(node: &Node, cx: &mut Context<'_>) -> Option<Literal> {
     }
 }
 
-fn is_high_z(literal: &Literal) -> bool {
-    matches!(literal, Literal::Label(word) if word.eq_ignore_ascii_case("z"))
+/// Whether it stands for a line that nobody drives.
+pub(crate) fn is_high_z(literal: &Literal) -> bool {
+    match literal {
+        Literal::Label(word) => word.eq_ignore_ascii_case("z"),
+        Literal::Value(value) => matches!(value, Value::HighZ),
+        Literal::Measure { .. } => false,
+    }
 }
 
 /// A value as a user writes it.
 pub(crate) fn show(literal: &Literal) -> String {
-    match literal {
-        Literal::Value(value) => value.to_string(),
-        Literal::Measure { number, unit } => format!("{number} {unit}"),
-        Literal::Label(word) => word.clone(),
-    }
+    literal.to_string()
 }
 
 /// A literal as a number of this signal.

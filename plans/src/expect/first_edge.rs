@@ -15,7 +15,7 @@ use signal::{SignalInfo, Span, Value};
 use super::common::{FROM, Limits, SIGNAL, Single, anchor, delay_words, signal, span_range, spans, width};
 use super::condition::Condition;
 use super::{Claim, Context, Verb};
-use crate::judge::edges::{Delay, Edge, Finder, First, Found};
+use crate::judge::edges::{Delay, Edge, Finder, First, Found, LAST};
 use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
 use crate::lang::Anchor;
 
@@ -198,7 +198,8 @@ impl Monitor for Follow {
     }
 
     fn lost(&mut self, now: i64) -> bool {
-        self.first.lost(now)
+        // What is not known now may hide the edge.
+        self.finder.rest().is_none() && self.first.lost(now)
     }
 
     fn finish(mut self: Box<Self>) -> Finding {
@@ -209,13 +210,7 @@ impl Monitor for Follow {
         let cut_short = self.claim.within.is_some_and(|(_, most)| most != i64::MAX)
             && self.point.b.saturating_add(self.limits.1) > self.end;
         if cut_short {
-            let seen = Seen {
-                a: self.end,
-                b: i64::MAX,
-                place: u64::MAX - 1,
-                value: Value::Unknown,
-                cause: signal::Cause::Unknown,
-            };
+            let seen = Seen { a: self.end, b: i64::MAX, place: LAST, since: LAST, ..Seen::NOTHING };
             self.first.see(&Found { seen, certain: false });
         }
         self.finding(self.first.finish(), cut_short)

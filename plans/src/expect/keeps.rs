@@ -166,11 +166,12 @@ impl Claim for Keeps {
             watched.push(Watched { test, slack: slack(info), info: info.clone() });
             missed = missed.or_else(|| blind(info, self.longer_than).map(|span| blind_words(info, span)));
         }
-        let open = scene.is_open();
+        let open = scene.is_open(&self.between.until);
         let segments = Segments::new(window);
-        let common = Common { claim: self.clone(), watched, segments, missed, open };
+        let common = Common { claim: self.clone(), watched, segments, missed, open, end: scene.end() };
         if self.signals.len() > 1 {
-            return Ok(super::together::start(common));
+            let lags = self.signals.iter().map(|name| scene.lag(name)).collect();
+            return Ok(super::together::start(common, lags));
         }
         Ok(Box::new(Single { common, last: None, extreme: None, breach: None }))
     }
@@ -192,6 +193,8 @@ pub(super) struct Common {
     pub(super) missed: Option<String>,
     /// The end of the window is still to come.
     pub(super) open: bool,
+    /// The end of the case: what lasts until then has no known width.
+    pub(super) end: i64,
 }
 
 impl Common {
@@ -252,6 +255,7 @@ impl Common {
                 let most = breach.end.1.saturating_sub(breach.start.0);
                 let lasting = match breach.end.0 {
                     i64::MAX => String::from("to the end of the case"),
+                    _ if breach.end.1 == i64::MAX => format!("for {} or longer", Span::from_nanos(least)),
                     _ => format!("for {}", span_range((least, most))),
                 };
                 let from = &self.claim.between.from;
@@ -361,7 +365,7 @@ impl Monitor for Single {
 
     fn finish(mut self: Box<Self>) -> Finding {
         self.extent(i64::MAX);
-        self.end_breach((i64::MAX, i64::MAX));
+        self.end_breach((self.common.end, i64::MAX));
         let extreme = self.extreme;
         self.common.finding(extreme)
     }

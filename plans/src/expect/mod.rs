@@ -4,7 +4,7 @@
 //! folder knows any of them by name. How to add one: `docs/add-an-expectation.md`.
 
 mod common;
-mod condition;
+pub(crate) mod condition;
 mod edges;
 mod equal;
 mod first_edge;
@@ -14,6 +14,7 @@ mod order;
 mod period;
 mod pulse;
 mod state;
+mod together;
 mod value;
 
 use std::fmt::{self, Debug};
@@ -24,10 +25,9 @@ use document::{Diagnostic, Fields, Findings, KeySpec, Node};
 
 use crate::codes;
 use crate::judge::{Monitor, NotJudged, Scene, Wiring};
-use crate::lang::{Anchor, Operand};
+use crate::lang::Anchor;
 
-pub(crate) use common::{Limits, span_range};
-pub(crate) use condition::{Condition, literal, number, show};
+pub(crate) use condition::{literal, number};
 
 /// A verb of `expect`: `{ falls = { signal = ... } }`.
 #[derive(Debug)]
@@ -49,7 +49,7 @@ pub trait Names {
     /// Reads the name of a signal: bound by the plan, built in, or a variable's path.
     fn signal(&self, node: &Node, out: &mut Findings) -> Option<String>;
     /// Reads `n` or `n @ cut`: a signal, and the instant at which its value is meant.
-    fn operand(&self, node: &Node, out: &mut Findings) -> Option<Operand>;
+    fn at_value(&self, node: &Node, out: &mut Findings) -> Option<(String, Option<Anchor>)>;
 }
 
 /// Where a reader reports, and the plan around it.
@@ -77,14 +77,14 @@ pub struct Expectation {
     pub verb: &'static str,
     /// What it claims.
     pub claim: Arc<dyn Claim>,
-    /// Where it stands, for findings about it; `None` for a claim that is in no plan file.
+    /// Where it stands; `None` for a claim that is in no plan file.
     pub place: Option<Place>,
 }
 
 /// Where an expectation or a measurement stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Name of the plan file.
+    /// Name of the plan file; empty where only the line is known.
     pub file: Arc<str>,
     /// Bytes of the file.
     pub span: Range<usize>,

@@ -36,6 +36,8 @@ struct Side {
     class: Option<Truth>,
     /// No later event of the signal begins before this.
     reached: i64,
+    /// How far behind the newest event of the trace one of this signal can begin, nanoseconds.
+    lag: i64,
 }
 
 /// The judge of several signals.
@@ -46,24 +48,19 @@ struct Together {
     found: Vec<(Truth, Seen, (i64, i64))>,
 }
 
-pub(super) fn start(common: Common) -> Box<dyn Monitor> {
+pub(super) fn start(common: Common, lags: Vec<i64>) -> Box<dyn Monitor> {
     let unknown = Stretch {
-        start: Seen {
-            a: i64::MIN,
-            b: i64::MIN,
-            place: 0,
-            value: signal::Value::Unknown,
-            cause: signal::Cause::Unknown,
-        },
+        start: Seen::NOTHING,
         end: None,
         known: false,
     };
-    let side = || Side {
+    let side = |lag| Side {
         stretches: VecDeque::from([unknown]),
         class: Some(Truth::Unknown),
         reached: i64::MIN,
+        lag,
     };
-    let sides = common.watched.iter().map(|_| side()).collect();
+    let sides = lags.into_iter().map(side).collect();
     let mut this = Together { common, sides, found: Vec::new() };
     let begin = Seen { value: signal::Value::Bool(false), ..unknown.start };
     this.common.segments.change(Truth::True, &begin);
@@ -146,8 +143,11 @@ impl Monitor for Together {
         let watched = &self.common.watched[slot];
         // The test says what is allowed: not TRUE.
         let class = watched.test.holds(seen.value, watched.slack);
+        for side in &mut self.sides {
+            side.reached = side.reached.max(seen.a.saturating_sub(side.lag));
+        }
         let side = &mut self.sides[slot];
-        side.reached = seen.a;
+        side.reached = side.reached.max(seen.a);
         if side.class == Some(class) {
             return;
         }
@@ -180,7 +180,7 @@ impl Monitor for Together {
         for side in 0..self.sides.len() {
             if self.sides[side].stretches.back().is_some_and(|last| last.end.is_none()) {
                 if let Some(last) = self.sides[side].stretches.back_mut() {
-                    last.end = Some((i64::MAX, i64::MAX));
+                    last.end = Some((self.common.end.max(last.start.b), i64::MAX));
                 }
                 self.ended(side);
             }

@@ -123,7 +123,7 @@ impl Anchors {
                 continue;
             }
             let (a, b) = (event.at.earliest.as_nanos(), event.at.latest.as_nanos());
-            let seen = Seen { a, b, place, value: event.value, cause: event.cause };
+            let seen = Seen::of(event, a, b, place);
             if train.finder.see(&seen).is_some_and(|found| found.certain) && train.started {
                 train.counted += 1;
                 for (n, base) in &train.wanted {
@@ -149,10 +149,5 @@ impl Anchors {
         let base = self.bases.iter().position(|base| *base == anchor.base)?;
         let happening = self.found[base]?;
         Some(Point::new(happening.at, happening.place, base as u32, anchor.offset))
-    }
-
-    /// Number of bases: the first free number for further ones.
-    pub(crate) fn len(&self) -> u32 {
-        self.bases.len() as u32
     }
 }

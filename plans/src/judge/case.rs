@@ -3,7 +3,7 @@
 use std::fmt;
 
 use document::Diagnostic;
-use record::{ClaimRecord, MeasurementRecord, Verdict};
+use record::{ClaimRecord, Verdict};
 use signal::{Cause, Event, SignalInfo, Span, When};
 
 use super::anchors::Anchors;
@@ -11,7 +11,7 @@ use super::live::Live;
 use super::order::Orderer;
 use super::{Finding, Monitor, NotJudged, Outcome, Scene, Wiring};
 use crate::expect::{Expectation, Place, happens};
-use crate::lang::{Anchor, Base};
+use crate::lang::Anchor;
 use crate::measure::{Gauge, Measurement};
 
 /// A step of the case, as far as the judge needs it.
@@ -131,7 +131,8 @@ impl Judge {
         self.fed += 1;
         if news {
             let now = event.at.earliest.as_nanos();
-            let scene = Scene { signals: &self.signals, anchors: &self.anchors, open_from: Some(now) };
+            let (signals, anchors) = (&self.signals, &self.anchors);
+            let scene = Scene { signals, anchors, disordered: &[], open_from: Some(now) };
             self.live.news(&self.scenario.expectations, &scene, now);
         }
     }
@@ -175,7 +176,9 @@ impl Judge {
         note: &dyn Fn(&str) -> Option<String>,
     ) -> Result<Outcome, E> {
         self.anchors.end(end, self.fed);
-        let scene = Scene { signals: &self.signals, anchors: &self.anchors, open_from: None };
+        let disordered = self.live.disordered();
+        let (signals, anchors) = (&self.signals, &self.anchors);
+        let scene = Scene { signals, anchors, disordered: &disordered, open_from: None };
         let mut stage = Stage::new(&self.scenario, &scene);
         let last = scene.end();
         for (place, event) in (0..).zip(events) {
@@ -190,7 +193,7 @@ impl Judge {
 
 /// Says of findings where the claim stands.
 fn locate(found: &mut [Diagnostic], place: Option<&Place>) {
-    let Some(place) = place else { return };
+    let Some(place) = place.filter(|place| !place.file.is_empty()) else { return };
     for each in found.iter_mut().filter(|each| each.labels.is_empty()) {
         *each = each.clone().at(&*place.file, place.span.clone(), "");
     }
@@ -203,7 +206,6 @@ enum Running {
 }
 
 /// A signal with those who follow it.
-#[derive(Default)]
 struct Line {
     orderer: Orderer,
     /// Place of the follower, and the slot under which it knows the signal.
@@ -220,7 +222,10 @@ struct Stage {
 impl Stage {
     fn new(scenario: &Scenario, scene: &Scene<'_>) -> Stage {
         let mut stage = Stage { running: Vec::new(), lines: Vec::new() };
-        stage.lines.resize_with(scene.signals.len(), Line::default);
+        for at in 0..scene.signals.len() {
+            let hold = scene.disordered.get(at).copied().unwrap_or(false);
+            stage.lines.push(Line { orderer: Orderer::new(hold), followers: Vec::new(), observed: false });
+        }
         for expectation in &scenario.expectations {
             stage.follow(&expectation.claim.signals(), scene);
             stage.running.push(Running::Claim(expectation.claim.start(scene)));

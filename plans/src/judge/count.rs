@@ -149,7 +149,7 @@ impl Counter {
             counts.dedup();
         }
         if !exact {
-            counts.extend(self.bounds());
+            counts.extend(self.bounds().into_iter().flatten());
             counts.sort_unstable();
         }
         Counted { counts, exact, hidden: self.hidden }

@@ -55,6 +55,9 @@ fn grows(old: Value, new: Value) -> bool {
     }
 }
 
+/// A place in the trace behind all events.
+pub(crate) const LAST: u64 = u64::MAX - 1;
+
 /// A change that counts, or one that may be hidden in a stretch of which nothing is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
@@ -70,15 +73,14 @@ pub struct Finder {
     edge: Edge,
     slack: f64,
     last: Option<Value>,
-    /// The earliest instant from which the value is not known.
-    unknown_from: Option<i64>,
-    place: u64,
+    /// The earliest instant from which the value is not known, and its place in the trace.
+    unknown_from: Option<(i64, u64)>,
 }
 
 impl Finder {
     /// Nothing is known of the signal before its first event.
     pub fn new(edge: Edge, slack: f64) -> Self {
-        Finder { edge, slack, last: None, unknown_from: Some(i64::MIN), place: 0 }
+        Finder { edge, slack, last: None, unknown_from: Some((i64::MIN, 0)) }
     }
 
     /// The kind of edge.
@@ -94,15 +96,14 @@ impl Finder {
     /// The edge that this event makes.
     #[inline]
     pub fn see(&mut self, seen: &Seen) -> Option<Found> {
-        self.place = seen.place;
         if matches!(seen.value, Value::Unknown) {
-            self.unknown_from.get_or_insert(seen.a);
+            self.unknown_from.get_or_insert((seen.a, seen.place));
             self.last = None;
             return None;
         }
         let old = self.last.replace(seen.value);
-        if let Some(from) = self.unknown_from.take() {
-            return Some(Found { seen: Seen { a: from, ..*seen }, certain: false });
+        if let Some((a, since)) = self.unknown_from.take() {
+            return Some(Found { seen: Seen { a, since, ..*seen }, certain: false });
         }
         match self.edge.matches(old?, seen.value, self.slack) {
             Truth::True => Some(Found { seen: *seen, certain: true }),
@@ -113,8 +114,8 @@ impl Finder {
 
     /// The edge that may lie in an unknown stretch which lasts to the end.
     pub fn rest(&self) -> Option<Found> {
-        let (value, cause) = (Value::Unknown, signal::Cause::Unknown);
-        let seen = Seen { a: self.unknown_from?, b: i64::MAX, place: self.place, value, cause };
+        let (a, since) = self.unknown_from?;
+        let seen = Seen { a, b: i64::MAX, since, place: LAST, ..Seen::NOTHING };
         Some(Found { seen, certain: false })
     }
 }

@@ -39,7 +39,7 @@ pub(crate) struct Live {
 
 impl Live {
     pub(crate) fn new(expectations: &[Expectation], signals: &[SignalInfo]) -> Live {
-        let line = |_| Line { orderer: Orderer::default(), followers: Vec::new(), last: None };
+        let line = |_: &SignalInfo| Line { orderer: Orderer::new(false), followers: Vec::new(), last: None };
         let mut live = Live {
             watches: Vec::new(),
             lags: Vec::new(),
@@ -111,7 +111,7 @@ impl Live {
             for (_, slot) in line.followers.iter().filter(|(watch, _)| *watch == at) {
                 match line.last {
                     // Events that may lie behind the instant would have to be fed, and only the last is kept.
-                    last if !line.orderer.is_idle() || last.is_some_and(|last| last.b > now) => {
+                    Some(last) if last.b > now => {
                         self.watches[at] = Watch::Over { lost: false };
                         return;
                     }
@@ -121,6 +121,11 @@ impl Live {
             }
         }
         self.watches[at] = Watch::Running { monitor, open };
+    }
+
+    /// For every signal, whether its intervals ran backwards. Known only for those that claims look at.
+    pub(crate) fn disordered(&self) -> Vec<bool> {
+        self.lines.iter().map(|line| line.orderer.is_disordered()).collect()
     }
 
     /// Whether a claim is lost.

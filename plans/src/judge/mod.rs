@@ -23,9 +23,10 @@ pub mod segments;
 mod test;
 
 pub use case::{Judge, JudgeError, Scenario, StepFacts};
+pub(crate) use outcome::clipped;
 pub use outcome::{Finding, Outcome};
 pub use point::{Point, Seen, Window};
-pub use scene::{NotJudged, Scene, Wiring};
+pub use scene::{NotJudged, Scene, Wiring, blind};
 pub use test::{Number, Test, Truth, slack};
 
 /// Follows the signals of one claim and comes to a finding.

@@ -2,6 +2,9 @@
 //!
 //! After this, both ends of the intervals of one signal never run backwards, and every instant that is left
 //! in an interval belongs to some consistent placement of all of them. Every judgement relies on that.
+//!
+//! Channels as they are built give intervals whose ends never run backwards. A signal for which the first
+//! reading saw otherwise is held back in the last one: an event waits until no later one can cut it down.
 
 use std::collections::VecDeque;
 
@@ -17,37 +20,48 @@ const WAITING: usize = 256;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Orderer {
     waiting: VecDeque<Seen>,
-    earliest: Option<i64>,
+    last: Option<(i64, i64)>,
+    hold: bool,
+    disordered: bool,
 }
 
 impl Orderer {
+    /// For a signal whose intervals are known to run backwards (`hold`), or not known to.
+    pub(crate) fn new(hold: bool) -> Self {
+        Orderer { hold, ..Orderer::default() }
+    }
+
+    /// Whether an interval ended before its predecessor's.
+    pub(crate) fn is_disordered(&self) -> bool {
+        self.disordered
+    }
+
     /// Takes the next event of the signal and hands on those whose intervals are final.
     #[inline]
     pub(crate) fn push(&mut self, event: &Event, place: u64, mut out: impl FnMut(&Seen)) {
-        let a = event.at.earliest.as_nanos().max(self.earliest.unwrap_or(i64::MIN));
-        let b = event.at.latest.as_nanos().max(a);
-        self.earliest = Some(a);
-        let seen = Seen { a, b, place, value: event.value, cause: event.cause };
-        if self.waiting.is_empty() && a == b {
-            out(&seen);
+        let (before, ended) = self.last.unwrap_or((i64::MIN, i64::MIN));
+        let a = event.at.earliest.as_nanos().max(before);
+        let mut b = event.at.latest.as_nanos().max(a);
+        self.disordered |= b < ended;
+        if !self.hold {
+            // The predecessor is gone with the later end: a wider interval is the safe side.
+            b = b.max(ended);
+            self.last = Some((a, b));
+            out(&Seen::of(event, a, b, place));
             return;
         }
+        self.last = Some((a, b));
         // What can end after `b` cannot: this one comes later and ends at `b`.
         for earlier in self.waiting.iter_mut().rev().take_while(|earlier| earlier.b > b) {
             earlier.b = b.max(earlier.a);
         }
-        self.waiting.push_back(seen);
+        self.waiting.push_back(Seen::of(event, a, b, place));
         // Whatever comes next begins at `a` or later, so an event that ends by then is final.
         while self.waiting.front().is_some_and(|first| first.b <= a) || self.waiting.len() > WAITING {
             if let Some(first) = self.waiting.pop_front() {
                 out(&first);
             }
         }
-    }
-
-    /// Whether nothing waits.
-    pub(crate) fn is_idle(&self) -> bool {
-        self.waiting.is_empty()
     }
 
     /// Hands on what still waits: nothing comes any more.

@@ -5,7 +5,7 @@
 //! at or after a point exactly when the point can be placed at or before [`Seen::after`]. At one and the same
 //! instant the order of the trace decides.
 
-use signal::{Cause, Span, Time, Value, When};
+use signal::{Cause, Event, Span, Time, Value, When};
 
 /// An event of one watched signal, in the order of the trace, with its interval tightened by its neighbours'.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +16,9 @@ pub struct Seen {
     pub b: i64,
     /// Place in the trace.
     pub place: u64,
+    /// Place in the trace from which it can have happened: its own, or that of the beginning of a stretch of
+    /// which nothing is known.
+    pub since: u64,
     /// The value from then on.
     pub value: Value,
     /// Who did it.
@@ -23,13 +26,29 @@ pub struct Seen {
 }
 
 impl Seen {
+    /// What is known of a signal before its first event: nothing.
+    pub const NOTHING: Seen = Seen {
+        a: i64::MIN,
+        b: i64::MIN,
+        place: 0,
+        since: 0,
+        value: Value::Unknown,
+        cause: Cause::Unknown,
+    };
+
+    /// An event at a place of the trace, with the interval `[a, b]`.
+    #[inline]
+    pub(crate) fn of(event: &Event, a: i64, b: i64, place: u64) -> Seen {
+        Seen { a, b, place, since: place, value: event.value, cause: event.cause }
+    }
+
     /// The earliest placement of `point` that has this event before it.
     #[inline]
     pub fn before(&self, point: &Point) -> i64 {
         if self.is(point) {
             return i64::MIN;
         }
-        self.a.saturating_add(i64::from(self.place >= point.place))
+        self.a.saturating_add(i64::from(self.since >= point.place))
     }
 
     /// The latest placement of `point` that has this event at or after it.
@@ -44,7 +63,7 @@ impl Seen {
     /// Whether the point is this very event, which then comes before it wherever both are placed.
     #[inline]
     fn is(&self, point: &Point) -> bool {
-        self.place.wrapping_add(1) == point.place
+        self.place.wrapping_add(1) == point.place && self.since == self.place
     }
 
     /// The interval as it is recorded.

@@ -1,6 +1,6 @@
 //! The value of a signal at an instant: every value that some placement gives it.
 
-use signal::{Cause, Value};
+use signal::Value;
 
 use super::{Point, Seen};
 
@@ -42,10 +42,8 @@ impl Reader {
 
     /// The last value holds for instants up to `right`.
     fn until(&mut self, right: i64) {
-        let unknown =
-            Seen { a: i64::MIN, b: i64::MIN, place: 0, value: Value::Unknown, cause: Cause::Unknown };
-        let seen = self.last.unwrap_or(unknown);
-        let low = self.point.a.max(if self.last.is_some() { seen.before(&self.point) } else { i64::MIN });
+        let seen = self.last.unwrap_or(Seen::NOTHING);
+        let low = self.point.a.max(self.last.map_or(i64::MIN, |last| last.before(&self.point)));
         let high = self.point.b.min(right);
         if low > high {
             return;

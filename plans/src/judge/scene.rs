@@ -51,6 +51,8 @@ impl fmt::Display for NotJudged {
 pub struct Scene<'a> {
     pub(crate) signals: &'a [SignalInfo],
     pub(crate) anchors: &'a Anchors,
+    /// For every signal, whether its intervals run backwards; empty where that is not known yet.
+    pub(crate) disordered: &'a [bool],
     /// While the trace grows: an end that is not known yet lies at this instant or later.
     pub(crate) open_from: Option<i64>,
 }
@@ -82,6 +84,19 @@ impl<'a> Scene<'a> {
     /// The end of the case; later than all time while it is not known.
     pub fn end(&self) -> i64 {
         self.anchors.resolve(&Anchor::END).map_or(i64::MAX, |end| end.b)
+    }
+
+    /// Whether a window that ends at this instant has an end that is still to come.
+    pub fn is_open(&self, until: &Anchor) -> bool {
+        self.open_from.is_some() && self.point(until).is_err()
+    }
+
+    /// How far behind the newest event of the trace an event of this signal can begin, nanoseconds.
+    pub fn lag(&self, name: &str) -> i64 {
+        match self.signals.iter().position(|info| info.name == name) {
+            Some(at) if !self.disordered.get(at).copied().unwrap_or(false) => lag(&self.signals[at]).as_nanos(),
+            _ => i64::MAX,
+        }
     }
 
     /// A signal.

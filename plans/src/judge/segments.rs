@@ -44,6 +44,7 @@ pub struct Segments {
     /// The earliest end of the last forbidden segment.
     free_from: i64,
     can_hold: bool,
+    doomed: bool,
     worst: Option<Breach>,
     /// The least distance of a forbidden segment that keeps out of the window, nanoseconds.
     distance: Option<i64>,
@@ -52,14 +53,13 @@ pub struct Segments {
 impl Segments {
     /// Nothing is known yet: the signal's value is unknown until its first event.
     pub fn new(window: Window) -> Self {
-        let since =
-            Seen { a: i64::MIN, b: i64::MIN, place: 0, value: Value::Unknown, cause: Cause::Unknown };
         Segments {
             window,
             class: Truth::Unknown,
-            since,
+            since: Seen::NOTHING,
             free_from: i64::MIN,
             can_hold: false,
+            doomed: false,
             worst: None,
             distance: None,
         }
@@ -84,6 +84,28 @@ impl Segments {
         self.change(class, start);
         let over = Seen { a: end.0, b: end.1, value: Value::Unknown, cause: Cause::Unknown, ..*start };
         self.change(Truth::True, &over);
+    }
+
+    /// A forbidden or unknown stretch that stands for itself: stretches may come in any order and overlap.
+    /// It decides only where it meets the window in every placement.
+    pub fn stray(&mut self, class: Truth, start: &Seen, end: (i64, i64)) {
+        if !self.window.can_meet(start.a, end.1) {
+            return;
+        }
+        let weight = match class {
+            Truth::False if self.window.must_meet(start.b, end.0) => Weight::Certain,
+            _ => Weight::Possible,
+        };
+        self.doomed |= weight == Weight::Certain;
+        if self.worst.is_none_or(|worst| weight > worst.weight) {
+            let start_at = (start.a, start.b);
+            self.worst = Some(Breach { start: start_at, end, value: start.value, cause: start.cause, weight });
+        }
+    }
+
+    /// Whether something forbidden that began at `start` at the latest and lasts at `now` decides.
+    pub fn would_lose(&self, start: i64, now: i64) -> bool {
+        self.window.must_meet(start, now)
     }
 
     fn close(&mut self, end: (i64, i64)) {
@@ -131,7 +153,7 @@ impl Segments {
             self.can_hold |= self.window.fits(self.free_from, i64::MAX);
         }
         Kept {
-            can_hold: self.can_hold,
+            can_hold: self.can_hold && !self.doomed,
             can_break: self.worst.is_some(),
             worst: self.worst,
             distance: self.distance,

@@ -126,7 +126,9 @@ impl fmt::Display for AnchorFault {
                 f.write_str("a duration alone is no instant: say from where, as in `start + 1 s`")
             }
             AnchorFault::Part => f.write_str("a step has `.done` and, if it is a train, `.pulse[n]`"),
-            AnchorFault::Number => f.write_str("expected the number of a pulse, from 1, as in `.pulse[1000]`"),
+            AnchorFault::Number => {
+                f.write_str("expected the number of a pulse, from 1, as in `.pulse[1000]`")
+            }
             AnchorFault::Operator => f.write_str("expected `+` or `-` and a duration, or nothing"),
             AnchorFault::Duration(error) => error.fmt(f),
             AnchorFault::TooLarge => f.write_str("further than 292 years away"),
@@ -229,7 +231,10 @@ mod tests {
         assert_eq!(Anchor::parse("start"), Ok(Anchor::START));
         assert_eq!(Anchor::parse(" busy + 102 ms "), Ok(step("busy", Span::from_millis(102))));
         assert_eq!(Anchor::parse("busy-2 ms"), Ok(step("busy", Span::from_millis(-2))));
-        assert_eq!(Anchor::parse("power-cut + 2 s + 0.37 ms"), Ok(step("power-cut", Span::from_micros(2_000_370))));
+        assert_eq!(
+            Anchor::parse("power-cut + 2 s + 0.37 ms"),
+            Ok(step("power-cut", Span::from_micros(2_000_370)))
+        );
         assert_eq!(Anchor::parse("a + 1 min 30 s - 1 s"), Ok(step("a", Span::from_secs(89))));
         assert_eq!(Anchor::parse("a + -2 ms"), Ok(step("a", Span::from_millis(-2))));
         let pulse = Base::Pulse { step: "train".into(), n: 1000 };
@@ -245,7 +250,10 @@ mod tests {
         assert_eq!(fault("1 s"), (0..1, AnchorFault::NoBase));
         assert_eq!(fault("start 1 s"), (6..7, AnchorFault::Operator));
         assert_eq!(fault("start + 1"), (8..9, AnchorFault::Duration(ParseTimeError::MissingUnit(0))));
-        assert_eq!(fault("start + 1 s + 2 sec"), (16..19, AnchorFault::Duration(ParseTimeError::UnknownUnit(2))));
+        assert_eq!(
+            fault("start + 1 s + 2 sec"),
+            (16..19, AnchorFault::Duration(ParseTimeError::UnknownUnit(2)))
+        );
         assert_eq!(fault("start +"), (7..7, AnchorFault::Duration(ParseTimeError::Empty)));
         assert_eq!(fault("a.pulse[0]"), (8..9, AnchorFault::Number));
         assert_eq!(fault("a.pulse[1"), (8..9, AnchorFault::Number));

@@ -31,7 +31,9 @@ impl Decimal {
                     }
                 }
                 b'_' if digits > 0 => {}
-                b'.' if digits > 0 && !point && bytes.get(at + 1).is_some_and(u8::is_ascii_digit) => point = true,
+                b'.' if digits > 0 && !point && bytes.get(at + 1).is_some_and(u8::is_ascii_digit) => {
+                    point = true
+                }
                 _ => break,
             }
             at += 1;
@@ -91,7 +93,8 @@ mod tests {
         #[test]
         fn what_is_written_reads_back(mantissa in -999_999_999_999i128..=999_999_999_999, decimals in 0u32..6) {
             let number = Decimal { mantissa, decimals };
-            let (read, unit) = Decimal::split(&number.to_string()).unwrap();
+            let text = number.to_string();
+            let (read, unit) = Decimal::split(&text).unwrap();
             prop_assert_eq!(read.scaled(6), number.scaled(6));
             prop_assert_eq!(unit, "");
         }

@@ -118,8 +118,8 @@ fn prefixed(prefix: &str, rest: &str) -> Result<Literal, LiteralFault> {
             let span = Span::parse(rest).map_err(|_| LiteralFault::Duration)?;
             Ok(Literal::Value(Value::Int(span.as_nanos())))
         }
-        "BOOL" | "SINT" | "INT" | "DINT" | "LINT" | "USINT" | "UINT" | "UDINT" | "ULINT" | "BYTE" | "WORD"
-        | "DWORD" | "LWORD" | "REAL" | "LREAL" => match rest.split_once('#') {
+        "BOOL" | "SINT" | "INT" | "DINT" | "LINT" | "USINT" | "UINT" | "UDINT" | "ULINT" | "BYTE"
+        | "WORD" | "DWORD" | "LWORD" | "REAL" | "LREAL" => match rest.split_once('#') {
             // A typed literal may have a base, but not one more type.
             Some((base @ ("2" | "8" | "16"), digits)) => prefixed(base, digits),
             Some(_) => Err(LiteralFault::Unreadable),

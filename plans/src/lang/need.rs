@@ -42,7 +42,6 @@ pub const CAPABILITIES: &[Capability] = &[
     capability("memory-access", Measure::None, "variables and memory can be read and written"),
     capability("power", Measure::None, "the supply can be switched"),
     capability("pulse", Measure::Frequency, "trains of pulses up to a frequency can be emitted"),
-    capability("settings", Measure::None, "the controller can be configured"),
     capability("system-variables", Measure::None, "PLC_R and PLC_W can be read"),
     capability("task-load", Measure::None, "the cycles of a task can be made longer"),
     capability("timestamp", Measure::Time, "edges are stamped to within a duration"),
@@ -107,7 +106,9 @@ impl fmt::Display for NeedFault {
                 let words: Vec<&str> = CAPABILITIES.iter().map(|one| one.word).collect();
                 write!(f, "no rig can have this; there are {}", words.join(", "))
             }
-            NeedFault::Relation => f.write_str("expected `>=` or `<=` behind the word, as in `pulse >= 200 kHz`"),
+            NeedFault::Relation => {
+                f.write_str("expected `>=` or `<=` behind the word, as in `pulse >= 200 kHz`")
+            }
             NeedFault::NoAmount => f.write_str("this is there or not, without an amount"),
             NeedFault::Frequency => f.write_str("expected a frequency, as in `pulse >= 200 kHz`"),
             NeedFault::Time => f.write_str("expected a duration, as in `timestamp <= 0.5 us`"),

@@ -13,11 +13,13 @@ pub const MAX_VALUE_BYTES: usize = 256;
 /// Longest text that may come of putting references into it, in bytes.
 const MAX_TEXT_BYTES: usize = 4096;
 
+/// Name, value, and where the value stands (`None`: it came from the command line).
+type Binding<'a> = (&'a str, Cow<'a, Node>, Option<Range<usize>>);
+
 /// The values of one case, by name.
 #[derive(Clone, Debug, Default)]
 pub struct Bindings<'a> {
-    /// Name, value, and where the value stands (`None`: it came from the command line).
-    values: Vec<(&'a str, Cow<'a, Node>, Option<Range<usize>>)>,
+    values: Vec<Binding<'a>>,
     /// Row of the case with its place, for messages.
     row: Option<(&'a str, Range<usize>)>,
 }
@@ -83,10 +85,11 @@ pub(crate) fn has_reference(node: &Node) -> bool {
 }
 
 fn replace(node: &Node, text: &str, bindings: &Bindings<'_>, out: &mut Findings) -> Node {
-    if let Some(name) = text.strip_prefix('$') {
-        if !name.is_empty() && id_length(name) == name.len() {
-            return whole(node, name, bindings, out);
-        }
+    if let Some(name) = text.strip_prefix('$')
+        && !name.is_empty()
+        && id_length(name) == name.len()
+    {
+        return whole(node, name, bindings, out);
     }
     let mut result = String::with_capacity(text.len());
     let mut origin = None;
@@ -103,8 +106,15 @@ fn replace(node: &Node, text: &str, bindings: &Bindings<'_>, out: &mut Findings)
         at = dollar + 1 + length;
         let name = &rest[..length];
         if length == 0 {
-            let help = "write the name of a row's column, sweep or parameter behind `$`; write `$$` for a `$`";
-            out.bad_inside(codes::REFERENCE_FORM, node, Some(dollar..at), "a `$` with no name behind it", help);
+            let help =
+                "write the name of a row's column, sweep or parameter behind `$`; write `$$` for a `$`";
+            out.bad_inside(
+                codes::REFERENCE_FORM,
+                node,
+                Some(dollar..at),
+                "a `$` with no name behind it",
+                help,
+            );
             return node.clone();
         }
         let Some((value, place)) = bindings.get(name) else {
@@ -154,6 +164,11 @@ fn unknown(node: &Node, name: &str, within: Range<usize>, bindings: &Bindings<'_
         None => "define it in [rows], [sweep] or [parameters]".to_owned(),
     };
     let span = node.inner(within);
+    // One row is enough to show it.
+    if out.reported(codes::REFERENCE, &span) {
+        out.count_again();
+        return;
+    }
     let mut found = Diagnostic::error(codes::REFERENCE, format!("`${name}` is not defined"))
         .at(out.file().to_owned(), span, "")
         .help(help);

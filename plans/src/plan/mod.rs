@@ -2,11 +2,13 @@
 
 mod build;
 mod envelope;
+mod facts;
 mod keys;
 mod read;
 mod scope;
 mod settings;
 mod signals;
+mod step;
 mod times;
 mod variants;
 
@@ -89,9 +91,8 @@ pub enum TaskFigure {
 
 impl TaskFigure {
     /// The names in plans, in the order of the enumeration.
-    pub const NAMES: &[&str] = &[
-        "cycles", "last-cycle", "min-cycle", "max-cycle", "elapsed", "overruns", "lost", "exceptions",
-    ];
+    pub const NAMES: &[&str] =
+        &["cycles", "last-cycle", "min-cycle", "max-cycle", "elapsed", "overruns", "lost", "exceptions"];
 
     /// Every figure.
     pub const ALL: [TaskFigure; 8] = [

@@ -1,6 +1,7 @@
 //! The names of a case: what the readers of verbs may ask of the plan around them.
 
 use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 
 use document::{Fields, Findings, KeySpec, Node, suggest};
 
@@ -10,27 +11,28 @@ use crate::codes;
 use crate::expect::Names;
 use crate::lang::{Anchor, AnchorError, Base, Operand, OperandError};
 
-/// A step as anchors know it.
-#[derive(Clone, Debug)]
-pub(super) struct StepName {
-    pub(super) id: String,
-    /// How many pulses it emits, if it is a train.
-    pub(super) pulses: Option<u64>,
+/// Signals in order of first use.
+#[derive(Debug, Default)]
+pub(super) struct Used {
+    names: BTreeSet<String>,
+    pub(super) list: Vec<SignalBinding>,
 }
 
 /// The names of one case.
 #[derive(Debug)]
 pub struct Scope<'a> {
-    /// Steps of this case.
-    pub(super) steps: Vec<StepName>,
+    /// Steps of this case by their ids: how many pulses each emits, `None` if it is no train.
+    pub(super) steps: BTreeMap<String, Option<u64>>,
     /// Ids of steps that only other rows have.
     pub(super) elsewhere: Vec<String>,
     /// The row, for messages.
     pub(super) row: Option<&'a str>,
     /// Signals that the plan binds.
     pub(super) bound: Vec<SignalBinding>,
+    /// Names of `bound`.
+    pub(super) bound_names: BTreeSet<String>,
     /// Signals that it uses without binding them, in order of use.
-    pub(super) used: RefCell<Vec<SignalBinding>>,
+    pub(super) used: RefCell<Used>,
     /// Tasks that the settings name, and MAST.
     pub(super) tasks: Vec<String>,
 }
@@ -82,13 +84,14 @@ impl Scope<'_> {
     fn known(&self, anchor: Anchor, node: &Node, at: usize, out: &mut Findings) -> Option<Anchor> {
         let Some(id) = anchor.base.step() else { return Some(anchor) };
         let place = Some(at..at + id.len());
-        let Some(step) = self.steps.iter().find(|step| step.id == id) else {
+        let Some(pulses) = self.steps.get(id) else {
             let mut message = format!("there is no step `{id}`");
             if let (true, Some(row)) = (self.elsewhere.iter().any(|other| other == id), self.row) {
                 message = format!("row `{row}` has no step `{id}`");
             }
-            let ids = self.steps.iter().map(|step| step.id.as_str());
-            let help = match suggest(id, ids.chain(["start", "end"])) {
+            // Looking for what was meant takes time; what is not kept needs none.
+            let ids = self.steps.keys().map(String::as_str).take(if out.is_full() { 0 } else { usize::MAX });
+            let help = match suggest(id, ["start", "end"].into_iter().chain(ids)) {
                 Some(meant) => format!("did you mean `{meant}`?"),
                 None => "an instant counts from `start`, `end` or the id of a step".to_owned(),
             };
@@ -96,7 +99,7 @@ impl Scope<'_> {
             return None;
         };
         if let Base::Pulse { n, .. } = anchor.base {
-            match step.pulses {
+            match *pulses {
                 None => {
                     let message = format!("the step `{id}` emits no train of pulses");
                     out.bad_inside(codes::UNKNOWN_ANCHOR, node, place, message, "");
@@ -114,21 +117,21 @@ impl Scope<'_> {
     }
 
     fn is_bound(&self, name: &str) -> bool {
-        BUILT_IN.contains(&name) || self.bound.iter().any(|binding| binding.name == name)
+        BUILT_IN.contains(&name) || self.bound_names.contains(name)
     }
 
     /// Remembers a signal that is not bound.
     fn use_source(&self, name: String, source: Source, node: &Node) -> String {
         let mut used = self.used.borrow_mut();
-        if !used.iter().any(|known| known.name == name) {
-            used.push(SignalBinding { name: name.clone(), source, span: node.span.clone() });
+        if used.names.insert(name.clone()) {
+            used.list.push(SignalBinding { name: name.clone(), source, span: node.span.clone() });
         }
         name
     }
 
     /// A name one letter beside a bound one is more likely a slip than a variable.
     fn warn_if_misspelt(&self, node: &Node, path: &str, out: &mut Findings) {
-        if path.contains(['.', '[']) || path.len() < 4 {
+        if path.contains(['.', '[']) || path.len() < 4 || out.is_full() || self.bound.len() > 100 {
             return;
         }
         let names = self.bound.iter().map(|binding| binding.name.as_str()).chain(BUILT_IN.iter().copied());
@@ -166,7 +169,13 @@ impl Names for Scope<'_> {
                     OperandError::Anchor(..) => codes::ANCHOR,
                 };
                 let help = "write it as in \"n\" or \"n @ cut\"";
-                out.bad_inside(code, node, Some(error.at()), format!("`{text}` does not read: {error}"), help);
+                out.bad_inside(
+                    code,
+                    node,
+                    Some(error.at()),
+                    format!("`{text}` does not read: {error}"),
+                    help,
+                );
                 return None;
             }
         };

@@ -32,14 +32,26 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
         KeyType::Choice(&["previous", "stop", "run"]),
         "What the controller does at power-on.",
     ),
-    KeySpec::optional("outputs-in-stop", KeyType::Choice(&["keep", "default"]), "What outputs do in STOPPED."),
-    KeySpec::optional("update-io-in-stop", KeyType::Bool, "Whether inputs and outputs are updated in STOPPED."),
+    KeySpec::optional(
+        "outputs-in-stop",
+        KeyType::Choice(&["keep", "default"]),
+        "What outputs do in STOPPED.",
+    ),
+    KeySpec::optional(
+        "update-io-in-stop",
+        KeyType::Bool,
+        "Whether inputs and outputs are updated in STOPPED.",
+    ),
     KeySpec::optional(
         "filter",
         KeyType::Either(&[KeyType::Duration, KeyType::Map(&FILTER_EACH)]),
         "The filter of all inputs, or of each by its address: 0, 1, 4 or 12 ms.",
     ),
-    KeySpec::optional("output-defaults", KeyType::Map(&KeyType::Bool), "Default values by the outputs' addresses."),
+    KeySpec::optional(
+        "output-defaults",
+        KeyType::Map(&KeyType::Bool),
+        "Default values by the outputs' addresses.",
+    ),
     KeySpec::optional("mast", TASK_TYPE, "The task MAST."),
     KeySpec::optional("tasks", KeyType::Map(&TASK_TYPE), "Further tasks by their names."),
 ];
@@ -154,10 +166,24 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
         settings.tasks.push(task("MAST", mast, out));
     }
     if let Some(tasks) = fields.get("tasks").and_then(Node::as_table) {
-        for entry in &tasks.entries {
+        // The largest controller has far fewer; see the profile's limits, which the controller itself checks.
+        if let Some(entry) = tasks.entries.get(64) {
+            out.error(
+                codes::SETTING,
+                entry.key_span.clone(),
+                "more than 64 tasks",
+                "no controller has so many",
+            );
+        }
+        for entry in tasks.entries.iter().take(64) {
             if settings.tasks.iter().any(|known| known.name.eq_ignore_ascii_case(&entry.key)) {
                 let message = format!("the task `{}` is given twice", entry.key);
-                out.error(codes::NAME_TWICE, entry.key_span.clone(), message, "names differ not only in capitals");
+                out.error(
+                    codes::NAME_TWICE,
+                    entry.key_span.clone(),
+                    message,
+                    "names differ not only in capitals",
+                );
                 continue;
             }
             if let Some(table) = entry.node.as_table() {
@@ -208,7 +234,8 @@ fn terminal(entry: &document::Entry, area: Area, out: &mut Findings) -> Option<A
     let key = Node::new(entry.key_span.clone(), document::Data::Text(entry.key.clone()));
     let address = address(&key, &entry.key, out)?;
     if address.area() != area || address.size() != Size::Bit {
-        let example = if area == Area::Input { "an input such as \"%IX0.0\"" } else { "an output such as \"%QX0.4\"" };
+        let example =
+            if area == Area::Input { "an input such as \"%IX0.0\"" } else { "an output such as \"%QX0.4\"" };
         out.bad(codes::ADDRESS, &key, format!("`{}` is not {example}", entry.key), "");
         return None;
     }

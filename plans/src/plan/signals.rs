@@ -94,7 +94,8 @@ pub(super) fn text_source(node: &Node, text: &str, out: &mut Findings) -> Option
     if is_path(text) {
         return Some(Source::Path(text.to_owned()));
     }
-    let help = "write an address such as \"%QX0.4\", a variable such as \"MAIN.n\", or the name of a bound signal";
+    let help =
+        "write an address such as \"%QX0.4\", a variable such as \"MAIN.n\", or the name of a bound signal";
     out.bad(codes::SIGNAL, node, format!("`{text}` cannot be a signal"), help);
     None
 }
@@ -106,7 +107,13 @@ pub(super) fn address(node: &Node, text: &str, out: &mut Findings) -> Option<Add
         Err(error) => {
             let shift = text.len() - text.trim_start().len();
             let at = (shift + error.offset()).min(text.len());
-            out.bad_inside(codes::ADDRESS, node, Some(at..text.trim_end().len().max(at)), error.to_string(), "");
+            out.bad_inside(
+                codes::ADDRESS,
+                node,
+                Some(at..text.trim_end().len().max(at)),
+                error.to_string(),
+                "",
+            );
             None
         }
     }

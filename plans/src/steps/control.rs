@@ -12,8 +12,7 @@ const DOWNLOAD_KEYS: &[KeySpec] = &[KeySpec::optional(
     "Structured Text files relative to the plan; the plan's own program if left out.",
 )];
 
-const CUT_KEYS: &[KeySpec] =
-    &[KeySpec::required("lasts", KeyType::Duration, "How long the supply is off.")];
+const CUT_KEYS: &[KeySpec] = &[KeySpec::required("lasts", KeyType::Duration, "How long the supply is off.")];
 
 pub(super) const COMMAND: Verb = Verb {
     name: "command",

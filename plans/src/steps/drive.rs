@@ -101,7 +101,7 @@ fn read_set(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimul
     let mut list: Vec<(String, Literal)> = Vec::with_capacity(tables.len());
     let mut right = true;
     for table in tables {
-        let Some(fields) = scope.fields(table, VALUED) else { return None };
+        let fields = scope.fields(table, VALUED)?;
         match pair(&fields, "signal", scope, out) {
             Some((signal, _)) if list.iter().any(|(known, _)| *known == signal) => {
                 let message = format!("`{signal}` is set twice at one instant");

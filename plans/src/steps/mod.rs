@@ -158,10 +158,33 @@ pub enum Stimulus {
 }
 
 impl Stimulus {
+    /// The powers that it needs of rig and subject.
+    pub fn needs(&self) -> &'static [&'static str] {
+        let name = match self {
+            Stimulus::Set(_) => "set",
+            Stimulus::Pulse { .. } => "pulse",
+            Stimulus::Force { .. } => "force",
+            Stimulus::Release { .. } => "release",
+            Stimulus::Write { .. } => "write",
+            Stimulus::Command(_) => "command",
+            Stimulus::Download(_) => "download",
+            Stimulus::PowerCut(_) => "power-cut",
+            Stimulus::Power(_) => "power",
+            Stimulus::Overload { .. } => "overload",
+            Stimulus::Fault { .. } => "fault",
+            Stimulus::Clear { .. } => "clear",
+            Stimulus::Train(_) => "train",
+            Stimulus::Mark => "mark",
+        };
+        VERBS.iter().find(|verb| verb.name == name).map_or(&[], |verb| verb.needs)
+    }
+
     /// How long after its step it is done, 0 where it is done at once.
     pub fn duration(&self) -> Span {
         match self {
-            Stimulus::Pulse { width, .. } | Stimulus::Fault { kind: FaultKind::Glitch { width, .. }, .. } => *width,
+            Stimulus::Pulse { width, .. } | Stimulus::Fault { kind: FaultKind::Glitch { width, .. }, .. } => {
+                *width
+            }
             Stimulus::PowerCut(lasts) => *lasts,
             Stimulus::Fault { lasts: Some(lasts), .. } => *lasts,
             Stimulus::Train(train) => train.length(),

@@ -19,8 +19,16 @@ const KEYS: &[KeySpec] = &[
     KeySpec::optional("frequency", KeyType::Text, "Pulses per time, as in \"200 kHz\"."),
     KeySpec::optional("period", KeyType::Duration, "Time from one rising edge to the next."),
     KeySpec::required("count", KeyType::Integer(1, MAX_PULSES as i64), "How many pulses."),
-    KeySpec::optional("duty", KeyType::Text, "Part of the period that is high, as in \"25 %\"; half if left out."),
-    KeySpec::optional("jitter", KeyType::Duration, "Each edge is moved by up to this, at random, to either side."),
+    KeySpec::optional(
+        "duty",
+        KeyType::Text,
+        "Part of the period that is high, as in \"25 %\"; half if left out.",
+    ),
+    KeySpec::optional(
+        "jitter",
+        KeyType::Duration,
+        "Each edge is moved by up to this, at random, to either side.",
+    ),
 ];
 
 pub(super) const TRAIN: Verb = Verb {

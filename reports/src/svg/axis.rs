@@ -122,7 +122,9 @@ impl Piece {
 
 /// The unit of tick labels, nanoseconds and name: small enough for short decimals, large enough for few digits.
 fn unit(step: i128, magnitude: i128) -> (i128, &'static str) {
-    if step >= 100_000_000 || magnitude >= 10_000_000_000 {
+    if magnitude < 1_000 {
+        (1, "ns")
+    } else if step >= 100_000_000 || magnitude >= 10_000_000_000 {
         (1_000_000_000, "s")
     } else if step >= 10_000 || magnitude >= 100_000_000 {
         (1_000_000, "ms")
@@ -166,6 +168,9 @@ fn extent(case: &CaseRecord) -> (i64, i64) {
         low = low.min(earliest);
         high = high.max(latest);
     }
+    // No further than the excerpts tell, where they end early.
+    let known = case.lanes.iter().filter_map(|lane| lane.until_ns).min();
+    let high = known.map_or(high, |known| high.min(known));
     (low, high.max(low.saturating_add(1)))
 }
 

@@ -4,11 +4,12 @@ use super::axis::{Axis, middle};
 use super::marks::{self, Rows};
 use super::{Canvas, escape, fit, lanes, px};
 use crate::show;
-use record::{CaseRecord, ClaimRecord, Lane, Verdict};
+use record::{CaseRecord, ClaimRecord, Lane, LaneKind, Verdict};
 
 const WIDTH: f64 = 1_160.0;
-const GUTTER: f64 = 150.0;
 const RIGHT: f64 = WIDTH - 14.0;
+/// Width of an analog lane's scale.
+const SCALE: f64 = 60.0;
 /// The most lanes drawn; those that claims look at come first.
 const LANES: usize = 24;
 
@@ -19,7 +20,7 @@ pub(crate) fn diagram(case: &CaseRecord, number: usize) -> Option<String> {
     if chosen.is_empty() {
         return None;
     }
-    let axis = Axis::of(case, GUTTER, RIGHT);
+    let axis = Axis::of(case, gutter(&chosen), RIGHT);
     let mut step_rows = Rows::default();
     let steps = marks::step_flags(case, &axis, &mut step_rows);
     let mut deciding_rows = Rows::default();
@@ -84,6 +85,18 @@ fn chosen(case: &CaseRecord) -> Vec<&Lane> {
     with.into_iter().chain(without).take(LANES).collect()
 }
 
+/// Room for the names to the left of the lanes, and for the scale of an analog lane beside its name.
+fn gutter(lanes: &[&Lane]) -> f64 {
+    let room =
+        |lane: &&Lane| name_width(&lane.signal) + if lane.kind == LaneKind::Analog { SCALE } else { 0.0 };
+    lanes.iter().map(room).fold(100.0, f64::max).min(250.0) + 8.0
+}
+
+/// Names are set a little larger than other texts.
+fn name_width(name: &str) -> f64 {
+    super::text_width(name) * 1.12
+}
+
 /// Draws one lane from `y` down and returns the height used: tags, then the signal.
 fn draw_lane(
     body: &mut Canvas,
@@ -130,7 +143,8 @@ fn draw_lane(
         }
     }
     let (x, base) = (px(0.0), px(top + lanes::height(lane) / 2.0 + 4.0));
-    let room = if lane.kind == record::LaneKind::Analog { GUTTER - 60.0 } else { GUTTER - 10.0 };
+    let scale = if lane.kind == LaneKind::Analog { SCALE } else { 0.0 };
+    let room = (axis.first().x0 - 8.0 - scale) / 1.12;
     body.raw(format_args!(
         r#"<text class="name" x="{x}" y="{base}"><title>{}</title>{}</text>"#,
         escape(&lane.signal),

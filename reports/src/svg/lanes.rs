@@ -72,9 +72,9 @@ fn parts(axis: &Axis, lane: &Lane) -> Vec<Part> {
         close(from, place[0].max(from[0]), value, false);
         (from, value) = ([place[0].max(from[0]), place[1].max(from[0])], Some(*next));
     }
-    if let (true, Some(last)) = (lane.truncated, lane.points.last()) {
-        // What comes after the last point of a cut lane is not known.
-        end = axis.x(last.at[1]);
+    if let Some(known) = lane.known_until_ns() {
+        // Nothing is said of what comes after the excerpt.
+        end = axis.x(known).max(from[0]);
     }
     close(from, end, value, true);
     if end < right {
@@ -241,8 +241,12 @@ fn analog(canvas: &mut Canvas, axis: &Axis, lane: &Lane, y: f64) {
             (None, None) => {}
         }
     }
-    if pen.is_some() && !lane.truncated {
-        path.push_str(&format!("H{}", px(right)));
+    let end = lane.known_until_ns().map_or(right, |known| axis.x(known));
+    if pen.is_some_and(|[x, _]| x < end) {
+        path.push_str(&format!("H{}", px(end)));
     }
     canvas.path("curve", &path);
+    if end < right {
+        canvas.rect("unknown", end, top, right - end, bottom - top);
+    }
 }

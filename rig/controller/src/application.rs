@@ -186,13 +186,20 @@ impl fmt::Display for LoadError {
             LoadError::Bundle => f.write_str("the application bundle is foreign, cut off or damaged"),
             LoadError::Program { errors } => write!(f, "the program of the bundle has {errors} errors"),
             LoadError::Tasks { expected, found } => {
-                write!(f, "the bundle was built for {found} tasks, the controller is configured with {expected}")
+                write!(
+                    f,
+                    "the bundle was built for {found} tasks, the controller is configured with {expected}"
+                )
             }
             LoadError::Remanent { bytes } => {
                 write!(f, "{bytes} bytes of remanent variables, the store holds {}", profile::REMANENT_BYTES)
             }
             LoadError::SharedOutputByte { byte, tasks } => {
-                write!(f, "outputs of %QB{byte} are written by tasks {} and {}: use one task", tasks.0, tasks.1)
+                write!(
+                    f,
+                    "outputs of %QB{byte} are written by tasks {} and {}: use one task",
+                    tasks.0, tasks.1
+                )
             }
         }
     }

@@ -1,8 +1,9 @@
-//! What can be commanded, and why it is refused.
+//! What can be commanded, what it does (controller: section 14.4), and why it is refused.
 
-use crate::{LoadError, State};
-use profile::Reference;
-use signal::{Address, Area, Size};
+use crate::controller::Forced;
+use crate::{APPLICATION_FILE, Application, Controller, Effects, Entry, LoadError, State, VariableReset};
+use profile::{ApplicationError, BootProjectStatus, Reference, StopCause};
+use signal::{Address, Area, Size, Time};
 use std::fmt;
 
 /// A command of a user or a tool.
@@ -98,10 +99,179 @@ impl fmt::Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             WriteError::State(state) => write!(f, "cannot be written in state {state}"),
-            WriteError::ReadOnly => f.write_str("can only be read: write a variable or a %M, %Q or %I address"),
+            WriteError::ReadOnly => {
+                f.write_str("can only be read: write a variable or a %M, %Q or %I address")
+            }
             WriteError::NotANumber => f.write_str("the value is no number"),
         }
     }
 }
 
 impl std::error::Error for WriteError {}
+
+impl Controller {
+    /// Obeys a command at `now`, between two operations of the application.
+    ///
+    /// # Errors
+    /// [`Refusal`]; nothing has happened then, except that a download whose application is not valid has erased the
+    /// old one.
+    pub fn command(&mut self, now: Time, command: Command, fx: &mut Effects) -> Result<(), Refusal> {
+        self.come_to(now);
+        match command {
+            Command::Run => self.command_run(now, fx),
+            Command::Stop => self.command_stop(StopCause::User, now, fx),
+            Command::ResetWarm => self.command_reset(VariableReset::WARM, now, fx),
+            Command::ResetCold => self.command_reset(VariableReset::COLD, now, fx),
+            Command::Download(bundle) => self.command_download(&bundle, now, fx),
+            Command::Force { channel, on } => self.force(channel, Some(on)),
+            Command::Unforce(channel) => self.force(channel, None),
+            Command::Switch(run) => {
+                self.move_switch(run, now, fx);
+                Ok(())
+            }
+        }
+    }
+
+    fn command_run(&mut self, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+        match self.state {
+            // controller:RS-06: the switch at Stop inhibits every Run command.
+            State::Stopped if !self.power.switch_at_run => Err(Refusal::SwitchAtStop),
+            State::Stopped => {
+                self.enter_running(now, fx);
+                Ok(())
+            }
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    fn command_stop(&mut self, cause: StopCause, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+        match self.state {
+            State::Running if self.cpu.stopping.is_some() => Err(Refusal::Stopping),
+            State::Running => {
+                // Cycles under way are finished, so that no context is ever half a cycle.
+                if self.cpu.active == 0 {
+                    self.enter_stopped(now, cause, fx);
+                } else {
+                    self.cpu.stopping = Some(cause);
+                }
+                Ok(())
+            }
+            // controller:TR-26
+            State::Empty => Ok(()),
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    /// controller:RS-06, controller:RS-10
+    fn move_switch(&mut self, run: bool, now: Time, fx: &mut Effects) {
+        if std::mem::replace(&mut self.power.switch_at_run, run) == run {
+            return;
+        }
+        // An edge that the state does not take is no error: only the position stays.
+        let _ = if run { self.command_run(now, fx) } else { self.command_stop(StopCause::Switch, now, fx) };
+    }
+
+    /// Reset warm and cold (controller:RW-01, controller:RC-01, controller:TR-13).
+    fn command_reset(&mut self, reset: VariableReset, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+        if !matches!(self.state, State::Running | State::Stopped | State::Halt) {
+            return Err(Refusal::State(self.state));
+        }
+        let Some(application) = &mut self.application else { return Err(Refusal::State(self.state)) };
+        let cause = if self.state == State::Running { StopCause::Reset } else { StopCause::Unknown };
+        application.reset(reset);
+        self.memory.reset(|word| !application.associates(word));
+        application.initialize(&mut self.memory);
+        self.clear_diagnostics(cause);
+        self.initial_outputs(State::Stopped, now, fx);
+        self.rest(State::Stopped, now, fx);
+        self.context.dirty = true;
+        self.save_if_dirty(now);
+        Ok(())
+    }
+
+    /// Forcing and the indications of errors are erased (controller:FRC-07, controller:WD-15).
+    fn clear_diagnostics(&mut self, cause: StopCause) {
+        (self.forced_inputs, self.forced_outputs) = (Forced::default(), Forced::default());
+        self.power.system_error = false;
+        self.system.error = ApplicationError::None;
+        self.system.stop_cause = cause;
+    }
+
+    /// Download (controller:DL-02, controller:TR-16): RETAIN variables and other data start anew, persistent ones and
+    /// %MW0...%MW999 are kept where the application is the same one again.
+    fn command_download(&mut self, bundle: &[u8], now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+        if !matches!(self.state, State::Running | State::Stopped | State::Halt | State::Empty) {
+            return Err(Refusal::State(self.state));
+        }
+        let cause = if self.state == State::Running { StopCause::User } else { StopCause::Unknown };
+        let old = self.application.take();
+        self.cease();
+        self.context.abandon();
+        self.clear_diagnostics(cause);
+        match self.build(bundle) {
+            Ok(new) => self.take_over(old, new, bundle, now, fx),
+            Err(error) => {
+                self.fail_download(error, now, fx);
+                return Err(Refusal::Application(error));
+            }
+        }
+        Ok(())
+    }
+
+    fn take_over(
+        &mut self,
+        old: Option<Box<dyn Application>>,
+        mut new: Box<dyn Application>,
+        bundle: &[u8],
+        now: Time,
+        fx: &mut Effects,
+    ) {
+        if let Some((byte, tasks)) = self.shared_output_byte(&*new) {
+            self.note(now, Entry::SharedOutputByte { byte, tasks }, fx);
+        }
+        new.reset(VariableReset::ALL);
+        if let Some(old) = old.filter(|old| old.signature() == new.signature()) {
+            let mut image = vec![0; old.retained_len()];
+            old.save_retained(&mut image);
+            new.restore_retained(&image);
+            new.reset(VariableReset::DOWNLOAD);
+        }
+        self.memory.reset(|word| !new.associates(word));
+        new.initialize(&mut self.memory);
+        self.store.write(APPLICATION_FILE, bundle);
+        self.context.newest(&*self.store);
+        self.context.prepare(&*new);
+        self.context.save_now(&*new, &self.memory, &mut *self.store);
+        self.install(new);
+        self.system.boot_project = BootProjectStatus::Valid;
+        self.outputs.initialize(now);
+        self.initial_outputs(State::Stopped, now, fx);
+        self.rest(State::Stopped, now, fx);
+    }
+
+    /// controller:DL-04: the old application is already erased.
+    fn fail_download(&mut self, error: LoadError, now: Time, fx: &mut Effects) {
+        self.note(now, Entry::Load(error), fx);
+        self.unload(now);
+        self.store.remove(APPLICATION_FILE);
+        self.system.boot_project = BootProjectStatus::None;
+        self.enter(State::Empty, now, fx);
+    }
+
+    /// Forcing acts at the next write of the outputs (controller:FRC-05) or read of the inputs.
+    fn force(&mut self, channel: Channel, on: Option<bool>) -> Result<(), Refusal> {
+        if !matches!(self.state, State::Running | State::Stopped | State::Halt) {
+            return Err(Refusal::State(self.state));
+        }
+        match channel {
+            Channel::Input(input) if input < self.config.reference.input_count() => {
+                self.forced_inputs.set(input, on)
+            }
+            Channel::Output(output) if output < self.config.reference.output_count() => {
+                self.forced_outputs.set(output, on);
+            }
+            channel => return Err(Refusal::NoChannel(channel)),
+        }
+        Ok(())
+    }
+}

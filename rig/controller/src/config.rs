@@ -175,12 +175,22 @@ impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ConfigError::Reference => f.write_str("the reference belongs to another profile"),
-            ConfigError::NoMast => f.write_str("no task is named MAST: the application cannot be built without it"),
-            ConfigError::TooManyTasks { found, most } => write!(f, "{found} tasks, the profile allows {most}"),
-            ConfigError::TooManyCyclic { found, most } => write!(f, "{found} cyclic tasks, the profile allows {most}"),
+            ConfigError::NoMast => {
+                f.write_str("no task is named MAST: the application cannot be built without it")
+            }
+            ConfigError::TooManyTasks { found, most } => {
+                write!(f, "{found} tasks, the profile allows {most}")
+            }
+            ConfigError::TooManyCyclic { found, most } => {
+                write!(f, "{found} cyclic tasks, the profile allows {most}")
+            }
             ConfigError::SameName { tasks } => write!(f, "tasks {} and {} have one name", tasks.0, tasks.1),
             ConfigError::SamePriority { tasks, priority } => {
-                write!(f, "tasks {} and {} both have priority {priority}: give each its own", tasks.0, tasks.1)
+                write!(
+                    f,
+                    "tasks {} and {} both have priority {priority}: give each its own",
+                    tasks.0, tasks.1
+                )
             }
             ConfigError::Priority { task, priority } => {
                 write!(f, "task {task} has priority {priority}: the lowest is {}", PRIORITIES.end())
@@ -188,7 +198,9 @@ impl fmt::Display for ConfigError {
             ConfigError::Interval { task, interval } => {
                 write!(f, "task {task} has an interval of {interval}: the least is {MINIMUM_CYCLE}")
             }
-            ConfigError::WatchdogTime { task } => write!(f, "the watchdog time of task {task} is not above 0"),
+            ConfigError::WatchdogTime { task } => {
+                write!(f, "the watchdog time of task {task} is not above 0")
+            }
             ConfigError::Filters { found, inputs } => write!(f, "{found} filters for {inputs} inputs"),
             ConfigError::OutputDefaults { outputs } => {
                 write!(f, "default values for outputs above the reference's {outputs}")
@@ -332,6 +344,9 @@ mod tests {
         );
         assert_eq!(with(|c| c.profile = Profile::M251_2024), Err(ConfigError::Reference));
         assert_eq!(with(|c| c.output_defaults = 1 << 10), Err(ConfigError::OutputDefaults { outputs: 10 }));
-        assert_eq!(with(|c| c.filters = vec![Filter::None; 15]), Err(ConfigError::Filters { found: 15, inputs: 14 }));
+        assert_eq!(
+            with(|c| c.filters = vec![Filter::None; 15]),
+            Err(ConfigError::Filters { found: 15, inputs: 14 })
+        );
     }
 }

@@ -101,7 +101,12 @@ impl Context {
     }
 
     /// Saves at once: part of a download, which takes no modelled time.
-    pub(crate) fn save_now(&mut self, application: &dyn Application, memory: &Memory, store: &mut dyn NonVolatile) {
+    pub(crate) fn save_now(
+        &mut self,
+        application: &dyn Application,
+        memory: &Memory,
+        store: &mut dyn NonVolatile,
+    ) {
         self.saving = None;
         self.capture(application, memory);
         self.write(store);
@@ -132,7 +137,8 @@ impl Context {
     /// The power goes at `now`: a save under way stops where it is.
     pub(crate) fn tear(&mut self, now: Time, store: &mut dyn NonVolatile) {
         if let Some((start, end)) = self.saving.take() {
-            let (passed, whole) = (i128::from((now - start).as_nanos()), i128::from((end - start).as_nanos()));
+            let (passed, whole) =
+                (i128::from((now - start).as_nanos()), i128::from((end - start).as_nanos()));
             let kept = self.image.len() as i128 * passed / whole.max(1);
             store.tear(RETAIN_FILES[self.slot], &self.image, usize::try_from(kept).unwrap_or(0));
         }

@@ -127,10 +127,13 @@ impl Controller {
         store: Box<dyn NonVolatile>,
     ) -> Result<Controller, ConfigError> {
         config.check()?;
-        let mut tasks: Vec<_> = config.tasks.iter().enumerate().map(|(place, task)| Task::new(place, task)).collect();
+        let mut tasks: Vec<_> =
+            config.tasks.iter().enumerate().map(|(place, task)| Task::new(place, task)).collect();
         tasks.sort_by_key(|task| task.priority);
         let filters = config.filters.iter().copied().chain(std::iter::repeat_with(profile::Filter::default));
-        let inputs = Inputs::new(profile::inputs(config.reference).zip(filters).map(|(input, filter)| (input.delay, filter)));
+        let inputs = Inputs::new(
+            profile::inputs(config.reference).zip(filters).map(|(input, filter)| (input.delay, filter)),
+        );
         Ok(Controller {
             memory: Memory::new(config.profile),
             outputs: Outputs::new(profile::outputs(config.reference)),
@@ -259,7 +262,9 @@ impl Controller {
                 let value = self.memory.load(at);
                 if at.size() == Size::Bit { Value::Bool(value != 0) } else { Value::Word(value) }
             }
-            Probe::Variable(variable) => self.application.as_ref().map_or(Value::Unknown, |it| it.read(variable)),
+            Probe::Variable(variable) => {
+                self.application.as_ref().map_or(Value::Unknown, |it| it.read(variable))
+            }
             Probe::System(variable) => self.read_system(variable),
             Probe::TaskFigure { task, figure } => {
                 self.task_figures(task).map_or(Value::Unknown, |figures| figures.get(figure))
@@ -327,10 +332,10 @@ impl Controller {
         if bytes > profile::REMANENT_BYTES {
             return Err(LoadError::Remanent { bytes });
         }
-        if self.config.profile != profile::Profile::M241_2014 {
-            if let Some((byte, tasks)) = self.shared_output_byte(&*application) {
-                return Err(LoadError::SharedOutputByte { byte, tasks });
-            }
+        if self.config.profile != profile::Profile::M241_2014
+            && let Some((byte, tasks)) = self.shared_output_byte(&*application)
+        {
+            return Err(LoadError::SharedOutputByte { byte, tasks });
         }
         Ok(application)
     }
@@ -339,7 +344,8 @@ impl Controller {
     pub(crate) fn shared_output_byte(&self, application: &dyn Application) -> Option<(u32, (usize, usize))> {
         let bytes = self.config.reference.output_count().div_ceil(8) as u32;
         (0..bytes).find_map(|byte| {
-            let mut writers = (0..self.config.tasks.len()).filter(|task| application.writes_output(*task, byte));
+            let mut writers =
+                (0..self.config.tasks.len()).filter(|task| application.writes_output(*task, byte));
             Some((byte, (writers.next()?, writers.next()?)))
         })
     }

@@ -33,7 +33,8 @@ pub use application::{
 pub use boot::{BootFacts, BootOutcome, RunStopInput, decide};
 pub use command::{Channel, Command, Refusal, WriteError};
 pub use config::{
-    Config, ConfigError, HaltOutputs, OutputsInStop, StartingMode, TaskConfig, TaskKind, Watchdog, WatchdogBasis,
+    Config, ConfigError, HaltOutputs, OutputsInStop, StartingMode, TaskConfig, TaskKind, Watchdog,
+    WatchdogBasis,
 };
 pub use controller::Controller;
 pub use effect::{Effect, Effects, Probe, ProbeId, SystemVariable};

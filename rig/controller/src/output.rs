@@ -152,11 +152,15 @@ mod tests {
     // io:STD-OUT-01
     #[test]
     fn delays_by_kind_and_direction() {
-        let (mut out, mut fx, memory) = (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        let (mut out, mut fx, memory) =
+            (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
         out.drive(us(0), 0b1_0001, &memory);
         assert_eq!(out.next(), us(2));
         out.fire(us(2), &mut fx);
-        assert_eq!((out.level(0), out.level(1), out.level(4)), (Some(Level::High), Some(Level::Low), Some(Level::Low)));
+        assert_eq!(
+            (out.level(0), out.level(1), out.level(4)),
+            (Some(Level::High), Some(Level::Low), Some(Level::Low))
+        );
         assert_eq!(out.next(), us(34));
         out.fire(us(34), &mut fx);
         assert_eq!(out.level(4), Some(Level::High));
@@ -172,18 +176,25 @@ mod tests {
     // controller:OUT-02
     #[test]
     fn hardware_initialization_values() {
-        let (mut out, mut fx, memory) = (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        let (mut out, mut fx, memory) =
+            (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
         assert_eq!((out.level(3), out.level(4)), (Some(Level::HighZ), Some(Level::Low)));
         out.drive(us(0), 0x3FF, &memory);
         out.fire(us(1_000), &mut fx);
         out.initialize(us(2_000));
+        out.initialize(us(2_100));
+        assert_eq!(out.next(), us(2_002), "the same command again starts no delay anew");
         out.fire(us(2_250), &mut fx);
-        assert_eq!((out.level(3), out.level(4), out.next()), (Some(Level::HighZ), Some(Level::Low), Time::MAX));
+        assert_eq!(
+            (out.level(3), out.level(4), out.next()),
+            (Some(Level::HighZ), Some(Level::Low), Time::MAX)
+        );
     }
 
     #[test]
     fn a_command_taken_back_in_time_leaves_no_edge() {
-        let (mut out, mut fx, memory) = (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        let (mut out, mut fx, memory) =
+            (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
         out.drive(us(0), 0, &memory);
         out.fire(us(2), &mut fx);
         fx.list.clear();

@@ -15,6 +15,8 @@ pub struct TaskFigures {
     pub min: Span,
     /// Most processor time of a cycle.
     pub max: Span,
+    /// Processor time of all cycles that ended.
+    pub total: Span,
     /// From start to end of the last cycle, with the time in which it was pre-empted.
     pub elapsed: Span,
     /// Start of the last cycle that started.
@@ -51,6 +53,12 @@ pub enum Figure {
 }
 
 impl TaskFigures {
+    /// Mean processor time of a cycle; 0 before the first one.
+    pub fn mean(&self) -> Span {
+        let cycles = i64::try_from(self.cycles).unwrap_or(i64::MAX).max(1);
+        Span::from_nanos(self.total.as_nanos() / cycles)
+    }
+
     /// One of the figures as a value: a count, or nanoseconds.
     pub fn get(&self, figure: Figure) -> Value {
         let count = |n: u64| Value::Int(i64::try_from(n).unwrap_or(i64::MAX));
@@ -161,6 +169,7 @@ impl Task {
         let (used, figures) = (self.cycle.used, &mut self.figures);
         figures.min = if figures.cycles == 0 { used } else { figures.min.min(used) };
         figures.max = figures.max.max(used);
+        figures.total = figures.total + used;
         (figures.last, figures.elapsed, figures.ended) = (used, elapsed, now);
         figures.cycles += 1;
         figures.overruns += u64::from(elapsed > self.interval);

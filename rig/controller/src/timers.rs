@@ -38,10 +38,10 @@ impl Controller {
         if self.power.hold_up.is_some_and(|end| end <= now) {
             self.go_off(now, fx);
         }
-        if let Some((stage, end)) = self.power.stage {
-            if end <= now {
-                self.next_stage(stage, now, fx);
-            }
+        if let Some((stage, end)) = self.power.stage
+            && end <= now
+        {
+            self.next_stage(stage, now, fx);
         }
         if self.context.fire(now, &mut *self.store) && self.cpu.active == 0 && self.state != State::Halt {
             // A change during the save; in HALT the variables may be half a cycle.
@@ -101,7 +101,10 @@ impl Controller {
 
     fn fire_watchdogs(&mut self, now: Time, fx: &mut Effects) {
         for rank in 0..self.tasks.len() {
-            while self.state == State::Running && self.cpu.active >> rank & 1 == 1 && self.watchdog_due(rank) <= now {
+            while self.state == State::Running
+                && self.cpu.active >> rank & 1 == 1
+                && self.watchdog_due(rank) <= now
+            {
                 self.watchdog_mark(rank, now, fx);
             }
         }

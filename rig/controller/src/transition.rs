@@ -1,10 +1,10 @@
-//! States and the ways between them: boot, commands, errors, power.
+//! States and the ways between them: power, boot, stop, errors.
 
 use crate::controller::Forced;
 use crate::watch::class;
 use crate::{
-    APPLICATION_FILE, Application, BootFacts, Channel, Command, Controller, Effect, Effects, Entry, HaltOutputs,
-    LoadError, NonVolatile, OutputsInStop, Refusal, RunStopInput, STATE_FILE, State, VariableReset, decide,
+    APPLICATION_FILE, Application, BootFacts, Controller, Effect, Effects, Entry, HaltOutputs, NonVolatile,
+    OutputsInStop, RunStopInput, STATE_FILE, State, VariableReset, decide,
 };
 use profile::{ApplicationError, BOOT_STAGES, BootProjectStatus, Profile, StopCause};
 use signal::{Cause, Span, Time};
@@ -76,7 +76,7 @@ impl Controller {
     }
 
     /// The application and everything volatile is gone; outputs in hardware initialization values, forcing deleted.
-    fn unload(&mut self, now: Time) {
+    pub(crate) fn unload(&mut self, now: Time) {
         self.cease();
         self.application = None;
         self.context.abandon();
@@ -87,7 +87,7 @@ impl Controller {
     }
 
     /// Execution ends where it is.
-    fn cease(&mut self) {
+    pub(crate) fn cease(&mut self) {
         let cpu = &mut self.cpu;
         (cpu.ready, cpu.active, cpu.in_flight, cpu.stopping) = (0, 0, None, None);
     }
@@ -143,7 +143,9 @@ impl Controller {
             (true, _, State::Running) => StopCause::PowerFail,
             (true, ..) => StopCause::Unknown,
             // Files may be placed without a download: then the application differs from the one before.
-            (false, false, State::Running | State::Stopped | State::Halt) => StopCause::BootApplicationMismatch,
+            (false, false, State::Running | State::Stopped | State::Halt) => {
+                StopCause::BootApplicationMismatch
+            }
             (false, ..) => StopCause::RetainMismatch,
         };
         if !facts.remanents {
@@ -168,7 +170,8 @@ impl Controller {
         let saved = self.context.newest(&*self.store);
         self.context.prepare(&*application);
         let valid = saved.is_some_and(|saved| {
-            let valid = saved.signature == application.signature() && application.restore_retained(&saved.variables);
+            let valid =
+                saved.signature == application.signature() && application.restore_retained(&saved.variables);
             if valid {
                 let words = self.memory.remanent_mut();
                 for (word, bytes) in saved.words.chunks_exact(2).enumerate() {
@@ -188,7 +191,7 @@ impl Controller {
         valid
     }
 
-    fn install(&mut self, application: Box<dyn Application>) {
+    pub(crate) fn install(&mut self, application: Box<dyn Application>) {
         self.application = Some(application);
         self.watch_again();
         for task in &mut self.tasks {
@@ -199,7 +202,7 @@ impl Controller {
 
     /// Outputs behind a boot, a download or a reset (controller:OUT-05, controller:OUT-06): software initialization
     /// values where a variable defines one, else default values; in 2014 the default values wherever it stays STOPPED.
-    fn initial_outputs(&mut self, state: State, now: Time, fx: &mut Effects) {
+    pub(crate) fn initial_outputs(&mut self, state: State, now: Time, fx: &mut Effects) {
         let mask = self.outputs.mask();
         let defined = self.memory.written_outputs() & mask;
         let defaults = match (self.config.profile, state) {
@@ -216,7 +219,7 @@ impl Controller {
     }
 
     /// Enters RUNNING: every task is released at once (controller:TR-06, controller:TR-08).
-    fn enter_running(&mut self, now: Time, fx: &mut Effects) {
+    pub(crate) fn enter_running(&mut self, now: Time, fx: &mut Effects) {
         self.cease();
         self.power.refresh = None;
         for (rank, task) in self.tasks.iter_mut().enumerate() {
@@ -249,7 +252,13 @@ impl Controller {
     }
 
     /// A system error: reboot into EMPTY (controller:TR-12, controller:WD-15).
-    pub(crate) fn system_error(&mut self, now: Time, cause: StopCause, error: ApplicationError, fx: &mut Effects) {
+    pub(crate) fn system_error(
+        &mut self,
+        now: Time,
+        cause: StopCause,
+        error: ApplicationError,
+        fx: &mut Effects,
+    ) {
         self.system.stop_cause = cause;
         self.system.error = error;
         self.power.system_error = true;
@@ -268,16 +277,16 @@ impl Controller {
     }
 
     fn write_stop_image(&mut self, now: Time, fx: &mut Effects) {
-        if let Some(bits) = self.power.stop_image {
-            if self.memory.set_output_bits(bits, self.outputs.mask(), Cause::Controller) {
-                self.observe(class::MEMORY, now, Cause::Controller, fx);
-            }
+        if let Some(bits) = self.power.stop_image
+            && self.memory.set_output_bits(bits, self.outputs.mask(), Cause::Controller)
+        {
+            self.observe(class::MEMORY, now, Cause::Controller, fx);
         }
         self.write_outputs(now, fx);
     }
 
     /// Enters STOPPED or HALT; inputs and outputs go on being updated in the bus cycle where configured.
-    fn rest(&mut self, state: State, now: Time, fx: &mut Effects) {
+    pub(crate) fn rest(&mut self, state: State, now: Time, fx: &mut Effects) {
         self.cease();
         self.power.refresh = self.config.update_io_in_stop.then(|| now.saturating_add(self.bus_cycle()));
         self.enter(state, now, fx);
@@ -299,7 +308,7 @@ impl Controller {
         }
     }
 
-    fn enter(&mut self, state: State, now: Time, fx: &mut Effects) {
+    pub(crate) fn enter(&mut self, state: State, now: Time, fx: &mut Effects) {
         let from = std::mem::replace(&mut self.state, state);
         // The processor starts anew; what was under way at `now` never completes.
         self.cpu.at = now;
@@ -316,168 +325,5 @@ impl Controller {
     pub(crate) fn note(&mut self, at: Time, entry: Entry, fx: &mut Effects) {
         self.log.push(at, entry);
         fx.push(Effect::Log { at, entry });
-    }
-
-    /// Obeys a command at `now`, between two operations of the application.
-    ///
-    /// # Errors
-    /// [`Refusal`]; nothing has happened then, except that a download whose application is not valid has erased the
-    /// old one.
-    pub fn command(&mut self, now: Time, command: Command, fx: &mut Effects) -> Result<(), Refusal> {
-        self.come_to(now);
-        match command {
-            Command::Run => self.command_run(now, fx),
-            Command::Stop => self.command_stop(StopCause::User, now, fx),
-            Command::ResetWarm => self.command_reset(VariableReset::WARM, now, fx),
-            Command::ResetCold => self.command_reset(VariableReset::COLD, now, fx),
-            Command::Download(bundle) => self.command_download(&bundle, now, fx),
-            Command::Force { channel, on } => self.force(channel, Some(on)),
-            Command::Unforce(channel) => self.force(channel, None),
-            Command::Switch(run) => {
-                self.move_switch(run, now, fx);
-                Ok(())
-            }
-        }
-    }
-
-    fn command_run(&mut self, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
-        match self.state {
-            // controller:RS-06: the switch at Stop inhibits every Run command.
-            State::Stopped if !self.power.switch_at_run => Err(Refusal::SwitchAtStop),
-            State::Stopped => {
-                self.enter_running(now, fx);
-                Ok(())
-            }
-            state => Err(Refusal::State(state)),
-        }
-    }
-
-    fn command_stop(&mut self, cause: StopCause, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
-        match self.state {
-            State::Running if self.cpu.stopping.is_some() => Err(Refusal::Stopping),
-            State::Running => {
-                // Cycles under way are finished, so that no context is ever half a cycle.
-                if self.cpu.active == 0 {
-                    self.enter_stopped(now, cause, fx);
-                } else {
-                    self.cpu.stopping = Some(cause);
-                }
-                Ok(())
-            }
-            // controller:TR-26
-            State::Empty => Ok(()),
-            state => Err(Refusal::State(state)),
-        }
-    }
-
-    /// controller:RS-06, controller:RS-10
-    fn move_switch(&mut self, run: bool, now: Time, fx: &mut Effects) {
-        if std::mem::replace(&mut self.power.switch_at_run, run) == run {
-            return;
-        }
-        // An edge that the state does not take is no error: only the position stays.
-        let _ = if run { self.command_run(now, fx) } else { self.command_stop(StopCause::Switch, now, fx) };
-    }
-
-    /// Reset warm and cold (controller:RW-01, controller:RC-01, controller:TR-13).
-    fn command_reset(&mut self, reset: VariableReset, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
-        if !matches!(self.state, State::Running | State::Stopped | State::Halt) {
-            return Err(Refusal::State(self.state));
-        }
-        let Some(application) = &mut self.application else { return Err(Refusal::State(self.state)) };
-        let cause = if self.state == State::Running { StopCause::Reset } else { StopCause::Unknown };
-        application.reset(reset);
-        self.memory.reset(|word| !application.associates(word));
-        application.initialize(&mut self.memory);
-        self.clear_diagnostics(cause);
-        self.initial_outputs(State::Stopped, now, fx);
-        self.rest(State::Stopped, now, fx);
-        self.context.dirty = true;
-        self.save_if_dirty(now);
-        Ok(())
-    }
-
-    /// Forcing and the indications of errors are erased (controller:FRC-07, controller:WD-15).
-    fn clear_diagnostics(&mut self, cause: StopCause) {
-        (self.forced_inputs, self.forced_outputs) = (Forced::default(), Forced::default());
-        self.power.system_error = false;
-        self.system.error = ApplicationError::None;
-        self.system.stop_cause = cause;
-    }
-
-    /// Download (controller:DL-02, controller:TR-16): RETAIN variables and other data start anew, persistent ones and
-    /// %MW0...%MW999 are kept where the application is the same one again.
-    fn command_download(&mut self, bundle: &[u8], now: Time, fx: &mut Effects) -> Result<(), Refusal> {
-        if !matches!(self.state, State::Running | State::Stopped | State::Halt | State::Empty) {
-            return Err(Refusal::State(self.state));
-        }
-        let cause = if self.state == State::Running { StopCause::User } else { StopCause::Unknown };
-        let old = self.application.take();
-        self.cease();
-        self.context.abandon();
-        self.clear_diagnostics(cause);
-        match self.build(bundle) {
-            Ok(new) => self.take_over(old, new, bundle, now, fx),
-            Err(error) => {
-                self.fail_download(error, now, fx);
-                return Err(Refusal::Application(error));
-            }
-        }
-        Ok(())
-    }
-
-    fn take_over(
-        &mut self,
-        old: Option<Box<dyn Application>>,
-        mut new: Box<dyn Application>,
-        bundle: &[u8],
-        now: Time,
-        fx: &mut Effects,
-    ) {
-        if let Some((byte, tasks)) = self.shared_output_byte(&*new) {
-            self.note(now, Entry::SharedOutputByte { byte, tasks }, fx);
-        }
-        new.reset(VariableReset::ALL);
-        if let Some(old) = old.filter(|old| old.signature() == new.signature()) {
-            let mut image = vec![0; old.retained_len()];
-            old.save_retained(&mut image);
-            new.restore_retained(&image);
-            new.reset(VariableReset::DOWNLOAD);
-        }
-        self.memory.reset(|word| !new.associates(word));
-        new.initialize(&mut self.memory);
-        self.store.write(APPLICATION_FILE, bundle);
-        self.context.newest(&*self.store);
-        self.context.prepare(&*new);
-        self.context.save_now(&*new, &self.memory, &mut *self.store);
-        self.install(new);
-        self.system.boot_project = BootProjectStatus::Valid;
-        self.outputs.initialize(now);
-        self.initial_outputs(State::Stopped, now, fx);
-        self.rest(State::Stopped, now, fx);
-    }
-
-    /// controller:DL-04: the old application is already erased.
-    fn fail_download(&mut self, error: LoadError, now: Time, fx: &mut Effects) {
-        self.note(now, Entry::Load(error), fx);
-        self.unload(now);
-        self.store.remove(APPLICATION_FILE);
-        self.system.boot_project = BootProjectStatus::None;
-        self.enter(State::Empty, now, fx);
-    }
-
-    /// Forcing acts at the next write of the outputs (controller:FRC-05) or read of the inputs.
-    fn force(&mut self, channel: Channel, on: Option<bool>) -> Result<(), Refusal> {
-        if !matches!(self.state, State::Running | State::Stopped | State::Halt) {
-            return Err(Refusal::State(self.state));
-        }
-        match channel {
-            Channel::Input(input) if input < self.config.reference.input_count() => self.forced_inputs.set(input, on),
-            Channel::Output(output) if output < self.config.reference.output_count() => {
-                self.forced_outputs.set(output, on);
-            }
-            channel => return Err(Refusal::NoChannel(channel)),
-        }
-        Ok(())
     }
 }

@@ -2,8 +2,8 @@
 
 mod support;
 
-use scanrig_controller::*;
 use proptest::prelude::*;
+use scanrig_controller::*;
 use signal::{Level, Span, Time};
 use support::*;
 
@@ -56,7 +56,8 @@ fn oracle(plans: &[Plan], until: i64) -> (Vec<(usize, i64, &'static str)>, Vec<u
 }
 
 fn plans() -> impl Strategy<Value = Vec<Plan>> {
-    let plan = (5i64..200, proptest::collection::vec(1i64..20, 1..6)).prop_map(|(interval, ops)| Plan { interval, ops });
+    let plan = (5i64..200, proptest::collection::vec(1i64..20, 1..6))
+        .prop_map(|(interval, ops)| Plan { interval, ops });
     proptest::collection::vec(plan, 1..=4)
 }
 
@@ -162,7 +163,8 @@ fn an_operation_is_never_cut() {
     let mut rig = Rig::running(config, script);
     rig.after(ms(3));
     let trail = rig.trail.lock().unwrap().clone();
-    let fast: Vec<_> = trail.iter().filter(|(task, _, what)| *task == 1 && *what == "start").map(|it| it.1).collect();
+    let fast: Vec<_> =
+        trail.iter().filter(|(task, _, what)| *task == 1 && *what == "start").map(|it| it.1).collect();
     // MAST: 10 us...910 us and 910 us...1210 us.
     assert_eq!(fast, [run_at(us(0)), run_at(us(1_210)), run_at(us(2_000))]);
 }
@@ -193,7 +195,8 @@ fn an_interval_too_short_repeats_at_once() {
     config.tasks[0] = TaskConfig { priority: 30, ..task("MAST", 30, ms(10)) };
     let mut rig = Rig::running(config, Script::new(vec![vec![(25_000_000, Act::Nop)]]));
     rig.to(run_at(ms(101)));
-    let starts: Vec<_> = rig.trail.lock().unwrap().iter().filter(|it| it.2 == "start").map(|it| it.1).collect();
+    let starts: Vec<_> =
+        rig.trail.lock().unwrap().iter().filter(|it| it.2 == "start").map(|it| it.1).collect();
     assert_eq!(starts, [0, 25, 50, 75, 100].map(|n| run_at(ms(n))));
     let figures = rig.plc.task_figures(0).unwrap();
     // Releases at 10...100 ms: those of 20, 40, 50?, ... found one waiting.

@@ -43,7 +43,13 @@ impl<'a> Fields<'a> {
         for name in missing {
             let message = format!("the {what} has no `{name}`");
             let help = specs.iter().find(|spec| spec.name == name).map_or_else(String::new, |spec| {
-                format!("add `{name}`: {}; {}", lower_first(spec.doc), spec.ty.describe())
+                let doc = lower_first(spec.doc.trim_end_matches('.'));
+                let example = spec.ty.describe();
+                if example.contains("such as") {
+                    format!("add `{name}`: {doc}; {example}")
+                } else {
+                    format!("add `{name}`: {doc}")
+                }
             });
             out.error(out.codes().missing_key, place.clone(), message, help);
         }
@@ -146,8 +152,10 @@ fn table_specs(ty: &KeyType) -> Option<&'static [KeySpec]> {
 }
 
 fn unknown_key(entry: &Entry, what: &str, specs: &[KeySpec], out: &mut Findings) {
-    let message = format!("a {what} has no key `{}`", entry.key);
-    let help = match suggest(&entry.key, specs.iter().map(|spec| spec.name)) {
+    let message = format!("`{}` is not a key of the {what}", entry.key);
+    // Looking for what was meant takes time; what is not kept needs none.
+    let names = specs.iter().map(|spec| spec.name).take(if out.is_full() { 0 } else { usize::MAX });
+    let help = match suggest(&entry.key, names) {
         Some(meant) => format!("did you mean `{meant}`?"),
         None => {
             let names: Vec<&str> = specs.iter().map(|spec| spec.name).collect();
@@ -157,8 +165,9 @@ fn unknown_key(entry: &Entry, what: &str, specs: &[KeySpec], out: &mut Findings)
     out.error(out.codes().unknown_key, entry.key_span.clone(), message, help);
 }
 
-/// Checks one value; `what` is its key. `true` if it is right.
-fn check_value(node: &Node, what: &str, ty: &KeyType, out: &mut Findings) -> bool {
+/// Checks one value against a type; `what` is its key. `true` if it is right, else everything wrong with it was
+/// reported.
+pub fn check_value(node: &Node, what: &str, ty: &KeyType, out: &mut Findings) -> bool {
     match (ty, &node.data) {
         (KeyType::Any, _)
         | (KeyType::Text, Data::Text(_))
@@ -296,11 +305,14 @@ fn choice(node: &Node, what: &str, text: &str, words: &[&'static str], out: &mut
 }
 
 fn wrong_type(node: &Node, what: &str, ty: &KeyType, out: &mut Findings) -> bool {
-    let timed = takes(ty, &Data::Text(String::new()));
     let help = match &node.data {
-        Data::Datetime(text) if timed => {
+        Data::Datetime(text) if matches!(ty, KeyType::Anchor) => {
+            format!("{text} is a TOML date or time: count from `start`, as in \"start + 10 s\"")
+        }
+        Data::Datetime(text) if takes(ty, &Data::Text(String::new())) => {
             format!("{text} is a TOML date or time, not a duration: write \"10 s\"")
         }
+        Data::Text(_) | Data::Integer(_) if matches!(ty, KeyType::List(_)) => "put it between [ and ]".into(),
         Data::Float(text) if matches!(ty, KeyType::Integer(..)) => {
             format!("{text} is a float because of its point or exponent: write the digits, as in 1000")
         }

@@ -118,9 +118,22 @@ impl Findings {
         };
         let found = found.at(self.file.clone(), node.span.clone(), shown);
         match &origin.span {
-            Some(given) => found.at(self.file.clone(), given.clone(), format!("${} comes from here", origin.name)),
+            Some(given) => {
+                found.at(self.file.clone(), given.clone(), format!("${} comes from here", origin.name))
+            }
             None => found,
         }
+    }
+
+    /// Whether something was kept under this code at this place: says whether to report it once more in other
+    /// words.
+    pub fn reported(&self, code: &str, span: &Range<usize>) -> bool {
+        self.list.iter().any(|one| one.code == code && one.labels.first().is_some_and(|at| at.span == *span))
+    }
+
+    /// Counts an error that was reported before in other words, so that its file is refused.
+    pub fn count_again(&mut self) {
+        self.errors += 1;
     }
 
     /// Whether an error was reported, kept or not.

@@ -80,7 +80,9 @@ impl KeyType {
             KeyType::Range => "a range such as \"100 ms .. 100.3 ms\"".into(),
             KeyType::Anchor => "an instant such as \"start + 1 s\"".into(),
             KeyType::SignalRef => "the name of a signal".into(),
-            KeyType::Value => "a value: true, false, a number, or a text such as \"RUNNING\" or \"16#0010\"".into(),
+            KeyType::Value => {
+                "a value: true, false, a number, or a text such as \"RUNNING\" or \"16#0010\"".into()
+            }
             KeyType::Choice(words) => {
                 let words: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
                 format!("one of {}", words.join(", "))

@@ -19,7 +19,7 @@ pub mod toml;
 mod tree;
 
 pub use diagnostic::{Diagnostic, Label, Severity, SourceFile};
-pub use fields::Fields;
+pub use fields::{Fields, check_value};
 pub use findings::{Codes, Findings, MAX_FINDINGS};
 pub use keys::{KeySpec, KeyType};
 pub use place::line_col;

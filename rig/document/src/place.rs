@@ -24,7 +24,7 @@ mod tests {
 
     #[test]
     fn characters_are_counted_not_bytes() {
-        assert_eq!(line_col("a\nµs x", 5), (2, 4));
+        assert_eq!(line_col("a\nµs x", 5), (2, 3));
         assert_eq!(line_col("", 0), (1, 1));
         assert_eq!(line_col("a\n", 99), (2, 1));
         assert_eq!(line_col("µ", 1), (1, 1));

@@ -33,9 +33,10 @@ fn group<'a>(one: &'a Diagnostic, sources: &'a [SourceFile]) -> Group<'a> {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
     };
-    let mut group = level.primary_title(normalize_untrusted_str(&one.message)).id(one.code).elements(
-        Vec::<Snippet<'a, Annotation<'a>>>::new(),
-    );
+    let mut group = level
+        .primary_title(normalize_untrusted_str(&one.message))
+        .id(one.code)
+        .elements(Vec::<Snippet<'a, Annotation<'a>>>::new());
     // One snippet for each file, in the order in which the labels name them.
     let mut shown: Vec<&str> = Vec::new();
     for (place, label) in one.labels.iter().enumerate() {
@@ -58,7 +59,12 @@ fn group<'a>(one: &'a Diagnostic, sources: &'a [SourceFile]) -> Group<'a> {
 }
 
 /// Draws the labels of one file; the label at `first` is where the finding stands.
-fn snippets<'a>(mut group: Group<'a>, one: &'a Diagnostic, first: usize, source: &'a SourceFile) -> Group<'a> {
+fn snippets<'a>(
+    mut group: Group<'a>,
+    one: &'a Diagnostic,
+    first: usize,
+    source: &'a SourceFile,
+) -> Group<'a> {
     let mut snippet = Snippet::source(source.text.as_str()).path(source.name.as_str());
     let mut drawn = false;
     for (place, label) in one.labels.iter().enumerate().skip(first) {

@@ -69,19 +69,22 @@ impl State {
             TokenKind::RightCurlyBracket => {
                 if let (Some(comma), Some(Open::InlineTable { .. })) = (self.comma.take(), self.open.pop()) {
                     let message = "a comma behind the last entry of an inline table";
-                    out.error(out.codes().newer_toml, comma, message, "TOML 1.0 does not allow it: remove the comma");
+                    out.error(
+                        out.codes().newer_toml,
+                        comma,
+                        message,
+                        "TOML 1.0 does not allow it: remove the comma",
+                    );
                 }
             }
             TokenKind::Newline => {
                 self.dots = 0;
-                if let Some(Open::InlineTable { reported }) = self.open.last_mut() {
-                    if !*reported {
-                        *reported = true;
-                        let message = "a line break inside an inline table";
-                        let help = "TOML 1.0 keeps an inline table `{ ... }` on one line: join the lines, or write a \
-                                    list with one inline table per line";
-                        out.error(out.codes().newer_toml, span, message, help);
-                    }
+                if let Some(Open::InlineTable { reported: reported @ false }) = self.open.last_mut() {
+                    *reported = true;
+                    let message = "a line break inside an inline table";
+                    let help = "TOML 1.0 keeps an inline table `{ ... }` on one line: join the lines, or write a list \
+                                with one inline table per line";
+                    out.error(out.codes().newer_toml, span, message, help);
                 }
                 return true;
             }
@@ -117,7 +120,8 @@ fn newer_escape(text: &str, span: &Range<usize>, out: &mut Findings) {
         }
         if matches!(bytes[at + 1], b'e' | b'x') {
             let place = span.start + at..span.start + at + 2;
-            let help = "TOML 1.0 does not know it: write \\u001B for the escape character, \\u00HH for others";
+            let help =
+                "TOML 1.0 does not know it: write \\u001B for the escape character, \\u00HH for others";
             out.error(out.codes().newer_toml, place, "an escape of TOML 1.1", help);
         }
         at += 2;

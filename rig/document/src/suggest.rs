@@ -1,5 +1,8 @@
 //! Which word was meant.
 
+/// Most candidates that are looked at: bounds the time for files with thousands of names.
+const MAX_CANDIDATES: usize = 1_000;
+
 /// The candidate that a misspelt `word` most likely means, `None` when none is near. Ties go to the first.
 pub fn suggest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // Words longer than any name are no misspelling; comparing them would only take time.
@@ -9,7 +12,7 @@ pub fn suggest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     let lower = word.to_lowercase();
     let allowed = (word.chars().count() / 3).clamp(1, 3);
     let mut best: Option<(usize, &str)> = None;
-    for candidate in candidates.into_iter().filter(|candidate| candidate.len() <= 64) {
+    for candidate in candidates.into_iter().take(MAX_CANDIDATES).filter(|one| one.len() <= 64) {
         let distance = strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
         if distance <= allowed && best.is_none_or(|(least, _)| distance < least) {
             best = Some((distance, candidate));

@@ -40,7 +40,11 @@ fn table(table: DeTable<'_>, text: &str, depth: usize, out: &mut Findings) -> Ta
     let mut entries: Vec<Entry> = Vec::with_capacity(table.len());
     for (key, value) in table {
         let key_span = key.span();
-        entries.push(Entry { key: key.into_inner().into_owned(), key_span, node: node(value, text, depth + 1, out) });
+        entries.push(Entry {
+            key: key.into_inner().into_owned(),
+            key_span,
+            node: node(value, text, depth + 1, out),
+        });
     }
     entries.sort_by_key(|entry| entry.key_span.start);
     Table { entries }
@@ -71,7 +75,9 @@ fn node(value: Spanned<DeValue<'_>>, text: &str, depth: usize, out: &mut Finding
         DeValue::Float(number) => Data::Float(number.as_str().to_owned()),
         DeValue::Boolean(on) => Data::Bool(on),
         DeValue::Datetime(_) => Data::Datetime(text.get(span.clone()).unwrap_or_default().to_owned()),
-        DeValue::Array(list) => Data::Array(list.into_iter().map(|one| node(one, text, depth + 1, out)).collect()),
+        DeValue::Array(list) => {
+            Data::Array(list.into_iter().map(|one| node(one, text, depth + 1, out)).collect())
+        }
         DeValue::Table(inner) => Data::Table(table(inner, text, depth + 1, out)),
     };
     Node::new(span, data)
@@ -80,6 +86,10 @@ fn node(value: Spanned<DeValue<'_>>, text: &str, depth: usize, out: &mut Finding
 /// Where a text's content begins in the file, if it stands there as it is.
 fn content_start(text: &str, span: &Range<usize>, content: &str) -> Option<usize> {
     let raw = text.get(span.clone())?;
+    // A text without quotes is what the parser made of an error.
+    if !raw.starts_with(['"', '\'']) {
+        return None;
+    }
     let quotes = if raw.starts_with("\"\"\"") || raw.starts_with("'''") { 3 } else { 1 };
     let mut start = quotes.min(raw.len());
     if quotes == 3 {

@@ -145,7 +145,10 @@ mod tests {
         let last = outputs(relay).last().unwrap();
         assert_eq!((last.kind, last.on_delay), (OutputKind::Relay, Span::from_millis(10)));
         let transistor = outputs(Reference::find("TM241C24U").unwrap()).nth(4).unwrap();
-        assert_eq!((transistor.on_delay, transistor.off_delay), (Span::from_micros(34), Span::from_micros(250)));
+        assert_eq!(
+            (transistor.on_delay, transistor.off_delay),
+            (Span::from_micros(34), Span::from_micros(250))
+        );
         let kinds: Vec<_> = inputs(relay).map(|input| input.kind).collect();
         assert_eq!(kinds[7..9], [InputKind::Fast, InputKind::Regular]);
     }

@@ -10,7 +10,9 @@ mod figures;
 mod limits;
 mod reference;
 
-pub use channel::{Input, InputKind, Output, OutputKind, inputs, outputs, rearming_command, short_circuit_status};
+pub use channel::{
+    Input, InputKind, Output, OutputKind, inputs, outputs, rearming_command, short_circuit_status,
+};
 pub use codes::{ApplicationError, BootProjectStatus, IoStatus, Status, StopCause};
 pub use figures::{
     BOOT_STAGES, InstructionCosts, MINIMUM_CYCLE, NON_VOLATILE_SAVE, RIG_COSTS, RigCosts, SHORT_INTERVAL,
@@ -135,7 +137,10 @@ impl std::str::FromStr for Profile {
 
     /// Reads a profile's name, in any case.
     fn from_str(text: &str) -> Result<Self, UnknownProfile> {
-        Profile::ALL.into_iter().find(|profile| profile.name().eq_ignore_ascii_case(text)).ok_or(UnknownProfile)
+        Profile::ALL
+            .into_iter()
+            .find(|profile| profile.name().eq_ignore_ascii_case(text))
+            .ok_or(UnknownProfile)
     }
 }
 

@@ -151,9 +151,15 @@ mod tests {
     fn task_limits() {
         let limits = |profile: Profile, name: &str| profile.task_limits(Reference::find(name).unwrap());
         let old = limits(Profile::M241_2014, "TM241CEC24T");
-        assert_eq!((old.total, old.cyclic, old.cyclic_beside_freewheeling, old.external_event), (20, 4, 3, 8));
+        assert_eq!(
+            (old.total, old.cyclic, old.cyclic_beside_freewheeling, old.external_event),
+            (20, 4, 3, 8)
+        );
         let new = limits(Profile::M241_2019, "TM241CEC24T");
-        assert_eq!((new.total, new.cyclic, new.cyclic_beside_freewheeling, new.external_event), (19, 5, 5, 8));
+        assert_eq!(
+            (new.total, new.cyclic, new.cyclic_beside_freewheeling, new.external_event),
+            (19, 5, 5, 8)
+        );
         assert_eq!(limits(Profile::M251_2024, "TM251MESC").external_event, 1);
         assert_eq!(limits(Profile::M251_2024, "TM251MESE").external_event, 0);
     }

@@ -66,7 +66,13 @@ impl Reference {
 }
 
 /// An M241: 24 or 40 embedded channels.
-const fn m241(name: &'static str, channels: usize, outputs: RegularOutputs, ethernet: usize, canopen: bool) -> Reference {
+const fn m241(
+    name: &'static str,
+    channels: usize,
+    outputs: RegularOutputs,
+    ethernet: usize,
+    canopen: bool,
+) -> Reference {
     let large = channels == 40;
     Reference {
         name,
@@ -137,7 +143,12 @@ mod tests {
     fn names_say_what_the_tables_say() {
         for reference in REFERENCES.iter().filter(|reference| reference.family == Family::M241) {
             let counts = (reference.input_count(), reference.output_count());
-            assert_eq!(counts, if reference.name.contains("40") { (24, 16) } else { (14, 10) }, "{}", reference.name);
+            assert_eq!(
+                counts,
+                if reference.name.contains("40") { (24, 16) } else { (14, 10) },
+                "{}",
+                reference.name
+            );
             let outputs = match reference.name.chars().last() {
                 Some('R') => RegularOutputs::Relay,
                 Some('T') => RegularOutputs::Source,

@@ -126,6 +126,9 @@ pub(crate) struct Unit {
     pub template: Vec<i64>,
     /// Whether a result goes to the operand stack.
     pub has_result: bool,
+    /// Units that it calls, and entries of the located places that it writes, each once.
+    pub calls: Vec<u16>,
+    pub writes: Vec<u32>,
     /// Operands, frame cells and calls that it needs, units it calls included.
     pub need: Need,
 }

@@ -68,7 +68,7 @@ codes! {
     DataSize = "S0502", "The variables need too much memory";
     RetainedSize = "S0503", "The retained variables need too much memory";
     Depth = "S0504", "An expression or a chain of calls is too deep";
-    CodeSize = "S0505", "The program is too long";
+    Length = "S0505", "The program is too long";
     TooMany = "S0506", "Too many errors";
     Unsupported = "S0901", "A part of the language that is not there yet";
 }
@@ -82,6 +82,8 @@ mod tests {
         for pair in CODES.windows(2) {
             assert!(pair[0].0 < pair[1].0, "{} before {}", pair[0].0, pair[1].0);
         }
-        assert!(CODES.iter().all(|(code, title)| code.starts_with('S') && code.len() == 5 && !title.is_empty()));
+        assert!(
+            CODES.iter().all(|(code, title)| code.starts_with('S') && code.len() == 5 && !title.is_empty())
+        );
     }
 }

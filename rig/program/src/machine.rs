@@ -137,7 +137,8 @@ pub(crate) struct Task {
 
 impl Task {
     fn new(program: &Program, programs: Vec<u16>) -> Self {
-        let needs = programs.iter().filter_map(|unit| program.units.get(usize::from(*unit))).map(|unit| unit.need);
+        let needs =
+            programs.iter().filter_map(|unit| program.units.get(usize::from(*unit))).map(|unit| unit.need);
         let need = needs.fold(Need::default(), |all, need| Need {
             operands: all.operands.max(need.operands),
             frame: all.frame.max(need.frame),
@@ -185,12 +186,17 @@ impl Machine {
             let units: Result<Vec<u16>, MachineError> = places
                 .iter()
                 .map(|&place| {
-                    program.programs.get(place).copied().ok_or(MachineError::NoSuchProgram { task, program: place })
+                    program
+                        .programs
+                        .get(place)
+                        .copied()
+                        .ok_or(MachineError::NoSuchProgram { task, program: place })
                 })
                 .collect();
             made.push(Task::new(&program, units?));
         }
-        let flags = program.retention.iter().map(|r| if *r == Retention::None { 0 } else { RETAINED }).collect();
+        let flags =
+            program.retention.iter().map(|r| if *r == Retention::None { 0 } else { RETAINED }).collect();
         Ok(Machine { cells: program.initial.clone(), flags, dirty: false, tasks: made, program })
     }
 
@@ -213,7 +219,9 @@ impl Machine {
     /// later slice. So results and times do not depend on how a cycle is cut into slices. A task without a cycle
     /// under way is [`Stop::Done`] at once.
     pub fn resume<H: Host>(&mut self, task: usize, now: Time, budget: Span, host: &mut H) -> Slice {
-        let Some(task) = self.tasks.get_mut(task) else { return Slice { used: Span::ZERO, stop: Stop::Done } };
+        let Some(task) = self.tasks.get_mut(task) else {
+            return Slice { used: Span::ZERO, stop: Stop::Done };
+        };
         let mut changed = 0;
         let slice = run(&self.program, &mut self.cells, &self.flags, task, &mut changed, now, budget, host);
         self.dirty |= changed & RETAINED != 0;
@@ -227,7 +235,9 @@ impl Machine {
             task.position = task.programs.len();
         }
         let program = &self.program;
-        for (cell, (initial, retention)) in self.cells.iter_mut().zip(program.initial.iter().zip(&program.retention)) {
+        for (cell, (initial, retention)) in
+            self.cells.iter_mut().zip(program.initial.iter().zip(&program.retention))
+        {
             let keep = match retention {
                 Retention::None => false,
                 Retention::Retain => keep_retain,

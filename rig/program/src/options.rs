@@ -7,8 +7,9 @@ use signal::AddressLimits;
 /// Modelled time of each operation of the source, in nanoseconds (controller:PERF-01, controller:PERF-03).
 ///
 /// A load and a store share the documented figure of a load-store pair, the store taking the odd nanosecond.
-/// Literals cost nothing: they are part of the operation that uses them. What the documents do not give is a
-/// definition of the rig and says so.
+/// Literals and constant expressions cost nothing: they are part of the operation that uses them. Standard functions
+/// and conversions cost one operation of their type, of the wider one for a conversion. A parameter of a block costs
+/// a store. What the documents do not give is a definition of the rig and says so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Costs {
     /// AND, OR, XOR, NOT and comparison of BOOL: 75.

@@ -4,7 +4,7 @@ use crate::code::{Bounds, Step, Unit};
 use crate::native::Native;
 use crate::types::Elementary;
 use document::Diagnostic;
-use signal::Address;
+use signal::{Address, Area};
 use std::collections::BTreeMap;
 
 /// What becomes of a variable at a restart (controller:REM-01, controller:REM-02).
@@ -108,6 +108,26 @@ impl Program {
         &self.located
     }
 
+    /// Places in `%Q` that a program writes, itself or by what it calls, in order. `program` is a place in
+    /// [`Program::programs`]; none for another.
+    pub fn outputs_of(&self, program: usize) -> Vec<Address> {
+        let mut waiting: Vec<u16> = self.programs.get(program).copied().into_iter().collect();
+        let mut seen = vec![false; self.units.len()];
+        let mut found: Vec<Address> = Vec::new();
+        while let Some(place) = waiting.pop() {
+            let Some(unit) = self.units.get(usize::from(place)) else { continue };
+            if !std::mem::replace(&mut seen[usize::from(place)], true) {
+                waiting.extend(&unit.calls);
+                let written = unit.writes.iter().filter_map(|entry| self.located.get(*entry as usize));
+                found.extend(written.map(|located| located.address));
+            }
+        }
+        found.retain(|address| address.area() == Area::Output);
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// Names of the sources; their places are those of `file` everywhere.
     pub fn files(&self) -> &[String] {
         &self.files
@@ -125,24 +145,25 @@ impl Program {
     }
 
     /// The variable with this path, in capitals or not: `MAIN.n`, or `n` where no other program has one. A
-    /// global variable goes before those of programs. Elements of arrays are part of the array here.
+    /// global variable goes before those of programs. Elements of arrays of elementary types are part of the array
+    /// here; blocks in arrays are single, as in `MAIN.t[2].Q`.
     pub fn find(&self, path: &str) -> Option<&Variable> {
-        let key = path.to_ascii_uppercase();
-        let place = (*self.index.get(key.trim())?)?;
+        let key: String =
+            path.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_uppercase()).collect();
+        let place = (*self.index.get(&key)?)?;
         self.variables.get(place as usize)
     }
 
     /// The cell of a path: of a variable as in [`Program::find`], or of an element, `MAIN.a[3]` or `m[1,2]`.
     /// `None` for whole arrays and located variables, which [`Program::find`] describes.
     pub fn resolve(&self, path: &str) -> Option<VarRef> {
-        let path = path.trim();
-        let Some((array, rest)) = path.split_once('[') else {
-            let variable = self.find(path)?;
+        if let Some(variable) = self.find(path) {
             return match variable.storage {
                 Storage::Cell(cell) if variable.dimensions.is_empty() => Some(cell),
                 _ => None,
             };
-        };
+        }
+        let (array, rest) = path.trim().rsplit_once('[')?;
         let variable = self.find(array)?;
         let Storage::Cell(VarRef(first)) = variable.storage else { return None };
         let mut at = 0i64;

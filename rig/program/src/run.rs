@@ -49,7 +49,7 @@ pub(crate) fn run<H: Host>(
             ($kind:ident) => {{
                 task.position = task.programs.len();
                 let file = units.get(usize::from(unit)).map_or(0, |unit| unit.file);
-                break 'slice Stop::Fault(Fault { kind: FaultKind::$kind, file, line: step.line })
+                break 'slice Stop::Fault(Fault { kind: FaultKind::$kind, file, line: step.line });
             }};
         }
         // Operands: `acc` is the top, `sp` counts those below. A byte cannot leave the array, and the compiler
@@ -270,7 +270,9 @@ pub(crate) fn run<H: Host>(
             Op::CallFunction(callee) => {
                 let callee = call!(callee, this);
                 let inputs = callee.inputs as usize;
-                let Some(frame) = task.frames.get_mut(base..base + callee.template.len()) else { fault!(Internal) };
+                let Some(frame) = task.frames.get_mut(base..base + callee.template.len()) else {
+                    fault!(Internal)
+                };
                 frame.copy_from_slice(&callee.template);
                 for place in (1..=inputs).rev() {
                     let value = pop!();

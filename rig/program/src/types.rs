@@ -125,8 +125,24 @@ impl Elementary {
     pub(crate) const fn wrap(self, n: i64) -> i64 {
         // Tables instead of a match: this is behind every addition.
         const SHIFT: [u8; 16] = [63, 56, 56, 48, 48, 32, 32, 0, 0, 56, 48, 32, 0, 32, 0, 0];
-        const MASK: [i64; 16] =
-            [1, -1, 0xFF, -1, 0xFFFF, -1, 0xFFFF_FFFF, -1, -1, 0xFF, 0xFFFF, 0xFFFF_FFFF, -1, 0xFFFF_FFFF, -1, -1];
+        const MASK: [i64; 16] = [
+            1,
+            -1,
+            0xFF,
+            -1,
+            0xFFFF,
+            -1,
+            0xFFFF_FFFF,
+            -1,
+            -1,
+            0xFF,
+            0xFFFF,
+            0xFFFF_FFFF,
+            -1,
+            0xFFFF_FFFF,
+            -1,
+            -1,
+        ];
         let at = self as usize & 15;
         ((n << SHIFT[at]) >> SHIFT[at]) & MASK[at]
     }
@@ -200,7 +216,23 @@ mod tests {
         // controller:DT-01 - against the ranges, not against the tables that wrap() uses.
         for ty in Elementary::ALL {
             let (low, high) = ty.range();
-            for n in [0, 1, -1, 127, 128, 255, 256, -128, -129, 65_535, 65_536, i64::MAX, i64::MIN, 1 << 32, -(1 << 31)] {
+            for n in [
+                0,
+                1,
+                -1,
+                127,
+                128,
+                255,
+                256,
+                -128,
+                -129,
+                65_535,
+                65_536,
+                i64::MAX,
+                i64::MIN,
+                1 << 32,
+                -(1 << 31),
+            ] {
                 let number = ty.number(ty.wrap(n));
                 assert!(number >= low && number <= high, "{} {n}", ty.name());
                 assert_eq!((number - i128::from(n)).rem_euclid(1i128 << ty.bits()), 0, "{} {n}", ty.name());

@@ -55,6 +55,10 @@ pub struct Lane {
     pub points: Vec<LanePoint>,
     /// The lane ends at its last point because there was no more room.
     pub truncated: bool,
+    /// The excerpt ends at this instant, nanoseconds: nothing is said of the signal after it. Without it the
+    /// last point's value holds to the end of the case.
+    #[serde(default)]
+    pub until_ns: Option<i64>,
 }
 
 impl Lane {
@@ -72,7 +76,14 @@ impl Lane {
             labels: info.labels.clone(),
             points: Vec::new(),
             truncated: false,
+            until_ns: None,
         }
+    }
+
+    /// The last instant of which the lane tells, nanoseconds; nothing when it tells of all to the case's end.
+    pub fn known_until_ns(&self) -> Option<i64> {
+        let cut = self.points.last().filter(|_| self.truncated).map(|point| point.at[1]);
+        cut.into_iter().chain(self.until_ns).min()
     }
 
     /// Appends a change; false, and the lane marked as truncated, when there is no room.

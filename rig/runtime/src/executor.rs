@@ -35,6 +35,8 @@ pub struct Limits {
     pub slice: Span,
     /// The case ends when a claim is lost.
     pub fail_fast: bool,
+    /// Most modelled time from power-on to the end.
+    pub timeout: Span,
 }
 
 /// What a case's run leaves besides its trace.
@@ -213,8 +215,12 @@ impl<'a> Executor<'a> {
     fn main(&mut self) -> Result<(), Trouble> {
         // Steps at the start itself come before the first operation of the first cycle.
         while !self.over {
+            let timeout = Time::ZERO.saturating_add(self.limits.timeout);
             let end = self.schedule.end().unwrap_or(Time::MAX);
-            if !self.turn(end)? {
+            if !self.turn(end.min(timeout))? {
+                if self.now >= timeout && end > timeout {
+                    return Err(Trouble::Timeout { limit: self.limits.timeout });
+                }
                 break;
             }
         }
@@ -348,8 +354,9 @@ impl<'a> Executor<'a> {
     }
 
     fn record(&mut self, signal: signal::SignalId, at: When, value: Value, cause: Cause) {
+        let before = if self.schedule.awaits(signal) { self.recorder.trace().last(signal) } else { None };
         if self.recorder.record(signal, at, value, cause) && self.schedule.awaits(signal) {
-            self.schedule.changed(signal, value, self.now);
+            self.schedule.changed(signal, before.map(|event| event.value), value, self.now);
         }
     }
 
@@ -402,6 +409,7 @@ impl<'a> Executor<'a> {
     fn steps(&mut self, now: Time) -> Result<(), Trouble> {
         while let Some((_, step, due)) = self.schedule.take(now) {
             match due {
+                Due::Arm => self.schedule.arm(step, now),
                 Due::Begin => {
                     let mark = self.schedule.steps()[step].mark;
                     self.recorder.mark(mark, self.actual);
@@ -420,8 +428,12 @@ impl<'a> Executor<'a> {
                     self.recorder.mark(done, self.actual);
                     self.schedule.finish(step, now);
                 }
-                // The step's own claim fails with what was waited for; the case is over.
-                Due::Missed => self.over |= self.schedule.is_armed(step),
+                // The step's own claim fails with what was waited for. The case goes on without the step, unless
+                // its end hangs on it.
+                Due::Missed => {
+                    let missed = self.schedule.miss(step);
+                    self.over |= missed && self.schedule.is_exhausted();
+                }
             }
         }
         Ok(())

@@ -1,1 +1,29 @@
-//! (being built)
+//! Subject, board and steps on a clock: what runs a case.
+//!
+//! Goals: one executor for virtual and real time; a trace that follows from the seed alone; trouble of the rig
+//! never taken for trouble of the controller. Not goals: the meaning of expectations, the look of reports.
+
+pub mod alone;
+pub mod application;
+pub mod bundle;
+pub mod case;
+pub mod clock;
+mod codes;
+pub mod describe;
+pub mod executor;
+pub mod lanes;
+mod log;
+pub mod prepare;
+pub mod random;
+pub mod recorder;
+pub mod rejudge;
+pub mod schedule;
+mod spill;
+pub mod store;
+pub mod subject;
+pub mod suite;
+pub mod trouble;
+pub mod wiring;
+
+pub use case::{CaseFiles, CaseResult, ClockKind, RunOptions, run_case};
+pub use codes::CODES;

@@ -59,6 +59,29 @@ pub enum Awaited {
     Falls,
     /// It changes.
     Changes,
+    /// It moves from at or below to above this.
+    Above(f64),
+    /// It moves from at or above to below this.
+    Below(f64),
+}
+
+impl Awaited {
+    /// Whether a change of the signal is what is waited for.
+    fn met(self, before: Option<Value>, value: Value) -> bool {
+        let real = |value: Option<Value>| value.and_then(Value::as_real);
+        match self {
+            Awaited::Becomes(wanted) => value == wanted,
+            Awaited::Rises => value.as_bool() == Some(true) && before.and_then(Value::as_bool) != Some(true),
+            Awaited::Falls => value.as_bool() == Some(false) && before.and_then(Value::as_bool) != Some(false),
+            Awaited::Changes => true,
+            Awaited::Above(limit) => {
+                real(Some(value)).is_some_and(|now| now > limit) && real(before).is_none_or(|then| then <= limit)
+            }
+            Awaited::Below(limit) => {
+                real(Some(value)).is_some_and(|now| now < limit) && real(before).is_none_or(|then| then >= limit)
+            }
+        }
+    }
 }
 
 /// When a step comes.
@@ -66,12 +89,14 @@ pub enum Awaited {
 pub enum Timing {
     /// At an instant.
     At(Anchor),
-    /// When something happens, looked for from the step before on.
+    /// When something happens.
     When {
         /// The signal.
         signal: SignalId,
         /// What it does.
         event: Awaited,
+        /// Where waiting begins.
+        from: Anchor,
         /// How long to wait for it.
         within: Span,
     },
@@ -108,6 +133,8 @@ pub struct Planned {
 /// What is due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Due {
+    /// The step begins to wait.
+    Arm,
     /// The step begins.
     Begin,
     /// One of its acts.
@@ -193,32 +220,41 @@ impl Schedule {
     pub fn start(&mut self, at: Time) {
         self.start = Some(at);
         self.came(&Base::Start, at, at);
-        self.arm(0, at);
     }
 
     /// An instant that steps or the end hang on came at `base_at`.
     fn came(&mut self, base: &Base, base_at: Time, now: Time) {
         for step in 0..self.steps.len() {
-            let at = match &self.steps[step].timing {
-                Timing::At(anchor) if anchor.base == *base => base_at.saturating_add(anchor.offset),
-                _ => continue,
+            let (anchor, due) = match &self.steps[step].timing {
+                Timing::At(anchor) => (anchor, Due::Begin),
+                Timing::When { from, .. } => (from, Due::Arm),
             };
-            self.put(at.max(now), step, Due::Begin);
+            if anchor.base == *base && self.begun[step].is_none() {
+                let at = base_at.saturating_add(anchor.offset).max(now);
+                self.put(at, step, due);
+            }
         }
         if self.ends.base == *base {
             self.end = Some(base_at.saturating_add(self.ends.offset).max(now));
         }
     }
 
-    /// The step waits from now on, if it is one that waits.
-    fn arm(&mut self, step: usize, now: Time) {
-        let Some(planned) = self.steps.get(step) else { return };
-        if let Timing::When { within, .. } = planned.timing {
-            if !self.armed[step] && self.begun[step].is_none() {
-                self.armed[step] = true;
-                self.put(now.saturating_add(within), step, Due::Missed);
-            }
+    /// The step waits from now on.
+    pub fn arm(&mut self, step: usize, now: Time) {
+        if let Timing::When { within, .. } = self.steps[step].timing {
+            self.armed[step] = true;
+            self.put(now.saturating_add(within), step, Due::Missed);
         }
+    }
+
+    /// The step has waited long enough. FALSE where it has come already.
+    pub fn miss(&mut self, step: usize) -> bool {
+        std::mem::take(&mut self.armed[step])
+    }
+
+    /// Whether nothing is left that could come, the end of the case included.
+    pub fn is_exhausted(&self) -> bool {
+        self.queue.is_empty() && self.end.is_none() && !self.armed.contains(&true)
     }
 
     /// Whether a step waits for changes of this signal: asked for every recorded event.
@@ -229,17 +265,11 @@ impl Schedule {
     }
 
     /// A recorded change: steps that waited for it begin now.
-    pub fn changed(&mut self, signal: SignalId, value: Value, now: Time) {
+    pub fn changed(&mut self, signal: SignalId, before: Option<Value>, value: Value, now: Time) {
         for step in 0..self.steps.len() {
-            let Timing::When { signal: awaited, event, .. } = self.steps[step].timing else { continue };
-            let met = awaited == signal
-                && match event {
-                    Awaited::Becomes(wanted) => value == wanted,
-                    Awaited::Rises => value.as_bool() == Some(true),
-                    Awaited::Falls => value.as_bool() == Some(false),
-                    Awaited::Changes => true,
-                };
-            if self.armed[step] && met {
+            let Timing::When { signal: awaited, event, .. } = &self.steps[step].timing else { continue };
+            let (awaited, event) = (*awaited, *event);
+            if self.armed[step] && awaited == signal && event.met(before, value) {
                 self.armed[step] = false;
                 self.put(now, step, Due::Begin);
             }
@@ -266,7 +296,6 @@ impl Schedule {
             }
         }
         self.came(&Base::Step(id), now, now);
-        self.arm(step + 1, now);
     }
 
     /// A step is done.
@@ -275,16 +304,10 @@ impl Schedule {
         self.came(&Base::StepDone(id), now, now);
     }
 
-    /// Whether a waiting step is still waiting: a miss counts only then.
-    pub fn is_armed(&self, step: usize) -> bool {
-        self.armed[step]
-    }
-
     /// Pulses of a step's train that others hang on.
     fn pulses(&self, id: &str) -> Vec<u32> {
-        let anchors = self.steps.iter().filter_map(|step| match &step.timing {
-            Timing::At(anchor) => Some(anchor),
-            Timing::When { .. } => None,
+        let anchors = self.steps.iter().map(|step| match &step.timing {
+            Timing::At(anchor) | Timing::When { from: anchor, .. } => anchor,
         });
         anchors
             .chain([&self.ends])

@@ -2,7 +2,7 @@
 
 use crate::application::BundleLoader;
 use controller::{
-    Command, Config, ConfigError, Controller, Effects, NonVolatile, Probe, ProbeId, Refusal, State,
+    Command, Config, ConfigError, Controller, Effects, LoadError, NonVolatile, Probe, ProbeId, Refusal, State,
     SystemVariable, TaskFigures, WriteError,
 };
 use program::{Elementary, Program, Storage};
@@ -114,6 +114,9 @@ pub trait Subject: Send {
     /// Name of a source file by its place.
     fn file_name(&self, file: u8) -> Option<&str>;
 
+    /// Names that mean something inside the subject, for suggestions.
+    fn names(&self) -> Vec<String>;
+
     /// What a name means inside the subject: a system variable, an address, or a variable's path.
     fn observable(&self, name: &str) -> Option<Observable>;
 
@@ -164,6 +167,14 @@ impl Model {
         let loader = Box::new(BundleLoader::new(config.profile));
         let tasks = config.tasks.iter().map(|task| (task.name.clone(), task.interval())).collect();
         Ok(Model { controller: Controller::new(config, loader, store)?, program, tasks })
+    }
+
+    /// Prepares the storage as if this application had been downloaded and the controller left in state `left`.
+    ///
+    /// # Errors
+    /// [`LoadError`] where the application is not valid.
+    pub fn commission(&mut self, bundle: &[u8], left: State) -> Result<(), LoadError> {
+        self.controller.commission(bundle, left)
     }
 
     /// The controller, to look into.
@@ -219,6 +230,11 @@ impl Subject for Model {
 
     fn file_name(&self, file: u8) -> Option<&str> {
         self.program.files().get(usize::from(file)).map(String::as_str)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let variables = self.program.variables().iter().map(|variable| variable.path.clone());
+        variables.chain(SystemVariable::ALL.iter().map(|variable| variable.name().to_owned())).collect()
     }
 
     fn observable(&self, name: &str) -> Option<Observable> {

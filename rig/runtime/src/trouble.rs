@@ -56,6 +56,11 @@ pub enum Trouble {
         /// Why, where it said so.
         refusal: Option<Refusal>,
     },
+    /// The case lasted longer than its plan allows.
+    Timeout {
+        /// Most modelled time that it may take.
+        limit: Span,
+    },
     /// Nothing will ever happen again, and the end is not known.
     Stuck {
         /// Since when.
@@ -115,6 +120,7 @@ impl fmt::Display for Trouble {
             Trouble::Prelude { state, refusal: None } => {
                 write!(f, "the controller did not reach the state in which the case begins: it stayed {state}")
             }
+            Trouble::Timeout { limit } => write!(f, "the case had not ended after its `timeout` of {limit}"),
             Trouble::Stuck { at } => write!(f, "nothing happens any more since {at}, and the case has no end"),
             Trouble::Simultaneous { at } => write!(f, "events without end at {at}: wires or steps that chase each other"),
             Trouble::Refused { step, refusal } => {

@@ -137,7 +137,8 @@ impl Application for Player {
         self.script.variables.iter().filter(|(_, keep)| *keep != Keep::Plain).count() * 8
     }
     fn save_retained(&self, out: &mut [u8]) {
-        let kept = self.values.iter().zip(&self.script.variables).filter(|(_, (_, keep))| *keep != Keep::Plain);
+        let kept =
+            self.values.iter().zip(&self.script.variables).filter(|(_, (_, keep))| *keep != Keep::Plain);
         for (place, (value, _)) in out.chunks_exact_mut(8).zip(kept) {
             place.copy_from_slice(&value.to_le_bytes());
         }
@@ -146,7 +147,8 @@ impl Application for Player {
         if image.len() != self.retained_len() {
             return false;
         }
-        let kept = self.values.iter_mut().zip(&self.script.variables).filter(|(_, (_, keep))| *keep != Keep::Plain);
+        let kept =
+            self.values.iter_mut().zip(&self.script.variables).filter(|(_, (_, keep))| *keep != Keep::Plain);
         for (place, (value, _)) in image.chunks_exact(8).zip(kept) {
             *value = i64::from_le_bytes(place.try_into().unwrap());
         }
@@ -248,7 +250,8 @@ impl Rig {
         let mut other = app.clone();
         other.signature += 1;
         let scripts = BTreeMap::from([(b"app".to_vec(), app), (b"other".to_vec(), other)]);
-        let plc = Controller::new(config, Box::new(Scripts(scripts, trail.clone())), Box::new(Files::default()));
+        let plc =
+            Controller::new(config, Box::new(Scripts(scripts, trail.clone())), Box::new(Files::default()));
         Rig {
             plc: plc.unwrap(),
             now: Time::ZERO,
@@ -312,7 +315,11 @@ impl Rig {
         while self.now < to {
             self.settle();
             let reached = self.plc.run(piece.min(to), &mut self.fx);
-            assert!(reached >= self.now && reached <= piece.min(to), "{reached} not in {}..{piece}", self.now);
+            assert!(
+                reached >= self.now && reached <= piece.min(to),
+                "{reached} not in {}..{piece}",
+                self.now
+            );
             self.drain();
             self.now = reached;
             if self.now >= piece {

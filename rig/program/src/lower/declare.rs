@@ -8,7 +8,6 @@ use crate::findings::{At, similar};
 use crate::parse::ast::{self, Initial, Name, PouKind, Section, SectionKind, TypeRef, VarDecl};
 use crate::program::Retention;
 use crate::types::Elementary;
-use signal::Address;
 
 /// Blocks inside each other.
 const MAX_LEVEL: u32 = 64;
@@ -73,7 +72,13 @@ impl Compiler<'_> {
             if let Some(pou) = self.pou_index.get(&variable.name.key).and_then(|pou| self.pous.get(*pou)) {
                 let other = (pou.at, "declared here");
                 let message = format!("`{}` is the name of a unit", variable.name.text);
-                self.findings.error_with(Code::Duplicate, variable.name.at, message, "rename one of them", other);
+                self.findings.error_with(
+                    Code::Duplicate,
+                    variable.name.at,
+                    message,
+                    "rename one of them",
+                    other,
+                );
                 continue;
             }
             self.variable(variable, section, PouKind::Program, tree, cells);
@@ -108,11 +113,17 @@ impl Compiler<'_> {
             let ty = self.type_of(result, tree);
             if !matches!(ty, Type::One(_) | Type::Wrong) {
                 let help = "a function returns one value of an elementary type";
-                self.findings.error(Code::Unsupported, result.at(), "such a result is not supported yet", help);
+                self.findings.error(
+                    Code::Unsupported,
+                    result.at(),
+                    "such a result is not supported yet",
+                    help,
+                );
             }
             self.place_cells(&mut cells, Type::One(elementary(ty)), Retention::None, result.at());
-            let symbol = Symbol::Variable { ty, home: Home::Frame(0), retention: Retention::None, constant: false };
-            self.add(&pou.name, SectionKind::Local, symbol);
+            let symbol =
+                Symbol::Variable { ty, home: Home::Frame(0), retention: Retention::None, constant: false };
+            self.add(&pou.name, SectionKind::Local, symbol, false);
             if let Some(info) = self.pous.get_mut(place) {
                 info.result = ty;
             }
@@ -150,17 +161,34 @@ impl Compiler<'_> {
         }
         if kind == PouKind::Function && section.retention != Retention::None {
             let message = "a function keeps nothing from call to call";
-            self.findings.error(Code::Section, at, message, "remove RETAIN or PERSISTENT, or use a function block");
+            self.findings.error(
+                Code::Section,
+                at,
+                message,
+                "remove RETAIN or PERSISTENT, or use a function block",
+            );
             return false;
         }
         true
     }
 
-    fn variable(&mut self, decl: &VarDecl, section: &Section, kind: PouKind, tree: &ast::Unit, cells: &mut Cells) {
+    fn variable(
+        &mut self,
+        decl: &VarDecl,
+        section: &Section,
+        kind: PouKind,
+        tree: &ast::Unit,
+        cells: &mut Cells,
+    ) {
         let name = &decl.name;
         if Elementary::named(&name.key).is_some() {
             let message = format!("`{}` belongs to the language", name.text);
             self.findings.error(Code::Reserved, name.at, message, "choose another name");
+            return;
+        }
+        if section.constant && matches!(section.kind, SectionKind::Input | SectionKind::Output) {
+            let message = format!("the parameter `{}` cannot be CONSTANT", name.text);
+            self.findings.error(Code::Section, section.at, message, "declare constants in VAR CONSTANT");
             return;
         }
         if section.constant && section.retention != Retention::None {
@@ -183,7 +211,10 @@ impl Compiler<'_> {
             self.findings.error(Code::Section, name.at, message, "use a function block instead");
             return;
         }
-        if kind == PouKind::Function && section.kind == SectionKind::Input && !matches!(ty, Type::One(_) | Type::Wrong) {
+        if kind == PouKind::Function
+            && section.kind == SectionKind::Input
+            && !matches!(ty, Type::One(_) | Type::Wrong)
+        {
             self.findings.error(Code::Unsupported, decl.ty.at(), "such a parameter is not supported yet", "");
             return;
         }
@@ -212,7 +243,7 @@ impl Compiler<'_> {
             PouKind::FunctionBlock => Home::Member(first),
         };
         let symbol = Symbol::Variable { ty, home, retention: section.retention, constant: section.constant };
-        self.add(name, section.kind, symbol);
+        self.add(name, section.kind, symbol, decl.initial.is_some());
     }
 
     fn constant(&mut self, decl: &VarDecl, kind: SectionKind, ty: Elementary) {
@@ -228,69 +259,10 @@ impl Compiler<'_> {
                 None
             }
         };
-        self.add(&decl.name, kind, Symbol::Constant(ty.number(value.unwrap_or(0)), ty));
+        self.add(&decl.name, kind, Symbol::Constant(ty.number(value.unwrap_or(0)), ty), true);
     }
 
-    fn located_variable(&mut self, decl: &VarDecl, address: &(String, At), section: &Section, kind: PouKind, ty: Type) {
-        let name = &decl.name;
-        if kind != PouKind::Program || section.kind == SectionKind::Input || section.kind == SectionKind::Output {
-            let message = format!("`{}` cannot be located here", name.text);
-            self.findings.error(Code::Located, address.1, message, "locate variables in VAR of a PROGRAM or in VAR_GLOBAL");
-            return;
-        }
-        if section.retention != Retention::None || section.constant {
-            let message = format!("`{}` is located: it cannot be CONSTANT, RETAIN or PERSISTENT", name.text);
-            self.findings.error(Code::Located, address.1, message, "where it lies decides what is kept");
-            return;
-        }
-        let Some(place) = self.address(&address.0, address.1) else { return };
-        let Type::One(ty) = ty else {
-            if ty != Type::Wrong {
-                let help = "locate variables of elementary types";
-                self.findings.error(Code::Unsupported, decl.ty.at(), "such a located variable is not supported yet", help);
-            }
-            return;
-        };
-        if !ty.fits(place.size()) {
-            let message =
-                format!("{} has {} bits, {place} has {}", ty.name(), ty.bits(), place.size().bits());
-            self.findings.error(Code::AddressSize, decl.ty.at(), message, "choose the type or the address to suit");
-            return;
-        }
-        let entry = self.locate(place, ty);
-        let initial = match &decl.initial {
-            Some(Initial::One(value)) => self.constant_of(value, ty),
-            Some(Initial::List(_, at)) => {
-                self.findings.error(Code::InitialValue, *at, format!("{} takes one value", ty.name()), "");
-                None
-            }
-            None => None,
-        };
-        if let Some(located) = self.located.get_mut(entry as usize) {
-            located.declared = true;
-            if let Some(initial) = initial {
-                let mask = if ty.bits() == 64 { u64::MAX } else { (1 << ty.bits()) - 1 };
-                located.initial = Some(initial as u64 & mask);
-            }
-        }
-        let symbol =
-            Symbol::Variable { ty: Type::One(ty), home: Home::Located(entry), retention: Retention::None, constant: false };
-        self.add(name, section.kind, symbol);
-    }
-
-    /// An address that exists; reports it otherwise (controller:ADDR-02, controller:ADDR-04).
-    pub(super) fn address(&mut self, text: &str, at: At) -> Option<Address> {
-        match Address::parse(text).and_then(|address| address.check(&self.options.limits.addresses).map(|()| address)) {
-            Ok(address) => Some(address),
-            Err(error) => {
-                let start = (at.start + error.offset() as u32).min(at.end);
-                self.findings.error(Code::Address, At { start, ..at }, error.to_string(), "");
-                None
-            }
-        }
-    }
-
-    fn add(&mut self, name: &Name, kind: SectionKind, symbol: Symbol) {
+    pub(super) fn add(&mut self, name: &Name, kind: SectionKind, symbol: Symbol, given: bool) {
         let scope = match self.context.pou {
             Some(pou) => &mut self.pous[pou].scope,
             None => &mut self.globals,
@@ -302,7 +274,7 @@ impl Compiler<'_> {
             return;
         }
         scope.index.insert(name.key.clone(), scope.members.len());
-        scope.members.push(Member { name: name.text.clone(), at: name.at, kind, symbol });
+        scope.members.push(Member { name: name.text.clone(), at: name.at, kind, symbol, given });
     }
 
     /// The type of the elements of an array, else the type itself.
@@ -336,7 +308,12 @@ impl Compiler<'_> {
                 };
             }
             let message = format!("`{}` is a {}, not a type", name.text, self.pous[place].kind.keyword());
-            self.findings.error(Code::UnknownType, name.at, message, "variables are of elementary types or function blocks");
+            self.findings.error(
+                Code::UnknownType,
+                name.at,
+                message,
+                "variables are of elementary types or function blocks",
+            );
             return Type::Wrong;
         }
         if let Some(native) = self.options.blocks.iter().position(|native| native.name == name.key.as_str()) {
@@ -346,7 +323,12 @@ impl Compiler<'_> {
         let known = known.chain(self.options.blocks.iter().map(|native| native.name));
         let known = known.chain(self.pou_index.keys().map(String::as_str));
         let help = similar(&name.key, known).map_or(String::new(), |near| format!("did you mean {near}?"));
-        self.findings.error(Code::UnknownType, name.at, format!("the type `{}` is not known", name.text), help);
+        self.findings.error(
+            Code::UnknownType,
+            name.at,
+            format!("the type `{}` is not known", name.text),
+            help,
+        );
         Type::Wrong
     }
 
@@ -389,13 +371,21 @@ impl Compiler<'_> {
             (Initial::List(values, at), Type::Array(array)) => {
                 let (of, size) = self.arrays.get(array as usize).map_or((Type::Wrong, 0), |a| (a.of, a.size));
                 let Type::One(of) = of else {
-                    self.findings.error(Code::Unsupported, *at, "initial values of blocks are not supported yet", "");
+                    self.findings.error(
+                        Code::Unsupported,
+                        *at,
+                        "initial values of blocks are not supported yet",
+                        "",
+                    );
                     return Vec::new();
                 };
                 let mut cells = Vec::new();
                 for (times, value) in values {
-                    let times = times.as_ref().map_or(Some(1), |times| self.constant_of(times, Elementary::Udint));
-                    let (Some(times), Some(value)) = (times, self.constant_of(value, of)) else { return cells };
+                    let times =
+                        times.as_ref().map_or(Some(1), |times| self.constant_of(times, Elementary::Udint));
+                    let (Some(times), Some(value)) = (times, self.constant_of(value, of)) else {
+                        return cells;
+                    };
                     if times > i64::from(size) - cells.len() as i64 {
                         let message = format!("more values than the {size} elements of the array");
                         self.findings.error(Code::InitialValue, *at, message, "remove the last ones");
@@ -408,7 +398,9 @@ impl Compiler<'_> {
             (_, Type::Wrong) => Vec::new(),
             (Initial::One(value), _) => {
                 let (code, message, help) = match ty {
-                    Type::Array(_) => (Code::InitialValue, "an array takes a list of values", "write it as in [1, 2, 3(0)]"),
+                    Type::Array(_) => {
+                        (Code::InitialValue, "an array takes a list of values", "write it as in [1, 2, 3(0)]")
+                    }
                     _ => (Code::Unsupported, "initial values of blocks are not supported yet", ""),
                 };
                 self.findings.error(code, value.at, message, help);

@@ -42,11 +42,12 @@ impl Compiler<'_> {
         match i32::try_from(cell) {
             Ok(n) => self.emit(Op::Const(n), 0, at),
             Err(_) => {
-                let place = self.wide.iter().position(|wide| *wide == cell).unwrap_or(self.wide.len());
-                if place == self.wide.len() {
+                let next = self.wide.len() as u32;
+                let place = *self.wide_index.entry(cell).or_insert(next);
+                if place == next {
                     self.wide.push(cell);
                 }
-                self.emit(Op::Wide(place as u32), 0, at)
+                self.emit(Op::Wide(place), 0, at)
             }
         };
     }
@@ -110,14 +111,16 @@ impl Compiler<'_> {
                         return None;
                     }
                 } else if !matches!(operand, Operand::Stack { loose: true, .. }) {
-                    let message = format!("{} becomes {}: large values change their sign", from.name(), ty.name());
+                    let message =
+                        format!("{} becomes {}: large values change their sign", from.name(), ty.name());
                     let help = format!("write {}_TO_{}(...) if that is meant", from.name(), ty.name());
                     self.findings.warning(Code::SignChange, at, message, help);
                 }
                 return Some(true);
             }
         }
-        let message = format!("{} is needed here, this is {}", ty.name(), from.name());
+        let found = if operand.is_literal() { "a number" } else { from.name() };
+        let message = format!("{} is needed here, this is {found}", ty.name());
         let help = match (operand, ty) {
             (Operand::Literal(_), Elementary::Time) => "write durations as in T#500ms".to_string(),
             (Operand::Literal(_), Elementary::Bool) => "write TRUE or FALSE".to_string(),
@@ -130,7 +133,9 @@ impl Compiler<'_> {
     /// A constant expression as a cell of `ty`; reports what is none.
     pub(super) fn constant_of(&mut self, expr: &Expr, ty: Elementary) -> Option<i64> {
         let (place, depth) = (self.code.len(), self.context.depth);
+        let outer = std::mem::replace(&mut self.in_constant, true);
         let operand = self.expr(expr);
+        self.in_constant = outer;
         self.code.truncate(place);
         self.context.depth = depth;
         match operand {
@@ -140,7 +145,9 @@ impl Compiler<'_> {
                 self.findings.error(Code::NotConstant, expr.at, "a constant is needed here", help);
                 None
             }
-            Operand::Literal(n) | Operand::Known(n, _) => self.suits(operand, ty, expr.at).map(|_| ty.wrap(n as i64)),
+            Operand::Literal(n) | Operand::Known(n, _) => {
+                self.suits(operand, ty, expr.at).map(|_| ty.wrap(n as i64))
+            }
         }
     }
 
@@ -234,7 +241,13 @@ impl Compiler<'_> {
     }
 
     /// The type in which an operator works, and that of its result; reports where there is none.
-    fn result_type(&mut self, op: BinaryOp, a: Operand, b: Operand, at: At) -> Option<(Elementary, Elementary)> {
+    fn result_type(
+        &mut self,
+        op: BinaryOp,
+        a: Operand,
+        b: Operand,
+        at: At,
+    ) -> Option<(Elementary, Elementary)> {
         use BinaryOp::{Add, And, Divide, Multiply, Or, Subtract, Xor};
         use Elementary::{Bool, Time};
         if a == Operand::Wrong || b == Operand::Wrong {

@@ -50,7 +50,9 @@ impl Compiler<'_> {
         let first = cells.len();
         let (of, count) = match ty {
             Type::Array(array) => match self.arrays.get(array as usize) {
-                Some(array) => (array.of, array.dimensions.iter().map(|(low, high)| (high - low + 1) as u64).product()),
+                Some(array) => {
+                    (array.of, array.dimensions.iter().map(|(low, high)| (high - low + 1) as u64).product())
+                }
                 None => (Type::Wrong, 0),
             },
             other => (other, 1u64),

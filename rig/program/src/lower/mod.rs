@@ -9,6 +9,7 @@ mod expr;
 mod finish;
 mod fold;
 mod layout;
+mod located;
 mod place;
 mod standard;
 mod stmt;
@@ -23,6 +24,7 @@ use crate::program::{Located, Program, Retention};
 use crate::types::Elementary;
 use document::{Diagnostic, SourceFile};
 use layout::Cells;
+use signal::Address;
 use std::collections::BTreeMap;
 
 /// The type of a variable.
@@ -79,6 +81,8 @@ struct Member {
     at: At,
     kind: SectionKind,
     symbol: Symbol,
+    /// Whether it is declared with an initial value.
+    given: bool,
 }
 
 /// Names of a unit, or the global ones, in the order of declaration.
@@ -135,6 +139,8 @@ struct Context {
     frame_max: u32,
     /// Units called and the operands at the call.
     calls: Vec<(u16, u32)>,
+    /// Entries of the located places written.
+    writes: Vec<u32>,
     loops: Vec<Loop>,
     /// The unit whose names are seen.
     pou: Option<usize>,
@@ -149,16 +155,20 @@ struct Compiler<'s> {
     pou_index: BTreeMap<String, usize>,
     /// Units whose declarations are being read inside each other.
     declaring: u32,
+    /// A constant is being computed.
+    in_constant: bool,
     globals: Scope,
     arrays: Vec<ArrayType>,
     /// Memory of globals and programs.
     cells: Cells,
     code: Vec<Step>,
     wide: Vec<i64>,
+    wide_index: BTreeMap<i64, u32>,
     bounds: Vec<Bounds>,
     units: Vec<Unit>,
     calls: Vec<Vec<(u16, u32)>>,
     located: Vec<Located>,
+    located_index: BTreeMap<(Address, Elementary), u32>,
     context: Context,
 }
 
@@ -176,6 +186,10 @@ pub(crate) fn compile(sources: &[SourceFile], options: &Options) -> Result<Progr
     for (file, source) in sources.iter().enumerate() {
         crate::parse::parse(file as u8, &source.text, &mut findings, &mut tree);
     }
+    if findings.failed() {
+        // A tree with faults has holes: what is missing would be reported as unknown.
+        return Err(findings.finish());
+    }
     let mut compiler = Compiler {
         options,
         findings,
@@ -183,19 +197,21 @@ pub(crate) fn compile(sources: &[SourceFile], options: &Options) -> Result<Progr
         pous: Vec::new(),
         pou_index: BTreeMap::new(),
         declaring: 0,
+        in_constant: false,
         globals: Scope::default(),
         arrays: Vec::new(),
         cells: Cells::default(),
         code: Vec::new(),
         wide: Vec::new(),
+        wide_index: BTreeMap::new(),
         bounds: Vec::new(),
         units: Vec::new(),
         calls: Vec::new(),
         located: Vec::new(),
+        located_index: BTreeMap::new(),
         context: Context::default(),
     };
     compiler.declare(&tree);
-    // A tree with faults has holes: what is missing would be reported as unknown.
     for (place, pou) in tree.pous.iter().enumerate() {
         if compiler.findings.full() {
             break;
@@ -206,7 +222,9 @@ pub(crate) fn compile(sources: &[SourceFile], options: &Options) -> Result<Progr
 }
 
 fn line_starts(text: &str) -> Vec<u32> {
-    std::iter::once(0).chain(text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at as u32 + 1)).collect()
+    std::iter::once(0)
+        .chain(text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at as u32 + 1))
+        .collect()
 }
 
 impl Compiler<'_> {
@@ -225,7 +243,7 @@ impl Compiler<'_> {
         if place >= self.options.limits.code {
             if place == self.options.limits.code {
                 let message = format!("the program has more than {place} operations");
-                self.findings.error(Code::CodeSize, at, message, "split it into applications");
+                self.findings.error(Code::Length, at, message, "split it into applications");
             } else {
                 return place - 1;
             }
@@ -267,7 +285,8 @@ impl Compiler<'_> {
         let function = info.kind == PouKind::Function;
         let declared = if function { info.cells.initial.len() as u32 } else { 0 };
         let template = if function { info.cells.initial.clone() } else { Vec::new() };
-        let inputs = info.scope.members.iter().filter(|m| function && m.kind == SectionKind::Input).count() as u32;
+        let inputs =
+            info.scope.members.iter().filter(|m| function && m.kind == SectionKind::Input).count() as u32;
         let name = info.name.clone();
         self.context =
             Context { pou: Some(place), frame: declared, frame_max: declared, ..Context::default() };
@@ -283,10 +302,19 @@ impl Compiler<'_> {
             inputs,
             template,
             has_result: function,
+            calls: unique(context.calls.iter().map(|(callee, _)| *callee).collect()),
+            writes: unique(context.writes),
             need: Need { operands: context.deepest, frame: context.frame_max, calls: 0 },
         });
         self.calls.push(context.calls);
     }
+}
+
+/// In order and each once.
+fn unique<T: Ord>(mut list: Vec<T>) -> Vec<T> {
+    list.sort();
+    list.dedup();
+    list
 }
 
 /// What an operation does to the number of operands. Calls of functions are accounted for by the caller.

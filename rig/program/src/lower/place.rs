@@ -4,9 +4,9 @@ use super::fold::Operand;
 use super::{Compiler, Home, Member, Symbol, Type};
 use crate::code::Op;
 use crate::codes::Code;
-use crate::findings::{At, similar};
-use crate::parse::ast::{Expr, ExprKind, Name, Path, PouKind, Segment, SectionKind};
+use crate::findings::{At, count, similar};
 use crate::native::PinKind;
+use crate::parse::ast::{Expr, ExprKind, Name, Path, PouKind, SectionKind, Segment};
 use crate::program::{Located, Retention};
 use crate::types::Elementary;
 use signal::{Address, Area};
@@ -66,11 +66,19 @@ impl Compiler<'_> {
 
     /// The entry of a located place, new or old.
     pub(super) fn locate(&mut self, address: Address, ty: Elementary) -> u32 {
-        if let Some(entry) = self.located.iter().position(|l| l.address == address && l.ty == ty) {
-            return entry as u32;
+        let next = self.located.len() as u32;
+        let entry = *self.located_index.entry((address, ty)).or_insert(next);
+        if entry == next {
+            self.located.push(Located {
+                address,
+                ty,
+                read: false,
+                written: false,
+                declared: false,
+                initial: None,
+            });
         }
-        self.located.push(Located { address, ty, read: false, written: false, declared: false, initial: None });
-        self.located.len() as u32 - 1
+        entry
     }
 
     fn located_place(&self, entry: u32) -> Place {
@@ -105,7 +113,12 @@ impl Compiler<'_> {
                 }
             },
             _ => {
-                self.findings.error(Code::ReadOnly, expr.at, "a value cannot be assigned to", "assign to a variable");
+                self.findings.error(
+                    Code::ReadOnly,
+                    expr.at,
+                    "a value cannot be assigned to",
+                    "assign to a variable",
+                );
                 return None;
             }
         };
@@ -163,6 +176,7 @@ impl Compiler<'_> {
             (Home::Frame(at), true) => Op::StoreLocalAt(at),
             (Home::Located(entry), _) => {
                 self.located[entry as usize].written = true;
+                self.context.writes.push(entry);
                 Op::StoreIo(entry)
             }
         };
@@ -194,7 +208,9 @@ impl Compiler<'_> {
             }
             None => match (self.pou_index.get(&path.root.key).copied(), path.rest.split_first()) {
                 (Some(unit), None) => return Meaning::Unit(unit as u16),
-                (Some(unit), Some((Segment::Member(name), rest))) if self.pous[unit].kind == PouKind::Program => {
+                (Some(unit), Some((Segment::Member(name), rest)))
+                    if self.pous[unit].kind == PouKind::Program =>
+                {
                     match self.program_member(unit, name) {
                         Meaning::Place(place) => (place, rest),
                         other => return other,
@@ -237,13 +253,15 @@ impl Compiler<'_> {
         let own = self.context.pou.map(|pou| &self.pous[pou].scope);
         let known = own.into_iter().chain([&self.globals]).flat_map(|scope| scope.index.keys());
         let near = similar(&name.key, known.chain(self.pou_index.keys()).map(String::as_str));
-        let help = near.map_or("declare it in VAR".to_string(), |near| format!("did you mean {}?", self.written(&near)));
+        let help = near
+            .map_or("declare it in VAR".to_string(), |near| format!("did you mean {}?", self.written(&near)));
         self.findings.error(Code::UnknownName, name.at, format!("`{}` is not known", name.text), help);
     }
 
     /// A name as it was declared.
     fn written(&self, key: &str) -> String {
-        let own = self.context.pou.and_then(|pou| self.pous[pou].scope.get(key)).or_else(|| self.globals.get(key));
+        let own =
+            self.context.pou.and_then(|pou| self.pous[pou].scope.get(key)).or_else(|| self.globals.get(key));
         let unit = self.pou_index.get(key).map(|pou| &self.pous[*pou].name);
         own.map(|member| &member.name).or(unit).map_or(key.to_string(), String::clone)
     }
@@ -308,7 +326,8 @@ impl Compiler<'_> {
             }
             Type::Wrong => None,
             Type::One(_) | Type::Array(_) => {
-                let message = format!("there is no member `{}`: this is no instance of a function block", name.text);
+                let message =
+                    format!("there is no member `{}`: this is no instance of a function block", name.text);
                 self.findings.error(Code::NotAValue, name.at, message, "");
                 None
             }
@@ -341,7 +360,11 @@ impl Compiler<'_> {
         };
         let array = self.arrays.get(array as usize)?.clone();
         if indices.len() != array.dimensions.len() {
-            let message = format!("the array has {} dimensions, not {}", array.dimensions.len(), indices.len());
+            let message = format!(
+                "the array has {}, not {}",
+                count(array.dimensions.len(), "dimension"),
+                indices.len()
+            );
             self.findings.error(Code::Index, at, message, "give one index for each");
             return None;
         }
@@ -353,7 +376,12 @@ impl Compiler<'_> {
             match (operand.known(), operand.ty()) {
                 (_, None) => return None,
                 (_, Some(ty)) if !ty.is_integer() => {
-                    self.findings.error(Code::Index, index.at, format!("an index cannot be {}", ty.name()), "");
+                    self.findings.error(
+                        Code::Index,
+                        index.at,
+                        format!("an index cannot be {}", ty.name()),
+                        "",
+                    );
                     return None;
                 }
                 (Some(n), _) => {

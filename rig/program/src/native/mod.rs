@@ -71,11 +71,11 @@ impl Pins<'_> {
     /// Sets the cell of a pin, which the caller has brought into the range of its type.
     #[inline]
     pub fn set(&mut self, pin: usize, value: i64) {
-        if let (Some(cell), Some(flags)) = (self.cells.get_mut(pin), self.flags.get(pin)) {
-            if *cell != value {
-                *cell = value;
-                self.changed |= flags;
-            }
+        if let (Some(cell), Some(flags)) = (self.cells.get_mut(pin), self.flags.get(pin))
+            && *cell != value
+        {
+            *cell = value;
+            self.changed |= flags;
         }
     }
 }

@@ -16,8 +16,14 @@ const fn hidden(name: &'static str) -> Pin {
 }
 
 /// Pins of a timer, by place.
-const TIMER: &[Pin] =
-    &[input("IN", Bool), input("PT", Time), output("Q", Bool), output("ET", Time), hidden("START"), hidden("PHASE")];
+const TIMER: &[Pin] = &[
+    input("IN", Bool),
+    input("PT", Time),
+    output("Q", Bool),
+    output("ET", Time),
+    hidden("START"),
+    hidden("PHASE"),
+];
 
 /// TON, TOF, TP, CTU, CTD, CTUD, R_TRIG, F_TRIG, SR and RS.
 ///

@@ -193,12 +193,24 @@ pub(crate) enum StmtKind {
     Call(Path, Vec<Argument>),
     If { arms: Vec<(Expr, Vec<Stmt>)>, otherwise: Vec<Stmt> },
     Case { selector: Expr, arms: Vec<(Vec<CaseLabel>, Vec<Stmt>)>, otherwise: Vec<Stmt> },
-    For { variable: Expr, from: Expr, to: Expr, by: Option<Expr>, body: Vec<Stmt>, end: At },
+    For(Box<Counted>),
     While { condition: Expr, body: Vec<Stmt>, end: At },
     Repeat { body: Vec<Stmt>, until: Expr },
     Exit,
     Continue,
     Return,
+}
+
+/// FOR.
+#[derive(Debug)]
+pub(crate) struct Counted {
+    pub variable: Expr,
+    pub from: Expr,
+    pub to: Expr,
+    pub by: Option<Expr>,
+    pub body: Vec<Stmt>,
+    /// The closing keyword, where the turn is counted.
+    pub end: At,
 }
 
 #[derive(Debug)]

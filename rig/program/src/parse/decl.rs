@@ -41,7 +41,8 @@ impl Parser<'_, '_, '_> {
     fn skip_to_declaration(&mut self, start: At) {
         let mut first = self.token.1 == start;
         while !self.is(Token::End) {
-            let starts = ["PROGRAM", "FUNCTION", "FUNCTION_BLOCK", "VAR_GLOBAL"].iter().any(|word| self.at_word(word));
+            let starts =
+                ["PROGRAM", "FUNCTION", "FUNCTION_BLOCK", "VAR_GLOBAL"].iter().any(|word| self.at_word(word));
             if starts && !first {
                 return;
             }
@@ -57,7 +58,12 @@ impl Parser<'_, '_, '_> {
             PouKind::Function => {
                 if !self.is(Token::Colon) {
                     let message = format!("the function `{}` has no result type", name.text);
-                    self.findings.error(Code::Unexpected, self.token.1, message, "write it as in FUNCTION f : INT");
+                    self.findings.error(
+                        Code::Unexpected,
+                        self.token.1,
+                        message,
+                        "write it as in FUNCTION f : INT",
+                    );
                     return Err(Reported);
                 }
                 self.advance();
@@ -83,8 +89,7 @@ impl Parser<'_, '_, '_> {
         let body = self.statements(false);
         let close = format!("END_{}", kind.keyword());
         if !self.accept_word(&close) {
-            let message = format!("{close} is expected here, not {}", self.found());
-            self.findings.error_with(Code::Unclosed, self.token.1, message, "", (open, "this is not closed"));
+            self.unclosed(&close, open);
             // What closes something else would only be reported again and again.
             if !self.is(Token::End) {
                 return Err(Reported);
@@ -110,7 +115,8 @@ impl Parser<'_, '_, '_> {
             _ => return Err(self.unexpected("VAR, VAR_INPUT, VAR_OUTPUT or VAR_GLOBAL")),
         };
         self.advance();
-        let mut section = Section { kind, retention: Retention::None, constant: false, variables: Vec::new(), at };
+        let mut section =
+            Section { kind, retention: Retention::None, constant: false, variables: Vec::new(), at };
         loop {
             if self.accept_word("CONSTANT") {
                 section.constant = true;
@@ -126,8 +132,7 @@ impl Parser<'_, '_, '_> {
             let start = self.token.1;
             let ended = self.is(Token::End) || self.at_statement();
             if ended || self.variables(&mut section).is_err() && !self.recover_in_section(start) {
-                let message = format!("END_VAR is expected here, not {}", self.found());
-                self.findings.error_with(Code::Unclosed, self.token.1, message, "", (at, "this is not closed"));
+                self.unclosed("END_VAR", at);
                 return Ok(Some(section));
             }
         }
@@ -137,10 +142,14 @@ impl Parser<'_, '_, '_> {
 
     /// Whether a statement starts here, or a unit ends: then the section was not closed.
     fn at_statement(&self) -> bool {
-        let key = self.slice(self.token.1).to_ascii_uppercase();
-        let starts = ["IF", "FOR", "CASE", "WHILE", "REPEAT"].contains(&key.as_str()) || words::ends_statements(&key);
         let goes_on = matches!(self.next.0, Token::Assign | Token::Open | Token::OpenBracket | Token::Dot);
-        self.is(Token::Word) && (starts || goes_on)
+        self.is(Token::Word) && goes_on || self.at_statement_word()
+    }
+
+    fn at_statement_word(&self) -> bool {
+        let key = self.slice(self.token.1).to_ascii_uppercase();
+        let starts = ["IF", "FOR", "CASE", "WHILE", "REPEAT"].contains(&key.as_str());
+        self.is(Token::Word) && (starts || words::ends_statements(&key))
     }
 
     /// Behind the next semicolon or before END_VAR; FALSE where the section seems to have ended.
@@ -152,7 +161,7 @@ impl Parser<'_, '_, '_> {
             if self.at_word("END_VAR") || self.accept(Token::Semicolon) {
                 return true;
             }
-            if self.is(Token::End) || self.is(Token::Word) && self.at_statement() {
+            if self.is(Token::End) || self.at_statement_word() {
                 return false;
             }
             self.advance();

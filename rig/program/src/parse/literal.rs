@@ -31,7 +31,9 @@ impl LiteralFault {
             Self::Form => ("this is no duration", "write it as in T#1d2h3m4s5ms, largest unit first"),
             Self::Negative => ("TIME is never negative", ""),
             Self::TooFine => ("TIME counts whole milliseconds", ""),
-            Self::TooLong => ("the duration is beyond the end of TIME", "the longest is T#4294967295ms, almost 50 days"),
+            Self::TooLong => {
+                ("the duration is beyond the end of TIME", "the longest is T#4294967295ms, almost 50 days")
+            }
         }
     }
 }
@@ -85,7 +87,8 @@ pub(crate) fn duration(text: &str) -> Result<i64, LiteralFault> {
     let (mut total, mut least_place, mut fraction_seen) = (0i128, None, false);
     while !rest.is_empty() {
         rest = rest.strip_prefix('_').filter(|_| least_place.is_some()).unwrap_or(rest);
-        let number_end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '_')).ok_or(LiteralFault::Form)?;
+        let number_end =
+            rest.find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '_')).ok_or(LiteralFault::Form)?;
         let (number, after) = rest.split_at(number_end);
         let unit_end = after.find(|c: char| !c.is_ascii_lowercase()).unwrap_or(after.len());
         let (unit, after) = after.split_at(unit_end);

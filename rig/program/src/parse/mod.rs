@@ -31,8 +31,17 @@ type Parsed<T> = Result<T, Reported>;
 pub(crate) fn parse(file: u8, text: &str, findings: &mut Findings<'_>, unit: &mut Unit) {
     let ended = (Token::End, At { file, start: 0, end: 0 });
     let lexer = Token::lexer(text);
-    let mut parser =
-        Parser { text, file, lexer, findings, token: ended, next: ended, last: ended.1, depth: 0, given_up: false };
+    let mut parser = Parser {
+        text,
+        file,
+        lexer,
+        findings,
+        token: ended,
+        next: ended,
+        last: ended.1,
+        depth: 0,
+        given_up: false,
+    };
     parser.advance();
     parser.advance();
     parser.declarations(unit);
@@ -74,6 +83,8 @@ impl<'t> Parser<'t, '_, '_> {
                     let at = At { end: at.start + 1, ..at };
                     let message = format!("this {what} is not closed");
                     self.findings.error(Code::Unterminated, at, message, format!("close it with {close}"));
+                    // A comment swallows the rest: what is missing then is not worth a word. Strings end with their line.
+                    self.given_up = what != "string";
                 }
                 Some(Ok(Token::Comment)) => {}
                 Some(Ok(token)) => break (token, at),
@@ -140,6 +151,9 @@ impl<'t> Parser<'t, '_, '_> {
         if self.accept(Token::Semicolon) {
             return Ok(());
         }
+        if self.given_up {
+            return Err(Reported);
+        }
         let found = self.found();
         let at = At { start: self.last.end, end: self.last.end, ..self.last };
         let message = format!("a semicolon is missing here, before {found}");
@@ -156,6 +170,9 @@ impl<'t> Parser<'t, '_, '_> {
     }
 
     fn unexpected(&mut self, what: &str) -> Reported {
+        if self.given_up {
+            return Reported;
+        }
         if self.is(Token::Word) {
             let key = self.slice(self.token.1).to_ascii_uppercase();
             if words::is_unsupported(&key) {
@@ -167,6 +184,15 @@ impl<'t> Parser<'t, '_, '_> {
         }
         let message = format!("{what} is expected here, not {}", self.found());
         self.findings.error(Code::Unexpected, self.token.1, message, "");
+        Reported
+    }
+
+    /// `word` is missing, which closes what `open` opened.
+    fn unclosed(&mut self, word: &str, open: At) -> Reported {
+        if !self.given_up {
+            let message = format!("{word} is expected here, not {}", self.found());
+            self.findings.error_with(Code::Unclosed, self.token.1, message, "", (open, "this is not closed"));
+        }
         Reported
     }
 
@@ -193,10 +219,25 @@ impl<'t> Parser<'t, '_, '_> {
 
     /// A name that is being declared: it has to keep the rules (controller:DT-03).
     fn new_name(&mut self, what: &str) -> Parsed<Name> {
+        let at = self.token.1;
+        let key = self.slice(at).to_ascii_uppercase();
+        let reserved = self.is(Token::Word) && (words::is_keyword(&key) || words::is_unsupported(&key));
+        if reserved && matches!(self.next.0, Token::Colon | Token::Comma) {
+            let text = self.slice(at).to_string();
+            let message = format!("`{text}` belongs to the language");
+            self.findings.error(Code::Reserved, at, message, "choose another name");
+            self.advance();
+            return Ok(Name { text, key, at });
+        }
         let name = self.name(what)?;
         if name.text.contains("__") || (name.text.ends_with('_') && name.text.len() > 1) || name.text == "_" {
             let message = format!("`{}` has underscores side by side or at its end", name.text);
-            self.findings.error(Code::Identifier, name.at, message, "use single underscores between letters and digits");
+            self.findings.error(
+                Code::Identifier,
+                name.at,
+                message,
+                "use single underscores between letters and digits",
+            );
         }
         if name.text.len() > LONG_NAME {
             let message = format!("`{}` is longer than {LONG_NAME} characters", name.text);
@@ -211,7 +252,12 @@ impl<'t> Parser<'t, '_, '_> {
             if !self.given_up {
                 self.given_up = true;
                 let message = format!("more than {MAX_DEPTH} brackets or blocks inside each other");
-                self.findings.error(Code::Nesting, self.token.1, message, "split it up; the rest was not read");
+                self.findings.error(
+                    Code::Nesting,
+                    self.token.1,
+                    message,
+                    "split it up; the rest was not read",
+                );
                 self.token.0 = Token::End;
                 self.next.0 = Token::End;
             }

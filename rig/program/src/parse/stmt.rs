@@ -1,6 +1,6 @@
 //! Statements.
 
-use super::ast::{CaseLabel, Expr, ExprKind, Stmt, StmtKind};
+use super::ast::{CaseLabel, Counted, Expr, ExprKind, Stmt, StmtKind};
 use super::lexer::Token;
 use super::{Parsed, Parser, Reported, words};
 use crate::codes::Code;
@@ -34,7 +34,9 @@ impl Parser<'_, '_, '_> {
     /// Whether a label of CASE starts here: what no statement starts with.
     fn at_label(&self) -> bool {
         match self.token.0 {
-            Token::Integer | Token::Based | Token::Duration | Token::Prefix | Token::Minus | Token::Real => true,
+            Token::Integer | Token::Based | Token::Duration | Token::Prefix | Token::Minus | Token::Real => {
+                true
+            }
             Token::Word => {
                 self.at_word("TRUE")
                     || self.at_word("FALSE")
@@ -110,12 +112,7 @@ impl Parser<'_, '_, '_> {
 
     /// The keyword that closes what `open` opened.
     fn close(&mut self, word: &str, open: At) -> Parsed<At> {
-        if self.accept_word(word) {
-            return Ok(self.last);
-        }
-        let message = format!("{word} is expected here, not {}", self.found());
-        self.findings.error_with(Code::Unclosed, self.token.1, message, "", (open, "this is not closed"));
-        Err(Reported)
+        if self.accept_word(word) { Ok(self.last) } else { Err(self.unclosed(word, open)) }
     }
 
     fn if_statement(&mut self) -> Parsed<StmtKind> {
@@ -171,7 +168,7 @@ impl Parser<'_, '_, '_> {
         self.expect_word("DO")?;
         let body = self.statements(false);
         let end = self.close("END_FOR", open)?;
-        Ok(StmtKind::For { variable, from, to, by, body, end })
+        Ok(StmtKind::For(Box::new(Counted { variable, from, to, by, body, end })))
     }
 
     fn while_statement(&mut self) -> Parsed<StmtKind> {

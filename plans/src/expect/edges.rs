@@ -1,0 +1,238 @@
+//! `edges`: a signal has so many rising and falling edges in a window.
+//!
+//! ```toml
+//! { edges = { signal = "HSC0.out0", rising = 1, falling = "1 .. 2", from = "train" } }
+//! ```
+//! An edge at the very beginning of the window counts, one at its very end does not.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Value};
+
+use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, count_range, counts, signal};
+use super::{Claim, Context, Verb};
+use crate::codes;
+use crate::judge::count::{Counted, Counter};
+use crate::judge::edges::{Edge, Finder};
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::lang::Anchor;
+
+/// `edges`.
+pub(super) const EDGES: Verb = Verb {
+    name: "edges",
+    doc: "A signal has so many rising and falling edges in a window",
+    keys: &[
+        SIGNAL,
+        KeySpec::optional("rising", KeyType::Range, "How many rising edges: 1, or \"1 .. 3\", or \"2 ..\""),
+        KeySpec::optional("falling", KeyType::Range, "How many falling edges, written like `rising`"),
+        FROM,
+        UNTIL,
+        LONGER,
+    ],
+    read,
+};
+
+type Range = (u64, u64);
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Edges {
+    signal: String,
+    rising: Option<Range>,
+    falling: Option<Range>,
+    between: Between,
+    longer_than: Option<signal::Span>,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let signal = signal(fields, "signal", cx);
+    let between = Between::read(fields, cx);
+    let mut range = |key| match fields.get(key) {
+        Some(node) => counts(node, key, cx).map(Some),
+        None if fields.has(key) => None,
+        None => Some(None),
+    };
+    let (rising, falling) = (range("rising"), range("falling"));
+    let (rising, falling) = (rising?, falling?);
+    if rising.is_none() && falling.is_none() {
+        let message = "no number of edges is wanted: the claim can never fail";
+        cx.out.error(codes::CLAIM, cx.place.clone(), message, "give `rising`, `falling` or both");
+        return None;
+    }
+    let longer_than = fields.duration("pulses-longer-than");
+    Some(Arc::new(Edges { signal: signal?, rising, falling, between: between?, longer_than }))
+}
+
+impl Claim for Edges {
+    fn expected(&self) -> String {
+        let part = |range: Option<Range>, word| range.map(|range| format!("{} {word}", count_range(range)));
+        let parts = [part(self.rising, "rising"), part(self.falling, "falling")];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        format!("`{}` has {} edges{}", self.signal, parts.join(" and "), self.between.words())
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        super::known(&self.signal, wiring, out);
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        let window = scene.window(&self.between.from, &self.between.until)?;
+        let finder = |edge| Finder::new(edge, slack(info));
+        Ok(Box::new(Count {
+            claim: self.clone(),
+            window,
+            rises: finder(Edge::Rises),
+            falls: finder(Edge::Falls),
+            counter: Counter::new(window),
+            missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
+            info: info.clone(),
+            open: scene.is_open(&self.between.until),
+            deciding: None,
+            wanted: [(self.rising, 0), (self.falling, 0)],
+        }))
+    }
+}
+
+/// The judge.
+struct Count {
+    claim: Edges,
+    info: SignalInfo,
+    window: Window,
+    rises: Finder,
+    falls: Finder,
+    counter: Counter,
+    missed: Option<String>,
+    /// The end of the window is still to come.
+    open: bool,
+    /// The edge that is one too many, else the last one.
+    deciding: Option<Seen>,
+    /// What is wanted, and how many possible ones there were.
+    wanted: [(Option<Range>, u64); 2],
+}
+
+impl Count {
+    fn note(&mut self, rising: bool, seen: &Seen) {
+        if !self.window.can_hold(seen) {
+            return;
+        }
+        let over = self.wanted.iter().any(|(range, seen)| range.is_some_and(|range| *seen > range.1));
+        let (range, count) = &mut self.wanted[usize::from(!rising)];
+        *count += 1;
+        if range.is_some() && !over {
+            self.deciding = Some(*seen);
+        }
+    }
+}
+
+impl Monitor for Count {
+    #[inline]
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        let rose = self.rises.see(seen);
+        let fell = self.falls.see(seen);
+        match (rose, fell) {
+            (Some(found), _) | (_, Some(found)) if !found.certain => self.counter.unknown(&found.seen),
+            (Some(_), _) => {
+                self.counter.edge(true, seen);
+                self.note(true, seen);
+            }
+            (_, Some(_)) => {
+                self.counter.edge(false, seen);
+                self.note(false, seen);
+            }
+            _ => {}
+        }
+    }
+
+    fn lost(&mut self, _now: i64) -> bool {
+        let certain = self.counter.certain();
+        let over = |range: Option<Range>, count| range.is_some_and(|range| count > range.1);
+        !self.open && (over(self.claim.rising, certain.0) || over(self.claim.falling, certain.1))
+    }
+
+    fn finish(mut self: Box<Self>) -> Finding {
+        if let Some(rest) = self.rises.rest() {
+            self.counter.unknown(&rest.seen);
+        }
+        let counted = std::mem::replace(&mut self.counter, Counter::new(self.window)).finish();
+        self.finding(&counted)
+    }
+}
+
+impl Count {
+    fn finding(self, counted: &Counted) -> Finding {
+        let inside = |range: Option<Range>, n: u64| range.is_none_or(|(least, most)| (least..=most).contains(&n));
+        let below = |range: Option<Range>, n: u64| range.is_none_or(|(_, most)| n <= most);
+        let right = |&(rising, falling): &(u64, u64)| {
+            inside(self.claim.rising, rising) && inside(self.claim.falling, falling)
+        };
+        let may_be = |&(rising, falling): &(u64, u64)| {
+            below(self.claim.rising, rising) && below(self.claim.falling, falling)
+        };
+        let column = |pick: fn(&(u64, u64)) -> u64| {
+            let least = counted.counts.iter().map(pick).min().unwrap_or(0);
+            (least, counted.counts.iter().map(pick).max().unwrap_or(0))
+        };
+        let (rising, falling) = (column(|counts| counts.0), column(|counts| counts.1));
+        let overlaps = |range: Option<Range>, seen: Range| range.is_none_or(|range| range.0 <= seen.1 && seen.0 <= range.1);
+        // Unseen pulses can only add edges.
+        let more = counted.hidden || self.missed.is_some();
+        let can_hold = match (more, counted.exact) {
+            (true, _) => counted.counts.iter().any(may_be),
+            (false, true) => counted.counts.iter().any(right),
+            (false, false) => overlaps(self.claim.rising, rising) && overlaps(self.claim.falling, falling),
+        };
+        let can_break = more || !counted.exact || !counted.counts.iter().all(right);
+        let part = |wanted: bool, seen: Range, word: &str| {
+            wanted.then(|| format!("{} {word}", count_range(seen)))
+        };
+        let parts = [
+            part(self.claim.rising.is_some(), rising, "rising"),
+            part(self.claim.falling.is_some(), falling, "falling"),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        let margin = |range: Option<Range>, seen: Range| {
+            let (least, most) = range?;
+            let low = seen.0 as f64 - least as f64;
+            Some(if most == u64::MAX { low } else { low.min(most as f64 - seen.1 as f64) })
+        };
+        let margins = [margin(self.claim.rising, rising), margin(self.claim.falling, falling)];
+        let margin = margins.into_iter().flatten().reduce(f64::min);
+        let spread = (rising.1 - rising.0).max(falling.1 - falling.0);
+        let mut finding = Finding {
+            can_hold,
+            can_break,
+            observed: format!("{} edges", parts.join(" and ")),
+            margin: margin.map(|margin| Figure::new(margin, "edges")),
+            uncertainty: (spread > 0).then(|| Figure::new(spread as f64, "edges")),
+            window: Some(self.window.shown()),
+            ..Finding::default()
+        };
+        finding.reason = match (can_hold, counted.hidden) {
+            (false, _) => format!("{} edges, and that in every placement", parts.join(" and ")),
+            (true, true) => format!("`{}` is not known for a part of the window", self.info.name),
+            (true, false) => match &self.missed {
+                Some(missed) => missed.clone(),
+                None => String::from("which edges lie in the window is open within the uncertainty of the instants"),
+            },
+        };
+        let shown = self.rises.value().map(|value: Value| self.info.show(value));
+        if let (Some(value), true) = (shown, counted.counts.iter().all(|counts| *counts == (0, 0))) {
+            finding.nearest_miss = Some((format!("`{}` was {value} at the end", self.info.name), None));
+        }
+        match self.deciding {
+            Some(seen) => finding.decided_by(&seen),
+            None => finding,
+        }
+    }
+}

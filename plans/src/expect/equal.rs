@@ -1,0 +1,279 @@
+//! `equal`: two values agree, each at its own instant. `value` with `near` is the same claim.
+//!
+//! ```toml
+//! { equal = { left = "n", right = "m", when = "back" } }
+//! { equal = { left = "n @ cut", right = "n", when = "back", tolerance = 1 } }
+//! ```
+
+use std::sync::Arc;
+
+use document::{Data, Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Value};
+
+use super::common::{WHEN, anchor};
+use super::condition::{literal, number};
+use super::value::{instant, observed, unknown};
+use super::{Claim, Context, Verb};
+use crate::judge::reading::{Candidate, Reader};
+use crate::judge::{Finding, Monitor, NotJudged, Number, Point, Scene, Seen, Truth, Wiring, slack};
+use crate::lang::{Anchor, Literal};
+
+/// `equal`.
+pub(super) const EQUAL: Verb = Verb {
+    name: "equal",
+    doc: "Two values agree, each at its own instant",
+    keys: &[
+        KeySpec::required("left", KeyType::SignalRef, "A signal, or `signal @ instant`"),
+        KeySpec::required("right", KeyType::SignalRef, "Another signal, or `signal @ instant`"),
+        KeySpec::optional("tolerance", KeyType::Value, "How far apart they may be; 0 if left out"),
+        WHEN,
+    ],
+    read,
+};
+
+/// A signal at an instant.
+#[derive(Clone, Debug)]
+pub(super) struct Operand {
+    pub(super) signal: String,
+    pub(super) at: Anchor,
+}
+
+/// What the left value is compared with.
+#[derive(Clone, Debug)]
+enum Right {
+    Signal(Operand),
+    Number(Literal),
+}
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Equal {
+    left: Operand,
+    right: Right,
+    tolerance: Option<Literal>,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let when = anchor(fields, "when", Anchor::END, cx)?;
+    let (signal, at) = cx.names.at_value(fields.get("left")?, cx.out)?;
+    let left = Operand { signal, at: at.unwrap_or_else(|| when.clone()) };
+    read_pair(left, fields, "right", when, cx)
+}
+
+/// Reads what the left value is compared with: a number, or a signal at an instant.
+pub(super) fn read_pair(
+    left: Operand,
+    fields: &Fields<'_>,
+    key: &str,
+    when: Anchor,
+    cx: &mut Context<'_>,
+) -> Option<Arc<dyn Claim>> {
+    let node = fields.get(key)?;
+    let right = match (&node.data, Literal::of(node)) {
+        // A word is the name of a signal here: labels of states are not near anything.
+        (Data::Text(_), Ok(Literal::Label(_)) | Err(_)) => {
+            let (signal, at) = cx.names.at_value(node, cx.out)?;
+            Right::Signal(Operand { signal, at: at.unwrap_or(when) })
+        }
+        _ => Right::Number(literal(node, cx)?),
+    };
+    let tolerance = match fields.get("tolerance") {
+        Some(node) => Some(literal(node, cx)?),
+        None => None,
+    };
+    if let Right::Signal(other) = &right {
+        if other.signal == left.signal && other.at == left.at {
+            let message = format!("`{}` is compared with itself at {}", left.signal, left.at);
+            cx.out.bad(crate::codes::CLAIM, node, message, "name another signal or another instant");
+            return None;
+        }
+    }
+    Some(Arc::new(Equal { left, right, tolerance }))
+}
+
+impl Equal {
+    fn limit(&self, info: &SignalInfo) -> Result<Number, String> {
+        match &self.tolerance {
+            Some(tolerance) => match number(tolerance, info)? {
+                negative if negative.as_real() < 0.0 => {
+                    Err(format!("a tolerance of {} can never be met", tolerance))
+                }
+                limit => Ok(limit),
+            },
+            None => Ok(Number::Int(0)),
+        }
+    }
+
+    fn bind(&self, left: &SignalInfo) -> Result<(Number, Option<Number>), String> {
+        let constant = match &self.right {
+            Right::Number(literal) => Some(number(literal, left)?),
+            Right::Signal(_) => None,
+        };
+        Ok((self.limit(left)?, constant))
+    }
+}
+
+impl Claim for Equal {
+    fn expected(&self) -> String {
+        let left = format!("`{}` at {}", self.left.signal, self.left.at);
+        let right = match &self.right {
+            Right::Signal(right) => format!("`{}` at {}", right.signal, right.at),
+            Right::Number(literal) => literal.to_string(),
+        };
+        match &self.tolerance {
+            Some(tolerance) => format!("{left} is within {} of {right}", tolerance),
+            None => format!("{left} equals {right}"),
+        }
+    }
+
+    fn signals(&self) -> Vec<String> {
+        match &self.right {
+            Right::Signal(right) => vec![self.left.signal.clone(), right.signal.clone()],
+            Right::Number(_) => vec![self.left.signal.clone()],
+        }
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        match &self.right {
+            Right::Signal(right) => vec![&self.left.at, &right.at],
+            Right::Number(_) => vec![&self.left.at],
+        }
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        if let Some(info) = super::known(&self.left.signal, wiring, out) {
+            super::meant(self.bind(info).map(drop), out);
+        }
+        if let Right::Signal(right) = &self.right {
+            super::known(&right.signal, wiring, out);
+        }
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.left.signal)?;
+        let (limit, constant) = self.bind(info).map_err(NotJudged::NoMeaning)?;
+        let left = Side::new(&self.left, scene)?;
+        let right = match &self.right {
+            Right::Signal(right) => Some(Side::new(right, scene)?),
+            Right::Number(_) => None,
+        };
+        Ok(Box::new(Compare { left, right, constant, limit }))
+    }
+}
+
+/// One of the two values.
+struct Side {
+    info: SignalInfo,
+    point: Point,
+    reader: Reader,
+}
+
+impl Side {
+    fn new(operand: &Operand, scene: &Scene<'_>) -> Result<Side, NotJudged> {
+        let info = scene.signal(&operand.signal)?.clone();
+        let point = scene.point(&operand.at)?;
+        Ok(Side { info, point, reader: Reader::new(point) })
+    }
+}
+
+/// The judge.
+struct Compare {
+    left: Side,
+    right: Option<Side>,
+    constant: Option<Number>,
+    limit: Number,
+}
+
+impl Monitor for Compare {
+    #[inline]
+    fn feed(&mut self, slot: usize, seen: &Seen) {
+        match (slot, &mut self.right) {
+            (0, _) => self.left.reader.see(seen),
+            (_, Some(right)) => right.reader.see(seen),
+            _ => {}
+        }
+    }
+
+    fn finish(self: Box<Self>) -> Finding {
+        let left = self.left.reader.finish();
+        let (right, link) = match self.right {
+            Some(right) => {
+                let link = self.left.point.link(&right.point);
+                (Some((right.reader.finish(), right.info)), link)
+            }
+            None => (None, None),
+        };
+        let mut finding = Finding { window: Some(instant(&self.left.point)), ..Finding::default() };
+        let mut least = f64::INFINITY;
+        let mut note = |a: Value, b: Option<Value>, slack: f64| {
+            let number = |value: Value| match value {
+                Value::Real(real) => Some(Number::Real(real)),
+                other => other.as_int().map(Number::Int),
+            };
+            let other = b.map_or(self.constant, number);
+            let truth = match (number(a), other) {
+                (Some(a), Some(b)) => {
+                    let (apart, truth) = close(a, b, self.limit, slack);
+                    least = least.min(self.limit.as_real() - apart);
+                    truth
+                }
+                _ if matches!(a, Value::Unknown) || matches!(b, Some(Value::Unknown)) => Truth::Unknown,
+                // A line that nobody drives equals another such line, and no number.
+                _ => Truth::of(b == Some(a)),
+            };
+            finding.can_hold |= truth.possible();
+            finding.can_break |= truth.not().possible();
+        };
+        let own = slack(&self.left.info);
+        for candidate in &left {
+            match &right {
+                Some((others, info)) => {
+                    for other in others.iter().filter(|other| together(candidate, other, link)) {
+                        note(candidate.seen.value, Some(other.seen.value), own + slack(info));
+                    }
+                }
+                None => note(candidate.seen.value, None, own),
+            }
+        }
+        let shown = observed(&left, &self.left.info);
+        finding.observed = match &right {
+            Some((others, info)) => format!("{shown} and {}", observed(others, info)),
+            None => shown,
+        };
+        let open = unknown(&left) || right.as_ref().is_some_and(|(others, _)| unknown(others));
+        finding.reason = match (finding.can_hold, open) {
+            (false, _) => format!("they are {}", finding.observed),
+            (true, true) => String::from("a value is not known at its instant"),
+            (true, false) => String::from("a value changes at about its instant"),
+        };
+        finding.margin = least.is_finite().then(|| Figure::new(least, self.left.info.unit.clone()));
+        match left.last().filter(|last| !matches!(last.seen.value, Value::Unknown)) {
+            Some(last) => finding.decided_by(&last.seen),
+            None => finding,
+        }
+    }
+}
+
+/// Whether two readings can be placed at once: instants that hang on one event move together.
+fn together(left: &Candidate, right: &Candidate, link: Option<i64>) -> bool {
+    link.is_none_or(|link| {
+        let low = left.low.saturating_add(link).max(right.low);
+        low <= left.high.saturating_add(link).min(right.high)
+    })
+}
+
+/// How far apart two numbers are, and whether that is within the limit.
+fn close(a: Number, b: Number, limit: Number, slack: f64) -> (f64, Truth) {
+    if let (Number::Int(a), Number::Int(b), Number::Int(limit)) = (a, b, limit) {
+        let apart = a.abs_diff(b);
+        return (apart as f64, Truth::of(apart <= limit.unsigned_abs()));
+    }
+    let (apart, limit) = ((a.as_real() - b.as_real()).abs(), limit.as_real());
+    let truth = match apart {
+        apart if apart + slack <= limit => Truth::True,
+        apart if apart - slack <= limit && slack > 0.0 => Truth::Unknown,
+        _ => Truth::False,
+    };
+    (apart, truth)
+}

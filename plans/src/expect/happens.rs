@@ -1,0 +1,144 @@
+//! `happens`: a step that waits for an event came.
+//!
+//! ```toml
+//! { happens = { step = "back", within = "2 s", from = "cut" } }
+//! ```
+//! Every step with `when` is claimed to happen without being asked for.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::Span;
+
+use super::common::{FROM, Limits, Single, anchor, delay_words, span_range, spans, width};
+use super::first_edge::WITHIN;
+use super::{Claim, Context, Expectation, Place, Verb};
+use crate::judge::edges::{First, Found};
+use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, StepFacts, Wiring};
+use crate::lang::{Anchor, Base};
+
+/// `happens`.
+pub(super) const HAPPENS: Verb = Verb {
+    name: "happens",
+    doc: "A step that waits for an event came, and in time",
+    keys: &[KeySpec::required("step", KeyType::Anchor, "The id of the step"), FROM, WITHIN],
+    read,
+};
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Happens {
+    step: Anchor,
+    from: Option<Anchor>,
+    within: Option<Limits>,
+    /// The longest wait of a step that nobody asked about.
+    wait: Option<Span>,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let node = fields.get("step")?;
+    let step = cx.names.anchor(node, cx.out)?;
+    if !matches!(step.base, Base::Step(_)) || step.offset != Span::ZERO {
+        let message = format!("`{step}` is not a step");
+        cx.out.bad(crate::codes::CLAIM, node, message, "write the id of a step alone");
+        return None;
+    }
+    let from = anchor(fields, "from", Anchor::START, cx)?;
+    let within = match fields.get("within") {
+        Some(node) => Some(spans(node, "within", Single::Most, cx)?),
+        None => None,
+    };
+    Some(Arc::new(Happens { step, from: Some(from), within, wait: None }))
+}
+
+/// The claim that a step which waits for an event came.
+pub(crate) fn implied(step: &StepFacts) -> Expectation {
+    let id = Anchor { base: Base::Step(step.id.clone()), offset: Span::ZERO };
+    Expectation {
+        name: String::new(),
+        verb: "happens",
+        claim: Arc::new(Happens { step: id, from: None, within: None, wait: step.awaited }),
+        place: Some(Place { file: Arc::from(""), span: 0..0, line: step.line }),
+    }
+}
+
+impl Happens {
+    fn id(&self) -> &str {
+        self.step.base.step().unwrap_or_default()
+    }
+}
+
+impl Claim for Happens {
+    fn expected(&self) -> String {
+        let id = self.id();
+        match (&self.from, self.within, self.wait) {
+            (Some(from), Some(limits), _) => format!("step {id} comes {} after {from}", span_range(limits)),
+            (.., Some(wait)) => format!("step {id} comes within {wait} of waiting"),
+            _ => format!("step {id} comes"),
+        }
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![format!("step:{}", self.id())]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.from.iter().collect()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        super::known(&self.signals()[0], wiring, out);
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let from = match &self.from {
+            Some(from) => scene.point(from)?,
+            None => Point { a: i64::MIN, b: i64::MIN, place: 0, base: u32::MAX, offset: 0 },
+        };
+        let limits = self.within.unwrap_or((0, i64::MAX));
+        Ok(Box::new(Came { claim: self.clone(), from, limits, came: None }))
+    }
+}
+
+/// The judge.
+struct Came {
+    claim: Happens,
+    from: Point,
+    limits: Limits,
+    came: Option<Seen>,
+}
+
+impl Monitor for Came {
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        self.came.get_or_insert(*seen);
+    }
+
+    fn finish(self: Box<Self>) -> Finding {
+        let id = self.claim.id();
+        let Some(came) = self.came else {
+            let reason = format!("step {id} never came");
+            return Finding { observed: String::from("it never came"), reason, ..Finding::default() };
+        };
+        let mut finding = Finding { can_hold: true, ..Finding::default() }.decided_by(&came);
+        let (Some(from), Some(_)) = (&self.claim.from, self.claim.within) else {
+            finding.observed = String::from("it came");
+            return finding;
+        };
+        let found = Found { seen: came, certain: true };
+        let mut first = First::new(self.from, self.limits.0, self.limits.1);
+        first.see(&found);
+        let delay = first.finish();
+        let between = (came.a.saturating_sub(self.from.b), came.b.saturating_sub(self.from.a));
+        finding.observed = format!("it came {}", delay_words(between, from));
+        (finding.can_hold, finding.can_break) = (delay.can_hold, delay.can_break());
+        let margin = (between.0.saturating_sub(self.limits.0)).min(self.limits.1.saturating_sub(between.1));
+        finding.margin = Some(Figure::span(Span::from_nanos(margin)));
+        finding.uncertainty = width(between);
+        finding.reason = match finding.can_hold {
+            true => String::from("the uncertainty of the instants reaches over a limit"),
+            false => String::from("outside the limits"),
+        };
+        finding
+    }
+}

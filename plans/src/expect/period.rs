@@ -1,0 +1,177 @@
+//! `period`: the distances of successive edges of one kind.
+//!
+//! ```toml
+//! { period = { signal = "clock", edge = "rises", is = "1 ms", tolerance = "2 us", from = "run" } }
+//! ```
+//! Every distance between two edges of the window counts; with fewer than two edges the claim fails.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Span};
+
+use super::common::{
+    Between, FROM, LONGER, Limits, SIGNAL, Single, UNTIL, blind_words, delay_words, signal, span_range, spans,
+    width,
+};
+use super::{Claim, Context, Verb};
+use crate::codes;
+use crate::judge::edges::{Edge, Finder};
+use crate::judge::pulses::Chain;
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::lang::Anchor;
+
+/// `period`.
+pub(super) const PERIOD: Verb = Verb {
+    name: "period",
+    doc: "Successive edges of a signal are as far apart as they should be, all of a window",
+    keys: &[
+        SIGNAL,
+        KeySpec::optional("edge", KeyType::Choice(&["rises", "falls", "changes"]), "Which edges; `rises` if left out"),
+        KeySpec::required("is", KeyType::Range, "The distance that is allowed: \"0.9 ms .. 1.1 ms\", or one duration"),
+        KeySpec::optional("tolerance", KeyType::Duration, "How far it may be from the duration `is`"),
+        FROM,
+        UNTIL,
+        LONGER,
+    ],
+    read,
+};
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Period {
+    signal: String,
+    edge: Edge,
+    limits: Limits,
+    between: Between,
+    longer_than: Option<Span>,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let signal = signal(fields, "signal", cx);
+    let between = Between::read(fields, cx);
+    let node = fields.get("is")?;
+    let mut limits = spans(node, "is", Single::Exactly, cx)?;
+    if fields.has("tolerance") {
+        let tolerance = fields.duration("tolerance")?.as_nanos();
+        if limits.0 != limits.1 {
+            let help = "write one duration for `is`, or leave `tolerance` out";
+            cx.out.bad(codes::CLAIM, node, "`is` is a range already: `tolerance` says it twice", help);
+            return None;
+        }
+        limits = (limits.0.saturating_sub(tolerance).max(0), limits.1.saturating_add(tolerance));
+    }
+    let edge = match fields.text("edge") {
+        Some("falls") => Edge::Falls,
+        Some("changes") => Edge::Changes,
+        _ => Edge::Rises,
+    };
+    let longer_than = fields.duration("pulses-longer-than");
+    Some(Arc::new(Period { signal: signal?, edge, limits, between: between?, longer_than }))
+}
+
+impl Period {
+    fn noun(&self) -> &'static str {
+        match self.edge {
+            Edge::Rises => "rises",
+            Edge::Falls => "falls",
+            _ => "changes",
+        }
+    }
+}
+
+impl Claim for Period {
+    fn expected(&self) -> String {
+        let (noun, limits) = (self.noun(), span_range(self.limits));
+        format!("successive {noun} of `{}` are {limits} apart{}", self.signal, self.between.words())
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        super::known(&self.signal, wiring, out);
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        let window = scene.window(&self.between.from, &self.between.until)?;
+        Ok(Box::new(Follow {
+            finder: Finder::new(self.edge.clone(), slack(info)),
+            chain: Chain::new(window, self.limits),
+            missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
+            claim: self.clone(),
+            info: info.clone(),
+            window,
+            open: scene.is_open(&self.between.until),
+        }))
+    }
+}
+
+/// The judge.
+struct Follow {
+    claim: Period,
+    info: SignalInfo,
+    window: Window,
+    finder: Finder,
+    chain: Chain,
+    missed: Option<String>,
+    open: bool,
+}
+
+impl Monitor for Follow {
+    #[inline]
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        match self.finder.see(seen) {
+            Some(found) if found.certain => self.chain.edge(seen),
+            Some(found) => self.chain.unknown(&found.seen),
+            None => {}
+        }
+    }
+
+    fn lost(&mut self, _now: i64) -> bool {
+        !self.open && self.chain.lost()
+    }
+
+    fn finish(mut self: Box<Self>) -> Finding {
+        if let Some(rest) = self.finder.rest() {
+            self.chain.unknown(&rest.seen);
+        }
+        let spread = self.chain.finish();
+        let mut finding = Finding {
+            can_hold: spread.can_hold,
+            can_break: spread.can_break || spread.can_be_missing || self.missed.is_some(),
+            window: Some(self.window.shown()),
+            ..Finding::default()
+        };
+        let noun = self.claim.noun();
+        let Some(deciding) = spread.deciding else {
+            finding.observed = format!("fewer than two {noun}{}", self.claim.between.words());
+            finding.reason = match spread.doubtful {
+                true => format!("`{}` is not known for a part of the window", self.info.name),
+                false => String::from("there is no distance to judge"),
+            };
+            return finding;
+        };
+        let extent = spread.extent.unwrap_or(deciding.extent);
+        finding.observed = format!("{} distances, {}", spread.count, span_range(extent));
+        finding.margin = Some(Figure::span(Span::from_nanos(deciding.margin)));
+        finding.uncertainty = width(deciding.extent);
+        let from = &self.window.from;
+        let delay = (deciding.seen.a.saturating_sub(from.b), deciding.seen.b.saturating_sub(from.a));
+        let when = delay_words(delay, &self.claim.between.from);
+        finding.reason = match (spread.can_hold, spread.doubtful, self.missed) {
+            (false, ..) => format!("a distance of {} that ends {when}", span_range(deciding.extent)),
+            (true, true, _) => format!("`{}` is not known for a part of the window", self.info.name),
+            (true, false, Some(missed)) if !spread.can_break => missed,
+            _ => String::from("the uncertainty of the instants reaches over a limit"),
+        };
+        finding.decided_by(&deciding.seen)
+    }
+}

@@ -1,0 +1,222 @@
+//! `pulse`: how long a signal stays at a level.
+//!
+//! ```toml
+//! { pulse = { signal = "out", level = "high", width = "10 ms ± 0.1 ms", from = "press" } }
+//! ```
+//! A pulse belongs to the window in which it begins, wherever it ends. No pulse at all fails the claim.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Span};
+
+use super::common::{
+    Between, FROM, Limits, SIGNAL, Single, UNTIL, delay_words, signal, span_range, spans, width,
+};
+use super::{Claim, Context, Verb};
+use crate::judge::edges::LAST;
+use crate::judge::pulses::{Chain, FirstPulse, Pulse, Spread};
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Test, Truth, Window, Wiring, slack};
+use crate::lang::Anchor;
+
+/// `pulse`.
+pub(super) const PULSE: Verb = Verb {
+    name: "pulse",
+    doc: "The first pulse of a window, or every one, has a width within limits",
+    keys: &[
+        SIGNAL,
+        KeySpec::optional("level", KeyType::Choice(&["high", "low"]), "The level of the pulse; `high` if left out"),
+        KeySpec::required("width", KeyType::Range, "The width that is allowed: \"10 ms ± 0.1 ms\", \"5 ms ..\""),
+        KeySpec::optional("which", KeyType::Choice(&["first", "every"]), "Which pulses; `first` if left out"),
+        FROM,
+        UNTIL,
+    ],
+    read,
+};
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Widths {
+    signal: String,
+    high: bool,
+    width: Limits,
+    every: bool,
+    between: Between,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let signal = signal(fields, "signal", cx);
+    let between = Between::read(fields, cx);
+    let width = spans(fields.get("width")?, "width", Single::Exactly, cx)?;
+    let high = fields.text("level") != Some("low");
+    let every = fields.text("which") == Some("every");
+    Some(Arc::new(Widths { signal: signal?, high, width, every, between: between? }))
+}
+
+impl Widths {
+    fn noun(&self) -> &'static str {
+        if self.high { "pulse" } else { "low pulse" }
+    }
+}
+
+impl Claim for Widths {
+    fn expected(&self) -> String {
+        let which = if self.every { "every" } else { "the first" };
+        let (width, window) = (span_range(self.width), self.between.words());
+        format!("{which} {} of `{}` lasts {width}{window}", self.noun(), self.signal)
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        super::known(&self.signal, wiring, out);
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        let window = scene.window(&self.between.from, &self.between.until)?;
+        let judge = match self.every {
+            true => Judge::Every(Chain::new(window, self.width)),
+            false => Judge::First(FirstPulse::new(window, self.width)),
+        };
+        Ok(Box::new(Measure {
+            claim: self.clone(),
+            info: info.clone(),
+            test: Test::bool(self.high),
+            window,
+            judge,
+            open: Some((Seen::NOTHING, Truth::Unknown)),
+            clean: true,
+            end: scene.end(),
+        }))
+    }
+}
+
+/// Which pulses are judged.
+enum Judge {
+    First(FirstPulse),
+    Every(Chain),
+}
+
+/// The judge.
+struct Measure {
+    claim: Widths,
+    info: SignalInfo,
+    test: Test,
+    window: Window,
+    judge: Judge,
+    /// The beginning of the stretch that is open, and whether it is a pulse.
+    open: Option<(Seen, Truth)>,
+    /// The open pulse has a known beginning.
+    clean: bool,
+    end: i64,
+}
+
+impl Measure {
+    fn pulse(&mut self, start: Seen, end: (i64, i64), certain: bool) {
+        let pulse = Pulse { start, end, certain };
+        match &mut self.judge {
+            Judge::First(first) => first.see(&pulse),
+            Judge::Every(chain) if certain => chain.pulse(&pulse),
+            Judge::Every(chain) => chain.unknown(&start),
+        }
+    }
+}
+
+impl Monitor for Measure {
+    #[inline]
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        let class = self.test.holds(seen.value, slack(&self.info));
+        let Some((start, open)) = self.open else {
+            self.open = (class != Truth::False).then_some((*seen, class));
+            return;
+        };
+        match (open, class) {
+            (Truth::True, Truth::False) => {
+                let certain = std::mem::replace(&mut self.clean, true);
+                self.pulse(start, (seen.a, seen.b), certain);
+                self.open = None;
+            }
+            // It ends, or goes on, where nothing is known.
+            (Truth::True, Truth::Unknown) => self.open = Some((start, Truth::Unknown)),
+            (Truth::Unknown, _) => {
+                // There can be any pulse in an unknown stretch, and one that is there behind it can have begun
+                // anywhere in it.
+                let begun = Seen { a: start.a, since: start.since, ..*seen };
+                self.pulse(begun, (start.a, seen.b), false);
+                self.clean = class == Truth::False;
+                self.open = (class == Truth::True).then_some((begun, Truth::True));
+            }
+            _ => {}
+        }
+    }
+
+    fn finish(mut self: Box<Self>) -> Finding {
+        if let Some((start, class)) = self.open.take() {
+            match class {
+                // It lasts at least to the end of the case.
+                Truth::True => self.pulse(start, (self.end.max(start.a), i64::MAX), self.clean),
+                _ => {
+                    let begun = Seen { b: i64::MAX, place: LAST, ..start };
+                    self.pulse(begun, (start.a, i64::MAX), false);
+                }
+            }
+        }
+        let end = self.end;
+        let (claim, window, info) = (self.claim, self.window, self.info);
+        let spread = match self.judge {
+            Judge::First(first) => first.finish(),
+            Judge::Every(chain) => chain.finish(),
+        };
+        finding(&claim, &spread, &window, &info, end)
+    }
+}
+
+fn finding(claim: &Widths, spread: &Spread, window: &Window, info: &SignalInfo, end: i64) -> Finding {
+    let mut finding = Finding {
+        can_hold: spread.can_hold,
+        can_break: spread.can_break || spread.can_be_missing,
+        window: Some(window.shown()),
+        ..Finding::default()
+    };
+    let noun = claim.noun();
+    let Some(deciding) = spread.deciding else {
+        finding.observed = format!("no {noun} began{}", claim.between.words());
+        finding.reason = match spread.doubtful {
+            true => format!("`{}` is not known for a part of the window", info.name),
+            false => format!("there was no {noun}"),
+        };
+        return finding;
+    };
+    let delay = (deciding.seen.a.saturating_sub(window.from.b), deciding.seen.b.saturating_sub(window.from.a));
+    let unfinished = deciding.extent.1 >= i64::MAX.saturating_sub(end);
+    let lasting = match unfinished {
+        true => format!("at least {}, to the end of the case", Span::from_nanos(deciding.extent.0)),
+        false => span_range(deciding.extent),
+    };
+    finding.observed = format!("a {noun} of {lasting}, {}", delay_words(delay, &claim.between.from));
+    finding.margin = Some(Figure::span(Span::from_nanos(deciding.margin))).filter(|_| !unfinished);
+    finding.uncertainty = width(deciding.extent).filter(|_| !unfinished);
+    finding.reason = match (spread.can_hold, spread.doubtful) {
+        (false, _) if deciding.extent.1 < claim.width.0 => {
+            format!("{} too short", Span::from_nanos(claim.width.0 - deciding.extent.1))
+        }
+        (false, _) if deciding.extent.0 > claim.width.1 => {
+            format!("{} too long", Span::from_nanos(deciding.extent.0 - claim.width.1))
+        }
+        (false, _) => String::from("outside the limits in every placement"),
+        (true, true) => format!("`{}` is not known for a part of the window", info.name),
+        (true, false) if unfinished => String::from("the case ended within the pulse"),
+        (true, false) => {
+            String::from("the uncertainty of the instants reaches over a limit of the width or of the window")
+        }
+    };
+    finding.decided_by(&deciding.seen)
+}

@@ -1,0 +1,191 @@
+//! `value`: what a signal is at an instant.
+//!
+//! ```toml
+//! { value = { of = "PLC_R.i_wLastApplicationError", is = "16#0010", when = "end" } }
+//! { value = { of = "n", near = "n @ cut", tolerance = 1, when = "back" } }
+//! ```
+//! At the instant of a step itself, what the trace has before the step counts.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Value};
+
+use super::common::{WHEN, anchor};
+use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
+use super::equal::{Operand, read_pair};
+use super::{Claim, Context, Verb};
+use crate::codes;
+use crate::judge::reading::{Candidate, Reader};
+use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Test, Truth, Wiring, slack};
+use crate::lang::Anchor;
+
+/// `value`.
+pub(super) const VALUE: Verb = Verb {
+    name: "value",
+    doc: "A signal has a value, one within limits, or one near another, at an instant",
+    keys: &[
+        KeySpec::required("of", KeyType::SignalRef, "The signal, or `signal @ instant`"),
+        IS,
+        ONE_OF,
+        MIN,
+        MAX,
+        KeySpec::optional(
+            "near",
+            KeyType::Value,
+            "A number, or another signal's value as in `n @ cut`, that it is within `tolerance` of",
+        ),
+        KeySpec::optional("tolerance", KeyType::Value, "How far it may be from `near`; 0 if left out"),
+        WHEN,
+    ],
+    read,
+};
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct At {
+    signal: String,
+    condition: Condition,
+    when: Anchor,
+}
+
+/// The claim that a signal meets a condition at an instant.
+pub(super) fn at_instant(signal: String, condition: Condition, when: Anchor) -> Arc<dyn Claim> {
+    Arc::new(At { signal, condition, when })
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let when = anchor(fields, "when", Anchor::END, cx);
+    let (signal, at) = cx.names.at_value(fields.get("of")?, cx.out)?;
+    if let (Some(_), Some(node)) = (&at, fields.get("when")) {
+        let message = "the instant is given twice, behind `@` and as `when`";
+        cx.out.bad(codes::CLAIM, node, message, "leave one of them out");
+        return None;
+    }
+    let when = at.or(when)?;
+    if !fields.has("near") {
+        if let Some(node) = fields.get("tolerance") {
+            cx.out.bad(codes::CLAIM, node, "`tolerance` has no meaning without `near`", "");
+            return None;
+        }
+        let condition = Condition::read(fields, None, cx)?;
+        return Some(at_instant(signal, condition, when));
+    }
+    if let Some(key) = ["is", "one-of", "min", "max"].into_iter().find(|key| fields.has(key)) {
+        let node = fields.get(key)?;
+        cx.out.bad(codes::CLAIM, node, format!("a value is wanted in two ways: `near` and `{key}`"), "");
+        return None;
+    }
+    read_pair(Operand { signal, at: when.clone() }, fields, "near", when, cx)
+}
+
+impl Claim for At {
+    fn expected(&self) -> String {
+        format!("`{}` is {} at {}", self.signal, self.condition, self.when)
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        vec![&self.when]
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        if let Some(info) = super::known(&self.signal, wiring, out) {
+            super::meant(self.condition.bind(info).map(drop), out);
+        }
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        let point = scene.point(&self.when)?;
+        let test = self.condition.bind(info).map_err(NotJudged::NoMeaning)?;
+        let reader = Reader::new(point);
+        Ok(Box::new(Read { claim: self.clone(), info: info.clone(), test, point, reader }))
+    }
+}
+
+/// The judge.
+struct Read {
+    claim: At,
+    info: SignalInfo,
+    test: Test,
+    point: Point,
+    reader: Reader,
+}
+
+impl Monitor for Read {
+    #[inline]
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        self.reader.see(seen);
+    }
+
+    fn lost(&mut self, now: i64) -> bool {
+        now > self.point.b
+            && self.reader.clone().finish().iter().all(|candidate| {
+                self.test.holds(candidate.seen.value, slack(&self.info)) == Truth::False
+            })
+    }
+
+    fn finish(self: Box<Self>) -> Finding {
+        let (slack, candidates) = (slack(&self.info), self.reader.finish());
+        let holds = |candidate: &Candidate| self.test.holds(candidate.seen.value, slack);
+        let mut finding = Finding {
+            can_hold: candidates.iter().any(|candidate| holds(candidate).possible()),
+            can_break: candidates.iter().any(|candidate| holds(candidate).not().possible()),
+            observed: observed(&candidates, &self.info),
+            window: Some(instant(&self.point)),
+            ..Finding::default()
+        };
+        let margins = candidates.iter().filter_map(|candidate| self.test.margin(candidate.seen.value));
+        let margin = margins.reduce(f64::min).map(|margin| margin - slack);
+        finding.margin = margin.map(|margin| Figure::new(margin, self.info.unit.clone()));
+        finding.reason = match (finding.can_hold, unknown(&candidates)) {
+            (false, _) => format!("it was {}", observed(&candidates, &self.info)),
+            (true, true) => format!("the value is not known at {}", self.claim.when),
+            (true, false) if candidates.len() > 1 => format!("it changes at about {}", self.claim.when),
+            (true, false) => String::from("the value is nearer to the limit than the trace is exact"),
+        };
+        // The value that speaks against the claim is the one to look at.
+        let worst = candidates.iter().find(|candidate| holds(candidate) != Truth::True).or(candidates.last());
+        match worst {
+            Some(worst) if !matches!(worst.seen.value, Value::Unknown) => finding.decided_by(&worst.seen),
+            _ => finding,
+        }
+    }
+}
+
+/// Whether some placement reads an unknown value.
+pub(super) fn unknown(candidates: &[Candidate]) -> bool {
+    candidates.iter().any(|candidate| matches!(candidate.seen.value, Value::Unknown))
+}
+
+/// The values that were read, in the user's words.
+pub(super) fn observed(candidates: &[Candidate], info: &SignalInfo) -> String {
+    let mut shown: Vec<String> = Vec::new();
+    for candidate in candidates {
+        let value = info.show(candidate.seen.value);
+        if !shown.contains(&value) {
+            shown.push(value);
+        }
+    }
+    if shown.len() > 4 {
+        let more = shown.len() - 3;
+        shown.truncate(3);
+        shown.push(format!("{more} more"));
+    }
+    shown.join(" or ")
+}
+
+/// An instant as a window without length.
+pub(super) fn instant(point: &Point) -> record::Window {
+    record::Window {
+        from_ns: [point.a, point.b],
+        until_ns: [point.a, point.b],
+        limit_from_ns: None,
+        limit_until_ns: None,
+    }
+}

@@ -1,0 +1,229 @@
+//! Taking a measurement.
+
+use record::{Figure, MeasurementRecord, Verdict};
+use signal::{SignalInfo, Span, Value};
+
+use super::{Limits, Measurement, Quantity};
+use crate::expect::number;
+use crate::judge::edges::{Finder, First};
+use crate::judge::reading::Reader;
+use crate::judge::{NotJudged, Number, Point, Scene, Seen, slack};
+use crate::lang::Literal;
+
+/// Limits as numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Bounds {
+    min: Option<f64>,
+    max: Option<f64>,
+    nominal: Option<f64>,
+    tolerance: Option<f64>,
+}
+
+impl Bounds {
+    /// The limits of a value of this signal, or of a time in nanoseconds.
+    ///
+    /// # Errors
+    /// Why a limit means nothing, one sentence.
+    pub(super) fn new(limits: &Limits, info: Option<&SignalInfo>) -> Result<Bounds, String> {
+        let bind = |literal: &Literal| match info {
+            Some(info) => number(literal, info).map(Number::as_real),
+            None => nanos(literal),
+        };
+        let mut bounds = Bounds {
+            min: limits.min.as_ref().map(bind).transpose()?,
+            max: limits.max.as_ref().map(bind).transpose()?,
+            ..Bounds::default()
+        };
+        if let Some((nominal, tolerance)) = &limits.nominal {
+            let (nominal, tolerance) = (bind(nominal)?, bind(tolerance)?);
+            bounds.nominal = Some(nominal);
+            bounds.tolerance = Some(tolerance);
+            bounds.min = Some(nominal - tolerance);
+            bounds.max = Some(nominal + tolerance);
+        }
+        match (bounds.min, bounds.max) {
+            (Some(min), Some(max)) if min > max => Err("the limits exclude every value".into()),
+            _ => Ok(bounds),
+        }
+    }
+
+    fn any(&self) -> bool {
+        self.min.is_some() || self.max.is_some()
+    }
+
+    /// Whether a value within the interval can be inside the limits, and whether it can be outside.
+    fn hold(&self, low: f64, high: f64) -> (bool, bool) {
+        let min = self.min.unwrap_or(f64::NEG_INFINITY);
+        let max = self.max.unwrap_or(f64::INFINITY);
+        (low <= max && high >= min, !(low >= min && high <= max))
+    }
+
+    fn margin(&self, low: f64, high: f64) -> Option<f64> {
+        let below = self.max.map(|max| max - high);
+        let above = self.min.map(|min| low - min);
+        match (below, above) {
+            (Some(below), Some(above)) => Some(below.min(above)),
+            (one, other) => one.or(other),
+        }
+    }
+}
+
+/// A limit of a time, in nanoseconds.
+fn nanos(literal: &Literal) -> Result<f64, String> {
+    match literal {
+        // Durations are written with a unit and read as whole nanoseconds; a bare number has none.
+        Literal::Measure { number, unit } => {
+            let text = format!("{number} {unit}");
+            match Span::parse(&text) {
+                Ok(span) => Ok(span.as_nanos() as f64),
+                Err(_) => Err(format!("`{text}` is no duration: the measurement is a time")),
+            }
+        }
+        Literal::Value(Value::Int(nanos)) => Ok(*nanos as f64),
+        other => Err(format!("`{}` is no duration: the measurement is a time", other)),
+    }
+}
+
+/// What takes the measurement.
+#[derive(Debug)]
+enum Taking {
+    Between(Point, Point),
+    Edge { from: Point, finder: Finder, first: First, past: &'static str },
+    Value { point: Point, info: SignalInfo, reader: Reader },
+}
+
+/// Follows the signal of one measurement.
+#[derive(Debug)]
+pub struct Gauge {
+    record: MeasurementRecord,
+    bounds: Bounds,
+    taking: Taking,
+}
+
+impl Gauge {
+    pub(super) fn new(measurement: &Measurement, scene: &Scene<'_>) -> Result<Gauge, NotJudged> {
+        let mut info = None;
+        let taking = match &measurement.quantity {
+            Quantity::Between { from, to } => Taking::Between(scene.point(from)?, scene.point(to)?),
+            Quantity::ToEdge { from, signal, edge } => {
+                let from = scene.point(from)?;
+                let finder = Finder::new(edge.clone(), slack(scene.signal(signal)?));
+                Taking::Edge { from, finder, first: First::new(from, 0, i64::MAX), past: edge.past() }
+            }
+            Quantity::Value { signal, when } => {
+                let (found, point) = (scene.signal(signal)?, scene.point(when)?);
+                info = Some(found);
+                Taking::Value { point, info: found.clone(), reader: Reader::new(point) }
+            }
+        };
+        let bounds = Bounds::new(&measurement.limits, info).map_err(NotJudged::NoMeaning)?;
+        let record = MeasurementRecord {
+            name: measurement.name.clone(),
+            unit: info.map_or_else(|| String::from("ns"), |info| info.unit.clone()),
+            min: bounds.min,
+            max: bounds.max,
+            nominal: bounds.nominal,
+            tolerance: bounds.tolerance,
+            signal: measurement.signals().into_iter().next(),
+            line: measurement.line(),
+            ..MeasurementRecord::default()
+        };
+        Ok(Gauge { record, bounds, taking })
+    }
+
+    /// The next event of the measurement's signal.
+    #[inline]
+    pub fn feed(&mut self, seen: &Seen) {
+        match &mut self.taking {
+            Taking::Between(..) => {}
+            Taking::Edge { finder, first, .. } => {
+                if let Some(found) = finder.see(seen) {
+                    first.see(&found);
+                }
+            }
+            Taking::Value { reader, .. } => reader.see(seen),
+        }
+    }
+
+    /// The record when nothing comes any more.
+    pub fn finish(self) -> MeasurementRecord {
+        let Gauge { mut record, bounds, taking } = self;
+        let interval = |point: &Point| Some([point.a, point.b]);
+        match taking {
+            Taking::Between(from, to) => {
+                record.from_ns = interval(&from);
+                record.to_ns = interval(&to);
+                let extent = match from.link(&to) {
+                    Some(length) => (length, length),
+                    None => (to.a.saturating_sub(from.b), to.b.saturating_sub(from.a)),
+                };
+                judge(record, &bounds, extent.0 as f64, extent.1 as f64)
+            }
+            Taking::Edge { from, finder, mut first, past } => {
+                if let Some(rest) = finder.rest() {
+                    first.see(&rest);
+                }
+                let delay = first.finish();
+                record.from_ns = interval(&from);
+                record.to_ns = delay.deciding.map(|found| [found.seen.a, found.seen.b]);
+                let Some((low, high)) = delay.delay else {
+                    record.to_ns = None;
+                    if delay.doubtful {
+                        return open(record, "never taken: the value is not known when it may have ended");
+                    }
+                    record.verdict = Verdict::Fail;
+                    record.reason = format!("never taken: it did not happen, nothing {past}");
+                    return record;
+                };
+                let record = judge(record, &bounds, low as f64, high as f64);
+                if delay.doubtful || delay.can_be_missing {
+                    return open(record, "the value is not known at a time when it may have ended earlier");
+                }
+                record
+            }
+            Taking::Value { point, info, reader } => {
+                record.from_ns = interval(&point);
+                let candidates = reader.finish();
+                let slack = slack(&info);
+                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+                for candidate in &candidates {
+                    match candidate.seen.value.as_real().filter(|real| !real.is_nan()) {
+                        Some(real) => (low, high) = (low.min(real - slack), high.max(real + slack)),
+                        None => {
+                            record.verdict = Verdict::Inconclusive;
+                            let shown = info.show(candidate.seen.value);
+                            record.reason = format!("never taken: the value is {shown}");
+                            return record;
+                        }
+                    }
+                }
+                judge(record, &bounds, low, high)
+            }
+        }
+    }
+}
+
+/// The verdict on a value that lies in an interval.
+fn judge(mut record: MeasurementRecord, bounds: &Bounds, low: f64, high: f64) -> MeasurementRecord {
+    record.value = Some([low, high]);
+    if !bounds.any() {
+        return record;
+    }
+    record.margin = bounds.margin(low, high).map(|margin| Figure::new(margin, record.unit.clone()));
+    (record.verdict, record.reason) = match bounds.hold(low, high) {
+        (true, false) => (Verdict::Pass, String::new()),
+        (false, _) => {
+            let over = bounds.max.is_some_and(|max| low > max);
+            (Verdict::Fail, String::from(if over { "too large" } else { "too small" }))
+        }
+        (true, true) => (Verdict::Inconclusive, String::from("a limit lies within the uncertainty")),
+    };
+    record
+}
+
+/// The same, open where it was a pass or had no verdict.
+fn open(mut record: MeasurementRecord, why: &str) -> MeasurementRecord {
+    record.verdict = Verdict::Inconclusive;
+    record.reason = why.to_owned();
+    record
+}

@@ -1,0 +1,170 @@
+//! What a plan says of itself: program, needs, requirements and profiles.
+
+use document::{Fields, Findings, Node, suggest};
+use profile::Profile;
+
+use super::read::Document;
+use super::{Initial, ProgramRef, Settings, SignalBinding, Source, Step};
+use crate::codes;
+use crate::lang::{Amount, Bound, Need, Relation};
+use crate::steps::Stimulus;
+
+/// Areas of the requirements.
+const AREAS: &[&str] = &["controller", "io", "ethernet", "serial-can", "plcsystem"];
+
+/// The program.
+pub(super) fn program(
+    document: &Document,
+    fields: &Fields<'_>,
+    settings: &Settings,
+    out: &mut Findings,
+) -> ProgramRef {
+    if let Some(text) = &document.program_text {
+        return text.clone();
+    }
+    let files: Vec<String> =
+        fields.each("program").iter().filter_map(Node::as_text).map(str::to_owned).collect();
+    if !files.is_empty() {
+        for node in fields
+            .each("program")
+            .iter()
+            .filter(|node| node.as_text().is_some_and(|text| text.trim().is_empty()))
+        {
+            out.bad(
+                codes::PROGRAM,
+                node,
+                "the name of a program file is empty",
+                "as in program = \"lamp.st\"",
+            );
+        }
+        return ProgramRef::Files(files);
+    }
+    let loads = settings.initial == Initial::Empty;
+    if !loads && !fields.has("program") {
+        let help =
+            "write program = \"lamp.st\" or program-text = \'\'\'...\'\'\', or settings.initial = \"empty\"";
+        out.error(codes::PROGRAM, 0..0, "the plan has no program", help);
+    }
+    ProgramRef::None
+}
+
+/// The entries of a list that is looked through again for each of its entries.
+fn few<'n>(fields: &Fields<'n>, key: &str, out: &mut Findings) -> &'n [Node] {
+    const MOST: usize = 500;
+    let list = fields.each(key);
+    if let Some(node) = list.get(MOST) {
+        out.bad(codes::TOO_LARGE, node, format!("`{key}` has more than {MOST} entries"), "");
+        return &[];
+    }
+    list
+}
+
+/// The powers that the plan says it needs.
+pub(super) fn needs(fields: &Fields<'_>, out: &mut Findings) -> Vec<Need> {
+    let mut list: Vec<Need> = Vec::new();
+    for node in few(fields, "needs", out) {
+        let Some(text) = node.as_text() else { continue };
+        match Need::parse(text) {
+            Ok(need) if list.contains(&need) => {}
+            Ok(need) => list.push(need),
+            Err((at, fault)) => {
+                let message = format!("`{text}` is no need: {fault}");
+                out.bad_inside(codes::NEED, node, Some(at..text.len()), message, "");
+            }
+        }
+    }
+    list
+}
+
+/// Adds what the verbs and signals of a case need and the plan does not say.
+pub(super) fn implied_needs(steps: &[Step], signals: &[SignalBinding], needs: &mut Vec<Need>) {
+    let mut add = |need: Need| {
+        if !needs
+            .iter()
+            .any(|known| known.word == need.word && (need.bound.is_none() || known.bound == need.bound))
+        {
+            needs.push(need);
+        }
+    };
+    for step in steps {
+        if let Stimulus::Train(train) = &step.stimulus {
+            let bound = Bound { relation: Relation::AtLeast, amount: Amount::Millihertz(train.millihertz()) };
+            add(Need { word: "pulse", bound: Some(bound) });
+            continue;
+        }
+        for word in step.stimulus.needs() {
+            add(Need { word, bound: None });
+        }
+    }
+    for signal in signals {
+        match &signal.source {
+            Source::Memory(_) | Source::Image(_) | Source::Task { .. } => {
+                add(Need { word: "memory-access", bound: None });
+            }
+            Source::Path(path) => {
+                let upper = path.to_ascii_uppercase();
+                if upper.starts_with("PLC_R.") || upper.starts_with("PLC_W.") {
+                    add(Need { word: "system-variables", bound: None });
+                }
+            }
+            Source::Line(_) | Source::Channel(_) => {}
+        }
+    }
+}
+
+/// The requirements that the plan proves.
+pub(super) fn proves(fields: &Fields<'_>, out: &mut Findings) -> Vec<String> {
+    let mut list: Vec<String> = Vec::new();
+    for node in few(fields, "proves", out) {
+        let Some(text) = node.as_text() else { continue };
+        if is_requirement(text) {
+            if !list.iter().any(|known| known == text) {
+                list.push(text.to_owned());
+            }
+            continue;
+        }
+        let area = text.split(':').next().unwrap_or_default();
+        let help = match suggest(area, AREAS.iter().copied()) {
+            Some(meant) if text.contains(':') && meant != area => format!("did you mean the area `{meant}`?"),
+            _ => "write it as in \"controller:WD-04\"".to_owned(),
+        };
+        out.bad(codes::REQUIREMENT, node, format!("`{text}` is not the ID of a requirement"), help);
+    }
+    list
+}
+
+/// `area:WORD-04`, `area:TWO-WORDS-04b`.
+fn is_requirement(text: &str) -> bool {
+    let Some((area, id)) = text.split_once(':') else { return false };
+    let parts: Vec<&str> = id.split('-').collect();
+    let [words @ .., number] = parts.as_slice() else { return false };
+    let word =
+        |word: &&str| !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit());
+    let digits = number.strip_suffix(|c: char| c.is_ascii_lowercase()).unwrap_or(number);
+    AREAS.contains(&area)
+        && id.len() <= 40
+        && !words.is_empty()
+        && words.iter().all(word)
+        && !digits.is_empty()
+        && digits.chars().all(|c| c.is_ascii_digit())
+}
+
+/// The profiles that the plan holds for.
+pub(super) fn profiles(fields: &Fields<'_>, out: &mut Findings) -> Vec<Profile> {
+    let mut list = Vec::new();
+    for node in few(fields, "profiles", out) {
+        let Some(text) = node.as_text() else { continue };
+        match Profile::ALL.into_iter().find(|profile| profile.name() == text) {
+            Some(profile) if list.contains(&profile) => {}
+            Some(profile) => list.push(profile),
+            None => {
+                let help = match suggest(text, Profile::ALL.iter().map(|profile| profile.name())) {
+                    Some(meant) => format!("did you mean \"{meant}\"?"),
+                    None => "the profiles are m241-2014, m241-2019 and m251-2024".to_owned(),
+                };
+                out.bad(codes::PROFILE, node, format!("there is no profile \"{text}\""), help);
+            }
+        }
+    }
+    list
+}

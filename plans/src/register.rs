@@ -1,0 +1,124 @@
+//! The register of requirements: every requirement, what class it is, one line of what it asks.
+
+use profile::Profile;
+use std::fmt;
+
+/// What kind of thing a requirement is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Class {
+    /// Behaviour that a plan can prove.
+    Behaviour,
+    /// A constant of a table.
+    Constant,
+    /// A rig cannot reproduce it.
+    NotReproducible,
+}
+
+impl Class {
+    /// The word in the register.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Class::Behaviour => "behaviour",
+            Class::Constant => "constant",
+            Class::NotReproducible => "not-reproducible",
+        }
+    }
+}
+
+/// One requirement.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// Its ID, as in `controller:WD-04`.
+    pub id: String,
+    /// What it asks, one line.
+    pub asks: String,
+    /// Where it comes from: section of the specification.
+    pub source: String,
+    /// The profiles that it holds for; empty for all.
+    pub profiles: Vec<Profile>,
+    /// What kind of thing it is.
+    pub class: Class,
+}
+
+/// The register.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Register {
+    /// The requirements in the order of the file.
+    pub entries: Vec<Entry>,
+}
+
+/// What is wrong with a register.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RegisterError {
+    /// The requirement, where known.
+    pub id: String,
+    /// What is wrong.
+    pub fault: String,
+}
+
+impl fmt::Display for RegisterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.id.is_empty() { f.write_str(&self.fault) } else { write!(f, "{}: {}", self.id, self.fault) }
+    }
+}
+
+impl std::error::Error for RegisterError {}
+
+impl Register {
+    /// Reads the register: a table for each requirement, `["controller:WD-04"]` with `asks`, `source`, and where
+    /// they differ from the usual `class` (behaviour) and `profiles` (all).
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn read(text: &str) -> Result<Register, RegisterError> {
+        let fail = |id: &str, fault: String| RegisterError { id: id.to_owned(), fault };
+        let file = document::SourceFile::new("requirements.toml", text);
+        let root = document::toml::parse(&file, crate::TOML).map_err(|found| {
+            fail("", found.first().map_or_else(String::new, |first| first.message.clone()))
+        })?;
+        let mut entries = Vec::with_capacity(root.entries.len());
+        for entry in &root.entries {
+            let id = &entry.key;
+            let Some(table) = entry.node.as_table() else {
+                return Err(fail(id, String::from("is no table")));
+            };
+            let text = |key: &str| table.get(key).and_then(document::Node::as_text).map(str::to_owned);
+            let class = match text("class").as_deref() {
+                None | Some("behaviour") => Class::Behaviour,
+                Some("constant") => Class::Constant,
+                Some("not-reproducible") => Class::NotReproducible,
+                Some(other) => return Err(fail(id, format!("there is no class `{other}`"))),
+            };
+            let mut profiles = Vec::new();
+            for name in table.get("profiles").and_then(document::Node::as_array).unwrap_or_default() {
+                let name = name.as_text().unwrap_or_default();
+                profiles.push(name.parse().map_err(|_| fail(id, format!("there is no profile `{name}`")))?);
+            }
+            let asks = text("asks").ok_or_else(|| fail(id, String::from("has no `asks`")))?;
+            let source = text("source").ok_or_else(|| fail(id, String::from("has no `source`")))?;
+            entries.push(Entry { id: id.clone(), asks, source, profiles, class });
+        }
+        Ok(Register { entries })
+    }
+
+    /// The requirement of this ID.
+    pub fn find(&self, id: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.id == id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_read() {
+        let register = Register::read(
+            "[\"controller:WD-04\"]\nasks = \"a\"\nsource = \"s\"\nprofiles = [\"m241-2014\"]\nclass = \"constant\"\n",
+        );
+        let entry = register.unwrap().find("controller:WD-04").cloned().unwrap();
+        assert_eq!((entry.class, entry.profiles), (Class::Constant, vec![Profile::M241_2014]));
+        assert!(Register::read("[\"x\"]\nasks = \"a\"\n").is_err());
+        assert!(Register::read("[\"x\"]\nasks = \"a\"\nsource = \"s\"\nclass = \"y\"\n").is_err());
+    }
+}

@@ -1,0 +1,129 @@
+//! Plans that must read: those of the plan language's description and those of the library.
+
+use std::path::{Path, PathBuf};
+
+use document::{SourceFile, render};
+use scanrig_plans as plans;
+use scanrig_plans::steps::Stimulus;
+use scanrig_plans::{Anchor, Base, StepTime};
+use signal::Span;
+
+fn source(path: &Path) -> SourceFile {
+    let text = std::fs::read_to_string(path).unwrap();
+    SourceFile::new(path.file_name().unwrap().to_string_lossy(), text)
+}
+
+fn read(path: &str) -> plans::Plan {
+    let file = source(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path));
+    plans::read(&file, &[], 1).unwrap_or_else(|found| panic!("{}", render(&found, &[file], false)))
+}
+
+fn plans_below(folder: &Path, found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> =
+        std::fs::read_dir(folder).unwrap().map(|one| one.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            plans_below(&path, found);
+        } else if path.extension().is_some_and(|ext| ext == "toml") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn the_library_reads() {
+    let mut paths = Vec::new();
+    plans_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("library"), &mut paths);
+    assert!(!paths.is_empty());
+    let mut wrong = String::new();
+    for path in paths.iter().filter(|path| !path.to_string_lossy().ends_with("board.toml")) {
+        let file = source(path);
+        match plans::read(&file, &[], 1) {
+            Ok(plan) if plan.warnings.is_empty() => {}
+            Ok(plan) => wrong += &render(&plan.warnings, &[file], false),
+            Err(found) => wrong += &render(&found, &[file], false),
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn rows_are_cases_with_their_own_entries() {
+    let plan = read("tests/plans/fallback.toml");
+    let cases: Vec<plans::Case> = plan.cases().collect();
+    let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+    assert_eq!(names, ["fallback[under]", "fallback[over]"]);
+    assert_eq!(cases[0].expectations.len(), 2);
+    assert_eq!(cases[1].expectations.len(), 3);
+    let Stimulus::Overload { cycle, times, task } = &cases[1].steps[0].stimulus else {
+        panic!("not an overload")
+    };
+    assert_eq!((*cycle, *times, task.as_str()), (Span::from_millis(101), 1, "MAST"));
+    assert_eq!(
+        cases[1].steps[0].when,
+        StepTime::At(Anchor { base: Base::Start, offset: Span::from_secs(1) })
+    );
+    assert_eq!(cases[1].ends, Anchor { base: Base::Start, offset: Span::from_secs(2) });
+    let signals: Vec<&str> = cases[1].signals.iter().map(|one| one.name.as_str()).collect();
+    assert_eq!(signals, ["lamp", "PLC_R.i_wLastApplicationError"]);
+}
+
+#[test]
+fn a_sweep_is_exact_and_keeps_its_unit() {
+    let plan = read("tests/plans/power-cut.toml");
+    assert_eq!(plan.len(), 55);
+    let last = plan.case(54).unwrap();
+    assert_eq!(last.name, "power-cut[cut=19.98 ms]");
+    let at = Anchor { base: Base::Start, offset: Span::from_micros(2_019_980) };
+    assert_eq!(last.steps[0].when, StepTime::At(at));
+    let StepTime::When { within, from, .. } = &last.steps[1].when else { panic!("does not wait") };
+    assert_eq!(*within, Span::from_secs(30));
+    // What is waited for from an awaited or timed step hangs on what that step hangs on.
+    assert_eq!(*from, Anchor { base: Base::Start, offset: Span::from_micros(2_019_980) });
+    assert_eq!(last.ends, Anchor { base: Base::Step("back".into()), offset: Span::from_secs(1) });
+}
+
+#[test]
+fn phases_are_cases_and_a_pulse_is_an_instant() {
+    let plan = read("tests/plans/reflex.toml");
+    assert_eq!(plan.len(), 16);
+    let case = plan.case(3).unwrap();
+    assert_eq!(case.name, "reflex[train.phase=3/16]");
+    let at = Anchor { base: Base::Start, offset: Span::from_micros(103_750) };
+    assert_eq!(case.steps[0].when, StepTime::At(at));
+    let needs: Vec<String> = case.needs.iter().map(ToString::to_string).collect();
+    assert_eq!(needs, ["pulse >= 200 kHz", "timestamp <= 500 ns"]);
+}
+
+#[test]
+fn the_command_line_gives_parameters() {
+    let text = "format = 1\nprogram = \"a.st\"\nexpect = [{ value = { of = \"n\", is = \"$n\", when = \"start + $wait\" } }]\n\
+                [parameters]\nn = 3\nwait = { default = \"1 ms\", doc = \"Time to settle.\" }\n";
+    let file = SourceFile::new("a.toml", text);
+    let given = [("wait".to_owned(), "5 ms".to_owned())];
+    let case = plans::read(&file, &given, 1).unwrap().case(0).unwrap();
+    assert_eq!(case.parameters, [("n".to_owned(), "3".to_owned()), ("wait".to_owned(), "5 ms".to_owned())]);
+    let code = |given: &[(&str, &str)]| {
+        let given: Vec<(String, String)> =
+            given.iter().map(|(a, b)| (a.to_string(), b.to_string())).collect();
+        plans::read(&file, &given, 1).unwrap_err()[0].code
+    };
+    assert_eq!(code(&[("wiat", "5 ms")]), "P0408");
+    assert_eq!(code(&[("n", "many")]), "P0408");
+    assert_eq!(code(&[("wait", "5 mm")]), "P0301");
+}
+
+#[test]
+fn a_random_phase_follows_the_seed() {
+    let text = "format = 1\nprogram = \"a.st\"\nsteps = [{ id = \"a\", at = \"start\", phase = { over = \"20 ms\" }, \
+                mark = {} }]\nexpect = [{ state = { is = \"RUNNING\", when = \"end\" } }]\n";
+    let file = SourceFile::new("a.toml", text);
+    let offset = |seed| match plans::read(&file, &[], seed).unwrap().case(0).unwrap().steps[0].when.clone() {
+        StepTime::At(anchor) => anchor.offset,
+        StepTime::When { .. } => panic!("waits"),
+    };
+    assert_eq!(offset(1), offset(1));
+    assert_ne!(offset(1), offset(2));
+    assert!(offset(1) < Span::from_millis(20));
+}

@@ -1,0 +1,83 @@
+//! The forms that other tools and people's eyes depend on. After a wanted change write them anew:
+//! `cargo run -p scanrig-reports --example page text > reports/tests/golden/run.txt` (and `junit`, `run.xml`).
+
+mod fixture;
+mod markup;
+
+use record::{CaseRecord, RunRecord};
+use scanrig_reports::{junit, text};
+use std::collections::BTreeSet;
+
+fn same(got: &str, wanted: &str) {
+    for (number, (got, wanted)) in got.lines().zip(wanted.lines()).enumerate() {
+        assert_eq!(got, wanted, "line {}", number + 1);
+    }
+    assert_eq!(got.lines().count(), wanted.lines().count());
+}
+
+#[test]
+fn the_terminal_summary() {
+    same(&text::render(&fixture::example(), text::Style::default()), include_str!("golden/run.txt"));
+}
+
+#[test]
+fn the_junit_file() {
+    same(&junit::render(&fixture::example()), include_str!("golden/run.xml"));
+}
+
+#[test]
+fn colour_changes_nothing_but_colour() {
+    let colored = text::render(&fixture::example(), text::Style { color: true, quiet: false });
+    let mut plain = String::new();
+    let mut rest = colored.as_str();
+    while let Some((before, after)) = rest.split_once('\u{1b}') {
+        plain.push_str(before);
+        rest = after.split_once('m').unwrap().1;
+    }
+    plain.push_str(rest);
+    assert_eq!(plain, text::render(&fixture::example(), text::Style::default()));
+}
+
+#[test]
+fn quiet_leaves_what_needs_attention() {
+    let quiet = text::render(&fixture::example(), text::Style { color: false, quiet: true });
+    assert!(!quiet.contains("PASS") && !quiet.contains("N/A"));
+    assert!(
+        quiet.contains("FAIL")
+            && quiet.contains("INCONCLUSIVE")
+            && quiet.contains("Summary: 3 passed, 1 failed")
+    );
+}
+
+#[test]
+fn names_do_not_reach_the_terminal_as_sequences() {
+    let shown = text::render(&fixture::hostile(), text::Style::default());
+    assert!(shown.chars().all(|c| c == '\n' || !c.is_control()));
+    assert!(!shown.contains('\u{202e}'));
+}
+
+#[test]
+fn junit_stays_well_formed_and_its_names_unique() {
+    let mut run = fixture::hostile();
+    for name in ["a/b[1]", "a/b[1]", "a/b[1]", "a/b[1] #2", "", "", "/"] {
+        run.push(CaseRecord { name: name.into(), ..CaseRecord::default() });
+    }
+    let text = junit::render(&run);
+    let elements = markup::read(&text).unwrap_or_else(|fault| panic!("{fault}"));
+    let cases: Vec<_> = elements.iter().filter(|e| e.name == "testcase").collect();
+    let names: BTreeSet<_> = cases.iter().map(|e| (e.get("classname"), e.get("name"))).collect();
+    assert_eq!((cases.len(), names.len()), (run.cases.len(), run.cases.len()));
+    // Not green: one failure each for fail and inconclusive, one error, and everything unjudged is skipped.
+    let count = |name: &str| elements.iter().filter(|e| e.name == name).count();
+    assert_eq!((count("failure"), count("error"), count("skipped")), (2, 1, 2 + 7));
+}
+
+#[test]
+fn a_run_without_cases_has_every_form() {
+    let run = RunRecord::new("0.1.0", record::Provenance::default());
+    assert_eq!(
+        text::render(&run, text::Style::default()).trim(),
+        "Summary: 0 passed, 0 failed, 0 inconclusive, 0 not applicable"
+    );
+    assert!(markup::read(&junit::render(&run)).is_ok());
+}

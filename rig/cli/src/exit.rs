@@ -1,0 +1,51 @@
+//! The exit codes, a contract with scripts and CI.
+
+use record::Verdict;
+use std::process::ExitCode;
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// All passed.
+    Passed,
+    /// A case failed.
+    Failed,
+    /// Something is wrong with the user's files or arguments; nothing selected too.
+    UserFiles,
+    /// Inconclusive at worst.
+    Inconclusive,
+    /// An error of the rig itself.
+    Error,
+    /// Interrupted by the user, after a clean teardown.
+    Interrupted,
+}
+
+impl Exit {
+    /// The number that the shell sees.
+    pub const fn code(self) -> u8 {
+        match self {
+            Exit::Passed => 0,
+            Exit::Failed => 1,
+            Exit::UserFiles => 2,
+            Exit::Inconclusive => 3,
+            Exit::Error => 4,
+            Exit::Interrupted => 130,
+        }
+    }
+
+    /// The exit of a run that came to this.
+    pub const fn of(verdict: Verdict) -> Exit {
+        match verdict {
+            Verdict::Pass | Verdict::None => Exit::Passed,
+            Verdict::Inconclusive => Exit::Inconclusive,
+            Verdict::Fail => Exit::Failed,
+            Verdict::Error => Exit::Error,
+        }
+    }
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        ExitCode::from(exit.code())
+    }
+}

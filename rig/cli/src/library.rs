@@ -1,0 +1,49 @@
+//! The plans that ship, built into the binary.
+
+use include_dir::{Dir, include_dir};
+use runtime::suite::Files;
+use std::path::Path;
+
+static LIBRARY: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../plans/library");
+
+/// The register of requirements.
+pub const REGISTER: &str = include_str!("../../../plans/requirements.toml");
+
+/// The files of the shipped library.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Embedded;
+
+impl Files for Embedded {
+    fn read(&self, path: &str) -> Result<String, String> {
+        let file = LIBRARY.get_file(path).ok_or("the library has no such file")?;
+        file.contents_utf8().map(str::to_owned).ok_or_else(|| "it is no UTF-8 text".to_owned())
+    }
+}
+
+/// Paths of all shipped plans, sorted.
+pub fn plans() -> Vec<String> {
+    let mut paths = Vec::new();
+    collect(&LIBRARY, &mut paths);
+    paths.sort();
+    paths
+}
+
+fn collect(folder: &Dir<'_>, paths: &mut Vec<String>) {
+    for file in folder.files() {
+        let text = file.contents_utf8().unwrap_or_default();
+        if is_plan(file.path(), text) {
+            paths.push(file.path().to_string_lossy().into_owned());
+        }
+    }
+    folder.dirs().for_each(|inner| collect(inner, paths));
+}
+
+/// Whether a TOML file in a folder is a plan: a board file stands beside plans, and has a table `[board]`.
+pub fn is_plan(path: &Path, text: &str) -> bool {
+    path.extension().is_some_and(|ending| ending == "toml") && !is_board(text)
+}
+
+/// Whether a TOML text is a board file.
+pub fn is_board(text: &str) -> bool {
+    text.lines().any(|line| line.trim_start().starts_with("[board]"))
+}

@@ -1,0 +1,464 @@
+//! One case from its plan to its record.
+
+use crate::application::{assign, compile};
+use crate::bundle::Bundle;
+use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
+use crate::executor::{Executor, Limits, Parts, Ran};
+use crate::prepare::{Bench, Prepared, prepare};
+use crate::recorder::Recorder;
+use crate::schedule::Schedule;
+use crate::store::MemoryStore;
+use crate::subject::{Capability, Model, Subject};
+use crate::{describe, lanes, spill};
+use controller::{Config, OutputsInStop, StartingMode, State, TaskConfig, TaskKind, Watchdog};
+use document::{Diagnostic, SourceFile};
+use drivers::file::{BoardFile, build};
+use plans::Case;
+use plans::judge::{Judge, Outcome};
+use plans::lang::{Amount, Need, Relation};
+use plans::plan::{Initial, Settings};
+use profile::{Profile, Reference};
+use record::{CaseRecord, CaseStatus, Hashes, Parameter, RigTiming, StepRecord, TaskFigures, Verdict};
+use signal::{Area, SignalId, Span, Time, Trace, Value, When};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Memory that a trace may take before it goes on in a file.
+const TRACE_IN_MEMORY: usize = 16 << 20;
+
+/// What a case is run on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClockKind {
+    /// From event to event.
+    Virtual,
+    /// On the host's clock.
+    Real,
+    /// Virtual, with waits that end up to this late by a seeded amount.
+    Late(Span),
+}
+
+/// How cases are run.
+#[derive(Clone, Copy, Debug)]
+pub struct RunOptions<'a> {
+    /// The clock.
+    pub clock: ClockKind,
+    /// The longest that the application runs on at a stretch. Never shows in the trace.
+    pub slice: Span,
+    /// How late the rig may be.
+    pub late: Span,
+    /// A case ends when a claim is lost.
+    pub fail_fast: bool,
+    /// Becomes TRUE when the user wants the run to end.
+    pub interrupt: &'a AtomicBool,
+}
+
+/// The least that a rig without real-time priority can be asked to keep on the host's clock.
+pub const DEFAULT_LATE: Span = Span::from_millis(20);
+
+impl<'a> RunOptions<'a> {
+    /// On this clock, with nothing special.
+    pub fn new(clock: ClockKind, interrupt: &'a AtomicBool) -> Self {
+        RunOptions { clock, slice: Span::MAX, late: DEFAULT_LATE, fail_fast: false, interrupt }
+    }
+}
+
+/// A case with the files that it is made of.
+#[derive(Clone, Debug)]
+pub struct CaseFiles {
+    /// Name of the case in the run.
+    pub name: String,
+    /// What the command line gives for the plan's parameters.
+    pub given: Vec<(String, String)>,
+    /// The plan.
+    pub plan: SourceFile,
+    /// The sources of the program.
+    pub sources: Vec<SourceFile>,
+    /// The board.
+    pub board: BoardFile,
+    /// Text of the board file, empty for the default board.
+    pub board_text: String,
+    /// The controller.
+    pub profile: Profile,
+    /// Its reference.
+    pub reference: &'static Reference,
+    /// The seed of everything that is left to chance.
+    pub seed: u64,
+}
+
+/// A case that was run, with its trace where there is one.
+#[derive(Debug)]
+pub struct CaseResult {
+    /// The record.
+    pub record: CaseRecord,
+    /// The trace.
+    pub trace: Option<Trace>,
+}
+
+/// Looks up every name of a case on its bench, without running it.
+///
+/// # Errors
+/// What [`run_case`] would find in the user's files.
+pub fn check_case(case: &Case, files: &CaseFiles) -> Result<(), Vec<Diagnostic>> {
+    if (!case.profiles.is_empty() && !case.profiles.contains(&files.profile)) || !files.profile.accepts(files.reference) {
+        return Ok(());
+    }
+    let mut stage = stage(case, files)?;
+    let prepared = stage.prepare(case, files, Trace::new(), true)?;
+    Judge::new(case.scenario(), prepared.trace.signals()).map(|_| ())
+}
+
+/// Subject and board of a case, before power-on.
+struct Stage {
+    model: Model,
+    board: Box<dyn drivers::Board>,
+    bundle: Vec<u8>,
+}
+
+impl Stage {
+    fn prepare(
+        &mut self,
+        case: &Case,
+        files: &CaseFiles,
+        trace: Trace,
+        exact: bool,
+    ) -> Result<Prepared, Vec<Diagnostic>> {
+        let mut bench = Bench {
+            subject: &mut self.model,
+            board: &*self.board,
+            file: &files.board,
+            profile: files.profile,
+            reference: files.reference,
+            bundle: &self.bundle,
+            exact,
+        };
+        prepare(case, &files.plan, trace, &mut bench)
+    }
+}
+
+/// Compiles the program and builds subject and board.
+fn stage(case: &Case, files: &CaseFiles) -> Result<Stage, Vec<Diagnostic>> {
+    let program = Arc::new(compile(&files.sources, files.profile)?);
+    let config = configuration(&case.settings, files)?;
+    let tasks = task_programs(&case.settings, &config);
+    if assign(&program, &tasks).is_none() {
+        return Err(vec![no_such_program(&program, &tasks, &files.plan)]);
+    }
+    let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
+    let refused = |error: &dyn std::fmt::Display| {
+        vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")]
+    };
+    let board = build(&files.board, files.seed).map_err(|error| refused(&error))?;
+    let mut model =
+        Model::new(config, Arc::clone(&program), Box::new(MemoryStore::default())).map_err(|error| refused(&error))?;
+    let initial = initial_state(case.settings.initial);
+    if initial != State::Empty {
+        let left = if initial == State::Booting { State::Running } else { initial };
+        model.commission(&bundle, left).map_err(|error| refused(&error))?;
+    }
+    Ok(Stage { model, board, bundle })
+}
+
+/// Runs a case. Cases that do not apply here, and cases that this instrument cannot judge, come back with the
+/// reason and without a trace.
+///
+/// # Errors
+/// Findings about the user's files: names that mean nothing, a program that does not compile.
+pub fn run_case(case: &Case, files: &CaseFiles, options: &RunOptions<'_>) -> Result<CaseResult, Vec<Diagnostic>> {
+    let began = Instant::now();
+    let mut record = describe::record_of(case, files);
+    if !case.profiles.is_empty() && !case.profiles.contains(&files.profile) {
+        let names: Vec<&str> = case.profiles.iter().map(|profile| profile.name()).collect();
+        let reason = format!("holds for {}, the controller is {}", names.join(", "), files.profile.name());
+        record.status = CaseStatus::NotApplicable { reason };
+        return Ok(CaseResult { record, trace: None });
+    }
+    if !files.profile.accepts(files.reference) {
+        let reason = format!("{} is no controller of {}", files.reference.name, files.profile.name());
+        record.status = CaseStatus::NotApplicable { reason };
+        return Ok(CaseResult { record, trace: None });
+    }
+    let mut stage = stage(case, files)?;
+    if let Some(unmet) = unmet(case, &stage.model, &*stage.board) {
+        match unmet {
+            Unmet::Power(reason) => record.status = CaseStatus::NotApplicable { reason },
+            Unmet::Instrument(reason) => {
+                record.verdict = Verdict::Inconclusive;
+                record.reason = reason;
+            }
+        }
+        return Ok(CaseResult { record, trace: None });
+    }
+    let mut clock = clock(options.clock, files.seed);
+    let trace = Trace::with_spill(TRACE_IN_MEMORY, spill::temporary());
+    let prepared = stage.prepare(case, files, trace, clock.is_exact())?;
+    let Stage { mut model, mut board, .. } = stage;
+    let initial = initial_state(case.settings.initial);
+    let Prepared { mut trace, mut wiring, steps, probes } = prepared;
+    describe::annotate(&mut trace, case, files, &model, clock.name());
+    let judge = Judge::new(case.scenario(), trace.signals())?;
+    let mut recorder = Recorder::new(trace, judge);
+    for (probe, signal) in &probes {
+        show(&mut recorder, *signal, model.read(probe));
+    }
+    let mut schedule = Schedule::new(steps, case.ends.clone(), files.seed);
+    let limits = Limits {
+        initial,
+        late: options.late,
+        slice: options.slice,
+        fail_fast: options.fail_fast,
+        timeout: case.timeout,
+    };
+    let parts = Parts {
+        clock: &mut *clock,
+        subject: &mut model,
+        board: &mut *board,
+        recorder: &mut recorder,
+        schedule: &mut schedule,
+        wiring: &mut wiring,
+        interrupt: options.interrupt,
+    };
+    let ran = Executor::new(parts, limits).run();
+    let late = recorder.late();
+    let (mut trace, judge) = recorder.into_parts();
+    if let Some(trouble) = &ran.trouble {
+        trace.set_note("trouble", trouble.to_string());
+    }
+    let outcome = judge.finish(When::exactly(ran.end), &trace);
+    verdict(&mut record, outcome.map_err(|error| error.to_string()), &trace);
+    finish(&mut record, &ran, late, &schedule, &model, &trace);
+    record.host_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
+    Ok(CaseResult { record, trace: Some(trace) })
+}
+
+fn show(recorder: &mut Recorder, signal: SignalId, value: Value) {
+    recorder.record(signal, When::exactly(Time::ZERO), value, signal::Cause::Controller);
+}
+
+/// Puts the judge's outcome and the notes of the trace into the record. The same for a run and for a trace that is
+/// judged again, so that both come to the same.
+pub fn verdict(record: &mut CaseRecord, outcome: Result<Outcome, String>, trace: &Trace) {
+    match outcome {
+        Ok(outcome) => {
+            record.claims = outcome.claims;
+            record.measurements = outcome.measurements;
+            record.verdict = outcome.verdict;
+            record.reason = outcome.reason;
+        }
+        Err(fault) => {
+            record.verdict = Verdict::Error;
+            record.reason = format!("the trace cannot be read: {fault}");
+        }
+    }
+    let obeyed = trace.notes().find_map(|(key, note)| Some((key.strip_prefix("refused:")?, note)));
+    if let Some((step, note)) = obeyed {
+        record.verdict = record.verdict.max(Verdict::Fail);
+        if record.reason.is_empty() {
+            record.reason = format!("step `{step}` expects a refusal: {note}");
+        }
+    }
+    if let Some(trouble) = trace.note("trouble") {
+        record.verdict = Verdict::Error;
+        record.reason = trouble.to_owned();
+    }
+}
+
+fn finish(record: &mut CaseRecord, ran: &Ran, late: Span, schedule: &Schedule, model: &Model, trace: &Trace) {
+    record.start_ns = ran.start.unwrap_or(ran.end).as_nanos();
+    record.end_ns = ran.end.as_nanos();
+    record.duration_ns = ran.end.as_nanos();
+    record.trace_sha256 = describe::hex(&trace.digest());
+    record.timing = RigTiming {
+        late_max_ns: late.as_nanos(),
+        overruns: ran.overruns,
+        dropped: ran.dropped,
+        horizon_ns: 0,
+    };
+    for (step, planned) in schedule.steps().iter().enumerate() {
+        let at = schedule.begun(step).map(|at| [at.as_nanos(), at.saturating_add(late).as_nanos()]);
+        let what = record.steps.get(step).map_or_else(String::new, |known| known.what.clone());
+        let came = StepRecord { id: planned.id.clone(), at_ns: at, what };
+        match record.steps.get_mut(step) {
+            Some(known) => *known = came,
+            None => record.steps.push(came),
+        }
+    }
+    for (at, text) in &ran.log {
+        record.log_line(at.as_nanos(), text.clone());
+    }
+    record.log_dropped += ran.log_dropped;
+    record.tasks = model
+        .figures()
+        .into_iter()
+        .map(|(name, interval, figures)| TaskFigures {
+            name,
+            period_ns: interval.as_nanos(),
+            cycles: figures.cycles,
+            cycle_min_ns: figures.min.as_nanos(),
+            cycle_mean_ns: figures.mean().as_nanos(),
+            cycle_max_ns: figures.max.as_nanos(),
+            overruns: figures.overruns,
+            watchdogs: figures.exceptions,
+        })
+        .collect();
+    record.lanes = lanes::excerpts(record, trace);
+}
+
+fn clock(kind: ClockKind, seed: u64) -> Box<dyn Clock> {
+    match kind {
+        ClockKind::Virtual => Box::new(VirtualClock::default()),
+        ClockKind::Real => Box::new(HostClock::start()),
+        ClockKind::Late(worst) => Box::new(LateClock::new(seed, worst)),
+    }
+}
+
+const fn initial_state(initial: Initial) -> State {
+    match initial {
+        Initial::Running => State::Running,
+        Initial::Stopped => State::Stopped,
+        Initial::Empty => State::Empty,
+        Initial::Booting => State::Booting,
+    }
+}
+
+/// The controller's configuration from the plan's settings.
+fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, Vec<Diagnostic>> {
+    let mut config = Config::new(files.profile);
+    config.reference = files.reference;
+    if let Some(mode) = settings.starting_mode {
+        config.starting_mode = match mode {
+            plans::plan::StartingMode::Previous => StartingMode::Previous,
+            plans::plan::StartingMode::Stop => StartingMode::Stop,
+            plans::plan::StartingMode::Run => StartingMode::Run,
+        };
+    }
+    if let Some(outputs) = settings.outputs_in_stop {
+        config.outputs_in_stop = match outputs {
+            plans::plan::OutputsInStop::Keep => OutputsInStop::Keep,
+            plans::plan::OutputsInStop::Default => OutputsInStop::Default,
+        };
+    }
+    config.update_io_in_stop = settings.update_io_in_stop.unwrap_or(config.update_io_in_stop);
+    let inputs = files.reference.input_count();
+    config.filters = vec![settings.filter.unwrap_or_default(); inputs];
+    for (address, filter) in &settings.filters {
+        match config.filters.get_mut(address.bit_offset() as usize) {
+            Some(place) => *place = *filter,
+            None => return Err(vec![no_terminal(*address, files)]),
+        }
+    }
+    for (address, on) in &settings.output_defaults {
+        if address.bit_offset() as usize >= files.reference.output_count() {
+            return Err(vec![no_terminal(*address, files)]);
+        }
+        config.output_defaults |= u32::from(*on) << address.bit_offset();
+    }
+    for task in &settings.tasks {
+        let place = config.task(&task.name).unwrap_or_else(|| {
+            config.tasks.push(TaskConfig { name: task.name.clone(), ..TaskConfig::mast() });
+            config.tasks.len() - 1
+        });
+        let known = &mut config.tasks[place];
+        if let Some(interval) = task.interval {
+            known.kind = TaskKind::Cyclic { interval };
+        }
+        known.priority = task.priority.unwrap_or(known.priority);
+        let watchdog = known.watchdog.unwrap_or(Watchdog { time: Span::from_millis(100), sensitivity: 1 });
+        known.watchdog = task.enabled.unwrap_or(true).then(|| Watchdog {
+            time: task.watchdog.unwrap_or(watchdog.time),
+            sensitivity: task.sensitivity.unwrap_or(watchdog.sensitivity),
+        });
+    }
+    config.check().map_err(|error| vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")])?;
+    Ok(config)
+}
+
+fn no_terminal(address: signal::Address, files: &CaseFiles) -> Diagnostic {
+    let kind = if address.area() == Area::Input { "input" } else { "output" };
+    Diagnostic::error("R0102", format!("{} has no {kind} {address}", files.reference.name)).at(&files.plan.name, 0..0, "")
+}
+
+/// Names of the tasks in the controller's order, with the PROGRAMs that the plan gives them.
+fn task_programs(settings: &Settings, config: &Config) -> Vec<(String, Vec<String>)> {
+    let programs = |name: &str| {
+        let task = settings.tasks.iter().find(|task| task.name.eq_ignore_ascii_case(name));
+        task.and_then(|task| task.programs.clone()).unwrap_or_default()
+    };
+    config.tasks.iter().map(|task| (task.name.clone(), programs(&task.name))).collect()
+}
+
+fn no_such_program(program: &program::Program, tasks: &[(String, Vec<String>)], plan: &SourceFile) -> Diagnostic {
+    let known = program.programs();
+    let missing = tasks.iter().flat_map(|(task, programs)| programs.iter().map(move |name| (task, name)));
+    let missing = missing.into_iter().find(|(_, name)| !known.iter().any(|one| one.eq_ignore_ascii_case(name)));
+    let message = match missing {
+        Some((task, name)) => format!("task {task} runs `{name}`, which the program does not have"),
+        None => String::from("a task runs a PROGRAM that the program does not have"),
+    };
+    Diagnostic::error("R0114", message)
+        .at(&plan.name, 0..0, "")
+        .help(format!("the program has {}", known.join(", ")))
+}
+
+/// A need of the plan that is not met.
+enum Unmet {
+    /// The subject or the board lacks a power: the case does not apply.
+    Power(String),
+    /// The instrument is not good enough: inconclusive.
+    Instrument(String),
+}
+
+fn unmet(case: &Case, model: &Model, board: &dyn drivers::Board) -> Option<Unmet> {
+    case.needs.iter().find_map(|need| unmet_need(need, model, board))
+}
+
+fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board) -> Option<Unmet> {
+    let lines = || board.channels().iter().filter(|channel| channel.is_digital());
+    match (need.word, need.bound) {
+        ("pulse", bound) => {
+            let fastest = lines().filter(|channel| channel.drives).map(|channel| channel.max_pulse_hz).max();
+            let fastest = u128::from(fastest.unwrap_or(0)) * 1_000;
+            let wanted = match bound.map(|bound| (bound.relation, bound.amount)) {
+                Some((Relation::AtLeast, Amount::Millihertz(wanted))) => u128::from(wanted),
+                _ => 1,
+            };
+            (fastest < wanted).then(|| {
+                Unmet::Instrument(format!("the board emits pulses up to {} Hz, the plan needs more", fastest / 1_000))
+            })
+        }
+        ("timestamp", bound) => {
+            let worst = lines().map(|channel| channel.resolution).max().unwrap_or(Span::ZERO);
+            match bound.map(|bound| (bound.relation, bound.amount)) {
+                Some((Relation::AtMost, Amount::Time(wanted))) if worst > wanted => Some(Unmet::Instrument(format!(
+                    "the board stamps edges to within {worst}, the plan needs {wanted}"
+                ))),
+                _ => None,
+            }
+        }
+        ("settings", _) => None,
+        (word, _) => match Capability::find(word) {
+            Some(capability) if model.capabilities().contains(&capability) => None,
+            _ => Some(Unmet::Power(format!("the subject does not have the power `{word}`"))),
+        },
+    }
+}
+
+/// Hashes of what a case is made of.
+pub fn hashes(files: &CaseFiles) -> Hashes {
+    let sources: String = files.sources.iter().map(|source| format!("{}\0{}\0", source.name, source.text)).collect();
+    Hashes {
+        plan: describe::sha256(files.plan.text.as_bytes()),
+        board: if files.board_text.is_empty() {
+            String::new()
+        } else {
+            describe::sha256(files.board_text.as_bytes())
+        },
+        program: if files.sources.is_empty() { String::new() } else { describe::sha256(sources.as_bytes()) },
+    }
+}
+
+/// What `$` names had which value.
+pub fn parameters(case: &Case) -> Vec<Parameter> {
+    let parameter = |(name, value): &(String, String)| Parameter { name: name.clone(), value: value.clone() };
+    case.parameters.iter().map(parameter).collect()
+}
