@@ -3,7 +3,8 @@
 //! A case is a block between lines of `---`. Its lines are a `# title`, declarations of signals
 //! (`lamp bool`, `p real V deadband 0.5`, `s bool sampled 10`), events (`100 lamp TRUE`,
 //! `[100, 110] lamp FALSE`, `100 step:busy`), `end 1000`, a claim or a measurement in TOML, and what comes of
-//! it: `verdict pass`, and if wanted `margin 5`, `observed ...`, `reason ...`, `nearest ...`, `writer ...`.
+//! it: `verdict pass`, and if wanted `margin 5`, `observed ...`, `reason ...`, `nearest ...`, `writer ...`,
+//! `value 3 4` of a measurement, and `early 150`: when the claim is first known to be lost.
 //! Times are in nanoseconds.
 
 use std::fs;
@@ -113,7 +114,7 @@ impl Golden {
             } else if words[0] == "train" {
                 let train = Some(words[2].to_owned());
                 golden.steps.push(StepFacts { id: words[1].into(), train, ..StepFacts::default() });
-            } else if ["verdict", "margin", "observed", "reason", "nearest", "writer", "value"].contains(&words[0]) {
+            } else if ["verdict", "margin", "observed", "reason", "nearest", "writer", "value", "early"].contains(&words[0]) {
                 let (key, rest) = line.split_once(' ').expect("a value");
                 golden.wanted.push((key.into(), rest.trim().into()));
             } else {
@@ -224,14 +225,17 @@ impl Golden {
         let outcome = judge.replay(end, &trace).expect("a readable trace");
         // What is fed piece by piece gives the same, and what is lost early is no pass in the end.
         let mut judge = Judge::new(scenario, &self.signals).expect("as before");
-        let mut lost = false;
+        let mut lost = None;
         for event in trace.events() {
-            judge.feed(&event.expect("an event"));
-            lost |= judge.failed_early();
+            let event = event.expect("an event");
+            judge.feed(&event);
+            if lost.is_none() && judge.failed_early() {
+                lost = Some(event.at.earliest.as_nanos());
+            }
         }
         let live = judge.finish(end, &trace).expect("a readable trace");
         assert_eq!(live, outcome, "{}", self.title);
-        if lost {
+        if lost.is_some() {
             assert_eq!(outcome.verdict, Verdict::Fail, "{}: lost early", self.title);
         }
         let shown = format!("{}: {outcome:#?}", self.title);
@@ -253,6 +257,7 @@ impl Golden {
                 },
                 "nearest" => claim.and_then(|claim| claim.nearest_miss.clone()).unwrap_or_default(),
                 "writer" => claim.and_then(|claim| claim.last_writer.clone()).unwrap_or_default(),
+                "early" => lost.map_or("never".into(), |at| at.to_string()),
                 "value" => outcome.measurements[0].value.map(|v| format!("{} {}", v[0], v[1])).unwrap_or_default(),
                 other => panic!("no key {other}"),
             };

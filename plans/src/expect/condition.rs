@@ -89,13 +89,13 @@ impl Condition {
         };
         let (min, max) = (limit("min"), limit("max"));
         let (min, max) = (min?, max?);
-        if let (Some(Literal::Value(low)), Some(Literal::Value(high))) = (&min, &max) {
-            if low.as_real() > high.as_real() {
-                let node = fields.get("max")?;
-                let message = "`max` is below `min`: the claim can never be met";
-                cx.out.bad(codes::CLAIM, node, message, "exchange them");
-                return None;
-            }
+        if let (Some(Literal::Value(low)), Some(Literal::Value(high))) = (&min, &max)
+            && low.as_real() > high.as_real()
+        {
+            let node = fields.get("max")?;
+            let message = "`max` is below `min`: the claim can never be met";
+            cx.out.bad(codes::CLAIM, node, message, "exchange them");
+            return None;
         }
         Some(Condition::Within { min, max })
     }
@@ -107,10 +107,11 @@ impl Condition {
     pub(crate) fn bind(&self, info: &SignalInfo) -> Result<Test, String> {
         match self {
             Condition::OneOf(list) => {
-                if let [one] = list.as_slice() {
-                    if is_high_z(one) && info.kind != Kind::State {
-                        return Ok(Test::HighZ);
-                    }
+                if let [one] = list.as_slice()
+                    && is_high_z(one)
+                    && info.kind != Kind::State
+                {
+                    return Ok(Test::HighZ);
                 }
                 let numbers: Result<Vec<Number>, String> =
                     list.iter().map(|one| number(one, info)).collect();

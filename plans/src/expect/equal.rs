@@ -82,12 +82,13 @@ pub(super) fn read_pair(
         Some(node) => Some(literal(node, cx)?),
         None => None,
     };
-    if let Right::Signal(other) = &right {
-        if other.signal == left.signal && other.at == left.at {
-            let message = format!("`{}` is compared with itself at {}", left.signal, left.at);
-            cx.out.bad(crate::codes::CLAIM, node, message, "name another signal or another instant");
-            return None;
-        }
+    if let Right::Signal(other) = &right
+        && other.signal == left.signal
+        && other.at == left.at
+    {
+        let message = format!("`{}` is compared with itself at {}", left.signal, left.at);
+        cx.out.bad(crate::codes::CLAIM, node, message, "name another signal or another instant");
+        return None;
     }
     Some(Arc::new(Equal { left, right, tolerance }))
 }

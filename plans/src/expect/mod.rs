@@ -3,6 +3,7 @@
 //! A verb is a table of keys, a reader and a [`Claim`]; [`VERBS`] lists them all, and nothing outside this
 //! folder knows any of them by name. How to add one: `docs/add-an-expectation.md`.
 
+mod becomes;
 mod common;
 pub(crate) mod condition;
 mod edges;
@@ -114,6 +115,7 @@ pub static VERBS: &[&Verb] = &[
     &first_edge::RISES,
     &first_edge::FALLS,
     &first_edge::CHANGES,
+    &becomes::BECOMES,
     &keeps::STAYS,
     &keeps::NEVER,
     &edges::EDGES,

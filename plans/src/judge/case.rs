@@ -202,7 +202,7 @@ fn locate(found: &mut [Diagnostic], place: Option<&Place>) {
 /// What follows the signals in the last reading.
 enum Running {
     Claim(Result<Box<dyn Monitor>, NotJudged>),
-    Gauge(Result<Gauge, NotJudged>),
+    Gauge(Box<Result<Gauge, NotJudged>>),
 }
 
 /// A signal with those who follow it.
@@ -232,7 +232,7 @@ impl Stage {
         }
         for measurement in &scenario.measurements {
             stage.follow(&measurement.signals(), scene);
-            stage.running.push(Running::Gauge(measurement.start(scene)));
+            stage.running.push(Running::Gauge(Box::new(measurement.start(scene))));
         }
         stage
     }
@@ -292,7 +292,7 @@ impl Stage {
         }
         for (measurement, running) in scenario.measurements.iter().zip(running) {
             let Running::Gauge(taken) = running else { continue };
-            let mut taken = match taken {
+            let mut taken = match *taken {
                 Ok(gauge) => gauge.finish(),
                 Err(why) => measurement.untaken(&why.to_string()),
             };
@@ -310,8 +310,12 @@ impl Running {
     fn feed(&mut self, slot: usize, seen: &super::Seen) {
         match self {
             Running::Claim(Ok(monitor)) => monitor.feed(slot, seen),
-            Running::Gauge(Ok(gauge)) => gauge.feed(seen),
-            _ => {}
+            Running::Claim(Err(_)) => {}
+            Running::Gauge(gauge) => {
+                if let Ok(gauge) = gauge.as_mut() {
+                    gauge.feed(seen);
+                }
+            }
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-use document::{Data, Node};
+use document::{Data, Findings, Node};
 use signal::{Span, Value};
 
 use super::Decimal;
+use crate::codes;
 
 /// A value as written; what a label or a unit means is known when the signal is.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,17 @@ impl fmt::Display for LiteralFault {
 impl Literal {
     /// TRUE.
     pub const TRUE: Literal = Literal::Value(Value::Bool(true));
+
+    /// Reads a value of the file; reports what is wrong with it.
+    pub(crate) fn read(node: &Node, out: &mut Findings) -> Option<Literal> {
+        match Literal::of(node) {
+            Ok(literal) => Some(literal),
+            Err(fault) => {
+                out.bad(codes::VALUE, node, format!("the value does not read: {fault}"), "");
+                None
+            }
+        }
+    }
 
     /// Reads a value of the file.
     ///

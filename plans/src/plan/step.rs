@@ -205,7 +205,7 @@ impl StepReader<'_> {
                 "falls" => Await::Falls,
                 _ => Await::Changes,
             }),
-            key => literal(value, out).map(|literal| match key {
+            key => Literal::read(value, out).map(|literal| match key {
                 "becomes" => Await::Becomes(literal),
                 "above" => Await::Above(literal),
                 _ => Await::Below(literal),
@@ -232,16 +232,6 @@ fn report_twice(id: &str, place: &Node, first: &Node, out: &mut Findings) {
         .at(out.file().to_owned(), first.span.clone(), "the first")
         .help("give it another id; one id in several rows needs a `rows` in each of its steps");
     out.push(found);
-}
-
-fn literal(node: &Node, out: &mut Findings) -> Option<Literal> {
-    match Literal::of(node) {
-        Ok(literal) => Some(literal),
-        Err(fault) => {
-            out.bad(codes::VALUE, node, format!("the value does not read: {fault}"), "");
-            None
-        }
-    }
 }
 
 /// 64 bits of chance for one purpose: SplitMix64 of the seed and the purpose, fixed for ever.

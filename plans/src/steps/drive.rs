@@ -67,19 +67,8 @@ pub(super) const WRITE: Verb = Verb {
 /// The signal and the value of one table; reports what is wrong with either.
 fn pair(fields: &Fields<'_>, key: &str, scope: &Scope<'_>, out: &mut Findings) -> Option<(String, Literal)> {
     let signal = scope.signal_of(fields.get(key)?, out);
-    let value = literal(fields.get("value")?, out);
+    let value = Literal::read(fields.get("value")?, out);
     Some((signal?, value?))
-}
-
-/// A value; reports what is wrong with it.
-pub(super) fn literal(node: &Node, out: &mut Findings) -> Option<Literal> {
-    match Literal::of(node) {
-        Ok(literal) => Some(literal),
-        Err(fault) => {
-            out.bad(codes::VALUE, node, format!("the value does not read: {fault}"), "");
-            None
-        }
-    }
 }
 
 /// A duration above 0; reports one that is not.
@@ -120,7 +109,7 @@ fn read_pulse(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stim
     let signal = scope.signal_of(fields.get("signal")?, out);
     let width = above_zero(&fields, "width", out);
     let value = match fields.get("value") {
-        Some(value) => literal(value, out),
+        Some(value) => Literal::read(value, out),
         None => Some(Literal::TRUE),
     };
     Some(Stimulus::Pulse { signal: signal?, value: value?, width: width? })

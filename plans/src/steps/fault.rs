@@ -2,9 +2,10 @@
 
 use document::{Fields, Findings, KeySpec, KeyType, Node};
 
-use super::drive::{above_zero, literal};
+use super::drive::above_zero;
 use super::{FaultKind, Stimulus, Verb};
 use crate::codes;
+use crate::lang::Literal;
 use crate::plan::Scope;
 
 const KINDS: &[&str] = &["stuck", "open", "short-to-ground", "short-to-supply", "glitch", "late", "lost"];
@@ -54,7 +55,7 @@ fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> 
     }
     let signal = scope.signal_of(fields.get("signal")?, out);
     let lasts = if fields.has("for") { Some(above_zero(&fields, "for", out)?) } else { None };
-    let value = fields.get("value").map(|value| literal(value, out));
+    let value = fields.get("value").map(|value| Literal::read(value, out));
     let kind = match kind {
         "stuck" => FaultKind::Stuck(value??),
         "open" => FaultKind::Open,

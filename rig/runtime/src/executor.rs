@@ -9,7 +9,7 @@ use crate::schedule::{Act, Due, Expected, Schedule};
 use crate::subject::Subject;
 use crate::trouble::Trouble;
 use crate::wiring::Wiring;
-use controller::{Command, Effect, Effects, State};
+use controller::{Command, Effect, Effects, Probe, State};
 use drivers::{Board, BoardEvent, ChannelId, LossReason, Origin};
 use signal::{Cause, Level, Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -168,8 +168,7 @@ impl<'a> Executor<'a> {
     /// Brings the subject into the state in which the case begins.
     fn prelude(&mut self) -> Result<(), Trouble> {
         self.board.start(Time::ZERO).map_err(|error| Trouble::Board { at: Time::ZERO, error })?;
-        self.show_initial();
-        self.poll()?;
+        self.show_initial()?;
         let initial = self.limits.initial;
         if initial != State::Off {
             self.subject.power(Time::ZERO, true, &mut self.effects);
@@ -205,11 +204,21 @@ impl<'a> Executor<'a> {
     }
 
     /// What every observed probe shows before anything happens.
-    fn show_initial(&mut self) {
+    fn show_initial(&mut self) -> Result<(), Trouble> {
         if let Some(signal) = self.wiring.state {
             let state = Value::Int(self.subject.state().number());
             self.recorder.record(signal, When::exactly(Time::ZERO), state, Cause::Controller);
         }
+        self.writes.clear();
+        for (output, channel) in self.wiring.outputs.iter().enumerate() {
+            if let Some(channel) = channel {
+                self.writes.push((*channel, self.subject.read(&Probe::Terminal(output))));
+                self.wiring.writers[usize::from(channel.0)] = Cause::Controller;
+            }
+        }
+        let written = self.board.write(Time::ZERO, &self.writes);
+        written.map_err(|error| Trouble::Board { at: Time::ZERO, error })?;
+        self.poll()
     }
 
     fn main(&mut self) -> Result<(), Trouble> {

@@ -1,0 +1,29 @@
+//! `becomes`: the first time after an instant that a signal comes to have a value is within its limits.
+//!
+//! ```toml
+//! { becomes = { signal = "pressure", min = "3 V", from = "valve", within = "200 ms" } }
+//! ```
+//! The value has to be entered: a signal that has it all along never becomes it.
+
+use std::sync::Arc;
+
+use document::Fields;
+
+use super::common::{FROM, SIGNAL, signal};
+use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
+use super::first_edge::{Kind, WITHIN, read_delay};
+use super::{Claim, Context, Verb};
+
+/// `becomes`.
+pub(super) const BECOMES: Verb = Verb {
+    name: "becomes",
+    doc: "The first time after an instant that a signal comes to have a value is within its limits",
+    keys: &[SIGNAL, IS, ONE_OF, MIN, MAX, FROM, WITHIN],
+    read,
+};
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let signal = signal(fields, "signal", cx);
+    let condition = Condition::read(fields, None, cx)?;
+    read_delay(fields, signal, Kind::Becomes(condition), cx)
+}
