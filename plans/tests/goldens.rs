@@ -11,13 +11,11 @@ use std::fs;
 use std::path::Path;
 
 use document::{Fields, Findings, Node, SourceFile};
+use record::Verdict;
 use scanrig_plans::expect::{self, Context, Expectation, Names};
 use scanrig_plans::judge::{Judge, Scenario, StepFacts};
 use scanrig_plans::{Anchor, measure};
-use record::Verdict;
-use signal::{
-    Cause, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, Value, When,
-};
+use signal::{Cause, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, Value, When};
 
 /// Names without a plan around them: everything is known.
 #[derive(Debug)]
@@ -114,7 +112,9 @@ impl Golden {
             } else if words[0] == "train" {
                 let train = Some(words[2].to_owned());
                 golden.steps.push(StepFacts { id: words[1].into(), train, ..StepFacts::default() });
-            } else if ["verdict", "margin", "observed", "reason", "nearest", "writer", "value", "early"].contains(&words[0]) {
+            } else if ["verdict", "margin", "observed", "reason", "nearest", "writer", "value", "early"]
+                .contains(&words[0])
+            {
                 let (key, rest) = line.split_once(' ').expect("a value");
                 golden.wanted.push((key.into(), rest.trim().into()));
             } else {
@@ -177,7 +177,12 @@ impl Golden {
                 let claim = (verb.read)(&fields, &mut cx);
                 let claim = claim.filter(|_| !out.has_errors());
                 let Some(claim) = claim else { panic!("{}: {:?}", self.title, out.into_vec()) };
-                scenario.expectations.push(Expectation { name: String::new(), verb: verb.name, claim, place: None });
+                scenario.expectations.push(Expectation {
+                    name: String::new(),
+                    verb: verb.name,
+                    claim,
+                    place: None,
+                });
             }
             None => {
                 let fields = Fields::check(&entry, place, "measurement", measure::KEYS, cx.out);
@@ -219,9 +224,8 @@ impl Golden {
         let trace = self.trace();
         let end = When::exactly(Time::from_nanos(self.end));
         let scenario = self.scenario();
-        let judge = Judge::new(scenario.clone(), &self.signals).unwrap_or_else(|found| {
-            panic!("{}: {found:?}", self.title)
-        });
+        let judge = Judge::new(scenario.clone(), &self.signals)
+            .unwrap_or_else(|found| panic!("{}: {found:?}", self.title));
         let outcome = judge.replay(end, &trace).expect("a readable trace");
         // What is fed piece by piece gives the same, and what is lost early is no pass in the end.
         let mut judge = Judge::new(scenario, &self.signals).expect("as before");
@@ -258,7 +262,9 @@ impl Golden {
                 "nearest" => claim.and_then(|claim| claim.nearest_miss.clone()).unwrap_or_default(),
                 "writer" => claim.and_then(|claim| claim.last_writer.clone()).unwrap_or_default(),
                 "early" => lost.map_or("never".into(), |at| at.to_string()),
-                "value" => outcome.measurements[0].value.map(|v| format!("{} {}", v[0], v[1])).unwrap_or_default(),
+                "value" => {
+                    outcome.measurements[0].value.map(|v| format!("{} {}", v[0], v[1])).unwrap_or_default()
+                }
                 other => panic!("no key {other}"),
             };
             assert_eq!(&got, wanted, "{key} of {shown}");
@@ -268,7 +274,8 @@ impl Golden {
 
 fn blocks() -> Vec<(String, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/goldens");
-    let mut files: Vec<_> = fs::read_dir(folder).expect("the folder").map(|file| file.unwrap().path()).collect();
+    let mut files: Vec<_> =
+        fs::read_dir(folder).expect("the folder").map(|file| file.unwrap().path()).collect();
     files.sort();
     let mut blocks = Vec::new();
     for file in files {
@@ -303,9 +310,14 @@ fn every_verb_is_covered() {
     for verb in expect::VERBS {
         for verdict in ["pass", "fail"] {
             let covers = |block: &str| {
-                block.contains(&format!("{{ {} =", verb.name)) && block.contains(&format!("verdict {verdict}"))
+                block.contains(&format!("{{ {} =", verb.name))
+                    && block.contains(&format!("verdict {verdict}"))
             };
-            assert!(blocks.iter().any(|(_, block)| covers(block)), "no golden of `{}` with {verdict}", verb.name);
+            assert!(
+                blocks.iter().any(|(_, block)| covers(block)),
+                "no golden of `{}` with {verdict}",
+                verb.name
+            );
         }
     }
 }

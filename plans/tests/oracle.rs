@@ -241,9 +241,7 @@ fn oracle_of_two(raw: &[Raw]) -> Verdict {
                 let on = segments(line).into_iter().filter(|segment| segment.2 == Value::Bool(true));
                 on.map(|segment| (segment.0, segment.1)).collect()
             };
-            let meet = |a: &(i64, i64)| {
-                on(&lines[1]).iter().any(|b| a.0.max(b.0) < a.1.min(b.1).min(END))
-            };
+            let meet = |a: &(i64, i64)| on(&lines[1]).iter().any(|b| a.0.max(b.0) < a.1.min(b.1).min(END));
             if on(&lines[0]).iter().any(meet) { other = true } else { some = true }
         }
         let Some(next) = (0..raw.len()).find(|at| times[*at] < raw[*at].b) else { break };
@@ -260,7 +258,7 @@ fn oracle_of_two(raw: &[Raw]) -> Verdict {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400000, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// `never` between two steps, whose order is the plan's.
     #[test]

@@ -14,11 +14,8 @@ pub(super) const SIGNAL: KeySpec =
 pub(super) const FROM: KeySpec =
     KeySpec::optional("from", KeyType::Anchor, "Where looking begins; `start` if left out");
 /// Where a window ends.
-pub(super) const UNTIL: KeySpec = KeySpec::optional(
-    "until",
-    KeyType::Anchor,
-    "Where looking ends, itself not included; `end` if left out",
-);
+pub(super) const UNTIL: KeySpec =
+    KeySpec::optional("until", KeyType::Anchor, "Where looking ends, itself not included; `end` if left out");
 /// The instant at which a value counts.
 pub(super) const WHEN: KeySpec =
     KeySpec::optional("when", KeyType::Anchor, "The instant that counts; `end` if left out");
@@ -101,7 +98,12 @@ pub(super) enum Single {
 pub(super) fn spans(node: &Node, key: &str, single: Single, cx: &mut Context<'_>) -> Option<Limits> {
     let Some(text) = node.as_text() else {
         let help = "durations need a unit: write \"100 ms .. 100.3 ms\"";
-        cx.out.bad(codes::WRONG_TYPE, node, format!("`{key}` is {}, not a range of durations", node.kind()), help);
+        cx.out.bad(
+            codes::WRONG_TYPE,
+            node,
+            format!("`{key}` is {}, not a range of durations", node.kind()),
+            help,
+        );
         return None;
     };
     match parse_spans(text, single) {
@@ -165,7 +167,12 @@ pub(super) fn counts(node: &Node, key: &str, cx: &mut Context<'_>) -> Option<(u6
     };
     if range.is_none() {
         let message = format!("`{key}` is no number of edges");
-        cx.out.bad(codes::UNREADABLE, node, message, "write a number such as 1, or a range such as \"1 .. 3\"");
+        cx.out.bad(
+            codes::UNREADABLE,
+            node,
+            message,
+            "write a number such as 1, or a range such as \"1 .. 3\"",
+        );
     }
     range
 }
@@ -214,5 +221,8 @@ pub(super) fn width(interval: (i64, i64)) -> Option<record::Figure> {
 
 /// A channel that can miss pulses, in words for a reason.
 pub(super) fn blind_words(info: &SignalInfo, missed: Span) -> String {
-    format!("`{}` is only sampled: pulses up to {missed} can go unseen; state `pulses-longer-than`", info.name)
+    format!(
+        "`{}` is only sampled: pulses up to {missed} can go unseen; state `pulses-longer-than`",
+        info.name
+    )
 }

@@ -113,8 +113,7 @@ impl Condition {
                 {
                     return Ok(Test::HighZ);
                 }
-                let numbers: Result<Vec<Number>, String> =
-                    list.iter().map(|one| number(one, info)).collect();
+                let numbers: Result<Vec<Number>, String> = list.iter().map(|one| number(one, info)).collect();
                 Ok(Test::OneOf(numbers?))
             }
             Condition::Within { min, max } => {
@@ -180,26 +179,32 @@ pub(crate) fn number(literal: &Literal, info: &SignalInfo) -> Result<Number, Str
             Some(n) => Ok(Number::Int(n)),
             None => Err(format!("`{value}` is no value that `{}` can be compared with", info.name)),
         },
-        Literal::Label(word) => match info.labels.iter().find(|(_, label)| label.eq_ignore_ascii_case(word)) {
-            Some((n, _)) => Ok(Number::Int(i128::from(*n))),
-            None if info.labels.is_empty() => {
-                Err(format!("`{}` has no named states, so it cannot be `{word}`", info.name))
+        Literal::Label(word) => {
+            match info.labels.iter().find(|(_, label)| label.eq_ignore_ascii_case(word)) {
+                Some((n, _)) => Ok(Number::Int(i128::from(*n))),
+                None if info.labels.is_empty() => {
+                    Err(format!("`{}` has no named states, so it cannot be `{word}`", info.name))
+                }
+                None => {
+                    let known = info.labels.iter().map(|(_, label)| label.as_str());
+                    let hint = match document::suggest(word, known.clone()) {
+                        Some(meant) => format!("did you mean `{meant}`?"),
+                        None => format!("its states are {}", known.collect::<Vec<_>>().join(", ")),
+                    };
+                    Err(format!("`{}` has no state `{word}`; {hint}", info.name))
+                }
             }
-            None => {
-                let known = info.labels.iter().map(|(_, label)| label.as_str());
-                let hint = match document::suggest(word, known.clone()) {
-                    Some(meant) => format!("did you mean `{meant}`?"),
-                    None => format!("its states are {}", known.collect::<Vec<_>>().join(", ")),
-                };
-                Err(format!("`{}` has no state `{word}`; {hint}", info.name))
-            }
-        },
+        }
         Literal::Measure { number, unit } => {
             let (own, base) = scale(&info.unit);
             let (given, dimension) = scale(unit);
             if base != dimension {
-                let has = if info.unit.is_empty() { "no unit".into() } else { format!("the unit {}", info.unit) };
-                return Err(format!("`{}` has {has}; `{number} {unit}` cannot be compared with it", info.name));
+                let has =
+                    if info.unit.is_empty() { "no unit".into() } else { format!("the unit {}", info.unit) };
+                return Err(format!(
+                    "`{}` has {has}; `{number} {unit}` cannot be compared with it",
+                    info.name
+                ));
             }
             Ok(Number::Real(if own == given { *number } else { number * given / own }))
         }

@@ -70,7 +70,7 @@ impl Claim for Edges {
         let part = |range: Option<Range>, word| range.map(|range| format!("{} {word}", count_range(range)));
         let parts = [part(self.rising, "rising"), part(self.falling, "falling")];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
-        format!("`{}` has {} edges{}", self.signal, parts.join(" and "), self.between.words())
+        format!("`{}` has edges: {}{}", self.signal, parts.join(" and "), self.between.words())
     }
 
     fn signals(&self) -> Vec<String> {
@@ -138,6 +138,9 @@ impl Count {
 impl Monitor for Count {
     #[inline]
     fn feed(&mut self, _slot: usize, seen: &Seen) {
+        if self.open {
+            self.counter.advance(seen.a);
+        }
         let rose = self.rises.see(seen);
         let fell = self.falls.see(seen);
         match (rose, fell) {
@@ -154,10 +157,14 @@ impl Monitor for Count {
         }
     }
 
-    fn lost(&mut self, _now: i64) -> bool {
+    fn lost(&mut self, now: i64) -> bool {
+        // A window that may still end where it begins is not judged at all.
+        if self.open && now <= self.window.from.b {
+            return false;
+        }
         let certain = self.counter.certain();
         let over = |range: Option<Range>, count| range.is_some_and(|range| count > range.1);
-        !self.open && (over(self.claim.rising, certain.0) || over(self.claim.falling, certain.1))
+        over(self.claim.rising, certain.0) || over(self.claim.falling, certain.1)
     }
 
     fn finish(mut self: Box<Self>) -> Finding {
@@ -171,7 +178,8 @@ impl Monitor for Count {
 
 impl Count {
     fn finding(self, counted: &Counted) -> Finding {
-        let inside = |range: Option<Range>, n: u64| range.is_none_or(|(least, most)| (least..=most).contains(&n));
+        let inside =
+            |range: Option<Range>, n: u64| range.is_none_or(|(least, most)| (least..=most).contains(&n));
         let below = |range: Option<Range>, n: u64| range.is_none_or(|(_, most)| n <= most);
         let right = |&(rising, falling): &(u64, u64)| {
             inside(self.claim.rising, rising) && inside(self.claim.falling, falling)
@@ -184,7 +192,9 @@ impl Count {
             (least, counted.counts.iter().map(pick).max().unwrap_or(0))
         };
         let (rising, falling) = (column(|counts| counts.0), column(|counts| counts.1));
-        let overlaps = |range: Option<Range>, seen: Range| range.is_none_or(|range| range.0 <= seen.1 && seen.0 <= range.1);
+        let overlaps = |range: Option<Range>, seen: Range| {
+            range.is_none_or(|range| range.0 <= seen.1 && seen.0 <= range.1)
+        };
         // Unseen pulses can only add edges.
         let more = counted.hidden || self.missed.is_some();
         let can_hold = match (more, counted.exact) {
@@ -193,9 +203,8 @@ impl Count {
             (false, false) => overlaps(self.claim.rising, rising) && overlaps(self.claim.falling, falling),
         };
         let can_break = more || !counted.exact || !counted.counts.iter().all(right);
-        let part = |wanted: bool, seen: Range, word: &str| {
-            wanted.then(|| format!("{} {word}", count_range(seen)))
-        };
+        let part =
+            |wanted: bool, seen: Range, word: &str| wanted.then(|| format!("{} {word}", count_range(seen)));
         let parts = [
             part(self.claim.rising.is_some(), rising, "rising"),
             part(self.claim.falling.is_some(), falling, "falling"),
@@ -212,18 +221,20 @@ impl Count {
         let mut finding = Finding {
             can_hold,
             can_break,
-            observed: format!("{} edges", parts.join(" and ")),
+            observed: parts.join(" and "),
             margin: margin.map(|margin| Figure::new(margin, "edges")),
             uncertainty: (spread > 0).then(|| Figure::new(spread as f64, "edges")),
             window: Some(self.window.shown()),
             ..Finding::default()
         };
         finding.reason = match (can_hold, counted.hidden) {
-            (false, _) => format!("{} edges, and that in every placement", parts.join(" and ")),
+            (false, _) => format!("there were {}", parts.join(" and ")),
             (true, true) => format!("`{}` is not known for a part of the window", self.info.name),
             (true, false) => match &self.missed {
                 Some(missed) => missed.clone(),
-                None => String::from("which edges lie in the window is open within the uncertainty of the instants"),
+                None => String::from(
+                    "which edges lie in the window is open within the uncertainty of the instants",
+                ),
             },
         };
         let shown = self.rises.value().map(|value: Value| self.info.show(value));

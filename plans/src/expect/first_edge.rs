@@ -303,8 +303,7 @@ impl Follow {
 
     fn nearest_miss(&self, missing: bool) -> Option<(String, Option<signal::Cause>)> {
         let (distance, seen) = self.nearest?;
-        let (least, most) =
-            (seen.a.saturating_sub(self.point.b), seen.b.saturating_sub(self.point.a));
+        let (least, most) = (seen.a.saturating_sub(self.point.b), seen.b.saturating_sub(self.point.a));
         let when = delay_words((least, most), &self.claim.from);
         let distance = Span::from_nanos(distance);
         let early = most < self.limits.0 || missing;
@@ -313,6 +312,9 @@ impl Follow {
             (distance, true) => format!("{distance} too early"),
             (distance, false) => format!("{distance} too late"),
         };
-        Some((format!("the nearest time that it {} was {word}, {when}", self.claim.kind.past()), Some(seen.cause)))
+        Some((
+            format!("the nearest time that it {} was {word}, {when}", self.claim.kind.past()),
+            Some(seen.cause),
+        ))
     }
 }

@@ -209,10 +209,16 @@ impl Common {
         }
     }
 
-    pub(super) fn lost(&mut self, now: i64) -> bool {
+    /// What is fed at `now` comes before an end of the window that is still to come.
+    #[inline]
+    pub(super) fn advance(&mut self, now: i64) {
         if self.open {
             self.segments.advance(now);
         }
+    }
+
+    pub(super) fn lost(&mut self, now: i64) -> bool {
+        self.advance(now);
         self.segments.lost(now)
     }
 
@@ -245,6 +251,10 @@ impl Common {
         }
     }
 
+    fn were(&self) -> &'static str {
+        if self.watched.len() > 1 { "they were" } else { "it was" }
+    }
+
     fn observed(&self, kept: &Kept) -> String {
         match kept.worst {
             None if self.claim.forbidden => String::from("it did not happen"),
@@ -270,13 +280,14 @@ impl Common {
     fn reason(&self, kept: &Kept) -> String {
         match kept.worst {
             Some(breach) if !kept.can_hold => {
-                format!("it was {} inside the window", self.show(breach.value))
+                format!("{} {} inside the window", self.were(), self.show(breach.value))
             }
             Some(Breach { weight: Weight::Unknown, .. }) => {
                 String::from("the value is not known for a part of the window")
             }
             Some(breach) => format!(
-                "whether it was {} inside the window lies within the uncertainty of the instants",
+                "whether {} {} inside the window lies within the uncertainty of the instants",
+                self.were(),
                 self.show(breach.value)
             ),
             None => self.missed.clone().unwrap_or_default(),
@@ -293,7 +304,8 @@ impl Common {
         let nanos = match kept.worst {
             Some(Breach { weight: Weight::Unknown, .. }) => return None,
             Some(breach) => {
-                let inside = breach.end.1.min(window.until.b).saturating_sub(breach.start.0.max(window.from.a));
+                let inside =
+                    breach.end.1.min(window.until.b).saturating_sub(breach.start.0.max(window.from.a));
                 inside.max(0).saturating_neg()
             }
             None => kept.distance?,
@@ -338,6 +350,7 @@ impl Single {
 impl Monitor for Single {
     #[inline]
     fn feed(&mut self, _slot: usize, seen: &Seen) {
+        self.common.advance(seen.a);
         let watched = &self.common.watched[0];
         let class = watched.test.holds(seen.value, watched.slack);
         if matches!(watched.test, Test::Range { .. }) {

@@ -12,8 +12,8 @@ use record::Figure;
 use signal::{SignalInfo, Span};
 
 use super::common::{
-    Between, FROM, LONGER, Limits, SIGNAL, Single, UNTIL, blind_words, delay_words, signal, span_range, spans,
-    width,
+    Between, FROM, LONGER, Limits, SIGNAL, Single, UNTIL, blind_words, delay_words, signal, span_range,
+    spans, width,
 };
 use super::{Claim, Context, Verb};
 use crate::codes;
@@ -28,8 +28,16 @@ pub(super) const PERIOD: Verb = Verb {
     doc: "Successive edges of a signal are as far apart as they should be, all of a window",
     keys: &[
         SIGNAL,
-        KeySpec::optional("edge", KeyType::Choice(&["rises", "falls", "changes"]), "Which edges; `rises` if left out"),
-        KeySpec::required("is", KeyType::Range, "The distance that is allowed: \"0.9 ms .. 1.1 ms\", or one duration"),
+        KeySpec::optional(
+            "edge",
+            KeyType::Choice(&["rises", "falls", "changes"]),
+            "Which edges; `rises` if left out",
+        ),
+        KeySpec::required(
+            "is",
+            KeyType::Range,
+            "The distance that is allowed: \"0.9 ms .. 1.1 ms\", or one duration",
+        ),
         KeySpec::optional("tolerance", KeyType::Duration, "How far it may be from the duration `is`"),
         FROM,
         UNTIL,
@@ -128,6 +136,9 @@ struct Follow {
 impl Monitor for Follow {
     #[inline]
     fn feed(&mut self, _slot: usize, seen: &Seen) {
+        if self.open {
+            self.chain.advance(seen.a);
+        }
         match self.finder.see(seen) {
             Some(found) if found.certain => self.chain.edge(seen),
             Some(found) => self.chain.unknown(&found.seen),
@@ -135,8 +146,9 @@ impl Monitor for Follow {
         }
     }
 
-    fn lost(&mut self, _now: i64) -> bool {
-        !self.open && self.chain.lost()
+    fn lost(&mut self, now: i64) -> bool {
+        // A window that may still end where it begins is not judged at all.
+        (!self.open || now > self.window.from.b) && self.chain.lost()
     }
 
     fn finish(mut self: Box<Self>) -> Finding {

@@ -26,8 +26,16 @@ pub(super) const PULSE: Verb = Verb {
     doc: "The first pulse of a window, or every one, has a width within limits",
     keys: &[
         SIGNAL,
-        KeySpec::optional("level", KeyType::Choice(&["high", "low"]), "The level of the pulse; `high` if left out"),
-        KeySpec::required("width", KeyType::Range, "The width that is allowed: \"10 ms ± 0.1 ms\", \"5 ms ..\""),
+        KeySpec::optional(
+            "level",
+            KeyType::Choice(&["high", "low"]),
+            "The level of the pulse; `high` if left out",
+        ),
+        KeySpec::required(
+            "width",
+            KeyType::Range,
+            "The width that is allowed: \"10 ms ± 0.1 ms\", \"5 ms ..\"",
+        ),
         KeySpec::optional("which", KeyType::Choice(&["first", "every"]), "Which pulses; `first` if left out"),
         FROM,
         UNTIL,
@@ -195,7 +203,8 @@ fn finding(claim: &Widths, spread: &Spread, window: &Window, info: &SignalInfo, 
         };
         return finding;
     };
-    let delay = (deciding.seen.a.saturating_sub(window.from.b), deciding.seen.b.saturating_sub(window.from.a));
+    let delay =
+        (deciding.seen.a.saturating_sub(window.from.b), deciding.seen.b.saturating_sub(window.from.a));
     let unfinished = deciding.extent.1 >= i64::MAX.saturating_sub(end);
     let lasting = match unfinished {
         true => format!("at least {}, to the end of the case", Span::from_nanos(deciding.extent.0)),

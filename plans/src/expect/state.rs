@@ -26,7 +26,11 @@ pub(super) const STATE: Verb = Verb {
     doc: "The controller is in a state at an instant, enters it, or stays in it",
     keys: &[
         KeySpec::optional("is", KeyType::Text, "The state at the instant `when`"),
-        KeySpec::optional("becomes", KeyType::Text, "The state that is entered after `from`, `within` a delay"),
+        KeySpec::optional(
+            "becomes",
+            KeyType::Text,
+            "The state that is entered after `from`, `within` a delay",
+        ),
         KeySpec::optional("stays", KeyType::Text, "The state that is kept from `from` until `until`"),
         WHEN,
         FROM,

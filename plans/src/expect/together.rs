@@ -49,11 +49,7 @@ struct Together {
 }
 
 pub(super) fn start(common: Common, lags: Vec<i64>) -> Box<dyn Monitor> {
-    let unknown = Stretch {
-        start: Seen::NOTHING,
-        end: None,
-        known: false,
-    };
+    let unknown = Stretch { start: Seen::NOTHING, end: None, known: false };
     let side = |lag| Side {
         stretches: VecDeque::from([unknown]),
         class: Some(Truth::Unknown),
@@ -140,6 +136,7 @@ impl Together {
 
 impl Monitor for Together {
     fn feed(&mut self, slot: usize, seen: &Seen) {
+        self.common.advance(seen.a);
         let watched = &self.common.watched[slot];
         // The test says what is allowed: not TRUE.
         let class = watched.test.holds(seen.value, watched.slack);
@@ -170,7 +167,8 @@ impl Monitor for Together {
 
     fn lost(&mut self, now: i64) -> bool {
         let open = self.sides.iter().map(|side| side.stretches.back().filter(|last| last.end.is_none()));
-        let starts: Option<Vec<i64>> = open.map(|open| open.filter(|open| open.known).map(|o| o.start.b)).collect();
+        let starts: Option<Vec<i64>> =
+            open.map(|open| open.filter(|open| open.known).map(|o| o.start.b)).collect();
         let shared = starts.and_then(|starts| starts.into_iter().max());
         let inside = shared.is_some_and(|start| self.common.segments.would_lose(start, now));
         self.common.claim.longer_than.is_none() && inside || self.common.lost(now)

@@ -125,9 +125,12 @@ impl Monitor for Read {
 
     fn lost(&mut self, now: i64) -> bool {
         now > self.point.b
-            && self.reader.clone().finish().iter().all(|candidate| {
-                self.test.holds(candidate.seen.value, slack(&self.info)) == Truth::False
-            })
+            && self
+                .reader
+                .clone()
+                .finish()
+                .iter()
+                .all(|candidate| self.test.holds(candidate.seen.value, slack(&self.info)) == Truth::False)
     }
 
     fn finish(self: Box<Self>) -> Finding {

@@ -89,7 +89,10 @@ pub struct Judge {
 
 impl fmt::Debug for Judge {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Judge").field("scenario", &self.scenario).field("fed", &self.fed).finish_non_exhaustive()
+        f.debug_struct("Judge")
+            .field("scenario", &self.scenario)
+            .field("fed", &self.fed)
+            .finish_non_exhaustive()
     }
 }
 
@@ -147,9 +150,8 @@ impl Judge {
     /// # Errors
     /// [`JudgeError`] if the trace cannot be read.
     pub fn finish(self, end: When, trace: &signal::Trace) -> Result<Outcome, JudgeError> {
-        let events = trace.events().map(|event| {
-            event.map_err(|error| JudgeError { fault: error.to_string() })
-        });
+        let events =
+            trace.events().map(|event| event.map_err(|error| JudgeError { fault: error.to_string() }));
         self.finish_over(end, events, &|key| trace.note(key).map(str::to_owned))
     }
 
@@ -296,7 +298,8 @@ impl Stage {
                 Ok(gauge) => gauge.finish(),
                 Err(why) => measurement.untaken(&why.to_string()),
             };
-            if let (Verdict::Inconclusive, Some(silent)) = (taken.verdict, unobserved(&measurement.signals())) {
+            if let (Verdict::Inconclusive, Some(silent)) = (taken.verdict, unobserved(&measurement.signals()))
+            {
                 taken.reason = silent;
             }
             measurements.push(taken);

@@ -104,6 +104,11 @@ impl Counter {
         }
     }
 
+    /// The window's end is still to come, at `now` or later.
+    pub fn advance(&mut self, now: i64) {
+        self.window.advance(now);
+    }
+
     /// The next edge.
     #[inline]
     pub fn edge(&mut self, rising: bool, seen: &Seen) {

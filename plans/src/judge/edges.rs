@@ -196,8 +196,8 @@ impl First {
             let right = (low.max(seen.a.saturating_sub(self.most)), high.min(seen.b.saturating_sub(least)));
             self.can_hold |= least <= self.most && right.0 <= right.1;
             self.can_be_late |= low <= high.min(seen.b.saturating_sub(self.most).saturating_sub(1));
-            self.can_be_early |= self.least > soonest
-                && low.max(seen.a.saturating_sub(self.least).saturating_add(1)) <= high;
+            self.can_be_early |=
+                self.least > soonest && low.max(seen.a.saturating_sub(self.least).saturating_add(1)) <= high;
             self.doubtful |= !found.certain;
             let delay = (seen.a.saturating_sub(high).max(soonest), seen.b.saturating_sub(low));
             if found.certain {

@@ -27,14 +27,8 @@ pub struct Seen {
 
 impl Seen {
     /// What is known of a signal before its first event: nothing.
-    pub const NOTHING: Seen = Seen {
-        a: i64::MIN,
-        b: i64::MIN,
-        place: 0,
-        since: 0,
-        value: Value::Unknown,
-        cause: Cause::Unknown,
-    };
+    pub const NOTHING: Seen =
+        Seen { a: i64::MIN, b: i64::MIN, place: 0, since: 0, value: Value::Unknown, cause: Cause::Unknown };
 
     /// An event at a place of the trace, with the interval `[a, b]`.
     #[inline]
@@ -140,6 +134,11 @@ impl Window {
         }
         let longest = link.unwrap_or_else(|| until.b.saturating_sub(from.a));
         (longest > 0).then_some(Window { from, until, link })
+    }
+
+    /// The window's end is still to come: what is fed at `now` comes before it.
+    pub fn advance(&mut self, now: i64) {
+        self.until.a = self.until.a.max(now.min(self.until.b));
     }
 
     /// Whether the window can be placed with its beginning at or after `left` and its end at or before `right`.

@@ -159,6 +159,11 @@ impl Chain {
         }
     }
 
+    /// The window's end is still to come, at `now` or later.
+    pub fn advance(&mut self, now: i64) {
+        self.window.advance(now);
+    }
+
     /// The next pulse, once its end is known.
     pub fn pulse(&mut self, pulse: &Pulse) {
         if !self.window.can_hold(&pulse.start) {

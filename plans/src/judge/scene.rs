@@ -73,9 +73,7 @@ impl<'a> Scene<'a> {
     pub fn window(&self, from: &Anchor, until: &Anchor) -> Result<Window, NotJudged> {
         let start = self.point(from)?;
         let end = match (self.point(until), self.open_from) {
-            (Err(_), Some(now)) => {
-                Point { a: now, b: i64::MAX, place: u64::MAX, base: u32::MAX, offset: 0 }
-            }
+            (Err(_), Some(now)) => Point { a: now, b: i64::MAX, place: u64::MAX, base: u32::MAX, offset: 0 },
             (end, _) => end?,
         };
         Window::new(start, end).ok_or_else(|| NotJudged::EmptyWindow(format!("{from} until {until}")))
@@ -94,7 +92,9 @@ impl<'a> Scene<'a> {
     /// How far behind the newest event of the trace an event of this signal can begin, nanoseconds.
     pub fn lag(&self, name: &str) -> i64 {
         match self.signals.iter().position(|info| info.name == name) {
-            Some(at) if !self.disordered.get(at).copied().unwrap_or(false) => lag(&self.signals[at]).as_nanos(),
+            Some(at) if !self.disordered.get(at).copied().unwrap_or(false) => {
+                lag(&self.signals[at]).as_nanos()
+            }
             _ => i64::MAX,
         }
     }

@@ -99,7 +99,8 @@ impl Segments {
         self.doomed |= weight == Weight::Certain;
         if self.worst.is_none_or(|worst| weight > worst.weight) {
             let start_at = (start.a, start.b);
-            self.worst = Some(Breach { start: start_at, end, value: start.value, cause: start.cause, weight });
+            self.worst =
+                Some(Breach { start: start_at, end, value: start.value, cause: start.cause, weight });
         }
     }
 
@@ -141,9 +142,9 @@ impl Segments {
         open || self.worst.is_some_and(|worst| worst.weight == Weight::Certain)
     }
 
-    /// The window's end is not known yet; it lies at `now` or later.
+    /// The window's end is still to come, at `now` or later.
     pub fn advance(&mut self, now: i64) {
-        self.window.until.a = self.window.until.a.max(now.min(self.window.until.b));
+        self.window.advance(now);
     }
 
     /// The judgement when nothing comes any more.

@@ -110,7 +110,9 @@ impl Test {
                     let near = wanted.iter().any(|want| (want.as_real() - real).abs() <= slack);
                     if near { Truth::Unknown } else { Truth::False }
                 }
-                Some(number) => Truth::of(wanted.iter().any(|want| number.compare(*want) == Some(Ordering::Equal))),
+                Some(number) => {
+                    Truth::of(wanted.iter().any(|want| number.compare(*want) == Some(Ordering::Equal)))
+                }
             },
             Test::Range { min, max } => match Number::of(value) {
                 None => Truth::False,

@@ -12,7 +12,11 @@ use crate::lang::Anchor;
 
 const EDGE_KEYS: &[KeySpec] = &[
     KeySpec::required("signal", KeyType::SignalRef, "The signal that ends the time"),
-    KeySpec::optional("edge", KeyType::Choice(&["rises", "falls", "changes"]), "Which edge; `changes` if left out"),
+    KeySpec::optional(
+        "edge",
+        KeyType::Choice(&["rises", "falls", "changes"]),
+        "Which edge; `changes` if left out",
+    ),
 ];
 
 /// The keys of an entry of `measure`.
@@ -24,7 +28,11 @@ pub const KEYS: &[KeySpec] = &[
         KeyType::Either(&[KeyType::Anchor, KeyType::Table(EDGE_KEYS)]),
         "The instant, or the first edge after `from`, at which it ends",
     ),
-    KeySpec::optional("value-of", KeyType::SignalRef, "The signal whose value is measured, in place of `from`"),
+    KeySpec::optional(
+        "value-of",
+        KeyType::SignalRef,
+        "The signal whose value is measured, in place of `from`",
+    ),
     KeySpec::optional("when", KeyType::Anchor, "The instant of the value; `end` if left out"),
     KeySpec::optional("min", KeyType::Value, "The least value allowed, itself included"),
     KeySpec::optional("max", KeyType::Value, "The greatest value allowed, itself included"),

@@ -1,7 +1,8 @@
 //! Excerpts of the trace for the record, so that reports draw without it.
 
-use record::{CaseRecord, Lane, MAX_LANE_POINTS};
-use signal::{Event, Kind, Time, Trace};
+use record::{CaseRecord, Lane, Verdict};
+use signal::{Event, Kind, SignalId, SignalInfo, Time, Trace};
+use std::collections::VecDeque;
 
 /// Signals that one case shows.
 const MOST_LANES: usize = 24;
@@ -9,49 +10,93 @@ const MOST_LANES: usize = 24;
 /// Points of one lane; a drawing shows no more.
 const POINTS: usize = 400;
 
-/// The part of the trace that the record keeps: from a little before the first thing that the claims look at to a
-/// little behind the last, or the whole case where it is short of events.
+/// The part of the trace that the record keeps: from a little before the first thing that claims and steps look at
+/// to a little behind the last. A signal with more changes than fit keeps those around the instants that decided.
 pub fn excerpts(record: &CaseRecord, trace: &Trace) -> Vec<Lane> {
     let (from, until) = interest(record);
-    let shown: Vec<usize> = trace
-        .signals()
-        .iter()
-        .enumerate()
-        .filter(|(_, info)| info.kind != Kind::Mark)
-        .map(|(place, _)| place)
-        .take(MOST_LANES)
-        .collect();
-    let mut lanes: Vec<Lane> = shown.iter().map(|place| Lane::of(&trace.signals()[*place])).collect();
-    let Ok(mut events) = trace.between(from, until) else { return lanes };
-    let limit = POINTS.min(MAX_LANE_POINTS);
-    let mut before: Vec<Option<Event>> = Vec::new();
-    let mut inside: Vec<Vec<Event>> = vec![Vec::new(); lanes.len()];
-    let mut full = vec![false; lanes.len()];
+    let focus = focus(record, from);
+    let mut shown: Vec<Excerpt> = Vec::new();
+    for (place, info) in trace.signals().iter().enumerate() {
+        if info.kind != Kind::Mark && shown.len() < MOST_LANES {
+            let id = SignalId(place as u32);
+            shown.push(Excerpt { id, before: None, kept: VecDeque::new(), dropped: false, cut: false });
+        }
+    }
+    let mut places = vec![None; trace.signals().len()];
+    for (lane, excerpt) in shown.iter().enumerate() {
+        places[excerpt.id.0 as usize] = Some(lane);
+    }
+    let Ok(mut events) = trace.between(from, until) else { return Vec::new() };
     for event in events.by_ref() {
         let Ok(event) = event else { break };
-        let Some(lane) = shown.iter().position(|place| *place == event.signal.0 as usize) else { continue };
-        if inside[lane].len() < limit {
-            inside[lane].push(event);
-        } else {
-            full[lane] = true;
+        if let Some(lane) = places.get(event.signal.0 as usize).copied().flatten() {
+            shown[lane].keep(event, focus);
         }
     }
-    for place in &shown {
-        before.push(events.before(signal::SignalId(*place as u32)));
-    }
-    for (lane, ((before, inside), full)) in lanes.iter_mut().zip(before.into_iter().zip(inside).zip(full)) {
-        if let Some(before) = before {
-            lane.push_event(&before);
-        }
-        for event in &inside {
-            lane.push_event(event);
-        }
-        lane.truncated |= full;
-    }
-    lanes
+    shown
+        .into_iter()
+        .map(|mut excerpt| {
+            if !excerpt.dropped {
+                excerpt.before = events.before(excerpt.id);
+            }
+            let info = &trace.signals()[excerpt.id.0 as usize];
+            excerpt.lane(info, until)
+        })
+        .collect()
 }
 
-/// The span of time that the claims and steps of a case look at, with a margin.
+/// The changes of one signal that the record keeps.
+struct Excerpt {
+    id: SignalId,
+    /// The change that holds at the beginning.
+    before: Option<Event>,
+    kept: VecDeque<Event>,
+    /// Changes before the kept ones found no room.
+    dropped: bool,
+    /// Changes behind the kept ones found no room.
+    cut: bool,
+}
+
+impl Excerpt {
+    /// Keeps a change. When room runs out, earlier changes make room as long as the instant that decided still lies
+    /// ahead or close by; behind it nothing more is kept.
+    fn keep(&mut self, event: Event, focus: Option<i64>) {
+        if self.kept.len() < POINTS {
+            self.kept.push_back(event);
+            return;
+        }
+        let half = self.kept[POINTS / 2].at.earliest.as_nanos();
+        let ahead = focus.is_some_and(|focus| focus >= half);
+        if self.cut || !ahead {
+            self.cut = true;
+            return;
+        }
+        self.before = self.kept.pop_front();
+        self.dropped = true;
+        self.kept.push_back(event);
+    }
+
+    fn lane(self, info: &SignalInfo, until: Time) -> Lane {
+        let mut lane = Lane::of(info);
+        lane.until_ns = Some(until.as_nanos());
+        for event in self.before.iter().chain(&self.kept) {
+            lane.push_event(event);
+        }
+        lane.truncated |= self.cut;
+        lane
+    }
+}
+
+/// The first instant that decided a claim that did not pass, or any claim where all passed: what a person looks for.
+fn focus(record: &CaseRecord, from: Time) -> Option<i64> {
+    let deciding = |all: bool| {
+        let claims = record.claims.iter().filter(move |claim| all || claim.verdict > Verdict::Pass);
+        claims.filter_map(|claim| claim.deciding_ns.map(|at| at[0])).filter(|at| *at >= from.as_nanos()).min()
+    };
+    deciding(false).or_else(|| deciding(true))
+}
+
+/// The span of time that the claims, measurements and steps of a case look at, with a margin.
 fn interest(record: &CaseRecord) -> (Time, Time) {
     let (start, end) = (record.start_ns, record.end_ns);
     let mut from = i64::MAX;
@@ -70,7 +115,11 @@ fn interest(record: &CaseRecord) -> (Time, Time) {
         if let Some(window) = &claim.window {
             look(window.from_ns[0]);
             look(window.until_ns[1]);
+            window.limit_from_ns.into_iter().chain(window.limit_until_ns).for_each(&mut look);
         }
+    }
+    for measurement in &record.measurements {
+        measurement.from_ns.into_iter().chain(measurement.to_ns).flatten().for_each(&mut look);
     }
     if from > until {
         (from, until) = (start, end);
