@@ -87,8 +87,11 @@ pub struct TestArgs {
 #[derive(Debug, Args)]
 pub struct CheckArgs {
     /// Plans, board files, programs (`.st`), or folders that are searched for plans.
-    #[arg(value_name = "FILE|DIR", required = true)]
+    #[arg(value_name = "FILE|DIR", required_unless_present = "board")]
     pub files: Vec<PathBuf>,
+    /// A board file, to be checked and to check the plans on in place of their own.
+    #[arg(long, value_name = "FILE")]
+    pub board: Option<PathBuf>,
     /// Give a plan's parameter a value.
     #[arg(long = "param", value_name = "K=V")]
     pub params: Vec<String>,

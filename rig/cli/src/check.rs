@@ -2,16 +2,19 @@
 
 use crate::args::CheckArgs;
 use crate::exit::Exit;
-use crate::library;
+use crate::find::find;
+use crate::kind::{self, Kind};
 use crate::output;
-use crate::test::{find, parameters};
+use crate::parameters::Parameters;
+use document::{Diagnostic, SourceFile};
+use drivers::file::BoardFile;
 use profile::Profile;
 use runtime::suite::{self, Disk, Files};
 use std::path::Path;
 
 /// Reads files and says what is wrong with them.
 pub fn run(args: &CheckArgs) -> Exit {
-    let parameters = match parameters(&args.params) {
+    let mut parameters = match Parameters::read(&args.params) {
         Ok(parameters) => parameters,
         Err(exit) => return exit,
     };
@@ -19,46 +22,72 @@ pub fn run(args: &CheckArgs) -> Exit {
         Ok(paths) => paths,
         Err(exit) => return exit,
     };
-    let mut wrong = 0usize;
-    for path in &paths {
-        if check(path, &parameters) {
-            output::print(&format!("{path}: no errors\n"));
+    let mut wrong = false;
+    let mut report = |path: &str, found: &[Diagnostic], sources: &[SourceFile]| {
+        output::findings(found, sources);
+        if found.iter().any(Diagnostic::is_error) {
+            wrong = true;
         } else {
-            wrong += 1;
+            output::print(&format!("{path}: no errors\n"));
+        }
+    };
+    let mut board = None;
+    if let Some(path) = &args.board {
+        let (path, mut sources) = (path.to_string_lossy(), Vec::new());
+        match suite::load_board(&Disk, &path, &mut sources) {
+            Ok(read) => {
+                report(&path, &[], &sources);
+                board = Some(read);
+            }
+            Err(found) => report(&path, &found, &sources),
         }
     }
-    if wrong == 0 { Exit::Passed } else { Exit::UserFiles }
+    for path in &paths {
+        let mut sources = Vec::new();
+        let found = check(path, board.as_ref(), &mut parameters, &mut sources);
+        report(path, &found, &sources);
+    }
+    match parameters.finish() {
+        Err(exit) => exit,
+        Ok(()) if wrong => Exit::UserFiles,
+        Ok(()) => Exit::Passed,
+    }
 }
 
-/// Whether a file has no errors.
-fn check(path: &str, parameters: &[(String, String)]) -> bool {
-    let mut sources = Vec::new();
-    let text = Disk.read(path).unwrap_or_default();
-    let found = if Path::new(path).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("st")) {
-        match suite::load(&Disk, path) {
+/// What is wrong with a file.
+fn check(
+    path: &str,
+    board: Option<&(BoardFile, String)>,
+    parameters: &mut Parameters,
+    sources: &mut Vec<SourceFile>,
+) -> Vec<Diagnostic> {
+    if Path::new(path).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("st")) {
+        return match suite::load(&Disk, path) {
             Err(found) => vec![found],
             Ok(source) => {
                 sources.push(source);
-                runtime::application::compile(&sources, Profile::default())
+                runtime::application::compile(sources, Profile::default())
                     .map_or_else(|found| found, |program| program.warnings)
             }
-        }
-    } else if library::is_board(&text) {
-        suite::load_board(&Disk, path, &mut sources).map_or_else(|found| found, |_| Vec::new())
+        };
+    }
+    // What cannot be read is reported by the loading.
+    let text = Disk.read(path).unwrap_or_default();
+    if kind::of(&text) == Kind::Board {
+        suite::load_board(&Disk, path, sources).map_or_else(|found| found, |_| Vec::new())
     } else {
-        check_plan(path, parameters, &mut sources)
-    };
-    output::findings(&found, &sources);
-    !found.iter().any(document::Diagnostic::is_error)
+        check_plan(path, board, &parameters.of_plan(&text), sources)
+    }
 }
 
 /// A plan with its programs: every name that it uses is looked up as a run would, without running.
 fn check_plan(
     path: &str,
+    board: Option<&(BoardFile, String)>,
     parameters: &[(String, String)],
-    sources: &mut Vec<document::SourceFile>,
-) -> Vec<document::Diagnostic> {
-    let loaded = match suite::load_plan(&Disk, path, None, parameters, 1, sources) {
+    sources: &mut Vec<SourceFile>,
+) -> Vec<Diagnostic> {
+    let loaded = match suite::load_plan(&Disk, path, board, parameters, 1, sources) {
         Ok(loaded) => loaded,
         Err(found) => return found,
     };

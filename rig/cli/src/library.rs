@@ -1,8 +1,8 @@
 //! The plans that ship, built into the binary.
 
+use crate::kind::{self, Kind};
 use include_dir::{Dir, include_dir};
 use runtime::suite::Files;
-use std::path::Path;
 
 static LIBRARY: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../plans/library");
 
@@ -31,19 +31,10 @@ pub fn plans() -> Vec<String> {
 fn collect(folder: &Dir<'_>, paths: &mut Vec<String>) {
     for file in folder.files() {
         let text = file.contents_utf8().unwrap_or_default();
-        if is_plan(file.path(), text) {
+        let toml = file.path().extension().is_some_and(|ending| ending == "toml");
+        if toml && kind::of(text) == Kind::Plan {
             paths.push(file.path().to_string_lossy().into_owned());
         }
     }
     folder.dirs().for_each(|inner| collect(inner, paths));
-}
-
-/// Whether a TOML file in a folder is a plan: a board file stands beside plans, and has a table `[board]`.
-pub fn is_plan(path: &Path, text: &str) -> bool {
-    path.extension().is_some_and(|ending| ending == "toml") && !is_board(text)
-}
-
-/// Whether a TOML text is a board file.
-pub fn is_board(text: &str) -> bool {
-    text.lines().any(|line| line.trim_start().starts_with("[board]"))
 }

@@ -3,13 +3,17 @@
 mod args;
 mod check;
 mod exit;
+mod find;
 mod judge;
+mod kind;
 mod library;
 mod output;
+mod parameters;
 mod program;
 mod provenance;
 mod requirements;
 mod select;
+mod store;
 mod test;
 
 use args::{Cli, Command, ProgramCommand};

@@ -81,8 +81,13 @@ pub fn run(args: &ProgramRunArgs) -> Exit {
                 return Exit::UserFiles;
             }
         };
-        if !alone.write(name, value) {
-            output::complain(&format!("--set {assignment}: there is no variable `{name}`, or it cannot have this value"));
+        if alone.read(name).is_none() {
+            output::complain(&format!("--set {assignment}: {}", no_variable(name, &program)));
+            return Exit::UserFiles;
+        }
+        // A number that does not fit its variable would be cut to its last bits.
+        if !alone.write(name, value) || !same(alone.read(name), value) {
+            output::complain(&format!("--set {assignment}: `{name}` cannot have this value"));
             return Exit::UserFiles;
         }
     }
@@ -126,13 +131,25 @@ fn names(args: &ProgramRunArgs, program: &Program) -> Result<Vec<String>, Exit> 
     for name in &args.print {
         let located = program.find(name).is_some_and(|known| matches!(known.storage, Storage::Located(_)));
         if program.resolve(name).is_none() && !located {
-            let known = program.variables().iter().map(|variable| variable.path.as_str());
-            let hint = document::suggest(name, known).map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"));
-            output::complain(&format!("there is no variable `{name}`{hint}"));
+            output::complain(&no_variable(name, program));
             return Err(Exit::UserFiles);
         }
     }
     Ok(args.print.clone())
+}
+
+fn no_variable(name: &str, program: &Program) -> String {
+    let known = program.variables().iter().map(|variable| variable.path.as_str());
+    let hint = document::suggest(name, known).map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"));
+    format!("there is no variable `{name}`{hint}")
+}
+
+/// Whether a variable has the value that it was given.
+fn same(read: Option<Value>, given: Value) -> bool {
+    match (read.and_then(Value::as_int), given.as_int()) {
+        (Some(read), Some(given)) => read == given,
+        _ => read.and_then(Value::as_real) == given.as_real(),
+    }
 }
 
 fn show(value: Option<Value>) -> String {

@@ -2,8 +2,11 @@
 
 use crate::args::{ClockChoice, TestArgs};
 use crate::exit::Exit;
+use crate::find::find;
 use crate::library::{self, Embedded};
+use crate::parameters::Parameters;
 use crate::select::{Facts, Selection};
+use crate::store::Store;
 use crate::{output, provenance};
 use document::SourceFile;
 use drivers::file::BoardFile;
@@ -11,12 +14,14 @@ use record::{CaseRecord, RunRecord, Verdict};
 use reports::text::{Style, case_line, details, summary};
 use runtime::suite::{self, Disk, Done, Files, Job, LoadedPlan};
 use runtime::{ClockKind, RunOptions};
-use signal::Trace;
-use std::path::{Path, PathBuf};
+use signal::Span;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by the signal handler: the running cases end with their outputs safe.
 static INTERRUPT: AtomicBool = AtomicBool::new(false);
+
+/// How long a run on the host's clock takes at most to see an interrupt.
+const REAL_SLICE: Span = Span::from_millis(50);
 
 /// Runs plans.
 pub fn run(args: &TestArgs) -> Exit {
@@ -42,7 +47,7 @@ pub fn run(args: &TestArgs) -> Exit {
 
 /// Plans with everything that they name.
 fn load(args: &TestArgs, sources: &mut Vec<SourceFile>) -> Result<Vec<LoadedPlan>, Exit> {
-    let parameters = parameters(&args.params)?;
+    let mut parameters = Parameters::read(&args.params)?;
     let board: Option<(BoardFile, String)> = match &args.board {
         None => None,
         Some(path) => match suite::load_board(&Disk, &path.to_string_lossy(), sources) {
@@ -59,8 +64,9 @@ fn load(args: &TestArgs, sources: &mut Vec<SourceFile>) -> Result<Vec<LoadedPlan
     let mut loaded = Vec::new();
     let mut wrong = false;
     for path in &paths {
-        // A parameter may belong to one plan of several: only those that no plan has are an error.
-        match suite::load_plan(files, path, board.as_ref(), &parameters, args.seed, sources) {
+        // What cannot be read is reported by the loading.
+        let own = parameters.of_plan(&files.read(path).unwrap_or_default());
+        match suite::load_plan(files, path, board.as_ref(), &own, args.seed, sources) {
             Ok(plan) => {
                 output::findings(&plan.plan.warnings, sources);
                 loaded.push(plan);
@@ -71,62 +77,11 @@ fn load(args: &TestArgs, sources: &mut Vec<SourceFile>) -> Result<Vec<LoadedPlan
             }
         }
     }
-    if wrong { Err(Exit::UserFiles) } else { Ok(loaded) }
-}
-
-/// `K=V` of the command line.
-pub fn parameters(given: &[String]) -> Result<Vec<(String, String)>, Exit> {
-    let split = |text: &String| text.split_once('=').map(|(name, value)| (name.to_owned(), value.to_owned()));
-    given
-        .iter()
-        .map(|text| {
-            split(text).ok_or_else(|| {
-                output::complain(&format!("--param {text}: write it as NAME=VALUE"));
-                Exit::UserFiles
-            })
-        })
-        .collect()
-}
-
-/// Plan files of paths: files as given, folders searched in the order of names.
-pub fn find(paths: &[PathBuf]) -> Result<Vec<String>, Exit> {
-    let mut found = Vec::new();
-    for path in paths {
-        if path.is_dir() {
-            let before = found.len();
-            search(path, 0, &mut found);
-            if found.len() == before {
-                output::complain(&format!("{} holds no plan", path.display()));
-                return Err(Exit::UserFiles);
-            }
-        } else {
-            found.push(path.to_string_lossy().into_owned());
-        }
+    if wrong {
+        return Err(Exit::UserFiles);
     }
-    Ok(found)
-}
-
-fn search(folder: &Path, depth: usize, found: &mut Vec<String>) {
-    // Deeper than any project; ends circles of links.
-    if depth > 32 {
-        return;
-    }
-    let Ok(entries) = std::fs::read_dir(folder) else { return };
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    paths.sort();
-    for path in paths {
-        if path.is_dir() {
-            search(&path, depth + 1, found);
-        } else if std::fs::read_to_string(&path).is_ok_and(|text| is_plan_of_folder(&path, &text)) {
-            found.push(path.to_string_lossy().into_owned());
-        }
-    }
-}
-
-/// In a folder of a user's project other TOML files stand about: a plan says its format.
-fn is_plan_of_folder(path: &Path, text: &str) -> bool {
-    library::is_plan(path, text)
-        && text.lines().any(|line| line.trim_start().starts_with("format") && line.contains('='))
+    parameters.finish()?;
+    Ok(loaded)
 }
 
 fn select(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> {
@@ -177,7 +132,11 @@ fn execute(args: &TestArgs, loaded: &[LoadedPlan], jobs: &[Job], sources: &[Sour
             return Exit::UserFiles;
         }
     };
-    let options = RunOptions { fail_fast: args.fail_fast, ..RunOptions::new(kind, &INTERRUPT) };
+    let mut options = RunOptions { fail_fast: args.fail_fast, ..RunOptions::new(kind, &INTERRUPT) };
+    if args.clock == ClockChoice::Real {
+        // Nothing may happen for minutes; an interrupt is not to wait for it.
+        options.slice = REAL_SLICE;
+    }
     // On the host's clock cases would make each other late.
     let at_once = match args.clock {
         ClockChoice::Real => 1,
@@ -233,65 +192,4 @@ fn execute(args: &TestArgs, loaded: &[LoadedPlan], jobs: &[Job], sources: &[Sour
         return Exit::Interrupted;
     }
     if wrong_files { Exit::UserFiles } else { Exit::of(run.verdict()) }
-}
-
-/// The folder of a run's reports.
-struct Store {
-    folder: PathBuf,
-}
-
-impl Store {
-    fn new(folder: &Path) -> Result<Store, String> {
-        let traces = folder.join("traces");
-        std::fs::create_dir_all(&traces).map_err(|error| format!("{} cannot be made: {error}", traces.display()))?;
-        Ok(Store { folder: folder.to_owned() })
-    }
-
-    /// Keeps a trace, as the rig's own file and as VCD; returns its path relative to the record.
-    fn trace(&mut self, record: &CaseRecord, trace: &Trace) -> Result<String, String> {
-        let name: String = record
-            .name
-            .chars()
-            .map(|c| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '[' | ']' | '=' | '@') { c } else { '_' })
-            .collect();
-        let path = format!("traces/{name}.trace");
-        let fail = |error: &dyn std::fmt::Display| format!("{path} cannot be written: {error}");
-        self.write(&path, &mut |out| trace.save(out).map_err(|error| fail(&error)))?;
-        let waves = format!("traces/{name}.vcd");
-        self.write(&waves, &mut |out| {
-            reports::vcd::write_trace(trace, env!("CARGO_PKG_VERSION"), out).map_err(|error| fail(&error))
-        })?;
-        Ok(path)
-    }
-
-    /// Writes record and reports; returns the path of the page.
-    fn reports(&self, run: &RunRecord) -> Result<String, String> {
-        let text = |path: &str, text: &str| {
-            self.write(path, &mut |out| {
-                out.write_all(text.as_bytes()).map_err(|error| format!("{path} cannot be written: {error}"))
-            })
-        };
-        text("record.json", &run.to_json())?;
-        text("junit.xml", &reports::junit::render(run))?;
-        let page = reports::html::render(run).map_err(|error| format!("the page cannot be drawn: {error}"))?;
-        text("index.html", &page)?;
-        Ok(self.folder.join("index.html").display().to_string())
-    }
-
-    /// Writes a file whole or not at all: a report half written is never found.
-    fn write(
-        &self,
-        path: &str,
-        fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
-    ) -> Result<(), String> {
-        let path = self.folder.join(path);
-        let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
-        let mut file = atomic_write_file::AtomicWriteFile::open(&path).map_err(fail)?;
-        {
-            let mut buffered = std::io::BufWriter::new(&mut file);
-            fill(&mut buffered)?;
-            std::io::Write::flush(&mut buffered).map_err(fail)?;
-        }
-        file.commit().map_err(fail)
-    }
 }

@@ -38,20 +38,6 @@ impl InstructionCosts {
     };
 }
 
-/// Costs that no document gives, in nanoseconds. All are rig definitions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RigCosts {
-    /// Rig definition: a taken or untaken branch, as dear as the cheapest documented instruction.
-    pub branch: u32,
-    /// Rig definition: calling a function or function block and coming back.
-    pub call: u32,
-    /// Rig definition: division of INT and DINT, in the relation that REAL division has to REAL addition.
-    pub integer_div: u32,
-}
-
-/// Rig definitions of the costs that no document gives.
-pub const RIG_COSTS: RigCosts = RigCosts { branch: 41, call: 150, integer_div: 84 };
-
 /// Durations of the three steps of BOOTING (rig definition: controller:STATE-01 names the steps without times).
 pub const BOOT_STAGES: [Span; 3] = [Span::from_millis(500); 3];
 

@@ -15,7 +15,7 @@ pub use channel::{
 };
 pub use codes::{ApplicationError, BootProjectStatus, IoStatus, Status, StopCause};
 pub use figures::{
-    BOOT_STAGES, InstructionCosts, MINIMUM_CYCLE, NON_VOLATILE_SAVE, RIG_COSTS, RigCosts, SHORT_INTERVAL,
+    BOOT_STAGES, InstructionCosts, MINIMUM_CYCLE, NON_VOLATILE_SAVE, SHORT_INTERVAL,
     SHORT_INTERVAL_TOLERANCE, SYSTEM_WATCHDOG_FULL_LOAD,
 };
 pub use limits::{

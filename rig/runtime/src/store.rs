@@ -163,10 +163,10 @@ impl NonVolatile for DiskStore {
     }
 
     fn remove(&mut self, name: &str) {
-        if let Err(error) = std::fs::remove_file(self.path(name)) {
-            if error.kind() != std::io::ErrorKind::NotFound {
-                self.fault.get_or_insert(StoreFault::Io(error.kind()));
-            }
+        if let Err(error) = std::fs::remove_file(self.path(name))
+            && error.kind() != std::io::ErrorKind::NotFound
+        {
+            self.fault.get_or_insert(StoreFault::Io(error.kind()));
         }
     }
 
@@ -184,10 +184,10 @@ impl NonVolatile for DiskStore {
         let mut new = MAGIC.to_vec();
         new.extend_from_slice(&[0; 12]);
         new.extend_from_slice(bytes);
-        if let Err(error) = std::fs::write(self.path(name), torn(&old, &new, HEADER + kept)) {
-            if error.kind() != std::io::ErrorKind::NotFound {
-                self.fault.get_or_insert(StoreFault::Io(error.kind()));
-            }
+        if let Err(error) = std::fs::write(self.path(name), torn(&old, &new, HEADER + kept))
+            && error.kind() != std::io::ErrorKind::NotFound
+        {
+            self.fault.get_or_insert(StoreFault::Io(error.kind()));
         }
     }
 }

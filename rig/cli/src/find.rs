@@ -1,0 +1,68 @@
+//! The files of a command line: as given, or searched for in folders.
+
+use crate::exit::Exit;
+use crate::kind::{self, Kind};
+use crate::output;
+use std::path::{Component, Path, PathBuf};
+
+/// Files of paths: files as given, folders searched for plans in the order of names.
+pub fn find(paths: &[PathBuf]) -> Result<Vec<String>, Exit> {
+    let mut found = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            let before = found.len();
+            search(path, 0, &mut found);
+            if found.len() == before {
+                output::complain(&format!("{} holds no plan", path.display()));
+                return Err(Exit::UserFiles);
+            }
+        } else {
+            found.push(tidy(path));
+        }
+    }
+    Ok(found)
+}
+
+fn search(folder: &Path, depth: usize, found: &mut Vec<String>) {
+    // Deeper than any project; ends circles of links.
+    if depth > 32 {
+        return;
+    }
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    paths.sort();
+    for path in paths {
+        if path.is_dir() {
+            search(&path, depth + 1, found);
+        } else if is_plan(&path) {
+            found.push(tidy(&path));
+        }
+    }
+}
+
+/// In a folder of a user's project other TOML files stand about. One that is no plan yet is taken for one, lest it be
+/// passed over in silence.
+fn is_plan(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "toml")
+        && std::fs::read_to_string(path).is_ok_and(|text| matches!(kind::of(&text), Kind::Plan | Kind::Unclear))
+}
+
+/// A path without `.`: cases are named by it, and one plan has one name.
+fn tidy(path: &Path) -> String {
+    let parts: PathBuf = path.components().filter(|part| *part != Component::CurDir).collect();
+    parts.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_file_has_one_name() {
+        for path in ["a/lamp.toml", "./a/lamp.toml", "a/./lamp.toml", "a//lamp.toml"] {
+            assert_eq!(tidy(Path::new(path)), "a/lamp.toml");
+        }
+        assert_eq!(tidy(Path::new("../lamp.toml")), "../lamp.toml");
+        assert_eq!(tidy(Path::new("/lamp.toml")), "/lamp.toml");
+    }
+}

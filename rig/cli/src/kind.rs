@@ -1,0 +1,121 @@
+//! What a TOML file is: plans and board files stand in the same folders, among TOML files of other programs.
+
+use drivers::file::KEYS as BOARD_KEYS;
+use plans::plan::PLAN_KEYS;
+
+/// What the keys of a TOML text speak for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A plan.
+    Plan,
+    /// A board file.
+    Board,
+    /// One of the two, for it says its format, and nothing more yet.
+    Unclear,
+    /// Neither: empty, or of another program.
+    Neither,
+}
+
+/// Tells by the keys at the top level, line by line: a file that is no TOML yet must be told, too. A key that stands
+/// wrongly in a plan or a board file does not make it the other.
+pub fn of(text: &str) -> Kind {
+    let mut marks = Marks::default();
+    let mut top = true;
+    for line in text.lines() {
+        let line = line.trim_end();
+        if let Some(header) = line.trim_start().strip_prefix('[') {
+            // A list that goes on over lines begins a line with a bracket, too, but not with a bracket and a name.
+            if let Some(key) = first_word(header.trim_start_matches('['))
+                && header.contains(']')
+            {
+                top = false;
+                marks.key(key, "{");
+            }
+        } else if top
+            && let Some(key) = first_word(line)
+            && let Some(value) = line[key.len()..].trim_start().strip_prefix(['=', '.'])
+        {
+            marks.key(key, value.trim_start());
+        }
+    }
+    marks.kind()
+}
+
+/// The name at the beginning of a text.
+fn first_word(text: &str) -> Option<&str> {
+    let end = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == '-')).unwrap_or(text.len());
+    (end > 0).then(|| &text[..end])
+}
+
+/// How many keys speak for what.
+#[derive(Clone, Copy, Debug, Default)]
+struct Marks {
+    format: bool,
+    plan: usize,
+    board: usize,
+}
+
+impl Marks {
+    fn key(&mut self, key: &str, value: &str) {
+        let plan = PLAN_KEYS.iter().any(|known| known.name == key);
+        let board = BOARD_KEYS.iter().any(|known| known.name == key);
+        match (plan, board) {
+            // A plan names its board file, a board file describes the board.
+            (true, true) if key == "board" => match value.starts_with(['"', '\'']) {
+                true => self.plan += 1,
+                false => self.board += 1,
+            },
+            (true, true) => self.format |= key == "format" && value.starts_with(|c: char| c.is_ascii_digit()),
+            (true, false) => self.plan += 1,
+            (false, true) => self.board += 1,
+            (false, false) => {}
+        }
+    }
+
+    fn kind(self) -> Kind {
+        let Marks { format, plan, board } = self;
+        // One word may be of any file; with `format`, or a second one, it is no chance.
+        match plan.max(board) {
+            0 if format => Kind::Unclear,
+            1 if !format => Kind::Neither,
+            0 => Kind::Neither,
+            _ if board > plan => Kind::Board,
+            _ => Kind::Plan,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_tell_plans_from_boards() {
+        assert_eq!(of("format = 1\nprogram = \"a.st\"\nboard = \"b.toml\"\n[rows]\na = {}\n"), Kind::Plan);
+        assert_eq!(of("program = \"a.st\"\nexpect = [\n  { x = 1 },\n]\n"), Kind::Plan);
+        assert_eq!(of("format = 1\n[board]\nkind = \"simulated\"\n"), Kind::Board);
+        assert_eq!(of("format = 1\nboard = { kind = \"simulated\" }\n"), Kind::Board);
+        assert_eq!(of("format = 1\nboard.kind = \"simulated\"\n"), Kind::Board);
+        assert_eq!(of("format = 1\n  [[wires]]\nfrom = \"Q0\"\n"), Kind::Board);
+        assert_eq!(of("format = 1\ntitle = \n"), Kind::Unclear);
+        assert_eq!(of(""), Kind::Neither);
+    }
+
+    #[test]
+    fn a_key_in_the_wrong_file_does_not_change_it() {
+        assert_eq!(of("format = 1\nsteps = []\n[board]\nkind = \"x\"\n[bind]\n\"%IX0.0\" = \"I0\"\n"), Kind::Board);
+        assert_eq!(of("format = 1\nprogram = \"a.st\"\nexpect = []\nwires = []\n"), Kind::Plan);
+    }
+
+    #[test]
+    fn files_of_other_programs_are_neither() {
+        assert_eq!(of("[package]\nname = \"x\"\n[dependencies]\nprogram = \"1\"\n"), Kind::Neither);
+        assert_eq!(of("[project]\nname = \"x\"\n[tool.black]\nline-length = 88\n"), Kind::Neither);
+        assert_eq!(of("format = \"toml\"\n[tool]\n"), Kind::Neither);
+    }
+
+    #[test]
+    fn lines_of_lists_are_no_headers() {
+        assert_eq!(of("format = 1\nvalues = [\n[1, 2],\n]\nsteps = []\n"), Kind::Plan);
+    }
+}

@@ -1,0 +1,66 @@
+//! `--param K=V`: a parameter may belong to one plan of several, but not to none.
+
+use crate::exit::Exit;
+use crate::output;
+use document::{Data, SourceFile, suggest};
+
+/// What the command line gives.
+#[derive(Debug)]
+pub struct Parameters {
+    given: Vec<(String, String)>,
+    /// Names that the plans have so far.
+    known: Vec<String>,
+    /// A plan could not be read, so that it is not known which parameters it has.
+    unread: bool,
+}
+
+impl Parameters {
+    /// Reads `K=V`, each name once.
+    pub fn read(given: &[String]) -> Result<Parameters, Exit> {
+        let mut read: Vec<(String, String)> = Vec::new();
+        for text in given {
+            let Some((name, value)) = text.split_once('=') else {
+                output::complain(&format!("--param {text}: write it as NAME=VALUE"));
+                return Err(Exit::UserFiles);
+            };
+            if read.iter().any(|(known, _)| known == name) {
+                output::complain(&format!("--param {text}: `{name}` has a value already"));
+                return Err(Exit::UserFiles);
+            }
+            read.push((name.to_owned(), value.to_owned()));
+        }
+        Ok(Parameters { given: read, known: Vec::new(), unread: false })
+    }
+
+    /// Those of the given ones that this plan has. None of a text that does not read, whose findings are reported anyway.
+    pub fn of_plan(&mut self, text: &str) -> Vec<(String, String)> {
+        if self.given.is_empty() {
+            return Vec::new();
+        }
+        let Ok(root) = document::toml::parse(&SourceFile::new("", text), plans::TOML) else {
+            self.unread = true;
+            return Vec::new();
+        };
+        let names: Vec<String> = match root.get("parameters").map(|node| &node.data) {
+            Some(Data::Table(table)) => table.entries.iter().map(|entry| entry.key.clone()).collect(),
+            _ => Vec::new(),
+        };
+        let own = self.given.iter().filter(|(name, _)| names.contains(name)).cloned().collect();
+        self.known.extend(names);
+        own
+    }
+
+    /// After the last plan: refuses a parameter that no plan has.
+    pub fn finish(&self) -> Result<(), Exit> {
+        let missing = self.given.iter().find(|(name, _)| !self.known.contains(name));
+        match missing {
+            Some((name, _)) if !self.unread => {
+                let hint = suggest(name, self.known.iter().map(String::as_str));
+                let hint = hint.map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"));
+                output::complain(&format!("no plan has a parameter `{name}`{hint}"));
+                Err(Exit::UserFiles)
+            }
+            _ => Ok(()),
+        }
+    }
+}

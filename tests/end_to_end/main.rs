@@ -1,0 +1,2 @@
+//! The `rig` command as a user meets it.
+fn main(){}
