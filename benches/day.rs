@@ -1,7 +1,8 @@
 //! A day of a controller in seconds: 24 hours of a MAST of 20 ms with every terminal recorded and thirty claims.
 //!
 //! `cargo bench -p scanrig-runtime --bench day` runs an hour and a day, each in a process of its own, and compares
-//! them with the goals; `-- --quick` runs the hour alone. The exit code is 1 where a goal is missed.
+//! them with the goals; `-- --quick` runs the hour alone. The exit code is 1 where a goal is missed. Time is that of
+//! the processor: a busy host makes the wall's longer. `-- --seconds N` is one run for a profiler.
 
 use scanrig_runtime::suite::{Done, Files, load_plan, run};
 use scanrig_runtime::{ClockKind, RunOptions};
@@ -10,11 +11,11 @@ use std::process::{Command, ExitCode};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Goals for the day: time on one core, recorded changes, memory above start, growth from the hour to the day.
+/// Goals for the day: time on one core, recorded changes, memory above start, growth in percent from the hour to the day.
 const MOST_SECONDS: f64 = 10.0;
 const LEAST_CHANGES: u64 = 10_000_000;
 const MOST_KILOBYTES: u64 = 64 << 10;
-const MOST_GROWTH: f64 = 0.05;
+const MOST_GROWTH: f64 = 5.0;
 
 /// Every output goes back to an input; four of them to a second one.
 const BOARD: &str = r#"
@@ -156,17 +157,17 @@ fn board() -> String {
     text
 }
 
-/// The plan: all 24 channels as signals, thirty expectations.
-fn plan(hours: u64) -> String {
+/// The plan of so many seconds: all 24 channels as signals, thirty expectations.
+fn plan(seconds: u64) -> String {
     let mut text = String::from("format = 1\ntitle = \"A day\"\nprogram = \"day.st\"\nboard = \"board.toml\"\n");
-    let _ = writeln!(text, "ends = \"start + {hours} h\"\ntimeout = \"{} h\"\n[signals]", hours + 1);
+    let _ = writeln!(text, "ends = \"start + {seconds} s\"\ntimeout = \"{} s\"\n[signals]", seconds + 60);
     for (n, name) in NAMES.iter().enumerate() {
         let _ = writeln!(text, "{name} = \"%QX{}.{}\"", n / 8, n % 8);
     }
     for n in 0..14 {
         let _ = writeln!(text, "i{n} = \"%IX{}.{}\"", n / 8, n % 8);
     }
-    let beats = hours * 3600 * 25;
+    let beats = seconds * 25;
     let claims = [
         "state = { stays = \"RUNNING\", from = \"start\", until = \"end\" }".to_owned(),
         "never = { signal = \"alarm\" }".to_owned(),
@@ -174,7 +175,7 @@ fn plan(hours: u64) -> String {
         "never = { signal = \"i13\" }".to_owned(),
         "never = { all = [\"fill\", \"drain\"] }".to_owned(),
         "never = { all = [\"i2\", \"i3\"] }".to_owned(),
-        "never = { all = [\"horn\", \"fill\"] }".to_owned(),
+        "never = { all = [\"horn\", \"fill\"], pulses-longer-than = \"25 ms\" }".to_owned(),
         "never = { all = [\"beat\", \"i10\"] , pulses-longer-than = \"1 ms\" }".to_owned(),
         "stays = { signal = \"ready\", is = true, from = \"start + 1 s\" }".to_owned(),
         "stays = { signal = \"i8\", is = true, from = \"start + 1 s\" }".to_owned(),
@@ -188,15 +189,15 @@ fn plan(hours: u64) -> String {
         format!("edges = {{ signal = \"beat\", rising = \"{} .. {}\" }}", beats - 2, beats + 2),
         format!("edges = {{ signal = \"i0\", falling = \"{} .. {}\" }}", beats - 2, beats + 2),
         format!("edges = {{ signal = \"i10\", rising = \"{} .. {}\" }}", beats - 2, beats + 2),
-        format!("edges = {{ signal = \"slow\", rising = \"{} .. {}\" }}", hours * 3600 - 2, hours * 3600 + 2),
+        format!("edges = {{ signal = \"slow\", rising = \"{} .. {}\" }}", seconds - 2, seconds + 2),
         "edges = { signal = \"alarm\", rising = 0 }".to_owned(),
-        "edges = { signal = \"fill\", rising = \"100 ..\", falling = \"100 ..\" }".to_owned(),
+        format!("edges = {{ signal = \"fill\", rising = \"{0} ..\", falling = \"{0} ..\" }}", seconds / 5),
         "edges = { signal = \"motor\", rising = \"1 ..\" }".to_owned(),
         "pulse = { signal = \"beat\", width = \"19 ms .. 21 ms\", which = \"every\", from = \"start + 1 s\" }".to_owned(),
         "pulse = { signal = \"drain\", width = \"1 s .. 3 s\", which = \"every\", from = \"start + 10 s\" }".to_owned(),
         "rises = { signal = \"slow\", from = \"start + 10 s\", within = \"1.1 s\" }".to_owned(),
         "falls = { signal = \"fill\", from = \"start + 10 s\", within = \"10 s\" }".to_owned(),
-        format!("rises = {{ signal = \"i2\", from = \"start + {} s\", within = \"10 s\" }}", hours * 3600 - 20),
+        format!("rises = {{ signal = \"i2\", from = \"start + {} s\", within = \"10 s\" }}", seconds - 20),
         "value = { of = \"ready\", is = true, when = \"end\" }".to_owned(),
     ];
     for claim in claims {
@@ -207,13 +208,13 @@ fn plan(hours: u64) -> String {
 
 /// The files of the bench: nothing is on disk.
 struct InMemory {
-    hours: u64,
+    seconds: u64,
 }
 
 impl Files for InMemory {
     fn read(&self, path: &str) -> Result<String, String> {
         match path {
-            "day.toml" => Ok(plan(self.hours)),
+            "day.toml" => Ok(plan(self.seconds)),
             "day.st" => Ok(PROGRAM.to_owned()),
             "board.toml" => Ok(board()),
             _ => Err("the bench has no such file".to_owned()),
@@ -228,13 +229,24 @@ fn kilobytes(name: &str) -> u64 {
     line.and_then(|line| line.trim_start_matches(':').split_whitespace().next()?.parse().ok()).unwrap_or(0)
 }
 
+/// Processor time of all threads of this process, user and system; ticks of /proc are hundredths of a second.
+fn processor_seconds() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let mut fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let user: f64 = fields.next()?.parse().ok()?;
+    let system: f64 = fields.next()?.parse().ok()?;
+    Some((user + system) / 100.0)
+}
+
 /// What one run took.
 #[derive(Clone, Debug, Default)]
 struct Figures {
-    seconds: f64,
+    /// Of the wall, and of the processor.
+    wall: f64,
+    busy: f64,
     changes: u64,
     scans: u64,
-    /// Resident at the start, and at most.
+    /// Kilobytes resident at the start, and at most.
     start: u64,
     peak: u64,
     passed: bool,
@@ -247,15 +259,16 @@ impl Figures {
     }
 
     fn line(&self) -> String {
-        let Figures { seconds, changes, scans, start, peak, passed } = self;
-        format!("{seconds} {changes} {scans} {start} {peak} {passed}")
+        let Figures { wall, busy, changes, scans, start, peak, passed } = self;
+        format!("{wall} {busy} {changes} {scans} {start} {peak} {passed}")
     }
 
     fn parse(text: &str) -> Option<Figures> {
         let line = text.lines().find_map(|line| line.strip_prefix("figures "))?;
         let mut words = line.split_whitespace();
         Some(Figures {
-            seconds: words.next()?.parse().ok()?,
+            wall: words.next()?.parse().ok()?,
+            busy: words.next()?.parse().ok()?,
             changes: words.next()?.parse().ok()?,
             scans: words.next()?.parse().ok()?,
             start: words.next()?.parse().ok()?,
@@ -264,21 +277,23 @@ impl Figures {
         })
     }
 
-    fn print(&self, hours: u64) {
-        let each = self.seconds * 1e9 / self.scans.max(1) as f64;
-        println!("{hours} h: {:.2} s, {} changes, {} scans, {each:.0} ns a scan", self.seconds, self.changes, self.scans);
-        println!("{hours} h: {} kB at the start, {} kB at most: {} kB above", self.start, self.peak, self.above());
-        println!("{hours} h: verdict {}", if self.passed { "pass" } else { "NOT pass" });
+    fn print(&self, what: &str) {
+        let each = self.busy * 1e9 / self.scans.max(1) as f64;
+        println!("{what}: {:.2} s of the processor, {:.2} s of the wall, {each:.0} ns a scan", self.busy, self.wall);
+        println!("{what}: {} changes, {} scans", self.changes, self.scans);
+        println!("{what}: {} kB at the start, {} kB at most: {} kB above", self.start, self.peak, self.above());
+        println!("{what}: verdict {}", if self.passed { "pass" } else { "NOT pass" });
     }
 }
 
-/// Runs the case in this process.
-fn measure(hours: u64) -> Result<Figures, String> {
+/// Runs the case of so many modelled seconds in this process.
+fn measure(seconds: u64) -> Result<Figures, String> {
     let start = kilobytes("VmRSS");
-    let began = Instant::now();
+    let (began, spent) = (Instant::now(), processor_seconds());
     let mut sources = Vec::new();
     let found = |found: &[document::Diagnostic]| found.iter().map(|one| format!("{one:?}\n")).collect::<String>();
-    let loaded = load_plan(&InMemory { hours }, "day.toml", None, &[], 1, &mut sources).map_err(|list| found(&list))?;
+    let files = InMemory { seconds };
+    let loaded = load_plan(&files, "day.toml", None, &[], 1, &mut sources).map_err(|list| found(&list))?;
     let jobs = loaded.jobs(0, 1, 1);
     let interrupt = AtomicBool::new(false);
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
@@ -300,7 +315,8 @@ fn measure(hours: u64) -> Result<Figures, String> {
         Done::Findings(list) => trouble = found(&list),
         Done::Skipped(_) => trouble = "the case was skipped".to_owned(),
     });
-    figures.seconds = began.elapsed().as_secs_f64();
+    figures.wall = began.elapsed().as_secs_f64();
+    figures.busy = processor_seconds().zip(spent).map_or(figures.wall, |(now, then)| now - then);
     figures.peak = kilobytes("VmHWM");
     if trouble.is_empty() { Ok(figures) } else { Err(trouble) }
 }
@@ -308,15 +324,18 @@ fn measure(hours: u64) -> Result<Figures, String> {
 /// Runs the case in a process of its own, so that its peak of memory is its own.
 fn measure_apart(hours: u64) -> Result<Figures, String> {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
+    let seconds = (hours * 3600).to_string();
     let output = Command::new(program)
-        .args(["--hours", &hours.to_string()])
+        .args(["--seconds", &seconds])
         .output()
         .map_err(|error| format!("the bench cannot start itself: {error}"))?;
     let text = String::from_utf8_lossy(&output.stdout);
     for line in text.lines().filter(|line| !line.starts_with("figures ")) {
         println!("{line}");
     }
-    Figures::parse(&text).ok_or_else(|| String::from_utf8_lossy(&output.stderr).into_owned())
+    let figures = Figures::parse(&text).ok_or_else(|| String::from_utf8_lossy(&output.stderr).into_owned())?;
+    figures.print(&format!("{hours:2} h"));
+    Ok(figures)
 }
 
 fn goal(met: bool, words: &str) -> bool {
@@ -326,28 +345,26 @@ fn goal(met: bool, words: &str) -> bool {
 
 fn bench(quick: bool) -> Result<bool, String> {
     let hour = measure_apart(1)?;
-    hour.print(1);
     if quick {
         return Ok(goal(hour.passed, "verdict pass"));
     }
     let day = measure_apart(24)?;
-    day.print(24);
-    let growth = day.peak as f64 / hour.peak.max(1) as f64 - 1.0;
+    let growth = (day.peak as f64 / hour.peak.max(1) as f64 - 1.0) * 100.0;
     let met = [
         goal(hour.passed && day.passed, "verdict pass"),
-        goal(day.seconds < MOST_SECONDS, &format!("24 h in less than {MOST_SECONDS} s")),
+        goal(day.busy < MOST_SECONDS, &format!("24 h in less than {MOST_SECONDS} s of one core")),
         goal(day.changes >= LEAST_CHANGES, &format!("at least {LEAST_CHANGES} changes")),
         goal(day.above() <= MOST_KILOBYTES, &format!("at most {MOST_KILOBYTES} kB above start")),
-        goal(growth <= MOST_GROWTH, &format!("peak grows by {:.1} % from 1 h to 24 h, at most 5 %", growth * 100.0)),
+        goal(growth <= MOST_GROWTH, &format!("peak grows by {growth:.1} % from 1 h to 24 h, at most {MOST_GROWTH} %")),
     ];
     Ok(met.iter().all(|met| *met))
 }
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().collect();
-    let hours = arguments.iter().position(|argument| argument == "--hours");
-    let outcome = match hours.and_then(|at| arguments.get(at + 1)?.parse().ok()) {
-        Some(hours) => measure(hours).map(|figures| {
+    let seconds = arguments.iter().position(|argument| argument == "--seconds");
+    let outcome = match seconds.and_then(|at| arguments.get(at + 1)?.parse().ok()) {
+        Some(seconds) => measure(seconds).map(|figures| {
             println!("figures {}", figures.line());
             true
         }),

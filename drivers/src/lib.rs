@@ -8,7 +8,6 @@ mod board;
 pub mod circuit;
 pub mod file;
 pub mod plant;
-mod random;
 pub mod sim;
 pub mod wrap;
 

@@ -86,7 +86,8 @@ fn claim_details(out: &mut String, case: &CaseRecord, claim: &ClaimRecord, style
     facts(
         out,
         &[
-            ("expected", claim.expected.clone()),
+            // A claim without a name of its own is headed by what it expects.
+            ("expected", if claim.expected == claim.name { String::new() } else { claim.expected.clone() }),
             ("observed", claim.observed.clone()),
             ("why", claim.reason.clone()),
             (

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use signal::{Span, Time, Value};
 
 use crate::circuit::{Spacing, WireSpec};
-use crate::random::Random;
+use signal::Random;
 
 /// A wire with what is on its way through it.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ impl Wire {
             out: Value::HighZ,
             pending: VecDeque::new(),
             settles_at: Value::HighZ,
-            random: Random::new(seed, lane),
+            random: Random::lane(seed, lane),
             places: Vec::new(),
             lane,
         }
@@ -41,7 +41,7 @@ impl Wire {
         self.out = Value::HighZ;
         self.settles_at = Value::HighZ;
         self.pending.clear();
-        self.random = Random::new(seed, self.lane);
+        self.random = Random::lane(seed, self.lane);
     }
 
     /// What the end drives while the beginning has this value.

@@ -7,7 +7,7 @@ use signal::{Span, Time, Value, When};
 use crate::board::{
     Board, BoardError, BoardEvent, Call, Channel, ChannelId, Fault, Health, LossReason, Origin,
 };
-use crate::random::Random;
+use signal::Random;
 
 /// The most events that are held back at once; what comes on top is dropped and reported as such.
 pub const MAX_HELD: usize = 1 << 16;
@@ -79,8 +79,8 @@ impl<B: Board> Faulty<B> {
             inner,
             disturbance,
             seed,
-            events: Random::new(seed, EVENTS_LANE),
-            calls: Random::new(seed, CALLS_LANE),
+            events: Random::lane(seed, EVENTS_LANE),
+            calls: Random::lane(seed, CALLS_LANE),
             fresh: Vec::new(),
             held: VecDeque::new(),
             missed: false,
@@ -215,8 +215,8 @@ impl<B: Board> Board for Faulty<B> {
     }
 
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.events = Random::new(self.seed, EVENTS_LANE);
-        self.calls = Random::new(self.seed, CALLS_LANE);
+        self.events = Random::lane(self.seed, EVENTS_LANE);
+        self.calls = Random::lane(self.seed, CALLS_LANE);
         self.held.clear();
         self.state.fill(State::NEW);
         self.missed = false;

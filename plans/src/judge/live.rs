@@ -35,6 +35,8 @@ pub(crate) struct Live {
     lags: Vec<i64>,
     lines: Vec<Line>,
     now: i64,
+    /// Nobody asks: only the order of the events is looked at.
+    idle: bool,
 }
 
 impl Live {
@@ -45,6 +47,7 @@ impl Live {
             lags: Vec::new(),
             lines: signals.iter().map(line).collect(),
             now: i64::MIN,
+            idle: false,
         };
         for (at, expectation) in expectations.iter().enumerate() {
             let mut latest = 0;
@@ -62,6 +65,12 @@ impl Live {
         live
     }
 
+    /// Claims are not watched any more.
+    pub(crate) fn rest(&mut self) {
+        self.idle = true;
+        self.watches.clear();
+    }
+
     #[inline]
     pub(crate) fn feed(&mut self, event: &Event, place: u64) {
         self.now = self.now.max(event.at.earliest.as_nanos());
@@ -70,6 +79,10 @@ impl Live {
             return;
         }
         let Line { orderer, followers, last } = line;
+        if self.idle {
+            orderer.push(event, place, |_| {});
+            return;
+        }
         let watches = &mut self.watches;
         orderer.push(event, place, |seen| {
             *last = Some(*seen);
@@ -83,6 +96,9 @@ impl Live {
 
     /// An instant became known at `now`.
     pub(crate) fn news(&mut self, expectations: &[Expectation], scene: &Scene<'_>, now: i64) {
+        if self.idle {
+            return;
+        }
         for (at, expectation) in expectations.iter().enumerate() {
             let claim = &expectation.claim;
             let open = || claim.anchors().iter().any(|anchor| scene.point(anchor).is_err());

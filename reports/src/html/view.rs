@@ -333,6 +333,11 @@ fn tightest(case: &CaseRecord) -> String {
     spans.min().map_or(String::new(), |span| span.to_string())
 }
 
+/// What was expected, where the claim's name does not say it already.
+fn own_words(claim: &ClaimRecord) -> String {
+    if claim.expected == claim.name { String::new() } else { claim.expected.clone() }
+}
+
 impl Claim {
     fn of(number: usize, case: &CaseRecord, claim: &ClaimRecord) -> Claim {
         let place = match (case.plan.as_str(), claim.line) {
@@ -345,7 +350,7 @@ impl Claim {
             sign: show::sign(claim.verdict),
             name: claim.name.clone(),
             verb: claim.verb.clone(),
-            expected: claim.expected.clone(),
+            expected: own_words(claim),
             observed: claim.observed.clone(),
             reason: claim.reason.clone(),
             margin: claim.margin.as_ref().map_or(String::new(), ToString::to_string),

@@ -3,6 +3,7 @@
 use crate::kind::{self, Kind};
 use include_dir::{Dir, include_dir};
 use runtime::suite::Files;
+use std::path::{Component, Path, PathBuf};
 
 static LIBRARY: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../plans/library");
 
@@ -15,9 +16,24 @@ pub struct Embedded;
 
 impl Files for Embedded {
     fn read(&self, path: &str) -> Result<String, String> {
-        let file = LIBRARY.get_file(path).ok_or("the library has no such file")?;
+        let file = LIBRARY.get_file(plain(path)).ok_or("the library has no such file")?;
         file.contents_utf8().map(str::to_owned).ok_or_else(|| "it is no UTF-8 text".to_owned())
     }
+}
+
+/// A path without `.` and `..`: a plan may name a program of another folder.
+fn plain(path: &str) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in Path::new(path).components() {
+        match part {
+            Component::ParentDir => {
+                plain.pop();
+            }
+            Component::Normal(name) => plain.push(name),
+            _ => {}
+        }
+    }
+    plain
 }
 
 /// Paths of all shipped plans, sorted.

@@ -86,7 +86,7 @@ pub fn run(args: &ProgramRunArgs) -> Exit {
             return Exit::UserFiles;
         }
         // A number that does not fit its variable would be cut to its last bits.
-        if !alone.write(name, value) || !same(alone.read(name), value) {
+        if !set(&mut alone, &program, name, value) {
             output::complain(&format!("--set {assignment}: `{name}` cannot have this value"));
             return Exit::UserFiles;
         }
@@ -144,12 +144,15 @@ fn no_variable(name: &str, program: &Program) -> String {
     format!("there is no variable `{name}`{hint}")
 }
 
-/// Whether a variable has the value that it was given.
-fn same(read: Option<Value>, given: Value) -> bool {
-    match (read.and_then(Value::as_int), given.as_int()) {
-        (Some(read), Some(given)) => read == given,
-        _ => read.and_then(Value::as_real) == given.as_real(),
+/// Sets a variable. FALSE where the value does not fit.
+fn set(alone: &mut Alone, program: &Program, name: &str, value: Value) -> bool {
+    if let Some(Storage::Located(address)) = program.find(name).map(|known| &known.storage) {
+        // The memory knows no types: a number fits into its bits with or without a sign.
+        let bits = address.bit_len();
+        let least = if bits == 1 { 0 } else { -(1 << (bits - 1)) };
+        return value.as_int().is_some_and(|number| (least..1 << bits).contains(&number)) && alone.write(name, value);
     }
+    alone.write(name, value) && alone.read(name).and_then(Value::as_int) == value.as_int()
 }
 
 fn show(value: Option<Value>) -> String {

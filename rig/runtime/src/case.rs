@@ -24,8 +24,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Memory that a trace may take before it goes on in a file.
-const TRACE_IN_MEMORY: usize = 16 << 20;
+/// Memory that a trace may take before it goes on in a file: enough for the traces of all but the longest cases, and
+/// little enough that a day takes no more than an hour does.
+const TRACE_IN_MEMORY: usize = 1 << 20;
 
 /// What a case is run on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -196,7 +197,10 @@ pub fn run_case(case: &Case, files: &CaseFiles, options: &RunOptions<'_>) -> Res
     let initial = initial_state(case.settings.initial);
     let Prepared { mut trace, mut wiring, steps, probes } = prepared;
     describe::annotate(&mut trace, case, files, &model, clock.name());
-    let judge = Judge::new(case.scenario(), trace.signals())?;
+    let mut judge = Judge::new(case.scenario(), trace.signals())?;
+    if !options.fail_fast {
+        judge = judge.unhurried();
+    }
     let mut recorder = Recorder::new(trace, judge);
     for (probe, signal) in &probes {
         show(&mut recorder, *signal, model.read(probe));

@@ -1,6 +1,6 @@
 //! The clocks that an executor can run on: virtual, virtual with seeded lateness, and the host's.
 
-use signal::{Span, Time};
+use signal::{Random, Span, Time};
 use std::time::Instant;
 
 /// What wakes the executor. Time only moves forward.
@@ -49,13 +49,13 @@ impl Clock for VirtualClock {
 pub struct LateClock {
     now: Time,
     worst: Span,
-    random: crate::random::Random,
+    random: Random,
 }
 
 impl LateClock {
     /// Waits that end up to `worst` late, drawn from `seed`.
     pub fn new(seed: u64, worst: Span) -> Self {
-        LateClock { now: Time::ZERO, worst, random: crate::random::Random::new(seed) }
+        LateClock { now: Time::ZERO, worst, random: Random::new(seed) }
     }
 }
 

@@ -14,7 +14,6 @@ pub mod executor;
 pub mod lanes;
 mod log;
 pub mod prepare;
-pub mod random;
 pub mod recorder;
 pub mod rejudge;
 pub mod schedule;

@@ -1,12 +1,11 @@
 //! The steps of a case on their way to their instants. Prepared before the start: nothing is allocated while the
 //! case runs.
 
-use crate::random::Random;
 use controller::{Command, Probe};
 use drivers::{ChannelId, Fault};
 use plans::lang::{Anchor, Base};
 use plans::steps::Train;
-use signal::{SignalId, Span, Time, Value};
+use signal::{Random, SignalId, Span, Time, Value};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 

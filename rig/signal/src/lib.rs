@@ -6,6 +6,7 @@
 pub mod address;
 mod event;
 mod image;
+mod random;
 mod quantity;
 mod time;
 pub mod trace;
@@ -14,6 +15,7 @@ mod value;
 pub use address::{Address, AddressError, AddressLimits, Area, Size};
 pub use event::{Cause, ClockDomain, Event, Kind, Policy, Sampling, SignalId, SignalInfo, When};
 pub use image::Image;
+pub use random::Random;
 pub use quantity::{Dimension, ParseQuantityError, Quantity, QuantityRange, SpanRange};
 pub use time::{ParseTimeError, Span, Time};
 pub use trace::{Between, Cursor, Events, LoadLimits, Spill, Trace, TraceError};
