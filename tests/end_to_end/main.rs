@@ -1,2 +1,16 @@
-//! The `rig` command as a user meets it.
-fn main(){}
+//! The `rig` command as a user meets it: arguments and files in; exit code, output and reports out.
+
+mod arguments;
+mod bench;
+mod broken;
+mod check;
+mod corpus;
+mod fail;
+mod goldens;
+mod interrupt;
+mod judge;
+mod program;
+mod report;
+mod requirements;
+mod selection;
+mod verdicts;

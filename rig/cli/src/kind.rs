@@ -60,11 +60,8 @@ impl Marks {
         let plan = PLAN_KEYS.iter().any(|known| known.name == key);
         let board = BOARD_KEYS.iter().any(|known| known.name == key);
         match (plan, board) {
-            // A plan names its board file, a board file describes the board.
-            (true, true) if key == "board" => match value.starts_with(['"', '\'']) {
-                true => self.plan += 1,
-                false => self.board += 1,
-            },
+            // A board file describes the board; a text is a plan's, or what somebody took for a description.
+            (true, true) if key == "board" => self.board += usize::from(!value.starts_with(['"', '\''])),
             (true, true) => self.format |= key == "format" && value.starts_with(|c: char| c.is_ascii_digit()),
             (true, false) => self.plan += 1,
             (false, true) => self.board += 1,
@@ -105,6 +102,7 @@ mod tests {
     fn a_key_in_the_wrong_file_does_not_change_it() {
         assert_eq!(of("format = 1\nsteps = []\n[board]\nkind = \"x\"\n[bind]\n\"%IX0.0\" = \"I0\"\n"), Kind::Board);
         assert_eq!(of("format = 1\nprogram = \"a.st\"\nexpect = []\nwires = []\n"), Kind::Plan);
+        assert_eq!(of("format = 1\nboard = \"simulated\"\nwires = []\n"), Kind::Board);
     }
 
     #[test]
