@@ -104,13 +104,23 @@ fn a_plan_given_twice() {
 #[test]
 fn parameters_that_no_plan_has() {
     let bench = Bench::new();
-    bench.write("limit.toml", &(crate::bench::LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"") + "[parameters]\nlimit = \"500 ms .. 550 ms\"\n"));
+    bench.write(
+        "limit.toml",
+        &(crate::bench::LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"")
+            + "[parameters]\nlimit = \"500 ms .. 550 ms\"\n"),
+    );
     bench.refused(&["test", "limit.toml", "--param", "limit"], &["NAME=VALUE"]);
     bench.refused(&["test", "limit.toml", "--param", "lmit=1 s"], &["`lmit`", "did you mean `limit`?"]);
-    bench.refused(&["test", "limit.toml", "--param", "limit=1 s", "--param", "limit=2 s"], &["a value already"]);
+    bench.refused(
+        &["test", "limit.toml", "--param", "limit=1 s", "--param", "limit=2 s"],
+        &["a value already"],
+    );
     bench.refused(&["test", "lamp.toml", "--param", "limit=1 s"], &["no plan has a parameter `limit`"]);
     bench.refused(&["test", "--param", "limit=1 s"], &["no plan has a parameter `limit`"]);
     // A value that does not fit is shown where it is used.
-    bench.refused(&["test", "limit.toml", "--param", "limit=soon"], &["P0104", "limit.toml:10:", "here it reads \"soon\""]);
+    bench.refused(
+        &["test", "limit.toml", "--param", "limit=soon"],
+        &["P0104", "limit.toml:10:", "here it reads \"soon\""],
+    );
     bench.refused(&["check", "limit.toml", "--param", "limit=soon"], &["P0104"]);
 }

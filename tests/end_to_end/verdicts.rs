@@ -29,7 +29,11 @@ fn an_instrument_that_is_not_good_enough_is_3() {
     // io:STD-HSC figures need pulses that no line of the simulated board emits.
     bench.write_lamp("fast.toml", "program =", "needs = [\"pulse >= 5000 MHz\"]\nprogram =");
     let ran = bench.expect(3, &["test", "fast.toml", "lamp.toml"]);
-    assert!(ran.out.contains("INCONCLUSIVE") && ran.out.contains("the board emits pulses up to"), "{}", ran.out);
+    assert!(
+        ran.out.contains("INCONCLUSIVE") && ran.out.contains("the board emits pulses up to"),
+        "{}",
+        ran.out
+    );
     assert!(ran.out.contains("Summary: 1 passed, 0 failed, 1 inconclusive"), "{}", ran.out);
 }
 
@@ -73,7 +77,8 @@ fn trouble_of_the_rig_outweighs_a_failure() {
 #[test]
 fn a_refused_command_and_a_case_without_end_are_4() {
     let bench = Bench::new();
-    let empty = LAMP.replace("program = \"lamp.st\"", "program = \"lamp.st\"\nsettings = { initial = \"empty\" }");
+    let empty =
+        LAMP.replace("program = \"lamp.st\"", "program = \"lamp.st\"\nsettings = { initial = \"empty\" }");
     let run = empty.replace("set = { signal = \"button\", value = true }", "command = \"run\"");
     bench.write("refused.toml", &run);
     let ran = bench.expect(4, &["test", "refused.toml"]);
@@ -87,7 +92,10 @@ fn a_refused_command_and_a_case_without_end_are_4() {
 fn what_does_not_apply_is_said_with_its_reason() {
     let bench = Bench::new();
     bench.write_lamp("m251.toml", "program =", "profiles = [\"m251-2024\"]\nprogram =");
-    bench.write("board.toml", "format = 1\n[subject]\nprofile = \"m241-2014\"\n[board]\nkind = \"simulated\"\n");
+    bench.write(
+        "board.toml",
+        "format = 1\n[subject]\nprofile = \"m241-2014\"\n[board]\nkind = \"simulated\"\n",
+    );
     let ran = bench.rig(&["test", "m251.toml", "lamp.toml", "--board", "board.toml"]);
     assert_eq!(ran.code, Some(0));
     assert!(ran.out.contains("holds for m251-2024, the controller is m241-2014"), "{}", ran.out);

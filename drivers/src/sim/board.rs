@@ -151,6 +151,9 @@ impl SimulatedBoard {
     /// The outcome of a line's drivers.
     fn resolve(&self, place: usize) -> (Value, bool) {
         let links = &self.links[place];
+        if links.wires_in.is_empty() && links.plants_in.is_empty() {
+            return (self.lines[place].driven, false);
+        }
         let wires = links.wires_in.iter().map(|&wire| self.wires[wire].out);
         let plants = links.plants_in.iter().map(|&(plant, port)| self.plants[plant].driving[port]);
         self.lines[place].resolve(wires.chain(plants))

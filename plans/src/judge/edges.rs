@@ -44,6 +44,7 @@ impl Edge {
     }
 }
 
+#[inline]
 fn grows(old: Value, new: Value) -> bool {
     let on = |value: Value| matches!(value, Value::Bool(true));
     match (old, new) {
@@ -96,6 +97,19 @@ impl Finder {
     /// The edge that this event makes.
     #[inline]
     pub fn see(&mut self, seen: &Seen) -> Option<Found> {
+        // The common case first: a line that is known and stays known.
+        if let (Value::Bool(new), Some(Value::Bool(old)), None) = (seen.value, self.last, self.unknown_from) {
+            let counts = match self.edge {
+                Edge::Rises => Some(new && !old),
+                Edge::Falls => Some(old && !new),
+                Edge::Changes => Some(new != old),
+                Edge::Becomes(_) => None,
+            };
+            if let Some(counts) = counts {
+                self.last = Some(seen.value);
+                return counts.then_some(Found { seen: *seen, certain: true });
+            }
+        }
         if matches!(seen.value, Value::Unknown) {
             self.unknown_from.get_or_insert((seen.a, seen.place));
             self.last = None;

@@ -44,7 +44,8 @@ fn search(folder: &Path, depth: usize, found: &mut Vec<String>) {
 /// passed over in silence.
 fn is_plan(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "toml")
-        && std::fs::read_to_string(path).is_ok_and(|text| matches!(kind::of(&text), Kind::Plan | Kind::Unclear))
+        && std::fs::read_to_string(path)
+            .is_ok_and(|text| matches!(kind::of(&text), Kind::Plan | Kind::Unclear))
 }
 
 /// A path without `.`: cases are named by it, and one plan has one name.

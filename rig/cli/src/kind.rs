@@ -100,7 +100,10 @@ mod tests {
 
     #[test]
     fn a_key_in_the_wrong_file_does_not_change_it() {
-        assert_eq!(of("format = 1\nsteps = []\n[board]\nkind = \"x\"\n[bind]\n\"%IX0.0\" = \"I0\"\n"), Kind::Board);
+        assert_eq!(
+            of("format = 1\nsteps = []\n[board]\nkind = \"x\"\n[bind]\n\"%IX0.0\" = \"I0\"\n"),
+            Kind::Board
+        );
         assert_eq!(of("format = 1\nprogram = \"a.st\"\nexpect = []\nwires = []\n"), Kind::Plan);
         assert_eq!(of("format = 1\nboard = \"simulated\"\nwires = []\n"), Kind::Board);
     }

@@ -17,7 +17,10 @@ pub fn check(files: &[PathBuf]) -> Exit {
     match compile(files) {
         Ok(program) => {
             let count = program.variables().len();
-            output::print(&format!("no errors: programs {}, {count} variables\n", program.programs().join(", ")));
+            output::print(&format!(
+                "no errors: programs {}, {count} variables\n",
+                program.programs().join(", ")
+            ));
             Exit::Passed
         }
         Err(exit) => exit,
@@ -99,7 +102,7 @@ pub fn run(args: &ProgramRunArgs) -> Exit {
     match args.format {
         Format::Table => {
             for name in &names {
-                output::print(&format!("{name} = {}\n", show(alone.read(name))));
+                output::print(&format!("{name} = {}\n", show(name, alone.read(name), &program)));
             }
         }
         Format::Json => {
@@ -140,7 +143,8 @@ fn names(args: &ProgramRunArgs, program: &Program) -> Result<Vec<String>, Exit> 
 
 fn no_variable(name: &str, program: &Program) -> String {
     let known = program.variables().iter().map(|variable| variable.path.as_str());
-    let hint = document::suggest(name, known).map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"));
+    let hint =
+        document::suggest(name, known).map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"));
     format!("there is no variable `{name}`{hint}")
 }
 
@@ -150,13 +154,20 @@ fn set(alone: &mut Alone, program: &Program, name: &str, value: Value) -> bool {
         // The memory knows no types: a number fits into its bits with or without a sign.
         let bits = address.bit_len();
         let least = if bits == 1 { 0 } else { -(1 << (bits - 1)) };
-        return value.as_int().is_some_and(|number| (least..1 << bits).contains(&number)) && alone.write(name, value);
+        return value.as_int().is_some_and(|number| (least..1 << bits).contains(&number))
+            && alone.write(name, value);
     }
     alone.write(name, value) && alone.read(name).and_then(Value::as_int) == value.as_int()
 }
 
-fn show(value: Option<Value>) -> String {
-    value.map_or_else(|| String::from("unknown"), |value| value.to_string())
+/// A value for a person: TIME, which is kept in nanoseconds, as a duration.
+fn show(name: &str, value: Option<Value>, program: &Program) -> String {
+    let time = program.find(name).is_some_and(|variable| variable.ty == program::Elementary::Time);
+    match value {
+        Some(Value::Int(nanos)) if time => Span::from_nanos(nanos).to_string(),
+        Some(value) => value.to_string(),
+        None => String::from("unknown"),
+    }
 }
 
 fn to_json(value: Option<Value>) -> Json {

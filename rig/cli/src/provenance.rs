@@ -28,9 +28,14 @@ fn binary_sha256() -> Option<String> {
 /// Release, version and architecture of the kernel: the version tells a real-time kernel from another.
 fn kernel() -> String {
     let part = |name: &str| {
-        std::fs::read_to_string(format!("/proc/sys/kernel/{name}")).map(|text| text.trim().to_owned()).unwrap_or_default()
+        std::fs::read_to_string(format!("/proc/sys/kernel/{name}"))
+            .map(|text| text.trim().to_owned())
+            .unwrap_or_default()
     };
-    [part("ostype"), part("osrelease"), part("version"), std::env::consts::ARCH.to_owned()].join(" ").trim().to_owned()
+    [part("ostype"), part("osrelease"), part("version"), std::env::consts::ARCH.to_owned()]
+        .join(" ")
+        .trim()
+        .to_owned()
 }
 
 fn processor() -> Option<String> {

@@ -109,7 +109,8 @@ fn table(register: &Register, proofs: &BTreeMap<&str, Proof>) {
 
 fn read(folder: &std::path::Path) -> Result<RunRecord, String> {
     let path = folder.join("record.json");
-    let text = std::fs::read_to_string(&path).map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
+    let text = std::fs::read_to_string(&path)
+        .map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
     RunRecord::from_json(&text).map_err(|error| format!("{}: {error}", path.display()))
 }
 

@@ -211,11 +211,15 @@ impl<'a> Reader<'a> {
                 let inner = self.expression()?;
                 match self.peek() {
                     Some(Token { kind: Kind::Close, .. }) => self.at += 1,
-                    _ => return Err(SelectionError { at: token.at, message: "this bracket is never closed" }),
+                    _ => {
+                        return Err(SelectionError { at: token.at, message: "this bracket is never closed" });
+                    }
                 }
                 inner
             }
-            Kind::Close => return Err(SelectionError { at: token.at, message: "nothing is open to be closed" }),
+            Kind::Close => {
+                return Err(SelectionError { at: token.at, message: "nothing is open to be closed" });
+            }
             Kind::Word(word) if word == "not" => Selection::Not(Box::new(self.factor()?)),
             Kind::Word(word) if word == "and" || word == "or" => {
                 return Err(SelectionError { at: token.at, message: "a word is missing before this" });

@@ -20,7 +20,8 @@ impl Store {
     /// Makes the folder.
     pub fn new(folder: &Path) -> Result<Store, String> {
         let traces = folder.join("traces");
-        std::fs::create_dir_all(&traces).map_err(|error| format!("{} cannot be made: {error}", traces.display()))?;
+        std::fs::create_dir_all(&traces)
+            .map_err(|error| format!("{} cannot be made: {error}", traces.display()))?;
         Ok(Store { folder: folder.to_owned(), names: BTreeSet::new() })
     }
 
@@ -50,7 +51,8 @@ impl Store {
         };
         text("record.json", &run.to_json())?;
         text("junit.xml", &reports::junit::render(run))?;
-        let page = reports::html::render(run).map_err(|error| format!("the page cannot be drawn: {error}"))?;
+        let page =
+            reports::html::render(run).map_err(|error| format!("the page cannot be drawn: {error}"))?;
         text("index.html", &page)?;
         Ok(self.folder.join("index.html").display().to_string())
     }

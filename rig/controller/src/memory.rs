@@ -1,7 +1,7 @@
 //! The memory that application and controller share: the images of inputs and outputs, and %M.
 
 use profile::{Profile, REMANENT_WORDS};
-use signal::{Address, Area, Cause, Image};
+use signal::{Address, Area, Cause, Image, Size};
 
 /// %I, %Q and %M (controller:MEM-06, controller:ADDR-01), with the last writer of every output bit.
 #[derive(Clone, Debug)]
@@ -65,7 +65,11 @@ impl Memory {
             Area::Input => self.inputs.set(at, value),
             Area::Output => {
                 let first = at.bit_offset() as usize;
-                if let Some(writers) = self.writers.get_mut(first..first + at.bit_len() as usize) {
+                if at.size() == Size::Bit {
+                    if let Some(writer) = self.writers.get_mut(first) {
+                        *writer = self.cause;
+                    }
+                } else if let Some(writers) = self.writers.get_mut(first..first + at.bit_len() as usize) {
                     writers.fill(self.cause);
                 }
                 self.outputs.set(at, value)

@@ -89,6 +89,19 @@ pub(crate) enum Op {
     CallNativeAt(u16, u32),
     CallNativeThisAt(u16, u32),
     Return,
+    /// Pairs: the operation, and then the one behind it ([`crate::fuse`]).
+    LoadConst(u32),
+    LoadLoad(u32),
+    LoadStore(u32),
+    ConstStore(i32),
+    AddStore(Elementary),
+    IndexLoad(u32),
+    StoreJump(u32),
+    EqJump,
+    LtJump,
+    LeJump,
+    GtJump,
+    GeJump,
 }
 
 /// An operation with its modelled time and its place in the source.

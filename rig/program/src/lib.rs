@@ -36,6 +36,7 @@
 mod code;
 mod codes;
 mod findings;
+mod fuse;
 mod lower;
 mod machine;
 mod native;

@@ -1,6 +1,6 @@
 //! The interpreter: executes operations until the budget, the cycle or a watch ends the slice.
 
-use crate::code::{Bounds, Op};
+use crate::code::{Bounds, Op, Step};
 use crate::machine::{Fault, FaultKind, Host, OPERANDS, Registers, Slice, Stop, Task, WATCHED};
 use crate::native::Pins;
 use crate::program::Program;
@@ -124,6 +124,37 @@ pub(crate) fn run<H: Host>(
                 callee
             }};
         }
+        macro_rules! index {
+            ($at:expr) => {
+                match program.bounds.get($at as usize) {
+                    Some(&Bounds { low, high, stride }) if low <= acc && acc <= high => {
+                        acc = (acc - low) * i64::from(stride);
+                    }
+                    Some(_) => fault!(Bounds),
+                    None => fault!(Internal),
+                }
+            };
+        }
+        // The second operation of a pair, where the budget holds for it; else the next turn finds it alone.
+        macro_rules! then {
+            ($op:pat => $run:expr) => {
+                if let Some(&Step { op: $op, cost, .. }) = code.get(pc)
+                    && left >= i64::from(cost)
+                {
+                    left -= i64::from(cost);
+                    pc += 1;
+                    $run
+                }
+            };
+        }
+        macro_rules! compare_jump {
+            (|$a:ident, $b:ident| $holds:expr) => {{
+                binary!(|$a, $b| i64::from($holds));
+                then!(Op::JumpIfNot(to) => if pop!() == 0 {
+                    pc = to as usize;
+                })
+            }};
+        }
         macro_rules! native {
             ($native:expr, $first:expr) => {{
                 let first = $first as usize;
@@ -190,13 +221,7 @@ pub(crate) fn run<H: Host>(
                     break Stop::Touched;
                 }
             }
-            Op::Index(at) => match program.bounds.get(at as usize) {
-                Some(&Bounds { low, high, stride }) if low <= acc && acc <= high => {
-                    acc = (acc - low) * i64::from(stride);
-                }
-                Some(_) => fault!(Bounds),
-                None => fault!(Internal),
-            },
+            Op::Index(at) => index!(at),
             Op::Add(ty) => binary!(|a, b| ty.wrap(a.wrapping_add(b))),
             Op::Sub(ty) => binary!(|a, b| ty.wrap(a.wrapping_sub(b))),
             Op::Mul(ty) => binary!(|a, b| ty.wrap(a.wrapping_mul(b))),
@@ -258,13 +283,18 @@ pub(crate) fn run<H: Host>(
             }
             Op::NextOrJump(ty, to) => {
                 let step = pop!();
-                let next = ty.number(acc) + i128::from(step);
-                let (low, high) = ty.range();
-                if low <= next && next <= high {
-                    acc = next as i64;
+                // In the cells of all other types numbers are what they are.
+                let next = if ty.wide_unsigned() {
+                    (acc as u64).checked_add_signed(step).map(|next| next as i64)
                 } else {
-                    pop!();
-                    pc = to as usize;
+                    acc.checked_add(step).filter(|next| ty.wrap(*next) == *next)
+                };
+                match next {
+                    Some(next) => acc = next,
+                    None => {
+                        pop!();
+                        pc = to as usize;
+                    }
                 }
             }
             Op::CallFunction(callee) => {
@@ -330,6 +360,54 @@ pub(crate) fn run<H: Host>(
                     }
                 }
             }
+            Op::LoadConst(at) => {
+                push!(load!(cells, at));
+                then!(Op::Const(n) => push!(i64::from(n)));
+            }
+            Op::LoadLoad(at) => {
+                push!(load!(cells, at));
+                then!(Op::Load(at) => push!(load!(cells, at)));
+            }
+            Op::LoadStore(at) => {
+                push!(load!(cells, at));
+                then!(Op::Store(at) => {
+                    let value = pop!();
+                    store!(at, value);
+                });
+            }
+            Op::ConstStore(n) => {
+                push!(i64::from(n));
+                then!(Op::Store(at) => {
+                    let value = pop!();
+                    store!(at, value);
+                });
+            }
+            Op::AddStore(ty) => {
+                binary!(|a, b| ty.wrap(a.wrapping_add(b)));
+                then!(Op::Store(at) => {
+                    let value = pop!();
+                    store!(at, value);
+                });
+            }
+            Op::IndexLoad(at) => {
+                index!(at);
+                then!(Op::LoadAt(at) => acc = load!(cells, acc + i64::from(at)));
+            }
+            Op::StoreJump(at) => {
+                let value = pop!();
+                store!(at, value);
+                if let Some(&Step { op: Op::Jump(to), cost, .. }) = code.get(pc)
+                    && left >= i64::from(cost)
+                {
+                    left -= i64::from(cost);
+                    pc = to as usize;
+                }
+            }
+            Op::EqJump => compare_jump!(|a, b| a == b),
+            Op::LtJump => compare_jump!(|a, b| a < b),
+            Op::LeJump => compare_jump!(|a, b| a <= b),
+            Op::GtJump => compare_jump!(|a, b| a > b),
+            Op::GeJump => compare_jump!(|a, b| a >= b),
         }
     };
     task.registers = Registers { pc: pc as u32, this, base: base as u32, unit, sp, acc };

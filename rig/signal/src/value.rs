@@ -73,6 +73,7 @@ impl Value {
 impl PartialEq for Value {
     /// Equal as values: `Int(1)`, `Word(1)` and `Bool(true)` are equal; reals are equal by bits, so that a
     /// NaN that stays the same NaN is no change.
+    #[inline]
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             // The common case first: the trace compares every pushed value with the last one.

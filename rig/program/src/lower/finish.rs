@@ -4,6 +4,7 @@ use super::{Compiler, Home, Scope, Symbol, Type};
 use crate::code::Need;
 use crate::codes::Code;
 use crate::findings::At;
+use crate::fuse::fuse;
 use crate::machine::OPERANDS;
 use crate::native::PinKind;
 use crate::parse::ast::PouKind;
@@ -67,6 +68,8 @@ impl Compiler<'_> {
         };
         program.index = index(&program);
         program.digest = digest(&program);
+        // Behind the digest: which pairs run in one go is no behaviour.
+        fuse(&mut program.code);
         program.layout = layout(&program);
         Ok(program)
     }

@@ -154,6 +154,13 @@ impl<'t> Parser<'t, '_, '_> {
         if self.given_up {
             return Err(Reported);
         }
+        if self.is(Token::Word) {
+            // `a AND_THEN b`: what stops the expression is a word that later parts of the language bring.
+            let key = self.slice(self.token.1).to_ascii_uppercase();
+            if words::is_unsupported(&key) {
+                return Err(self.unsupported(self.token.1, &key));
+            }
+        }
         let found = self.found();
         let at = At { start: self.last.end, end: self.last.end, ..self.last };
         let message = format!("a semicolon is missing here, before {found}");

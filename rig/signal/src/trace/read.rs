@@ -30,30 +30,66 @@ impl Cursor {
         Ok(cursor)
     }
 
+    /// The next event of the segment in which the cursor stands; none at its end.
+    #[inline]
+    fn inside(&mut self, trace: &Trace) -> Result<Option<Event>, TraceError> {
+        let Cursor { segment, offset, state, fetched } = self;
+        let (_, stream) = trace.segments.get(*segment, fetched)?.ok_or(TraceError::ForeignCursor)?;
+        match stream.get(*offset..) {
+            None => Err(TraceError::ForeignCursor),
+            Some([]) => Ok(None),
+            Some(bytes) => {
+                let decoded = state.decode(bytes, trace.signals.len());
+                let (event, length) = decoded.map_err(|_| damaged(*segment))?;
+                *offset += length;
+                Ok(Some(event))
+            }
+        }
+    }
+
     fn next(&mut self, trace: &Trace) -> Option<Result<Event, TraceError>> {
         loop {
-            let stream = match trace.segments.get(self.segment, &mut self.fetched) {
-                Ok(Some((_, stream))) => stream,
-                Ok(None) => return Some(Err(TraceError::ForeignCursor)),
-                Err(error) => return Some(Err(error)),
-            };
-            match stream.get(self.offset..) {
-                None => return Some(Err(TraceError::ForeignCursor)),
-                Some([]) if self.segment + 1 < trace.segments.count() => {
+            match self.inside(trace).transpose() {
+                None if self.segment + 1 < trace.segments.count() => {
                     self.segment += 1;
                     self.offset = 0;
                 }
-                Some([]) => return None,
-                Some(bytes) => {
-                    return match self.state.decode(bytes, trace.signals.len()) {
-                        Ok((event, length)) => {
-                            self.offset += length;
-                            Some(Ok(event))
-                        }
-                        Err(_) => Some(Err(damaged(self.segment))),
-                    };
-                }
+                next => return next,
             }
+        }
+    }
+
+    /// Folds every event from here, each segment looked up once: much faster than one call after the other.
+    fn fold<B>(
+        &mut self,
+        trace: &Trace,
+        mut so_far: B,
+        mut fold: impl FnMut(B, Result<Event, TraceError>) -> B,
+    ) -> B {
+        let (signals, last) = (trace.signals.len(), trace.segments.count() - 1);
+        loop {
+            let Cursor { segment, offset, state, fetched } = self;
+            let stream = match trace.segments.get(*segment, fetched) {
+                Ok(parts) => parts.and_then(|(_, stream)| stream.get(*offset..)).ok_or(TraceError::ForeignCursor),
+                Err(error) => Err(error),
+            };
+            let mut bytes = match stream {
+                Ok(bytes) => bytes,
+                Err(error) => return fold(so_far, Err(error)),
+            };
+            while !bytes.is_empty() {
+                let Ok((event, length)) = state.decode(bytes, signals) else {
+                    return fold(so_far, Err(damaged(*segment)));
+                };
+                *offset += length;
+                bytes = &bytes[length..];
+                so_far = fold(so_far, Ok(event));
+            }
+            if *segment >= last {
+                return so_far;
+            }
+            *segment += 1;
+            *offset = 0;
         }
     }
 }
@@ -76,6 +112,15 @@ enum Held<'a> {
     Lent(&'a mut Cursor),
 }
 
+impl Held<'_> {
+    fn get(&mut self) -> &mut Cursor {
+        match self {
+            Held::Own(cursor) => cursor,
+            Held::Lent(cursor) => cursor,
+        }
+    }
+}
+
 impl<'a> Events<'a> {
     pub(super) fn all(trace: &'a Trace) -> Self {
         Events { trace, cursor: Held::Own(Box::default()), failed: false }
@@ -93,13 +138,13 @@ impl Iterator for Events<'_> {
         if self.failed {
             return None;
         }
-        let cursor = match &mut self.cursor {
-            Held::Own(cursor) => cursor,
-            Held::Lent(cursor) => &mut **cursor,
-        };
-        let next = cursor.next(self.trace);
+        let next = self.cursor.get().next(self.trace);
         self.failed = matches!(next, Some(Err(_)));
         next
+    }
+
+    fn fold<B, F: FnMut(B, Self::Item) -> B>(mut self, init: B, fold: F) -> B {
+        if self.failed { init } else { self.cursor.get().fold(self.trace, init, fold) }
     }
 }
 
@@ -158,20 +203,13 @@ impl<'a> Between<'a> {
 
     fn step(&mut self) -> Option<Result<Event, TraceError>> {
         loop {
-            let stream_left = match self.trace.segments.get(self.cursor.segment, &mut self.cursor.fetched) {
-                Ok(Some((_, stream))) => stream.len() > self.cursor.offset,
-                Ok(None) => false,
-                Err(error) => return Some(Err(error)),
-            };
-            if stream_left {
-                let event = match self.cursor.next(self.trace)? {
-                    Ok(event) => event,
-                    Err(error) => return Some(Err(error)),
-                };
-                if event.at.latest >= self.from && event.at.earliest <= self.to {
+            match self.cursor.inside(self.trace) {
+                Ok(Some(event)) if event.at.latest >= self.from && event.at.earliest <= self.to => {
                     return Some(Ok(event));
                 }
-                continue;
+                Ok(Some(_)) => continue,
+                Ok(None) => {}
+                Err(error) => return Some(Err(error)),
             }
             let inside = |segment: &usize| {
                 let times = self.trace.segments.times(*segment);

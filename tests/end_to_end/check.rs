@@ -1,0 +1,53 @@
+//! `rig check`: what is wrong with files that are not broken enough to be in the folders of broken ones, and what is
+//! right.
+
+use crate::bench::{Bench, LAMP, root};
+
+#[test]
+fn sound_files_have_no_errors() {
+    let bench = Bench::new();
+    bench.write("board.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
+    let ran = bench.expect(0, &["check", "lamp.toml", "lamp.st", "board.toml"]);
+    assert_eq!(ran.out, "lamp.toml: no errors\nlamp.st: no errors\nboard.toml: no errors\n");
+    assert_eq!(ran.err, "");
+    let library = root().join("plans/library");
+    bench.expect(0, &["check", library.to_str().unwrap()]);
+}
+
+#[test]
+fn one_broken_file_does_not_hide_the_others() {
+    let bench = Bench::new();
+    bench.write_lamp("a.toml", "rises", "risse");
+    bench.write("b.st", "PROGRAM MAIN\nlamp := TRUE;\nEND_PROGRAM\n");
+    let ran = bench.expect(2, &["check", "a.toml", "lamp.toml", "b.st"]);
+    assert_eq!(ran.out, "lamp.toml: no errors\n");
+    assert!(ran.err.contains("a.toml:10:5") && ran.err.contains("b.st:2:1"), "{}", ran.err);
+}
+
+#[test]
+fn a_plan_is_checked_with_its_program_and_on_its_board() {
+    let bench = Bench::new();
+    bench.write_lamp("name.toml", "lamp = \"%QX0.4\"", "lamp = \"%QX0.4\", et = \"MAIN.delay.TE\"");
+    let ran = bench.expect(2, &["check", "name.toml"]);
+    assert!(
+        ran.err.contains("R0104") && ran.err.contains("name.toml:5:") && ran.err.contains("MAIN.delay.ET"),
+        "{}",
+        ran.err
+    );
+    bench.write_lamp("program.toml", "lamp.st", "broken.st");
+    bench.write("broken.st", "PROGRAM MAIN\nVAR x : INT; END_VAR\nx := y;\nEND_PROGRAM\n");
+    let ran = bench.expect(2, &["check", "program.toml"]);
+    assert!(ran.err.contains("S0301") && ran.err.contains("broken.st:3:6"), "{}", ran.err);
+}
+
+#[test]
+fn a_board_can_be_given_as_for_a_test() {
+    let bench = Bench::new();
+    bench.write("board.toml", "format = 1\n[board]\nkind = \"simulated\"\n[channels]\nheat = { kind = \"analog\", unit = \"degC\" }\n");
+    bench.write("heat.toml", &LAMP.replace("lamp = \"%QX0.4\"", "lamp = \"%QX0.4\", heat = \"heat\""));
+    bench.expect(2, &["check", "heat.toml"]);
+    let ran = bench.expect(0, &["check", "heat.toml", "--board", "board.toml"]);
+    assert_eq!(ran.out, "board.toml: no errors\nheat.toml: no errors\n");
+    bench.expect(0, &["check", "--board", "board.toml"]);
+    bench.refused(&["check", "--board", "lamp.toml"], &["B0004", "program"]);
+}

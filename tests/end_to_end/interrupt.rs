@@ -1,0 +1,133 @@
+//! Exit code 130: the user stops a run; what ran is kept, what runs ends with its outputs safe.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+
+use crate::bench::{Bench, drain};
+
+/// How soon a run must have ended. The plans here go on for hours.
+const SOON: Duration = Duration::from_secs(20);
+
+const HOURS: &str = "ends = \"start + 20 h\"\ntimeout = \"24 h\"\n";
+
+fn start(mut command: Command) -> Child {
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn interrupt(child: &Child, signal: Signal) {
+    kill(Pid::from_raw(child.id() as i32), signal).unwrap();
+}
+
+/// The exit code, of a command that must end now.
+fn end(mut child: Child) -> Option<i32> {
+    let began = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            return status.code();
+        }
+        if began.elapsed() > SOON {
+            child.kill().unwrap();
+            panic!("the run does not end");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Waits until the command catches the signal: from then on the cases run.
+fn wait_for_handler(child: &Child, signal: Signal) {
+    let began = Instant::now();
+    loop {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0");
+        let caught = u64::from_str_radix(caught.trim(), 16).unwrap();
+        if caught >> (signal as i32 - 1) & 1 == 1 {
+            return;
+        }
+        assert!(began.elapsed() < SOON, "the signal is never caught");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn a_run_on_the_real_clock_stops_cleanly() {
+    let bench = Bench::new();
+    // The first case has nothing to wait for after the controller's boot; the second goes on for hours.
+    bench.write(
+        "quick.toml",
+        "format = 1\ntitle = \"Quick\"\nprogram = \"lamp.st\"\nends = \"start + 10 ms\"\nsignals = { lamp = \"%QX0.4\" }\n\
+         expect = [{ stays = { signal = \"lamp\", is = false, from = \"start\", until = \"end\" } }]\n",
+    );
+    bench.write_lamp("hours.toml", "program =", &format!("{HOURS}program ="));
+    let mut child = start(bench.command(&[
+        "test",
+        "quick.toml",
+        "hours.toml",
+        "lamp.toml",
+        "--clock",
+        "real",
+        "--report",
+        "out",
+    ]));
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let err = drain(child.stderr.take().unwrap());
+    let mut first = String::new();
+    out.read_line(&mut first).unwrap();
+    assert!(first.contains("quick"), "{first}");
+    interrupt(&child, Signal::SIGINT);
+    let rest = drain(out);
+    assert_eq!(end(child), Some(130));
+    let (rest, err) = (rest.join().unwrap(), err.join().unwrap());
+    assert_eq!(err, "");
+    assert!(rest.contains("ERROR") && rest.contains("interrupted"), "{rest}");
+    assert!(rest.contains("SKIP") && rest.contains("lamp: the run ended before it"), "{rest}");
+    // Everything that was seen is kept whole, and nothing is left half written.
+    assert_eq!(bench.list("out"), ["index.html", "junit.xml", "record.json", "traces"]);
+    assert_eq!(bench.list("out/traces"), ["hours.trace", "hours.vcd", "quick.trace", "quick.vcd"]);
+    let cases = bench.json("out/record.json")["cases"].clone();
+    assert_eq!((&cases[1]["verdict"], &cases[1]["reason"]), (&"error".into(), &"interrupted".into()));
+    assert_eq!(cases[2]["status"]["is"], "skipped");
+    // The trace of the interrupted case says so itself, and ends with the anchor `end`.
+    let judged = bench.expect(4, &["judge", "hours.toml", "out/traces/hours.trace"]);
+    assert!(judged.out.contains("interrupted"), "{}", judged.out);
+    let waves = bench.read("out/traces/hours.vcd");
+    let end =
+        waves.lines().find(|line| line.contains(" step:end ")).unwrap().split(' ').nth(3).unwrap().to_owned();
+    assert!(waves.lines().any(|line| line.starts_with("b0") && line.ends_with(&format!("1 {end}"))), "{end}");
+}
+
+#[test]
+fn an_interrupt_does_not_wait_for_the_next_event() {
+    let bench = Bench::new();
+    // Without an application nothing happens on the controller for hours.
+    bench.write(
+        "empty.toml",
+        &format!(
+            "format = 1\ntitle = \"Nothing happens\"\nprogram = \"lamp.st\"\n{HOURS}settings = {{ initial = \"empty\" }}\n\
+             expect = [{{ state = {{ stays = \"EMPTY\", from = \"start\", until = \"end\" }} }}]\n"
+        ),
+    );
+    let child = start(bench.command(&["test", "empty.toml", "--clock", "real"]));
+    wait_for_handler(&child, Signal::SIGTERM);
+    interrupt(&child, Signal::SIGTERM);
+    assert_eq!(end(child), Some(130));
+}
+
+#[test]
+fn a_run_in_virtual_time_stops_cleanly() {
+    let bench = Bench::new();
+    bench.write_lamp("hours.toml", "program =", "ends = \"start + 90 d\"\ntimeout = \"99 d\"\nprogram =");
+    bench.write("too.toml", &bench.read("hours.toml"));
+    let mut child =
+        start(bench.command(&["test", "hours.toml", "too.toml", "--jobs", "2", "--report", "out"]));
+    let out = drain(child.stdout.take().unwrap());
+    wait_for_handler(&child, Signal::SIGINT);
+    interrupt(&child, Signal::SIGINT);
+    assert_eq!(end(child), Some(130));
+    let out = out.join().unwrap();
+    assert!(out.contains("hours") && out.contains("too") && !out.contains("PASS"), "{out}");
+    assert_eq!(bench.json("out/record.json")["cases"].as_array().unwrap().len(), 2);
+}

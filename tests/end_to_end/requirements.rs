@@ -1,0 +1,71 @@
+//! `rig requirements`: what each requirement is proven by.
+
+use std::collections::BTreeSet;
+
+use crate::bench::{Bench, root};
+
+#[test]
+fn the_register_as_json() {
+    let bench = Bench::new();
+    let out = bench.expect(0, &["requirements", "--format", "json"]).out;
+    let rows: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let rows = rows.as_array().unwrap();
+    assert!(rows.len() > 100, "{}", rows.len());
+    let mut ids = BTreeSet::new();
+    let mut proven = 0;
+    for row in rows {
+        let id = row["id"].as_str().unwrap();
+        assert!(ids.insert(id), "{id} is there twice");
+        let status = row["status"].as_str().unwrap();
+        assert!(["proven", "unproven", "not reproducible"].contains(&status), "{id} is {status}");
+        assert!(!row["asks"].as_str().unwrap().is_empty() && row["cases"].is_array());
+        assert_eq!(status == "proven", !row["cases"].as_array().unwrap().is_empty(), "{id}");
+        proven += usize::from(status == "proven");
+    }
+    assert!(proven > 20, "{proven}");
+    let fallback = rows.iter().find(|row| row["id"] == "controller:WD-10").unwrap();
+    assert!(fallback["cases"].as_array().unwrap().iter().any(|name| name == "watchdog/fallback[over]"));
+}
+
+#[test]
+fn the_register_as_a_table() {
+    let bench = Bench::new();
+    let out = bench.expect(0, &["requirements"]).out;
+    let last = out.lines().last().unwrap();
+    assert!(
+        last.contains(" requirements: ") && last.contains(" proven") && last.contains(" unproven"),
+        "{last}"
+    );
+    assert!(out.lines().any(|line| line.starts_with("controller:WD-10 ") && line.contains(" proven ")));
+}
+
+#[test]
+fn a_failed_case_proves_nothing() {
+    let bench = Bench::new();
+    let library = root().join("plans/library/watchdog/fallback.toml");
+    let text = std::fs::read_to_string(&library).unwrap().replace("100 ms .. 100.3 ms", "1 ms .. 2 ms");
+    bench.write("fallback.toml", &text);
+    bench.write("lamp.st", &std::fs::read_to_string(library.with_file_name("lamp.st")).unwrap());
+    bench.expect(1, &["test", "fallback.toml", "--report", "out"]);
+    let out = bench.expect(0, &["requirements", "--format", "json", "--report", "out"]).out;
+    let rows: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let row = rows.as_array().unwrap().iter().find(|row| row["id"] == "controller:WD-10").unwrap().clone();
+    assert_eq!(row["status"], "failing");
+    assert_eq!(row["cases"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn records_that_cannot_be_trusted_are_refused() {
+    let bench = Bench::new();
+    bench.refused(&["requirements", "--report", "out"], &["out/record.json cannot be read"]);
+    bench.expect(0, &["test", "lamp.toml", "--report", "out"]);
+    let record = bench.read("out/record.json");
+    bench.write("out/record.json", &record.replacen("\"passed\": 1", "\"passed\": 2", 1));
+    bench.refused(&["requirements", "--report", "out"], &["totals"]);
+    bench.write("out/record.json", "{}");
+    bench.refused(&["requirements", "--report", "out"], &["out/record.json"]);
+    // A requirement that nobody has asked for.
+    bench.write_lamp("lamp.toml", "controller:TASK-10", "controller:TASK-999");
+    bench.rig(&["test", "lamp.toml", "--report", "out"]);
+    bench.refused(&["requirements", "--report", "out"], &["controller:TASK-999"]);
+}

@@ -1,0 +1,257 @@
+//! What is fuzzed: each function takes any bytes and must neither panic nor hang nor take memory without bound.
+//! `tests/end_to_end/corpus.rs` runs the committed corpora through the same functions with the stable compiler.
+
+use document::{Diagnostic, SourceFile, render};
+use plans::lang::{Need, Operand};
+use plans::{Anchor, Literal};
+use profile::Profile;
+use record::RunRecord;
+use reports::text::Style;
+use runtime::alone::Alone;
+use runtime::suite::{self, Files};
+use signal::{
+    Address, Cause, Event, Kind, LoadLimits, Policy, Quantity, QuantityRange, SignalId, SignalInfo, Span,
+    SpanRange, Time, Trace, Value, When,
+};
+
+const PROGRAM: &str = "PROGRAM MAIN VAR button AT %IX0.0 : BOOL; lamp AT %QX0.4 : BOOL; n : INT; d : TON; END_VAR \
+                       d(IN := button, PT := T#500ms); lamp := d.Q; n := n + 1; END_PROGRAM";
+
+const BOARD: &str = "format = 1\n[board]\nkind = \"simulated\"\n";
+
+const PLAN: &str = r#"format = 1
+program = "lamp.st"
+signals = { button = "%IX0.0", lamp = "%QX0.4" }
+steps = [{ id = "press", at = "start + 1 s", set = { signal = "button", value = true } }]
+expect = [
+  { rises = { signal = "lamp", from = "press", within = "500 ms .. 550 ms" } },
+  { stays = { signal = "lamp", is = false, from = "start", until = "press + 500 ms" } },
+  { edges = { signal = "lamp", rising = 1, from = "press", until = "end" } },
+  { state = { stays = "RUNNING", from = "start", until = "end" } },
+]
+measure = [{ name = "delay", from = "press", to = { signal = "lamp", edge = "rises" }, max = "1 s" }]
+"#;
+
+/// Cases of a plan that are looked at; a plan may have a hundred thousand.
+const CASES: usize = 3;
+
+/// One text under a name, and sound files under all others.
+struct One<'a> {
+    name: &'a str,
+    text: &'a str,
+}
+
+impl Files for One<'_> {
+    fn read(&self, path: &str) -> Result<String, String> {
+        match path {
+            path if path == self.name => Ok(self.text.to_owned()),
+            path if path.ends_with(".st") => Ok(PROGRAM.to_owned()),
+            path if path.ends_with(".toml") => Ok(BOARD.to_owned()),
+            _ => Err("there is no such file".to_owned()),
+        }
+    }
+}
+
+/// Every finding has a code, and can be shown.
+fn show(found: &[Diagnostic], sources: &[SourceFile]) {
+    for one in found {
+        assert!(one.code.len() == 5 && !one.message.is_empty(), "{one:?}");
+    }
+    let _ = render(found, sources, false);
+}
+
+/// A plan, with everything that `rig check` looks up.
+pub fn plan(data: &[u8]) {
+    let text = String::from_utf8_lossy(data);
+    let files = One { name: "plan.toml", text: &text };
+    let mut sources = Vec::new();
+    match suite::load_plan(&files, "plan.toml", None, &[], 1, &mut sources) {
+        Err(found) => {
+            assert!(found.iter().any(Diagnostic::is_error));
+            show(&found, &sources);
+        }
+        Ok(loaded) => {
+            show(&loaded.plan.warnings, &sources);
+            for job in loaded.jobs(0, 1, 1).into_iter().take(CASES) {
+                let Some(case) = loaded.plan.case(job.case) else { continue };
+                let checked =
+                    loaded.files(&case, &job).and_then(|files| runtime::case::check_case(&case, &files));
+                if let Err(found) = checked {
+                    show(&found, &sources);
+                }
+            }
+        }
+    }
+}
+
+/// A board file, and the board that it describes.
+pub fn board(data: &[u8]) {
+    let text = String::from_utf8_lossy(data);
+    let mut sources = Vec::new();
+    match suite::load_board(&One { name: "board.toml", text: &text }, "board.toml", &mut sources) {
+        Err(found) => {
+            assert!(found.iter().any(Diagnostic::is_error));
+            show(&found, &sources);
+        }
+        Ok((file, _)) => {
+            let mut board = drivers::build(&file, 1).expect("a board file without findings can be built");
+            // A board may make trouble by itself, which then is an error and no panic.
+            let _ = board.start(Time::ZERO);
+            let _ = board.poll(Time::ZERO, &mut Vec::new());
+            let _ = board.safe(Time::ZERO);
+        }
+    }
+}
+
+/// A program, compiled and run for a millisecond.
+pub fn program(data: &[u8]) {
+    let sources = [SourceFile::new("a.st", String::from_utf8_lossy(data))];
+    match runtime::application::compile(&sources, Profile::default()) {
+        Err(found) => {
+            assert!(found.iter().any(Diagnostic::is_error));
+            show(&found, &sources);
+        }
+        Ok(program) => {
+            show(&program.warnings, &sources);
+            let program = std::sync::Arc::new(program);
+            let mut alone = Alone::new(program.clone(), Profile::default());
+            let _ = alone.run(Span::from_millis(1), Span::from_micros(100));
+            for variable in program.variables().iter().take(100) {
+                let _ = alone.read(&variable.path);
+            }
+        }
+    }
+}
+
+/// A trace: the bytes as a file, as a file whose checksums are mended, and as the recipe of a trace.
+pub fn trace(data: &[u8]) {
+    let limits = LoadLimits { bytes: 16 << 20 };
+    for bytes in [data, &mended(data)] {
+        if let Ok(trace) = Trace::load(&mut &bytes[..], limits) {
+            whole(&trace);
+        }
+    }
+    whole(&built(data));
+}
+
+/// A trace can be saved and comes back the same; it can be shown and judged.
+fn whole(trace: &Trace) {
+    let mut file = Vec::new();
+    trace.save(&mut file).expect("memory takes everything");
+    let again = Trace::load(&mut &file[..], LoadLimits::default()).expect("a saved trace loads");
+    assert_eq!(again.digest(), trace.digest());
+    let events: Vec<Event> = trace.events().map(|event| event.expect("memory reads")).collect();
+    assert_eq!(events.len() as u64, trace.len());
+    let _ = reports::vcd::write_trace(trace, "0.0.0", std::io::sink());
+    if let Ok(record) = runtime::rejudge::judge(&SourceFile::new("plan.toml", PLAN), trace) {
+        let _ = reports::text::details(&record, Style::default());
+    }
+}
+
+/// The same file with right checksums, so that what stands behind them is reached.
+fn mended(data: &[u8]) -> Vec<u8> {
+    let mut file = data.to_vec();
+    let mut at = 10;
+    while let Some(head) = file.get(at..at + 9) {
+        let length = u32::from_le_bytes([head[1], head[2], head[3], head[4]]) as usize;
+        let Some(payload) = file.get(at + 9..).and_then(|rest| rest.get(..length)) else { break };
+        let sum = crc32(&[&head[..1], payload].concat());
+        file[at + 5..at + 9].copy_from_slice(&sum.to_le_bytes());
+        at += 9 + length;
+    }
+    file
+}
+
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, byte: &u8| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (0xEDB8_8320 & 0u32.wrapping_sub(crc & 1)))
+    };
+    !bytes.iter().fold(!0, step)
+}
+
+/// A trace with the signals of [`PLAN`], and events as the bytes say.
+fn built(data: &[u8]) -> Trace {
+    let mut trace = Trace::new();
+    let signals = [
+        ("state", Kind::State),
+        ("button", Kind::Bool),
+        ("lamp", Kind::Bool),
+        ("step:start", Kind::Mark),
+        ("step:end", Kind::Mark),
+        ("step:press", Kind::Mark),
+        ("step:press.done", Kind::Mark),
+        ("temperature", Kind::Real),
+        ("count", Kind::Int),
+        ("bits", Kind::Word),
+    ];
+    for (place, (name, kind)) in signals.into_iter().enumerate() {
+        let mut info = SignalInfo::exact(name, kind);
+        info.policy = match data.get(place).map_or(0, |byte| byte % 8) {
+            1 => Policy::AtMostEvery(Span::from_millis(1)),
+            2 => Policy::Deadband(0.5),
+            _ => Policy::Changes,
+        };
+        trace.define(info).expect("the names differ");
+    }
+    trace.set_note("plan", "plan.toml".to_owned());
+    trace.set_note("plan-case", "plan".to_owned());
+    let mut now = 0i64;
+    for bytes in data.chunks_exact(5) {
+        let place = usize::from(bytes[0]) % signals.len();
+        let unit = [1, 1_000, 1_000_000, 500_000_000][usize::from(bytes[1] >> 6)];
+        now = now.saturating_add(i64::from(bytes[1] & 63) * unit);
+        let width = i64::from(bytes[2]) * [0, 1, 1_000_000, i64::MAX >> 9][usize::from(bytes[2] >> 6)];
+        let at = When::within(Time::from_nanos(now), Time::from_nanos(now.saturating_add(width)));
+        let number = i64::from(bytes[3] as i8);
+        let value = match (bytes[4] % 16, signals[place].1) {
+            (0, _) => Value::Unknown,
+            (1, _) => Value::HighZ,
+            (2, _) => Value::Real(f64::NAN),
+            (3, _) => Value::Word(u64::MAX),
+            (4, _) => Value::Int(i64::MIN),
+            (_, Kind::Bool) => Value::Bool(number & 1 == 1),
+            (_, Kind::Real) => Value::Real(number as f64 / 3.0),
+            (_, Kind::Word) => Value::Word(number as u64),
+            _ => Value::Int(number),
+        };
+        let cause = match bytes[4] >> 5 {
+            0 => Cause::Board,
+            1 => Cause::Step(u16::from(bytes[3])),
+            2 => Cause::Program { task: bytes[3], file: bytes[2], line: u32::from(bytes[1]) },
+            _ => Cause::Controller,
+        };
+        let _ = trace.push(Event { at, signal: SignalId(place as u32), value, cause });
+    }
+    trace
+}
+
+/// A record, with the reports that are made from it.
+pub fn record(data: &[u8]) {
+    let Ok(run) = RunRecord::from_json(&String::from_utf8_lossy(data)) else { return };
+    let text = run.to_json();
+    let again = RunRecord::from_json(&text).expect("a record that was read can be written and read");
+    assert_eq!(again.to_json(), text);
+    let _ = reports::text::render(&run, Style::default());
+    let _ = reports::junit::render(&run);
+    let _ = reports::html::render(&run);
+}
+
+/// The small languages inside texts. What reads is written in one spelling, which reads as the same.
+pub fn words(data: &[u8]) {
+    let text = &*String::from_utf8_lossy(data);
+    macro_rules! comes_again {
+        ($($kind:ty),*) => {
+            $(if let Ok(read) = <$kind>::parse(text) {
+                let shown = read.to_string();
+                assert_eq!(<$kind>::parse(&shown).as_ref(), Ok(&read), "{shown} of {text}");
+            })*
+        };
+    }
+    comes_again!(Address, Span, Quantity, QuantityRange, SpanRange, Anchor, Need);
+    let _ = Literal::parse(text);
+    let _ = Operand::parse(text);
+    for profile in Profile::ALL {
+        assert_eq!(profile.name().parse::<Profile>().ok(), Some(profile));
+    }
+    let _ = text.parse::<Profile>();
+}
