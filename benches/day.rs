@@ -142,7 +142,8 @@ alarm := guard AND beat_back AND level > 400;
 END_PROGRAM
 "#;
 
-const NAMES: [&str; 10] = ["beat", "slow", "fill", "drain", "motor", "lamp", "horn", "valve", "ready", "alarm"];
+const NAMES: [&str; 10] =
+    ["beat", "slow", "fill", "drain", "motor", "lamp", "horn", "valve", "ready", "alarm"];
 
 /// The board file with its wires: `Qn` to `In`, and the first four to I10 to I13 behind a contactor's delay.
 fn board() -> String {
@@ -159,7 +160,8 @@ fn board() -> String {
 
 /// The plan of so many seconds: all 24 channels as signals, thirty expectations.
 fn plan(seconds: u64) -> String {
-    let mut text = String::from("format = 1\ntitle = \"A day\"\nprogram = \"day.st\"\nboard = \"board.toml\"\n");
+    let mut text =
+        String::from("format = 1\ntitle = \"A day\"\nprogram = \"day.st\"\nboard = \"board.toml\"\n");
     let _ = writeln!(text, "ends = \"start + {seconds} s\"\ntimeout = \"{} s\"\n[signals]", seconds + 60);
     for (n, name) in NAMES.iter().enumerate() {
         let _ = writeln!(text, "{name} = \"%QX{}.{}\"", n / 8, n % 8);
@@ -279,9 +281,17 @@ impl Figures {
 
     fn print(&self, what: &str) {
         let each = self.busy * 1e9 / self.scans.max(1) as f64;
-        println!("{what}: {:.2} s of the processor, {:.2} s of the wall, {each:.0} ns a scan", self.busy, self.wall);
+        println!(
+            "{what}: {:.2} s of the processor, {:.2} s of the wall, {each:.0} ns a scan",
+            self.busy, self.wall
+        );
         println!("{what}: {} changes, {} scans", self.changes, self.scans);
-        println!("{what}: {} kB at the start, {} kB at most: {} kB above", self.start, self.peak, self.above());
+        println!(
+            "{what}: {} kB at the start, {} kB at most: {} kB above",
+            self.start,
+            self.peak,
+            self.above()
+        );
         println!("{what}: verdict {}", if self.passed { "pass" } else { "NOT pass" });
     }
 }
@@ -291,7 +301,8 @@ fn measure(seconds: u64) -> Result<Figures, String> {
     let start = kilobytes("VmRSS");
     let (began, spent) = (Instant::now(), processor_seconds());
     let mut sources = Vec::new();
-    let found = |found: &[document::Diagnostic]| found.iter().map(|one| format!("{one:?}\n")).collect::<String>();
+    let found =
+        |found: &[document::Diagnostic]| found.iter().map(|one| format!("{one:?}\n")).collect::<String>();
     let files = InMemory { seconds };
     let loaded = load_plan(&files, "day.toml", None, &[], 1, &mut sources).map_err(|list| found(&list))?;
     let jobs = loaded.jobs(0, 1, 1);
@@ -333,7 +344,8 @@ fn measure_apart(hours: u64) -> Result<Figures, String> {
     for line in text.lines().filter(|line| !line.starts_with("figures ")) {
         println!("{line}");
     }
-    let figures = Figures::parse(&text).ok_or_else(|| String::from_utf8_lossy(&output.stderr).into_owned())?;
+    let figures =
+        Figures::parse(&text).ok_or_else(|| String::from_utf8_lossy(&output.stderr).into_owned())?;
     figures.print(&format!("{hours:2} h"));
     Ok(figures)
 }
@@ -355,7 +367,10 @@ fn bench(quick: bool) -> Result<bool, String> {
         goal(day.busy < MOST_SECONDS, &format!("24 h in less than {MOST_SECONDS} s of one core")),
         goal(day.changes >= LEAST_CHANGES, &format!("at least {LEAST_CHANGES} changes")),
         goal(day.above() <= MOST_KILOBYTES, &format!("at most {MOST_KILOBYTES} kB above start")),
-        goal(growth <= MOST_GROWTH, &format!("peak grows by {growth:.1} % from 1 h to 24 h, at most {MOST_GROWTH} %")),
+        goal(
+            growth <= MOST_GROWTH,
+            &format!("peak grows by {growth:.1} % from 1 h to 24 h, at most {MOST_GROWTH} %"),
+        ),
     ];
     Ok(met.iter().all(|met| *met))
 }

@@ -16,7 +16,9 @@ pub fn value_of(literal: &Literal, info: &SignalInfo) -> Result<Value, String> {
         crate::judge::Number::Real(real) => Value::Real(real),
         crate::judge::Number::Int(number) => match i64::try_from(number) {
             Ok(number) => Value::Int(number),
-            Err(_) => Value::Word(u64::try_from(number).map_err(|_| String::from("the number has over 64 bits"))?),
+            Err(_) => {
+                Value::Word(u64::try_from(number).map_err(|_| String::from("the number has over 64 bits"))?)
+            }
         },
     })
 }

@@ -89,19 +89,33 @@ pub(crate) enum Op {
     CallNativeAt(u16, u32),
     CallNativeThisAt(u16, u32),
     Return,
-    /// Pairs: the operation, and then the one behind it ([`crate::fuse`]).
-    LoadConst(u32),
-    LoadLoad(u32),
-    LoadStore(u32),
-    ConstStore(i32),
-    AddStore(Elementary),
-    IndexLoad(u32),
-    StoreJump(u32),
-    EqJump,
-    LtJump,
-    LeJump,
-    GtJump,
-    GeJump,
+    /// Runs of operations in one go, made by [`crate::fuse`]. `If`: compare a cell with a constant and jump if not.
+    IfEq(u32, i32, u32),
+    IfLt(u32, i32, u32),
+    IfLe(u32, i32, u32),
+    IfGt(u32, i32, u32),
+    IfGe(u32, i32, u32),
+    /// Jump if the cell is 0.
+    IfTrue(u32, u32),
+    /// A cell, a constant, a sum of both, and the sum of two operands to a cell.
+    Move(u32, u32),
+    Set(i32, u32),
+    AddConstTo(Elementary, u32, i32, u32),
+    AddTo(Elementary, u32),
+    /// The operand with a cell.
+    AndCell(u32),
+    OrCell(u32),
+    AddCell(Elementary, u32),
+    LoadConst(u32, i32),
+    LoadTwo(u32, u32),
+    StoreJump(u32, u32),
+    IndexLoad(u32, u32),
+    /// Compare two operands and jump if not.
+    EqJump(u32),
+    LtJump(u32),
+    LeJump(u32),
+    GtJump(u32),
+    GeJump(u32),
 }
 
 /// An operation with its modelled time and its place in the source.

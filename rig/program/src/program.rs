@@ -69,7 +69,10 @@ pub struct Located {
 /// A compiled program. Immutable: machines share it.
 #[derive(Clone, Debug)]
 pub struct Program {
+    /// What runs: [`Program::plain`] with its runs of operations joined.
     pub(crate) code: Vec<Step>,
+    /// The operations as compiled, each by itself; places are those of `code`.
+    pub(crate) plain: Vec<Step>,
     pub(crate) wide: Vec<i64>,
     pub(crate) bounds: Vec<Bounds>,
     pub(crate) units: Vec<Unit>,

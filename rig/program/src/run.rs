@@ -1,6 +1,6 @@
 //! The interpreter: executes operations until the budget, the cycle or a watch ends the slice.
 
-use crate::code::{Bounds, Op, Step};
+use crate::code::{Bounds, Op};
 use crate::machine::{Fault, FaultKind, Host, OPERANDS, Registers, Slice, Stop, Task, WATCHED};
 use crate::native::Pins;
 use crate::program::Program;
@@ -30,24 +30,31 @@ pub(crate) fn run<H: Host>(
     let mut unit = task.registers.unit;
     let mut sp = task.registers.sp;
     let mut acc = task.registers.acc;
-    let code = program.code.as_slice();
+    let (code, plain) = (program.code.as_slice(), program.plain.as_slice());
     let units = program.units.as_slice();
+    let Task { programs, position, registers, callers, frames, operands } = task;
+    let operands: &mut [i64; OPERANDS] = operands;
 
     let stop = 'slice: loop {
-        let Some(step) = code.get(pc) else {
-            task.position = task.programs.len();
+        let Some(mut step) = code.get(pc) else {
+            *position = programs.len();
             break Stop::Fault(Fault { kind: FaultKind::Internal, file: 0, line: 0 });
         };
-        let after = left - i64::from(step.cost);
+        let mut after = left - i64::from(step.cost);
         if after < 0 {
-            break Stop::Budget { next: Span::from_nanos(i64::from(step.cost)) };
+            // Of a run of operations the first one may fit.
+            step = plain.get(pc).unwrap_or(step);
+            after = left - i64::from(step.cost);
+            if after < 0 {
+                break Stop::Budget { next: Span::from_nanos(i64::from(step.cost)) };
+            }
         }
         left = after;
         pc += 1;
 
         macro_rules! fault {
             ($kind:ident) => {{
-                task.position = task.programs.len();
+                *position = programs.len();
                 let file = units.get(usize::from(unit)).map_or(0, |unit| unit.file);
                 break 'slice Stop::Fault(Fault { kind: FaultKind::$kind, file, line: step.line });
             }};
@@ -57,7 +64,7 @@ pub(crate) fn run<H: Host>(
         macro_rules! push {
             ($value:expr) => {{
                 let value = $value;
-                task.operands[usize::from(sp)] = acc;
+                operands[usize::from(sp)] = acc;
                 sp = sp.wrapping_add(1);
                 acc = value;
             }};
@@ -66,7 +73,7 @@ pub(crate) fn run<H: Host>(
             () => {{
                 let top = acc;
                 sp = sp.wrapping_sub(1);
-                acc = task.operands[usize::from(sp)];
+                acc = operands[usize::from(sp)];
                 top
             }};
         }
@@ -102,7 +109,7 @@ pub(crate) fn run<H: Host>(
         macro_rules! store_local {
             ($at:expr, $value:expr) => {{
                 let value = $value;
-                match task.frames.get_mut(base + $at as usize) {
+                match frames.get_mut(base + $at as usize) {
                     Some(cell) => *cell = value,
                     None => fault!(Internal),
                 }
@@ -113,10 +120,10 @@ pub(crate) fn run<H: Host>(
                 let frame = units.get(usize::from(unit)).map_or(0, |unit| unit.frame as usize);
                 let Some(callee) = units.get(usize::from($unit)) else { fault!(Internal) };
                 let caller = Registers { pc: pc as u32, this, base: base as u32, unit, sp: 0, acc: 0 };
-                if task.callers.len() == task.callers.capacity() {
+                if callers.len() == callers.capacity() {
                     fault!(Internal);
                 }
-                task.callers.push(caller);
+                callers.push(caller);
                 this = $this;
                 base += frame;
                 unit = $unit;
@@ -124,35 +131,18 @@ pub(crate) fn run<H: Host>(
                 callee
             }};
         }
-        macro_rules! index {
-            ($at:expr) => {
-                match program.bounds.get($at as usize) {
-                    Some(&Bounds { low, high, stride }) if low <= acc && acc <= high => {
-                        acc = (acc - low) * i64::from(stride);
-                    }
-                    Some(_) => fault!(Bounds),
-                    None => fault!(Internal),
-                }
-            };
+        macro_rules! compare {
+            (|$a:ident, $b:ident| $holds:expr, $to:expr) => {{
+                let $b = pop!();
+                let $a = pop!();
+                pc = if $holds { pc + 1 } else { $to as usize };
+            }};
         }
-        // The second operation of a pair, where the budget holds for it; else the next turn finds it alone.
-        macro_rules! then {
-            ($op:pat => $run:expr) => {
-                if let Some(&Step { op: $op, cost, .. }) = code.get(pc)
-                    && left >= i64::from(cost)
-                {
-                    left -= i64::from(cost);
-                    pc += 1;
-                    $run
-                }
-            };
-        }
-        macro_rules! compare_jump {
-            (|$a:ident, $b:ident| $holds:expr) => {{
-                binary!(|$a, $b| i64::from($holds));
-                then!(Op::JumpIfNot(to) => if pop!() == 0 {
-                    pc = to as usize;
-                })
+        // `skipped` operations stand between this one and the next: the rest of the run.
+        macro_rules! compare_cell {
+            ($skipped:expr, |$a:ident, $b:ident| $holds:expr, $at:expr, $k:expr, $to:expr) => {{
+                let ($a, $b) = (load!(cells, $at), i64::from($k));
+                pc = if $holds { pc + $skipped } else { $to as usize };
             }};
         }
         macro_rules! native {
@@ -178,10 +168,10 @@ pub(crate) fn run<H: Host>(
             Op::Wide(at) => push!(load!(program.wide, at)),
             Op::Load(at) => push!(load!(cells, at)),
             Op::LoadThis(at) => push!(load!(cells, this + at)),
-            Op::LoadLocal(at) => push!(load!(task.frames, base + at as usize)),
+            Op::LoadLocal(at) => push!(load!(frames, base + at as usize)),
             Op::LoadAt(at) => acc = load!(cells, acc + i64::from(at)),
             Op::LoadThisAt(at) => acc = load!(cells, acc + i64::from(this + at)),
-            Op::LoadLocalAt(at) => acc = load!(task.frames, acc as usize + base + at as usize),
+            Op::LoadLocalAt(at) => acc = load!(frames, acc as usize + base + at as usize),
             Op::LoadIo(at) => {
                 let Some(located) = program.located.get(at as usize) else { fault!(Internal) };
                 push!(located.ty.wrap(host.load(located.address) as i64));
@@ -221,7 +211,13 @@ pub(crate) fn run<H: Host>(
                     break Stop::Touched;
                 }
             }
-            Op::Index(at) => index!(at),
+            Op::Index(at) => match program.bounds.get(at as usize) {
+                Some(&Bounds { low, high, stride }) if low <= acc && acc <= high => {
+                    acc = (acc - low) * i64::from(stride);
+                }
+                Some(_) => fault!(Bounds),
+                None => fault!(Internal),
+            },
             Op::Add(ty) => binary!(|a, b| ty.wrap(a.wrapping_add(b))),
             Op::Sub(ty) => binary!(|a, b| ty.wrap(a.wrapping_sub(b))),
             Op::Mul(ty) => binary!(|a, b| ty.wrap(a.wrapping_mul(b))),
@@ -300,7 +296,7 @@ pub(crate) fn run<H: Host>(
             Op::CallFunction(callee) => {
                 let callee = call!(callee, this);
                 let inputs = callee.inputs as usize;
-                let Some(frame) = task.frames.get_mut(base..base + callee.template.len()) else {
+                let Some(frame) = frames.get_mut(base..base + callee.template.len()) else {
                     fault!(Internal)
                 };
                 frame.copy_from_slice(&callee.template);
@@ -335,11 +331,11 @@ pub(crate) fn run<H: Host>(
             }
             Op::Return => {
                 let result = if units.get(usize::from(unit)).is_some_and(|unit| unit.has_result) {
-                    Some(load!(task.frames, base))
+                    Some(load!(frames, base))
                 } else {
                     None
                 };
-                match task.callers.pop() {
+                match callers.pop() {
                     Some(caller) => {
                         pc = caller.pc as usize;
                         this = caller.this;
@@ -350,67 +346,91 @@ pub(crate) fn run<H: Host>(
                         }
                     }
                     None => {
-                        task.position += 1;
-                        if !task.enter(program) {
-                            break Stop::Done;
-                        }
-                        pc = task.registers.pc as usize;
-                        unit = task.registers.unit;
+                        *position += 1;
+                        let Some(next) = programs.get(*position) else { break Stop::Done };
+                        unit = *next;
+                        pc = units.get(usize::from(unit)).map_or(0, |unit| unit.entry) as usize;
                         (this, base, sp, acc) = (0, 0, 0, 0);
                     }
                 }
             }
-            Op::LoadConst(at) => {
-                push!(load!(cells, at));
-                then!(Op::Const(n) => push!(i64::from(n)));
+            // Runs: `pc` stands behind the first operation.
+            Op::IfEq(at, k, to) => compare_cell!(2, |a, b| a == b, at, k, to),
+            Op::IfLt(at, k, to) => compare_cell!(2, |a, b| a < b, at, k, to),
+            Op::IfGt(at, k, to) => compare_cell!(2, |a, b| a > b, at, k, to),
+            Op::IfLe(at, k, to) => compare_cell!(3, |a, b| a <= b, at, k, to),
+            Op::IfGe(at, k, to) => compare_cell!(3, |a, b| a >= b, at, k, to),
+            Op::IfTrue(at, to) => compare_cell!(1, |a, b| a != b, at, 0, to),
+            Op::Move(from, to) => {
+                pc += 1;
+                store!(to, load!(cells, from));
             }
-            Op::LoadLoad(at) => {
-                push!(load!(cells, at));
-                then!(Op::Load(at) => push!(load!(cells, at)));
+            Op::Set(n, to) => {
+                pc += 1;
+                store!(to, i64::from(n));
             }
-            Op::LoadStore(at) => {
-                push!(load!(cells, at));
-                then!(Op::Store(at) => {
-                    let value = pop!();
-                    store!(at, value);
-                });
+            Op::AddConstTo(ty, at, n, to) => {
+                pc += 2;
+                store!(to, ty.wrap(load!(cells, at).wrapping_add(i64::from(n))));
             }
-            Op::ConstStore(n) => {
+            Op::AddTo(ty, to) => {
+                pc += 1;
+                let (b, a) = (pop!(), pop!());
+                store!(to, ty.wrap(a.wrapping_add(b)));
+            }
+            Op::AndCell(at) => {
+                pc += 1;
+                acc &= load!(cells, at);
+            }
+            Op::OrCell(at) => {
+                pc += 1;
+                acc |= load!(cells, at);
+            }
+            Op::AddCell(ty, at) => {
+                pc += 1;
+                acc = ty.wrap(acc.wrapping_add(load!(cells, at)));
+            }
+            Op::LoadConst(at, n) => {
+                pc += 1;
+                push!(load!(cells, at));
                 push!(i64::from(n));
-                then!(Op::Store(at) => {
+            }
+            Op::LoadTwo(first, second) => {
+                pc += 1;
+                push!(load!(cells, first));
+                push!(load!(cells, second));
+            }
+            Op::StoreJump(at, to) => {
+                if flags.get(at as usize) == Some(&0) {
                     let value = pop!();
                     store!(at, value);
-                });
-            }
-            Op::AddStore(ty) => {
-                binary!(|a, b| ty.wrap(a.wrapping_add(b)));
-                then!(Op::Store(at) => {
-                    let value = pop!();
-                    store!(at, value);
-                });
-            }
-            Op::IndexLoad(at) => {
-                index!(at);
-                then!(Op::LoadAt(at) => acc = load!(cells, acc + i64::from(at)));
-            }
-            Op::StoreJump(at) => {
-                let value = pop!();
-                store!(at, value);
-                if let Some(&Step { op: Op::Jump(to), cost, .. }) = code.get(pc)
-                    && left >= i64::from(cost)
-                {
-                    left -= i64::from(cost);
                     pc = to as usize;
+                } else {
+                    // Somebody may want to look between the two: the jump stays behind.
+                    left += plain.get(pc).map_or(0, |jump| i64::from(jump.cost));
+                    let value = pop!();
+                    store!(at, value);
                 }
             }
-            Op::EqJump => compare_jump!(|a, b| a == b),
-            Op::LtJump => compare_jump!(|a, b| a < b),
-            Op::LeJump => compare_jump!(|a, b| a <= b),
-            Op::GtJump => compare_jump!(|a, b| a > b),
-            Op::GeJump => compare_jump!(|a, b| a >= b),
+            Op::IndexLoad(at, first) => match program.bounds.get(at as usize) {
+                Some(&Bounds { low, high, stride }) if low <= acc && acc <= high => {
+                    pc += 1;
+                    acc = load!(cells, (acc - low) * i64::from(stride) + i64::from(first));
+                }
+                Some(_) => {
+                    left += plain.get(pc).map_or(0, |load| i64::from(load.cost));
+                    fault!(Bounds);
+                }
+                None => fault!(Internal),
+            },
+            Op::EqJump(to) => compare!(|a, b| a == b, to),
+            Op::LtJump(to) => compare!(|a, b| a < b, to),
+            Op::LeJump(to) => compare!(|a, b| a <= b, to),
+            Op::GtJump(to) => compare!(|a, b| a > b, to),
+            Op::GeJump(to) => compare!(|a, b| a >= b, to),
         }
     };
-    task.registers = Registers { pc: pc as u32, this, base: base as u32, unit, sp, acc };
+    *registers = Registers { pc: pc as u32, this, base: base as u32, unit, sp, acc };
     Slice { used: Span::from_nanos(budget - left), stop }
 }
 

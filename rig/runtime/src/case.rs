@@ -101,7 +101,9 @@ pub struct CaseResult {
 /// # Errors
 /// What [`run_case`] would find in the user's files.
 pub fn check_case(case: &Case, files: &CaseFiles) -> Result<(), Vec<Diagnostic>> {
-    if (!case.profiles.is_empty() && !case.profiles.contains(&files.profile)) || !files.profile.accepts(files.reference) {
+    if (!case.profiles.is_empty() && !case.profiles.contains(&files.profile))
+        || !files.profile.accepts(files.reference)
+    {
         return Ok(());
     }
     let mut stage = stage(case, files)?;
@@ -150,8 +152,8 @@ fn stage(case: &Case, files: &CaseFiles) -> Result<Stage, Vec<Diagnostic>> {
         vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")]
     };
     let board = build(&files.board, files.seed).map_err(|error| refused(&error))?;
-    let mut model =
-        Model::new(config, Arc::clone(&program), Box::new(MemoryStore::default())).map_err(|error| refused(&error))?;
+    let mut model = Model::new(config, Arc::clone(&program), Box::new(MemoryStore::default()))
+        .map_err(|error| refused(&error))?;
     let initial = initial_state(case.settings.initial);
     if initial != State::Empty {
         let left = if initial == State::Booting { State::Running } else { initial };
@@ -165,7 +167,11 @@ fn stage(case: &Case, files: &CaseFiles) -> Result<Stage, Vec<Diagnostic>> {
 ///
 /// # Errors
 /// Findings about the user's files: names that mean nothing, a program that does not compile.
-pub fn run_case(case: &Case, files: &CaseFiles, options: &RunOptions<'_>) -> Result<CaseResult, Vec<Diagnostic>> {
+pub fn run_case(
+    case: &Case,
+    files: &CaseFiles,
+    options: &RunOptions<'_>,
+) -> Result<CaseResult, Vec<Diagnostic>> {
     let began = Instant::now();
     let mut record = describe::record_of(case, files);
     if !case.profiles.is_empty() && !case.profiles.contains(&files.profile) {
@@ -226,7 +232,7 @@ pub fn run_case(case: &Case, files: &CaseFiles, options: &RunOptions<'_>) -> Res
     let late = recorder.late();
     let (mut trace, judge) = recorder.into_parts();
     if let Some(trouble) = &ran.trouble {
-        trace.set_note("trouble", trouble.to_string());
+        trace.set_note("trouble", trouble.show(board.channels()).to_string());
     }
     let outcome = judge.finish(When::exactly(ran.end), &trace);
     verdict(&mut record, outcome.map_err(|error| error.to_string()), &trace);
@@ -373,13 +379,19 @@ fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, Vec<D
             sensitivity: task.sensitivity.unwrap_or(watchdog.sensitivity),
         });
     }
-    config.check().map_err(|error| vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")])?;
+    config.check().map_err(|error| {
+        vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")]
+    })?;
     Ok(config)
 }
 
 fn no_terminal(address: signal::Address, files: &CaseFiles) -> Diagnostic {
     let kind = if address.area() == Area::Input { "input" } else { "output" };
-    Diagnostic::error("R0102", format!("{} has no {kind} {address}", files.reference.name)).at(&files.plan.name, 0..0, "")
+    Diagnostic::error("R0102", format!("{} has no {kind} {address}", files.reference.name)).at(
+        &files.plan.name,
+        0..0,
+        "",
+    )
 }
 
 /// Names of the tasks in the controller's order, with the PROGRAMs that the plan gives them.
@@ -391,10 +403,15 @@ fn task_programs(settings: &Settings, config: &Config) -> Vec<(String, Vec<Strin
     config.tasks.iter().map(|task| (task.name.clone(), programs(&task.name))).collect()
 }
 
-fn no_such_program(program: &program::Program, tasks: &[(String, Vec<String>)], plan: &SourceFile) -> Diagnostic {
+fn no_such_program(
+    program: &program::Program,
+    tasks: &[(String, Vec<String>)],
+    plan: &SourceFile,
+) -> Diagnostic {
     let known = program.programs();
     let missing = tasks.iter().flat_map(|(task, programs)| programs.iter().map(move |name| (task, name)));
-    let missing = missing.into_iter().find(|(_, name)| !known.iter().any(|one| one.eq_ignore_ascii_case(name)));
+    let missing =
+        missing.into_iter().find(|(_, name)| !known.iter().any(|one| one.eq_ignore_ascii_case(name)));
     let message = match missing {
         Some((task, name)) => format!("task {task} runs `{name}`, which the program does not have"),
         None => String::from("a task runs a PROGRAM that the program does not have"),
@@ -427,15 +444,18 @@ fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board) -> Option<
                 _ => 1,
             };
             (fastest < wanted).then(|| {
-                Unmet::Instrument(format!("the board emits pulses up to {} Hz, the plan needs more", fastest / 1_000))
+                Unmet::Instrument(format!(
+                    "the board emits pulses up to {} Hz, the plan needs more",
+                    fastest / 1_000
+                ))
             })
         }
         ("timestamp", bound) => {
             let worst = lines().map(|channel| channel.resolution).max().unwrap_or(Span::ZERO);
             match bound.map(|bound| (bound.relation, bound.amount)) {
-                Some((Relation::AtMost, Amount::Time(wanted))) if worst > wanted => Some(Unmet::Instrument(format!(
-                    "the board stamps edges to within {worst}, the plan needs {wanted}"
-                ))),
+                Some((Relation::AtMost, Amount::Time(wanted))) if worst > wanted => Some(Unmet::Instrument(
+                    format!("the board stamps edges to within {worst}, the plan needs {wanted}"),
+                )),
                 _ => None,
             }
         }
@@ -449,7 +469,8 @@ fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board) -> Option<
 
 /// Hashes of what a case is made of.
 pub fn hashes(files: &CaseFiles) -> Hashes {
-    let sources: String = files.sources.iter().map(|source| format!("{}\0{}\0", source.name, source.text)).collect();
+    let sources: String =
+        files.sources.iter().map(|source| format!("{}\0{}\0", source.name, source.text)).collect();
     Hashes {
         plan: describe::sha256(files.plan.text.as_bytes()),
         board: if files.board_text.is_empty() {

@@ -68,8 +68,10 @@ pub fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, model: &Model
 pub fn what(stimulus: &Stimulus) -> String {
     match stimulus {
         Stimulus::Set(list) => {
-            let each: Vec<String> =
-                list.iter().map(|(signal, value)| format!("{signal} := {}", plans::show_literal(value))).collect();
+            let each: Vec<String> = list
+                .iter()
+                .map(|(signal, value)| format!("{signal} := {}", plans::show_literal(value)))
+                .collect();
             each.join(", ")
         }
         Stimulus::Pulse { signal, value, width } => {
@@ -89,14 +91,18 @@ pub fn what(stimulus: &Stimulus) -> String {
         Stimulus::Power(true) => String::from("supply on"),
         Stimulus::Power(false) => String::from("supply off"),
         Stimulus::Overload { task, cycle, times: 1 } => format!("the next cycle of {task} takes {cycle}"),
-        Stimulus::Overload { task, cycle, times } => format!("the next {times} cycles of {task} take {cycle} each"),
+        Stimulus::Overload { task, cycle, times } => {
+            format!("the next {times} cycles of {task} take {cycle} each")
+        }
         Stimulus::Fault { signal, kind, lasts } => {
             let kind = match kind {
                 FaultKind::Stuck(value) => format!("stuck at {}", plans::show_literal(value)),
                 FaultKind::Open => String::from("open"),
                 FaultKind::ShortToGround => String::from("short to ground"),
                 FaultKind::ShortToSupply => String::from("short to supply"),
-                FaultKind::Glitch { value, width } => format!("glitch to {} for {width}", plans::show_literal(value)),
+                FaultKind::Glitch { value, width } => {
+                    format!("glitch to {} for {width}", plans::show_literal(value))
+                }
                 FaultKind::Late(delay) => format!("{delay} late"),
                 FaultKind::Lost => String::from("lost"),
             };

@@ -80,12 +80,25 @@ pub struct Executor<'a> {
     actual: Time,
     same: u32,
     over: bool,
+    /// The outputs were driven to their safe values.
+    safe: bool,
     ran: Ran,
 }
 
 impl std::fmt::Debug for Executor<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Executor").field("now", &self.now).field("ran", &self.ran).finish_non_exhaustive()
+    }
+}
+
+/// Nothing stays driven behind a run that panics.
+impl Drop for Executor<'_> {
+    fn drop(&mut self) {
+        if !self.safe {
+            // The board itself may be what panicked: a second panic would end the process.
+            let safe = std::panic::AssertUnwindSafe(|| self.board.safe(self.actual));
+            let _ = std::panic::catch_unwind(safe);
+        }
     }
 }
 
@@ -137,6 +150,7 @@ impl<'a> Executor<'a> {
             actual: Time::ZERO,
             same: 0,
             over: false,
+            safe: false,
             ran: Ran { log: Vec::with_capacity(64), ..Ran::default() },
         }
     }
@@ -151,6 +165,7 @@ impl<'a> Executor<'a> {
         if let Some(mark) = self.wiring.end {
             self.recorder.mark(mark, self.actual);
         }
+        self.safe = true;
         if let Err(error) = self.board.safe(self.actual) {
             self.ran.trouble.get_or_insert(Trouble::Board { at: self.actual, error });
         }
@@ -162,7 +177,7 @@ impl<'a> Executor<'a> {
         if let Some(error) = self.recorder.take_fault() {
             self.ran.trouble.get_or_insert(Trouble::Trace(error));
         }
-        self.ran
+        std::mem::take(&mut self.ran)
     }
 
     /// Brings the subject into the state in which the case begins.
@@ -404,13 +419,16 @@ impl<'a> Executor<'a> {
             let signal = self.wiring.channels[place][index];
             self.record(signal, at, value, cause);
         }
-        if let Some(input) = self.wiring.inputs[place] {
+        let inputs = &self.wiring.inputs[place];
+        if !inputs.is_empty() {
             let level = match value {
                 Value::Bool(true) => Level::High,
                 Value::Bool(false) => Level::Low,
                 _ => Level::HighZ,
             };
-            self.subject.input(self.now.max(at.latest), input, level);
+            for &input in inputs {
+                self.subject.input(self.now.max(at.latest), input, level);
+            }
         }
     }
 
@@ -491,7 +509,8 @@ impl<'a> Executor<'a> {
                 self.poll()?;
             }
             Act::Write(probe, value) => {
-                let written = self.subject.write(now, &probe, value, Cause::Step(step as u16), &mut self.effects);
+                let written =
+                    self.subject.write(now, &probe, value, Cause::Step(step as u16), &mut self.effects);
                 if let Err(error) = written {
                     let id = self.schedule.steps()[step].id.clone();
                     self.ran.trouble.get_or_insert(Trouble::NotWritten { step: id, error });

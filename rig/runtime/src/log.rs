@@ -16,8 +16,12 @@ pub fn show(entry: &Entry, subject: &dyn Subject) -> String {
         Entry::WatchdogException { task: place, consecutive } => {
             format!("task watchdog exception of {}, {consecutive} in a row", task(place))
         }
-        Entry::TaskWatchdog { task: place } => format!("the task watchdog of {} stopped the application", task(place)),
-        Entry::SystemWatchdog => String::from("system watchdog: the tasks of priority 0 to 24 took the whole processor"),
+        Entry::TaskWatchdog { task: place } => {
+            format!("the task watchdog of {} stopped the application", task(place))
+        }
+        Entry::SystemWatchdog => {
+            String::from("system watchdog: the tasks of priority 0 to 24 took the whole processor")
+        }
         Entry::Fault { task: place, fault } => {
             let class = match fault.class {
                 FaultClass::Application => "application error",

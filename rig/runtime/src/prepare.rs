@@ -7,8 +7,8 @@ use controller::{Channel as Terminal, Command, Figure, Probe, State};
 use document::{Diagnostic, Findings};
 use drivers::{Board, BoardFile, Channel, ChannelId, Fault, FaultKind, TimestampSource};
 use plans::lang::Literal;
-use plans::steps::{FaultKind as PlannedFault, Stimulus};
 use plans::plan::{Await, SignalBinding, Source, TaskFigure};
+use plans::steps::{FaultKind as PlannedFault, Stimulus};
 use plans::{Case, Step, StepTime};
 use profile::{Profile, Reference};
 use signal::{
@@ -91,7 +91,9 @@ pub fn prepare(
     for binding in &case.signals {
         let Some(meaning) = meaning(binding, bench, &mut out) else { continue };
         let info = match meaning {
-            Meaning::Channel(channel) => channel_info(&binding.name, &bench.board.channels()[usize::from(channel.0)]),
+            Meaning::Channel(channel) => {
+                channel_info(&binding.name, &bench.board.channels()[usize::from(channel.0)])
+            }
             Meaning::Inside(observable) => SignalInfo::exact(&binding.name, observable.kind),
         };
         let Some(signal) = define(&mut trace, clocked(info, bench.exact), &mut out) else { continue };
@@ -111,7 +113,8 @@ pub fn prepare(
     let mut steps = Vec::new();
     for step in &case.steps {
         let mark = define(&mut trace, SignalInfo::exact(format!("step:{}", step.id), Kind::Mark), &mut out);
-        let done = define(&mut trace, SignalInfo::exact(format!("step:{}.done", step.id), Kind::Mark), &mut out);
+        let done =
+            define(&mut trace, SignalInfo::exact(format!("step:{}.done", step.id), Kind::Mark), &mut out);
         let (Some(mark), Some(done)) = (mark, done) else { continue };
         let names = Names { list: &names, state: wiring.state };
         let planned = plan_step(step, mark, done, &names, &trace, bench, &mut out);
@@ -197,7 +200,8 @@ fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Findings) -> Op
                 let mut known = bench.subject.names();
                 known.extend(bench.board.channels().iter().map(|channel| channel.name.clone()));
                 let help = suggestion(path, known.iter().map(String::as_str));
-                let message = format!("`{path}` is no variable, no system variable and no channel of the board");
+                let message =
+                    format!("`{path}` is no variable, no system variable and no channel of the board");
                 out.error("R0104", at, message, help);
                 return None;
             };
@@ -363,7 +367,8 @@ fn awaited(awaits: &Await, info: &SignalInfo, step: &Step, out: &mut Findings) -
         if value.is_none() {
             let message = format!("`{}` cannot have this value", info.name);
             let labels: Vec<&str> = info.labels.iter().map(|(_, label)| label.as_str()).collect();
-            let help = if labels.is_empty() { String::new() } else { format!("it can be {}", labels.join(", ")) };
+            let help =
+                if labels.is_empty() { String::new() } else { format!("it can be {}", labels.join(", ")) };
             out.error("R0107", step.span.clone(), message, help);
         }
         value
@@ -392,7 +397,13 @@ fn line(name: &str, names: &Names<'_>, step: &Step, out: &mut Findings) -> Optio
 }
 
 /// The channel of a line that the plan may drive: not one that the model drives.
-fn driven(name: &str, names: &Names<'_>, bench: &Bench<'_>, step: &Step, out: &mut Findings) -> Option<ChannelId> {
+fn driven(
+    name: &str,
+    names: &Names<'_>,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) -> Option<ChannelId> {
     let channel = line(name, names, step, out)?;
     let of_controller = bench
         .file
@@ -412,7 +423,13 @@ fn driven(name: &str, names: &Names<'_>, bench: &Bench<'_>, step: &Step, out: &m
 }
 
 /// The terminal behind a signal, for forcing.
-fn terminal(name: &str, names: &Names<'_>, bench: &Bench<'_>, step: &Step, out: &mut Findings) -> Option<Terminal> {
+fn terminal(
+    name: &str,
+    names: &Names<'_>,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) -> Option<Terminal> {
     let address = match names.meaning(name)? {
         Meaning::Channel(channel) => {
             bench.file.bind.iter().find(|binding| binding.channel == channel).map(|binding| binding.address)
@@ -459,7 +476,10 @@ fn value_for(
         let help = if channel.is_digital() {
             String::from("a level is TRUE or FALSE")
         } else {
-            format!("a number, or a quantity in {}", if channel.unit().is_empty() { "no unit" } else { channel.unit() })
+            format!(
+                "a number, or a quantity in {}",
+                if channel.unit().is_empty() { "no unit" } else { channel.unit() }
+            )
         };
         out.error("R0107", step.span.clone(), format!("the value does not fit `{}`", channel.name), help);
     }
@@ -486,7 +506,12 @@ fn fault_kind(
     };
     let channel = &bench.board.channels()[usize::from(channel.0)];
     if !channel.faults.contains(kind) {
-        out.error("R0111", step.span.clone(), format!("the board cannot put this fault on `{}`", channel.name), "");
+        out.error(
+            "R0111",
+            step.span.clone(),
+            format!("the board cannot put this fault on `{}`", channel.name),
+            "",
+        );
         return None;
     }
     Some(kind)

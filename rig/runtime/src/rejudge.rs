@@ -29,7 +29,9 @@ pub fn judge(plan: &SourceFile, trace: &Trace) -> Result<CaseRecord, Vec<Diagnos
     let name = note("plan-case");
     let Some(case) = read.cases().find(|case| case.name == name) else {
         let message = format!("the trace is of the case `{name}`, which {} does not have", plan.name);
-        return Err(vec![Diagnostic::error("R0203", message).help("judge it by the plan that it was recorded with")]);
+        return Err(vec![
+            Diagnostic::error("R0203", message).help("judge it by the plan that it was recorded with"),
+        ]);
     };
     let mut record = CaseRecord {
         name: note("case").to_owned(),

@@ -71,13 +71,17 @@ impl Awaited {
         match self {
             Awaited::Becomes(wanted) => value == wanted,
             Awaited::Rises => value.as_bool() == Some(true) && before.and_then(Value::as_bool) != Some(true),
-            Awaited::Falls => value.as_bool() == Some(false) && before.and_then(Value::as_bool) != Some(false),
+            Awaited::Falls => {
+                value.as_bool() == Some(false) && before.and_then(Value::as_bool) != Some(false)
+            }
             Awaited::Changes => true,
             Awaited::Above(limit) => {
-                real(Some(value)).is_some_and(|now| now > limit) && real(before).is_none_or(|then| then <= limit)
+                real(Some(value)).is_some_and(|now| now > limit)
+                    && real(before).is_none_or(|then| then <= limit)
             }
             Awaited::Below(limit) => {
-                real(Some(value)).is_some_and(|now| now < limit) && real(before).is_none_or(|then| then >= limit)
+                real(Some(value)).is_some_and(|now| now < limit)
+                    && real(before).is_none_or(|then| then >= limit)
             }
         }
     }
@@ -329,7 +333,8 @@ impl Schedule {
             return Some(nominal);
         }
         // The jitter of an edge depends on its number alone, so that an edge can be asked for ahead of its turn.
-        let mut random = Random::new(self.seed ^ (u64::from(n) << 1 | u64::from(rising)).wrapping_mul(0x9e37_79b9));
+        let mut random =
+            Random::new(self.seed ^ (u64::from(n) << 1 | u64::from(rising)).wrapping_mul(0x9e37_79b9));
         let width = train.jitter.as_nanos() as u64 * 2 + 1;
         let moved = Span::from_nanos(random.below(width) as i64) - train.jitter;
         Some((nominal + moved).max(Span::ZERO))

@@ -122,7 +122,8 @@ impl DiskStore {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        let written = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()).to_le_bytes();
+        let written =
+            SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()).to_le_bytes();
         let mut file = atomic_write_file::AtomicWriteFile::open(&path)?;
         file.write_all(MAGIC)?;
         file.write_all(&written)?;

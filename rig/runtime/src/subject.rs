@@ -2,8 +2,8 @@
 
 use crate::application::BundleLoader;
 use controller::{
-    Command, Config, ConfigError, Controller, Effects, LoadError, NonVolatile, Probe, ProbeId, Refusal, State,
-    SystemVariable, TaskFigures, WriteError,
+    Command, Config, ConfigError, Controller, Effects, LoadError, NonVolatile, Probe, ProbeId, Refusal,
+    State, SystemVariable, TaskFigures, WriteError,
 };
 use program::{Elementary, Program, Storage};
 use signal::{Address, Cause, Kind, Level, Span, Time, Value};
@@ -293,7 +293,9 @@ fn of_address(address: Address) -> Observable {
 fn kind_of(ty: Elementary) -> Kind {
     match ty {
         Elementary::Bool => Kind::Bool,
-        Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword | Elementary::Ulint => Kind::Word,
+        Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword | Elementary::Ulint => {
+            Kind::Word
+        }
         _ => Kind::Int,
     }
 }

@@ -34,7 +34,8 @@ impl Files for Disk {
             return Err(format!("it has {length} bytes, {LARGEST_FILE} is the most"));
         }
         let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-        String::from_utf8(bytes).map_err(|error| format!("it is no UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
+        String::from_utf8(bytes)
+            .map_err(|error| format!("it is no UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
     }
 }
 
@@ -51,7 +52,9 @@ pub fn beside(file: &str, path: &str) -> String {
 /// # Errors
 /// A finding with the path and the reason.
 pub fn load(files: &dyn Files, path: &str) -> Result<SourceFile, Diagnostic> {
-    let text = files.read(path).map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
+    let text = files
+        .read(path)
+        .map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
     Ok(SourceFile::new(path, text))
 }
 
@@ -65,8 +68,10 @@ pub fn terminals(subject: &BoardSubject) -> Result<Terminals, UnknownSubject> {
 }
 
 fn terminals_of(reference: &'static Reference) -> Terminals {
-    let inputs = profile::inputs(reference).map(|input| Address::bit(Area::Input, input.byte * 8 + input.bit));
-    let outputs = profile::outputs(reference).map(|output| Address::bit(Area::Output, output.byte * 8 + output.bit));
+    let inputs =
+        profile::inputs(reference).map(|input| Address::bit(Area::Input, input.byte * 8 + input.bit));
+    let outputs =
+        profile::outputs(reference).map(|output| Address::bit(Area::Output, output.byte * 8 + output.bit));
     Terminals { inputs: inputs.collect(), outputs: outputs.collect() }
 }
 
@@ -76,9 +81,13 @@ fn subject_of(subject: &BoardSubject) -> Result<(Profile, &'static Reference), U
     })?;
     let reference = match &subject.reference {
         None => profile.default_reference(),
-        Some(name) => profile.references().find(|known| known.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
-            UnknownSubject::Reference { known: profile.references().map(|known| known.name.to_owned()).collect() }
-        })?,
+        Some(name) => {
+            profile.references().find(|known| known.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+                UnknownSubject::Reference {
+                    known: profile.references().map(|known| known.name.to_owned()).collect(),
+                }
+            })?
+        }
     };
     Ok((profile, reference))
 }
@@ -112,7 +121,13 @@ pub fn load_plan(
     let file = load(files, path).map_err(|found| vec![found])?;
     sources.push(file.clone());
     let plan = plans::read(&file, parameters, seed)?;
-    let mut loaded = LoadedPlan { plan, programs: Vec::new(), boards: Vec::new(), given: parameters.to_vec(), board: board.cloned() };
+    let mut loaded = LoadedPlan {
+        plan,
+        programs: Vec::new(),
+        boards: Vec::new(),
+        given: parameters.to_vec(),
+        board: board.cloned(),
+    };
     let mut found = Vec::new();
     for case in loaded.plan.cases() {
         if let ProgramRef::Files(names) = &case.program {
@@ -243,7 +258,8 @@ impl LoadedPlan {
         let given = self.board.as_ref().map(|(board, text)| (board, text));
         let (board, board_text, reference) = match given.or(own) {
             Some((board, text)) => {
-                let reference = subject_of(&board.subject).map_or(job.profile.default_reference(), |(_, found)| found);
+                let reference =
+                    subject_of(&board.subject).map_or(job.profile.default_reference(), |(_, found)| found);
                 (board.clone(), text.clone(), case.settings.reference.unwrap_or(reference))
             }
             None => {

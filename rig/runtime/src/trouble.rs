@@ -1,7 +1,7 @@
 //! Trouble of the rig itself: the verdict is then `error`, whatever the controller did.
 
 use controller::{Refusal, State, WriteError};
-use drivers::{BoardError, ChannelId, Health, LossReason};
+use drivers::{BoardError, Channel, ChannelId, Health, LossReason};
 use signal::{Span, Time, TraceError};
 use std::fmt;
 
@@ -91,10 +91,51 @@ pub enum Trouble {
     Interrupted,
 }
 
-impl fmt::Display for Trouble {
+impl Trouble {
+    /// The trouble in words, with the names of the board's channels.
+    pub fn show<'a>(&'a self, channels: &'a [Channel]) -> Shown<'a> {
+        Shown { trouble: self, channels }
+    }
+}
+
+/// Trouble in words.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    trouble: &'a Trouble,
+    channels: &'a [Channel],
+}
+
+impl Shown<'_> {
+    /// The name of a channel, or its number where the board has no such channel.
+    fn name(&self, channel: ChannelId) -> String {
+        let known = self.channels.get(usize::from(channel.0));
+        known.map_or_else(|| channel.0.to_string(), |known| known.name.clone())
+    }
+
+    /// An error of the board: those that concern a channel name it.
+    fn board(&self, f: &mut fmt::Formatter<'_>, error: &BoardError) -> fmt::Result {
+        match *error {
+            BoardError::NotDriven(channel) => write!(f, "the board cannot drive {}", self.name(channel)),
+            BoardError::BadValue(channel) => write!(f, "the value does not fit {}", self.name(channel)),
+            BoardError::NoSuchFault(channel) => write!(f, "this fault cannot be injected on {}", self.name(channel)),
+            BoardError::BadFaultTime(channel) => {
+                write!(f, "the times of a fault on {} must be above 0", self.name(channel))
+            }
+            BoardError::TooManyFaults { channel, limit } => {
+                write!(f, "{} has {limit} faults already: clear it first", self.name(channel))
+            }
+            _ => write!(f, "{error}"),
+        }
+    }
+}
+
+impl fmt::Display for Shown<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Trouble::Board { at, error } => write!(f, "at {at}: {error}"),
+        match self.trouble {
+            Trouble::Board { at, error } => {
+                write!(f, "at {at}: ")?;
+                self.board(f, error)
+            }
             Trouble::Unsound { at, health } => write!(
                 f,
                 "at {at} the board had lost {} channels and {} events, and {} calls had failed",
@@ -106,25 +147,38 @@ impl fmt::Display for Trouble {
                     LossReason::Gone => "its device is gone",
                     LossReason::Silent => "its device does not answer",
                 };
-                write!(f, "channel {} was lost at {at}: {reason}", channel.0)
+                write!(f, "channel {} was lost at {at}: {reason}", self.name(*channel))
             }
             Trouble::Dropped { at, channel, count } => {
-                write!(f, "at least {count} events of channel {} were lost by {at}", channel.0)
+                write!(f, "at least {count} events of channel {} were lost by {at}", self.name(*channel))
             }
             Trouble::Late { at, late, limit } => {
                 write!(f, "the rig was {late} late at {at}, where {limit} is the limit")
             }
             Trouble::Prelude { state, refusal: Some(refusal) } => {
-                write!(f, "the controller did not reach the state in which the case begins: it was {state}: {refusal}")
+                write!(
+                    f,
+                    "the controller did not reach the state in which the case begins: it was {state}: {refusal}"
+                )
             }
             Trouble::Prelude { state, refusal: None } => {
-                write!(f, "the controller did not reach the state in which the case begins: it stayed {state}")
+                write!(
+                    f,
+                    "the controller did not reach the state in which the case begins: it stayed {state}"
+                )
             }
             Trouble::Timeout { limit } => write!(f, "the case had not ended after its `timeout` of {limit}"),
-            Trouble::Stuck { at } => write!(f, "nothing happens any more since {at}, and the case has no end"),
-            Trouble::Simultaneous { at } => write!(f, "events without end at {at}: wires or steps that chase each other"),
+            Trouble::Stuck { at } => {
+                write!(f, "nothing happens any more since {at}, and the case has no end")
+            }
+            Trouble::Simultaneous { at } => {
+                write!(f, "events without end at {at}: wires or steps that chase each other")
+            }
             Trouble::Refused { step, refusal } => {
-                write!(f, "the command of step `{step}` was refused: {refusal}; `refused = true` expects that")
+                write!(
+                    f,
+                    "the command of step `{step}` was refused: {refusal}; `refused = true` expects that"
+                )
             }
             Trouble::NotWritten { step, error } => write!(f, "step `{step}` could not write: {error}"),
             Trouble::Trace(error) => write!(f, "the trace could not be written: {error}"),
@@ -132,5 +186,3 @@ impl fmt::Display for Trouble {
         }
     }
 }
-
-impl std::error::Error for Trouble {}

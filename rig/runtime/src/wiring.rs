@@ -9,8 +9,8 @@ use signal::{Cause, SignalId};
 pub struct Wiring {
     /// Channel behind each output terminal.
     pub outputs: Vec<Option<ChannelId>>,
-    /// Input terminal behind each channel.
-    pub inputs: Vec<Option<usize>>,
+    /// Input terminals behind each channel: one line may feed several.
+    pub inputs: Vec<Vec<usize>>,
     /// Signals that show each channel.
     pub channels: Vec<Vec<SignalId>>,
     /// Signals that show each observed probe, by its number.
@@ -30,7 +30,7 @@ impl Wiring {
     pub fn new(outputs: usize, channels: usize) -> Wiring {
         Wiring {
             outputs: vec![None; outputs],
-            inputs: vec![None; channels],
+            inputs: vec![Vec::new(); channels],
             channels: vec![Vec::new(); channels],
             writers: vec![Cause::Unknown; channels],
             ..Wiring::default()

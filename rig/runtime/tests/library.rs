@@ -38,7 +38,10 @@ fn every_case_passes_and_its_trace_says_so_again() {
     plans(Path::new(LIBRARY), &mut paths);
     let loaded: Vec<LoadedPlan> = paths
         .iter()
-        .map(|path| suite::load_plan(&Disk, path, None, &[], 1, &mut sources).unwrap_or_else(|found| panic!("{found:#?}")))
+        .map(|path| {
+            suite::load_plan(&Disk, path, None, &[], 1, &mut sources)
+                .unwrap_or_else(|found| panic!("{found:#?}"))
+        })
         .collect();
     for (place, plan) in loaded.iter().enumerate() {
         jobs.extend(plan.jobs(place, 1, 1));
@@ -60,7 +63,12 @@ fn every_case_passes_and_its_trace_says_so_again() {
                 (record.verdict, record.trace_sha256.clone(), record.start_ns, record.end_ns)
             };
             if facts(&replayed) != facts(record) {
-                wrong.push(format!("{}: {:?} in the run, {:?} again", record.name, facts(record), facts(&replayed)));
+                wrong.push(format!(
+                    "{}: {:?} in the run, {:?} again",
+                    record.name,
+                    facts(record),
+                    facts(&replayed)
+                ));
             }
         }
         Done::Findings(found) => wrong.push(format!("{}: {found:#?}", jobs[place].name)),

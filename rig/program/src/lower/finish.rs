@@ -50,7 +50,8 @@ impl Compiler<'_> {
         let mut program = Program {
             program_names: programs.iter().map(|place| self.pous[usize::from(*place)].name.clone()).collect(),
             programs,
-            code: self.code,
+            code: fuse(&self.code),
+            plain: self.code,
             wide: self.wide,
             bounds: self.bounds,
             units: self.units,
@@ -68,8 +69,6 @@ impl Compiler<'_> {
         };
         program.index = index(&program);
         program.digest = digest(&program);
-        // Behind the digest: which pairs run in one go is no behaviour.
-        fuse(&mut program.code);
         program.layout = layout(&program);
         Ok(program)
     }
@@ -280,7 +279,7 @@ fn index(program: &Program) -> BTreeMap<String, Option<u32>> {
 /// Behaviour and variables. Writing to a hash cannot fail.
 fn digest(program: &Program) -> [u8; 32] {
     let mut hasher = Hasher(Sha256::new());
-    for step in &program.code {
+    for step in &program.plain {
         let _ = write!(hasher, "{:?},{};", step.op, step.cost);
     }
     for unit in &program.units {

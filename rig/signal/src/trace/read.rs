@@ -70,7 +70,9 @@ impl Cursor {
         loop {
             let Cursor { segment, offset, state, fetched } = self;
             let stream = match trace.segments.get(*segment, fetched) {
-                Ok(parts) => parts.and_then(|(_, stream)| stream.get(*offset..)).ok_or(TraceError::ForeignCursor),
+                Ok(parts) => {
+                    parts.and_then(|(_, stream)| stream.get(*offset..)).ok_or(TraceError::ForeignCursor)
+                }
                 Err(error) => Err(error),
             };
             let mut bytes = match stream {
