@@ -29,7 +29,7 @@ reference = "TM241CEC24T"
 kind = "simulated"
 "#;
 
-/// About a hundred instructions, all of them executed in every cycle but for the branches of IF and CASE.
+/// A hundred statements; which branches run differs from cycle to cycle.
 const PROGRAM: &str = r#"
 PROGRAM MAIN
 VAR
@@ -48,8 +48,12 @@ VAR
     fill_back AT %IX0.2 : BOOL;
     drain_back AT %IX0.3 : BOOL;
     motor_back AT %IX0.4 : BOOL;
-    guard AT %IX1.3 : BOOL;
+    guard AT %IX1.5 : BOOL;
     n : DINT;
+    ticks : INT;
+    seconds : INT;
+    minutes : INT;
+    hours : DINT;
     level : INT;
     step : INT;
     i : INT;
@@ -58,11 +62,20 @@ VAR
     error : DINT;
     integral : DINT;
     command : DINT;
+    speed : INT;
+    target : INT;
+    least : INT := 32767;
+    most : INT;
+    faults : INT;
+    state : INT;
+    crc : WORD;
     pattern : WORD := 16#0001;
-    history : ARRAY [0..7] OF DINT;
+    full, empty, half, moving, stalled, warned, late : BOOL;
+    history : ARRAY [0..3] OF DINT;
     on_delay : TON;
     off_delay : TOF;
     pulse : TP;
+    watch : TON;
     rise : R_TRIG;
     fall : F_TRIG;
     parts : CTU;
@@ -72,11 +85,24 @@ VAR RETAIN
     batches : DINT;
 END_VAR
 
-(* heartbeat *)
+(* heartbeat and clock *)
 n := n + 1;
 beat := NOT beat;
 slow := (n / 25) MOD 2 = 0;
 ready := n > 10;
+ticks := ticks + 1;
+IF ticks >= 50 THEN
+    ticks := 0;
+    seconds := seconds + 1;
+    IF seconds >= 60 THEN
+        seconds := 0;
+        minutes := minutes + 1;
+        IF minutes >= 60 THEN
+            minutes := 0;
+            hours := hours + 1;
+        END_IF;
+    END_IF;
+END_IF;
 
 (* a tank that fills and drains *)
 CASE step OF
@@ -89,7 +115,6 @@ CASE step OF
         END_IF;
     1:
         fill := FALSE;
-        level := level + 0;
         IF on_delay.Q THEN
             step := 2;
         END_IF;
@@ -105,6 +130,11 @@ ELSE
     step := 0;
 END_CASE;
 on_delay(IN := step = 1, PT := T#400ms);
+full := level >= 290;
+empty := level <= 10;
+half := level > 140 AND level < 160;
+least := MIN(least, level);
+most := MAX(most, level);
 
 (* feedback of the outputs *)
 rise(CLK := slow_back);
@@ -116,26 +146,74 @@ pulse(IN := fall.Q, PT := T#250ms);
 motor := latch.Q1 OR off_delay.Q;
 lamp := pulse.Q XOR slow_back;
 horn := motor_back AND NOT fill_back AND drain_back;
+moving := motor_back AND NOT empty;
+watch(IN := motor AND NOT motor_back, PT := T#2s);
+stalled := watch.Q OR stalled AND NOT ready;
+IF stalled THEN
+    faults := faults + 1;
+END_IF;
+
+(* a ramp *)
+IF moving THEN
+    target := 1500;
+ELSE
+    target := 300;
+END_IF;
+IF speed < target THEN
+    speed := speed + 7;
+ELSIF speed > target THEN
+    speed := speed - 11;
+END_IF;
+IF ABS(speed - target) < 12 THEN
+    speed := target;
+END_IF;
 
 (* a moving mean and a controller of integers *)
-history[n MOD 8] := level;
+history[n MOD 4] := level;
 sum := 0;
-FOR i := 0 TO 7 DO
+FOR i := 0 TO 3 DO
     sum := sum + history[i];
 END_FOR;
-mean := sum / 8;
+mean := sum / 4;
 error := 150 - mean;
 integral := LIMIT(-1000, integral + error, 1000);
 command := error * 4 + integral / 10;
 valve := command > 0;
 
-(* a register that goes round *)
+(* a little machine of states *)
+CASE state OF
+    0:
+        IF full THEN
+            state := 1;
+        END_IF;
+    1:
+        IF half THEN
+            state := 2;
+        END_IF;
+    2:
+        warned := TRUE;
+        IF empty THEN
+            state := 3;
+        END_IF;
+ELSE
+    warned := FALSE;
+    state := 0;
+END_CASE;
+late := warned AND full;
+IF late THEN
+    faults := faults + 1;
+END_IF;
+
+(* registers that go round *)
 pattern := ROL(pattern, 1);
 IF pattern = 16#8000 THEN
     pattern := 16#0001;
 END_IF;
+crc := crc XOR pattern;
+crc := SHL(crc, 1) OR SHR(crc, 15);
 %MW1100 := pattern;
 %MW1101 := %MW1101 + 1;
+%MW1102 := crc;
 %MD560 := n;
 
 alarm := guard AND beat_back AND level > 400;

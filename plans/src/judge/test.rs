@@ -98,6 +98,12 @@ impl Test {
     /// Whether a value meets the condition. `slack` is how far a real value may be from what is recorded.
     #[inline]
     pub fn holds(&self, value: Value, slack: f64) -> Truth {
+        // The common case of a line first.
+        if let (Value::Bool(on), Test::OneOf(wanted)) = (value, self)
+            && let [Number::Int(wanted)] = wanted[..]
+        {
+            return Truth::of(wanted == i128::from(on));
+        }
         if matches!(value, Value::Unknown) {
             return Truth::Unknown;
         }

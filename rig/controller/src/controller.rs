@@ -10,7 +10,7 @@ use crate::{
     SystemVariable, TaskFigures, WriteError,
 };
 use profile::{ApplicationError, BootProjectStatus, StopCause};
-use signal::{Address, Area, Cause, Level, Size, Span, Time, Value};
+use signal::{Cause, Level, Size, Span, Time, Value};
 use std::fmt;
 
 /// A logic controller, without power when it is made.
@@ -255,9 +255,6 @@ impl Controller {
     pub fn read(&self, probe: &Probe) -> Value {
         match *probe {
             Probe::State => Value::Int(self.state.number()),
-            Probe::Input(input) => {
-                Value::Bool(input < 32 && self.memory.input_bits() & self.inputs.mask() & 1 << input != 0)
-            }
             Probe::Address(at) => {
                 let value = self.memory.load(at);
                 if at.size() == Size::Bit { Value::Bool(value != 0) } else { Value::Word(value) }
@@ -348,10 +345,5 @@ impl Controller {
                 (0..self.config.tasks.len()).filter(|task| application.writes_output(*task, byte));
             Some((byte, (writers.next()?, writers.next()?)))
         })
-    }
-
-    /// The address of the image bit of an embedded input.
-    pub(crate) fn input_address(input: usize) -> Address {
-        Address::bit(Area::Input, u32::try_from(input).unwrap_or(u32::MAX))
     }
 }

@@ -83,8 +83,6 @@ impl Effects {
 pub enum Probe {
     /// The state: [`State::number`].
     State,
-    /// The bit of an embedded input in %I.
-    Input(usize),
     /// A place in memory: a Boolean for bits, else a bit string.
     Address(Address),
     /// A variable of the application by its number; unknown without an application.

@@ -121,12 +121,6 @@ impl Memory {
         self.remanent_dirty = true;
     }
 
-    /// The first 32 bits of %I.
-    #[inline]
-    pub(crate) fn input_bits(&self) -> u32 {
-        low_bits(&self.inputs)
-    }
-
     /// Sets the input bits of `mask`; whether any changed.
     #[inline]
     pub(crate) fn set_input_bits(&mut self, bits: u32, mask: u32) -> bool {

@@ -90,9 +90,11 @@ impl Controller {
 
     /// When controller tasks will have had the whole processor for too long (controller:WD-02).
     fn full_load_due(&self) -> Time {
-        let unbroken = self.cpu.busy_until == self.cpu.at;
+        if self.cpu.busy_until != self.cpu.at {
+            return Time::MAX;
+        }
         match self.holder() {
-            Some(rank) if unbroken && self.tasks[rank].foreground() => {
+            Some(rank) if self.tasks[rank].foreground() => {
                 self.cpu.busy_since.saturating_add(SYSTEM_WATCHDOG_FULL_LOAD)
             }
             _ => Time::MAX,

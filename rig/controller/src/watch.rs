@@ -15,7 +15,7 @@ pub(crate) mod class {
 
 fn class_of(probe: &Probe) -> u8 {
     match probe {
-        Probe::Input(_) | Probe::Address(_) => class::MEMORY,
+        Probe::Address(_) => class::MEMORY,
         Probe::Variable(_) => class::VARIABLE,
         Probe::State | Probe::System(_) => class::STATE,
         Probe::TaskFigure { .. } => class::FIGURE,
@@ -40,7 +40,6 @@ impl Controller {
         }
         match probe {
             Probe::Address(at) => self.memory.watch(at),
-            Probe::Input(input) => self.memory.watch(Self::input_address(input)),
             Probe::Variable(variable) => {
                 if let Some(application) = &mut self.application {
                     application.watch(variable);

@@ -162,7 +162,7 @@ fn forced_inputs() {
 #[test]
 fn inputs_are_read_at_the_start_of_cycles() {
     let mut rig = with(|config| config.filters = vec![Filter::Ms4]);
-    let probe = rig.plc.watch(Probe::Input(0));
+    let probe = rig.plc.watch(Probe::Address(signal::Address::bit(signal::Area::Input, 0)));
     rig.to(run_at(ms(61)));
     rig.plc.input(rig.now, 0, Level::High);
     rig.to(run_at(ms(90)));

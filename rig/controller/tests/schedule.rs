@@ -135,7 +135,7 @@ proptest! {
                 for n in 0..5 {
                     rig.plc.watch(Probe::Variable(n));
                 }
-                rig.plc.watch(Probe::Input(0));
+                rig.plc.watch(Probe::Address(signal::Address::bit(signal::Area::Input, 0)));
                 rig.plc.watch(Probe::Address(at("%MW2")));
                 rig.plc.watch(Probe::TaskFigure { task: 0, figure: Figure::Last });
             }

@@ -8,7 +8,7 @@ use controller::{
 use document::{Diagnostic, SourceFile};
 use profile::{ApplicationError, Profile};
 use program::{FaultKind, Host, Machine, Options, Program, VarRef};
-use signal::{Address, Area, Cause, Span, Time, Value};
+use signal::{Address, Area, Cause, Size, Span, Time, Value};
 use std::sync::Arc;
 
 /// What a program of this controller is compiled with: its address ranges and its instruction times.
@@ -146,14 +146,9 @@ impl Application for ProgramApplication {
     }
 
     fn associates(&self, word: u32) -> bool {
-        let first = word * 16;
-        self.machine.program().located().iter().any(|located| {
-            let at = located.address;
-            located.declared
-                && at.area() == Area::Memory
-                && at.bit_offset() < first + 16
-                && at.bit_offset() + at.bit_len() > first
-        })
+        let word = Address::new(Area::Memory, Size::Word, word);
+        let mut located = self.machine.program().located().iter();
+        word.is_some_and(|word| located.any(|known| known.declared && known.address.overlaps(&word)))
     }
 
     fn writes_output(&self, task: usize, byte: u32) -> bool {

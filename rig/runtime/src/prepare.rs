@@ -12,7 +12,8 @@ use plans::steps::{FaultKind as PlannedFault, Stimulus};
 use plans::{Case, Step, StepTime};
 use profile::{Profile, Reference};
 use signal::{
-    Area, ClockDomain, Kind, Level, Policy, Sampling, SignalId, SignalInfo, Span, Trace, TraceError, Value,
+    Address, Area, ClockDomain, Kind, Level, Policy, Sampling, SignalId, SignalInfo, Span, Trace, TraceError,
+    Value,
 };
 
 /// What the names of a case are looked up in.
@@ -42,7 +43,8 @@ impl std::fmt::Debug for Bench<'_> {
 /// What a name turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Meaning {
-    Channel(ChannelId),
+    /// A channel, and the terminal where it was named by one: several inputs may share a channel.
+    Channel(ChannelId, Option<Address>),
     Inside(Observable),
 }
 
@@ -78,7 +80,7 @@ pub fn prepare(
     let mut wiring = Wiring::new(bench.reference.output_count(), bench.board.channels().len());
     for binding in &bench.file.bind {
         match Terminal::at(binding.address, bench.reference) {
-            Some(Terminal::Input(input)) => wiring.inputs[usize::from(binding.channel.0)] = Some(input),
+            Some(Terminal::Input(input)) => wiring.inputs[usize::from(binding.channel.0)].push(input),
             Some(Terminal::Output(output)) => wiring.outputs[output] = Some(binding.channel),
             None => {}
         }
@@ -91,14 +93,14 @@ pub fn prepare(
     for binding in &case.signals {
         let Some(meaning) = meaning(binding, bench, &mut out) else { continue };
         let info = match meaning {
-            Meaning::Channel(channel) => {
+            Meaning::Channel(channel, _) => {
                 channel_info(&binding.name, &bench.board.channels()[usize::from(channel.0)])
             }
             Meaning::Inside(observable) => SignalInfo::exact(&binding.name, observable.kind),
         };
         let Some(signal) = define(&mut trace, clocked(info, bench.exact), &mut out) else { continue };
         match meaning {
-            Meaning::Channel(channel) => wiring.channels[usize::from(channel.0)].push(signal),
+            Meaning::Channel(channel, _) => wiring.channels[usize::from(channel.0)].push(signal),
             Meaning::Inside(observable) => {
                 let probe = bench.subject.watch(observable.probe);
                 wiring.show_probe(probe, signal);
@@ -168,7 +170,8 @@ fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Findings) -> Op
     let inside = |name: &str| bench.subject.observable(name).map(Meaning::Inside);
     let found = match &binding.source {
         Source::Line(address) => {
-            bench.file.channel_of(*address).map(Meaning::Channel).or_else(|| {
+            let channel = bench.file.channel_of(*address);
+            channel.map(|channel| Meaning::Channel(channel, Some(*address))).or_else(|| {
                 // A terminal that the reference does not have is no line; nor is one that the board leaves open.
                 let help = match Terminal::at(*address, bench.reference) {
                     None => format!("{} has no such terminal", bench.reference.name),
@@ -187,7 +190,7 @@ fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Findings) -> Op
             inside(&address.to_string())?
         }
         Source::Channel(name) => match bench.board.find(name) {
-            Some(channel) => Meaning::Channel(channel),
+            Some(channel) => Meaning::Channel(channel, None),
             None => {
                 let channels = bench.board.channels().iter().map(|channel| channel.name.as_str());
                 let help = suggestion(name, channels);
@@ -196,7 +199,12 @@ fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Findings) -> Op
             }
         },
         Source::Path(path) => {
-            let Some(found) = inside(path).or_else(|| bench.board.find(path).map(Meaning::Channel)) else {
+            let channel = || bench.board.find(path).map(|channel| Meaning::Channel(channel, None));
+            let Some(found) = inside(path).or_else(channel) else {
+                if let Some((message, help)) = element(path, bench) {
+                    out.error("R0104", at, message, help);
+                    return None;
+                }
                 let mut known = bench.subject.names();
                 known.extend(bench.board.channels().iter().map(|channel| channel.name.clone()));
                 let help = suggestion(path, known.iter().map(String::as_str));
@@ -217,6 +225,19 @@ fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Findings) -> Op
         }
     };
     Some(found)
+}
+
+/// What is wrong with a name that means an array, or a place outside one: its finding and what mends it.
+fn element(path: &str, bench: &Bench<'_>) -> Option<(String, String)> {
+    let array = path.split('[').next().unwrap_or(path);
+    let mut elements = (0..=1).rev().map(|place| format!("{array}[{place}]"));
+    let example = elements.find(|element| bench.subject.observable(element).is_some())?;
+    let message = if array == path {
+        format!("`{path}` is an array, and a signal is one value")
+    } else {
+        format!("`{path}` is no element of the array `{array}`")
+    };
+    Some((message, format!("name one element, as in `{example}`")))
 }
 
 fn suggestion<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
@@ -308,10 +329,17 @@ fn plan_step(
             vec![(Span::ZERO, Act::Command(Command::Unforce(channel), Expected::Obeyed))]
         }
         Stimulus::Write { of, value } => {
-            let Some(Meaning::Inside(observable)) = names.meaning(of) else {
-                let message = format!("`{of}` is no variable and no place in memory");
-                out.error("R0106", step.span.clone(), message, "a line is driven with `set`");
-                return None;
+            let observable = match names.meaning(of)? {
+                Meaning::Inside(observable) => observable,
+                Meaning::Channel(channel, _) => {
+                    let message = format!("`{of}` is no variable and no place in memory");
+                    let help = match of_controller(channel, bench) {
+                        true => "an output of the controller is driven from outside with `force`",
+                        false => "a line is driven with `set`",
+                    };
+                    out.error("R0106", step.span.clone(), message, help);
+                    return None;
+                }
             };
             let Literal::Value(value) = value else {
                 out.error("R0107", step.span.clone(), format!("`{of}` takes a plain number"), "");
@@ -385,7 +413,7 @@ fn awaited(awaits: &Await, info: &SignalInfo, step: &Step, out: &mut Findings) -
 
 /// The channel of a line.
 fn line(name: &str, names: &Names<'_>, step: &Step, out: &mut Findings) -> Option<ChannelId> {
-    if let Some(Meaning::Channel(channel)) = names.meaning(name) {
+    if let Some(Meaning::Channel(channel, _)) = names.meaning(name) {
         return Some(channel);
     }
     // A name that means nothing at all was reported where it is bound.
@@ -394,6 +422,11 @@ fn line(name: &str, names: &Names<'_>, step: &Step, out: &mut Findings) -> Optio
         out.error("R0109", step.span.clone(), format!("`{name}` is no line"), help);
     }
     None
+}
+
+/// Whether an output terminal is behind the channel.
+fn of_controller(channel: ChannelId, bench: &Bench<'_>) -> bool {
+    bench.file.bind.iter().any(|binding| binding.channel == channel && binding.address.area() == Area::Output)
 }
 
 /// The channel of a line that the plan may drive: not one that the model drives.
@@ -405,12 +438,7 @@ fn driven(
     out: &mut Findings,
 ) -> Option<ChannelId> {
     let channel = line(name, names, step, out)?;
-    let of_controller = bench
-        .file
-        .bind
-        .iter()
-        .any(|binding| binding.channel == channel && binding.address.area() == Area::Output);
-    if of_controller {
+    if of_controller(channel, bench) {
         let help = "an output is the controller's own: force it, or put a fault on it";
         out.error("R0110", step.span.clone(), format!("`{name}` is driven by the controller"), help);
         return None;
@@ -431,7 +459,8 @@ fn terminal(
     out: &mut Findings,
 ) -> Option<Terminal> {
     let address = match names.meaning(name)? {
-        Meaning::Channel(channel) => {
+        Meaning::Channel(_, Some(address)) => Some(address),
+        Meaning::Channel(channel, None) => {
             bench.file.bind.iter().find(|binding| binding.channel == channel).map(|binding| binding.address)
         }
         Meaning::Inside(Observable { probe: Probe::Address(address), .. }) => Some(address),

@@ -117,7 +117,9 @@ impl Shown<'_> {
         match *error {
             BoardError::NotDriven(channel) => write!(f, "the board cannot drive {}", self.name(channel)),
             BoardError::BadValue(channel) => write!(f, "the value does not fit {}", self.name(channel)),
-            BoardError::NoSuchFault(channel) => write!(f, "this fault cannot be injected on {}", self.name(channel)),
+            BoardError::NoSuchFault(channel) => {
+                write!(f, "this fault cannot be injected on {}", self.name(channel))
+            }
             BoardError::BadFaultTime(channel) => {
                 write!(f, "the times of a fault on {} must be above 0", self.name(channel))
             }

@@ -111,11 +111,6 @@ impl Span {
         self.0
     }
 
-    /// The duration in seconds as a float, for display and plant physics only.
-    pub fn as_secs_f64(self) -> f64 {
-        self.0 as f64 / 1e9
-    }
-
     /// Whether the duration is below zero.
     pub const fn is_negative(self) -> bool {
         self.0 < 0
@@ -258,7 +253,7 @@ impl Add<Span> for Time {
 
 impl AddAssign<Span> for Time {
     fn add_assign(&mut self, span: Span) {
-        self.0 = self.0.saturating_add(span.0);
+        *self = *self + span;
     }
 }
 

@@ -174,7 +174,7 @@ impl Trace {
         let length = self.state.encode(&event, &mut buffer);
         self.state.note(event);
         self.events += 1;
-        if self.segments.append(&buffer[..length], event.at) {
+        if self.segments.append(&buffer, length, event.at) {
             self.hasher.update(self.segments.open_stream());
             if let Err(error) = self.segments.close(&self.state) {
                 self.broken = Some(error);
