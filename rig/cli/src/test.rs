@@ -35,7 +35,7 @@ pub fn run(args: &TestArgs) -> Exit {
         Err(exit) => return exit,
     };
     if args.list {
-        list(&loaded, &jobs);
+        list(&jobs);
         return Exit::Passed;
     }
     if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
@@ -97,7 +97,7 @@ fn select(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> {
         jobs.extend(plan.jobs(place, args.seed, args.repeat.get()).into_iter().filter(|job| {
             let plan = &plan.plan;
             let profile = job.profile.name();
-            selection.matches(&Facts { name: &job.name, title: &plan.title, proves: &plan.proves, profile })
+            selection.matches(&Facts { name: &job.name, title: &job.title, proves: &plan.proves, profile })
         }));
     }
     if jobs.is_empty() {
@@ -113,9 +113,9 @@ fn select(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> {
     Ok(jobs)
 }
 
-fn list(loaded: &[LoadedPlan], jobs: &[Job]) {
+fn list(jobs: &[Job]) {
     for job in jobs {
-        output::print(&format!("{}  {}\n", job.name, loaded[job.plan].plan.title));
+        output::print(&format!("{}  {}\n", job.name, job.title));
     }
 }
 
@@ -156,7 +156,7 @@ fn execute(args: &TestArgs, loaded: &[LoadedPlan], jobs: &[Job], sources: &[Sour
                 wrong_files = true;
                 let mut record = CaseRecord { name: jobs[place].name.clone(), ..CaseRecord::default() };
                 record.plan.clone_from(&loaded[jobs[place].plan].plan.path);
-                record.title.clone_from(&loaded[jobs[place].plan].plan.title);
+                record.title.clone_from(&jobs[place].title);
                 record.verdict = Verdict::Error;
                 record.reason = found.first().map_or_else(String::new, |first| first.message.clone());
                 (record, None)

@@ -188,6 +188,8 @@ pub struct Job {
     pub profile: Profile,
     /// Name of the case in the run: that of the plan, with the profile and the turn where there are several.
     pub name: String,
+    /// Title of the case.
+    pub title: String,
     /// Its seed.
     pub seed: u64,
 }
@@ -210,7 +212,7 @@ impl LoadedPlan {
                         name.push_str(&format!("#{}", turn + 1));
                     }
                     let seed = seed.wrapping_add(u64::from(turn));
-                    jobs.push(Job { plan: place, case: number, profile, name, seed });
+                    jobs.push(Job { plan: place, case: number, profile, name, title: case.title.clone(), seed });
                 }
             }
         }
@@ -315,6 +317,10 @@ pub fn run(
                     let Some(job) = jobs.get(place) else { return };
                     let ended = stop.load(Ordering::Relaxed) || options.interrupt.load(Ordering::Relaxed);
                     let done = if ended { skipped(plans, job) } else { run_job(plans, job, options) };
+                    // Here and not where the results are taken, or else the next job would have begun.
+                    if fail_fast && !passed(&done) {
+                        stop.store(true, Ordering::Relaxed);
+                    }
                     if send.send((place, done)).is_err() {
                         return;
                     }
@@ -327,9 +333,6 @@ pub fn run(
         waiting.resize_with(jobs.len(), || None);
         let mut handed = 0;
         for (place, done) in receive {
-            if fail_fast && !passed(&done) {
-                stop.store(true, Ordering::Relaxed);
-            }
             waiting[place] = Some(done);
             while let Some(done) = waiting.get_mut(handed).and_then(Option::take) {
                 each(handed, done);
