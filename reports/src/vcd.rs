@@ -54,7 +54,7 @@ impl std::fmt::Display for VcdError {
 
 impl std::error::Error for VcdError {}
 
-/// Writes a whole trace; see [`write`].
+/// Writes a whole trace; see [`write()`].
 ///
 /// # Errors
 /// [`VcdError`]: reading the trace or writing the dump failed.

@@ -3,7 +3,7 @@
 //! The signal's life is cut into segments: allowed, forbidden, unknown. Neighbouring forbidden segments are
 //! one. The claim can break if some forbidden or unknown segment can meet the window; it can hold if the
 //! window can be placed wholly between two forbidden segments. Because the intervals of one signal never run
-//! backwards (see [`super::order`]), both questions are answered exactly by looking at each segment once.
+//! backwards (see the orderer), both questions are answered exactly by looking at each segment once.
 
 use signal::{Cause, Value};
 

@@ -89,7 +89,7 @@ impl Memory {
         self.watched[at.area() as usize].set(at, u64::MAX);
     }
 
-    /// Who wrote a bit of %Q last; unknown for a bit that nobody wrote since [`Memory::clear`].
+    /// Who wrote a bit of %Q last; unknown for a bit that nobody wrote since the memory was cleared.
     pub fn writer(&self, output_bit: u32) -> Cause {
         self.writers.get(output_bit as usize).copied().unwrap_or_default()
     }
