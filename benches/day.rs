@@ -274,7 +274,7 @@ fn plan(seconds: u64) -> String {
         format!("edges = {{ signal = \"fill\", rising = \"{0} ..\", falling = \"{0} ..\" }}", seconds / 5),
         "edges = { signal = \"motor\", rising = \"1 ..\" }".to_owned(),
         "pulse = { signal = \"beat\", width = \"19 ms .. 21 ms\", which = \"every\", from = \"start + 1 s\" }".to_owned(),
-        "pulse = { signal = \"drain\", width = \"1 s .. 3 s\", which = \"every\", from = \"start + 10 s\" }".to_owned(),
+        format!("pulse = {{ signal = \"drain\", width = \"1 s .. 3 s\", which = \"every\", from = \"start + 10 s\", until = \"start + {} s\" }}", seconds - 10),
         "rises = { signal = \"slow\", from = \"start + 10 s\", within = \"1.1 s\" }".to_owned(),
         "falls = { signal = \"fill\", from = \"start + 10 s\", within = \"10 s\" }".to_owned(),
         format!("rises = {{ signal = \"i2\", from = \"start + {} s\", within = \"10 s\" }}", seconds - 20),

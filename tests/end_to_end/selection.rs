@@ -132,6 +132,14 @@ fn repeated_cases_are_numbered() {
 }
 
 #[test]
+fn more_cases_than_a_record_holds_are_refused() {
+    let bench = Bench::new();
+    bench.refused(&["test", "lamp.toml", "--repeat", "4294967295"], &["more than 100000 cases"]);
+    bench.refused(&["test", "lamp.toml", "--repeat", "100001", "--list"], &["more than 100000 cases"]);
+    assert_eq!(listed(&bench, &["lamp.toml", "--repeat", "1000"]).len(), 1_000);
+}
+
+#[test]
 fn fail_fast_starts_no_further_case() {
     let bench = Bench::new();
     bench.write_lamp("a-slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
@@ -162,5 +170,5 @@ fn jobs_change_nothing_but_the_time() {
     };
     let one = run("1");
     assert_eq!(one, run("2"));
-    assert_eq!(one, run("64"));
+    assert_eq!(one, run("18446744073709551615"));
 }

@@ -24,9 +24,11 @@ pub fn of(text: &str) -> Kind {
     for line in text.lines() {
         let line = line.trim_end();
         if let Some(header) = line.trim_start().strip_prefix('[') {
-            // A list that goes on over lines begins a line with a bracket, too, but not with a bracket and a name.
-            if let Some(key) = first_word(header.trim_start_matches('['))
-                && header.contains(']')
+            // A list that goes on over lines begins a line with a bracket, too, but closes no name with one.
+            let header = header.trim_start_matches('[').trim_start();
+            if let Some(key) = first_word(header)
+                && header[key.len()..].trim_start().starts_with([']', '.'])
+                && !line.ends_with(',')
             {
                 top = false;
                 marks.key(key, "{");
@@ -117,6 +119,7 @@ mod tests {
 
     #[test]
     fn lines_of_lists_are_no_headers() {
-        assert_eq!(of("format = 1\nvalues = [\n[1, 2],\n]\nsteps = []\n"), Kind::Plan);
+        assert_eq!(of("format = 1\nvalues = [\n[1, 2],\n[3],\n]\nsteps = []\n"), Kind::Plan);
+        assert_eq!(of("format = 1\n[ board ]\nkind = \"simulated\"\n"), Kind::Board);
     }
 }

@@ -20,6 +20,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Set by the signal handler: the running cases end with their outputs safe.
 static INTERRUPT: AtomicBool = AtomicBool::new(false);
 
+/// Cases that a selection is made from.
+const MOST_CASES: u64 = 10 * record::MAX_CASES as u64;
+
 /// How long a run on the host's clock takes at most to see an interrupt.
 const REAL_SLICE: Span = Span::from_millis(50);
 
@@ -92,6 +95,11 @@ fn select(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> {
             Exit::UserFiles
         })?,
     };
+    // Those that are looked through, and those that run: each within what the memory and a record hold.
+    let all: u64 = loaded.iter().map(|plan| plan.plan.len()).sum();
+    if all.saturating_mul(u64::from(args.repeat.get())) > MOST_CASES {
+        return Err(too_many());
+    }
     let mut jobs = Vec::new();
     for (place, plan) in loaded.iter().enumerate() {
         jobs.extend(plan.jobs(place, args.seed, args.repeat.get()).into_iter().filter(|job| {
@@ -104,6 +112,9 @@ fn select(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> {
         output::complain("no case is selected");
         return Err(Exit::UserFiles);
     }
+    if jobs.len() > record::MAX_CASES {
+        return Err(too_many());
+    }
     let mut names: Vec<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
     names.sort_unstable();
     if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
@@ -111,6 +122,14 @@ fn select(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> {
         return Err(Exit::UserFiles);
     }
     Ok(jobs)
+}
+
+fn too_many() -> Exit {
+    output::complain(&format!(
+        "more than {} cases: select fewer, or repeat them less often",
+        record::MAX_CASES
+    ));
+    Exit::UserFiles
 }
 
 fn list(jobs: &[Job]) {
@@ -147,7 +166,7 @@ fn execute(args: &TestArgs, loaded: &[LoadedPlan], jobs: &[Job], sources: &[Sour
     let style = Style { color: output::color_out(), quiet: false };
     let mut wrong_files = false;
     let mut trouble = None;
-    suite::run(loaded, jobs, at_once, args.fail_fast, &options, &mut |place, done| {
+    suite::run(loaded, jobs, at_once.min(jobs.len()), args.fail_fast, &options, &mut |place, done| {
         let (record, trace) = match done {
             Done::Case(result) => (result.record, result.trace),
             Done::Skipped(record) => (*record, None),

@@ -186,7 +186,7 @@ pub fn run_case(
         return Ok(CaseResult { record, trace: None });
     }
     let mut stage = stage(case, files)?;
-    if let Some(unmet) = unmet(case, &stage.model, &*stage.board) {
+    if let Some(unmet) = unmet(case, &stage.model, &*stage.board, Span::ZERO) {
         match unmet {
             Unmet::Power(reason) => record.status = CaseStatus::NotApplicable { reason },
             Unmet::Instrument(reason) => {
@@ -234,6 +234,10 @@ pub fn run_case(
     if let Some(trouble) = &ran.trouble {
         trace.set_note("trouble", trouble.show(board.channels()).to_string());
     }
+    // How late the rig was shows only now. Steps that came later than the plan needs may have tested something else.
+    if let Some(Unmet::Instrument(reason)) = unmet(case, &model, &*board, late) {
+        trace.set_note("unmet", reason);
+    }
     let outcome = judge.finish(When::exactly(ran.end), &trace);
     verdict(&mut record, outcome.map_err(|error| error.to_string()), &trace);
     finish(&mut record, &ran, late, &schedule, &model, &trace);
@@ -266,6 +270,10 @@ pub fn verdict(record: &mut CaseRecord, outcome: Result<Outcome, String>, trace:
         if record.reason.is_empty() {
             record.reason = format!("step `{step}` expects a refusal: {note}");
         }
+    }
+    if let Some(unmet) = trace.note("unmet") {
+        record.verdict = Verdict::Inconclusive;
+        record.reason = unmet.to_owned();
     }
     if let Some(trouble) = trace.note("trouble") {
         record.verdict = Verdict::Error;
@@ -429,11 +437,12 @@ enum Unmet {
     Instrument(String),
 }
 
-fn unmet(case: &Case, model: &Model, board: &dyn drivers::Board) -> Option<Unmet> {
-    case.needs.iter().find_map(|need| unmet_need(need, model, board))
+/// The first need that is not met on a rig that is `late` by so much.
+fn unmet(case: &Case, model: &Model, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
+    case.needs.iter().find_map(|need| unmet_need(need, model, board, late))
 }
 
-fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board) -> Option<Unmet> {
+fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
     let lines = || board.channels().iter().filter(|channel| channel.is_digital());
     match (need.word, need.bound) {
         ("pulse", bound) => {
@@ -451,11 +460,16 @@ fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board) -> Option<
             })
         }
         ("timestamp", bound) => {
-            let worst = lines().map(|channel| channel.resolution).max().unwrap_or(Span::ZERO);
+            let stamped = lines().map(|channel| channel.resolution).max().unwrap_or(Span::ZERO);
+            let worst = stamped + late;
             match bound.map(|bound| (bound.relation, bound.amount)) {
-                Some((Relation::AtMost, Amount::Time(wanted))) if worst > wanted => Some(Unmet::Instrument(
-                    format!("the board stamps edges to within {worst}, the plan needs {wanted}"),
-                )),
+                Some((Relation::AtMost, Amount::Time(wanted))) if worst > wanted => {
+                    Some(Unmet::Instrument(if stamped > wanted {
+                        format!("the board stamps edges to within {stamped}, the plan needs {wanted}")
+                    } else {
+                        format!("the rig was {late} late, the plan needs edges to within {wanted}")
+                    }))
+                }
                 _ => None,
             }
         }

@@ -10,7 +10,7 @@ use crate::subject::Subject;
 use crate::trouble::Trouble;
 use crate::wiring::Wiring;
 use controller::{Command, Effect, Effects, Probe, State};
-use drivers::{Board, BoardEvent, ChannelId, LossReason, Origin};
+use drivers::{Board, BoardEvent, ChannelId, LossReason, Origin, TimestampSource};
 use signal::{Cause, Level, Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -78,6 +78,9 @@ pub struct Executor<'a> {
     /// Instant that the rig has reached: modelled, and on the clock.
     now: Time,
     actual: Time,
+    /// The board's lines are modelled: they live in the controller's time, and a rig that is late only knows less
+    /// exactly when things happened. Wires have the clock's time.
+    modelled: bool,
     same: u32,
     over: bool,
     /// The outputs were driven to their safe values.
@@ -96,7 +99,7 @@ impl Drop for Executor<'_> {
     fn drop(&mut self) {
         if !self.safe {
             // The board itself may be what panicked: a second panic would end the process.
-            let safe = std::panic::AssertUnwindSafe(|| self.board.safe(self.actual));
+            let safe = std::panic::AssertUnwindSafe(|| self.board.safe(self.board_time()));
             let _ = std::panic::catch_unwind(safe);
         }
     }
@@ -131,6 +134,7 @@ impl<'a> Executor<'a> {
     pub fn new(parts: Parts<'a>, limits: Limits) -> Executor<'a> {
         let channels = parts.board.channels();
         let driven: Vec<Value> = channels.iter().map(|channel| channel.safe).collect();
+        let modelled = channels.iter().all(|channel| channel.timestamp == TimestampSource::Virtual);
         Executor {
             effects: Effects::new(),
             spare: Vec::with_capacity(256),
@@ -148,6 +152,7 @@ impl<'a> Executor<'a> {
             limits,
             now: Time::ZERO,
             actual: Time::ZERO,
+            modelled,
             same: 0,
             over: false,
             safe: false,
@@ -163,11 +168,12 @@ impl<'a> Executor<'a> {
         }
         self.ran.end = self.now;
         if let Some(mark) = self.wiring.end {
-            self.recorder.mark(mark, self.actual);
+            self.recorder.mark(mark, self.seen(self.now));
         }
         self.safe = true;
-        if let Err(error) = self.board.safe(self.actual) {
-            self.ran.trouble.get_or_insert(Trouble::Board { at: self.actual, error });
+        let at = self.board_time();
+        if let Err(error) = self.board.safe(at) {
+            self.ran.trouble.get_or_insert(Trouble::Board { at, error });
         }
         let health = self.board.health();
         self.ran.dropped = health.dropped;
@@ -212,7 +218,7 @@ impl<'a> Executor<'a> {
         }
         self.ran.start = Some(self.now);
         if let Some(mark) = self.wiring.start {
-            self.recorder.mark(mark, self.actual);
+            self.recorder.mark(mark, self.seen(self.now));
         }
         self.schedule.start(self.now);
         Ok(())
@@ -364,17 +370,32 @@ impl<'a> Executor<'a> {
         self.spare.clear();
         if !self.writes.is_empty() {
             let writes = std::mem::take(&mut self.writes);
-            let written = self.board.write(self.actual, &writes);
+            let at = self.board_time();
+            let written = self.board.write(at, &writes);
             self.writes = writes;
-            written.map_err(|error| Trouble::Board { at: self.actual, error })?;
+            written.map_err(|error| Trouble::Board { at, error })?;
             self.poll()?;
         }
         Ok(())
     }
 
-    /// When something of the model was seen: exactly in virtual time, else up to now.
+    /// When something that happened at a modelled instant was seen: exactly in virtual time, else up to now.
     fn seen(&self, at: Time) -> When {
         if self.clock.is_exact() { When::exactly(at) } else { When::within(at, self.actual) }
+    }
+
+    /// When something that the board saw happened. What a late rig did to a wire, it should have done earlier.
+    fn seen_by_board(&self, at: When) -> When {
+        match (self.clock.is_exact(), self.modelled) {
+            (true, _) => at,
+            (false, true) => When::within(at.earliest, at.latest.max(self.actual)),
+            (false, false) => When::within(at.earliest.saturating_add(-self.recorder.late()), at.latest),
+        }
+    }
+
+    /// The instant that the rig has reached in the board's time.
+    const fn board_time(&self) -> Time {
+        if self.modelled { self.now } else { self.actual }
     }
 
     fn record(&mut self, signal: signal::SignalId, at: When, value: Value, cause: Cause) {
@@ -388,12 +409,13 @@ impl<'a> Executor<'a> {
     fn poll(&mut self) -> Result<(), Trouble> {
         let mut events = std::mem::take(&mut self.polled);
         events.clear();
-        let polled = self.board.poll(self.actual, &mut events);
+        let now = self.board_time();
+        let polled = self.board.poll(now, &mut events);
         for event in &events {
             self.see(event);
         }
         self.polled = events;
-        polled.map_err(|error| Trouble::Board { at: self.actual, error })
+        polled.map_err(|error| Trouble::Board { at: now, error })
     }
 
     fn see(&mut self, event: &BoardEvent) {
@@ -417,7 +439,7 @@ impl<'a> Executor<'a> {
         };
         for index in 0..self.wiring.channels[place].len() {
             let signal = self.wiring.channels[place][index];
-            self.record(signal, at, value, cause);
+            self.record(signal, self.seen_by_board(at), value, cause);
         }
         let inputs = &self.wiring.inputs[place];
         if !inputs.is_empty() {
@@ -439,7 +461,7 @@ impl<'a> Executor<'a> {
                 Due::Arm => self.schedule.arm(step, now),
                 Due::Begin => {
                     let mark = self.schedule.steps()[step].mark;
-                    self.recorder.mark(mark, self.actual);
+                    self.recorder.mark(mark, self.seen(self.now));
                     self.schedule.begin(step, now);
                 }
                 Due::Act(act) => self.act(step, act as usize)?,
@@ -452,7 +474,7 @@ impl<'a> Executor<'a> {
                 }
                 Due::Done => {
                     let done = self.schedule.steps()[step].done;
-                    self.recorder.mark(done, self.actual);
+                    self.recorder.mark(done, self.seen(self.now));
                     self.schedule.finish(step, now);
                 }
                 // The step's own claim fails with what was waited for. The case goes on without the step, unless
@@ -470,14 +492,15 @@ impl<'a> Executor<'a> {
         self.wiring.writers[usize::from(channel.0)] = Cause::Step(step as u16);
         self.restore[usize::from(channel.0)] = self.driven[usize::from(channel.0)];
         self.driven[usize::from(channel.0)] = value;
-        let written = self.board.write(self.actual, &[(channel, value)]);
-        written.map_err(|error| Trouble::Board { at: self.actual, error })?;
+        let at = self.board_time();
+        let written = self.board.write(at, &[(channel, value)]);
+        written.map_err(|error| Trouble::Board { at, error })?;
         self.poll()
     }
 
     fn act(&mut self, step: usize, place: usize) -> Result<(), Trouble> {
         let act = self.schedule.steps()[step].acts[place].1.clone();
-        let (now, at) = (self.now, self.actual);
+        let (now, at) = (self.now, self.board_time());
         match act {
             Act::Drive(channel, value) => self.drive(channel, value, step)?,
             Act::Restore(channel) => {

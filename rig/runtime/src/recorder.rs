@@ -8,7 +8,7 @@ use signal::{Cause, Event, SignalId, Span, Time, Trace, TraceError, Value, When}
 pub struct Recorder {
     trace: Trace,
     judge: Judge,
-    /// How late the rig was at worst so far: by so much every instant may be earlier than it was seen.
+    /// How late the rig was at worst so far.
     late: Span,
     fault: Option<TraceError>,
 }
@@ -29,10 +29,9 @@ impl Recorder {
         self.late
     }
 
-    /// Records a change that happened no later than `at`; TRUE when the trace kept it.
+    /// Records a change; TRUE when the trace kept it.
     #[inline]
     pub fn record(&mut self, signal: SignalId, at: When, value: Value, cause: Cause) -> bool {
-        let at = When { earliest: at.earliest.saturating_add(-self.late), latest: at.latest };
         let event = Event { signal, at, value, cause };
         match self.trace.push(event) {
             Ok(kept) => {
@@ -49,12 +48,12 @@ impl Recorder {
     }
 
     /// Records a happening: its value counts how often it happened.
-    pub fn mark(&mut self, signal: SignalId, at: Time) {
+    pub fn mark(&mut self, signal: SignalId, at: When) {
         let times = match self.trace.last(signal) {
             Some(Event { value: Value::Int(times), .. }) => times + 1,
             _ => 1,
         };
-        self.record(signal, When::exactly(at), Value::Int(times), Cause::Unknown);
+        self.record(signal, at, Value::Int(times), Cause::Unknown);
     }
 
     /// The trace.

@@ -212,7 +212,14 @@ impl LoadedPlan {
                         name.push_str(&format!("#{}", turn + 1));
                     }
                     let seed = seed.wrapping_add(u64::from(turn));
-                    jobs.push(Job { plan: place, case: number, profile, name, title: case.title.clone(), seed });
+                    jobs.push(Job {
+                        plan: place,
+                        case: number,
+                        profile,
+                        name,
+                        title: case.title.clone(),
+                        seed,
+                    });
                 }
             }
         }

@@ -1,0 +1,162 @@
+//! The loop of a case allocates nothing: between two instants of modelled time, well behind the start, the number of
+//! allocations does not depend on how many cycles lie between them. What remains are the segments of the trace.
+
+// A counting allocator cannot be written without: it hands on every call to the system's unchanged.
+#![allow(unsafe_code)]
+
+#[path = "common/texts.rs"]
+mod texts;
+
+use scanrig_runtime::clock::Clock;
+use signal::Time;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use texts::Texts;
+
+thread_local! {
+    /// Of this thread: the test harness has threads of its own.
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+fn count() {
+    // A thread that is ending has no cell any more.
+    let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
+}
+
+// SAFETY: every call goes to `System` with the arguments that came, and `count` neither allocates nor unwinds.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promise for `layout` is the one that `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: as above; `place` came from `System`.
+        unsafe { System.realloc(place, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        // SAFETY: as above; `place` came from `System`.
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+const PROGRAM: &str = "PROGRAM MAIN
+VAR
+    beat AT %QX0.0 : BOOL;
+    slow AT %QX0.4 : BOOL;
+    back AT %IX0.0 : BOOL;
+    count AT %MW100 : WORD;
+    delay : TON;
+    rise : R_TRIG;
+    parts : CTU;
+    n : DINT;
+    history : ARRAY [0..7] OF DINT;
+END_VAR
+VAR RETAIN
+    kept : DINT;
+END_VAR
+VAR PERSISTENT
+    lasting : DINT;
+END_VAR
+n := n + 1;
+beat := NOT beat;
+history[n MOD 8] := n;
+delay(IN := NOT delay.Q, PT := T#100ms);
+IF delay.Q THEN
+    slow := NOT slow;
+    kept := kept + 1;
+    lasting := kept;
+END_IF;
+rise(CLK := back);
+parts(CU := rise.Q, RESET := parts.Q, PV := 5);
+count := count + 1;
+END_PROGRAM
+";
+
+const BOARD: &str = "format = 1
+title = \"Outputs wired back to inputs\"
+[board]
+kind = \"simulated\"
+[[wires]]
+from = \"Q0\"
+to = \"I0\"
+[[wires]]
+from = \"Q4\"
+to = \"I1\"
+delay = \"3 ms\"
+bounce = { edges = 4, over = \"2 ms\" }
+";
+
+const PLAN: &str = "format = 1
+title = \"Cycles without end\"
+program = \"cycles.st\"
+board = \"board.toml\"
+signals = { beat = \"%QX0.0\", slow = \"%QX0.4\", back = \"%IX0.0\", bounced = \"%IX0.1\", n = \"MAIN.n\", word = \"%MW100\", kept = \"MAIN.kept\", done = \"MAIN.delay.Q\" }
+ends = \"start + 230 s\"
+expect = [
+  { period = { signal = \"beat\", is = \"40 ms\", tolerance = \"1 ms\", from = \"start + 1 s\" } },
+  { pulse = { signal = \"slow\", width = \"50 ms .. 200 ms\", which = \"every\", from = \"start + 1 s\" } },
+  { edges = { signal = \"back\", rising = \"100 ..\" } },
+  { state = { stays = \"RUNNING\", from = \"start\", until = \"end\" } },
+]
+";
+
+/// Virtual time that notes the allocations up to each of its instants.
+struct Noting {
+    now: Time,
+    at: [Time; 3],
+    allocations: [Option<u64>; 3],
+}
+
+impl Clock for Noting {
+    fn wait_until(&mut self, due: Time) -> Time {
+        self.now = self.now.max(due);
+        for (at, noted) in self.at.iter().zip(&mut self.allocations) {
+            if noted.is_none() && self.now >= *at {
+                *noted = Some(ALLOCATIONS.get());
+            }
+        }
+        self.now
+    }
+
+    fn now(&mut self) -> Time {
+        self.now
+    }
+
+    fn is_exact(&self) -> bool {
+        true
+    }
+
+    fn name(&self) -> &'static str {
+        "noting"
+    }
+}
+
+#[test]
+fn cycles_allocate_nothing() {
+    let second = |n: i64| Time::from_nanos(n * 1_000_000_000);
+    let (mut model, mut parts) =
+        Texts(&[("plan.toml", PLAN), ("cycles.st", PROGRAM), ("board.toml", BOARD)]).parts(1);
+    // 1 000 cycles of 20 ms, then 10 000.
+    let mut clock =
+        Noting { now: Time::ZERO, at: [second(10), second(30), second(230)], allocations: [None; 3] };
+    let ran = parts.run(&mut clock, &mut model);
+    assert_eq!(ran.trouble, None);
+    let changes = parts.recorder.trace().len();
+    assert!(changes > 50_000, "only {changes} changes");
+    let [Some(from), Some(between), Some(to)] = clock.allocations else { panic!("{:?}", clock.allocations) };
+    let (few, many) = (between - from, to - between);
+    println!("{few} allocations in 1 000 cycles, {many} in 10 000, {changes} changes");
+    // A segment of the trace holds 64 KiB; a change takes some bytes of it.
+    let segments = changes * 44 / (64 * 1024) + 1;
+    assert!(few <= 4 * segments, "{few} allocations in 1 000 cycles");
+    assert!(many <= few + 4 * segments, "{few} allocations in 1 000 cycles, {many} in 10 000");
+}

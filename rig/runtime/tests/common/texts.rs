@@ -1,0 +1,134 @@
+//! Plans out of texts, and their cases in parts that a test looks into.
+
+// Each test is a crate of its own and uses a part of this.
+#![allow(dead_code)]
+
+use controller::{Config, State};
+use document::SourceFile;
+use drivers::Board;
+use plans::judge::Judge;
+use record::Verdict;
+use scanrig_runtime::application::compile;
+use scanrig_runtime::bundle::Bundle;
+use scanrig_runtime::clock::Clock;
+use scanrig_runtime::executor::{Executor, Limits, Parts, Ran};
+use scanrig_runtime::prepare::{Bench, Prepared, prepare};
+use scanrig_runtime::recorder::Recorder;
+use scanrig_runtime::schedule::Schedule;
+use scanrig_runtime::store::MemoryStore;
+use scanrig_runtime::subject::{Model, Subject};
+use scanrig_runtime::suite::{self, Done, Files, Job, LoadedPlan};
+use scanrig_runtime::wiring::Wiring;
+use scanrig_runtime::{CaseResult, RunOptions};
+use signal::{Span, Trace};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Files that a test holds as pairs of a name and a text. The plan is `plan.toml`.
+#[derive(Clone, Copy, Debug)]
+pub struct Texts<'a>(pub &'a [(&'a str, &'a str)]);
+
+impl Files for Texts<'_> {
+    fn read(&self, path: &str) -> Result<String, String> {
+        let found = self.0.iter().find(|(name, _)| *name == path);
+        found.map(|(_, text)| (*text).to_owned()).ok_or_else(|| format!("the test has no file {path}"))
+    }
+}
+
+impl Texts<'_> {
+    /// The plan and its jobs.
+    pub fn load(&self, seed: u64) -> (LoadedPlan, Vec<Job>) {
+        let mut sources: Vec<SourceFile> = Vec::new();
+        let loaded = suite::load_plan(self, "plan.toml", None, &[], seed, &mut sources);
+        let loaded = loaded.unwrap_or_else(|found| panic!("{found:#?}"));
+        let jobs = loaded.jobs(0, seed, 1);
+        (loaded, jobs)
+    }
+
+    /// What became of the plan's only case.
+    pub fn done(&self, seed: u64, options: &RunOptions<'_>) -> Done {
+        let (loaded, jobs) = self.load(seed);
+        assert_eq!(jobs.len(), 1);
+        let mut last = None;
+        suite::run(&[loaded], &jobs, 1, false, options, &mut |_, done| last = Some(done));
+        last.unwrap()
+    }
+
+    /// The result of the plan's only case.
+    pub fn run(&self, seed: u64, options: &RunOptions<'_>) -> Box<CaseResult> {
+        match self.done(seed, options) {
+            Done::Case(result) => result,
+            other => panic!("{other:#?}"),
+        }
+    }
+
+    /// The plan's only case in parts, with the usual configuration of the controller.
+    pub fn parts(&self, seed: u64) -> (Model, Parted) {
+        let (loaded, jobs) = self.load(seed);
+        let case = loaded.plan.case(jobs[0].case).unwrap();
+        let files = loaded.files(&case, &jobs[0]).unwrap();
+        let program = Arc::new(compile(&files.sources, files.profile).unwrap());
+        let mut config = Config::new(files.profile);
+        config.reference = files.reference;
+        let tasks = vec![("MAST".to_owned(), Vec::new())];
+        let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
+        let board = drivers::build(&files.board, seed).unwrap();
+        let mut model = Model::new(config, program, Box::new(MemoryStore::default())).unwrap();
+        model.commission(&bundle, State::Running).unwrap();
+        let mut bench = Bench {
+            subject: &mut model,
+            board: &*board,
+            file: &files.board,
+            profile: files.profile,
+            reference: files.reference,
+            bundle: &bundle,
+            exact: true,
+        };
+        let prepared = prepare(&case, &files.plan, Trace::new(), &mut bench).unwrap();
+        let Prepared { trace, wiring, steps, .. } = prepared;
+        let judge = Judge::new(case.scenario(), trace.signals()).unwrap();
+        let schedule = Schedule::new(steps, case.ends.clone(), seed);
+        let recorder = Recorder::new(trace, judge);
+        (model, Parted { board, recorder, schedule, wiring, timeout: case.timeout })
+    }
+}
+
+/// What is around the subject of a case.
+#[derive(Debug)]
+pub struct Parted {
+    pub board: Box<dyn Board>,
+    pub recorder: Recorder,
+    pub schedule: Schedule,
+    pub wiring: Wiring,
+    timeout: Span,
+}
+
+impl Parted {
+    /// Runs it on this clock; the parts are there to be looked into afterwards.
+    pub fn run(&mut self, clock: &mut dyn Clock, subject: &mut dyn Subject) -> Ran {
+        let interrupt = AtomicBool::new(false);
+        let limits = Limits {
+            initial: State::Running,
+            late: Span::from_millis(20),
+            slice: Span::MAX,
+            fail_fast: false,
+            timeout: self.timeout,
+        };
+        let parts = Parts {
+            clock,
+            subject,
+            board: &mut *self.board,
+            recorder: &mut self.recorder,
+            schedule: &mut self.schedule,
+            wiring: &mut self.wiring,
+            interrupt: &interrupt,
+        };
+        Executor::new(parts, limits).run()
+    }
+}
+
+/// Panics unless the result has this verdict.
+pub fn expect(result: &CaseResult, verdict: Verdict) {
+    let record = &result.record;
+    assert_eq!(record.verdict, verdict, "{}: {}\n{:#?}", record.name, record.reason, record.claims);
+}

@@ -1,0 +1,199 @@
+//! Trouble of the rig: the verdict is `error` with the reason, and nothing stays driven, whatever ended the case.
+
+#[path = "common/texts.rs"]
+mod texts;
+
+use controller::{Command, Effects, Probe, ProbeId, Refusal, State, TaskFigures, WriteError};
+use record::Verdict;
+use scanrig_runtime::clock::VirtualClock;
+use scanrig_runtime::subject::{Capability, Model, Observable, Subject};
+use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
+use signal::{Cause, Level, Span, Time, Value};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::AtomicBool;
+use texts::Texts;
+
+/// An output that toggles in every cycle.
+const TOGGLE: &str = "PROGRAM MAIN
+VAR
+    lamp AT %QX0.4 : BOOL;
+END_VAR
+lamp := NOT lamp;
+END_PROGRAM
+";
+
+fn plan(rest: &str) -> String {
+    format!(
+        "format = 1\ntitle = \"A lamp that flashes\"\nprogram = \"toggle.st\"\nboard = \"board.toml\"
+        signals = {{ lamp = \"%QX0.4\" }}\nends = \"start + 1 s\"\n{rest}\n[[expect]]\nrises = {{ signal = \"lamp\" }}\n"
+    )
+}
+
+fn board(rest: &str) -> String {
+    format!("format = 1\ntitle = \"Trouble\"\n[board]\nkind = \"simulated\"\n{rest}\n")
+}
+
+fn run(plan: &str, board: &str) -> Box<CaseResult> {
+    let interrupt = AtomicBool::new(false);
+    let options = RunOptions::new(ClockKind::Virtual, &interrupt);
+    Texts(&[("plan.toml", plan), ("toggle.st", TOGGLE), ("board.toml", board)]).run(5, &options)
+}
+
+fn faults(text: &str) -> String {
+    board(&format!("[faults]\n{text}"))
+}
+
+#[test]
+fn trouble_of_the_board_is_an_error_with_its_reason_and_leaves_everything_safe() {
+    for (text, reason) in [
+        ("dropped = { chance = 0.2 }", "events of channel Q"),
+        ("lost = { chance = 0.2, for = \"30 ms\" }", "channel Q"),
+        ("failed-calls = { chance = 0.05 }", "failed with error number 5"),
+    ] {
+        let board = faults(text);
+        let result = run(&plan(""), &board);
+        texts::expect(&result, Verdict::Error);
+        assert!(result.record.reason.contains(reason), "{text}: {}", result.record.reason);
+        let plan = plan("");
+        let texts = [("plan.toml", plan.as_str()), ("toggle.st", TOGGLE), ("board.toml", board.as_str())];
+        let (mut model, mut parts) = Texts(&texts).parts(5);
+        let ran = parts.run(&mut VirtualClock::default(), &mut model);
+        assert!(ran.trouble.is_some(), "{text}");
+        assert!(parts.board.health().latched_safe, "{text}");
+    }
+}
+
+/// Late knowledge is no error: claims get an uncertainty.
+#[test]
+fn changes_that_become_known_late_are_uncertain_and_no_error() {
+    let result = run(&plan(""), &faults("late = { chance = 0.5, by = \"2 ms\" }"));
+    texts::expect(&result, Verdict::Pass);
+    let trace = result.trace.unwrap();
+    let widest = trace.events().map(|event| event.unwrap().at).map(|at| at.latest - at.earliest).max();
+    assert!(widest.is_some_and(|widest| widest > Span::ZERO && widest <= Span::from_millis(2)), "{widest:?}");
+}
+
+/// What the plan asks for is no trouble of the rig.
+#[test]
+fn a_loss_that_a_step_asks_for_is_no_error() {
+    let lost =
+        "steps = [{ id = \"gone\", at = \"start + 0.5 s\", fault = { signal = \"lamp\", kind = \"lost\" } }]";
+    let result = run(&plan(lost), &board(""));
+    texts::expect(&result, Verdict::Pass);
+    let trace = result.trace.unwrap();
+    let lamp = trace.find("lamp").unwrap();
+    assert_eq!(trace.last(lamp).map(|event| event.value), Some(Value::Unknown));
+}
+
+#[test]
+fn an_error_of_the_board_names_the_channel() {
+    let faults: String = (0..9)
+        .map(|n| format!("{{ id = \"f{n}\", at = \"start + {n} ms\", fault = {{ signal = \"lamp\", kind = \"open\" }} }},"))
+        .collect();
+    let result = run(&plan(&format!("steps = [{faults}]")), &board(""));
+    texts::expect(&result, Verdict::Error);
+    assert!(result.record.reason.contains("Q4 has 8 faults already"), "{}", result.record.reason);
+}
+
+/// A model whose driver has a bug: it panics after some calls.
+struct Panics {
+    model: Model,
+    calls: u32,
+}
+
+impl Subject for Panics {
+    fn run(&mut self, limit: Time, effects: &mut Effects) -> Time {
+        self.calls -= 1;
+        assert!(self.calls > 0, "out of calls");
+        self.model.run(limit, effects)
+    }
+
+    fn capabilities(&self) -> &'static [Capability] {
+        self.model.capabilities()
+    }
+
+    fn power(&mut self, now: Time, on: bool, effects: &mut Effects) {
+        self.model.power(now, on, effects);
+    }
+
+    fn next_timer(&self) -> Option<Time> {
+        self.model.next_timer()
+    }
+
+    fn fire(&mut self, now: Time, effects: &mut Effects) {
+        self.model.fire(now, effects);
+    }
+
+    fn input(&mut self, now: Time, input: usize, level: Level) {
+        self.model.input(now, input, level);
+    }
+
+    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {
+        self.model.command(now, command, effects)
+    }
+
+    fn overload(&mut self, task: usize, cycle: Span, times: u32) {
+        self.model.overload(task, cycle, times);
+    }
+
+    fn task(&self, name: &str) -> Option<usize> {
+        self.model.task(name)
+    }
+
+    fn task_name(&self, task: usize) -> Option<&str> {
+        self.model.task_name(task)
+    }
+
+    fn file_name(&self, file: u8) -> Option<&str> {
+        self.model.file_name(file)
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.model.names()
+    }
+
+    fn observable(&self, name: &str) -> Option<Observable> {
+        self.model.observable(name)
+    }
+
+    fn watch(&mut self, probe: Probe) -> ProbeId {
+        self.model.watch(probe)
+    }
+
+    fn read(&self, probe: &Probe) -> Value {
+        self.model.read(probe)
+    }
+
+    fn write(
+        &mut self,
+        now: Time,
+        probe: &Probe,
+        value: Value,
+        cause: Cause,
+        effects: &mut Effects,
+    ) -> Result<(), WriteError> {
+        self.model.write(now, probe, value, cause, effects)
+    }
+
+    fn state(&self) -> State {
+        self.model.state()
+    }
+
+    fn figures(&self) -> Vec<(String, Span, TaskFigures)> {
+        self.model.figures()
+    }
+}
+
+#[test]
+fn a_panic_inside_the_run_drives_the_board_safe() {
+    let (plan, board) = (plan(""), board(""));
+    let texts = [("plan.toml", plan.as_str()), ("toggle.st", TOGGLE), ("board.toml", board.as_str())];
+    for calls in [1, 2, 50, 151] {
+        let (model, mut parts) = Texts(&texts).parts(5);
+        let mut subject = Panics { model, calls };
+        let outcome =
+            catch_unwind(AssertUnwindSafe(|| parts.run(&mut VirtualClock::default(), &mut subject)));
+        assert!(outcome.is_err(), "{calls} calls");
+        assert!(parts.board.health().latched_safe, "{calls} calls");
+    }
+}
