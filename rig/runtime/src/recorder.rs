@@ -1,7 +1,7 @@
 //! What is seen goes into the trace, and from the trace to the judge.
 
 use plans::judge::Judge;
-use signal::{Cause, Event, SignalId, Span, Time, Trace, TraceError, Value, When};
+use signal::{Cause, Event, SignalId, Span, Trace, TraceError, Value, When};
 
 /// The trace of a case as it grows, with the judge that follows it.
 #[derive(Debug)]

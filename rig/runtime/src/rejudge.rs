@@ -48,7 +48,7 @@ pub fn judge(plan: &SourceFile, trace: &Trace) -> Result<CaseRecord, Vec<Diagnos
     for (mark, place) in [("step:start", 0), ("step:end", 1)] {
         let last = trace.find(mark).and_then(|signal| trace.last(signal));
         let Some(event) = last else { continue };
-        let at = event.at.latest;
+        let at = event.at.earliest;
         if place == 0 {
             record.start_ns = at.as_nanos();
         } else {
