@@ -110,15 +110,27 @@ const WORK: &str = "
     END_PROGRAM
     PROGRAM TWO VAR m : LINT; END_VAR
       REPEAT m := m + ONE.n; UNTIL m MOD 5 = 0 OR m MOD 7 = 3 END_REPEAT;
+    END_PROGRAM
+    (* Every run of operations that is executed in one go. *)
+    PROGRAM THREE VAR a, b, c : BOOL; x, y, z, i : DINT; h : ARRAY[0..3] OF DINT; END_VAR VAR RETAIN s : DINT; END_VAR
+      x := x + 1; y := x; a := x > 3; b := a; c := TRUE;
+      IF a AND b OR c THEN z := x + y; END_IF;
+      IF a THEN z := z + y; ELSE z := 7; END_IF;
+      IF x = 5 THEN z := 1; END_IF; IF x < 9 THEN z := z + 2; END_IF; IF x <= 4 THEN z := z + 3; END_IF;
+      IF x > 2 THEN z := z + 4; END_IF; IF x >= 6 THEN z := z + 5; ELSE z := z - 1; END_IF;
+      IF x = z THEN y := 1; END_IF; IF x < z THEN y := 2; END_IF; IF x <= z THEN y := 3; END_IF;
+      IF x > y THEN y := 4; END_IF; IF x >= y THEN y := 5; END_IF;
+      h[x MOD 4] := z;
+      FOR i := 0 TO 3 DO s := s + h[i]; IF s > 100 THEN s := s - 90; ELSE s := s + 1; END_IF; END_FOR;
     END_PROGRAM";
 
 /// Runs cycles, one every millisecond, each in slices of these lengths by turns. Everything that can be seen of it.
 fn run(budgets: &[i64], watch: bool) -> (Vec<i64>, Vec<Value>, Vec<u8>, Vec<u32>) {
     let program = Arc::new(build(WORK));
-    let mut machine = Machine::new(Arc::clone(&program), &[vec![0, 1]]).unwrap();
+    let mut machine = Machine::new(Arc::clone(&program), &[vec![0, 1, 2]]).unwrap();
     let mut memory = Memory::default();
     if watch {
-        for path in ["n", "list[2].y", "t.ET", "m"] {
+        for path in ["n", "list[2].y", "t.ET", "m", "s", "z", "b"] {
             let variable = machine.find(path).unwrap();
             machine.watch(variable);
         }
@@ -159,6 +171,26 @@ proptest! {
     ) {
         prop_assert_eq!(run(&budgets, watch), run(&[1_000_000_000], false));
     }
+}
+
+#[test]
+fn an_index_out_of_bounds_stops_at_its_own_operation_however_it_is_cut() {
+    let text = "PROGRAM MAIN VAR h : ARRAY[0..3] OF INT; i, x : INT; END_VAR i := 7; x := h[i]; END_PROGRAM";
+    let program = Arc::new(build(text));
+    let ends = |budget| {
+        let mut machine = Machine::new(Arc::clone(&program), &[vec![0]]).unwrap();
+        machine.begin(0);
+        let mut used = Span::ZERO;
+        loop {
+            let slice = machine.resume(0, Time::ZERO + used, budget, &mut Memory::default());
+            used = used + slice.used;
+            if let Stop::Fault(fault) = slice.stop {
+                return (used, fault);
+            }
+        }
+    };
+    // A budget for one operation at a time, and one for all.
+    assert_eq!(ends(Span::from_nanos(60)), ends(Span::from_secs(1)));
 }
 
 #[test]

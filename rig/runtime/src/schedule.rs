@@ -150,10 +150,39 @@ pub enum Due {
     Missed,
 }
 
+/// What a step or the end of the case hangs on, with the step's place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Root {
+    Start,
+    Begin(usize),
+    Done(usize),
+    Pulse(usize, u32),
+    /// Nothing that comes.
+    Never,
+}
+
+impl Root {
+    fn of(base: &Base, steps: &[Planned]) -> Root {
+        let place = |id: &str| steps.iter().position(|step| step.id == id);
+        let found = match base {
+            Base::Start => Some(Root::Start),
+            Base::End => None,
+            Base::Step(id) => place(id).map(Root::Begin),
+            Base::StepDone(id) => place(id).map(Root::Done),
+            Base::Pulse { step, n } => {
+                place(step).zip(u32::try_from(*n).ok()).map(|(place, n)| Root::Pulse(place, n))
+            }
+        };
+        found.unwrap_or(Root::Never)
+    }
+}
+
 /// The steps and what of them is due next.
 #[derive(Debug)]
 pub struct Schedule {
     steps: Vec<Planned>,
+    /// What each step hangs on, and behind them the end of the case.
+    roots: Vec<Root>,
     begun: Vec<Option<Time>>,
     armed: Vec<bool>,
     queue: BinaryHeap<Reverse<(Time, u64, usize, Due)>>,
@@ -168,8 +197,13 @@ impl Schedule {
     /// A schedule that waits for its start. `ends` is the end of the case.
     pub fn new(steps: Vec<Planned>, ends: Anchor, seed: u64) -> Schedule {
         let count = steps.len();
+        let anchors = steps.iter().map(|step| match &step.timing {
+            Timing::At(anchor) | Timing::When { from: anchor, .. } => anchor,
+        });
+        let roots = anchors.chain([&ends]).map(|anchor| Root::of(&anchor.base, &steps)).collect();
         Schedule {
             steps,
+            roots,
             begun: vec![None; count],
             armed: vec![false; count],
             // Of each step at most its beginning or miss, its acts, one edge and its end wait at once.
@@ -222,23 +256,30 @@ impl Schedule {
     /// The case starts.
     pub fn start(&mut self, at: Time) {
         self.start = Some(at);
-        self.came(&Base::Start, at, at);
+        self.came(Root::Start, at);
     }
 
-    /// An instant that steps or the end hang on came at `base_at`.
-    fn came(&mut self, base: &Base, base_at: Time, now: Time) {
-        for step in 0..self.steps.len() {
-            let (anchor, due) = match &self.steps[step].timing {
-                Timing::At(anchor) => (anchor, Due::Begin),
-                Timing::When { from, .. } => (from, Due::Arm),
-            };
-            if anchor.base == *base && self.begun[step].is_none() {
-                let at = base_at.saturating_add(anchor.offset).max(now);
-                self.put(at, step, due);
+    /// An instant that steps or the end hang on came.
+    fn came(&mut self, root: Root, now: Time) {
+        for place in 0..self.roots.len() {
+            if self.roots[place] == root {
+                self.hang(place, now, now);
             }
         }
-        if self.ends.base == *base {
-            self.end = Some(base_at.saturating_add(self.ends.offset).max(now));
+    }
+
+    /// What the step at `place`, or the end behind the last one, hangs on comes at `base_at`.
+    fn hang(&mut self, place: usize, base_at: Time, now: Time) {
+        let (anchor, due) = match self.steps.get(place).map(|step| &step.timing) {
+            Some(Timing::At(anchor)) => (anchor, Some(Due::Begin)),
+            Some(Timing::When { from, .. }) => (from, Some(Due::Arm)),
+            None => (&self.ends, None),
+        };
+        let at = base_at.saturating_add(anchor.offset).max(now);
+        match due {
+            None => self.end = Some(at),
+            Some(due) if self.begun[place].is_none() => self.put(at, place, due),
+            Some(_) => {}
         }
     }
 
@@ -292,33 +333,20 @@ impl Schedule {
         }
         let lasts = self.steps[step].lasts;
         self.put(now.saturating_add(lasts), step, Due::Done);
-        let id = self.steps[step].id.clone();
-        for pulse in self.pulses(&id) {
-            if let Some(rises) = self.rises(step, pulse) {
-                self.came(&Base::Pulse { step: id.clone(), n: u64::from(pulse) }, rises, now);
+        for place in 0..self.roots.len() {
+            if let Root::Pulse(train, n) = self.roots[place]
+                && train == step
+                && let Some(rises) = self.rises(step, n)
+            {
+                self.hang(place, rises, now);
             }
         }
-        self.came(&Base::Step(id), now, now);
+        self.came(Root::Begin(step), now);
     }
 
     /// A step is done.
     pub fn finish(&mut self, step: usize, now: Time) {
-        let id = self.steps[step].id.clone();
-        self.came(&Base::StepDone(id), now, now);
-    }
-
-    /// Pulses of a step's train that others hang on.
-    fn pulses(&self, id: &str) -> Vec<u32> {
-        let anchors = self.steps.iter().map(|step| match &step.timing {
-            Timing::At(anchor) | Timing::When { from: anchor, .. } => anchor,
-        });
-        anchors
-            .chain([&self.ends])
-            .filter_map(|anchor| match &anchor.base {
-                Base::Pulse { step, n } if step == id => u32::try_from(*n).ok(),
-                _ => None,
-            })
-            .collect()
+        self.came(Root::Done(step), now);
     }
 
     /// When pulse `n` of a train rises, jitter included.

@@ -171,6 +171,9 @@ proptest! {
         prop_assert_eq!(kept_count, expected.len() as u64);
         prop_assert_eq!(cut.len(), expected.len() as u64);
         prop_assert_eq!(all_bits(&read(&cut)), all_bits(&expected));
+        let mut folded = Vec::new();
+        cut.events().for_each(|event| folded.push(event.unwrap()));
+        prop_assert_eq!(all_bits(&folded), all_bits(&expected));
         prop_assert_eq!(cut.digest(), simple.digest());
         for signal in 0..SIGNALS {
             let last = expected.iter().rev().find(|event| event.signal.0 == signal);
@@ -364,6 +367,8 @@ fn a_damaged_store_is_noticed() {
     store.bytes.lock().unwrap().get_mut()[300] ^= 1;
     let results: Vec<_> = trace.events().collect();
     assert!(matches!(results.last(), Some(Err(TraceError::SpillDamaged { segment: 1 }))));
+    // `last` reads from the inside.
+    assert_eq!(trace.events().last(), results.last().copied());
     assert!(trace.save(&mut Vec::new()).is_err());
 }
 
