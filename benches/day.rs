@@ -1,7 +1,7 @@
 //! A day of a controller in seconds: 24 hours of a MAST of 20 ms with every terminal recorded and thirty claims.
 //!
-//! `cargo bench -p scanrig-runtime --bench day` runs an hour and a day, each in a process of its own, and compares
-//! them with the goals; `-- --quick` runs the hour alone. The exit code is 1 where a goal is missed. Time is that of
+//! `cargo bench -p scanrig-runtime --bench day` runs an hour and three times a day, each in a process of its own, and
+//! compares the day of middle length with the goals; `-- --quick` runs the hour alone. The exit code is 1 where a goal is missed. Time is that of
 //! the processor: a busy host makes the wall's longer. `-- --seconds N` is one run for a profiler.
 
 use scanrig_runtime::suite::{Done, Files, load_plan, run};
@@ -438,7 +438,9 @@ fn bench(quick: bool) -> Result<bool, String> {
     if quick {
         return Ok(goal(hour.passed, "verdict pass"));
     }
-    let day = measure_apart(24)?;
+    let mut days = [measure_apart(24)?, measure_apart(24)?, measure_apart(24)?];
+    days.sort_by(|a, b| a.busy.total_cmp(&b.busy));
+    let [_, day, _] = days;
     let growth = (day.peak as f64 / hour.peak.max(1) as f64 - 1.0) * 100.0;
     let met = [
         goal(hour.passed && day.passed, "verdict pass"),

@@ -97,6 +97,18 @@ pub(crate) enum Op {
     IfGe(u32, i32, u32),
     /// Jump if the cell is 0.
     IfTrue(u32, u32),
+    /// CASE: jump if the local is this.
+    LocalEqJump(u32, i32, u32),
+    /// FOR: a cell and a constant step, then [`Op::NextOrJump`].
+    NextCell(Elementary, u32, i32, u32),
+    /// A cell compared with a constant, and divided by one.
+    GtCell(u32, i32),
+    LtCell(u32, i32),
+    DivCell(Elementary, u32, i32),
+    /// The operand and not the top; two operands combined to a cell.
+    AndNot(Elementary),
+    AndTo(u32),
+    OrTo(u32),
     /// A cell, a constant, a sum of both, and the sum of two operands to a cell.
     Move(u32, u32),
     Set(i32, u32),

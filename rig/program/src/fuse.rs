@@ -42,6 +42,9 @@ fn run(rest: &[Step]) -> Option<(Op, usize)> {
         (Op::Load(a), Op::LtConst(k), Op::JumpIfNot(to)) => Op::IfLt(a, k, to),
         (Op::Load(a), Op::GtConst(k), Op::JumpIfNot(to)) => Op::IfGt(a, k, to),
         (Op::Load(a), Op::AddConst(ty, k), Op::Store(to)) => Op::AddConstTo(ty, a, k, to),
+        (Op::LoadLocal(a), Op::EqConst(k), Op::JumpIf(to)) => Op::LocalEqJump(a, k, to),
+        (Op::Load(a), Op::Const(k), Op::NextOrJump(ty, to)) => Op::NextCell(ty, a, k, to),
+        (Op::Load(a), Op::Const(k), Op::Div(ty)) if k != 0 && !ty.wide_unsigned() => Op::DivCell(ty, a, k),
         _ => Op::Return,
     };
     let two = match (op(0), op(1)) {
@@ -51,6 +54,11 @@ fn run(rest: &[Step]) -> Option<(Op, usize)> {
         (Op::Load(a), Op::And) => Op::AndCell(a),
         (Op::Load(a), Op::Or) => Op::OrCell(a),
         (Op::Load(a), Op::Add(ty)) => Op::AddCell(ty, a),
+        (Op::Load(a), Op::GtConst(k)) => Op::GtCell(a, k),
+        (Op::Load(a), Op::LtConst(k)) => Op::LtCell(a, k),
+        (Op::Not(ty), Op::And) => Op::AndNot(ty),
+        (Op::And, Op::Store(to)) => Op::AndTo(to),
+        (Op::Or, Op::Store(to)) => Op::OrTo(to),
         (Op::Load(a), Op::Const(k)) => Op::LoadConst(a, k),
         (Op::Load(a), Op::Load(b)) => Op::LoadTwo(a, b),
         (Op::Add(ty), Op::Store(to)) => Op::AddTo(ty, to),

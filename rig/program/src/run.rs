@@ -279,13 +279,7 @@ pub(crate) fn run<H: Host>(
             }
             Op::NextOrJump(ty, to) => {
                 let step = pop!();
-                // In the cells of all other types numbers are what they are.
-                let next = if ty.wide_unsigned() {
-                    (acc as u64).checked_add_signed(step).map(|next| next as i64)
-                } else {
-                    acc.checked_add(step).filter(|next| ty.wrap(*next) == *next)
-                };
-                match next {
+                match next(acc, step, ty) {
                     Some(next) => acc = next,
                     None => {
                         pop!();
@@ -361,6 +355,43 @@ pub(crate) fn run<H: Host>(
             Op::IfLe(at, k, to) => compare_cell!(3, |a, b| a <= b, at, k, to),
             Op::IfGe(at, k, to) => compare_cell!(3, |a, b| a >= b, at, k, to),
             Op::IfTrue(at, to) => compare_cell!(1, |a, b| a != b, at, 0, to),
+            Op::LocalEqJump(at, k, to) => {
+                let local = load!(frames, base + at as usize);
+                pc = if local == i64::from(k) { to as usize } else { pc + 2 };
+            }
+            Op::NextCell(ty, at, by, to) => match next(load!(cells, at), i64::from(by), ty) {
+                Some(next) => {
+                    pc += 2;
+                    push!(next);
+                }
+                None => pc = to as usize,
+            },
+            Op::GtCell(at, k) => {
+                pc += 1;
+                push!(i64::from(load!(cells, at) > i64::from(k)));
+            }
+            Op::LtCell(at, k) => {
+                pc += 1;
+                push!(i64::from(load!(cells, at) < i64::from(k)));
+            }
+            Op::DivCell(ty, at, k) => {
+                pc += 2;
+                push!(ty.wrap(load!(cells, at).wrapping_div(i64::from(k))));
+            }
+            Op::AndNot(ty) => {
+                pc += 1;
+                binary!(|a, b| a & ty.wrap(!b));
+            }
+            Op::AndTo(to) => {
+                pc += 1;
+                let (b, a) = (pop!(), pop!());
+                store!(to, a & b);
+            }
+            Op::OrTo(to) => {
+                pc += 1;
+                let (b, a) = (pop!(), pop!());
+                store!(to, a | b);
+            }
             Op::Move(from, to) => {
                 pc += 1;
                 store!(to, load!(cells, from));
@@ -439,6 +470,17 @@ const _: () = assert!(OPERANDS == 256, "the operand stack is indexed by a byte")
 /// The unsigned bits of a cell.
 fn bits(cell: i64, ty: Elementary) -> u64 {
     if ty.bits() == 64 { cell as u64 } else { cell as u64 & ((1 << ty.bits()) - 1) }
+}
+
+/// The next value of a FOR; `None` where the type cannot hold it.
+#[inline]
+fn next(value: i64, step: i64, ty: Elementary) -> Option<i64> {
+    // In the cells of all other types numbers are what they are.
+    if ty.wide_unsigned() {
+        (value as u64).checked_add_signed(step).map(|next| next as i64)
+    } else {
+        value.checked_add(step).filter(|next| ty.wrap(*next) == *next)
+    }
 }
 
 /// A shift count; `None` where every bit is shifted out.

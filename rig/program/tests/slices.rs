@@ -120,6 +120,8 @@ const WORK: &str = "
       IF x > 2 THEN z := z + 4; END_IF; IF x >= 6 THEN z := z + 5; ELSE z := z - 1; END_IF;
       IF x = z THEN y := 1; END_IF; IF x < z THEN y := 2; END_IF; IF x <= z THEN y := 3; END_IF;
       IF x > y THEN y := 4; END_IF; IF x >= y THEN y := 5; END_IF;
+      CASE x OF 1: z := z + 6; 2, 3: z := z + 7; ELSE z := z - 2; END_CASE;
+      b := a AND NOT c; c := a OR b; a := b AND c; y := x / 3; c := x > 4; b := x < 4;
       h[x MOD 4] := z;
       FOR i := 0 TO 3 DO s := s + h[i]; IF s > 100 THEN s := s - 90; ELSE s := s + 1; END_IF; END_FOR;
     END_PROGRAM";

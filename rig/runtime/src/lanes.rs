@@ -27,10 +27,15 @@ pub fn excerpts(record: &CaseRecord, trace: &Trace) -> Vec<Lane> {
         places[excerpt.id.0 as usize] = Some(lane);
     }
     let Ok(mut events) = trace.between(from, until) else { return Vec::new() };
-    for event in events.by_ref() {
-        let Ok(event) = event else { break };
+    for (id, _) in places.iter().enumerate().filter(|(_, lane)| lane.is_none()) {
+        events.forget(SignalId(id as u32));
+    }
+    while let Some(Ok(event)) = events.next() {
         if let Some(lane) = places.get(event.signal.0 as usize).copied().flatten() {
             shown[lane].keep(event, focus);
+            if shown[lane].cut {
+                events.forget(event.signal);
+            }
         }
     }
     shown

@@ -162,6 +162,8 @@ pub struct Between<'a> {
     cursor: Cursor,
     /// The first segment that has not been entered.
     next_segment: usize,
+    /// Signals that nobody asks for any more.
+    forgotten: Vec<bool>,
     failed: bool,
 }
 
@@ -194,7 +196,31 @@ impl<'a> Between<'a> {
                 }
             }
         }
-        Ok(Between { trace, from, to, before, cursor, next_segment: first + 1, failed: false })
+        let forgotten = vec![false; trace.signals.len()];
+        Ok(Between { trace, from, to, before, cursor, next_segment: first + 1, forgotten, failed: false })
+    }
+
+    /// Events of this signal need not come any more: segments in which nothing else happens are not read.
+    pub fn forget(&mut self, signal: SignalId) {
+        if let Some(forgotten) = self.forgotten.get_mut(signal.0 as usize) {
+            *forgotten = true;
+        }
+    }
+
+    /// Whether only forgotten signals have events in a segment.
+    fn is_idle(&self, segment: usize) -> Result<bool, TraceError> {
+        if segment + 1 >= self.trace.segments.count() || !self.forgotten.contains(&true) {
+            return Ok(false);
+        }
+        let begins = Cursor::at_segment(self.trace, segment)?.state;
+        let ends = Cursor::at_segment(self.trace, segment + 1)?.state;
+        // A last event that is the same and older than all of the segment is none of the segment's.
+        let first = self.trace.segments.times(segment).map_or(Time::MIN, |times| times.first_earliest);
+        let same = |id: u32| {
+            let last = begins.last(SignalId(id));
+            last == ends.last(SignalId(id)) && last.is_none_or(|event| event.at.latest < first)
+        };
+        Ok((0u32..).zip(&self.forgotten).all(|(id, forgotten)| *forgotten || same(id)))
     }
 
     /// The last event of a signal that lies wholly before the window: its value when the window begins, unless
@@ -219,6 +245,12 @@ impl<'a> Between<'a> {
             };
             let segment = (self.next_segment..self.trace.segments.count()).find(inside)?;
             self.next_segment = segment + 1;
+            match self.is_idle(segment) {
+                Ok(false) => {}
+                // The cursor stays behind: it is set anew at the next segment that is read.
+                Ok(true) => continue,
+                Err(error) => return Some(Err(error)),
+            }
             if segment == self.cursor.segment + 1 {
                 self.cursor.segment = segment;
                 self.cursor.offset = 0;

@@ -226,6 +226,7 @@ proptest! {
         segment in 1usize..200,
         from in -10i64..160,
         length in -2i64..60,
+        forgotten in 0u32..1 << SIGNALS,
     ) {
         let (from, to) = (Time::from_nanos(from), Time::from_nanos(from + length));
         let mut trace = with_signals(Trace::segmented(segment, 300, Some(Box::new(Store::default()))));
@@ -242,6 +243,14 @@ proptest! {
             kept.into_iter().filter(|e| e.at.latest >= from && e.at.earliest <= to).collect();
         let window: Vec<Event> = window.collect::<Result<_, _>>().unwrap();
         prop_assert_eq!(all_bits(&window), all_bits(&inside));
+
+        // Of forgotten signals nothing has to come, of the others everything.
+        let wanted = |event: &Event| forgotten >> event.signal.0 & 1 == 0;
+        let mut window = trace.between(from, to).unwrap();
+        (0..SIGNALS).filter(|id| forgotten >> id & 1 == 1).for_each(|id| window.forget(SignalId(id)));
+        let window: Vec<Event> = window.collect::<Result<_, _>>().unwrap();
+        let of = |events: &[Event]| all_bits(&events.iter().copied().filter(wanted).collect::<Vec<_>>());
+        prop_assert_eq!(of(&window), of(&inside));
     }
 
     #[test]
