@@ -91,6 +91,30 @@ fn the_bench_reads() {
 }
 
 #[test]
+fn numbers_are_converted_to_the_unit_of_their_channel() {
+    let plant = |unit: &str, numbers: &str| {
+        let text = format!(
+            "format = 1\n[channels]\nu = {{ kind = \"analog\", unit = \"{unit}\" }}\n[[plants]]\nkind = \"lag\"\n\
+             name = \"p\"\ninput = \"Q0\"\noutput = \"u\"\ntau = \"1 s\"\nsample = \"1 ms\"\n{numbers}\n"
+        );
+        let file = read(&SourceFile::new("b.toml", text), &levels).map_err(|found| found[0].code)?;
+        let PlantSpec::Lag(lag) = &file.circuit.plants[0];
+        match lag.target {
+            LagTarget::Levels { low, high } => Ok((low, high, lag.initial)),
+            other => panic!("{other:?}"),
+        }
+    };
+    let of_volts = plant("V", "low = \"500 mV\"\nhigh = \"1_000_000 µV\"\ninitial = \"-0.001 kV\"");
+    assert_eq!(of_volts, Ok((0.5, 1.0, -1.0)));
+    assert_eq!(plant("°C", "low = \"20 degC\"\nhigh = \"+80.5 °C\""), Ok((20.0, 80.5, 20.0)));
+    assert_eq!(plant("l/min", "low = \"2 l/min\"\nhigh = 1e1"), Ok((2.0, 10.0, 2.0)));
+    assert_eq!(plant("uA", "low = \"4 μA\"\nhigh = \"0.02 mA\""), Ok((4.0, 20.0, 4.0)));
+    assert_eq!(plant("l/min", "low = \"2 l/h\"\nhigh = 3"), Err("B0503"));
+    assert_eq!(plant("V", "low = \"500 mA\"\nhigh = 3"), Err("B0503"));
+    assert_eq!(plant("", "low = \"1 V\"\nhigh = 3"), Err("B0503"));
+}
+
+#[test]
 fn the_smallest_file_is_the_default_board() {
     let file = read(&SourceFile::new("b.toml", "format = 1\n"), &levels).unwrap();
     let Terminals { inputs, outputs } = levels(&Subject::default()).unwrap();

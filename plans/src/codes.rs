@@ -41,6 +41,7 @@ codes! {
     ADDRESS = "P0306", "Not an address";
     UNBOUND = "P0307", "A name that is nearly that of a bound signal";
     OPERAND = "P0308", "A text that does not read as a signal's value at an instant";
+    RECORDING = "P0309", "A signal that cannot be recorded like this";
     REFERENCE = "P0401", "A reference to nothing";
     REFERENCE_FORM = "P0402", "A reference that cannot stand here";
     ROWS = "P0403", "Rows that are malformed";

@@ -1,7 +1,7 @@
 //! Traces with known verdicts, written as text: `tests/goldens/*.txt`.
 //!
 //! A case is a block between lines of `---`. Its lines are a `# title`, declarations of signals
-//! (`lamp bool`, `p real V deadband 0.5`, `s bool sampled 10`), events (`100 lamp TRUE`,
+//! (`lamp bool`, `p real V deadband 1`, `n int every 10`, `s bool sampled 10`), events (`100 lamp TRUE`,
 //! `[100, 110] lamp FALSE`, `100 step:busy`), `end 1000`, a claim or a measurement in TOML, and what comes of
 //! it: `verdict pass`, and if wanted `margin 5`, `observed ...`, `reason ...`, `nearest ...`, `writer ...`,
 //! `value 3 4` of a measurement, and `early 150`: when the claim is first known to be lost.
@@ -202,8 +202,10 @@ impl Golden {
         trace.set_note("task:0", "MAST".into());
         trace.set_note("file:0", "lamp.st".into());
         for event in &self.events {
+            while trace.settle(event.at.earliest).expect("an event").is_some() {}
             trace.push(*event).expect("an event");
         }
+        while trace.settle(Time::from_nanos(self.end)).expect("an event").is_some() {}
         trace
     }
 

@@ -30,7 +30,7 @@ fn sizes_are_bounded() {
     );
     assert_eq!(
         refused(format!("{HEAD}{CLAIM}sweep = {{ a = {{ from = 1, to = 1e300, step = 1 }} }}")),
-        "P0405"
+        "P0407"
     );
     let long = "x".repeat(257);
     assert_eq!(refused(format!("{HEAD}{CLAIM}[rows]\na = {{ b = \"{long}\" }}")), "P0403");

@@ -11,7 +11,7 @@ use runtime::alone::Alone;
 use runtime::suite::{self, Files};
 use signal::{
     Address, Cause, Event, Kind, LoadLimits, Policy, Quantity, QuantityRange, SignalId, SignalInfo, Span,
-    SpanRange, Time, Trace, Value, When,
+    Time, Trace, Value, When,
 };
 
 const PROGRAM: &str = "PROGRAM MAIN VAR button AT %IX0.0 : BOOL; lamp AT %QX0.4 : BOOL; n : INT; d : TON; END_VAR \
@@ -247,7 +247,9 @@ pub fn words(data: &[u8]) {
             })*
         };
     }
-    comes_again!(Address, Span, Quantity, QuantityRange, SpanRange, Anchor, Need);
+    comes_again!(Address, Span, Quantity, Anchor, Need);
+    let _ = QuantityRange::parse(text);
+    let _ = Span::parse_range(text);
     let _ = Literal::parse(text);
     let _ = Operand::parse(text);
     for profile in Profile::ALL {

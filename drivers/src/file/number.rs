@@ -1,66 +1,53 @@
 //! Numbers with the unit of their channel.
 
 use document::{Data, Findings, Node};
+use signal::{Decimal, Quantity, Unit};
 
 use super::codes;
 
-/// The number of a value whose unit, where one is written, must be `unit`. Reports what is wrong.
+/// The number of a value in the unit `unit`; where the value has a unit, it must be one of the same kind.
+/// Reports what is wrong.
 pub(super) fn quantity(node: &Node, unit: &str, out: &mut Findings) -> Option<f64> {
-    match &node.data {
-        Data::Integer(number) => Some(*number as f64),
-        Data::Float(text) => finite(node, text, out),
-        Data::Text(text) => {
-            let end = text.find(|c: char| !(c.is_ascii_digit() || " +-._".contains(c))).unwrap_or(text.len());
-            let (number, written) = (&text[..end], text[end..].trim());
-            let number = finite(node, number, out)?;
-            if !written.is_empty() && plain(written) != plain(unit) {
-                let expected = match unit {
-                    "" => String::from("its channel has no unit: write the number alone"),
-                    unit => format!("its channel is in {unit}: write \"{number} {unit}\""),
-                };
-                let message = format!("the unit is {written}");
-                out.bad_inside(codes::UNIT, node, Some(end..text.trim_end().len()), message, expected);
-                return None;
-            }
-            Some(number)
-        }
+    exact(node, unit, out).map(Decimal::as_f64)
+}
+
+fn exact(node: &Node, unit: &str, out: &mut Findings) -> Option<Decimal> {
+    let text = match &node.data {
+        Data::Integer(number) => return Some(Decimal::from(i128::from(*number))),
+        Data::Float(text) | Data::Text(text) => text,
         _ => {
             out.bad(codes::WRONG_TYPE, node, "a number or a quantity is expected here", "");
-            None
+            return None;
         }
-    }
-}
-
-/// A unit in one spelling.
-fn plain(unit: &str) -> &str {
-    match unit {
-        "°C" | "degC" => "degC",
-        "µA" | "μA" | "uA" => "uA",
-        other => other,
-    }
-}
-
-fn finite(node: &Node, text: &str, out: &mut Findings) -> Option<f64> {
-    let digits: String = text.trim().chars().filter(|c| *c != '_').collect();
-    let number = digits.parse::<f64>().ok().filter(|number| number.is_finite());
-    if number.is_none() {
+    };
+    let Ok(read) = Quantity::parse(text) else {
         let help = "write a number, or a number with the unit of its channel, as in \"20.5 degC\"";
         out.bad(codes::UNREADABLE, node, "this does not read as a finite number", help);
+        return None;
+    };
+    if read.unit.is_none() {
+        return Some(read.number);
+    }
+    let number = read.in_unit(&Unit::new(unit));
+    if number.is_none() {
+        let help = match unit {
+            "" => String::from("its channel has no unit: write the number alone"),
+            unit => format!("its channel is in {unit}: write \"{} {unit}\"", read.number),
+        };
+        let place = Decimal::split(text).map(|(_, behind)| text.len() - behind.len()..text.trim_end().len());
+        out.bad_inside(codes::UNIT, node, place.ok(), format!("the unit is {}", read.unit), help);
     }
     number
 }
 
 /// A chance in millionths. Reports one that is none.
 pub(super) fn chance(node: &Node, out: &mut Findings) -> Option<u32> {
-    let chance = quantity(node, "", out)?;
-    if !(0.0..=1.0).contains(&chance) {
-        out.bad(
-            codes::CHANCE,
-            node,
-            format!("{chance} is no chance"),
-            "write a number from 0 (never) to 1 (always)",
-        );
-        return None;
+    let chance = exact(node, "", out)?;
+    let millionths = chance.shifted(6).as_whole().and_then(|number| u32::try_from(number).ok());
+    let right = millionths.filter(|number| *number <= 1_000_000);
+    if right.is_none() {
+        let help = "write a number from 0 (never) to 1 (always), in steps of a millionth";
+        out.bad(codes::CHANCE, node, format!("{chance} is no chance"), help);
     }
-    Some(libm::round(chance * 1e6) as u32)
+    right
 }

@@ -1,7 +1,7 @@
 //! What several verbs share: keys, windows, ranges and words.
 
 use document::{Fields, KeySpec, KeyType, Node};
-use signal::{SignalInfo, Span};
+use signal::{Decimal, QuantityError, QuantityFault, QuantityRange, SignalInfo, Span, is_range};
 
 use super::Context;
 use crate::codes;
@@ -106,63 +106,50 @@ pub(super) fn spans(node: &Node, key: &str, single: Single, cx: &mut Context<'_>
         );
         return None;
     };
-    match parse_spans(text, single) {
-        Ok((least, most)) if least <= most => Some((least, most)),
-        Ok(_) => {
-            let message = format!("`{key}` is empty: its end lies before its beginning");
-            cx.out.bad(codes::CLAIM, node, message, "write the smaller duration first");
-            None
-        }
-        Err((at, why)) => {
-            let end = text[at..].find(char::is_whitespace).map_or(text.len(), |end| at + end);
-            let message = format!("`{key}` does not read as a range of durations: {why}");
+    match Span::parse_range(text) {
+        Ok((_, most)) if single == Single::Most && !is_range(text) => Some((0, most.as_nanos())),
+        Ok((least, most)) => Some((least.as_nanos(), most.as_nanos())),
+        Err(error) => {
             let help = "write \"100 ms .. 100.3 ms\", \".. 5 ms\", \"5 ms ..\" or \"10 ms ± 1 ms\"";
-            cx.out.bad_inside(codes::UNREADABLE, node, Some(at..end.max(at)), message, help);
+            bad_range(node, key, "range of durations", error, help, cx);
             None
         }
     }
 }
 
-fn parse_spans(text: &str, single: Single) -> Result<Limits, (usize, String)> {
-    let span = |from: usize, to: usize| match Span::parse(&text[from..to]) {
-        Ok(span) if span.is_negative() => Err((from, String::from("a duration cannot be below 0"))),
-        Ok(span) => Ok(span.as_nanos()),
-        Err(error) => Err(((from + error.offset()).min(text.len()), error.to_string())),
-    };
-    if let Some(dots) = text.find("..") {
-        let blank = |from: usize, to: usize| text[from..to].trim().is_empty();
-        let (left, right) = (blank(0, dots), blank(dots + 2, text.len()));
-        if left && right {
-            return Err((dots, String::from("a range needs a beginning or an end")));
-        }
-        let least = if left { 0 } else { span(0, dots)? };
-        let most = if right { i64::MAX } else { span(dots + 2, text.len())? };
-        return Ok((least, most));
+/// Reports what is wrong with a range.
+pub(super) fn bad_range(
+    node: &Node,
+    key: &str,
+    kind: &str,
+    error: QuantityError,
+    help: &str,
+    cx: &mut Context<'_>,
+) {
+    if error.fault == QuantityFault::Reversed {
+        let message = format!("`{key}` is empty: its end lies before its beginning");
+        cx.out.bad(codes::CLAIM, node, message, "write the smaller one first");
+        return;
     }
-    for sign in ["±", "+-"] {
-        if let Some(at) = text.find(sign) {
-            let (middle, around) = (span(0, at)?, span(at + sign.len(), text.len())?);
-            return Ok((middle.saturating_sub(around).max(0), middle.saturating_add(around)));
-        }
-    }
-    let value = span(0, text.len())?;
-    Ok(match single {
-        Single::Most => (0, value),
-        Single::Exactly => (value, value),
-    })
+    let behind = node.as_text().and_then(|text| text.get(error.at..)).unwrap_or_default();
+    let length = behind.find(char::is_whitespace).unwrap_or(behind.len());
+    let message = format!("`{key}` does not read as a {kind}: {error}");
+    cx.out.bad_inside(codes::UNREADABLE, node, Some(error.at..error.at + length), message, help);
 }
 
 /// Reads a number of events: `1`, `"2 .. 5"`, `"3 .."`.
 pub(super) fn counts(node: &Node, key: &str, cx: &mut Context<'_>) -> Option<(u64, u64)> {
-    let number = |text: &str| text.trim().replace('_', "").parse::<u64>().ok();
+    let count = |number: Decimal| u64::try_from(number.as_whole()?).ok();
     let range = match &node.data {
         document::Data::Integer(n) => u64::try_from(*n).ok().map(|n| (n, n)),
-        document::Data::Text(text) => match text.split_once("..") {
-            Some((low, high)) if low.trim().is_empty() => number(high).map(|high| (0, high)),
-            Some((low, high)) if high.trim().is_empty() => number(low).map(|low| (low, u64::MAX)),
-            Some((low, high)) => number(low).zip(number(high)).filter(|(low, high)| low <= high),
-            None => number(text).map(|n| (n, n)),
-        },
+        document::Data::Text(text) => QuantityRange::parse(text).ok().and_then(|range| {
+            let ends = [&range.min, &range.max];
+            if ends.into_iter().flatten().any(|end| !end.unit.is_none()) {
+                return None;
+            }
+            let least = range.min.map_or(Some(0), |end| count(end.number));
+            least.zip(range.max.map_or(Some(u64::MAX), |end| count(end.number)))
+        }),
         _ => None,
     };
     if range.is_none() {

@@ -3,9 +3,10 @@
 use std::fmt;
 
 use document::{Fields, KeySpec, KeyType, Node};
-use signal::{Kind, SignalInfo, Value};
+use signal::{Decimal, Kind, Quantity, QuantityFault, QuantityRange, SignalInfo, Unit, Value, is_range};
 
 use super::Context;
+use super::common::bad_range;
 use crate::codes;
 use crate::judge::{Number, Test};
 use crate::lang::Literal;
@@ -14,7 +15,8 @@ use crate::lang::Literal;
 pub(super) const IS: KeySpec = KeySpec::optional(
     "is",
     KeyType::Value,
-    "The value that is wanted: true, 5, \"16#0010\", \"24 V\", \"RUNNING\"; \"Z\" for a line that nobody drives",
+    "The value that is wanted: true, 5, \"16#0010\", \"24 V\", \"RUNNING\"; \"Z\" for a line that nobody drives; or a \
+     range: \"4 .. 20 mA\", \"24 V ± 10 %\"",
 );
 /// The least value.
 pub(super) const MIN: KeySpec =
@@ -33,6 +35,8 @@ pub(crate) enum Condition {
     OneOf(Vec<Literal>),
     /// Within these, both included.
     Within { min: Option<Literal>, max: Option<Literal> },
+    /// At most as far from a value as the tolerance.
+    Near { middle: Literal, tolerance: Literal },
 }
 
 impl Condition {
@@ -69,7 +73,7 @@ impl Condition {
             }
         }
         if forms[0] {
-            return Some(Condition::OneOf(vec![literal(fields.get("is")?, cx)?]));
+            return wanted(fields.get("is")?, cx);
         }
         if forms[1] {
             let list = fields.each("one-of");
@@ -89,9 +93,13 @@ impl Condition {
         };
         let (min, max) = (limit("min"), limit("max"));
         let (min, max) = (min?, max?);
-        if let (Some(Literal::Value(low)), Some(Literal::Value(high))) = (&min, &max)
-            && low.as_real() > high.as_real()
-        {
+        let quantity = |limit: &Option<Literal>| limit.as_ref().and_then(Literal::quantity);
+        let reversed = match (&min, &max, quantity(&min), quantity(&max)) {
+            (Some(Literal::Value(low)), Some(Literal::Value(high)), ..) => low.as_real() > high.as_real(),
+            (.., Some(low), Some(high)) => high.in_unit(&low.unit).is_some_and(|high| low.number > high),
+            _ => false,
+        };
+        if reversed {
             let node = fields.get("max")?;
             let message = "`max` is below `min`: the claim can never be met";
             cx.out.bad(codes::CLAIM, node, message, "exchange them");
@@ -120,6 +128,10 @@ impl Condition {
                 let bind = |limit: &Option<Literal>| limit.as_ref().map(|one| number(one, info)).transpose();
                 Ok(Test::Range { min: bind(min)?, max: bind(max)? })
             }
+            Condition::Near { middle, tolerance } => {
+                let around = Around::new(middle, tolerance, info)?;
+                Ok(Test::Range { min: Some(around.min.into()), max: Some(around.max.into()) })
+            }
         }
     }
 }
@@ -139,6 +151,24 @@ impl fmt::Display for Condition {
             Condition::Within { min: Some(min), max: None } => write!(f, "at least {min}"),
             Condition::Within { min: None, max: Some(max) } => write!(f, "at most {max}"),
             Condition::Within { min: None, max: None } => f.write_str("anything"),
+            Condition::Near { middle, tolerance } => write!(f, "{middle} ± {tolerance}"),
+        }
+    }
+}
+
+/// Reads `is`: a value, or a range of quantities.
+fn wanted(node: &Node, cx: &mut Context<'_>) -> Option<Condition> {
+    let Some(text) = node.as_text().filter(|text| is_range(text)) else {
+        return Some(Condition::OneOf(vec![literal(node, cx)?]));
+    };
+    match QuantityRange::parse(text) {
+        Ok(QuantityRange { min, max }) => {
+            Some(Condition::Within { min: min.map(Literal::from), max: max.map(Literal::from) })
+        }
+        Err(error) => {
+            let help = "write \"4 .. 20 mA\", \".. 5 V\", \"5 V ..\" or \"24 V ± 10 %\"";
+            bad_range(node, "is", "range", error, help, cx);
+            None
         }
     }
 }
@@ -195,50 +225,114 @@ pub(crate) fn number(literal: &Literal, info: &SignalInfo) -> Result<Number, Str
                 }
             }
         }
-        Literal::Measure { number, unit } => {
-            let (own, base) = scale(&info.unit);
-            let (given, dimension) = scale(unit);
-            if base != dimension {
-                let has =
-                    if info.unit.is_empty() { "no unit".into() } else { format!("the unit {}", info.unit) };
-                return Err(format!(
-                    "`{}` has {has}; `{number} {unit}` cannot be compared with it",
-                    info.name
-                ));
-            }
-            Ok(Number::Real(if own == given { *number } else { number * given / own }))
-        }
+        Literal::Measure { .. } => exact(literal, info).map(Number::from),
     }
 }
 
-/// The factor and the base of a unit with an SI prefix: `mA` is 1e-3 and `A`.
-fn scale(unit: &str) -> (f64, &str) {
-    const BASES: [&str; 9] = ["V", "A", "Hz", "W", "Pa", "m", "g", "N", "Ohm"];
-    let unit = if unit == "°C" { "degC" } else { unit };
-    if BASES.contains(&unit) {
-        return (1.0, unit);
+/// A quantity in the unit of this signal, exactly.
+fn in_unit_of(quantity: &Quantity, info: &SignalInfo) -> Result<Decimal, String> {
+    let own = Unit::new(&info.unit);
+    let number = if quantity.unit.is_none() {
+        Some(quantity.number)
+    } else if own.is_none() && quantity.is_time() {
+        // A variable of type TIME has no unit: it holds nanoseconds.
+        quantity.in_unit(&Unit::new("ns"))
+    } else {
+        quantity.in_unit(&own)
+    };
+    number.ok_or_else(|| {
+        let has = if own.is_none() { "no unit".into() } else { format!("the unit {}", info.unit) };
+        format!("`{}` has {has}; `{quantity}` cannot be compared with it", info.name)
+    })
+}
+
+/// A value and its tolerance as exact numbers in the unit of a signal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Around {
+    /// The value.
+    pub(crate) middle: Decimal,
+    /// The least that is within the tolerance.
+    pub(crate) min: Decimal,
+    /// The greatest that is within the tolerance.
+    pub(crate) max: Decimal,
+}
+
+impl Around {
+    /// `tolerance` may be a part of `middle`, as in `10 %`, for a signal that is not in `%` itself.
+    ///
+    /// # Errors
+    /// Why the two have no meaning for the signal.
+    pub(crate) fn new(middle: &Literal, tolerance: &Literal, info: &SignalInfo) -> Result<Around, String> {
+        let own = Quantity { number: exact(middle, info)?, unit: Unit::new(&info.unit) };
+        let band = match tolerance.quantity() {
+            Some(part) if part.is_part() && !own.is_part() => part,
+            _ => Quantity { number: exact(tolerance, info)?, unit: own.unit.clone() },
+        };
+        let range = QuantityRange::around(&own, &band).map_err(|fault| match fault {
+            QuantityFault::Negative => format!("a tolerance of {tolerance} can never be met"),
+            fault => format!("{middle} ± {tolerance}: {fault}"),
+        })?;
+        let end = |end: Option<Quantity>| end.map_or(own.number, |end| end.number);
+        Ok(Around { middle: own.number, min: end(range.min), max: end(range.max) })
     }
-    let prefixes = [("m", 1e-3), ("k", 1e3), ("M", 1e6), ("u", 1e-6), ("µ", 1e-6), ("n", 1e-9), ("G", 1e9)];
-    for (prefix, factor) in prefixes {
-        if let Some(base) = unit.strip_prefix(prefix).filter(|base| BASES.contains(base)) {
-            return (factor, base);
-        }
+}
+
+/// A literal as an exact number of this signal.
+fn exact(literal: &Literal, info: &SignalInfo) -> Result<Decimal, String> {
+    if let Some(quantity) = literal.quantity() {
+        return in_unit_of(&quantity, info);
     }
-    (1.0, unit)
+    let exact = match number(literal, info)? {
+        Number::Int(whole) => Some(Decimal::from(whole)),
+        Number::Real(real) => Decimal::from_f64(real),
+    };
+    exact.ok_or_else(|| format!("`{literal}` is no finite number"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn literal_of(text: &str) -> Literal {
+        Literal::parse(text).unwrap()
+    }
+
     #[test]
-    fn units_meet_in_their_base() {
-        let mut info = SignalInfo::exact("u", Kind::Real);
-        info.unit = "V".into();
-        let milli = Literal::Measure { number: 1500.0, unit: "mV".into() };
-        assert_eq!(number(&milli, &info), Ok(Number::Real(1.5)));
-        let amps = Literal::Measure { number: 1.0, unit: "A".into() };
-        assert!(number(&amps, &info).is_err());
+    fn quantities_meet_in_the_unit_of_the_signal() {
+        let bind = |unit: &str, text: &str| {
+            let mut info = SignalInfo::exact("u", Kind::Real);
+            info.unit = unit.into();
+            number(&literal_of(text), &info)
+        };
+        assert_eq!(bind("V", "1500 mV"), Ok(Number::Real(1.5)));
+        assert_eq!(bind("°C", "20.5 degC"), Ok(Number::Real(20.5)));
+        assert_eq!(bind("l/min", "3 l/min"), Ok(Number::Int(3)));
+        assert_eq!(bind("ms", "1 s 500 ms"), Ok(Number::Int(1500)));
+        assert_eq!(bind("", "T#1ms"), Ok(Number::Int(1_000_000)));
+        assert_eq!(bind("V", "3"), Ok(Number::Int(3)));
+        let fault = "`u` has the unit V; `1 A` cannot be compared with it";
+        assert_eq!(bind("V", "1 A"), Err(fault.into()));
+        for (unit, text) in [("V", "500 ms"), ("", "1 V"), ("l/min", "3 l/h"), ("h", "90 min")] {
+            assert!(bind(unit, text).is_err(), "{text} in {unit}");
+        }
+    }
+
+    #[test]
+    fn a_tolerance_ends_where_its_decimals_say() {
+        let ends = |unit: &str, middle: &str, tolerance: &str| {
+            let mut info = SignalInfo::exact("u", Kind::Real);
+            info.unit = unit.into();
+            let around = Around::new(&literal_of(middle), &literal_of(tolerance), &info)?;
+            Ok((around.min.as_f64(), around.max.as_f64()))
+        };
+        // In floats 0.3 + 0.1 is above 0.4, and 24 - 2.4 below 21.6.
+        assert_eq!(ends("V", "0.3", "100 mV"), Ok((0.2, 0.4)));
+        assert_eq!(ends("V", "24 V", "10 %"), Ok((21.6, 26.4)));
+        assert_eq!(ends("%", "50 %", "5 %"), Ok((45.0, 55.0)));
+        assert_eq!(ends("", "1000", "0.5 %"), Ok((995.0, 1005.0)));
+        assert_eq!(ends("", "16#10", "1"), Ok((15.0, 17.0)));
+        assert!(ends("V", "24 V", "-1").is_err_and(|why: String| why.contains("never be met")));
+        assert!(ends("V", "24 V", "1 A").is_err());
     }
 
     #[test]

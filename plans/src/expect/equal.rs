@@ -1,4 +1,4 @@
-//! `equal`: two values agree, each at its own instant. `value` with `near` is the same claim.
+//! `equal`: two values agree, each at its own instant. `value` that is `near` another signal is the same claim.
 //!
 //! ```toml
 //! { equal = { left = "n", right = "m", when = "back" } }
@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use document::{Data, Diagnostic, Fields, KeySpec, KeyType};
+use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Value};
 
@@ -39,18 +39,11 @@ pub(super) struct Operand {
     pub(super) at: Anchor,
 }
 
-/// What the left value is compared with.
-#[derive(Clone, Debug)]
-enum Right {
-    Signal(Operand),
-    Number(Literal),
-}
-
 /// The claim.
 #[derive(Clone, Debug)]
 struct Equal {
     left: Operand,
-    right: Right,
+    right: Operand,
     tolerance: Option<Literal>,
 }
 
@@ -61,7 +54,7 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
     read_pair(left, fields, "right", when, cx)
 }
 
-/// Reads what the left value is compared with: a number, or a signal at an instant.
+/// Reads what the left value is compared with.
 pub(super) fn read_pair(
     left: Operand,
     fields: &Fields<'_>,
@@ -70,22 +63,13 @@ pub(super) fn read_pair(
     cx: &mut Context<'_>,
 ) -> Option<Arc<dyn Claim>> {
     let node = fields.get(key)?;
-    let right = match (&node.data, Literal::of(node)) {
-        // A word is the name of a signal here: labels of states are not near anything.
-        (Data::Text(_), Ok(Literal::Label(_)) | Err(_)) => {
-            let (signal, at) = cx.names.at_value(node, cx.out)?;
-            Right::Signal(Operand { signal, at: at.unwrap_or(when) })
-        }
-        _ => Right::Number(literal(node, cx)?),
-    };
+    let (signal, at) = cx.names.at_value(node, cx.out)?;
+    let right = Operand { signal, at: at.unwrap_or(when) };
     let tolerance = match fields.get("tolerance") {
         Some(node) => Some(literal(node, cx)?),
         None => None,
     };
-    if let Right::Signal(other) = &right
-        && other.signal == left.signal
-        && other.at == left.at
-    {
+    if right.signal == left.signal && right.at == left.at {
         let message = format!("`{}` is compared with itself at {}", left.signal, left.at);
         cx.out.bad(crate::codes::CLAIM, node, message, "name another signal or another instant");
         return None;
@@ -105,23 +89,12 @@ impl Equal {
             None => Ok(Number::Int(0)),
         }
     }
-
-    fn bind(&self, left: &SignalInfo) -> Result<(Number, Option<Number>), String> {
-        let constant = match &self.right {
-            Right::Number(literal) => Some(number(literal, left)?),
-            Right::Signal(_) => None,
-        };
-        Ok((self.limit(left)?, constant))
-    }
 }
 
 impl Claim for Equal {
     fn expected(&self) -> String {
         let left = format!("`{}` at {}", self.left.signal, self.left.at);
-        let right = match &self.right {
-            Right::Signal(right) => format!("`{}` at {}", right.signal, right.at),
-            Right::Number(literal) => literal.to_string(),
-        };
+        let right = format!("`{}` at {}", self.right.signal, self.right.at);
         match &self.tolerance {
             Some(tolerance) => format!("{left} is within {} of {right}", tolerance),
             None => format!("{left} equals {right}"),
@@ -129,37 +102,26 @@ impl Claim for Equal {
     }
 
     fn signals(&self) -> Vec<String> {
-        match &self.right {
-            Right::Signal(right) => vec![self.left.signal.clone(), right.signal.clone()],
-            Right::Number(_) => vec![self.left.signal.clone()],
-        }
+        vec![self.left.signal.clone(), self.right.signal.clone()]
     }
 
     fn anchors(&self) -> Vec<&Anchor> {
-        match &self.right {
-            Right::Signal(right) => vec![&self.left.at, &right.at],
-            Right::Number(_) => vec![&self.left.at],
-        }
+        vec![&self.left.at, &self.right.at]
     }
 
     fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.left.signal, wiring, out) {
-            super::meant(self.bind(info).map(drop), out);
+            super::meant(self.limit(info).map(drop), out);
         }
-        if let Right::Signal(right) = &self.right {
-            super::known(&right.signal, wiring, out);
-        }
+        super::known(&self.right.signal, wiring, out);
     }
 
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.left.signal)?;
-        let (limit, constant) = self.bind(info).map_err(NotJudged::NoMeaning)?;
+        let limit = self.limit(info).map_err(NotJudged::NoMeaning)?;
         let left = Side::new(&self.left, scene)?;
-        let right = match &self.right {
-            Right::Signal(right) => Some(Side::new(right, scene)?),
-            Right::Number(_) => None,
-        };
-        Ok(Box::new(Compare { left, right, constant, limit }))
+        let right = Side::new(&self.right, scene)?;
+        Ok(Box::new(Compare { left, right, limit }))
     }
 }
 
@@ -181,68 +143,42 @@ impl Side {
 /// The judge.
 struct Compare {
     left: Side,
-    right: Option<Side>,
-    constant: Option<Number>,
+    right: Side,
     limit: Number,
 }
 
 impl Monitor for Compare {
     #[inline]
     fn feed(&mut self, slot: usize, seen: &Seen) {
-        match (slot, &mut self.right) {
-            (0, _) => self.left.reader.see(seen),
-            (_, Some(right)) => right.reader.see(seen),
-            _ => {}
-        }
+        let side = if slot == 0 { &mut self.left } else { &mut self.right };
+        side.reader.see(seen);
     }
 
     fn finish(self: Box<Self>) -> Finding {
-        let left = self.left.reader.finish();
-        let (right, link) = match self.right {
-            Some(right) => {
-                let link = self.left.point.link(&right.point);
-                (Some((right.reader.finish(), right.info)), link)
-            }
-            None => (None, None),
-        };
+        let link = self.left.point.link(&self.right.point);
+        let (left, right) = (self.left.reader.finish(), self.right.reader.finish());
         let mut finding = Finding { window: Some(instant(&self.left.point)), ..Finding::default() };
         let mut least = f64::INFINITY;
-        let mut note = |a: Value, b: Option<Value>, slack: f64| {
-            let number = |value: Value| match value {
-                Value::Real(real) => Some(Number::Real(real)),
-                other => other.as_int().map(Number::Int),
-            };
-            let other = b.map_or(self.constant, number);
-            let truth = match (number(a), other) {
+        let slack = slack(&self.left.info) + slack(&self.right.info);
+        let pairs = left.iter().flat_map(|a| right.iter().map(move |b| (a, b)));
+        for (a, b) in pairs.filter(|(a, b)| together(a, b, link)) {
+            let (a, b) = (a.seen.value, b.seen.value);
+            let truth = match (Number::of(a), Number::of(b)) {
                 (Some(a), Some(b)) => {
                     let (apart, truth) = close(a, b, self.limit, slack);
                     least = least.min(self.limit.as_real() - apart);
                     truth
                 }
-                _ if matches!(a, Value::Unknown) || matches!(b, Some(Value::Unknown)) => Truth::Unknown,
+                _ if matches!(a, Value::Unknown) || matches!(b, Value::Unknown) => Truth::Unknown,
                 // A line that nobody drives equals another such line, and no number.
-                _ => Truth::of(b == Some(a)),
+                _ => Truth::of(b == a),
             };
             finding.can_hold |= truth.possible();
             finding.can_break |= truth.not().possible();
-        };
-        let own = slack(&self.left.info);
-        for candidate in &left {
-            match &right {
-                Some((others, info)) => {
-                    for other in others.iter().filter(|other| together(candidate, other, link)) {
-                        note(candidate.seen.value, Some(other.seen.value), own + slack(info));
-                    }
-                }
-                None => note(candidate.seen.value, None, own),
-            }
         }
-        let shown = observed(&left, &self.left.info);
-        finding.observed = match &right {
-            Some((others, info)) => format!("{shown} and {}", observed(others, info)),
-            None => shown,
-        };
-        let open = unknown(&left) || right.as_ref().is_some_and(|(others, _)| unknown(others));
+        finding.observed =
+            format!("{} and {}", observed(&left, &self.left.info), observed(&right, &self.right.info));
+        let open = unknown(&left) || unknown(&right);
         finding.reason = match (finding.can_hold, open) {
             (false, _) => format!("they are {}", finding.observed),
             (true, true) => String::from("a value is not known at its instant"),
@@ -266,7 +202,9 @@ fn together(left: &Candidate, right: &Candidate, link: Option<i64>) -> bool {
 
 /// How far apart two numbers are, and whether that is within the limit.
 fn close(a: Number, b: Number, limit: Number, slack: f64) -> (f64, Truth) {
-    if let (Number::Int(a), Number::Int(b), Number::Int(limit)) = (a, b, limit) {
+    if let (Number::Int(a), Number::Int(b), Number::Int(limit)) = (a, b, limit)
+        && slack == 0.0
+    {
         let apart = a.abs_diff(b);
         return (apart as f64, Truth::of(apart <= limit.unsigned_abs()));
     }

@@ -173,7 +173,7 @@ impl Claim for Keeps {
             let lags = self.signals.iter().map(|name| scene.lag(name)).collect();
             return Ok(super::together::start(common, lags));
         }
-        Ok(Box::new(Single { common, last: None, extreme: None, breach: None }))
+        Ok(Box::new(Single { common, last: None, extreme: None, run: None }))
     }
 }
 
@@ -320,8 +320,19 @@ struct Single {
     last: Option<Seen>,
     /// The value of the window that is nearest to a limit, or farthest outside.
     extreme: Option<(f64, Seen)>,
-    /// With `pulses-longer-than`: the forbidden stretch that is open, whose width decides.
-    breach: Option<(Truth, Seen)>,
+    /// With `pulses-longer-than`: the stretch that is open, whose width decides.
+    run: Option<Run>,
+}
+
+/// A stretch without an instant at which the value is known to be allowed. Where it is not known it may be
+/// forbidden, so that all of the stretch can be one pulse.
+struct Run {
+    /// Whether the value is forbidden or not known at the moment, and since when.
+    piece: (Truth, Seen),
+    /// The beginning of the pieces before that were not told yet.
+    untold: Option<Seen>,
+    /// A piece that was told is longer than what does not matter.
+    long: bool,
 }
 
 impl Single {
@@ -337,12 +348,26 @@ impl Single {
         }
     }
 
-    fn end_breach(&mut self, end: (i64, i64)) {
-        if let Some((class, start)) = self.breach.take() {
-            match self.common.weigh(class, &start, end) {
-                Truth::True => {}
-                class => self.common.segments.segment(class, &start, end),
-            }
+    /// The value is no longer what it was: a forbidden piece that is long enough by itself is told.
+    fn end_piece(&mut self, end: (i64, i64)) {
+        let Some(run) = &mut self.run else { return };
+        let (class, start) = run.piece;
+        if class == Truth::Unknown || self.common.weigh(class, &start, end) != Truth::False {
+            run.untold.get_or_insert(start);
+            return;
+        }
+        if let Some(untold) = run.untold.take() {
+            self.common.segments.segment(Truth::Unknown, &untold, (start.a, start.b));
+        }
+        self.common.segments.segment(Truth::False, &start, end);
+        run.long = true;
+    }
+
+    fn end_run(&mut self, end: (i64, i64)) {
+        self.end_piece(end);
+        let Some(Run { untold: Some(untold), long, .. }) = self.run.take() else { return };
+        if long || self.common.weigh(Truth::Unknown, &untold, end) != Truth::True {
+            self.common.segments.segment(Truth::Unknown, &untold, end);
         }
     }
 }
@@ -363,12 +388,14 @@ impl Monitor for Single {
         }
         // Before the first event nothing is known; that stretch is over now.
         self.common.segments.change(Truth::True, seen);
-        if self.breach.is_some_and(|(open, _)| open == class) {
-            return;
-        }
-        self.end_breach((seen.a, seen.b));
-        if class != Truth::True {
-            self.breach = Some((class, *seen));
+        if class == Truth::True {
+            self.end_run((seen.a, seen.b));
+        } else if self.run.as_ref().is_none_or(|run| run.piece.0 != class) {
+            self.end_piece((seen.a, seen.b));
+            match &mut self.run {
+                Some(run) => run.piece = (class, *seen),
+                None => self.run = Some(Run { piece: (class, *seen), untold: None, long: false }),
+            }
         }
     }
 
@@ -378,7 +405,7 @@ impl Monitor for Single {
 
     fn finish(mut self: Box<Self>) -> Finding {
         self.extent(i64::MAX);
-        self.end_breach((self.common.end, i64::MAX));
+        self.end_run((self.common.end, i64::MAX));
         let extreme = self.extreme;
         self.common.finding(extreme)
     }

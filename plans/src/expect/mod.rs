@@ -28,7 +28,7 @@ use crate::codes;
 use crate::judge::{Monitor, NotJudged, Scene, Wiring};
 use crate::lang::Anchor;
 
-pub(crate) use condition::{literal, number};
+pub(crate) use condition::{Around, literal, number};
 
 /// A verb of `expect`: `{ falls = { signal = ... } }`.
 #[derive(Debug)]

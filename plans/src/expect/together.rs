@@ -44,8 +44,11 @@ struct Side {
 struct Together {
     common: Common,
     sides: Vec<Side>,
-    /// Common stretches that were found, waiting to be put in order.
+    /// Common stretches that were found, in the order of time.
     found: Vec<(Truth, Seen, (i64, i64))>,
+    /// The last of them, and the beginning of those that it may go on from: where some are not known, all can be
+    /// one pulse.
+    last: Option<(Truth, Seen, (i64, i64))>,
 }
 
 pub(super) fn start(common: Common, lags: Vec<i64>) -> Box<dyn Monitor> {
@@ -57,7 +60,7 @@ pub(super) fn start(common: Common, lags: Vec<i64>) -> Box<dyn Monitor> {
         lag,
     };
     let sides = lags.into_iter().map(side).collect();
-    let mut this = Together { common, sides, found: Vec::new() };
+    let mut this = Together { common, sides, found: Vec::new(), last: None };
     let begin = Seen { value: signal::Value::Bool(false), ..unknown.start };
     this.common.segments.change(Truth::True, &begin);
     Box::new(this)
@@ -126,6 +129,14 @@ impl Together {
     /// Hands the common stretches on. Those that overlap each other are merged by their beginnings.
     fn hand_on(&mut self) {
         for (class, start, end) in std::mem::take(&mut self.found) {
+            let joined = self.last.filter(|(before, _, until)| {
+                (class == Truth::Unknown || *before == Truth::Unknown) && start.a <= until.1
+            });
+            let begun = joined.map_or(start, |(_, begun, _)| begun);
+            self.last = Some((class, begun, end));
+            if joined.is_some() && self.common.weigh(Truth::Unknown, &begun, end) != Truth::True {
+                self.common.segments.stray(Truth::Unknown, &begun, end);
+            }
             match self.common.weigh(class, &start, end) {
                 Truth::True => {}
                 class => self.common.segments.stray(class, &start, end),

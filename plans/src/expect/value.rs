@@ -8,18 +8,18 @@
 
 use std::sync::Arc;
 
-use document::{Diagnostic, Fields, KeySpec, KeyType};
+use document::{Data, Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Value};
 
 use super::common::{WHEN, anchor};
-use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
+use super::condition::{Condition, IS, MAX, MIN, ONE_OF, literal};
 use super::equal::{Operand, read_pair};
 use super::{Claim, Context, Verb};
 use crate::codes;
 use crate::judge::reading::{Candidate, Reader};
 use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Test, Truth, Wiring, slack};
-use crate::lang::Anchor;
+use crate::lang::{Anchor, Literal};
 
 /// `value`.
 pub(super) const VALUE: Verb = Verb {
@@ -36,7 +36,11 @@ pub(super) const VALUE: Verb = Verb {
             KeyType::Value,
             "A number, or another signal's value as in `n @ cut`, that it is within `tolerance` of",
         ),
-        KeySpec::optional("tolerance", KeyType::Value, "How far it may be from `near`; 0 if left out"),
+        KeySpec::optional(
+            "tolerance",
+            KeyType::Value,
+            "How far it may be from `near`, or which part of it, as in \"10 %\", if `near` is a number; 0 if left out",
+        ),
         WHEN,
     ],
     read,
@@ -77,7 +81,17 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
         cx.out.bad(codes::CLAIM, node, format!("a value is wanted in two ways: `near` and `{key}`"), "");
         return None;
     }
-    read_pair(Operand { signal, at: when.clone() }, fields, "near", when, cx)
+    let node = fields.get("near")?;
+    // A word is the name of a signal here: labels of states are not near anything.
+    if let (Data::Text(_), Ok(Literal::Label(_)) | Err(_)) = (&node.data, Literal::of(node)) {
+        return read_pair(Operand { signal, at: when.clone() }, fields, "near", when, cx);
+    }
+    let middle = literal(node, cx)?;
+    let condition = match fields.get("tolerance") {
+        Some(node) => Condition::Near { middle, tolerance: literal(node, cx)? },
+        None => Condition::OneOf(vec![middle]),
+    };
+    Some(at_instant(signal, condition, when))
 }
 
 impl Claim for At {

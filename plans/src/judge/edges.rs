@@ -18,18 +18,26 @@ pub enum Edge {
 }
 
 impl Edge {
-    /// Whether the change from `old` to `new`, both known, counts.
+    /// Whether the change from `old` to `new`, both clear, counts.
     #[inline]
-    pub fn matches(&self, old: Value, new: Value, slack: f64) -> Truth {
+    fn matches(&self, old: Value, new: Value, slack: f64) -> bool {
         match self {
-            Edge::Rises => Truth::of(grows(old, new)),
-            Edge::Falls => Truth::of(grows(new, old)),
-            Edge::Changes => Truth::of(old != new),
-            Edge::Becomes(test) => match (test.holds(old, slack), test.holds(new, slack)) {
-                (Truth::True, _) | (_, Truth::False) => Truth::False,
-                (Truth::False, Truth::True) => Truth::True,
-                _ => Truth::Unknown,
-            },
+            Edge::Rises => grows(old, new),
+            Edge::Falls => grows(new, old),
+            Edge::Changes => old != new,
+            Edge::Becomes(test) => {
+                test.holds(old, slack) == Truth::False && test.holds(new, slack) == Truth::True
+            }
+        }
+    }
+
+    /// Whether edges can hide while the signal is recorded as this: its value is not known well enough.
+    fn is_open(&self, value: Value, slack: f64) -> bool {
+        match self {
+            _ if matches!(value, Value::Unknown) => true,
+            Edge::Becomes(test) => slack > 0.0 && test.holds(value, slack) == Truth::Unknown,
+            // Within a deadband a number may grow and shrink unseen.
+            Edge::Rises | Edge::Falls | Edge::Changes => slack > 0.0 && value.as_real().is_some(),
         }
     }
 
@@ -76,12 +84,14 @@ pub struct Finder {
     last: Option<Value>,
     /// The earliest instant from which the value is not known, and its place in the trace.
     unknown_from: Option<(i64, u64)>,
+    /// The value until then.
+    before: Option<Value>,
 }
 
 impl Finder {
     /// Nothing is known of the signal before its first event.
     pub fn new(edge: Edge, slack: f64) -> Self {
-        Finder { edge, slack, last: None, unknown_from: Some((i64::MIN, 0)) }
+        Finder { edge, slack, last: None, unknown_from: Some((i64::MIN, 0)), before: None }
     }
 
     /// The kind of edge.
@@ -110,20 +120,19 @@ impl Finder {
                 return counts.then_some(Found { seen: *seen, certain: true });
             }
         }
-        if matches!(seen.value, Value::Unknown) {
+        if self.edge.is_open(seen.value, self.slack) {
             self.unknown_from.get_or_insert((seen.a, seen.place));
-            self.last = None;
+            self.before = self.last.take().or(self.before);
             return None;
         }
         let old = self.last.replace(seen.value);
         if let Some((a, since)) = self.unknown_from.take() {
-            return Some(Found { seen: Seen { a, since, ..*seen }, certain: false });
+            // A condition that held on neither side need not have been met, one that holds only behind it was.
+            let before = self.before.take().filter(|_| matches!(self.edge, Edge::Becomes(_)));
+            let certain = before.is_some_and(|old| self.edge.matches(old, seen.value, self.slack));
+            return Some(Found { seen: Seen { a, since, ..*seen }, certain });
         }
-        match self.edge.matches(old?, seen.value, self.slack) {
-            Truth::True => Some(Found { seen: *seen, certain: true }),
-            Truth::Unknown => Some(Found { seen: *seen, certain: false }),
-            Truth::False => None,
-        }
+        self.edge.matches(old?, seen.value, self.slack).then_some(Found { seen: *seen, certain: true })
     }
 
     /// The edge that may lie in an unknown stretch which lasts to the end.

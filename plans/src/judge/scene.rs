@@ -112,13 +112,10 @@ impl<'a> Scene<'a> {
 /// `longer_than` is what the plan says of the pulses that matter.
 ///
 /// Only sampled channels count: one that stamps edges reports what it lost, and a run that lost events is no
-/// pass.
+/// pass. What a recording policy leaves out is in the trace as a value that is not known.
 pub fn blind(info: &SignalInfo, longer_than: Option<Span>) -> Option<Span> {
-    let missed = match (info.sampling, info.policy) {
-        (Sampling::Sampled { period }, _) => info.shortest_pulse.max(period),
-        (_, signal::Policy::AtMostEvery(span)) => span,
-        _ => return None,
-    };
+    let Sampling::Sampled { period } = info.sampling else { return None };
+    let missed = info.shortest_pulse.max(period);
     // Pulses of exactly the shortest certain width are seen.
     longer_than.is_none_or(|stated| stated < missed).then_some(missed)
 }

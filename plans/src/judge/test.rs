@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use signal::{Policy, SignalInfo, Value};
+use signal::{Decimal, Kind, Policy, SignalInfo, Value};
 
 /// The answer to a condition on a value that may not be known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ impl Number {
         }
     }
 
-    fn of(value: Value) -> Option<Number> {
+    pub(crate) fn of(value: Value) -> Option<Number> {
         match value {
             Value::Real(real) => Some(Number::Real(real)),
             other => other.as_int().map(Number::Int),
@@ -67,6 +67,16 @@ impl Number {
         match (self, other) {
             (Number::Int(a), Number::Int(b)) => Some(a.cmp(&b)),
             (a, b) => a.as_real().partial_cmp(&b.as_real()),
+        }
+    }
+}
+
+impl From<Decimal> for Number {
+    /// A whole number of up to 64 bits exactly, else the nearest float.
+    fn from(number: Decimal) -> Number {
+        match number.as_whole() {
+            Some(whole) if i64::try_from(whole).is_ok() => Number::Int(whole),
+            _ => Number::Real(number.as_f64()),
         }
     }
 }
@@ -95,7 +105,7 @@ impl Test {
         Test::OneOf(vec![Number::Int(i128::from(on))])
     }
 
-    /// Whether a value meets the condition. `slack` is how far a real value may be from what is recorded.
+    /// Whether a value meets the condition. `slack` is how far a number may be from what is recorded.
     #[inline]
     pub fn holds(&self, value: Value, slack: f64) -> Truth {
         // The common case of a line first.
@@ -112,7 +122,8 @@ impl Test {
             Test::HighZ => Truth::of(matches!(value, Value::HighZ)),
             Test::OneOf(wanted) => match Number::of(value) {
                 None => Truth::False,
-                Some(Number::Real(real)) if slack > 0.0 => {
+                Some(number) if slack > 0.0 => {
+                    let real = number.as_real();
                     let near = wanted.iter().any(|want| (want.as_real() - real).abs() <= slack);
                     if near { Truth::Unknown } else { Truth::False }
                 }
@@ -122,7 +133,8 @@ impl Test {
             },
             Test::Range { min, max } => match Number::of(value) {
                 None => Truth::False,
-                Some(Number::Real(real)) if slack > 0.0 => {
+                Some(number) if slack > 0.0 => {
+                    let real = number.as_real();
                     let inside = |real: f64| within(Number::Real(real), *min, *max);
                     let reaches = min.is_none_or(|min| real + slack >= min.as_real())
                         && max.is_none_or(|max| real - slack <= max.as_real());
@@ -165,8 +177,9 @@ fn distance(low: Number, high: Number) -> f64 {
 
 /// How far a signal's true value may be from the recorded one.
 pub fn slack(info: &SignalInfo) -> f64 {
-    match info.policy {
-        Policy::Deadband(width) if width.is_finite() => width.abs(),
+    match (info.policy, info.kind) {
+        (Policy::Deadband(width), Kind::Int | Kind::Word) => width.floor(),
+        (Policy::Deadband(width), _) => width,
         _ => 0.0,
     }
 }
@@ -192,6 +205,23 @@ mod tests {
         assert_eq!(test.holds(Value::Real(9.7), 0.5), Truth::Unknown);
         assert_eq!(test.holds(Value::Real(9.4), 0.5), Truth::True);
         assert_eq!(test.holds(Value::Real(10.6), 0.5), Truth::False);
+        assert_eq!(test.holds(Value::Int(9), 1.0), Truth::True);
+        assert_eq!(test.holds(Value::Int(10), 1.0), Truth::Unknown);
+        assert_eq!(test.holds(Value::Int(12), 1.0), Truth::False);
+        let test = Test::OneOf(vec![Number::Int(5)]);
+        assert_eq!(test.holds(Value::Int(5), 1.0), Truth::Unknown);
+        assert_eq!(test.holds(Value::Int(7), 1.0), Truth::False);
+    }
+
+    #[test]
+    fn whole_numbers_move_by_whole_steps() {
+        let mut info = SignalInfo::exact("n", Kind::Int);
+        info.policy = Policy::Deadband(1.5);
+        assert_eq!(slack(&info), 1.0);
+        info.policy = Policy::Deadband(0.5);
+        assert_eq!(slack(&info), 0.0);
+        info.kind = Kind::Real;
+        assert_eq!(slack(&info), 0.5);
     }
 
     #[test]

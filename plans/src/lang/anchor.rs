@@ -9,7 +9,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use signal::{ParseTimeError, Span};
+use signal::{QuantityFault, Span};
 
 use super::words::id_length;
 
@@ -113,7 +113,7 @@ pub enum AnchorFault {
     /// Neither `+` nor `-`.
     Operator,
     /// Not a duration.
-    Duration(ParseTimeError),
+    Duration(QuantityFault),
     /// The sum is beyond 292 years.
     TooLarge,
 }
@@ -130,7 +130,7 @@ impl fmt::Display for AnchorFault {
                 f.write_str("expected the number of a pulse, from 1, as in `.pulse[1000]`")
             }
             AnchorFault::Operator => f.write_str("expected `+` or `-` and a duration, or nothing"),
-            AnchorFault::Duration(error) => error.fmt(f),
+            AnchorFault::Duration(fault) => fault.fmt(f),
             AnchorFault::TooLarge => f.write_str("further than 292 years away"),
         }
     }
@@ -170,8 +170,8 @@ fn parse(text: &str) -> Result<Anchor, AnchorError> {
         match Span::parse(&text[from..end]) {
             Ok(span) => total += sign * i128::from(span.as_nanos()),
             Err(error) => {
-                let place = (from + error.offset()).min(text.len());
-                return fail(place..word_end(text, place), AnchorFault::Duration(error));
+                let place = from + error.at;
+                return fail(place..word_end(text, place), AnchorFault::Duration(error.fault));
             }
         }
         at = end;
@@ -249,17 +249,14 @@ mod tests {
         assert_eq!(fault(""), (0..0, AnchorFault::Base));
         assert_eq!(fault("1 s"), (0..1, AnchorFault::NoBase));
         assert_eq!(fault("start 1 s"), (6..7, AnchorFault::Operator));
-        assert_eq!(fault("start + 1"), (8..9, AnchorFault::Duration(ParseTimeError::MissingUnit(0))));
-        assert_eq!(
-            fault("start + 1 s + 2 sec"),
-            (16..19, AnchorFault::Duration(ParseTimeError::UnknownUnit(2)))
-        );
-        assert_eq!(fault("start +"), (7..7, AnchorFault::Duration(ParseTimeError::Empty)));
+        assert_eq!(fault("start + 1"), (8..9, AnchorFault::Duration(QuantityFault::MissingUnit)));
+        assert_eq!(fault("start + 1 s + 2 sec"), (16..19, AnchorFault::Duration(QuantityFault::NoTime)));
+        assert_eq!(fault("start +"), (7..7, AnchorFault::Duration(QuantityFault::Empty)));
         assert_eq!(fault("a.pulse[0]"), (8..9, AnchorFault::Number));
         assert_eq!(fault("a.pulse[1"), (8..9, AnchorFault::Number));
         assert_eq!(fault("a.ready"), (2..7, AnchorFault::Part));
         assert_eq!(fault("start.done"), (5..10, AnchorFault::Part));
-        assert_eq!(fault("a + 290 d + 290000 d").1, AnchorFault::Duration(ParseTimeError::TooLarge));
+        assert_eq!(fault("a + 290 d + 290000 d").1, AnchorFault::Duration(QuantityFault::TooLong));
     }
 
     proptest! {

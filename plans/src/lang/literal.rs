@@ -3,22 +3,21 @@
 use std::fmt;
 
 use document::{Data, Findings, Node};
-use signal::{Span, Value};
+use signal::{Decimal, Quantity, QuantityFault, Span, Unit, Value};
 
-use super::Decimal;
 use crate::codes;
 
 /// A value as written; what a label or a unit means is known when the signal is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Literal {
-    /// A value that needs no signal to be understood. Durations are [`Value::Int`] in nanoseconds.
+    /// A value that needs no signal to be understood.
     Value(Value),
-    /// A number with a unit.
+    /// A number with a unit; durations are among them.
     Measure {
         /// The number as written.
-        number: f64,
+        number: Decimal,
         /// The unit as written, as in `V` or `degC`.
-        unit: String,
+        unit: Unit,
     },
     /// A word: the label of a state.
     Label(String),
@@ -56,6 +55,26 @@ impl fmt::Display for LiteralFault {
 impl Literal {
     /// TRUE.
     pub const TRUE: Literal = Literal::Value(Value::Bool(true));
+
+    /// The value, where no signal is needed to know it. A duration is the nanoseconds that a variable holds.
+    pub fn value(&self) -> Option<Value> {
+        match self {
+            Literal::Value(value) => Some(*value),
+            Literal::Measure { .. } => self
+                .quantity()
+                .and_then(|quantity| quantity.as_span())
+                .map(|span| Value::Int(span.as_nanos())),
+            Literal::Label(_) => None,
+        }
+    }
+
+    /// The number with its unit, if it is one with a unit.
+    pub fn quantity(&self) -> Option<Quantity> {
+        match self {
+            Literal::Measure { number, unit } => Some(Quantity { number: *number, unit: unit.clone() }),
+            _ => None,
+        }
+    }
 
     /// Reads a value of the file; reports what is wrong with it.
     pub(crate) fn read(node: &Node, out: &mut Findings) -> Option<Literal> {
@@ -103,8 +122,13 @@ impl Literal {
         if let Some((prefix, rest)) = text.split_once('#') {
             return prefixed(prefix, rest);
         }
-        if let Some((number, unit)) = Decimal::split(text) {
-            return numeric(text, number, unit);
+        match Decimal::split(text) {
+            Ok((number, "")) => return plain(text, number),
+            Ok(_) => {
+                return Quantity::parse(text).map(Literal::from).map_err(|_| LiteralFault::Unreadable);
+            }
+            Err(error) if error.fault == QuantityFault::TooLarge => return Err(LiteralFault::Digits),
+            Err(_) => {}
         }
         let word = text.len() <= 64
             && text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
@@ -128,7 +152,7 @@ fn prefixed(prefix: &str, rest: &str) -> Result<Literal, LiteralFault> {
         }
         "T" | "TIME" | "LT" | "LTIME" => {
             let span = Span::parse(rest).map_err(|_| LiteralFault::Duration)?;
-            Ok(Literal::Value(Value::Int(span.as_nanos())))
+            Ok(Literal::from(Quantity::from(span)))
         }
         "BOOL" | "SINT" | "INT" | "DINT" | "LINT" | "USINT" | "UINT" | "UDINT" | "ULINT" | "BYTE"
         | "WORD" | "DWORD" | "LWORD" | "REAL" | "LREAL" => match rest.split_once('#') {
@@ -144,28 +168,26 @@ fn prefixed(prefix: &str, rest: &str) -> Result<Literal, LiteralFault> {
     }
 }
 
-/// A number, alone or with a unit.
-fn numeric(text: &str, number: Decimal, unit: &str) -> Result<Literal, LiteralFault> {
-    if unit.is_empty() {
-        return Ok(Literal::Value(match number.decimals {
-            0 => Value::Int(i64::try_from(number.mantissa).map_err(|_| LiteralFault::Digits)?),
-            _ => Value::Real(number.as_f64()),
-        }));
+/// A number without a unit: a real one if it is written with a point or an exponent.
+fn plain(text: &str, number: Decimal) -> Result<Literal, LiteralFault> {
+    if text.contains(['.', 'e', 'E']) {
+        return Ok(Literal::Value(Value::Real(number.as_f64())));
     }
-    if let Ok(span) = Span::parse(text) {
-        return Ok(Literal::Value(Value::Int(span.as_nanos())));
+    let whole = number.as_whole().and_then(|whole| i64::try_from(whole).ok());
+    whole.map(|whole| Literal::Value(Value::Int(whole))).ok_or(LiteralFault::Digits)
+}
+
+impl From<Quantity> for Literal {
+    fn from(quantity: Quantity) -> Self {
+        Literal::Measure { number: quantity.number, unit: quantity.unit }
     }
-    let known = unit.len() <= 16 && unit.chars().all(|c| c.is_alphabetic() || matches!(c, '%' | '°' | '/'));
-    if !known {
-        return Err(LiteralFault::Unreadable);
-    }
-    Ok(Literal::Measure { number: number.as_f64(), unit: unit.to_owned() })
 }
 
 impl fmt::Display for Literal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Literal::Value(value) => value.fmt(f),
+            Literal::Measure { number, unit } if unit.is_none() => number.fmt(f),
             Literal::Measure { number, unit } => write!(f, "{number} {unit}"),
             Literal::Label(label) => f.write_str(label),
         }
@@ -189,9 +211,13 @@ mod tests {
         assert_eq!(value("-3"), Value::Int(-3));
         assert_eq!(value("INT#-3"), Value::Int(-3));
         assert_eq!(value("2.5"), Value::Real(2.5));
-        assert_eq!(value("T#500ms"), Value::Int(500_000_000));
-        assert_eq!(value("500 ms"), Value::Int(500_000_000));
-        assert_eq!(Literal::parse("24 V"), Ok(Literal::Measure { number: 24.0, unit: "V".into() }));
+        assert_eq!(value("1e3"), Value::Real(1000.0));
+        for text in ["T#1s500ms", "1500 ms", "1 s 500 ms"] {
+            let duration = Literal::parse(text).unwrap();
+            assert_eq!(duration.value(), Some(Value::Int(1_500_000_000)), "{text}");
+        }
+        let volts = Literal::parse("24.0V").unwrap();
+        assert_eq!((volts.to_string().as_str(), volts.value()), ("24 V", None));
         assert_eq!(Literal::parse("RUNNING"), Ok(Literal::Label("RUNNING".into())));
     }
 
@@ -200,6 +226,9 @@ mod tests {
         assert_eq!(Literal::parse("16#GG"), Err(LiteralFault::Digits));
         assert_eq!(Literal::parse("16#+1"), Err(LiteralFault::Digits));
         assert_eq!(Literal::parse("16#10000000000000000"), Err(LiteralFault::Digits));
+        assert_eq!(Literal::parse("99999999999999999999"), Err(LiteralFault::Digits));
+        assert_eq!(Literal::parse("INT#5 ms"), Err(LiteralFault::Unreadable));
+        assert_eq!(Literal::parse("4 .. 20 mA"), Err(LiteralFault::Unreadable));
         assert_eq!(Literal::parse("T#5"), Err(LiteralFault::Duration));
         assert_eq!(Literal::parse(""), Err(LiteralFault::Empty));
         assert_eq!(Literal::parse("n @ cut"), Err(LiteralFault::Unreadable));

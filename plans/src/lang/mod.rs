@@ -2,7 +2,6 @@
 //! errors that point inside the text.
 
 mod anchor;
-mod decimal;
 mod literal;
 mod need;
 mod operand;
@@ -10,7 +9,6 @@ mod reference;
 mod words;
 
 pub use anchor::{Anchor, AnchorError, AnchorFault, Base};
-pub use decimal::Decimal;
 pub use literal::{Literal, LiteralFault};
 pub(crate) use need::millihertz;
 pub use need::{Amount, Bound, CAPABILITIES, Capability, Measure, Need, NeedFault, Relation};

@@ -3,9 +3,7 @@
 use std::fmt;
 
 use document::suggest;
-use signal::Span;
-
-use super::Decimal;
+use signal::{Decimal, Quantity, Span, Unit};
 
 /// A power that a rig and its subject can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,15 +156,8 @@ impl Need {
 
 /// A frequency in thousandths of a Hertz; `None` if the text is none, or finer.
 pub(crate) fn millihertz(text: &str) -> Option<u64> {
-    let (number, unit) = Decimal::split(text)?;
-    let power = match unit {
-        "mHz" => 0,
-        "Hz" => 3,
-        "kHz" => 6,
-        "MHz" => 9,
-        _ => return None,
-    };
-    u64::try_from(number.scaled(power)?).ok().filter(|frequency| *frequency > 0)
+    let number = Quantity::parse(text).ok()?.in_unit(&Unit::new("mHz"))?;
+    u64::try_from(number.as_whole()?).ok().filter(|frequency| *frequency > 0)
 }
 
 impl fmt::Display for Need {
@@ -176,12 +167,12 @@ impl fmt::Display for Need {
         f.write_str(if bound.relation == Relation::AtLeast { " >= " } else { " <= " })?;
         match bound.amount {
             Amount::Millihertz(frequency) => {
-                let (decimals, unit) = match frequency {
-                    1_000_000_000.. => (9, "MHz"),
-                    1_000_000.. => (6, "kHz"),
-                    _ => (3, "Hz"),
+                let (power, unit) = match frequency {
+                    1_000_000_000.. => (-9, "MHz"),
+                    1_000_000.. => (-6, "kHz"),
+                    _ => (-3, "Hz"),
                 };
-                write!(f, "{} {unit}", Decimal { mantissa: i128::from(frequency), decimals })
+                write!(f, "{} {unit}", Decimal::new(i128::from(frequency), power))
             }
             Amount::Time(span) => span.fmt(f),
         }

@@ -1,10 +1,10 @@
 //! Taking a measurement.
 
 use record::{Figure, MeasurementRecord, Verdict};
-use signal::{SignalInfo, Span, Value};
+use signal::{Kind, SignalInfo};
 
 use super::{Limits, Measurement, Quantity};
-use crate::expect::number;
+use crate::expect::{Around, number};
 use crate::judge::edges::{Finder, First};
 use crate::judge::reading::Reader;
 use crate::judge::{NotJudged, Number, Point, Scene, Seen, slack};
@@ -20,26 +20,21 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// The limits of a value of this signal, or of a time in nanoseconds.
+    /// The limits of a value of this signal; of a time, [`time`].
     ///
     /// # Errors
     /// Why a limit means nothing, one sentence.
-    pub(super) fn new(limits: &Limits, info: Option<&SignalInfo>) -> Result<Bounds, String> {
-        let bind = |literal: &Literal| match info {
-            Some(info) => number(literal, info).map(Number::as_real),
-            None => nanos(literal),
+    pub(super) fn new(limits: &Limits, info: &SignalInfo) -> Result<Bounds, String> {
+        let bind = |limit: &Option<Literal>| {
+            limit.as_ref().map(|one| number(one, info).map(Number::as_real)).transpose()
         };
-        let mut bounds = Bounds {
-            min: limits.min.as_ref().map(bind).transpose()?,
-            max: limits.max.as_ref().map(bind).transpose()?,
-            ..Bounds::default()
-        };
+        let mut bounds = Bounds { min: bind(&limits.min)?, max: bind(&limits.max)?, ..Bounds::default() };
         if let Some((nominal, tolerance)) = &limits.nominal {
-            let (nominal, tolerance) = (bind(nominal)?, bind(tolerance)?);
-            bounds.nominal = Some(nominal);
-            bounds.tolerance = Some(tolerance);
-            bounds.min = Some(nominal - tolerance);
-            bounds.max = Some(nominal + tolerance);
+            let around = Around::new(nominal, tolerance, info)?;
+            bounds.nominal = Some(around.middle.as_f64());
+            bounds.tolerance = around.max.minus(around.middle).map(signal::Decimal::as_f64);
+            bounds.min = Some(around.min.as_f64());
+            bounds.max = Some(around.max.as_f64());
         }
         match (bounds.min, bounds.max) {
             (Some(min), Some(max)) if min > max => Err("the limits exclude every value".into()),
@@ -68,20 +63,11 @@ impl Bounds {
     }
 }
 
-/// A limit of a time, in nanoseconds.
-fn nanos(literal: &Literal) -> Result<f64, String> {
-    match literal {
-        // Durations are written with a unit and read as whole nanoseconds; a bare number has none.
-        Literal::Measure { number, unit } => {
-            let text = format!("{number} {unit}");
-            match Span::parse(&text) {
-                Ok(span) => Ok(span.as_nanos() as f64),
-                Err(_) => Err(format!("`{text}` is no duration: the measurement is a time")),
-            }
-        }
-        Literal::Value(Value::Int(nanos)) => Ok(*nanos as f64),
-        other => Err(format!("`{}` is no duration: the measurement is a time", other)),
-    }
+/// A time as if it were a signal.
+pub(super) fn time() -> SignalInfo {
+    let mut info = SignalInfo::exact("time", Kind::Int);
+    info.unit = "ns".into();
+    info
 }
 
 /// What takes the measurement.
@@ -102,7 +88,7 @@ pub struct Gauge {
 
 impl Gauge {
     pub(super) fn new(measurement: &Measurement, scene: &Scene<'_>) -> Result<Gauge, NotJudged> {
-        let mut info = None;
+        let mut info = time();
         let taking = match &measurement.quantity {
             Quantity::Between { from, to } => Taking::Between(scene.point(from)?, scene.point(to)?),
             Quantity::ToEdge { from, signal, edge } => {
@@ -112,14 +98,14 @@ impl Gauge {
             }
             Quantity::Value { signal, when } => {
                 let (found, point) = (scene.signal(signal)?, scene.point(when)?);
-                info = Some(found);
+                info = found.clone();
                 Taking::Value { point, info: found.clone(), reader: Reader::new(point) }
             }
         };
-        let bounds = Bounds::new(&measurement.limits, info).map_err(NotJudged::NoMeaning)?;
+        let bounds = Bounds::new(&measurement.limits, &info).map_err(NotJudged::NoMeaning)?;
         let record = MeasurementRecord {
             name: measurement.name.clone(),
-            unit: info.map_or_else(|| String::from("ns"), |info| info.unit.clone()),
+            unit: info.unit,
             min: bounds.min,
             max: bounds.max,
             nominal: bounds.nominal,

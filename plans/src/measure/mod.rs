@@ -95,15 +95,14 @@ impl Measurement {
 
     /// Finds what cannot be measured with these signals.
     pub fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
-        let mut info = None;
+        let mut info = gauge::time();
         if let Some(name) = self.signals().first() {
-            info = crate::expect::known(name, wiring, out);
-            if info.is_none() {
-                return;
+            let Some(known) = crate::expect::known(name, wiring, out) else { return };
+            if matches!(self.quantity, Quantity::Value { .. }) {
+                info = known.clone();
             }
         }
-        let info = info.filter(|_| matches!(self.quantity, Quantity::Value { .. }));
-        crate::expect::meant(gauge::Bounds::new(&self.limits, info).map(drop), out);
+        crate::expect::meant(gauge::Bounds::new(&self.limits, &info).map(drop), out);
     }
 
     /// Starts measuring.

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use document::{Data, Fields, KeySpec, KeyType};
 
+use super::gauge::{Bounds, time};
 use super::{Limits, Measurement, Quantity};
 use crate::codes;
 use crate::expect::{Context, literal};
 use crate::judge::edges::Edge;
-use crate::lang::Anchor;
+use crate::lang::{Anchor, Literal};
 
 const EDGE_KEYS: &[KeySpec] = &[
     KeySpec::required("signal", KeyType::SignalRef, "The signal that ends the time"),
@@ -37,7 +38,11 @@ pub const KEYS: &[KeySpec] = &[
     KeySpec::optional("min", KeyType::Value, "The least value allowed, itself included"),
     KeySpec::optional("max", KeyType::Value, "The greatest value allowed, itself included"),
     KeySpec::optional("nominal", KeyType::Value, "The value wanted, with `tolerance`"),
-    KeySpec::optional("tolerance", KeyType::Value, "How far from `nominal` is allowed"),
+    KeySpec::optional(
+        "tolerance",
+        KeyType::Value,
+        "How far from `nominal` is allowed, or which part of it, as in \"10 %\"",
+    ),
     KeySpec::optional("rows", KeyType::List(&KeyType::Text), "The rows that measure it; all if left out"),
 ];
 
@@ -49,15 +54,17 @@ pub fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Measurement> {
     let (quantity, limits) = (quantity?, limits?);
     if !matches!(quantity, Quantity::Value { .. }) {
         for key in ["min", "max", "nominal", "tolerance"] {
-            let timed = |text: &str| text.contains('#') || signal::Span::parse(text).is_ok();
-            if let Some(node) = fields.get(key).filter(|node| !node.as_text().is_some_and(timed)) {
-                let message = format!("`{key}` limits a time and has no unit");
+            let Some(node) = fields.get(key) else { continue };
+            let limit = Literal::of(node).ok().and_then(|limit| limit.quantity());
+            let timed = |limit: signal::Quantity| limit.is_time() || (key == "tolerance" && limit.is_part());
+            if !limit.is_some_and(timed) {
+                let message = format!("`{key}` limits a time and is no duration");
                 cx.out.bad(codes::UNIT, node, message, "write it with a unit, as in \"6 us\"");
                 return None;
             }
         }
         // A time is known to be one without any signal, so its limits are checked here.
-        if let Err(why) = super::gauge::Bounds::new(&limits, None) {
+        if let Err(why) = Bounds::new(&limits, &time()) {
             cx.out.error(codes::UNIT, cx.place.clone(), why, "write durations with a unit, as in \"6 us\"");
             return None;
         }

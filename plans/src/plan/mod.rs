@@ -113,13 +113,26 @@ impl TaskFigure {
     }
 }
 
+/// Which changes of a signal are recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Recording {
+    /// Every change.
+    Changes,
+    /// Changes by more than this, a number above 0 or such a quantity.
+    Deadband(Literal),
+    /// At most one value in this time, which is above 0.
+    AtMostEvery(Span),
+}
+
 /// A name of the plan and what it stands for.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SignalBinding {
     /// The name that the trace has.
     pub name: String,
     /// What it stands for.
     pub source: Source,
+    /// How it is recorded.
+    pub recording: Recording,
     /// Bytes of the plan at which it is bound, or first used where it is not bound.
     pub span: Range<usize>,
 }

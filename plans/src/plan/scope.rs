@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use document::{Fields, Findings, KeySpec, Node, suggest};
 
 use super::signals::{self, BUILT_IN};
-use super::{SignalBinding, Source, TaskFigure};
+use super::{Recording, SignalBinding, Source, TaskFigure};
 use crate::codes;
 use crate::expect::Names;
 use crate::lang::{Anchor, AnchorError, Base, Operand, OperandError};
@@ -64,6 +64,21 @@ impl Scope<'_> {
             _ => name.to_owned(),
         };
         Some(self.use_source(name, source, node))
+    }
+
+    /// The name of a signal of which every change counts; reports one whose trace leaves some out.
+    pub(crate) fn whole_signal(&self, node: &Node, out: &mut Findings) -> Option<String> {
+        let name = self.signal_of(node, out)?;
+        let binding = self.bound.iter().find(|binding| binding.name == name);
+        let key = match binding.map(|binding| &binding.recording) {
+            None | Some(Recording::Changes) => return Some(name),
+            Some(Recording::Deadband(_)) => "deadband",
+            Some(Recording::AtMostEvery(_)) => "at-most-every",
+        };
+        let message = format!("every change of `{name}` counts here, and it is recorded with `{key}`");
+        let help = format!("bind the signal under a second name, without `{key}`");
+        out.bad(codes::RECORDING, node, message, help);
+        None
     }
 
     /// The name of a task; reports one that the settings do not have.
@@ -124,7 +139,8 @@ impl Scope<'_> {
     fn use_source(&self, name: String, source: Source, node: &Node) -> String {
         let mut used = self.used.borrow_mut();
         if used.names.insert(name.clone()) {
-            used.list.push(SignalBinding { name: name.clone(), source, span: node.span.clone() });
+            let (name, recording) = (name.clone(), Recording::Changes);
+            used.list.push(SignalBinding { name, source, recording, span: node.span.clone() });
         }
         name
     }

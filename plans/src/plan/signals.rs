@@ -1,21 +1,37 @@
 //! `signals`: names and what they stand for.
 
 use document::{Fields, Findings, KeySpec, KeyType, Node, Table};
-use signal::{Address, Area, Size};
+use signal::{Address, Area, Decimal, Size, Span, Value};
 
-use super::{SignalBinding, Source, TaskFigure};
+use super::{Recording, SignalBinding, Source, TaskFigure};
 use crate::codes;
-use crate::lang::{is_id, is_path};
+use crate::lang::{Literal, is_id, is_path};
 
-const SOURCE_KEYS: &[KeySpec] = &[
-    KeySpec::optional("image", KeyType::Text, "An input or output as the program sees it."),
-    KeySpec::optional("channel", KeyType::Text, "A channel of the board."),
-    KeySpec::optional("task", KeyType::Text, "A task, whose `figure` is meant."),
-    KeySpec::optional("figure", KeyType::Choice(TaskFigure::NAMES), "Which figure of the task."),
-];
+const PATH: KeySpec = KeySpec::optional("path", KeyType::Text, "A variable, or a channel of the board.");
+const ADDRESS: KeySpec =
+    KeySpec::optional("address", KeyType::Text, "The line of an input or output, or a place of memory.");
+const IMAGE: KeySpec =
+    KeySpec::optional("image", KeyType::Text, "An input or output as the program sees it.");
+const CHANNEL: KeySpec = KeySpec::optional("channel", KeyType::Text, "A channel of the board.");
+const TASK: KeySpec = KeySpec::optional("task", KeyType::Text, "A task, whose `figure` is meant.");
+const FIGURE: KeySpec =
+    KeySpec::optional("figure", KeyType::Choice(TaskFigure::NAMES), "Which figure of the task.");
+const DEADBAND: KeySpec = KeySpec::optional(
+    "deadband",
+    KeyType::Quantity,
+    "Only changes by more than this are recorded: a number above 0 in the signal's unit.",
+);
+const AT_MOST_EVERY: KeySpec =
+    KeySpec::optional("at-most-every", KeyType::Duration, "At most one value is recorded in this time.");
+
+/// What names a signal.
+const SOURCE_KEYS: &[KeySpec] = &[PATH, ADDRESS, IMAGE, CHANNEL, TASK, FIGURE];
+
+/// What names a signal that is bound, and how it is recorded.
+const BINDING_KEYS: &[KeySpec] = &[PATH, ADDRESS, IMAGE, CHANNEL, TASK, FIGURE, DEADBAND, AT_MOST_EVERY];
 
 /// What a name can stand for.
-pub(super) const SIGNAL_TYPE: KeyType = KeyType::Either(&[KeyType::Text, KeyType::Table(SOURCE_KEYS)]);
+pub(super) const SIGNAL_TYPE: KeyType = KeyType::Either(&[KeyType::Text, KeyType::Table(BINDING_KEYS)]);
 
 /// Names that the trace has by itself.
 pub(super) const BUILT_IN: &[&str] = &["state"];
@@ -35,30 +51,66 @@ pub(super) fn read(table: &Table, out: &mut Findings) -> Vec<SignalBinding> {
             out.error(codes::SIGNAL, place, format!("`{name}` cannot be the name of a signal"), help);
             continue;
         }
-        if let Some(source) = source(&entry.node, out) {
-            list.push(SignalBinding { name: name.clone(), source, span: place });
+        if let Some((source, recording)) = binding(&entry.node, out) {
+            list.push(SignalBinding { name: name.clone(), source, recording, span: place });
         }
     }
     list
 }
 
+/// What a text or table binds a name to; reports what is wrong with it.
+fn binding(node: &Node, out: &mut Findings) -> Option<(Source, Recording)> {
+    if let Some(text) = node.as_text() {
+        return Some((text_source(node, text, out)?, Recording::Changes));
+    }
+    let fields = fields(node, BINDING_KEYS, out)?;
+    let (source, recording) = (table_source(node, &fields, out), recording(&fields, out));
+    Some((source?, recording?))
+}
+
 /// What a text or table stands for; reports what is wrong with it.
 pub(super) fn source(node: &Node, out: &mut Findings) -> Option<Source> {
-    if let Some(text) = node.as_text() {
-        return text_source(node, text, out);
+    match node.as_text() {
+        Some(text) => text_source(node, text, out),
+        None => table_source(node, &fields(node, SOURCE_KEYS, out)?, out),
     }
+}
+
+/// The fields of a table in which nothing is wrong.
+fn fields<'n>(node: &'n Node, keys: &'static [KeySpec], out: &mut Findings) -> Option<Fields<'n>> {
     let Some(table) = node.as_table() else {
         let help = "as in \"%QX0.4\", \"MAIN.n\" or { image = \"%IX0.0\" }";
         out.bad(codes::WRONG_TYPE, node, format!("a signal is no {}", &node.kind()[2..]), help);
         return None;
     };
     let before = out.errors();
-    let fields = Fields::check(table, node.span.clone(), "signal", SOURCE_KEYS, out);
-    if out.errors() > before {
-        return None;
-    }
-    match (fields.get("image"), fields.get("channel"), fields.get("task")) {
-        (Some(image), None, None) if !fields.has("figure") => {
+    let fields = Fields::check(table, node.span.clone(), "signal", keys, out);
+    (out.errors() == before).then_some(fields)
+}
+
+/// What a table stands for.
+fn table_source(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<Source> {
+    let given: Vec<&str> = SOURCE_KEYS.iter().map(|key| key.name).filter(|key| fields.has(key)).collect();
+    match given.as_slice() {
+        ["path"] => {
+            let path = fields.get("path")?;
+            let text = path.as_text()?.trim();
+            if !is_path(text) {
+                let help = match text.starts_with('%') {
+                    true => format!("an address stands under `address`: {{ address = \"{text}\" }}"),
+                    false => "write the name of a variable, as in \"MAIN.n\"".to_owned(),
+                };
+                out.bad(codes::SIGNAL, path, format!("`{text}` is no variable"), help);
+                return None;
+            }
+            Some(Source::Path(text.to_owned()))
+        }
+        ["address"] => {
+            let place = fields.get("address")?;
+            Some(addressed(address(place, place.as_text()?, out)?))
+        }
+        ["image"] => {
+            let image = fields.get("image")?;
             let address = address(image, image.as_text()?, out)?;
             if address.area() == Area::Memory {
                 let help = "memory has no image beside it: bind the address itself";
@@ -67,18 +119,58 @@ pub(super) fn source(node: &Node, out: &mut Findings) -> Option<Source> {
             }
             Some(Source::Image(address))
         }
-        (None, Some(channel), None) if !fields.has("figure") => {
-            Some(Source::Channel(channel.as_text()?.to_owned()))
-        }
-        (None, None, Some(task)) if fields.has("figure") => Some(Source::Task {
-            task: task.as_text()?.to_owned(),
+        ["channel"] => Some(Source::Channel(fields.text("channel")?.to_owned())),
+        ["task", "figure"] => Some(Source::Task {
+            task: fields.text("task")?.to_owned(),
             figure: TaskFigure::find(fields.text("figure")?)?,
         }),
-        _ => {
-            let help = "as in { image = \"%IX0.0\" }, { channel = \"temperature\" } or \
-                        { task = \"MAST\", figure = \"max-cycle\" }";
-            out.bad(codes::SIGNAL, node, "the table names no signal", help);
+        several => {
+            let message = match several {
+                [] => "the table names no signal",
+                ["task"] => "the table names no figure of the task",
+                ["figure"] => "the table names no task",
+                _ => "the table names several signals",
+            };
+            let help = "as in { path = \"MAIN.n\" }, { address = \"%MW10\" }, { image = \"%IX0.0\" }, \
+                        { channel = \"temperature\" } or { task = \"MAST\", figure = \"max-cycle\" }";
+            out.bad(codes::SIGNAL, node, message, help);
             None
+        }
+    }
+}
+
+/// Which changes are recorded.
+fn recording(fields: &Fields<'_>, out: &mut Findings) -> Option<Recording> {
+    match (fields.get("deadband"), fields.entry("at-most-every")) {
+        (None, None) => Some(Recording::Changes),
+        (Some(_), Some(entry)) => {
+            let message = "a signal is recorded with `deadband` or `at-most-every`, not both";
+            let help = "remove one of them, or bind the signal under two names";
+            out.error(codes::RECORDING, entry.key_span.clone(), message, help);
+            None
+        }
+        (Some(node), None) => {
+            let band = Literal::read(node, out)?;
+            let above_0 = match &band {
+                Literal::Value(Value::Bool(_)) | Literal::Label(_) => false,
+                Literal::Value(value) => value.as_real().is_some_and(|number| number > 0.0),
+                Literal::Measure { number, .. } => *number > Decimal::ZERO,
+            };
+            if !above_0 {
+                let help = "without `deadband` every change is recorded";
+                out.bad(codes::RECORDING, node, "a deadband is a number above 0", help);
+                return None;
+            }
+            Some(Recording::Deadband(band))
+        }
+        (None, Some(entry)) => {
+            let span = fields.duration("at-most-every")?;
+            if span == Span::ZERO {
+                let help = "without `at-most-every` every change is recorded";
+                out.bad(codes::RECORDING, &entry.node, "`at-most-every` is a duration above 0", help);
+                return None;
+            }
+            Some(Recording::AtMostEvery(span))
         }
     }
 }
@@ -87,9 +179,7 @@ pub(super) fn source(node: &Node, out: &mut Findings) -> Option<Source> {
 pub(super) fn text_source(node: &Node, text: &str, out: &mut Findings) -> Option<Source> {
     let text = text.trim();
     if text.starts_with('%') {
-        let address = address(node, text, out)?;
-        let line = address.area() != Area::Memory && address.size() == Size::Bit;
-        return Some(if line { Source::Line(address) } else { Source::Memory(address) });
+        return Some(addressed(address(node, text, out)?));
     }
     if is_path(text) {
         return Some(Source::Path(text.to_owned()));
@@ -98,6 +188,12 @@ pub(super) fn text_source(node: &Node, text: &str, out: &mut Findings) -> Option
         "write an address such as \"%QX0.4\", a variable such as \"MAIN.n\", or the name of a bound signal";
     out.bad(codes::SIGNAL, node, format!("`{text}` cannot be a signal"), help);
     None
+}
+
+/// What an address stands for.
+fn addressed(address: Address) -> Source {
+    let line = address.area() != Area::Memory && address.size() == Size::Bit;
+    if line { Source::Line(address) } else { Source::Memory(address) }
 }
 
 /// An address; reports what is wrong with it.

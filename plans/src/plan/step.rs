@@ -190,7 +190,7 @@ impl StepReader<'_> {
         previous: Option<&str>,
         out: &mut Findings,
     ) -> Option<(StepTime, Anchor)> {
-        let signal = self.scope.signal(when.get("signal")?, out);
+        let signal = self.scope.whole_signal(when.get("signal")?, out);
         let given: Vec<&str> =
             ["becomes", "edge", "above", "below"].into_iter().filter(|key| when.has(key)).collect();
         let [key] = given.as_slice() else {

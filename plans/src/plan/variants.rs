@@ -8,10 +8,11 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use document::{Data, Entry, Fields, Findings, KeySpec, KeyType, Node, Table, suggest};
+use signal::{Decimal, Quantity, Unit};
 
 use super::read::MAX_CASES;
 use crate::codes;
-use crate::lang::{Bindings, Decimal, MAX_VALUE_BYTES, has_reference, is_id};
+use crate::lang::{Bindings, MAX_VALUE_BYTES, has_reference, is_id};
 
 /// A row: values by name.
 pub(super) const ROW_TYPE: KeyType = KeyType::Map(&KeyType::Any);
@@ -336,69 +337,66 @@ fn sweep(entry: &Entry, out: &mut Findings) -> Option<Named> {
 
 /// The values from `from` to at most `to`, in the unit that all three are written in.
 fn points(from: &Node, to: &Node, step: &Node, out: &mut Findings) -> Option<Vec<Node>> {
-    let (first, unit) = number(from, out)?;
-    let (last, unit_to) = number(to, out)?;
-    let (by, unit_step) = number(step, out)?;
-    for (node, other) in [(to, &unit_to), (step, &unit_step)] {
-        if *other != unit {
+    let first = quantity(from, out)?;
+    let last = quantity(to, out)?;
+    let by = quantity(step, out)?;
+    for (node, other) in [(to, &last), (step, &by)] {
+        if other.unit != first.unit {
             let message = "`from`, `to` and `step` are not in one unit";
-            let help = format!("write all three in `{unit}`");
-            out.error(
-                codes::UNIT,
-                node.span.clone(),
-                message,
-                if unit.is_empty() { "".into() } else { help },
-            );
+            let help = match first.unit.is_none() {
+                true => String::new(),
+                false => format!("write all three in `{}`", first.unit),
+            };
+            out.error(codes::UNIT, node.span.clone(), message, help);
             return None;
         }
     }
-    let decimals = first.decimals.max(last.decimals).max(by.decimals);
-    let scaled = |number: Decimal| number.scaled(decimals);
-    let (Some(first), Some(last), Some(by)) = (scaled(first), scaled(last), scaled(by)) else {
-        out.error(codes::SWEEP, from.span.clone(), "too many digits", "");
-        return None;
-    };
-    if by <= 0 || last < first {
-        let (place, message) =
-            if by <= 0 { (step, "`step` is not above 0") } else { (to, "`to` is below `from`") };
+    if by.number <= Decimal::ZERO || last.number < first.number {
+        let (place, message) = match by.number <= Decimal::ZERO {
+            true => (step, "`step` is not above 0"),
+            false => (to, "`to` is below `from`"),
+        };
         out.error(codes::SWEEP, place.span.clone(), message, "a sweep goes upwards");
         return None;
     }
-    let count = (last - first) / by + 1;
-    if count > i128::from(MAX_CASES) {
-        let message = format!("the sweep has {count} values; {MAX_CASES} is the most");
-        out.error(codes::TOO_MANY_CASES, step.span.clone(), message, "widen its step");
-        return None;
-    }
-    let node = |at: i128| {
-        let value = Decimal { mantissa: first + at * by, decimals };
-        let data = if !unit.is_empty() {
-            Data::Text(format!("{value} {unit}"))
-        } else if decimals == 0 {
-            Data::Integer(i64::try_from(value.mantissa).unwrap_or(i64::MAX))
-        } else {
-            Data::Float(value.to_string())
+    let whole = [from, to, step].iter().all(|node| !matches!(node.data, Data::Float(_)))
+        && [&first, &last, &by].iter().all(|quantity| quantity.number.is_whole());
+    let mut values = Vec::new();
+    let mut number = first.number;
+    while number <= last.number {
+        if values.len() as u64 == MAX_CASES {
+            let message = format!("the sweep has more than {MAX_CASES} values");
+            out.error(codes::TOO_MANY_CASES, step.span.clone(), message, "widen its step");
+            return None;
+        }
+        let integer = number.as_whole().and_then(|integer| i64::try_from(integer).ok());
+        let data = match (first.unit.is_none(), whole, integer) {
+            (false, ..) => Some(Data::Text(Quantity { number, unit: first.unit.clone() }.to_string())),
+            (true, true, integer) => integer.map(Data::Integer),
+            (true, false, _) => Some(Data::Float(number.to_string())),
         };
-        Node::new(from.span.clone(), data)
-    };
-    Some((0..count).map(node).collect())
+        let (Some(data), Some(next)) = (data, number.plus(by.number)) else {
+            out.error(codes::SWEEP, from.span.clone(), "too many digits", "");
+            return None;
+        };
+        values.push(Node::new(from.span.clone(), data));
+        number = next;
+    }
+    Some(values)
 }
 
 /// A number with its unit.
-fn number(node: &Node, out: &mut Findings) -> Option<(Decimal, String)> {
+fn quantity(node: &Node, out: &mut Findings) -> Option<Quantity> {
     let read = match &node.data {
-        Data::Text(text) | Data::Float(text) => {
-            Decimal::split(text).map(|(number, unit)| (number, unit.to_owned()))
-        }
+        Data::Text(text) | Data::Float(text) => Quantity::parse(text).ok(),
         Data::Integer(number) => {
-            Some((Decimal { mantissa: i128::from(*number), decimals: 0 }, String::new()))
+            Some(Quantity { number: Decimal::from(i128::from(*number)), unit: Unit::NONE })
         }
         _ => None,
     };
-    if read.is_none() || matches!(&node.data, Data::Float(text) if text.contains(['e', 'E'])) {
+    if read.is_none() {
         let help = "write a number or a quantity such as \"0.37 ms\"";
         out.error(codes::SWEEP, node.span.clone(), "not a number with at most one unit", help);
-        return None;
     }
     read
 }

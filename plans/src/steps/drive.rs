@@ -126,6 +126,8 @@ fn read_release(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<St
 }
 
 fn read_write(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let (of, value) = pair(&scope.fields(node, WRITE_KEYS)?, "of", scope, out)?;
+    let (of, written) = pair(&scope.fields(node, WRITE_KEYS)?, "of", scope, out)?;
+    // A place of memory has no unit: a duration is written as the nanoseconds that it holds.
+    let value = written.value().map_or(written, Literal::Value);
     Some(Stimulus::Write { of, value })
 }

@@ -1,11 +1,11 @@
 //! `train`: pulses at a frequency that need not have a period of whole nanoseconds.
 
 use document::{Fields, Findings, KeySpec, KeyType, Node};
-use signal::Span;
+use signal::{Quantity, Span, Unit};
 
 use super::{Stimulus, Verb};
 use crate::codes;
-use crate::lang::{Decimal, millihertz};
+use crate::lang::millihertz;
 use crate::plan::Scope;
 
 /// Most pulses of one train.
@@ -89,7 +89,7 @@ impl Train {
 
 fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
     let fields = scope.fields(node, KEYS)?;
-    let signal = scope.signal_of(fields.get("signal")?, out);
+    let signal = scope.whole_signal(fields.get("signal")?, out);
     let period = period(&fields, node, out);
     let duty = duty(&fields, out);
     let count = u32::try_from(fields.integer("count")?).unwrap_or(MAX_PULSES);
@@ -150,9 +150,9 @@ fn period(fields: &Fields<'_>, node: &Node, out: &mut Findings) -> Option<(u64, 
 /// The high part of the period in millionths.
 fn duty(fields: &Fields<'_>, out: &mut Findings) -> Option<u32> {
     let Some(node) = fields.get("duty") else { return (!fields.has("duty")).then_some(500_000) };
-    let read = Decimal::split(node.as_text()?)
-        .filter(|(_, unit)| *unit == "%")
-        .and_then(|(number, _)| u32::try_from(number.scaled(4)?).ok())
+    let part = Quantity::parse(node.as_text()?).ok().and_then(|duty| duty.in_unit(&Unit::new("ppm")));
+    let read = part
+        .and_then(|millionths| u32::try_from(millionths.as_whole()?).ok())
         .filter(|duty| (1..1_000_000).contains(duty));
     if read.is_none() {
         let message = "`duty` is not a part of the period";

@@ -77,8 +77,8 @@ pub fn run(args: &ProgramRunArgs) -> Exit {
             output::complain(&format!("--set {assignment}: write it as VARIABLE=VALUE"));
             return Exit::UserFiles;
         };
-        let value = match plans::Literal::parse(text) {
-            Ok(plans::Literal::Value(value)) => value,
+        let value = match plans::Literal::parse(text).map(|literal| literal.value()) {
+            Ok(Some(value)) => value,
             _ => {
                 output::complain(&format!("--set {assignment}: `{text}` is no value of a variable"));
                 return Exit::UserFiles;

@@ -26,22 +26,14 @@ pub trait Application: Send {
 
     /// Writes the initial values of located variables into memory. Called behind [`Application::reset`]; the bits of
     /// %Q that are written here have a software initialization value (controller:OUT-03).
-    fn initialize(&self, memory: &mut Memory) {
-        let _ = memory;
-    }
+    fn initialize(&self, memory: &mut Memory);
 
     /// Whether a variable is associated with `%MW<word>`, which ends the word's automatic retention
     /// (controller:REM-03).
-    fn associates(&self, word: u32) -> bool {
-        let _ = word;
-        false
-    }
+    fn associates(&self, word: u32) -> bool;
 
     /// Whether a task writes into byte `byte` of %Q (controller:PRIO-05).
-    fn writes_output(&self, task: usize, byte: u32) -> bool {
-        let _ = (task, byte);
-        false
-    }
+    fn writes_output(&self, task: usize, byte: u32) -> bool;
 
     /// Bytes of an image of the remanent variables.
     fn retained_len(&self) -> usize;
@@ -63,9 +55,6 @@ pub trait Application: Send {
 
     /// Writes a variable, cut to its width.
     fn write(&mut self, variable: u32, value: Value);
-
-    /// The variable with this path.
-    fn find(&self, path: &str) -> Option<u32>;
 
     /// From now on, a change of the variable ends a slice with [`Stop::Touched`].
     fn watch(&mut self, variable: u32);
@@ -130,13 +119,13 @@ pub struct VariableReset {
 
 impl VariableReset {
     /// Every variable is initialised.
-    pub const ALL: VariableReset = VariableReset { keep_retain: false, keep_persistent: false };
+    pub(crate) const ALL: VariableReset = VariableReset { keep_retain: false, keep_persistent: false };
     /// Reset warm.
-    pub const WARM: VariableReset = VariableReset { keep_retain: true, keep_persistent: true };
+    pub(crate) const WARM: VariableReset = VariableReset { keep_retain: true, keep_persistent: true };
     /// Reset cold.
-    pub const COLD: VariableReset = VariableReset { keep_retain: false, keep_persistent: true };
+    pub(crate) const COLD: VariableReset = VariableReset { keep_retain: false, keep_persistent: true };
     /// Download of the same application.
-    pub const DOWNLOAD: VariableReset = VariableReset::COLD;
+    pub(crate) const DOWNLOAD: VariableReset = VariableReset::COLD;
 }
 
 /// Turns an application bundle into an application. Called at boot and download, never inside a scan.

@@ -6,7 +6,7 @@ use crate::output::Outputs;
 use crate::task::Task;
 use crate::watch::Watches;
 use crate::{
-    Application, Config, ConfigError, Effects, LoadError, Loader, Log, Memory, NonVolatile, Probe, State,
+    Application, Config, ConfigError, Effects, LoadError, Loader, Memory, NonVolatile, Probe, State,
     SystemVariable, TaskFigures, WriteError,
 };
 use profile::{ApplicationError, BootProjectStatus, StopCause};
@@ -33,7 +33,6 @@ pub struct Controller {
     pub(crate) context: Context,
     pub(crate) system: System,
     pub(crate) watches: Watches,
-    pub(crate) log: Log,
 }
 
 /// The one processor (controller:TASK-03).
@@ -171,7 +170,6 @@ impl Controller {
                 error: ApplicationError::None,
             },
             watches: Watches::default(),
-            log: Log::new(),
         })
     }
 
@@ -193,49 +191,14 @@ impl Controller {
         Ok(())
     }
 
-    /// The configuration.
-    pub fn config(&self) -> &Config {
-        &self.config
-    }
-
     /// The state. While a stop waits for cycles under way it is still RUNNING.
     pub fn state(&self) -> State {
         self.state
     }
 
-    /// Whether EMPTY was entered because of a system error (controller:STATE-01).
-    pub fn after_system_error(&self) -> bool {
-        self.state == State::Empty && self.power.system_error
-    }
-
-    /// Whether any input or output is forced (controller:STATE-03).
-    pub fn has_forced_io(&self) -> bool {
-        self.forced_inputs.mask | self.forced_outputs.mask != 0
-    }
-
-    /// The storage.
-    pub fn store(&self) -> &dyn NonVolatile {
-        &*self.store
-    }
-
-    /// The storage, to place or take files.
-    pub fn store_mut(&mut self) -> &mut dyn NonVolatile {
-        &mut *self.store
-    }
-
-    /// The log.
-    pub fn log(&self) -> &Log {
-        &self.log
-    }
-
     /// The figures of a task by its place in the configuration.
     pub fn task_figures(&self, task: usize) -> Option<TaskFigures> {
         self.tasks.iter().find(|at| at.place == task).map(|at| at.figures)
-    }
-
-    /// The number of the application's variable with this path; none without an application.
-    pub fn find_variable(&self, path: &str) -> Option<u32> {
-        self.application.as_ref().and_then(|application| application.find(path))
     }
 
     /// The physical level at terminal I`input` from `now` on. Numbers beyond the reference's inputs are ignored.

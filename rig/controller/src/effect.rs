@@ -44,18 +44,6 @@ pub enum Effect {
     },
 }
 
-impl Effect {
-    /// When it happened.
-    pub const fn at(&self) -> Time {
-        match *self {
-            Effect::Terminal { at, .. }
-            | Effect::State { at, .. }
-            | Effect::Changed { at, .. }
-            | Effect::Log { at, .. } => at,
-        }
-    }
-}
-
 /// The effects of the calls since the caller last drained the list, in the order in which they happened.
 #[derive(Clone, Debug, Default)]
 pub struct Effects {

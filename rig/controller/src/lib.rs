@@ -30,7 +30,6 @@ mod watch;
 pub use application::{
     Application, ApplicationFault, FaultClass, LoadError, Loader, Slice, Stop, VariableReset,
 };
-pub use boot::{BootFacts, BootOutcome, RunStopInput, decide};
 pub use command::{Channel, Command, Refusal, WriteError};
 pub use config::{
     Config, ConfigError, HaltOutputs, OutputsInStop, StartingMode, TaskConfig, TaskKind, Watchdog,
@@ -38,7 +37,7 @@ pub use config::{
 };
 pub use controller::Controller;
 pub use effect::{Effect, Effects, Probe, ProbeId, SystemVariable};
-pub use log::{Entry, Log};
+pub use log::Entry;
 pub use memory::Memory;
 pub use state::State;
 pub use store::{APPLICATION_FILE, NonVolatile, RETAIN_FILES, STATE_FILE};

@@ -1,12 +1,8 @@
-//! The controller's log: a bounded ring of facts (controller:NV-09).
+//! What the controller writes into its log (controller:NV-09). Keeping the entries is left to whoever takes the effects.
 
 use crate::{ApplicationFault, LoadError, State};
 use profile::StopCause;
-use signal::{Span, Time};
-use std::collections::VecDeque;
-
-/// Entries kept; older ones are dropped and counted.
-const KEPT: usize = 256;
+use signal::Span;
 
 /// What a log entry says. Tasks are named by their places in the configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,35 +64,4 @@ pub enum Entry {
     SupplyLost,
     /// The supply came back within the hold-up time (controller:HW-08, controller:HW-09).
     SupplyBack,
-}
-
-/// The newest entries, oldest first.
-#[derive(Clone, Debug)]
-pub struct Log {
-    entries: VecDeque<(Time, Entry)>,
-    dropped: u64,
-}
-
-impl Log {
-    pub(crate) fn new() -> Log {
-        Log { entries: VecDeque::with_capacity(KEPT), dropped: 0 }
-    }
-
-    pub(crate) fn push(&mut self, at: Time, entry: Entry) {
-        if self.entries.len() == KEPT {
-            self.entries.pop_front();
-            self.dropped += 1;
-        }
-        self.entries.push_back((at, entry));
-    }
-
-    /// The entries that are kept, oldest first.
-    pub fn entries(&self) -> impl Iterator<Item = (Time, Entry)> + '_ {
-        self.entries.iter().copied()
-    }
-
-    /// How many older entries were dropped.
-    pub const fn dropped(&self) -> u64 {
-        self.dropped
-    }
 }

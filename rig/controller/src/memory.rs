@@ -44,7 +44,7 @@ impl Memory {
     }
 
     /// Who made the last stores.
-    pub fn cause(&self) -> Cause {
+    pub(crate) fn cause(&self) -> Cause {
         self.cause
     }
 
@@ -84,13 +84,13 @@ impl Memory {
     }
 
     /// From now on, a store that changes this place reports it.
-    pub fn watch(&mut self, at: Address) {
+    pub(crate) fn watch(&mut self, at: Address) {
         self.any_watched = true;
         self.watched[at.area() as usize].set(at, u64::MAX);
     }
 
     /// Who wrote a bit of %Q last; unknown for a bit that nobody wrote since the memory was cleared.
-    pub fn writer(&self, output_bit: u32) -> Cause {
+    pub(crate) fn writer(&self, output_bit: u32) -> Cause {
         self.writers.get(output_bit as usize).copied().unwrap_or_default()
     }
 
@@ -116,7 +116,7 @@ impl Memory {
         let remanent = REMANENT_WORDS as usize * 2;
         self.words.bytes_mut()[remanent..].fill(0);
         for word in (0..REMANENT_WORDS).filter(|word| !keep(*word)) {
-            self.words.set_word(word, 0);
+            self.words.bytes_mut()[word as usize * 2..][..2].fill(0);
         }
         self.remanent_dirty = true;
     }

@@ -37,7 +37,7 @@ impl State {
     ];
 
     /// The state as the system variable shows it (controller:STATE-02); none where no service answers.
-    pub const fn status(self) -> Option<Status> {
+    pub(crate) const fn status(self) -> Option<Status> {
         match self {
             State::Off | State::Booting | State::InvalidOs => None,
             State::Empty => Some(Status::Empty),
@@ -63,7 +63,7 @@ impl State {
     }
 
     /// The state of this number.
-    pub fn from_number(number: i64) -> Option<State> {
+    pub(crate) fn from_number(number: i64) -> Option<State> {
         State::ALL.into_iter().find(|state| state.number() == number)
     }
 

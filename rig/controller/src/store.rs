@@ -21,9 +21,6 @@ pub trait NonVolatile: Send {
     /// Removes a file; one that does not exist is no error.
     fn remove(&mut self, name: &str);
 
-    /// Names of all files, sorted.
-    fn list(&self) -> Vec<String>;
-
     /// What a power loss leaves of a write: the first `kept` bytes are new, the others as they were.
     fn tear(&mut self, name: &str, bytes: &[u8], kept: usize);
 }

@@ -19,10 +19,6 @@ pub struct TaskFigures {
     pub total: Span,
     /// From start to end of the last cycle, with the time in which it was pre-empted.
     pub elapsed: Span,
-    /// Start of the last cycle that started.
-    pub started: Time,
-    /// End of the last cycle that ended.
-    pub ended: Time,
     /// Cycles that took longer than the interval, from start to end.
     pub overruns: u64,
     /// Releases that were lost because one was already waiting (controller:TASK-11).
@@ -60,7 +56,7 @@ impl TaskFigures {
     }
 
     /// One of the figures as a value: a count, or nanoseconds.
-    pub fn get(&self, figure: Figure) -> Value {
+    pub(crate) fn get(&self, figure: Figure) -> Value {
         let count = |n: u64| Value::Int(i64::try_from(n).unwrap_or(i64::MAX));
         match figure {
             Figure::Cycles => count(self.cycles),
@@ -157,7 +153,6 @@ impl Task {
         let least = if times > 0 { overload.max(least) } else { least };
         self.overload.1 = times.saturating_sub(1);
         self.cycle = Cycle { start: now, used: Span::ZERO, least, rest: None, excepted: false };
-        self.figures.started = now;
     }
 
     /// Ends the cycle at `now`; its time from start to end.
@@ -170,7 +165,7 @@ impl Task {
         figures.min = if figures.cycles == 0 { used } else { figures.min.min(used) };
         figures.max = figures.max.max(used);
         figures.total = figures.total + used;
-        (figures.last, figures.elapsed, figures.ended) = (used, elapsed, now);
+        (figures.last, figures.elapsed) = (used, elapsed);
         figures.cycles += 1;
         figures.overruns += u64::from(elapsed > self.interval);
         elapsed

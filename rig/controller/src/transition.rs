@@ -1,10 +1,11 @@
 //! States and the ways between them: power, boot, stop, errors.
 
+use crate::boot::{BootFacts, decide};
 use crate::controller::Forced;
 use crate::watch::class;
 use crate::{
-    APPLICATION_FILE, Application, BootFacts, Controller, Effect, Effects, Entry, HaltOutputs, NonVolatile,
-    OutputsInStop, RunStopInput, STATE_FILE, State, VariableReset, decide,
+    APPLICATION_FILE, Application, Controller, Effect, Effects, Entry, HaltOutputs, NonVolatile,
+    OutputsInStop, STATE_FILE, State, VariableReset,
 };
 use profile::{ApplicationError, BOOT_STAGES, BootProjectStatus, Profile, StopCause};
 use signal::{Cause, Span, Time};
@@ -122,7 +123,6 @@ impl Controller {
             same: false,
             previous,
             mode: self.config.starting_mode,
-            input: RunStopInput::None,
             switch_at_run: self.power.switch_at_run,
         };
         if let Some(application) = application {
@@ -323,7 +323,6 @@ impl Controller {
 
     /// Puts an entry into the log.
     pub(crate) fn note(&mut self, at: Time, entry: Entry, fx: &mut Effects) {
-        self.log.push(at, entry);
         fx.push(Effect::Log { at, entry });
     }
 }

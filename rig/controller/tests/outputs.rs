@@ -119,10 +119,9 @@ fn outputs_through_a_boot() {
 #[test]
 fn forced_outputs() {
     let mut rig = with(|_| {});
-    let q4 = Channel::at(at("%QX0.4"), rig.plc.config().reference).unwrap();
+    let q4 = Channel::at(at("%QX0.4"), config().reference).unwrap();
     rig.to(run_at(ms(55)));
     rig.command(Command::Force { channel: q4, on: false }).unwrap();
-    assert!(rig.plc.has_forced_io());
     rig.to(run_at(ms(59)));
     assert_eq!(rig.terminal(4), Level::High, "no cycle has ended yet");
     rig.to(run_at(ms(65)));
@@ -142,7 +141,8 @@ fn forced_outputs() {
     assert_eq!(rig.terminal(4), Level::High);
     rig.command(Command::Force { channel: q4, on: true }).unwrap();
     rig.command(Command::ResetWarm).unwrap();
-    assert!(!rig.plc.has_forced_io());
+    rig.after(ms(21));
+    assert_eq!(rig.terminal(4), Level::Low, "a reset ends forcing");
     let none = Channel::Output(10);
     assert_eq!(rig.command(Command::Force { channel: none, on: true }), Err(Refusal::NoChannel(none)));
 }

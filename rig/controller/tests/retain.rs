@@ -64,21 +64,21 @@ fn the_other_image_stands_in() {
     rig.after(ms(50));
     rig.power_off();
     rig.after(ms(10));
-    let images = RETAIN_FILES.map(|name| rig.plc.store().read(name).unwrap());
+    let images = RETAIN_FILES.map(|name| rig.files.read(name).unwrap());
     let newer = usize::from(images[1][8] > images[0][8]);
     assert_ne!(images[0][8], images[1][8]);
     for place in [0, 8, 30, 2_010, images[newer].len() - 1] {
         let mut damaged = images[newer].clone();
         damaged[place] ^= 1;
-        rig.plc.store_mut().write(RETAIN_FILES[newer], &damaged);
-        rig.plc.store_mut().write(RETAIN_FILES[1 - newer], &images[1 - newer]);
+        rig.files.write(RETAIN_FILES[newer], &damaged);
+        rig.files.write(RETAIN_FILES[1 - newer], &images[1 - newer]);
         rig.power_on();
         rig.after(ms(1_500));
         rig.settle();
         assert_eq!((rig.variable(0), rig.variable(1)), (2, 2), "byte {place}");
         rig.power_off();
         rig.after(ms(10));
-        rig.plc.store_mut().write(STATE_FILE, b"");
+        rig.files.write(STATE_FILE, b"");
     }
 }
 

@@ -31,8 +31,8 @@ fn booted(mode: StartingMode, left: State) -> Rig {
 }
 
 fn row(rig: &Rig) -> u8 {
-    let boot = |(_, entry)| if let Entry::Boot { row } = entry { Some(row) } else { None };
-    rig.plc.log().entries().filter_map(boot).last().unwrap()
+    let boot = |entry| if let Entry::Boot { row } = entry { Some(row) } else { None };
+    rig.log().into_iter().filter_map(boot).next_back().unwrap()
 }
 
 // controller:RB-02, controller:TR-01, controller:TR-06, controller:TR-07
@@ -64,7 +64,7 @@ fn without_a_valid_application_it_is_empty() {
     for file in [None, Some(&b"garbage"[..])] {
         let mut rig = Rig::off(config(), counters());
         if let Some(bytes) = file {
-            rig.plc.store_mut().write(APPLICATION_FILE, bytes);
+            rig.files.write(APPLICATION_FILE, bytes);
         }
         rig.power_on();
         assert_eq!(
@@ -74,7 +74,6 @@ fn without_a_valid_application_it_is_empty() {
         );
         rig.after(ms(1_600));
         assert_eq!((rig.plc.state(), row(&rig)), (State::Empty, 3));
-        assert!(!rig.plc.after_system_error());
         assert_eq!(rig.system(SystemVariable::BootProjectStatus), 0);
         // controller:TR-26, controller:TR-28
         assert_eq!(rig.command(Command::Stop), Ok(()));
@@ -90,7 +89,7 @@ fn without_a_valid_application_it_is_empty() {
 fn an_invalid_context_ends_stopped() {
     // An application placed by file: nothing was saved for it.
     let mut rig = Rig::off(Config { starting_mode: StartingMode::Run, ..config() }, counters());
-    rig.plc.store_mut().write(APPLICATION_FILE, b"app");
+    rig.files.write(APPLICATION_FILE, b"app");
     rig.power_on();
     rig.after(ms(1_600));
     assert_eq!((rig.plc.state(), row(&rig)), (State::Stopped, 4));
@@ -103,7 +102,7 @@ fn an_invalid_context_ends_stopped() {
     assert_eq!((rig.plc.state(), row(&rig)), (State::Running, 8));
 
     // Another application placed over a running one.
-    rig.plc.store_mut().write(APPLICATION_FILE, b"other");
+    rig.files.write(APPLICATION_FILE, b"other");
     rig.power_off();
     rig.after(ms(10));
     rig.power_on();
@@ -114,7 +113,7 @@ fn an_invalid_context_ends_stopped() {
 
     // Both images damaged.
     for name in RETAIN_FILES {
-        rig.plc.store_mut().write(name, b"damaged");
+        rig.files.write(name, b"damaged");
     }
     rig.power_off();
     rig.after(ms(10));
@@ -157,7 +156,7 @@ fn downloads() {
     rig.after(ms(30));
     assert_eq!(rig.command(Command::Download(b"other".to_vec())), Ok(()));
     assert_eq!((rig.plc.state(), values(&rig)), (State::Stopped, ([0, 0, 0], [55, 3, 0])));
-    assert_eq!(rig.plc.store().read(APPLICATION_FILE).as_deref(), Some(&b"other"[..]));
+    assert_eq!(rig.files.read(APPLICATION_FILE).as_deref(), Some(&b"other"[..]));
     let refused = Err(Refusal::Application(LoadError::Bundle));
     assert_eq!(rig.command(Command::Download(b"garbage".to_vec())), refused);
     assert_eq!(rig.plc.state(), State::Empty);
@@ -189,7 +188,8 @@ fn run_and_stop() {
     assert_eq!(rig.command(Command::Run), Ok(()));
     rig.after(us(7));
     assert_eq!(values(&rig).0, [5, 5, 5]);
-    assert_eq!(rig.plc.task_figures(0).unwrap().started, now);
+    let cycles = rig.trail.lock().unwrap().clone();
+    assert_eq!(cycles.iter().rfind(|it| it.2 == "start"), Some(&(0, now, "start")));
     rig.plc.overload(0, ms(200), 1);
     rig.after(ms(200));
     assert_eq!(rig.plc.state(), State::Halt);
@@ -252,18 +252,16 @@ fn outputs_of_one_byte_in_two_tasks() {
     let error = LoadError::SharedOutputByte { byte: 0, tasks: (0, 1) };
     assert_eq!(rig.plc.commission(b"app", State::Running), Err(error));
     let rig = Rig::running(Config { profile: Profile::M241_2014, ..two }, script);
-    let warned = |(_, entry)| matches!(entry, Entry::SharedOutputByte { byte: 0, tasks: (0, 1) });
-    assert!(rig.plc.log().entries().any(warned));
+    assert!(rig.log().contains(&Entry::SharedOutputByte { byte: 0, tasks: (0, 1) }));
 }
 
 #[test]
 fn writes_reach_variables_and_memory() {
     let mut rig = booted(StartingMode::Stop, State::Stopped);
-    let n = rig.plc.find_variable("v1").unwrap();
-    let probe = rig.plc.watch(Probe::Variable(n));
-    assert_eq!(rig.plc.watch(Probe::Variable(n)), probe);
+    let probe = rig.plc.watch(Probe::Variable(1));
+    assert_eq!(rig.plc.watch(Probe::Variable(1)), probe);
     let step = Cause::Step(4);
-    rig.plc.write(rig.now, &Probe::Variable(n), Value::Int(41), step, &mut rig.fx).unwrap();
+    rig.plc.write(rig.now, &Probe::Variable(1), Value::Int(41), step, &mut rig.fx).unwrap();
     rig.plc.write(rig.now, &Probe::Address(at("%MW20")), Value::Word(7), step, &mut rig.fx).unwrap();
     assert_eq!(rig.fx.list, [Effect::Changed { at: rig.now, probe, value: Value::Int(41), cause: step }]);
     let refused = rig.plc.write(rig.now, &Probe::State, Value::Int(1), step, &mut rig.fx);

@@ -129,9 +129,8 @@ fn a_short_interval_has_its_own_limit() {
             assert_eq!(rig.states().last().unwrap().0, run_at(ms(13)));
         } else {
             assert_eq!(rig.plc.task_figures(0).unwrap().exceptions, 0);
-            let overruns =
-                rig.plc.log().entries().filter(|(_, it)| matches!(it, Entry::Overrun { .. })).count();
-            assert!(overruns >= 1, "tolerated, but logged");
+            let overrun = |it: &Entry| matches!(it, Entry::Overrun { .. });
+            assert!(rig.log().iter().any(overrun), "tolerated, but logged");
         }
     }
 }
@@ -144,7 +143,6 @@ fn full_load_reboots_into_empty() {
     assert_eq!(rig.plc.state(), State::Booting);
     assert_eq!(rig.states().last(), Some(&(run_at(ms(1_000)), State::Booting)));
     rig.to(run_at(ms(3_000)));
-    assert!(rig.plc.after_system_error());
     assert_eq!(rig.states().last(), Some(&(run_at(ms(2_500)), State::Empty)));
     assert_eq!(rig.system(SystemVariable::LastApplicationError), 0x0011);
     assert_eq!(rig.system(SystemVariable::LastStopCause), 0x01);
@@ -206,7 +204,7 @@ fn faults_end_in_their_class() {
     assert_eq!(rig.edges(4), [], "the cycle never wrote its outputs");
     let mut rig = with(|_| {}, vec![vec![(5_000, Act::Fault(FaultClass::System))]]);
     rig.after(ms(2_000));
-    assert!(rig.plc.after_system_error());
+    assert_eq!(rig.plc.state(), State::Empty);
     assert_eq!(rig.system(SystemVariable::LastStopCause), 0x03);
 }
 

@@ -276,7 +276,7 @@ fn duration(node: &Node, what: &str, text: &str, out: &mut Findings) -> bool {
         }
         Ok(_) => true,
         Err(error) => {
-            let at = error.offset().min(text.len());
+            let at = error.at;
             let end = text[at..].find(char::is_whitespace).map_or(text.len(), |end| at + end);
             let help = format!("write {}", KeyType::Duration.describe());
             out.bad_inside(

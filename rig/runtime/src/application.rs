@@ -183,10 +183,6 @@ impl Application for ProgramApplication {
         self.machine.write(VarRef(variable), value);
     }
 
-    fn find(&self, path: &str) -> Option<u32> {
-        self.machine.find(path).map(|variable| variable.0)
-    }
-
     fn watch(&mut self, variable: u32) {
         self.machine.watch(VarRef(variable));
     }

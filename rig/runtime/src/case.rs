@@ -24,9 +24,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Memory that a trace may take before it goes on in a file: enough for the traces of all but the longest cases, and
-/// little enough that a day takes no more than an hour does.
-const TRACE_IN_MEMORY: usize = 1 << 20;
+/// The memory that a trace takes before it goes on in a file, in bytes: enough for the traces of all but the longest
+/// cases, and little enough that a day takes no more than an hour does.
+pub const DEFAULT_TRACE_MEMORY: usize = 1 << 20;
 
 /// What a case is run on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +50,8 @@ pub struct RunOptions<'a> {
     pub late: Span,
     /// A case ends when a claim is lost.
     pub fail_fast: bool,
+    /// Bytes of memory that a trace may take before it goes on in a temporary file. Never shows in what comes of it.
+    pub trace_memory: usize,
     /// Becomes TRUE when the user wants the run to end.
     pub interrupt: &'a AtomicBool,
 }
@@ -60,7 +62,14 @@ pub const DEFAULT_LATE: Span = Span::from_millis(20);
 impl<'a> RunOptions<'a> {
     /// On this clock, with nothing special.
     pub fn new(clock: ClockKind, interrupt: &'a AtomicBool) -> Self {
-        RunOptions { clock, slice: Span::MAX, late: DEFAULT_LATE, fail_fast: false, interrupt }
+        RunOptions {
+            clock,
+            slice: Span::MAX,
+            late: DEFAULT_LATE,
+            fail_fast: false,
+            trace_memory: DEFAULT_TRACE_MEMORY,
+            interrupt,
+        }
     }
 }
 
@@ -197,7 +206,7 @@ pub fn run_case(
         return Ok(CaseResult { record, trace: None });
     }
     let mut clock = clock(options.clock, files.seed);
-    let trace = Trace::with_spill(TRACE_IN_MEMORY, spill::temporary());
+    let trace = Trace::with_spill(options.trace_memory, spill::temporary());
     let prepared = stage.prepare(case, files, trace, clock.is_exact())?;
     let Stage { mut model, mut board, .. } = stage;
     let initial = initial_state(case.settings.initial);

@@ -16,6 +16,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0112", "An address beyond its area"),
     ("R0113", "A configuration that the controller refuses"),
     ("R0114", "A program that the tasks do not find"),
+    ("R0115", "A deadband that does not fit its signal"),
     ("R0201", "A file that cannot be read"),
     ("R0203", "A trace of another plan"),
 ];

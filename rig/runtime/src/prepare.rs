@@ -7,7 +7,7 @@ use controller::{Channel as Terminal, Command, Figure, Probe, State};
 use document::{Diagnostic, Findings};
 use drivers::{Board, BoardFile, Channel, ChannelId, Fault, FaultKind, TimestampSource};
 use plans::lang::Literal;
-use plans::plan::{Await, SignalBinding, Source, TaskFigure};
+use plans::plan::{Await, Recording, SignalBinding, Source, TaskFigure};
 use plans::steps::{FaultKind as PlannedFault, Stimulus};
 use plans::{Case, Step, StepTime};
 use profile::{Profile, Reference};
@@ -98,7 +98,9 @@ pub fn prepare(
             }
             Meaning::Inside(observable) => SignalInfo::exact(&binding.name, observable.kind),
         };
-        let Some(signal) = define(&mut trace, clocked(info, bench.exact), &mut out) else { continue };
+        let Some(policy) = policy(binding, &info, &mut out) else { continue };
+        let info = clocked(SignalInfo { policy, ..info }, bench.exact);
+        let Some(signal) = define(&mut trace, info, &mut out) else { continue };
         match meaning {
             Meaning::Channel(channel, _) => wiring.channels[usize::from(channel.0)].push(signal),
             Meaning::Inside(observable) => {
@@ -127,6 +129,32 @@ pub fn prepare(
         return Err(found);
     }
     Ok(Prepared { trace, wiring, steps, probes })
+}
+
+/// Which changes of a bound signal the trace keeps.
+fn policy(binding: &SignalBinding, info: &SignalInfo, out: &mut Findings) -> Option<Policy> {
+    let band = match &binding.recording {
+        Recording::Changes => return Some(Policy::Changes),
+        Recording::AtMostEvery(span) => return Some(Policy::AtMostEvery(*span)),
+        Recording::Deadband(band) => band,
+    };
+    let (message, help) = match (info.kind, plans::value_of(band, info).ok().and_then(Value::as_real)) {
+        (Kind::Int | Kind::Word | Kind::Real, Some(band)) if band > 0.0 && band.is_finite() => {
+            return Some(Policy::Deadband(band));
+        }
+        (Kind::Int | Kind::Word | Kind::Real, _) => {
+            let unit = if info.unit.is_empty() {
+                String::from("without a unit")
+            } else {
+                format!("in {}", info.unit)
+            };
+            let band = plans::show_literal(band);
+            (format!("the deadband {band} does not fit `{}`", info.name), format!("write a number {unit}"))
+        }
+        _ => (format!("`{}` is no number and has no deadband", info.name), String::from("remove `deadband`")),
+    };
+    out.error("R0115", binding.span.clone(), message, help);
+    None
 }
 
 fn define(trace: &mut Trace, info: SignalInfo, out: &mut Findings) -> Option<SignalId> {
@@ -159,7 +187,6 @@ fn channel_info(name: &str, channel: &Channel) -> SignalInfo {
         unit: channel.unit().to_owned(),
         sampling,
         shortest_pulse: channel.shortest_pulse,
-        policy: Policy::Changes,
         ..SignalInfo::exact(name, kind)
     }
 }

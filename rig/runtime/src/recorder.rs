@@ -32,19 +32,25 @@ impl Recorder {
     /// Records a change; TRUE when the trace kept it.
     #[inline]
     pub fn record(&mut self, signal: SignalId, at: When, value: Value, cause: Cause) -> bool {
-        let event = Event { signal, at, value, cause };
-        match self.trace.push(event) {
-            Ok(kept) => {
-                if kept {
-                    self.judge.feed(&event);
-                }
-                kept
-            }
+        match self.keep(Event { signal, at, value, cause }) {
+            Ok(kept) => kept,
             Err(fault) => {
                 self.fault.get_or_insert(fault);
                 false
             }
         }
+    }
+
+    #[inline]
+    fn keep(&mut self, event: Event) -> Result<bool, TraceError> {
+        while let Some(settled) = self.trace.settle(event.at.earliest)? {
+            self.judge.feed(&settled);
+        }
+        let kept = self.trace.push(event)?;
+        if let Some(kept) = &kept {
+            self.judge.feed(kept);
+        }
+        Ok(kept.is_some())
     }
 
     /// Records a happening: its value counts how often it happened.

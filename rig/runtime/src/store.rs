@@ -31,10 +31,6 @@ impl NonVolatile for MemoryStore {
         self.files.remove(name);
     }
 
-    fn list(&self) -> Vec<String> {
-        self.files.keys().cloned().collect()
-    }
-
     fn tear(&mut self, name: &str, bytes: &[u8], kept: usize) {
         let old = self.files.get(name).map_or(&[][..], Vec::as_slice);
         let torn = torn(old, bytes, kept);
@@ -131,18 +127,6 @@ impl DiskStore {
         file.write_all(bytes)?;
         file.commit()
     }
-
-    fn collect(&self, folder: &Path, prefix: &str, names: &mut Vec<String>) {
-        let Ok(entries) = std::fs::read_dir(folder) else { return };
-        for entry in entries.flatten() {
-            let name = format!("{prefix}/{}", entry.file_name().to_string_lossy());
-            match entry.file_type() {
-                Ok(kind) if kind.is_dir() => self.collect(&entry.path(), &name, names),
-                Ok(kind) if kind.is_file() => names.push(name),
-                _ => {}
-            }
-        }
-    }
 }
 
 fn checksum(written: [u8; 8], bytes: &[u8]) -> u32 {
@@ -171,13 +155,6 @@ impl NonVolatile for DiskStore {
         }
     }
 
-    fn list(&self) -> Vec<String> {
-        let mut names = Vec::new();
-        self.collect(&self.root, "", &mut names);
-        names.sort();
-        names
-    }
-
     fn tear(&mut self, name: &str, bytes: &[u8], kept: usize) {
         // The medium under an atomic replacement keeps the old file; what a controller without one would
         // hold is written here as it would be found: without a fitting checksum.
@@ -204,7 +181,6 @@ mod tests {
         store.write("/data/retain.0", b"first context");
         store.write("/data/retain.0", b"second");
         assert_eq!(store.read("/data/retain.0").as_deref(), Some(&b"second"[..]));
-        assert_eq!(store.list(), ["/data/retain.0"]);
         assert!(store.written_at("/data/retain.0").unwrap() > 1_600_000_000);
 
         let path = folder.path().join("data/retain.0");

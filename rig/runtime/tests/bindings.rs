@@ -68,6 +68,13 @@ fn findings_say_what_to_write_instead() {
         (write, "", "R0106", "`force`"),
         (array, ", whole = \"MAIN.a\"", "R0104", "`MAIN.a[1]`"),
         (array, ", beyond = \"MAIN.a[9]\"", "R0104", "`MAIN.a[1]`"),
+        (array, ", no = { address = \"%QX0.5\", deadband = 1 }", "R0115", "remove `deadband`"),
+        (
+            array,
+            ", no = { task = \"MAST\", figure = \"cycles\", deadband = \"5 V\" }",
+            "R0115",
+            "without a unit",
+        ),
     ] {
         let plan = plan(rest).replace("lamp = \"%QX0.4\" }", &format!("lamp = \"%QX0.4\"{signal} }}"));
         let texts = [("plan.toml", plan.as_str()), ("toggle.st", TOGGLE), ("board.toml", board.as_str())];

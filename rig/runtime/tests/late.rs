@@ -51,7 +51,7 @@ fn compare(exact: &CaseResult, late: &CaseResult) -> Option<String> {
     let fits = |(exact, late): (&signal::Event, &signal::Event)| {
         let same = (exact.signal, exact.value, exact.cause) == (late.signal, late.value, late.cause);
         let inside = late.at.earliest <= exact.at.earliest && exact.at.latest <= late.at.latest;
-        same && inside && late.at.width() <= WORST
+        same && inside && late.at.latest - late.at.earliest <= WORST
     };
     let (exact, late) = exact_events.iter().zip(&late_events).find(|pair| !fits(*pair))?;
     Some(format!("{}: {exact:?} in virtual time, {late:?} when late", record.name))

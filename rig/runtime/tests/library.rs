@@ -52,3 +52,27 @@ fn every_case_passes_and_its_trace_says_so_again() {
     assert!(library.jobs.len() >= 200, "the library has only {} cases", library.jobs.len());
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// Every segment of a trace but the one that grows goes to the disk, and comes back for the verdicts and the lanes.
+#[test]
+fn a_trace_without_memory_comes_to_the_same() {
+    let library = Library::load();
+    let interrupt = AtomicBool::new(false);
+    let run = |trace_memory| {
+        let options = RunOptions { trace_memory, ..RunOptions::new(ClockKind::Virtual, &interrupt) };
+        let mut results = vec![None; library.jobs.len()];
+        suite::run(&library.plans, &library.jobs, 2, false, &options, &mut |place, done| {
+            let Done::Case(result) = done else { panic!("{}: {done:?}", library.jobs[place].name) };
+            let events = result.trace.as_ref().unwrap().len();
+            results[place] = Some((events, CaseRecord { host_ms: 0, ..result.record }));
+        });
+        results.into_iter().map(Option::unwrap).collect::<Vec<_>>()
+    };
+    let (in_memory, on_disk) = (run(usize::MAX), run(0));
+    for (memory, disk) in in_memory.iter().zip(&on_disk) {
+        assert_eq!(memory, disk);
+    }
+    // A segment then has half a kilobyte or a little more, and a change takes about six bytes.
+    let long = on_disk.iter().filter(|(events, _)| *events > 400).count();
+    assert!(long >= 50, "only {long} cases are longer than one segment");
+}

@@ -20,7 +20,7 @@ pub enum Area {
 
 impl Area {
     /// `I`, `Q` or `M`.
-    pub const fn letter(self) -> char {
+    const fn letter(self) -> char {
         match self {
             Area::Input => 'I',
             Area::Output => 'Q',
@@ -57,7 +57,7 @@ impl Size {
     }
 
     /// `X`, `B`, `W`, `D` or `L`.
-    pub const fn letter(self) -> char {
+    const fn letter(self) -> char {
         match self {
             Size::Bit => 'X',
             Size::Byte => 'B',
@@ -212,7 +212,7 @@ impl Address {
     }
 
     /// The place among the objects of its size: 10 for `%MW10`, 10 for `%IX1.2`.
-    pub const fn index(self) -> u32 {
+    const fn index(self) -> u32 {
         self.first / self.size.bits()
     }
 
@@ -230,7 +230,7 @@ impl Address {
 
     /// The byte of the area that holds the first bit.
     #[inline]
-    pub const fn byte_offset(self) -> u32 {
+    pub(crate) const fn byte_offset(self) -> u32 {
         self.first / 8
     }
 

@@ -28,21 +28,6 @@ impl When {
     pub fn within(earliest: Time, latest: Time) -> Self {
         When { earliest: earliest.min(latest), latest: earliest.max(latest) }
     }
-
-    /// Whether the instant is known to the nanosecond.
-    pub fn is_exact(self) -> bool {
-        self.earliest == self.latest
-    }
-
-    /// Both ends moved by `span`, held at the ends of the range of time.
-    pub const fn offset(self, span: Span) -> Self {
-        When { earliest: self.earliest.saturating_add(span), latest: self.latest.saturating_add(span) }
-    }
-
-    /// How far apart the ends are.
-    pub fn width(self) -> Span {
-        self.latest - self.earliest
-    }
 }
 
 /// Who made a change: the last writer that a failed expectation names.
@@ -118,12 +103,12 @@ pub enum Policy {
     /// Every change.
     #[default]
     Changes,
-    /// Real values that moved by more than this since the last kept one.
+    /// Numbers that moved by more than this since the last kept one; above 0, finite. What the signal is lies within
+    /// the band around what the trace says.
     Deadband(f64),
-    /// At most one change in this time, the first.
+    /// At most one value in this time, which is above 0. A change that comes sooner leaves the value unknown until
+    /// the time is over; then the trace has what it is by then.
     AtMostEvery(Span),
-    /// None.
-    Off,
 }
 
 /// What the trace says of a signal before its first event.

@@ -61,29 +61,17 @@ impl Image {
 
     /// The `bit`th bit, from bit 0 of byte 0; FALSE beyond the end.
     #[inline]
-    pub fn get_bit(&self, bit: u32) -> bool {
+    fn get_bit(&self, bit: u32) -> bool {
         self.bytes.get(bit as usize / 8).is_some_and(|b| b >> (bit % 8) & 1 == 1)
     }
 
     /// Stores the `bit`th bit; whether it changed.
     #[inline]
-    pub fn set_bit(&mut self, bit: u32, on: bool) -> bool {
+    fn set_bit(&mut self, bit: u32, on: bool) -> bool {
         let Some(byte) = self.bytes.get_mut(bit as usize / 8) else { return false };
         let mask = 1 << (bit % 8);
         let new = if on { *byte | mask } else { *byte & !mask };
         std::mem::replace(byte, new) != new
-    }
-
-    /// The `index`th word; 0 beyond the end.
-    #[inline]
-    pub fn word(&self, index: u32) -> u16 {
-        self.read::<2>(index as usize * 2).map_or(0, u16::from_le_bytes)
-    }
-
-    /// Stores the `index`th word; whether it changed.
-    #[inline]
-    pub fn set_word(&mut self, index: u32, value: u16) -> bool {
-        self.write(index as usize * 2, value.to_le_bytes())
     }
 
     #[inline]
@@ -122,7 +110,7 @@ mod tests {
         assert_eq!(image.get(at("%ML0")), 0x1234_5678);
         assert!(image.set(at("%MW2.9"), 1));
         assert_eq!(image.get(at("%MX5.1")), 1);
-        assert_eq!(image.word(2), 0x0200);
+        assert_eq!(image.get(at("%MW2")), 0x0200);
         assert!(!image.set(at("%MB5"), 0x02), "nothing changed");
         assert_eq!(image.get(at("%MD2")), 0, "beyond the end");
         assert!(!image.set(at("%MD2"), 1));

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
+use crate::quantity::{self, QuantityError};
+
 /// An instant: nanoseconds since the origin of the trace (the moment recording began).
 ///
 /// Range ±292 years, at whose ends all arithmetic stops: a plan's absurd duration neither panics nor wraps.
@@ -13,48 +15,6 @@ pub struct Time(i64);
 /// A duration in nanoseconds, negative where an interval runs backwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Span(i64);
-
-/// Why a text is no duration, with the byte at which it went wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ParseTimeError {
-    /// Nothing to read.
-    Empty,
-    /// A number was expected at this byte.
-    Number(usize),
-    /// The number at this byte has no unit behind it.
-    MissingUnit(usize),
-    /// The word at this byte is no unit of time.
-    UnknownUnit(usize),
-    /// The number at this byte is finer than one nanosecond.
-    TooFine(usize),
-    /// The duration does not fit into ±292 years.
-    TooLarge,
-}
-
-impl fmt::Display for ParseTimeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => write!(f, "a duration is missing"),
-            Self::Number(_) => write!(f, "a number is expected here"),
-            Self::MissingUnit(_) => write!(f, "a unit is missing: ns, us, ms, s, min, h or d"),
-            Self::UnknownUnit(_) => write!(f, "no unit of time: use ns, us, ms, s, min, h or d"),
-            Self::TooFine(_) => write!(f, "finer than one nanosecond"),
-            Self::TooLarge => write!(f, "longer than 292 years"),
-        }
-    }
-}
-
-impl std::error::Error for ParseTimeError {}
-
-impl ParseTimeError {
-    /// The byte of the text at which reading stopped.
-    pub fn offset(&self) -> usize {
-        match self {
-            Self::Empty | Self::TooLarge => 0,
-            Self::Number(at) | Self::MissingUnit(at) | Self::UnknownUnit(at) | Self::TooFine(at) => *at,
-        }
-    }
-}
 
 impl Time {
     /// The origin of the trace.
@@ -122,92 +82,10 @@ impl Span {
     /// min, h and d. What is finer than one nanosecond is refused, never rounded.
     ///
     /// # Errors
-    /// [`ParseTimeError`] with the byte of the first fault.
-    pub fn parse(text: &str) -> Result<Span, ParseTimeError> {
-        parse(text)
+    /// [`QuantityError`] with the byte of the first fault.
+    pub fn parse(text: &str) -> Result<Span, QuantityError> {
+        quantity::span(text)
     }
-}
-
-fn parse(text: &str) -> Result<Span, ParseTimeError> {
-    let bytes = text.as_bytes();
-    let mut at = skip_spaces(bytes, 0);
-    if at == bytes.len() {
-        return Err(ParseTimeError::Empty);
-    }
-    let mut sign = 1i128;
-    if bytes[at] == b'-' || bytes[at] == b'+' {
-        if bytes[at] == b'-' {
-            sign = -1;
-        }
-        at = skip_spaces(bytes, at + 1);
-    }
-    let mut total = 0i128;
-    loop {
-        let number_at = at;
-        let (mantissa, decimals, after) = decimal(bytes, at)?;
-        at = skip_spaces(bytes, after);
-        let unit_at = at;
-        while at < bytes.len() && !bytes[at].is_ascii_digit() && !bytes[at].is_ascii_whitespace() {
-            at += 1;
-        }
-        if unit_at == at {
-            return Err(ParseTimeError::MissingUnit(number_at));
-        }
-        let scale: i128 = match &text[unit_at..at] {
-            "ns" => 1,
-            "us" | "µs" | "μs" => 1_000,
-            "ms" => 1_000_000,
-            "s" => 1_000_000_000,
-            "min" => 60_000_000_000,
-            "h" => 3_600_000_000_000,
-            "d" => 86_400_000_000_000,
-            _ => return Err(ParseTimeError::UnknownUnit(unit_at)),
-        };
-        let divisor = 10i128.pow(decimals);
-        let scaled = mantissa.checked_mul(scale).ok_or(ParseTimeError::TooLarge)?;
-        if scaled % divisor != 0 {
-            return Err(ParseTimeError::TooFine(number_at));
-        }
-        total = total.checked_add(scaled / divisor).ok_or(ParseTimeError::TooLarge)?;
-        at = skip_spaces(bytes, at);
-        if at == bytes.len() {
-            break;
-        }
-    }
-    i64::try_from(sign * total).map(Span).map_err(|_| ParseTimeError::TooLarge)
-}
-
-/// Mantissa, number of decimals and the byte behind the number.
-pub(crate) fn decimal(bytes: &[u8], start: usize) -> Result<(i128, u32, usize), ParseTimeError> {
-    let (mut at, mut mantissa, mut decimals, mut digits, mut point) = (start, 0i128, 0u32, 0usize, false);
-    while at < bytes.len() {
-        match bytes[at] {
-            digit @ b'0'..=b'9' => {
-                // Thirty digits hold every duration in range down to far below a nanosecond.
-                if digits >= 30 {
-                    return Err(ParseTimeError::TooLarge);
-                }
-                mantissa = mantissa * 10 + i128::from(digit - b'0');
-                digits += 1;
-                decimals += u32::from(point);
-            }
-            b'_' if digits > 0 => {}
-            b'.' if !point && digits > 0 => point = true,
-            _ => break,
-        }
-        at += 1;
-    }
-    if digits == 0 || bytes[at - 1] == b'.' || bytes[at - 1] == b'_' {
-        return Err(ParseTimeError::Number(start));
-    }
-    Ok((mantissa, decimals, at))
-}
-
-pub(crate) fn skip_spaces(bytes: &[u8], mut at: usize) -> usize {
-    while at < bytes.len() && bytes[at].is_ascii_whitespace() {
-        at += 1;
-    }
-    at
 }
 
 impl fmt::Display for Span {
@@ -311,17 +189,26 @@ mod tests {
         assert_eq!(Span::parse("1 min 30 s"), Ok(Span::from_secs(90)));
         assert_eq!(Span::parse("-2 µs"), Ok(Span(-2_000)));
         assert_eq!(Span::parse("1_000 ns"), Ok(Span(1_000)));
+        assert_eq!(Span::parse("0.001 d"), Ok(Span(86_400_000_000)));
+        assert_eq!(Span::parse("-1s500ms"), Ok(Span(-1_500_000_000)));
     }
 
     #[test]
     fn faults_name_their_place() {
-        assert_eq!(Span::parse(""), Err(ParseTimeError::Empty));
-        assert_eq!(Span::parse("100"), Err(ParseTimeError::MissingUnit(0)));
-        assert_eq!(Span::parse("100 msec"), Err(ParseTimeError::UnknownUnit(4)));
-        assert_eq!(Span::parse("0.1 ns"), Err(ParseTimeError::TooFine(0)));
-        assert_eq!(Span::parse("300000 d"), Err(ParseTimeError::TooLarge));
-        assert_eq!(Span::parse(". ms"), Err(ParseTimeError::Number(0)));
-        assert_eq!(Span::parse("1. ms"), Err(ParseTimeError::Number(0)));
+        use crate::QuantityFault as F;
+        for (text, fault, at) in [
+            ("", F::Empty, 0),
+            ("100", F::MissingUnit, 0),
+            ("100 msec", F::NoTime, 4),
+            ("5 V", F::NoTime, 2),
+            ("0.1 ns", F::TooFine, 0),
+            ("300000 d", F::TooLong, 0),
+            ("200 d 106700 d", F::TooLong, 0),
+            (". ms", F::Number, 0),
+            ("1. ms", F::Number, 0),
+        ] {
+            assert_eq!(Span::parse(text), Err(QuantityError { at, fault }), "{text}");
+        }
     }
 
     proptest! {

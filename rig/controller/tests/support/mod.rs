@@ -168,9 +168,6 @@ impl Application for Player {
             self.set(variable as usize, n as i64);
         }
     }
-    fn find(&self, path: &str) -> Option<u32> {
-        path.strip_prefix('v')?.parse().ok()
-    }
     fn watch(&mut self, variable: u32) {
         self.watched[variable as usize] = true;
     }
@@ -205,34 +202,33 @@ impl Loader for Scripts {
     }
 }
 
-/// Storage in memory.
-#[derive(Default)]
-pub struct Files(pub BTreeMap<String, Vec<u8>>);
+/// Storage in memory, shared by the controller and the test.
+#[derive(Clone, Default)]
+pub struct Files(Arc<Mutex<BTreeMap<String, Vec<u8>>>>);
 
 impl NonVolatile for Files {
     fn read(&self, name: &str) -> Option<Vec<u8>> {
-        self.0.get(name).cloned()
+        self.0.lock().unwrap().get(name).cloned()
     }
     fn write(&mut self, name: &str, bytes: &[u8]) {
-        self.0.insert(name.into(), bytes.to_vec());
+        self.0.lock().unwrap().insert(name.into(), bytes.to_vec());
     }
     fn remove(&mut self, name: &str) {
-        self.0.remove(name);
-    }
-    fn list(&self) -> Vec<String> {
-        self.0.keys().cloned().collect()
+        self.0.lock().unwrap().remove(name);
     }
     fn tear(&mut self, name: &str, bytes: &[u8], kept: usize) {
-        let old = self.0.get(name).cloned().unwrap_or_default();
+        let old = self.read(name).unwrap_or_default();
         let mut file = bytes[..kept].to_vec();
         file.extend_from_slice(old.get(kept..).unwrap_or_default());
-        self.0.insert(name.into(), file);
+        self.write(name, &file);
     }
 }
 
 /// A controller with its clock.
 pub struct Rig {
     pub plc: Controller,
+    /// The controller's storage.
+    pub files: Files,
     pub now: Time,
     pub fx: Effects,
     /// Everything that happened.
@@ -250,10 +246,12 @@ impl Rig {
         let mut other = app.clone();
         other.signature += 1;
         let scripts = BTreeMap::from([(b"app".to_vec(), app), (b"other".to_vec(), other)]);
-        let plc =
-            Controller::new(config, Box::new(Scripts(scripts, trail.clone())), Box::new(Files::default()));
+        let files = Files::default();
+        let loader = Box::new(Scripts(scripts, trail.clone()));
+        let plc = Controller::new(config, loader, Box::new(files.clone()));
         Rig {
             plc: plc.unwrap(),
+            files,
             now: Time::ZERO,
             fx: Effects::new(),
             seen: Vec::new(),
@@ -373,6 +371,15 @@ impl Rig {
             _ => None,
         };
         self.seen.iter().filter_map(edge).collect()
+    }
+
+    /// The entries of the log.
+    pub fn log(&self) -> Vec<Entry> {
+        let entry = |effect: &Effect| match *effect {
+            Effect::Log { entry, .. } => Some(entry),
+            _ => None,
+        };
+        self.seen.iter().filter_map(entry).collect()
     }
 
     /// When the controller changed its state, and to what.

@@ -1,205 +1,148 @@
-//! The units that quantities are written in: one table for reading and writing.
+//! The units that quantities are written in: one table.
 
-/// What a quantity is a quantity of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Dimension {
-    /// A plain number: a count, a factor.
-    Number,
-    /// s
-    Time,
-    /// Hz
-    Frequency,
-    /// V
-    Voltage,
-    /// A
-    Current,
-    /// Ohm
-    Resistance,
-    /// W
-    Power,
-    /// degC
-    Temperature,
-    /// %
-    Ratio,
-    /// rpm
-    RotationalSpeed,
-    /// m
-    Length,
-    /// Pa
-    Pressure,
+use std::fmt;
+
+/// A unit in its one spelling: `µV` and `uV`, `°C` and `degC`, `kΩ` and `kOhm` are one.
+///
+/// Any word is a unit. One that the table does not know, such as `l/min`, compares with itself alone.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Unit(String);
+
+/// What a unit of the table is in its base unit: `factor` times ten to the power of `power`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Scale {
+    pub(super) base: &'static str,
+    pub(super) factor: u32,
+    pub(super) power: i32,
 }
 
-impl Dimension {
-    /// Every dimension.
-    pub const ALL: [Dimension; 12] = [
-        Dimension::Number,
-        Dimension::Time,
-        Dimension::Frequency,
-        Dimension::Voltage,
-        Dimension::Current,
-        Dimension::Resistance,
-        Dimension::Power,
-        Dimension::Temperature,
-        Dimension::Ratio,
-        Dimension::RotationalSpeed,
-        Dimension::Length,
-        Dimension::Pressure,
-    ];
+/// Most characters of a written unit.
+const MAX_LENGTH: usize = 16;
 
-    /// The base unit; empty for plain numbers.
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Dimension::Number => "",
-            Dimension::Time => "s",
-            Dimension::Frequency => "Hz",
-            Dimension::Voltage => "V",
-            Dimension::Current => "A",
-            Dimension::Resistance => "Ohm",
-            Dimension::Power => "W",
-            Dimension::Temperature => "degC",
-            Dimension::Ratio => "%",
-            Dimension::RotationalSpeed => "rpm",
-            Dimension::Length => "m",
-            Dimension::Pressure => "Pa",
-        }
-    }
+/// The base unit of time.
+pub(super) const SECOND: &str = "s";
+/// The base unit of parts.
+pub(super) const PERCENT: &str = "%";
 
-    /// The dimension in the words of the user: `a voltage`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Dimension::Number => "a plain number",
-            Dimension::Time => "a duration",
-            Dimension::Frequency => "a frequency",
-            Dimension::Voltage => "a voltage",
-            Dimension::Current => "a current",
-            Dimension::Resistance => "a resistance",
-            Dimension::Power => "a power",
-            Dimension::Temperature => "a temperature",
-            Dimension::Ratio => "a percentage",
-            Dimension::RotationalSpeed => "a speed of rotation",
-            Dimension::Length => "a length",
-            Dimension::Pressure => "a pressure",
-        }
-    }
-}
+/// Base units, and the units that are a power of ten of them.
+const UNITS: &[(&str, &[(&str, i32)])] = &[
+    (SECOND, &[("ns", -9), ("us", -6), ("ms", -3), ("s", 0)]),
+    ("Hz", &[("uHz", -6), ("mHz", -3), ("Hz", 0), ("kHz", 3), ("MHz", 6), ("GHz", 9)]),
+    ("V", &[("nV", -9), ("uV", -6), ("mV", -3), ("V", 0), ("kV", 3), ("MV", 6)]),
+    ("A", &[("nA", -9), ("uA", -6), ("mA", -3), ("A", 0), ("kA", 3)]),
+    ("Ohm", &[("uOhm", -6), ("mOhm", -3), ("Ohm", 0), ("kOhm", 3), ("MOhm", 6), ("GOhm", 9)]),
+    ("W", &[("nW", -9), ("uW", -6), ("mW", -3), ("W", 0), ("kW", 3), ("MW", 6), ("GW", 9)]),
+    ("Pa", &[("mPa", -3), ("Pa", 0), ("hPa", 2), ("kPa", 3), ("MPa", 6), ("mbar", 2), ("bar", 5)]),
+    ("m", &[("nm", -9), ("um", -6), ("mm", -3), ("cm", -2), ("m", 0), ("km", 3)]),
+    ("g", &[("ug", -6), ("mg", -3), ("g", 0), ("kg", 3)]),
+    ("N", &[("mN", -3), ("N", 0), ("kN", 3), ("MN", 6)]),
+    (PERCENT, &[("ppm", -4), ("%", 0)]),
+];
 
-/// Billionths in one.
-pub(super) const NANO: i128 = 1_000_000_000;
-
-/// One spelling of one unit.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) struct Unit {
-    symbol: &'static str,
-    /// Billionths of the base unit.
-    nano: i128,
-    dimension: Dimension,
-    /// Whether quantities are written in it.
-    written: bool,
-}
-
-const fn written(symbol: &'static str, nano: i128, dimension: Dimension) -> Unit {
-    Unit { symbol, nano, dimension, written: true }
-}
-
-const fn read(symbol: &'static str, nano: i128, dimension: Dimension) -> Unit {
-    Unit { symbol, nano, dimension, written: false }
-}
-
-/// Of one dimension the written units go from small to large. All written scales are powers of ten.
-const UNITS: &[Unit] = {
-    use Dimension as D;
-    &[
-        written("ns", 1, D::Time),
-        written("us", 1_000, D::Time),
-        read("µs", 1_000, D::Time),
-        read("μs", 1_000, D::Time),
-        written("ms", 1_000_000, D::Time),
-        written("s", NANO, D::Time),
-        read("min", 60 * NANO, D::Time),
-        read("h", 3_600 * NANO, D::Time),
-        read("d", 86_400 * NANO, D::Time),
-        written("mHz", NANO / 1_000, D::Frequency),
-        written("Hz", NANO, D::Frequency),
-        written("kHz", 1_000 * NANO, D::Frequency),
-        written("MHz", 1_000_000 * NANO, D::Frequency),
-        written("uV", NANO / 1_000_000, D::Voltage),
-        read("µV", NANO / 1_000_000, D::Voltage),
-        read("μV", NANO / 1_000_000, D::Voltage),
-        written("mV", NANO / 1_000, D::Voltage),
-        written("V", NANO, D::Voltage),
-        written("kV", 1_000 * NANO, D::Voltage),
-        written("uA", NANO / 1_000_000, D::Current),
-        read("µA", NANO / 1_000_000, D::Current),
-        read("μA", NANO / 1_000_000, D::Current),
-        written("mA", NANO / 1_000, D::Current),
-        written("A", NANO, D::Current),
-        written("Ohm", NANO, D::Resistance),
-        read("Ω", NANO, D::Resistance),
-        read("\u{2126}", NANO, D::Resistance),
-        written("kOhm", 1_000 * NANO, D::Resistance),
-        read("kΩ", 1_000 * NANO, D::Resistance),
-        read("k\u{2126}", 1_000 * NANO, D::Resistance),
-        written("MOhm", 1_000_000 * NANO, D::Resistance),
-        written("mW", NANO / 1_000, D::Power),
-        written("W", NANO, D::Power),
-        written("kW", 1_000 * NANO, D::Power),
-        written("degC", NANO, D::Temperature),
-        read("°C", NANO, D::Temperature),
-        read("ppm", NANO / 10_000, D::Ratio),
-        written("%", NANO, D::Ratio),
-        written("rpm", NANO, D::RotationalSpeed),
-        written("um", NANO / 1_000_000, D::Length),
-        read("µm", NANO / 1_000_000, D::Length),
-        read("μm", NANO / 1_000_000, D::Length),
-        written("mm", NANO / 1_000, D::Length),
-        read("cm", NANO / 100, D::Length),
-        written("m", NANO, D::Length),
-        written("Pa", NANO, D::Pressure),
-        written("kPa", 1_000 * NANO, D::Pressure),
-        read("mbar", 100 * NANO, D::Pressure),
-        read("bar", 100_000 * NANO, D::Pressure),
-    ]
-};
+/// The units of time that are no power of ten of a second.
+const LONG_TIMES: &[(&str, u32)] = &[("min", 60), ("h", 3_600), ("d", 86_400)];
 
 impl Unit {
-    /// The unit of this spelling; else the only one that differs in nothing but capitals.
-    pub(super) fn find(symbol: &str) -> Result<&'static Unit, Option<&'static Unit>> {
-        if let Some(unit) = UNITS.iter().find(|unit| unit.symbol == symbol) {
-            return Ok(unit);
+    /// The unit of a plain number.
+    pub const NONE: Unit = Unit(String::new());
+
+    /// The unit that a word names. The empty word is [`Unit::NONE`].
+    pub fn new(word: &str) -> Unit {
+        let mut symbol = String::with_capacity(word.len());
+        for char in word.trim().chars() {
+            match char {
+                'µ' | 'μ' => symbol.push('u'),
+                '°' => symbol.push_str("deg"),
+                'Ω' | '\u{2126}' => symbol.push_str("Ohm"),
+                other => symbol.push(other),
+            }
         }
-        let mut near = UNITS.iter().filter(|unit| unit.symbol.eq_ignore_ascii_case(symbol));
-        match (near.next(), near.next()) {
-            (Some(unit), None) => Err(Some(unit)),
-            _ => Err(None),
+        Unit(symbol)
+    }
+
+    /// Whether it is that of plain numbers.
+    pub fn is_none(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Its row of the table.
+    pub(super) fn scale(&self) -> Option<Scale> {
+        let long = LONG_TIMES.iter().find(|(symbol, _)| *symbol == self.0);
+        if let Some((_, factor)) = long {
+            return Some(Scale { base: SECOND, factor: *factor, power: 0 });
         }
+        UNITS.iter().find_map(|(base, units)| {
+            let (_, power) = units.iter().find(|(symbol, _)| *symbol == self.0)?;
+            Some(Scale { base, factor: 1, power: *power })
+        })
     }
 
-    pub(super) const fn symbol(&self) -> &'static str {
-        self.symbol
-    }
-
-    pub(super) const fn nano(&self) -> i128 {
-        self.nano
-    }
-
-    pub(super) const fn dimension(&self) -> Dimension {
-        self.dimension
+    /// Whether it is a unit of this base unit.
+    pub(super) fn is_of(&self, base: &str) -> bool {
+        self.scale().is_some_and(|scale| scale.base == base)
     }
 }
 
-/// Scale and symbol of the largest written unit that is not larger than the magnitude; for less than one of
-/// the smallest, and for 0, the smallest and the base unit.
-pub(super) fn display_unit(magnitude: u128, dimension: Dimension) -> (u128, &'static str) {
-    let mut best = (NANO as u128, dimension.unit());
-    if magnitude == 0 {
-        return best;
+/// Length of the unit at the beginning of the text, 0 if there is none: letters, `%`, `°`, `/`, `·`, `^`, and
+/// digits from the second character on, at most 16.
+pub(super) fn unit_length(text: &str) -> usize {
+    let part =
+        |(at, c): &(usize, char)| c.is_alphabetic() || "%°/·^".contains(*c) || (*at > 0 && c.is_numeric());
+    let word = text.char_indices().take_while(part);
+    let (mut length, mut count) = (0, 0);
+    for (at, char) in word {
+        length = at + char.len_utf8();
+        count += 1;
     }
-    let mut found = false;
-    for unit in UNITS.iter().filter(|unit| unit.written && unit.dimension == dimension) {
-        if !found || unit.nano as u128 <= magnitude {
-            best = (unit.nano as u128, unit.symbol);
-            found = true;
+    if count > MAX_LENGTH { 0 } else { length }
+}
+
+impl fmt::Display for Unit {
+    /// The one spelling; empty for plain numbers.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // The powers against the meaning of the prefixes, which the table does not use.
+    #[test]
+    fn powers_are_those_of_the_prefixes() {
+        let prefixes =
+            [("n", -9), ("u", -6), ("m", -3), ("c", -2), ("", 0), ("h", 2), ("k", 3), ("M", 6), ("G", 9)];
+        let mut seen: Vec<&str> = LONG_TIMES.iter().map(|(symbol, _)| *symbol).collect();
+        for (base, units) in UNITS {
+            for (symbol, power) in *units {
+                assert!(!seen.contains(symbol), "{symbol} stands twice");
+                assert_eq!(Unit::new(symbol).to_string(), *symbol);
+                seen.push(symbol);
+                let of = |base: &str| symbol.strip_suffix(base).map(str::to_owned);
+                let (prefix, more) = match of("bar") {
+                    Some(prefix) => (prefix, 5),
+                    None if *symbol == "ppm" => (String::new(), -4),
+                    None => (of(base).unwrap(), 0),
+                };
+                let known = prefixes.iter().find(|(name, _)| *name == prefix);
+                assert_eq!(known.map(|(_, power)| power + more), Some(*power), "{symbol}");
+            }
         }
     }
-    best
+
+    #[test]
+    fn spellings_are_one() {
+        for (word, symbol) in
+            [("µs", "us"), ("μs", "us"), ("°C", "degC"), ("kΩ", "kOhm"), ("k\u{2126}", "kOhm"), (" V ", "V")]
+        {
+            assert_eq!(Unit::new(word).to_string(), symbol);
+        }
+        assert_eq!(Unit::new("l/min").scale(), None);
+        assert_eq!(unit_length("m3/h und"), 4);
+        assert_eq!(unit_length("3m"), 0);
+        assert_eq!(unit_length("°C"), 3);
+        assert_eq!(unit_length("Volts_and_more"), 5);
+        assert_eq!(unit_length("abcdefghijklmnopq"), 0);
+    }
 }

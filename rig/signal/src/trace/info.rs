@@ -34,7 +34,6 @@ pub(super) fn put_info(out: &mut Vec<u8>, info: &SignalInfo) {
         Policy::Changes => put_tagged(out, 0, 0),
         Policy::Deadband(band) => put_tagged(out, 1, band.to_bits()),
         Policy::AtMostEvery(span) => put_tagged(out, 2, span.as_nanos() as u64),
-        Policy::Off => put_tagged(out, 3, 0),
     }
 }
 
@@ -77,9 +76,10 @@ pub(super) fn read_info(bytes: &[u8]) -> Result<SignalInfo, Fault> {
     let shortest_pulse = Span::from_nanos(reader.u64()? as i64);
     let policy = match (reader.byte()?, reader.u64()?) {
         (0, 0) => Policy::Changes,
-        (1, bits) => Policy::Deadband(f64::from_bits(bits)),
-        (2, nanos) => Policy::AtMostEvery(Span::from_nanos(nanos as i64)),
-        (3, 0) => Policy::Off,
+        (1, bits) if f64::from_bits(bits) > 0.0 && f64::from_bits(bits).is_finite() => {
+            Policy::Deadband(f64::from_bits(bits))
+        }
+        (2, nanos) if (nanos as i64) > 0 => Policy::AtMostEvery(Span::from_nanos(nanos as i64)),
         _ => return Err(Fault::Bad),
     };
     if !reader.rest().is_empty() {

@@ -8,6 +8,7 @@ mod code;
 mod error;
 mod file;
 mod info;
+mod policy;
 mod read;
 mod segment;
 #[cfg(test)]
@@ -18,8 +19,9 @@ use std::fmt;
 
 use sha2::{Digest, Sha256};
 
-use crate::{Event, Kind, Policy, SignalId, SignalInfo, When};
+use crate::{Event, Kind, Policy, SignalId, SignalInfo, Time, When};
 use code::{MAX_EVENT, State};
+use policy::Waiting;
 use segment::Segments;
 
 pub use error::{TraceError, Transfer};
@@ -41,6 +43,7 @@ pub struct Trace {
     /// Memory taken by `signals`, `names` and `notes`, roughly.
     described_bytes: usize,
     state: State,
+    waiting: Waiting,
     segments: Segments,
     events: u64,
     /// Of the stream of all closed segments.
@@ -74,10 +77,11 @@ impl Trace {
 
     /// A trace whose segments move to `store`, an empty file, while they take more than `bound_bytes` of memory.
     ///
-    /// The segment that grows stays in memory, so the least useful bound is some tens of kilobytes; what is
-    /// remembered of each stored segment takes about a thousandth of its length.
+    /// The segment that grows stays in memory, half a kilobyte at least, so the least useful bound is some tens of
+    /// kilobytes: segments are a quarter of it and at most 64 KiB long, and what is remembered of each stored one takes
+    /// about a hundred bytes.
     pub fn with_spill(bound_bytes: usize, store: Box<dyn Spill>) -> Trace {
-        Trace::segmented((bound_bytes / 4).clamp(4096, SEGMENT_BYTES), bound_bytes, Some(store))
+        Trace::segmented((bound_bytes / 4).clamp(512, SEGMENT_BYTES), bound_bytes, Some(store))
     }
 
     fn segmented(segment_bytes: usize, bound: usize, store: Option<Box<dyn Spill>>) -> Trace {
@@ -87,6 +91,7 @@ impl Trace {
             notes: BTreeMap::new(),
             described_bytes: 0,
             state: State::default(),
+            waiting: Waiting::new(),
             segments: Segments::new(segment_bytes, bound, store),
             events: 0,
             hasher: Sha256::new(),
@@ -107,6 +112,9 @@ impl Trace {
         }
         let id = SignalId(self.signals.len() as u32);
         self.described_bytes += info::info_bytes(&info);
+        if matches!(info.policy, Policy::AtMostEvery(_)) {
+            self.waiting.add_signal();
+        }
         self.names.insert(info.name.clone(), id);
         self.signals.push(info);
         self.state.add_signal();
@@ -148,27 +156,50 @@ impl Trace {
         self.notes.iter().map(|(key, value)| (key.as_str(), value.as_str()))
     }
 
-    /// Records an event; `false` if it is none: the signal has this value already (a [`Kind::Mark`] excepted),
-    /// or its [`Policy`] drops it. A signal's first value is always kept, unless the policy is to keep none.
+    /// Records an event and returns it as the trace has it; `None` if it is none: the signal has this value already
+    /// (a [`Kind::Mark`] excepted), or its [`Policy`] drops it. A signal's first value is always kept.
     ///
     /// # Errors
     /// [`TraceError::UnknownSignal`]; [`TraceError::Io`] if a full segment cannot be stored, and from then on
     /// for every event: a trace with a hole is none.
-    pub fn push(&mut self, event: Event) -> Result<bool, TraceError> {
+    pub fn push(&mut self, event: Event) -> Result<Option<Event>, TraceError> {
         let Some(info) = self.signals.get(event.signal.0 as usize) else {
             return Err(TraceError::UnknownSignal(event.signal));
         };
         if let Some(error) = self.broken {
             return Err(error);
         }
-        if !keeps(info, self.state.last(event.signal), &event) {
-            return Ok(false);
+        let last = self.state.last(event.signal);
+        let admitted = match (info.kind, info.policy) {
+            (Kind::Mark, _) => return self.append(event).map(Some),
+            (_, Policy::AtMostEvery(span)) => self.waiting.admit(info, span, last, event),
+            (_, policy) => last.is_none_or(|last| policy::keeps(policy, last, &event)).then_some(event),
+        };
+        match admitted {
+            Some(event) if last.is_none_or(|last| last.value != event.value) => self.append(event).map(Some),
+            _ => Ok(None),
         }
-        self.append(event)?;
-        Ok(true)
     }
 
-    fn append(&mut self, event: Event) -> Result<(), TraceError> {
+    /// Records a value that [`Policy::AtMostEvery`] kept waiting until before `now`, and returns it; `None` if there
+    /// is none left. Due before an event at `now` is pushed: until then the trace says that the value is not known.
+    ///
+    /// # Errors
+    /// As [`Trace::push`].
+    #[inline]
+    pub fn settle(&mut self, now: Time) -> Result<Option<Event>, TraceError> {
+        while let Some(event) = self.waiting.take(now) {
+            if let Some(error) = self.broken {
+                return Err(error);
+            }
+            if self.state.last(event.signal).is_none_or(|last| last.value != event.value) {
+                return self.append(event).map(Some);
+            }
+        }
+        Ok(None)
+    }
+
+    fn append(&mut self, event: Event) -> Result<Event, TraceError> {
         let event = Event { at: When::within(event.at.earliest, event.at.latest), ..event };
         let mut buffer = [0; MAX_EVENT];
         let length = self.state.encode(&event, &mut buffer);
@@ -181,7 +212,7 @@ impl Trace {
                 return Err(error);
             }
         }
-        Ok(())
+        Ok(event)
     }
 
     /// The last recorded event of a signal.
@@ -201,7 +232,7 @@ impl Trace {
 
     /// Memory that the trace takes, in bytes: events, definitions and notes.
     pub fn bytes_in_memory(&self) -> usize {
-        self.segments.bytes_in_memory() + self.state.bytes() + self.described_bytes
+        self.segments.bytes_in_memory() + self.state.bytes() + self.waiting.bytes() + self.described_bytes
     }
 
     /// SHA-256 over the definitions and all events, the same for equal traces however they are held in memory.
@@ -237,7 +268,7 @@ impl Trace {
     ///
     /// # Errors
     /// [`TraceError::Io`] or [`TraceError::SpillDamaged`] if a stored segment cannot be read.
-    pub fn between(&self, from: crate::Time, to: crate::Time) -> Result<Between<'_>, TraceError> {
+    pub fn between(&self, from: Time, to: Time) -> Result<Between<'_>, TraceError> {
         Between::new(self, from, to)
     }
 }
@@ -245,29 +276,4 @@ impl Trace {
 /// Memory taken by a note of this key, its value excepted.
 fn note_bytes(key: &str) -> usize {
     key.len() + 2 * size_of::<String>() + 32
-}
-
-/// Whether an event belongs into the trace.
-#[inline]
-fn keeps(info: &SignalInfo, last: Option<Event>, event: &Event) -> bool {
-    if info.policy == Policy::Off {
-        return false;
-    }
-    let Some(last) = last else { return true };
-    if info.kind != Kind::Mark && last.value == event.value {
-        return false;
-    }
-    match info.policy {
-        Policy::Changes => true,
-        Policy::Off => false,
-        Policy::Deadband(band) => match (last.value.as_real(), event.value.as_real()) {
-            // Not a number is no distance: such a change is kept.
-            (Some(old), Some(new)) => (new - old).abs() > band || (new - old).is_nan(),
-            _ => true,
-        },
-        Policy::AtMostEvery(span) => {
-            let elapsed = i128::from(event.at.earliest.as_nanos()) - i128::from(last.at.earliest.as_nanos());
-            elapsed >= i128::from(span.as_nanos())
-        }
-    }
 }

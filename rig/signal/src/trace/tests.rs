@@ -165,7 +165,7 @@ proptest! {
         let mut cut = with_signals(Trace::segmented(segment, bound, Some(Box::new(Store::default()))));
         let mut kept_count = 0;
         for event in &events {
-            kept_count += u64::from(cut.push(*event).unwrap());
+            kept_count += u64::from(cut.push(*event).unwrap().is_some());
             simple.push(*event).unwrap();
         }
         prop_assert_eq!(kept_count, expected.len() as u64);
@@ -388,11 +388,9 @@ fn policies_keep_what_they_say() {
         trace.define(SignalInfo { policy, ..SignalInfo::exact(name, kind) }).unwrap()
     };
     let band = signal("band", Kind::Real, Policy::Deadband(0.5));
-    let slow = signal("slow", Kind::Int, Policy::AtMostEvery(Span::from_nanos(10)));
-    let off = signal("off", Kind::Int, Policy::Off);
-    let mark = signal("mark", Kind::Mark, Policy::Changes);
+    let mark = signal("mark", Kind::Mark, Policy::AtMostEvery(Span::from_nanos(10)));
     let bool = signal("bool", Kind::Bool, Policy::Changes);
-    let mut push = |signal, at, value| trace.push(change(signal, at, value)).unwrap();
+    let mut push = |signal, at, value| trace.push(change(signal, at, value)).unwrap().is_some();
     assert!(push(band, 0, Value::Real(1.0)));
     assert!(!push(band, 1, Value::Real(1.5)), "not more than the band");
     assert!(push(band, 2, Value::Real(1.6)), "measured from the last kept one");
@@ -400,10 +398,6 @@ fn policies_keep_what_they_say() {
     assert!(push(band, 4, Value::Real(1.6)));
     assert!(push(band, 5, Value::Real(f64::NAN)));
     assert!(!push(band, 6, Value::Real(f64::NAN)));
-    assert!(push(slow, 7, Value::Int(1)));
-    assert!(!push(slow, 16, Value::Int(2)));
-    assert!(push(slow, 17, Value::Int(3)));
-    assert!(!push(off, 18, Value::Int(1)));
     assert!(push(mark, 19, Value::Int(1)) && push(mark, 19, Value::Int(1)));
     assert!(push(bool, 20, Value::Bool(false)), "the first value is no change, but the start of knowing it");
     assert!(!push(bool, 21, Value::Bool(false)));
@@ -411,6 +405,83 @@ fn policies_keep_what_they_say() {
     assert!(push(bool, 23, Value::Bool(false)));
     let other = SignalId(9);
     assert_eq!(trace.push(change(other, 0, Value::Int(1))), Err(TraceError::UnknownSignal(other)));
+}
+
+/// Records as a recorder does: what waits first, then the event.
+fn record(trace: &mut Trace, event: Event) -> Vec<Event> {
+    let mut kept = Vec::new();
+    while let Some(settled) = trace.settle(event.at.earliest).unwrap() {
+        kept.push(settled);
+    }
+    kept.extend(trace.push(event).unwrap());
+    kept
+}
+
+#[test]
+fn a_change_that_comes_too_soon_leaves_the_value_unknown_until_the_time_is_over() {
+    let mut trace = Trace::new();
+    let policy = Policy::AtMostEvery(Span::from_nanos(10));
+    let slow = trace.define(SignalInfo { policy, ..SignalInfo::exact("slow", Kind::Int) }).unwrap();
+    let clock = trace.define(SignalInfo::exact("clock", Kind::Int)).unwrap();
+    let mut record = |event| record(&mut trace, event);
+    let int = |at, value| change(slow, at, Value::Int(value));
+    let unknown = |at| change(slow, at, Value::Unknown);
+    assert_eq!(record(int(0, 1)), [int(0, 1)]);
+    assert_eq!(record(int(4, 1)), [], "no change");
+    assert_eq!(record(int(5, 2)), [unknown(5)]);
+    assert_eq!(record(int(6, 3)), []);
+    assert_eq!(record(int(7, 4)), []);
+    // At the very end of the time it may change again: that value counts.
+    let tick = |at, value| change(clock, at, Value::Int(value));
+    assert_eq!(record(tick(10, 1)), [tick(10, 1)]);
+    assert_eq!(record(tick(11, 2)), [int(10, 4), tick(11, 2)]);
+    assert_eq!(record(int(20, 5)), [int(20, 5)], "the time is over");
+    assert_eq!(record(int(22, 6)), [unknown(22)]);
+    assert_eq!(record(int(30, 7)), [int(30, 7)], "a change at the end of the time is recorded itself");
+    // Back to what it was: something happened all the same.
+    assert_eq!(record(int(32, 8)), [unknown(32)]);
+    assert_eq!(record(int(33, 7)), []);
+    assert_eq!(record(tick(50, 3)), [int(40, 7), tick(50, 3)]);
+    assert_eq!(record(tick(60, 4)), [tick(60, 4)], "nothing waits any more");
+}
+
+proptest! {
+    /// At every instant the trace has what the signal is, or that it is not known, and never more than it may.
+    #[test]
+    fn a_limited_signal_is_never_recorded_as_what_it_is_not(
+        steps in proptest::collection::vec((0u32..2, 0i64..8, -2i64..3), 1..60),
+        every in 1i64..20,
+    ) {
+        let mut trace = Trace::new();
+        let policy = Policy::AtMostEvery(Span::from_nanos(every));
+        for name in ["a", "b"] {
+            trace.define(SignalInfo { policy, ..SignalInfo::exact(name, Kind::Int) }).unwrap();
+        }
+        let mut now = 0;
+        let mut changes = Vec::new();
+        for (signal, step, value) in steps {
+            now += step;
+            changes.push(change(SignalId(signal), now, Value::Int(value)));
+            record(&mut trace, changes[changes.len() - 1]);
+        }
+        while trace.settle(Time::from_nanos(now + every + 1)).unwrap().is_some() {}
+        let recorded = read(&trace);
+        prop_assert!(recorded.windows(2).all(|pair| pair[0].at.earliest <= pair[1].at.earliest));
+        let at = |events: &[Event], signal, instant| {
+            let found = events.iter().rfind(|e| e.signal == signal && e.at.latest.as_nanos() <= instant);
+            found.map(|event| event.value)
+        };
+        for signal in [SignalId(0), SignalId(1)] {
+            for instant in 0..=now + every {
+                let (is, says) = (at(&changes, signal, instant), at(&recorded, signal, instant));
+                prop_assert!(says == is || says == Some(Value::Unknown), "{is:?} {says:?} at {instant}");
+            }
+            prop_assert_eq!(at(&recorded, signal, now + every), at(&changes, signal, now));
+            let values = recorded.iter().filter(|e| e.signal == signal && e.value != Value::Unknown);
+            let times: Vec<i64> = values.map(|event| event.at.earliest.as_nanos()).collect();
+            prop_assert!(times.windows(2).all(|pair| pair[1] - pair[0] >= every), "{times:?}");
+        }
+    }
 }
 
 #[test]
