@@ -2,16 +2,8 @@
 
 use document::Codes;
 
-macro_rules! codes {
-    ($($name:ident = $code:literal, $title:literal;)*) => {
-        $(#[doc = $title] pub(crate) const $name: &str = $code;)*
-
-        /// Every code of the plan reader with its title, in order.
-        pub const CODES: &[(&str, &str)] = &[$(($code, $title),)*];
-    };
-}
-
-codes! {
+document::codes! {
+    /// Every code of the plan reader with its title, in order.
     SYNTAX = "P0001", "The file is not TOML";
     NEWER_TOML = "P0002", "TOML 1.1 accepts this, TOML 1.0 does not";
     TOO_LARGE = "P0003", "The file is larger than a plan can be";

@@ -2,19 +2,8 @@
 
 use document::Codes;
 
-macro_rules! codes {
-    ($($name:ident = $code:literal, $title:literal;)*) => {
-        $(
-            #[doc = $title]
-            pub(super) const $name: &str = $code;
-        )*
-
-        /// Every code that board files are refused with, with its title, in order.
-        pub const CODES: &[(&str, &str)] = &[$(($code, $title),)*];
-    };
-}
-
-codes! {
+document::codes! {
+    /// Every code that board files are refused with, with its title, in order.
     SYNTAX = "B0001", "The board file is no TOML";
     NEWER_TOML = "B0002", "The board file uses what TOML 1.0 does not have";
     TOO_LARGE = "B0003", "The board file is too large or too deep";

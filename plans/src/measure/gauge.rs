@@ -155,10 +155,10 @@ impl Gauge {
                 let Some((low, high)) = delay.delay else {
                     record.to_ns = None;
                     if delay.doubtful {
-                        return open(record, "never taken: the value is not known when it may have ended");
+                        return open(record, "the value is not known when it may have ended");
                     }
                     record.verdict = Verdict::Fail;
-                    record.reason = format!("never taken: it did not happen, nothing {past}");
+                    record.reason = format!("it did not happen, nothing {past}");
                     return record;
                 };
                 let record = judge(record, &bounds, low as f64, high as f64);
@@ -178,7 +178,7 @@ impl Gauge {
                         None => {
                             record.verdict = Verdict::Inconclusive;
                             let shown = info.show(candidate.seen.value);
-                            record.reason = format!("never taken: the value is {shown}");
+                            record.reason = format!("the value is {shown}");
                             return record;
                         }
                     }

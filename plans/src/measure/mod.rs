@@ -122,7 +122,7 @@ impl Measurement {
         MeasurementRecord {
             name: self.name.clone(),
             verdict: Verdict::Inconclusive,
-            reason: format!("never taken: {why}"),
+            reason: why.to_owned(),
             signal: self.signals().into_iter().next(),
             line: self.line(),
             ..MeasurementRecord::default()

@@ -26,3 +26,26 @@ pub use place::line_col;
 pub use render::render;
 pub use suggest::suggest;
 pub use tree::{Data, Entry, Node, Origin, Table};
+
+/// Declares a register of codes: a constant for each, visible in the crate, and the public list `CODES` of all with
+/// their titles, in order.
+///
+/// ```
+/// mod codes {
+///     scanrig_document::codes! {
+///         /// Every code with its title.
+///         SYNTAX = "X0001", "The file is not TOML";
+///         KEY = "X0002", "An unknown key";
+///     }
+/// }
+/// assert_eq!((codes::KEY, codes::CODES[0].0), ("X0002", "X0001"));
+/// ```
+#[macro_export]
+macro_rules! codes {
+    ($(#[$of:meta])* $($name:ident = $code:literal, $title:literal;)*) => {
+        $(#[doc = $title] pub(crate) const $name: &str = $code;)*
+
+        $(#[$of])*
+        pub const CODES: &[(&str, &str)] = &[$(($code, $title),)*];
+    };
+}

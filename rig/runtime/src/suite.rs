@@ -255,9 +255,7 @@ impl LoadedPlan {
                 let find = |path: &String| self.programs.iter().find(|known| known.name == *path).cloned();
                 paths.iter().filter_map(find).collect()
             }
-            ProgramRef::Text { text, .. } => {
-                vec![SourceFile::new(format!("{} (program-text)", self.plan.path), text.clone())]
-            }
+            ProgramRef::Text { text, at } => vec![inside(self.plan.source(), text, *at)],
             ProgramRef::None => Vec::new(),
         };
         let own = case.board.as_ref().and_then(|name| {
@@ -288,6 +286,20 @@ impl LoadedPlan {
             reference,
             seed: job.seed,
         })
+    }
+}
+
+/// A program inside a plan, as a source of its own in which every place is that of the plan. A text that is not written
+/// as it is read, because of escapes, has its own places.
+fn inside(plan: &SourceFile, text: &str, at: Option<usize>) -> SourceFile {
+    let written = at.and_then(|at| Some((at, plan.text.get(at..at + text.len())?)));
+    match written {
+        Some((at, written)) if written == text => {
+            let blank = |byte: u8| if byte == b'\n' { '\n' } else { ' ' };
+            let before = plan.text.bytes().take(at).map(blank);
+            SourceFile::new(plan.name.clone(), before.chain(text.chars()).collect::<String>())
+        }
+        _ => SourceFile::new(format!("{} (program-text)", plan.name), text.to_owned()),
     }
 }
 
