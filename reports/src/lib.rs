@@ -4,6 +4,7 @@
 //! message holds is shown and never interpreted (no markup, no terminal sequences). Not goals: judging,
 //! reading traces for anything but VCD, writing files.
 
+mod coverage;
 pub mod html;
 pub mod junit;
 mod matrix;

@@ -1,7 +1,8 @@
 //! The summary of a run for a terminal or a CI log: a line a case, then what needs attention, then counts.
 
+use crate::coverage::Row;
 use crate::show::{self, Outcome, clean};
-use record::{CaseRecord, ClaimRecord, MeasurementRecord, RunRecord, Totals, Verdict};
+use record::{CaseRecord, ClaimRecord, FileCoverage, MeasurementRecord, RunRecord, Totals, Verdict};
 use std::fmt::Write;
 
 /// How the text is dressed.
@@ -13,7 +14,8 @@ pub struct Style {
     pub quiet: bool,
 }
 
-/// The whole summary: [`case_line`] of every case, [`details`] of every one that needs attention, [`summary`].
+/// The whole summary: [`case_line`] of every case, [`details`] of every one that needs attention, [`coverage`] where
+/// there is one, [`summary`].
 pub fn render(run: &RunRecord, style: Style) -> String {
     let mut out = String::new();
     for case in &run.cases {
@@ -27,6 +29,10 @@ pub fn render(run: &RunRecord, style: Style) -> String {
         out.push_str(&details(case, style));
     }
     out.push('\n');
+    if !run.coverage.is_empty() {
+        out.push_str(&coverage(&run.coverage));
+        out.push('\n');
+    }
     out.push_str(&summary(run, style));
     out.push('\n');
     out
@@ -174,6 +180,25 @@ pub fn summary(run: &RunRecord, style: Style) -> String {
         }
     }
     format!("Summary: {}", parts.join(", "))
+}
+
+/// What of each source file ran: statements, branches, the lines that were missed. Ends with a line end.
+pub fn coverage(files: &[FileCoverage]) -> String {
+    let mut out = String::from("Coverage\n");
+    for row in files.iter().map(Row::of) {
+        let Row { file, statements, branches, missed, one_way } = row;
+        line(&mut out, 2, &clean(&file), "");
+        facts(
+            &mut out,
+            &[
+                ("statements", statements),
+                ("branches", branches),
+                ("not run", missed),
+                ("one way only", one_way),
+            ],
+        );
+    }
+    out
 }
 
 fn paint(text: &str, outcome: Outcome, style: Style) -> String {

@@ -16,6 +16,28 @@ fn page(run: &RunRecord) -> (String, Vec<markup::Element>) {
 }
 
 #[test]
+fn coverage_is_a_table() {
+    let mut run = fixture::example();
+    let hostile = "a<b>&\u{1b}[31m.st";
+    run.coverage.push(FileCoverage {
+        file: hostile.into(),
+        statements: 8,
+        statements_run: 7,
+        branches: 4,
+        branches_run: 4,
+        lines_missed: vec![[3, 3], [7, 9]],
+        ..FileCoverage::default()
+    });
+    let (text, elements) = page(&run);
+    assert!(elements.iter().any(|e| e.get("id") == Some("coverage")));
+    for words in ["7 of 8 (87.5 %)", "4 of 4 (100.0 %)", "3, 7-9", "a&lt;b&gt;&amp;"] {
+        assert!(text.contains(words), "{words} is missing");
+    }
+    let (plain, _) = page(&fixture::example());
+    assert!(!plain.contains("Lines not run"));
+}
+
+#[test]
 fn the_example_is_well_formed_and_its_links_lead_somewhere() {
     let (text, elements) = page(&fixture::example());
     let ids: Vec<&str> = elements.iter().filter_map(|e| e.get("id")).collect();

@@ -4,6 +4,7 @@ mod arguments;
 mod bench;
 mod broken;
 mod check;
+mod codes;
 mod corpus;
 mod fail;
 mod goldens;

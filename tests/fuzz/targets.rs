@@ -7,7 +7,7 @@ use plans::{Anchor, Literal};
 use profile::Profile;
 use record::RunRecord;
 use reports::text::Style;
-use runtime::alone::Alone;
+use runtime::alone::{self, Alone};
 use runtime::suite::{self, Files};
 use signal::{
     Address, Cause, Event, Kind, LoadLimits, Policy, Quantity, QuantityRange, SignalId, SignalInfo, Span,
@@ -114,10 +114,12 @@ pub fn program(data: &[u8]) {
         Ok(program) => {
             show(&program.warnings, &sources);
             let program = std::sync::Arc::new(program);
-            let mut alone = Alone::new(program.clone(), Profile::default());
-            let _ = alone.run(Span::from_millis(1), Span::from_micros(100));
-            for variable in program.variables().iter().take(100) {
-                let _ = alone.read(&variable.path);
+            let tasks = alone::tasks(&program, Span::from_micros(100));
+            let Ok(mut alone) = Alone::new(program.clone(), tasks, Profile::default()) else { return };
+            let _ = alone.run(Span::from_millis(1));
+            for root in program.roots().iter().take(100) {
+                let _ = alone.show(&root.path).map(|shown| shown.to_string());
+                let _ = alone.set(&root.path, "1");
             }
         }
     }

@@ -49,8 +49,6 @@ pub(super) fn case(document: &Document, number: u64, out: &mut Findings) -> Opti
         .map_or_else(Vec::new, |table| signals::read(table, out));
 
     let here = present(&document.steps, row, &bindings, out);
-    let mut tasks = vec!["MAST".to_owned()];
-    tasks.extend(settings.tasks.iter().map(|task| task.name.clone()).filter(|name| name != "MAST"));
     let scope = Scope {
         steps: step_names(&here),
         elsewhere: elsewhere(document, row),
@@ -58,7 +56,6 @@ pub(super) fn case(document: &Document, number: u64, out: &mut Findings) -> Opti
         bound_names: bound.iter().map(|binding| binding.name.clone()).collect(),
         bound,
         used: RefCell::default(),
-        tasks,
     };
     let reader = StepReader { document, variant: &variant, number, scope: &scope };
     let (mut steps, written) = reader.read(&here, out);

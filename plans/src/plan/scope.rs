@@ -33,8 +33,6 @@ pub struct Scope<'a> {
     pub(super) bound_names: BTreeSet<String>,
     /// Signals that it uses without binding them, in order of use.
     pub(super) used: RefCell<Used>,
-    /// Tasks that the settings name, and MAST.
-    pub(super) tasks: Vec<String>,
 }
 
 impl Scope<'_> {
@@ -78,20 +76,6 @@ impl Scope<'_> {
         let message = format!("every change of `{name}` counts here, and it is recorded with `{key}`");
         let help = format!("bind the signal under a second name, without `{key}`");
         out.bad(codes::RECORDING, node, message, help);
-        None
-    }
-
-    /// The name of a task; reports one that the settings do not have.
-    pub(crate) fn task(&self, node: &Node, out: &mut Findings) -> Option<String> {
-        let text = node.as_text()?;
-        if let Some(known) = self.tasks.iter().find(|known| known.eq_ignore_ascii_case(text)) {
-            return Some(known.clone());
-        }
-        let help = match suggest(text, self.tasks.iter().map(String::as_str)) {
-            Some(meant) => format!("did you mean `{meant}`?"),
-            None => format!("there are {}; further tasks stand in settings.tasks", self.tasks.join(", ")),
-        };
-        out.bad(codes::STIMULUS, node, format!("there is no task `{text}`"), help);
         None
     }
 

@@ -22,7 +22,8 @@ pub(super) const OVERLOAD: Verb = Verb {
 
 fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
     let fields = scope.fields(node, KEYS)?;
-    let task = scope.task(fields.get("task")?, out);
+    // Whether there is such a task is known only with the program: it may configure tasks of its own.
+    let task = fields.text("task").map(str::to_owned);
     let cycle = above_zero(&fields, "cycle", out);
     // The type's limits hold the number within 32 bits.
     let times = fields.integer("times").map_or(1, |times| u32::try_from(times).unwrap_or(u32::MAX));

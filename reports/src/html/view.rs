@@ -1,5 +1,6 @@
 //! What the template shows, in the words that it shows.
 
+use crate::coverage::Row;
 use crate::show::{self, Outcome};
 use crate::svg;
 use minijinja::value::Value;
@@ -19,6 +20,7 @@ pub(super) struct Page {
     attention: Vec<Attention>,
     folders: Vec<Folder>,
     requirements: Vec<Requirement>,
+    coverage: Vec<Row>,
 }
 
 /// How many cases came to one outcome.
@@ -171,6 +173,7 @@ impl Page {
             attention: attention(run),
             folders: folders(run),
             requirements: requirements(run),
+            coverage: run.coverage.iter().map(Row::of).collect(),
         }
     }
 }

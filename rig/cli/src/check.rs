@@ -10,6 +10,7 @@ use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
 use profile::Profile;
 use runtime::suite::{self, Disk, Files};
+use runtime::tasks;
 use std::path::Path;
 
 /// Reads files and says what is wrong with them.
@@ -66,8 +67,15 @@ fn check(
             Err(found) => vec![found],
             Ok(source) => {
                 sources.push(source);
-                runtime::application::compile(sources, Profile::default())
-                    .map_or_else(|found| found, |program| program.warnings)
+                let compiled = runtime::application::compile(sources, Profile::default());
+                compiled.map_or_else(
+                    |found| found,
+                    |mut program| {
+                        let mut found = std::mem::take(&mut program.warnings);
+                        found.extend(tasks::check(&program, Profile::default()).err().unwrap_or_default());
+                        found
+                    },
+                )
             }
         };
     }

@@ -38,6 +38,8 @@ fn main() -> ExitCode {
         Command::Requirements(args) => requirements::run(&args),
         Command::Program(ProgramCommand::Check { files }) => program::check(&files),
         Command::Program(ProgramCommand::Run(args)) => program::run(&args),
+        Command::Program(ProgramCommand::Dump { files }) => program::dump(&files),
+        Command::Program(ProgramCommand::Bench(args)) => program::bench(&args),
     };
     exit.into()
 }

@@ -26,6 +26,11 @@ pub fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "error: {text}");
 }
 
+/// Says something that is no error, on standard error.
+pub fn note(text: &str) {
+    let _ = writeln!(std::io::stderr(), "note: {text}");
+}
+
 /// Prints on standard output; a closed pipe is no fault.
 pub fn print(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());

@@ -11,7 +11,8 @@ use crate::{output, provenance};
 use document::SourceFile;
 use drivers::file::BoardFile;
 use record::{CaseRecord, RunRecord, Verdict};
-use reports::text::{Style, case_line, details, summary};
+use reports::text::{self, Style, case_line, details, summary};
+use runtime::coverage::Total;
 use runtime::suite::{self, Disk, Done, Files, Job, LoadedPlan};
 use runtime::{ClockKind, RunOptions};
 use signal::Span;
@@ -151,7 +152,12 @@ fn execute(args: &TestArgs, loaded: &[LoadedPlan], jobs: &[Job], sources: &[Sour
             return Exit::UserFiles;
         }
     };
-    let mut options = RunOptions { fail_fast: args.fail_fast, ..RunOptions::new(kind, &INTERRUPT) };
+    let mut options = RunOptions {
+        fail_fast: args.fail_fast,
+        coverage: args.coverage,
+        ..RunOptions::new(kind, &INTERRUPT)
+    };
+    let mut coverage = Total::default();
     if args.clock == ClockChoice::Real {
         // Nothing may happen for minutes; an interrupt is not to wait for it.
         options.slice = REAL_SLICE;
@@ -168,7 +174,10 @@ fn execute(args: &TestArgs, loaded: &[LoadedPlan], jobs: &[Job], sources: &[Sour
     let mut trouble = None;
     suite::run(loaded, jobs, at_once.min(jobs.len()), args.fail_fast, &options, &mut |place, done| {
         let (record, trace) = match done {
-            Done::Case(result) => (result.record, result.trace),
+            Done::Case(result) => {
+                coverage.add(result.coverage);
+                (result.record, result.trace)
+            }
             Done::Skipped(record) => (*record, None),
             Done::Findings(found) => {
                 output::findings(&found, sources);
@@ -196,6 +205,10 @@ fn execute(args: &TestArgs, loaded: &[LoadedPlan], jobs: &[Job], sources: &[Sour
             }
         }
     });
+    run.coverage = coverage.record();
+    if !run.coverage.is_empty() {
+        output::print(&format!("\n{}\n", text::coverage(&run.coverage)));
+    }
     output::print(&format!("{}\n", summary(&run, style).trim_end()));
     if let Some(store) = &store {
         match store.reports(&run) {

@@ -34,6 +34,8 @@ codes! {
     Nesting = "S0107", "Expressions or statements are nested too deeply";
     Unclosed = "S0108", "A block is not closed";
     LongName = "S0109", "A name is longer than 32 characters";
+    Text = "S0110", "A text literal is malformed";
+    Date = "S0111", "A date or time of day is malformed or outside its type";
     Duplicate = "S0201", "A name is declared twice";
     UnknownType = "S0202", "A type is not known";
     NotConstant = "S0203", "A constant is needed here";
@@ -47,6 +49,7 @@ codes! {
     NoProgram = "S0211", "The sources have no PROGRAM";
     Reserved = "S0212", "A name belongs to the language";
     InitialValue = "S0213", "An initial value does not suit its variable";
+    Task = "S0214", "A task is configured wrongly";
     UnknownName = "S0301", "A name is not known";
     Type = "S0302", "The types do not go together";
     Range = "S0303", "A value is outside the range of its type";
@@ -63,7 +66,8 @@ codes! {
     UnknownParameter = "S0406", "A parameter is not known";
     Arguments = "S0407", "The parameters of a call are wrong";
     NotCallable = "S0408", "What is called is no function, block or program";
-    Recursion = "S0409", "Units call each other in a circle";
+    Override = "S0409", "A method does not fit what it overrides or implements";
+    Output = "S0410", "A value cannot be passed by reference";
     SourceSize = "S0501", "The sources are too large";
     DataSize = "S0502", "The variables need too much memory";
     RetainedSize = "S0503", "The retained variables need too much memory";

@@ -91,6 +91,18 @@ impl<'a> Findings<'a> {
         Label { file, span: at.start as usize..at.end as usize, text: text.to_string() }
     }
 
+    /// Whether an error was reported inside a place already.
+    pub fn reported_within(&self, at: At) -> bool {
+        let Some(file) = self.sources.get(usize::from(at.file)) else { return false };
+        let span = at.start as usize..at.end as usize;
+        self.list.iter().rev().take(8).any(|finding| {
+            finding.severity == Severity::Error
+                && finding.labels.first().is_some_and(|label| {
+                    label.file == file.name && span.start <= label.span.start && label.span.end <= span.end
+                })
+        })
+    }
+
     /// Whether no more errors are taken.
     pub fn full(&self) -> bool {
         self.errors >= self.limit

@@ -33,33 +33,75 @@
 //!
 //! What the language does not have yet is refused with a code, never read and ignored.
 
+mod assemble;
 mod code;
 mod codes;
+mod emit;
 mod findings;
-mod fuse;
-mod lower;
+mod library;
+mod listing;
+mod look;
 mod machine;
 mod native;
 mod options;
 mod parse;
 mod program;
 mod run;
+mod sema;
+mod set;
+mod shape;
+mod tree;
 mod types;
+mod walk;
 
 pub use codes::CODES;
-pub use machine::{Fault, FaultKind, Host, Machine, MachineError, Slice, Stop};
+pub use listing::{ListedLine, ListedStep, ListedUnit};
+pub use look::Shown;
+pub use machine::{
+    BranchCoverage, ChangeError, ChangeReport, Coverage, Fault, FaultKind, Host, Machine, MachineError,
+    Slice, StatementCoverage, Stop,
+};
 pub use native::{Native, Pin, PinKind, Pins, STANDARD};
 pub use options::{Costs, Limits, Options};
-pub use program::{Located, Program, Retention, Storage, VarRef, Variable};
+pub use program::{Located, Program, Retention, Storage, TaskInfo, VarRef, Variable};
+pub use set::SetError;
+pub use shape::{Member, Root, Shape, ShapeId};
 pub use types::Elementary;
+
+use codes::Code;
+use document::{Diagnostic, SourceFile};
+use findings::{At, Findings};
 
 /// Compiles sources, which are one application together.
 ///
 /// # Errors
 /// The findings: at least one error, and at most [`Limits::errors`]; warnings among them.
-pub fn compile(
-    sources: &[document::SourceFile],
-    options: &Options,
-) -> Result<Program, Vec<document::Diagnostic>> {
-    lower::compile(sources, options)
+pub fn compile(sources: &[SourceFile], options: &Options) -> Result<Program, Vec<Diagnostic>> {
+    let mut findings = Findings::new(sources, options.limits.errors);
+    let mut names = parse::Names::new();
+    let size: usize = sources.iter().map(|source| source.text.len()).sum();
+    if size > options.limits.source || sources.len() > 255 {
+        let message = format!("{} sources of {size} bytes in all", sources.len());
+        let help = format!("at most 255 sources of {} bytes in all are compiled", options.limits.source);
+        findings.error(Code::SourceSize, At::default(), message, help);
+        return Err(findings.finish());
+    }
+    let unit = parse::parse(sources, &mut names, &mut findings);
+    if findings.failed() {
+        // A tree with faults has holes: what is missing would be reported as unknown.
+        return Err(findings.finish());
+    }
+    let (tree, mut findings) = sema::check(&unit, &names, options, findings, sources);
+    if findings.failed() {
+        return Err(findings.finish());
+    }
+    let mut program = emit::emit(tree, options, &mut findings, sources);
+    if findings.failed() {
+        return Err(findings.finish());
+    }
+    program.warnings = findings.finish();
+    Ok(assemble::finish(program))
 }
+
+#[cfg(test)]
+mod tests;

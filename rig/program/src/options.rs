@@ -42,6 +42,28 @@ pub struct Costs {
     pub long_load: u32,
     /// Writing one. Rig definition: 50.
     pub long_store: u32,
+    /// Addition, subtraction, multiplication or comparison of REAL: 336.
+    pub real_op: u32,
+    /// Division of REAL: 678.
+    pub real_div: u32,
+    /// Reading one: 25.
+    pub real_load: u32,
+    /// Writing one: 25.
+    pub real_store: u32,
+    /// The same operations on LREAL. Rig definition: twice those of REAL, 672.
+    pub lreal_op: u32,
+    /// Division of LREAL. Rig definition: 1356.
+    pub lreal_div: u32,
+    /// Reading one. Rig definition: 50.
+    pub lreal_load: u32,
+    /// Writing one. Rig definition: 50.
+    pub lreal_store: u32,
+    /// Copying, comparing or converting a text, or a function of the library on texts. Rig definition: 1000.
+    pub text: u32,
+    /// A function of the library on numbers that is no operation, such as SQRT or SIN. Rig definition: 1000.
+    pub function: u32,
+    /// Each 8 bytes begun of a copied structure or array. Rig definition: 49, a load and a store of DINT.
+    pub copy: u32,
     /// What a retained variable's load or store costs besides (controller:REM-05). Rig definition: 20. It
     /// applies where the declaration says RETAIN or PERSISTENT, not inside blocks of which a whole instance does.
     pub retained: u32,
@@ -73,6 +95,17 @@ impl Default for Costs {
             long_div: 164,
             long_load: 48,
             long_store: 50,
+            real_op: 336,
+            real_div: 678,
+            real_load: 25,
+            real_store: 25,
+            lreal_op: 672,
+            lreal_div: 1356,
+            lreal_load: 50,
+            lreal_store: 50,
+            text: 1000,
+            function: 1000,
+            copy: 49,
             retained: 20,
             branch: 20,
             call: 200,
@@ -89,6 +122,8 @@ impl Costs {
             Class::Int => self.int_op,
             Class::Dint => self.dint_op,
             Class::Long => self.long_op,
+            Class::Real => self.real_op,
+            Class::Lreal => self.lreal_op,
         }
     }
 
@@ -98,6 +133,8 @@ impl Costs {
             Class::Int => self.int_div,
             Class::Dint => self.dint_div,
             Class::Long => self.long_div,
+            Class::Real => self.real_div,
+            Class::Lreal => self.lreal_div,
         }
     }
 
@@ -107,6 +144,8 @@ impl Costs {
             Class::Int => self.int_load,
             Class::Dint => self.dint_load,
             Class::Long => self.long_load,
+            Class::Real => self.real_load,
+            Class::Lreal => self.lreal_load,
         }
     }
 
@@ -116,6 +155,8 @@ impl Costs {
             Class::Int => self.int_store,
             Class::Dint => self.dint_store,
             Class::Long => self.long_store,
+            Class::Real => self.real_store,
+            Class::Lreal => self.lreal_store,
         }
     }
 
@@ -132,8 +173,8 @@ pub struct Limits {
     pub addresses: AddressLimits,
     /// Bytes of source text in all.
     pub source: usize,
-    /// Elementary variables, elements of arrays counted singly.
-    pub cells: u32,
+    /// Bytes of all variables and constants.
+    pub memory: u32,
     /// Bytes of the retained image (controller:MEM-08).
     pub retained: usize,
     /// Operations of the compiled code.
@@ -143,12 +184,12 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// `%MW0` to `%MW59999`, images of 8 Kbytes, 1 Mbyte of text, a million variables, 64 Kbytes retained, 50 errors.
+    /// `%MW0` to `%MW59999`, images of 8 Kbytes, 4 Mbyte of text, 32 Mbyte of variables, 64 Kbytes retained, 50 errors.
     fn default() -> Self {
         Limits {
             addresses: AddressLimits { input_bits: 65_536, output_bits: 65_536, memory_words: 60_000 },
-            source: 1 << 20,
-            cells: 1_000_000,
+            source: 4 << 20,
+            memory: 32 << 20,
             retained: 65_536,
             code: 1_000_000,
             errors: 50,

@@ -1,11 +1,14 @@
 //! A compiled program: code, the layout of its variables, and what is known of them.
 
-use crate::code::{Bounds, Step, Unit};
+use crate::code::{Class, IndexOf, LibraryCall, Statement, Step, TextPair, Unit};
 use crate::native::Native;
+use crate::shape::{Root, Shape, ShapeId};
 use crate::types::Elementary;
+use crate::walk::Spot;
 use document::Diagnostic;
-use signal::{Address, Area};
+use signal::{Address, Area, Size, Span};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// What becomes of a variable at a restart (controller:REM-01, controller:REM-02).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -22,15 +25,43 @@ pub enum Retention {
 /// Where a variable is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Storage {
-    /// In the program's own cells, from this one on.
+    /// In the program's own memory: a variable, or the first one of an array.
     Cell(VarRef),
     /// In the images or the mapped memory.
     Located(Address),
 }
 
-/// An elementary variable by its cell. Valid for the program that gave it.
+/// An elementary variable: its address in the machine's own memory, times 32, and the place of its type in
+/// [`Elementary::ALL`]. Valid for the program that gave it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct VarRef(pub u32);
+
+impl VarRef {
+    pub(crate) const fn new(address: u32, ty: Elementary) -> VarRef {
+        VarRef(address << 5 | ty as u32)
+    }
+
+    pub(crate) const fn address(self) -> u32 {
+        self.0 >> 5
+    }
+
+    pub(crate) fn ty(self) -> Option<Elementary> {
+        Elementary::ALL.get((self.0 & 31) as usize).copied()
+    }
+
+    /// Its bytes in the machine's memory.
+    pub(crate) fn bytes(self) -> Option<Range<usize>> {
+        let first = self.address() as usize;
+        Some(first..first + self.ty()?.bytes())
+    }
+}
+
+/// What the first names of a path mean: a root, or a member of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Entry {
+    pub root: u32,
+    pub member: Option<u32>,
+}
 
 /// A variable, or an array of elementary variables as a whole.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,30 +97,73 @@ pub struct Located {
     pub initial: Option<u64>,
 }
 
+/// A task that the sources configure (CONFIGURATION).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TaskInfo {
+    /// As declared.
+    pub name: String,
+    /// INTERVAL; `None` for a task without one.
+    pub interval: Option<Span>,
+    /// PRIORITY as written.
+    pub priority: Option<u32>,
+    /// Places in [`Program::programs`] of what it runs, in order.
+    pub programs: Vec<usize>,
+    /// Place of the source file that configures it.
+    pub file: u8,
+    /// Bytes of its name in that file.
+    pub span: std::ops::Range<usize>,
+}
+
+/// Bytes that are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Retained {
+    pub address: u32,
+    pub bytes: u32,
+    pub retention: Retention,
+}
+
 /// A compiled program. Immutable: machines share it.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// What runs: [`Program::plain`] with its runs of operations joined.
     pub(crate) code: Vec<Step>,
-    /// The operations as compiled, each by itself; places are those of `code`.
-    pub(crate) plain: Vec<Step>,
-    pub(crate) wide: Vec<i64>,
-    pub(crate) bounds: Vec<Bounds>,
+    /// The line of each operation, from 1.
+    pub(crate) lines: Vec<u32>,
+    pub(crate) indexes: Vec<IndexOf>,
+    pub(crate) texts: Vec<TextPair>,
+    pub(crate) library: Vec<LibraryCall>,
     pub(crate) units: Vec<Unit>,
     pub(crate) natives: Vec<&'static Native>,
+    pub(crate) classes: Vec<Class>,
+    /// Names of the blocks and interfaces that [`crate::code::Op::IsKind`] asks for.
+    pub(crate) kinds: Vec<String>,
+    /// In the order of the code.
+    pub(crate) statements: Vec<Statement>,
     pub(crate) located: Vec<Located>,
     /// Units of the PROGRAMs.
     pub(crate) programs: Vec<u16>,
     pub(crate) program_names: Vec<String>,
-    /// Initial value, type and retention of each cell.
-    pub(crate) initial: Vec<i64>,
-    pub(crate) types: Vec<Elementary>,
-    pub(crate) retention: Vec<Retention>,
+    /// The machine's own memory at the start, from address 0: nothing up to [`crate::code::map::FIRST`], then the
+    /// variables from `variables_from` to `variables_to` and the constants, in either order. Only variables are
+    /// ever written.
+    pub(crate) image: Vec<u8>,
+    pub(crate) variables_from: u32,
+    /// Behind the last variable.
+    pub(crate) variables_to: u32,
+    /// How far the images and the mapped memory reach: pointers may hold any address.
+    pub(crate) limits: signal::AddressLimits,
+    /// Sorted by address, disjoint.
+    pub(crate) retained: Vec<Retained>,
+    pub(crate) roots: Vec<Root>,
+    pub(crate) shapes: Vec<Shape>,
+    pub(crate) tasks: Vec<TaskInfo>,
+    /// What [`Program::variables`] lists: derived.
     pub(crate) variables: Vec<Variable>,
-    /// Path in capitals, full and short, to the variable; `None` where a short one means several.
-    pub(crate) index: BTreeMap<String, Option<u32>>,
+    /// First names in capitals, full and short; `None` where a short one means several: derived.
+    pub(crate) index: BTreeMap<String, Option<Entry>>,
     pub(crate) files: Vec<String>,
+    /// Derived.
     pub(crate) digest: [u8; 32],
+    /// Derived.
     pub(crate) layout: [u8; 8],
     /// Findings that did not prevent the compilation.
     pub warnings: Vec<Diagnostic>,
@@ -101,9 +175,15 @@ impl Program {
         &self.program_names
     }
 
-    /// All variables: globals first, then program by program, blocks opened up.
+    /// The variables by their roots, structures, blocks and arrays of them opened up: single ones and arrays of
+    /// elementary types, without texts and addresses. At most 200,000; [`Program::find`] knows the rest too.
     pub fn variables(&self) -> &[Variable] {
         &self.variables
+    }
+
+    /// The variables that are no part of others: global ones, instances of programs, located ones of programs.
+    pub fn roots(&self) -> &[Root] {
+        &self.roots
     }
 
     /// Located places, of declarations and of direct uses, in the order of appearance.
@@ -116,16 +196,30 @@ impl Program {
     pub fn outputs_of(&self, program: usize) -> Vec<Address> {
         let mut waiting: Vec<u16> = self.programs.get(program).copied().into_iter().collect();
         let mut seen = vec![false; self.units.len()];
-        let mut found: Vec<Address> = Vec::new();
+        let mut bits: Vec<(u32, u32)> = Vec::new();
         while let Some(place) = waiting.pop() {
-            let Some(unit) = self.units.get(usize::from(place)) else { continue };
-            if !std::mem::replace(&mut seen[usize::from(place)], true) {
+            let (Some(unit), Some(seen)) =
+                (self.units.get(usize::from(place)), seen.get_mut(usize::from(place)))
+            else {
+                continue;
+            };
+            if !std::mem::replace(seen, true) {
                 waiting.extend(&unit.calls);
-                let written = unit.writes.iter().filter_map(|entry| self.located.get(*entry as usize));
-                found.extend(written.map(|located| located.address));
+                bits.extend(&unit.writes);
             }
         }
-        found.retain(|address| address.area() == Area::Output);
+        let limit = self.limits.bits(Area::Output);
+        let mut found: Vec<Address> = Vec::new();
+        for (first, number) in bits {
+            let mut at = first.min(limit);
+            let end = first.saturating_add(number).min(limit);
+            while at < end {
+                let whole = at.is_multiple_of(8) && end - at >= 8;
+                let byte = if whole { Address::new(Area::Output, Size::Byte, at / 8) } else { None };
+                found.push(byte.unwrap_or(Address::bit(Area::Output, at)));
+                at += if whole { 8 } else { 1 };
+            }
+        }
         found.sort_unstable();
         found.dedup();
         found
@@ -147,41 +241,60 @@ impl Program {
         self.digest.iter().take(8).fold(0, |n, byte| n << 8 | u64::from(*byte))
     }
 
-    /// The variable with this path, in capitals or not: `MAIN.n`, or `n` where no other program has one. A
-    /// global variable goes before those of programs. Elements of arrays of elementary types are part of the array
-    /// here; blocks in arrays are single, as in `MAIN.t[2].Q`.
-    pub fn find(&self, path: &str) -> Option<&Variable> {
-        let key: String =
-            path.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_uppercase()).collect();
-        let place = (*self.index.get(&key)?)?;
-        self.variables.get(place as usize)
+    /// Place of the source file of an operation.
+    pub(crate) fn file_at(&self, pc: u32) -> u8 {
+        let behind = self.units.iter().filter(|unit| unit.entry <= pc);
+        behind.max_by_key(|unit| unit.entry).map_or(0, |unit| unit.file)
     }
 
-    /// The cell of a path: of a variable as in [`Program::find`], or of an element, `MAIN.a[3]` or `m[1,2]`.
-    /// `None` for whole arrays and located variables, which [`Program::find`] describes.
+    /// The tasks that the sources configure, in their order.
+    pub fn tasks(&self) -> &[TaskInfo] {
+        &self.tasks
+    }
+
+    /// What becomes of the byte at an address at a restart.
+    pub(crate) fn retention_at(&self, address: u32) -> Retention {
+        let place = self.retained.partition_point(|kept| kept.address + kept.bytes <= address);
+        let kept = self.retained.get(place).filter(|kept| kept.address <= address);
+        kept.map_or(Retention::None, |kept| kept.retention)
+    }
+
+    /// The native block of this name.
+    pub(crate) fn native(&self, name: &str) -> Option<&'static Native> {
+        self.natives.iter().find(|native| native.name.eq_ignore_ascii_case(name)).copied()
+    }
+
+    /// The type at a place of the table.
+    pub(crate) fn shape(&self, id: ShapeId) -> Option<&Shape> {
+        self.shapes.get(id.0 as usize)
+    }
+
+    /// The variable with this path, in capitals or not: `MAIN.n`, or `n` where no other program has one. A
+    /// global variable goes before those of programs. A variable of an elementary type, an enumeration or a subrange, or an array
+    /// of such ones as a whole; its elements too, `MAIN.a[3]`, and those inside structures and blocks, `MAIN.t[2].Q`.
+    pub fn find(&self, path: &str) -> Option<Variable> {
+        let spot = Spot::find(self, path)?;
+        let (ty, dimensions) = match self.shape(spot.shape)? {
+            Shape::Array { dimensions, of, .. } => (self.shape(*of)?.elementary()?, dimensions.clone()),
+            shape => (shape.elementary()?, Vec::new()),
+        };
+        Some(Variable {
+            storage: spot.storage(ty)?,
+            retention: self.retention_at(spot.address),
+            path: spot.path,
+            ty,
+            dimensions,
+            file: spot.file,
+        })
+    }
+
+    /// The reference of a path: of a single variable or element as in [`Program::find`]. `None` for whole arrays and
+    /// located variables, which [`Program::find`] describes.
     pub fn resolve(&self, path: &str) -> Option<VarRef> {
-        if let Some(variable) = self.find(path) {
-            return match variable.storage {
-                Storage::Cell(cell) if variable.dimensions.is_empty() => Some(cell),
-                _ => None,
-            };
+        let spot = Spot::find(self, path)?;
+        match spot.storage(self.shape(spot.shape)?.elementary()?)? {
+            Storage::Cell(variable) => Some(variable),
+            Storage::Located(_) => None,
         }
-        let (array, rest) = path.trim().rsplit_once('[')?;
-        let variable = self.find(array)?;
-        let Storage::Cell(VarRef(first)) = variable.storage else { return None };
-        let mut at = 0i64;
-        let mut dimensions = variable.dimensions.iter();
-        for text in rest.strip_suffix(']')?.split(',') {
-            let (low, high) = *dimensions.next()?;
-            let index: i64 = text.trim().parse().ok()?;
-            if index < low || index > high {
-                return None;
-            }
-            at = at.checked_mul(high.checked_sub(low)?.checked_add(1)?)?.checked_add(index - low)?;
-        }
-        if dimensions.next().is_some() {
-            return None;
-        }
-        Some(VarRef(first.checked_add(u32::try_from(at).ok()?)?))
     }
 }

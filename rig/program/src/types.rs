@@ -34,14 +34,38 @@ pub enum Elementary {
     Lword,
     /// Milliseconds in 32 bits, 0 to 4294967295.
     Time,
+    /// Nanoseconds in 64 bits, unsigned: 0 to 2^63 - 1 is what the rig takes.
+    Ltime,
+    /// Seconds since 1970-01-01, at midnight, in 32 bits.
+    Date,
+    /// Milliseconds since midnight in 32 bits.
+    Tod,
+    /// Seconds since 1970-01-01 in 32 bits.
+    Dt,
+    /// Nanoseconds since 1970-01-01, at midnight, in 64 bits.
+    Ldate,
+    /// Nanoseconds since midnight in 64 bits.
+    Ltod,
+    /// Nanoseconds since 1970-01-01 in 64 bits.
+    Ldt,
+    /// IEEE 754 single; the cell holds its bits.
+    Real,
+    /// IEEE 754 double; the cell holds its bits.
+    Lreal,
+    /// One character of a STRING: 8 bits.
+    Char,
+    /// One character of a WSTRING: 16 bits.
+    Wchar,
 }
 
 use Elementary::*;
 
 impl Elementary {
     /// Every elementary type.
-    pub const ALL: [Elementary; 14] =
-        [Bool, Sint, Usint, Int, Uint, Dint, Udint, Lint, Ulint, Byte, Word, Dword, Lword, Time];
+    pub const ALL: [Elementary; 25] = [
+        Bool, Sint, Usint, Int, Uint, Dint, Udint, Lint, Ulint, Byte, Word, Dword, Lword, Time, Ltime, Date,
+        Tod, Dt, Ldate, Ltod, Ldt, Real, Lreal, Char, Wchar,
+    ];
 
     /// The keyword.
     pub const fn name(self) -> &'static str {
@@ -60,22 +84,39 @@ impl Elementary {
             Dword => "DWORD",
             Lword => "LWORD",
             Time => "TIME",
+            Ltime => "LTIME",
+            Date => "DATE",
+            Tod => "TIME_OF_DAY",
+            Dt => "DATE_AND_TIME",
+            Ldate => "LDATE",
+            Ltod => "LTIME_OF_DAY",
+            Ldt => "LDATE_AND_TIME",
+            Real => "REAL",
+            Lreal => "LREAL",
+            Char => "CHAR",
+            Wchar => "WCHAR",
         }
     }
 
     /// The type with this keyword, in capitals.
     pub(crate) fn named(key: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|t| t.name() == key)
+        match key {
+            "TOD" => Some(Tod),
+            "DT" => Some(Dt),
+            "LTOD" => Some(Ltod),
+            "LDT" => Some(Ldt),
+            _ => Self::ALL.into_iter().find(|t| t.name() == key),
+        }
     }
 
     /// Width: 1, 8, 16, 32 or 64.
     pub const fn bits(self) -> u32 {
         match self {
             Bool => 1,
-            Sint | Usint | Byte => 8,
-            Int | Uint | Word => 16,
-            Dint | Udint | Dword | Time => 32,
-            Lint | Ulint | Lword => 64,
+            Sint | Usint | Byte | Char => 8,
+            Int | Uint | Word | Wchar => 16,
+            Dint | Udint | Dword | Time | Date | Tod | Dt | Real => 32,
+            Lint | Ulint | Lword | Ltime | Ldate | Ltod | Ldt | Lreal => 64,
         }
     }
 
@@ -94,14 +135,34 @@ impl Elementary {
         matches!(self, Byte | Word | Dword | Lword)
     }
 
-    /// Numbers and bit strings: what arithmetic takes besides TIME.
+    /// Whole numbers and bit strings.
     pub(crate) const fn is_integer(self) -> bool {
-        !matches!(self, Bool | Time)
+        matches!(self, Sint | Usint | Int | Uint | Dint | Udint | Lint | Ulint | Byte | Word | Dword | Lword)
+    }
+
+    /// REAL and LREAL.
+    pub const fn is_real(self) -> bool {
+        matches!(self, Real | Lreal)
+    }
+
+    /// TIME and LTIME.
+    pub const fn is_duration(self) -> bool {
+        matches!(self, Time | Ltime)
+    }
+
+    /// Dates and times of day, short and long.
+    pub const fn is_date(self) -> bool {
+        matches!(self, Date | Tod | Dt | Ldate | Ltod | Ldt)
+    }
+
+    /// CHAR and WCHAR.
+    pub const fn is_char(self) -> bool {
+        matches!(self, Char | Wchar)
     }
 
     /// 64 bits unsigned: the only cells whose order is not that of `i64`.
     pub(crate) const fn wide_unsigned(self) -> bool {
-        matches!(self, Ulint | Lword)
+        matches!(self, Ulint | Lword | Ltime | Ldate | Ltod | Ldt)
     }
 
     /// Smallest and largest value.
@@ -123,28 +184,14 @@ impl Elementary {
     /// the others zero-extended.
     #[inline(always)]
     pub(crate) const fn wrap(self, n: i64) -> i64 {
-        // Tables instead of a match: this is behind every addition.
-        const SHIFT: [u8; 16] = [63, 56, 56, 48, 48, 32, 32, 0, 0, 56, 48, 32, 0, 32, 0, 0];
-        const MASK: [i64; 16] = [
-            1,
-            -1,
-            0xFF,
-            -1,
-            0xFFFF,
-            -1,
-            0xFFFF_FFFF,
-            -1,
-            -1,
-            0xFF,
-            0xFFFF,
-            0xFFFF_FFFF,
-            -1,
-            0xFFFF_FFFF,
-            -1,
-            -1,
-        ];
-        let at = self as usize & 15;
-        ((n << SHIFT[at]) >> SHIFT[at]) & MASK[at]
+        if self.signed() {
+            let cut = 64 - self.bits();
+            (n << cut) >> cut
+        } else if self.bits() == 64 {
+            n
+        } else {
+            n & ((1 << self.bits()) - 1)
+        }
     }
 
     /// The number in a cell.
@@ -156,19 +203,31 @@ impl Elementary {
     pub(crate) const fn value(self, cell: i64) -> Value {
         match self {
             Bool => Value::Bool(cell & 1 == 1),
-            Time => Value::Int(cell * 1_000_000),
+            Time | Tod => Value::Int(cell * 1_000_000),
+            Date | Dt => Value::Int(cell * 1_000_000_000),
+            Real => Value::Real(f32::from_bits(cell as u32) as f64),
+            Lreal => Value::Real(f64::from_bits(cell as u64)),
             Ulint | Byte | Word | Dword | Lword => Value::Word(cell as u64),
             _ => Value::Int(cell),
         }
     }
 
-    /// A value as a cell: cut to the width, TIME from nanoseconds down to whole milliseconds. `None` for what has no number.
+    /// A value as a cell: cut to the width; TIME and times of day from nanoseconds down to whole milliseconds, dates
+    /// to whole seconds. `None` for what has no number.
     pub(crate) fn cell(self, value: Value) -> Option<i64> {
-        if self == Bool {
-            return value.as_bool().map(i64::from);
+        match self {
+            Bool => return value.as_bool().map(i64::from),
+            Real => return value.as_real().map(|n| i64::from((n as f32).to_bits())),
+            Lreal => return value.as_real().map(|n| n.to_bits() as i64),
+            _ => {}
         }
         let number = value.as_int()? as i64;
-        Some(if self == Time { self.wrap(number.div_euclid(1_000_000)) } else { self.wrap(number) })
+        let unit = match self {
+            Time | Tod => 1_000_000,
+            Date | Dt => 1_000_000_000,
+            _ => 1,
+        };
+        Some(self.wrap(number.div_euclid(unit)))
     }
 
     /// Whether a located variable of this type covers exactly an address of `size`.
@@ -191,9 +250,11 @@ impl Elementary {
     pub(crate) const fn class(self) -> Class {
         match self {
             Bool => Class::Bool,
-            Sint | Usint | Byte | Int | Uint | Word => Class::Int,
-            Dint | Udint | Dword | Time => Class::Dint,
-            Lint | Ulint | Lword => Class::Long,
+            Sint | Usint | Byte | Int | Uint | Word | Char | Wchar => Class::Int,
+            Dint | Udint | Dword | Time | Date | Tod | Dt => Class::Dint,
+            Lint | Ulint | Lword | Ltime | Ldate | Ltod | Ldt => Class::Long,
+            Real => Class::Real,
+            Lreal => Class::Lreal,
         }
     }
 }
@@ -205,6 +266,8 @@ pub(crate) enum Class {
     Int,
     Dint,
     Long,
+    Real,
+    Lreal,
 }
 
 #[cfg(test)]
@@ -214,7 +277,7 @@ mod tests {
     #[test]
     fn cells_are_canonical_for_every_width() {
         // controller:DT-01 - against the ranges, not against the tables that wrap() uses.
-        for ty in Elementary::ALL {
+        for ty in Elementary::ALL.into_iter().filter(|ty| !ty.is_real()) {
             let (low, high) = ty.range();
             for n in [
                 0,

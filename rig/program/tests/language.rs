@@ -279,9 +279,9 @@ fn outputs_are_known_by_program() {
          PROGRAM C A(); %QB0 := 1; END_PROGRAM",
     );
     let outputs = |place| program.outputs_of(place).iter().map(ToString::to_string).collect::<Vec<_>>();
-    assert_eq!(outputs(0), ["%QX0.4", "%QW3"]);
+    assert_eq!(outputs(0), ["%QX0.4", "%QB6", "%QB7"]);
     assert_eq!(outputs(1), ["%QX0.4"]);
-    assert_eq!(outputs(2), ["%QB0", "%QX0.4", "%QW3"]);
+    assert_eq!(outputs(2), ["%QB0", "%QX0.4", "%QB6", "%QB7"]);
     assert_eq!(outputs(3), Vec::<String>::new());
 }
 

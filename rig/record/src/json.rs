@@ -1,6 +1,9 @@
 //! The record as JSON, and a reader that refuses what it cannot trust.
 
-use crate::{CaseRecord, FORMAT, MAX_LANE_POINTS, MAX_LOG_LINES, RunRecord, Totals};
+use crate::{
+    CaseRecord, FORMAT, FileCoverage, MAX_COVERED_FILES, MAX_LANE_POINTS, MAX_LINE_RANGES, MAX_LOG_LINES,
+    RunRecord, Totals,
+};
 use serde::Deserialize;
 use std::fmt;
 
@@ -54,6 +57,11 @@ pub enum RecordError {
         /// Place of the case, from 0.
         case: usize,
     },
+    /// R0409: a coverage that cannot be: more that ran than there is, lines that run backwards, too much of it.
+    Coverage {
+        /// Place of the file, from 0.
+        file: usize,
+    },
 }
 
 impl RecordError {
@@ -68,6 +76,7 @@ impl RecordError {
             Self::DuplicateCase { .. } => "R0406",
             Self::Totals => "R0407",
             Self::Backwards { .. } => "R0408",
+            Self::Coverage { .. } => "R0409",
         }
     }
 }
@@ -91,6 +100,9 @@ impl fmt::Display for RecordError {
             }
             Self::Totals => f.write_str("the totals do not agree with the cases: the record was edited"),
             Self::Backwards { case } => write!(f, "an interval of time runs backwards in case {case}"),
+            Self::Coverage { file } => {
+                write!(f, "the coverage of source file {file} cannot be: the record was edited")
+            }
         }
     }
 }
@@ -128,7 +140,7 @@ impl RunRecord {
         Ok(record)
     }
 
-    /// Checks bounds, names, totals and the order of interval ends.
+    /// Checks bounds, names, totals, the order of interval ends and what coverage there is.
     ///
     /// # Errors
     /// The first of [`RecordError`] that applies.
@@ -147,6 +159,19 @@ impl RunRecord {
             if intervals(case).any(|[earliest, latest]| earliest > latest) {
                 return Err(RecordError::Backwards { case: place });
             }
+        }
+        let impossible = |file: &FileCoverage| {
+            let lines = [&file.lines_missed, &file.lines_one_way];
+            file.statements_run > file.statements
+                || file.branches_run > file.branches
+                || lines.iter().any(|list| list.len() > MAX_LINE_RANGES)
+                || lines.into_iter().flatten().any(|[first, last]| first > last)
+        };
+        if self.coverage.len() > MAX_COVERED_FILES {
+            return Err(RecordError::Coverage { file: MAX_COVERED_FILES });
+        }
+        if let Some(file) = self.coverage.iter().position(impossible) {
+            return Err(RecordError::Coverage { file });
         }
         if self.totals == Totals::of(&self.cases) { Ok(()) } else { Err(RecordError::Totals) }
     }

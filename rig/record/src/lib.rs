@@ -10,6 +10,7 @@
 
 mod case;
 mod claim;
+mod coverage;
 mod figure;
 mod json;
 mod lane;
@@ -21,6 +22,7 @@ pub use case::{
     CaseRecord, CaseStatus, Hashes, LogLine, MAX_LOG_LINES, Parameter, RigTiming, StepRecord, TaskFigures,
 };
 pub use claim::{ClaimRecord, MeasurementRecord, Window};
+pub use coverage::{FileCoverage, MAX_COVERED_FILES, MAX_LINE_RANGES};
 pub use figure::Figure;
 pub use json::{MAX_CASES, MAX_JSON_BYTES, RecordError};
 pub use lane::{Lane, LaneKind, LanePoint, LaneValue, MAX_LANE_POINTS};

@@ -1,6 +1,6 @@
 //! The record of a whole run.
 
-use crate::{CaseRecord, CaseStatus, Verdict};
+use crate::{CaseRecord, CaseStatus, FileCoverage, Verdict};
 use serde::{Deserialize, Serialize};
 
 /// Version of the record's shape that this crate writes and reads.
@@ -109,6 +109,9 @@ pub struct RunRecord {
     pub totals: Totals,
     /// The cases, in the order in which the plans were given.
     pub cases: Vec<CaseRecord>,
+    /// What of the programs ran, where it was asked for: file by file, in the order of their first case.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub coverage: Vec<FileCoverage>,
 }
 
 impl RunRecord {

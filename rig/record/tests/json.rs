@@ -35,6 +35,13 @@ fn sample() -> RunRecord {
     run.push(case);
     run.push(CaseRecord::not_applicable("watchdog/pulse", "no channel reaches 200 kHz"));
     run.push(CaseRecord::skipped("watchdog/late", "not selected"));
+    run.coverage.push(FileCoverage {
+        file: "lamp.st".into(),
+        statements: 3,
+        statements_run: 2,
+        lines_missed: vec![[7, 9]],
+        ..FileCoverage::default()
+    });
     run
 }
 
@@ -68,6 +75,19 @@ fn what_cannot_be_trusted_is_refused() {
     run.cases[0].claims.clear();
     run.cases[0].lanes[0].points = vec![point; MAX_LANE_POINTS + 1];
     assert_eq!(code(&run.to_json()), "R0405");
+    run.cases.clear();
+    run.totals = Totals::default();
+    run.coverage[0].lines_missed = vec![[9, 7]];
+    assert_eq!(code(&run.to_json()), "R0409");
+    run.coverage[0] = FileCoverage { statements_run: 1, ..FileCoverage::default() };
+    assert_eq!(code(&run.to_json()), "R0409");
+}
+
+#[test]
+fn a_record_without_coverage_does_not_speak_of_it() {
+    let text = RunRecord { coverage: Vec::new(), ..sample() }.to_json();
+    assert!(!text.contains("coverage"));
+    assert!(RunRecord::from_json(&text).unwrap().coverage.is_empty());
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! the other.
 
 use crate::bundle::Bundle;
+use crate::coverage::Collector;
 use controller::{
     Application, ApplicationFault, FaultClass, LoadError, Loader, Memory, Slice, Stop, VariableReset,
 };
@@ -23,6 +24,9 @@ pub fn options(profile: Profile) -> Options {
     (costs.int_load, costs.int_store) = halves(documented.int_load_store);
     costs.dint_op = documented.dint_arith;
     (costs.dint_load, costs.dint_store) = halves(documented.dint_load_store);
+    costs.real_op = documented.real_arith;
+    costs.real_div = documented.real_div;
+    (costs.real_load, costs.real_store) = halves(documented.real_load_store);
     options
 }
 
@@ -64,6 +68,8 @@ pub struct ProgramApplication {
     profile: Profile,
     /// Per task the bytes of %Q that its programs can write.
     output_bytes: Vec<Vec<u32>>,
+    /// Where it leaves what of it ran.
+    collector: Option<Collector>,
 }
 
 impl ProgramApplication {
@@ -74,7 +80,23 @@ impl ProgramApplication {
     pub fn new(program: Arc<Program>, tasks: &[Vec<usize>], profile: Profile) -> Result<Self, LoadError> {
         let machine = Machine::new(Arc::clone(&program), tasks).map_err(|_| LoadError::Bundle)?;
         let output_bytes = tasks.iter().map(|programs| written_bytes(&program, programs)).collect();
-        Ok(ProgramApplication { machine, tasks: tasks.len(), profile, output_bytes })
+        Ok(ProgramApplication { machine, tasks: tasks.len(), profile, output_bytes, collector: None })
+    }
+
+    /// The same, with what of it runs added to the collector in the end.
+    #[must_use]
+    pub fn covered(mut self, collector: Collector) -> Self {
+        self.machine.set_coverage(true);
+        self.collector = Some(collector);
+        self
+    }
+}
+
+impl Drop for ProgramApplication {
+    fn drop(&mut self) {
+        if let Some(collector) = &self.collector {
+            collector.add(self.machine.coverage());
+        }
     }
 }
 
@@ -126,7 +148,8 @@ impl Application for ProgramApplication {
         let stop = match slice.stop {
             program::Stop::Budget { next } => Stop::Budget { next },
             program::Stop::Done => Stop::Done,
-            program::Stop::Touched => Stop::Touched,
+            // Nobody sets breakpoints here yet; a stop at one is no more than the end of a slice.
+            program::Stop::Touched | program::Stop::Break => Stop::Touched,
             program::Stop::Fault(fault) => Stop::Fault(application_fault(fault, self.profile)),
         };
         Slice { used: slice.used, stop }
@@ -197,22 +220,34 @@ fn application_fault(fault: program::Fault, profile: Profile) -> ApplicationFaul
         FaultKind::Bounds if profile == Profile::M241_2014 => {
             (ApplicationError::ReservedMemory, FaultClass::System)
         }
-        FaultKind::Bounds => (ApplicationError::ReservedMemory, FaultClass::Application),
+        FaultKind::Bounds | FaultKind::BadReference => {
+            (ApplicationError::ReservedMemory, FaultClass::Application)
+        }
+        // What lies beyond the stack is memory reserved at run time, and no task can go on without its stack.
+        FaultKind::StackDepth => (ApplicationError::ReservedMemory, FaultClass::System),
         FaultKind::Internal => (ApplicationError::UndefinedInstruction, FaultClass::System),
     };
     ApplicationFault { error, class, file: fault.file, line: fault.line }
 }
 
 /// Compiles the bundles that a controller loads.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct BundleLoader {
     profile: Profile,
+    collector: Option<Collector>,
 }
 
 impl BundleLoader {
     /// A loader for a controller of this profile.
     pub const fn new(profile: Profile) -> Self {
-        BundleLoader { profile }
+        BundleLoader { profile, collector: None }
+    }
+
+    /// The same, with what of the applications runs added to the collector.
+    #[must_use]
+    pub fn covered(mut self, collector: Option<Collector>) -> Self {
+        self.collector = collector;
+        self
     }
 }
 
@@ -222,6 +257,10 @@ impl Loader for BundleLoader {
         let program = compile(&bundle.sources, self.profile)
             .map_err(|findings| LoadError::Program { errors: findings.len() })?;
         let tasks = assign(&program, &bundle.tasks).ok_or(LoadError::Bundle)?;
-        Ok(Box::new(ProgramApplication::new(Arc::new(program), &tasks, self.profile)?))
+        let application = ProgramApplication::new(Arc::new(program), &tasks, self.profile)?;
+        Ok(Box::new(match &self.collector {
+            Some(collector) => application.covered(collector.clone()),
+            None => application,
+        }))
     }
 }

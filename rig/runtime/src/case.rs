@@ -3,14 +3,16 @@
 use crate::application::{assign, compile};
 use crate::bundle::Bundle;
 use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
+use crate::coverage::{Collector, Covered};
 use crate::executor::{Executor, Limits, Parts, Ran};
 use crate::prepare::{Bench, Prepared, prepare};
 use crate::recorder::Recorder;
 use crate::schedule::Schedule;
 use crate::store::MemoryStore;
 use crate::subject::{Capability, Model, Subject};
+use crate::tasks::Tasks;
 use crate::{describe, lanes, spill};
-use controller::{Config, OutputsInStop, StartingMode, State, TaskConfig, TaskKind, Watchdog};
+use controller::{Config, OutputsInStop, StartingMode, State};
 use document::{Diagnostic, SourceFile};
 use drivers::file::{BoardFile, build};
 use plans::Case;
@@ -52,6 +54,8 @@ pub struct RunOptions<'a> {
     pub fail_fast: bool,
     /// Bytes of memory that a trace may take before it goes on in a temporary file. Never shows in what comes of it.
     pub trace_memory: usize,
+    /// Whether to note what of the program runs. Slower; never shows in the trace.
+    pub coverage: bool,
     /// Becomes TRUE when the user wants the run to end.
     pub interrupt: &'a AtomicBool,
 }
@@ -68,6 +72,7 @@ impl<'a> RunOptions<'a> {
             late: DEFAULT_LATE,
             fail_fast: false,
             trace_memory: DEFAULT_TRACE_MEMORY,
+            coverage: false,
             interrupt,
         }
     }
@@ -103,6 +108,15 @@ pub struct CaseResult {
     pub record: CaseRecord,
     /// The trace.
     pub trace: Option<Trace>,
+    /// What of the program ran, file by file, where that was asked for.
+    pub coverage: Vec<Covered>,
+}
+
+impl CaseResult {
+    /// A case that did not run.
+    fn not_run(record: CaseRecord) -> CaseResult {
+        CaseResult { record, trace: None, coverage: Vec::new() }
+    }
 }
 
 /// Looks up every name of a case on its bench, without running it.
@@ -115,7 +129,7 @@ pub fn check_case(case: &Case, files: &CaseFiles) -> Result<(), Vec<Diagnostic>>
     {
         return Ok(());
     }
-    let mut stage = stage(case, files)?;
+    let mut stage = stage(case, files, None)?;
     let prepared = stage.prepare(case, files, Trace::new(), true)?;
     Judge::new(case.scenario(), prepared.trace.signals()).map(|_| ())
 }
@@ -125,6 +139,7 @@ struct Stage {
     model: Model,
     board: Box<dyn drivers::Board>,
     bundle: Vec<u8>,
+    program: Option<Arc<program::Program>>,
 }
 
 impl Stage {
@@ -148,27 +163,35 @@ impl Stage {
     }
 }
 
-/// Compiles the program and builds subject and board.
-fn stage(case: &Case, files: &CaseFiles) -> Result<Stage, Vec<Diagnostic>> {
-    let program = Arc::new(compile(&files.sources, files.profile)?);
-    let config = configuration(&case.settings, files)?;
-    let tasks = task_programs(&case.settings, &config);
-    if assign(&program, &tasks).is_none() {
-        return Err(vec![no_such_program(&program, &tasks, &files.plan)]);
+/// Compiles the program and builds subject and board. A controller that is empty at the start needs no program.
+fn stage(case: &Case, files: &CaseFiles, collector: Option<Collector>) -> Result<Stage, Vec<Diagnostic>> {
+    let initial = initial_state(case.settings.initial);
+    let none = files.sources.is_empty() && initial == State::Empty;
+    let program = if none { None } else { Some(Arc::new(compile(&files.sources, files.profile)?)) };
+    let mut config = configuration(&case.settings, files)?;
+    let tasks = Tasks::new(program.as_deref(), &case.settings)?;
+    tasks.configure(&mut config, program.as_deref(), &files.plan)?;
+    let tasks = tasks.programs;
+    if let Some(program) = &program
+        && assign(program, &tasks).is_none()
+    {
+        return Err(vec![no_such_program(program, &tasks, &files.plan)]);
     }
-    let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
+    let bundle = match &program {
+        Some(_) => Bundle { sources: files.sources.clone(), tasks }.to_bytes(),
+        None => Vec::new(),
+    };
     let refused = |error: &dyn std::fmt::Display| {
         vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")]
     };
     let board = build(&files.board, files.seed).map_err(|error| refused(&error))?;
-    let mut model = Model::new(config, Arc::clone(&program), Box::new(MemoryStore::default()))
+    let mut model = Model::new(config, program.clone(), Box::new(MemoryStore::default()), collector)
         .map_err(|error| refused(&error))?;
-    let initial = initial_state(case.settings.initial);
     if initial != State::Empty {
         let left = if initial == State::Booting { State::Running } else { initial };
         model.commission(&bundle, left).map_err(|error| refused(&error))?;
     }
-    Ok(Stage { model, board, bundle })
+    Ok(Stage { model, board, bundle, program })
 }
 
 /// Runs a case. Cases that do not apply here, and cases that this instrument cannot judge, come back with the
@@ -187,14 +210,15 @@ pub fn run_case(
         let names: Vec<&str> = case.profiles.iter().map(|profile| profile.name()).collect();
         let reason = format!("holds for {}, the controller is {}", names.join(", "), files.profile.name());
         record.status = CaseStatus::NotApplicable { reason };
-        return Ok(CaseResult { record, trace: None });
+        return Ok(CaseResult::not_run(record));
     }
     if !files.profile.accepts(files.reference) {
         let reason = format!("{} is no controller of {}", files.reference.name, files.profile.name());
         record.status = CaseStatus::NotApplicable { reason };
-        return Ok(CaseResult { record, trace: None });
+        return Ok(CaseResult::not_run(record));
     }
-    let mut stage = stage(case, files)?;
+    let collector = options.coverage.then(Collector::default);
+    let mut stage = stage(case, files, collector.clone())?;
     if let Some(unmet) = unmet(case, &stage.model, &*stage.board, Span::ZERO) {
         match unmet {
             Unmet::Power(reason) => record.status = CaseStatus::NotApplicable { reason },
@@ -203,12 +227,12 @@ pub fn run_case(
                 record.reason = reason;
             }
         }
-        return Ok(CaseResult { record, trace: None });
+        return Ok(CaseResult::not_run(record));
     }
     let mut clock = clock(options.clock, files.seed);
     let trace = Trace::with_spill(options.trace_memory, spill::temporary());
     let prepared = stage.prepare(case, files, trace, clock.is_exact())?;
-    let Stage { mut model, mut board, .. } = stage;
+    let Stage { mut model, mut board, program, .. } = stage;
     let initial = initial_state(case.settings.initial);
     let Prepared { mut trace, mut wiring, steps, probes } = prepared;
     describe::annotate(&mut trace, case, files, &model, clock.name());
@@ -251,7 +275,13 @@ pub fn run_case(
     verdict(&mut record, outcome.map_err(|error| error.to_string()), &trace);
     finish(&mut record, &ran, late, &schedule, &model, &trace);
     record.host_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
-    Ok(CaseResult { record, trace: Some(trace) })
+    // The applications leave what of them ran when they go.
+    drop(model);
+    let coverage = match (&collector, &program) {
+        (Some(collector), Some(program)) => collector.take(program),
+        _ => Vec::new(),
+    };
+    Ok(CaseResult { record, trace: Some(trace), coverage })
 }
 
 fn show(recorder: &mut Recorder, signal: SignalId, value: Value) {
@@ -348,7 +378,7 @@ const fn initial_state(initial: Initial) -> State {
     }
 }
 
-/// The controller's configuration from the plan's settings.
+/// The controller's configuration from the plan's settings, but for the tasks.
 fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, Vec<Diagnostic>> {
     let mut config = Config::new(files.profile);
     config.reference = files.reference;
@@ -380,25 +410,6 @@ fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, Vec<D
         }
         config.output_defaults |= u32::from(*on) << address.bit_offset();
     }
-    for task in &settings.tasks {
-        let place = config.task(&task.name).unwrap_or_else(|| {
-            config.tasks.push(TaskConfig { name: task.name.clone(), ..TaskConfig::mast() });
-            config.tasks.len() - 1
-        });
-        let known = &mut config.tasks[place];
-        if let Some(interval) = task.interval {
-            known.kind = TaskKind::Cyclic { interval };
-        }
-        known.priority = task.priority.unwrap_or(known.priority);
-        let watchdog = known.watchdog.unwrap_or(Watchdog { time: Span::from_millis(100), sensitivity: 1 });
-        known.watchdog = task.enabled.unwrap_or(true).then(|| Watchdog {
-            time: task.watchdog.unwrap_or(watchdog.time),
-            sensitivity: task.sensitivity.unwrap_or(watchdog.sensitivity),
-        });
-    }
-    config.check().map_err(|error| {
-        vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")]
-    })?;
     Ok(config)
 }
 
@@ -409,15 +420,6 @@ fn no_terminal(address: signal::Address, files: &CaseFiles) -> Diagnostic {
         0..0,
         "",
     )
-}
-
-/// Names of the tasks in the controller's order, with the PROGRAMs that the plan gives them.
-fn task_programs(settings: &Settings, config: &Config) -> Vec<(String, Vec<String>)> {
-    let programs = |name: &str| {
-        let task = settings.tasks.iter().find(|task| task.name.eq_ignore_ascii_case(name));
-        task.and_then(|task| task.programs.clone()).unwrap_or_default()
-    };
-    config.tasks.iter().map(|task| (task.name.clone(), programs(&task.name))).collect()
 }
 
 fn no_such_program(

@@ -9,6 +9,7 @@ pub mod bundle;
 pub mod case;
 pub mod clock;
 mod codes;
+pub mod coverage;
 pub mod describe;
 pub mod executor;
 pub mod lanes;
@@ -21,6 +22,7 @@ mod spill;
 pub mod store;
 pub mod subject;
 pub mod suite;
+pub mod tasks;
 pub mod trouble;
 pub mod wiring;
 

@@ -28,7 +28,7 @@ pub struct Bench<'a> {
     pub profile: Profile,
     /// The subject's reference.
     pub reference: &'static Reference,
-    /// The application that a download step transfers where it names none.
+    /// The application that a download step transfers where it names none; empty where there is none.
     pub bundle: &'a [u8],
     /// Whether the clock is exact.
     pub exact: bool,
@@ -244,7 +244,7 @@ fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Findings) -> Op
         }
         Source::Task { task, figure } => {
             let Some(place) = bench.subject.task(task) else {
-                out.error("R0105", at, format!("there is no task `{task}`"), "");
+                out.error("R0105", at, format!("there is no task `{task}`"), known_tasks(task, bench));
                 return None;
             };
             let probe = Probe::TaskFigure { task: place, figure: figure_of(*figure) };
@@ -269,6 +269,17 @@ fn element(path: &str, bench: &Bench<'_>) -> Option<(String, String)> {
 
 fn suggestion<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     document::suggest(name, known).map_or_else(String::new, |meant| format!("did you mean `{meant}`?"))
+}
+
+/// What mends the name of a task that there is none of.
+fn known_tasks(task: &str, bench: &Bench<'_>) -> String {
+    let known: Vec<&str> = (0..).map_while(|place| bench.subject.task_name(place)).collect();
+    match document::suggest(task, known.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => {
+            format!("there are {}: tasks stand in the plan's settings or in the program", known.join(", "))
+        }
+    }
 }
 
 const fn figure_of(figure: TaskFigure) -> Figure {
@@ -372,6 +383,11 @@ fn plan_step(
                 out.error("R0107", step.span.clone(), format!("`{of}` takes a plain number"), "");
                 return None;
             };
+            if matches!(value, Value::Real(_)) && observable.kind != Kind::Real {
+                let help = "only a REAL or LREAL has a value with a part behind the point";
+                out.error("R0107", step.span.clone(), format!("`{of}` takes a whole number"), help);
+                return None;
+            }
             vec![(Span::ZERO, Act::Write(observable.probe, *value))]
         }
         Stimulus::Command(command) => {
@@ -382,6 +398,11 @@ fn plan_step(
                 plans::steps::Command::ResetCold => Command::ResetCold,
             };
             vec![(Span::ZERO, Act::Command(command, expected(step)))]
+        }
+        Stimulus::Download(None) if bench.bundle.is_empty() => {
+            let help = "give the plan a `program`: it is what a download transfers";
+            out.error("R0108", step.span.clone(), "there is no application to download", help);
+            return None;
         }
         Stimulus::Download(None) => {
             vec![(Span::ZERO, Act::Command(Command::Download(bench.bundle.to_vec()), expected(step)))]
@@ -395,7 +416,8 @@ fn plan_step(
         Stimulus::Power(on) => vec![(Span::ZERO, Act::Power(*on))],
         Stimulus::Overload { task, cycle, times } => {
             let Some(task) = bench.subject.task(task) else {
-                out.error("R0105", step.span.clone(), format!("there is no task `{task}`"), "");
+                let help = known_tasks(task, bench);
+                out.error("R0105", step.span.clone(), format!("there is no task `{task}`"), help);
                 return None;
             };
             vec![(Span::ZERO, Act::Overload { task, cycle: *cycle, times: *times })]

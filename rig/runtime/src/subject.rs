@@ -1,6 +1,7 @@
 //! What is under test: the model, and later a real controller on the same wires.
 
 use crate::application::BundleLoader;
+use crate::coverage::Collector;
 use controller::{
     Command, Config, ConfigError, Controller, Effects, LoadError, NonVolatile, Probe, ProbeId, Refusal,
     State, SystemVariable, TaskFigures, WriteError,
@@ -150,21 +151,23 @@ pub trait Subject: Send {
 #[derive(Debug)]
 pub struct Model {
     controller: Controller,
-    program: Arc<Program>,
+    program: Option<Arc<Program>>,
     tasks: Vec<(String, Span)>,
 }
 
 impl Model {
-    /// A model without power. `program` is what its variables' names mean.
+    /// A model without power. `program` is what its variables' names mean, if there is one; what runs of the
+    /// applications that it loads is added to the collector, if there is one.
     ///
     /// # Errors
     /// [`ConfigError`] for a configuration that the profile does not accept.
     pub fn new(
         config: Config,
-        program: Arc<Program>,
+        program: Option<Arc<Program>>,
         store: Box<dyn NonVolatile>,
+        collector: Option<Collector>,
     ) -> Result<Model, ConfigError> {
-        let loader = Box::new(BundleLoader::new(config.profile));
+        let loader = Box::new(BundleLoader::new(config.profile).covered(collector));
         let tasks = config.tasks.iter().map(|task| (task.name.clone(), task.interval())).collect();
         Ok(Model { controller: Controller::new(config, loader, store)?, program, tasks })
     }
@@ -229,11 +232,12 @@ impl Subject for Model {
     }
 
     fn file_name(&self, file: u8) -> Option<&str> {
-        self.program.files().get(usize::from(file)).map(String::as_str)
+        self.program.as_ref()?.files().get(usize::from(file)).map(String::as_str)
     }
 
     fn names(&self) -> Vec<String> {
-        let variables = self.program.variables().iter().map(|variable| variable.path.clone());
+        let variables = self.program.iter().flat_map(|program| program.variables());
+        let variables = variables.map(|variable| variable.path.clone());
         variables.chain(SystemVariable::ALL.iter().map(|variable| variable.name().to_owned())).collect()
     }
 
@@ -244,12 +248,15 @@ impl Subject for Model {
         if name.starts_with('%') {
             return Address::parse(name).ok().map(of_address);
         }
-        let variable = self.program.find(name.split('[').next().unwrap_or(name));
-        if let Some(Storage::Located(address)) = variable.map(|variable| &variable.storage) {
-            return Some(of_address(*address));
+        let variable = self.program.as_ref()?.find(name)?;
+        if !variable.dimensions.is_empty() {
+            return None;
         }
-        let cell = self.program.resolve(name)?;
-        Some(Observable { probe: Probe::Variable(cell.0), kind: kind_of(variable?.ty) })
+        Some(match variable.storage {
+            // The memory knows no types: what is located is its bits.
+            Storage::Located(address) => of_address(address),
+            Storage::Cell(cell) => Observable { probe: Probe::Variable(cell.0), kind: kind_of(variable.ty) },
+        })
     }
 
     fn watch(&mut self, probe: Probe) -> ProbeId {
@@ -293,6 +300,7 @@ fn of_address(address: Address) -> Observable {
 fn kind_of(ty: Elementary) -> Kind {
     match ty {
         Elementary::Bool => Kind::Bool,
+        Elementary::Real | Elementary::Lreal => Kind::Real,
         Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword | Elementary::Ulint => {
             Kind::Word
         }

@@ -1,8 +1,9 @@
 //! Function blocks that are not written in Structured Text: a table of typed pins with a Rust body each.
 
-mod standard;
-
-pub use standard::STANDARD;
+mod bistables;
+mod clock;
+mod counters;
+mod timers;
 
 use crate::types::Elementary;
 use signal::Time;
@@ -18,7 +19,7 @@ pub enum PinKind {
     Hidden,
 }
 
-/// One pin: a cell of an instance.
+/// One pin: a value in the memory of an instance.
 #[derive(Clone, Copy, Debug)]
 pub struct Pin {
     /// Name in capitals.
@@ -29,8 +30,8 @@ pub struct Pin {
     pub ty: Elementary,
 }
 
-/// A function block with a Rust body. An instance is one cell for each pin, 0 at the start.
-#[derive(Debug)]
+/// A function block with a Rust body. All bytes of an instance are 0 at the start.
+#[derive(Clone, Copy, Debug)]
 pub struct Native {
     /// Name of the type in capitals.
     pub name: &'static str,
@@ -40,26 +41,105 @@ pub struct Native {
     pub run: fn(&mut Pins<'_>),
 }
 
+/// Alignment and granularity of instances, in bytes.
+const ALIGNMENT: usize = 8;
+
+impl Native {
+    /// Where the pins lie in an instance, in bytes from its start, and the size of an instance: each pin at a multiple
+    /// of its size, the instance a multiple of 8 bytes.
+    pub(crate) fn layout(&self) -> (Vec<u16>, u32) {
+        let mut size = 0usize;
+        let mut place = |pin: &Pin| {
+            let offset = size.next_multiple_of(pin.ty.bytes());
+            size = offset + pin.ty.bytes();
+            // A table of pins is written by hand: it has no 8,000 of them.
+            offset as u16
+        };
+        let offsets = self.pins.iter().map(&mut place).collect();
+        (offsets, size.next_multiple_of(ALIGNMENT) as u32)
+    }
+
+    /// The place of the pin that a program may call by this name, in capitals.
+    ///
+    /// The controllers' tool and the standard name some pins of the same blocks differently (RESET and R); both are
+    /// taken.
+    pub(crate) fn pin(&self, key: &str) -> Option<usize> {
+        const OTHER_NAMES: [(&str, &str); 9] = [
+            ("R", "RESET"),
+            ("RESET", "R"),
+            ("LD", "LOAD"),
+            ("LOAD", "LD"),
+            ("S", "SET"),
+            ("S1", "SET1"),
+            ("R1", "RESET1"),
+            ("EN", "IN"),
+            ("IN", "EN"),
+        ];
+        let named = |name| self.pins.iter().position(|pin| pin.kind != PinKind::Hidden && pin.name == name);
+        named(key).or_else(|| {
+            OTHER_NAMES.iter().filter(|(other, _)| *other == key).find_map(|(_, name)| named(name))
+        })
+    }
+}
+
+/// The standard blocks of IEC 61131-3 (controller:LIB-01, library Standard): timers, counters, edges, bistables and the
+/// real-time clock.
+pub const STANDARD: &[Native] = &{
+    const TABLES: [&[Native]; 4] = [timers::BLOCKS, counters::BLOCKS, bistables::BLOCKS, clock::BLOCKS];
+    const COUNT: usize = TABLES[0].len() + TABLES[1].len() + TABLES[2].len() + TABLES[3].len();
+    let mut all = [TABLES[0][0]; COUNT];
+    let (mut table, mut place, mut next) = (0, 0, 0);
+    while next < COUNT {
+        if place == TABLES[table].len() {
+            (table, place) = (table + 1, 0);
+        } else {
+            all[next] = TABLES[table][place];
+            (place, next) = (place + 1, next + 1);
+        }
+    }
+    all
+};
+
 /// The pins of one instance during a call.
 #[derive(Debug)]
 pub struct Pins<'a> {
-    pub(crate) cells: &'a mut [i64],
-    pub(crate) flags: &'a [u8],
-    pub(crate) now: Time,
-    /// Flags of the cells that changed.
+    bytes: &'a mut [u8],
+    pins: &'static [Pin],
+    offsets: &'a [u16],
+    flags: &'a [u8],
+    now: Time,
+    /// Flags of the bytes that changed.
     pub(crate) changed: u8,
 }
 
-impl Pins<'_> {
+impl<'a> Pins<'a> {
+    /// The pins of the instance in `bytes`, laid out as [`Native::layout`] says. `flags` are those of the bytes from
+    /// the first on; bytes beyond them have none.
+    pub(crate) fn new(
+        bytes: &'a mut [u8],
+        pins: &'static [Pin],
+        offsets: &'a [u16],
+        flags: &'a [u8],
+        now: Time,
+    ) -> Self {
+        Pins { bytes, pins, offsets, flags, now, changed: 0 }
+    }
+
     /// Modelled time at which the call takes effect.
     pub fn now(&self) -> Time {
         self.now
     }
 
+    /// The type of a pin; LINT where there is no such pin.
+    #[inline]
+    pub fn ty(&self, pin: usize) -> Elementary {
+        self.pins.get(pin).map_or(Elementary::Lint, |pin| pin.ty)
+    }
+
     /// The cell of a pin; 0 where there is no such pin.
     #[inline]
     pub fn get(&self, pin: usize) -> i64 {
-        self.cells.get(pin).copied().unwrap_or(0)
+        self.read(pin).unwrap_or(0)
     }
 
     /// Whether a pin is not 0.
@@ -68,14 +148,58 @@ impl Pins<'_> {
         self.get(pin) != 0
     }
 
-    /// Sets the cell of a pin, which the caller has brought into the range of its type.
+    /// Sets the cell of a pin; its high bits are cut off to the type of the pin.
     #[inline]
     pub fn set(&mut self, pin: usize, value: i64) {
-        if let (Some(cell), Some(flags)) = (self.cells.get_mut(pin), self.flags.get(pin))
-            && *cell != value
-        {
-            *cell = value;
+        let ty = self.ty(pin);
+        let value = ty.wrap(value);
+        if self.read(pin).is_none_or(|old| old == value) {
+            return;
+        }
+        let start = self.offsets.get(pin).map_or(0, |offset| usize::from(*offset));
+        let end = start + ty.bytes();
+        if let Some(stored) = self.bytes.get_mut(start..end) {
+            for (byte, new) in stored.iter_mut().zip(value.to_le_bytes()) {
+                *byte = new;
+            }
+        }
+        for flags in self.flags.iter().take(end).skip(start) {
             self.changed |= flags;
         }
     }
+
+    #[inline]
+    fn read(&self, pin: usize) -> Option<i64> {
+        let ty = self.pins.get(pin)?.ty;
+        let bytes = self.bytes.get(usize::from(*self.offsets.get(pin)?)..)?;
+        let raw = match ty.bytes() {
+            1 => i64::from(*bytes.first()?),
+            2 => i64::from(u16::from_le_bytes(*bytes.first_chunk()?)),
+            4 => i64::from(u32::from_le_bytes(*bytes.first_chunk()?)),
+            _ => i64::from_le_bytes(*bytes.first_chunk()?),
+        };
+        Some(ty.wrap(raw))
+    }
 }
+
+const fn input(name: &'static str, ty: Elementary) -> Pin {
+    Pin { name, kind: PinKind::Input, ty }
+}
+
+const fn output(name: &'static str, ty: Elementary) -> Pin {
+    Pin { name, kind: PinKind::Output, ty }
+}
+
+const fn hidden(name: &'static str) -> Pin {
+    Pin { name, kind: PinKind::Hidden, ty: Elementary::Lint }
+}
+
+/// Whether the input pin rose since the last call, remembered in the pin `last`.
+fn rose(pins: &mut Pins<'_>, input: usize, last: usize) -> bool {
+    let rose = pins.on(input) && !pins.on(last);
+    pins.set(last, i64::from(pins.on(input)));
+    rose
+}
+
+#[cfg(test)]
+mod tests;

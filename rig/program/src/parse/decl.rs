@@ -1,260 +1,382 @@
-//! Units and their declarations.
+//! Units and what they hold: methods, properties, actions.
 
-use super::ast::{Initial, Pou, PouKind, Section, SectionKind, TypeRef, Unit, VarDecl};
+use super::ast::{
+    Accessor, Action, Interface, Method, Modifiers, Name, Pou, PouKind, Property, Section, Stmt, Unit,
+};
 use super::lexer::Token;
-use super::{Parsed, Parser, Reported, words};
+use super::words::Word;
+use super::{Parsed, Parser, Reported};
 use crate::codes::Code;
 use crate::findings::At;
-use crate::program::Retention;
 
 impl Parser<'_, '_, '_> {
     pub(super) fn declarations(&mut self, unit: &mut Unit) {
+        let first = unit.pous.len();
         while !self.is(Token::End) {
-            let start = self.token.1;
-            if self.declaration(unit).is_err() {
+            let start = self.at();
+            if self.declaration(unit, first).is_err() {
                 self.skip_to_declaration(start);
             }
         }
     }
 
-    fn declaration(&mut self, unit: &mut Unit) -> Parsed<()> {
-        if self.accept(Token::Semicolon) {
-            return Ok(());
-        }
-        for kind in [PouKind::Program, PouKind::FunctionBlock, PouKind::Function] {
-            if self.at_word(kind.keyword()) {
-                let pou = self.pou(kind)?;
-                unit.pous.push(pou);
+    /// `first`: place of the first unit of this source.
+    fn declaration(&mut self, unit: &mut Unit, first: usize) -> Parsed<()> {
+        let kind = match self.word() {
+            Some(Word::Program) => PouKind::Program,
+            Some(Word::Function) => PouKind::Function,
+            Some(Word::FunctionBlock) => PouKind::FunctionBlock,
+            Some(Word::Type) => return self.type_block(unit),
+            Some(Word::Interface) => {
+                let interface = self.interface()?;
+                unit.interfaces.push(interface);
                 return Ok(());
             }
-        }
-        if self.at_word("VAR_GLOBAL") {
-            if let Some(section) = self.section()? {
-                unit.globals.push(section);
+            Some(Word::Configuration) => {
+                let configuration = self.configuration()?;
+                unit.configurations.push(configuration);
+                return Ok(());
             }
-            return Ok(());
-        }
-        Err(self.unexpected("PROGRAM, FUNCTION, FUNCTION_BLOCK or VAR_GLOBAL"))
+            Some(Word::VarGlobal | Word::VarAccess | Word::VarConfig) => {
+                unit.globals.extend(self.section()?);
+                return Ok(());
+            }
+            Some(Word::Method | Word::Property | Word::Action) => {
+                // Some tools write what belongs to a unit behind it.
+                let Some(pou) = unit.pous.get_mut(first..).and_then(<[Pou]>::last_mut) else {
+                    let message = format!("{} stands outside of a FUNCTION_BLOCK", self.found());
+                    let help = "move it before END_FUNCTION_BLOCK of its block";
+                    return Err(self.error(Code::Section, self.at(), message, help));
+                };
+                return self.part(pou);
+            }
+            _ if self.accept(Token::Semicolon) => return Ok(()),
+            _ => return self.refused_declaration(),
+        };
+        let pou = self.pou(kind)?;
+        unit.pous.push(pou);
+        Ok(())
     }
 
     /// To the next word that starts a unit at the outside; inside a unit these words do not occur.
     fn skip_to_declaration(&mut self, start: At) {
-        let mut first = self.token.1 == start;
-        while !self.is(Token::End) {
-            let starts =
-                ["PROGRAM", "FUNCTION", "FUNCTION_BLOCK", "VAR_GLOBAL"].iter().any(|word| self.at_word(word));
-            if starts && !first {
-                return;
-            }
-            first = false;
+        if self.at() == start {
             self.advance();
         }
+        while !self.is(Token::End) {
+            let starts = matches!(
+                self.word(),
+                Some(
+                    Word::Program
+                        | Word::Function
+                        | Word::FunctionBlock
+                        | Word::Interface
+                        | Word::Type
+                        | Word::Configuration
+                        | Word::VarGlobal
+                )
+            );
+            if starts {
+                return;
+            }
+            self.advance();
+        }
+    }
+
+    /// PUBLIC, ABSTRACT and the like before a name.
+    fn modifiers(&mut self) -> Modifiers {
+        let mut modifiers = Modifiers::default();
+        let mut access = None;
+        while self.ahead(1).is_name() {
+            let word = self.word();
+            match word {
+                Some(Word::Private) => modifiers.private = true,
+                Some(Word::Protected) => modifiers.protected = true,
+                Some(Word::Abstract) => modifiers.is_abstract = true,
+                Some(Word::Final) => modifiers.is_final = true,
+                Some(Word::Override) => modifiers.is_override = true,
+                Some(Word::Public | Word::Internal) => {}
+                _ => break,
+            }
+            let is_access =
+                matches!(word, Some(Word::Private | Word::Protected | Word::Public | Word::Internal));
+            if is_access && access.replace(word).is_some_and(|before| before != word) {
+                let message = "two words say who may use this";
+                self.error(
+                    Code::Section,
+                    self.at(),
+                    message,
+                    "keep one of PUBLIC, PROTECTED, PRIVATE, INTERNAL",
+                );
+            }
+            self.advance();
+        }
+        modifiers
     }
 
     fn pou(&mut self, kind: PouKind) -> Parsed<Pou> {
-        let open = self.expect_word(kind.keyword())?;
+        let open = self.at();
+        self.advance();
+        let words = self.at();
+        let modifiers = self.modifiers();
+        if kind != PouKind::FunctionBlock
+            && (modifiers.is_abstract || modifiers.is_final || modifiers.is_override)
+        {
+            let message = format!("a {} is never ABSTRACT, FINAL or OVERRIDE", kind.keyword());
+            self.error(Code::Section, words, message, "remove the word");
+        }
         let name = self.new_name("a name")?;
-        let result = match kind {
-            PouKind::Function => {
-                if !self.is(Token::Colon) {
-                    let message = format!("the function `{}` has no result type", name.text);
-                    self.findings.error(
-                        Code::Unexpected,
-                        self.token.1,
-                        message,
-                        "write it as in FUNCTION f : INT",
-                    );
-                    return Err(Reported);
+        let (extends, implements, result) = match kind {
+            PouKind::FunctionBlock => (self.extends()?, self.implements()?, None),
+            PouKind::Function if self.accept(Token::Colon) => (None, Vec::new(), Some(self.type_ref()?)),
+            _ => (None, Vec::new(), None),
+        };
+        let mut pou = Pou {
+            kind,
+            name,
+            modifiers,
+            extends,
+            implements,
+            result,
+            sections: Vec::new(),
+            methods: Vec::new(),
+            properties: Vec::new(),
+            actions: Vec::new(),
+            body: Vec::new(),
+            end: open,
+        };
+        let close = match kind {
+            PouKind::Program => Word::EndProgram,
+            PouKind::Function => Word::EndFunction,
+            PouKind::FunctionBlock => Word::EndFunctionBlock,
+        };
+        while !self.accept_word(close) {
+            if self.is(Token::End) || !self.inside_pou(&mut pou)? {
+                self.unclosed(close, open);
+                // What closes another kind of unit is meant for this one.
+                let other = matches!(
+                    self.word(),
+                    Some(Word::EndProgram | Word::EndFunction | Word::EndFunctionBlock)
+                );
+                if other {
+                    self.advance();
                 }
-                self.advance();
-                Some(self.type_ref()?)
-            }
-            _ => None,
-        };
-        let mut sections = Vec::new();
-        while self.is(Token::Word) && self.slice(self.token.1).to_ascii_uppercase().starts_with("VAR") {
-            let key = self.slice(self.token.1).to_ascii_uppercase();
-            if !words::ends_statements(&key) {
-                break;
-            }
-            if words::is_unsupported(&key) {
-                self.unsupported(self.token.1, &key);
-                self.skip_section();
-                continue;
-            }
-            if let Some(section) = self.section()? {
-                sections.push(section);
-            }
-        }
-        let body = self.statements(false);
-        let close = format!("END_{}", kind.keyword());
-        if !self.accept_word(&close) {
-            self.unclosed(&close, open);
-            // What closes something else would only be reported again and again.
-            if !self.is(Token::End) {
-                return Err(Reported);
-            }
-        }
-        Ok(Pou { kind, name, result, sections, body, end: self.last })
-    }
-
-    fn skip_section(&mut self) {
-        while !self.is(Token::End) && !self.accept_word("END_VAR") {
-            self.advance();
-        }
-    }
-
-    /// VAR .. END_VAR. `None` where what it holds was reported and skipped.
-    fn section(&mut self) -> Parsed<Option<Section>> {
-        let at = self.token.1;
-        let kind = match self.slice(at).to_ascii_uppercase().as_str() {
-            "VAR" => SectionKind::Local,
-            "VAR_INPUT" => SectionKind::Input,
-            "VAR_OUTPUT" => SectionKind::Output,
-            "VAR_GLOBAL" => SectionKind::Global,
-            _ => return Err(self.unexpected("VAR, VAR_INPUT, VAR_OUTPUT or VAR_GLOBAL")),
-        };
-        self.advance();
-        let mut section =
-            Section { kind, retention: Retention::None, constant: false, variables: Vec::new(), at };
-        loop {
-            if self.accept_word("CONSTANT") {
-                section.constant = true;
-            } else if self.accept_word("RETAIN") {
-                section.retention = section.retention.max(Retention::Retain);
-            } else if self.accept_word("PERSISTENT") {
-                section.retention = Retention::Persistent;
-            } else if !self.accept_word("NON_RETAIN") {
                 break;
             }
         }
-        while !self.at_word("END_VAR") {
-            let start = self.token.1;
-            let ended = self.is(Token::End) || self.at_statement();
-            if ended || self.variables(&mut section).is_err() && !self.recover_in_section(start) {
-                self.unclosed("END_VAR", at);
-                return Ok(Some(section));
+        pou.end = self.last;
+        Ok(pou)
+    }
+
+    /// One section, method or run of statements; FALSE where the unit ends.
+    fn inside_pou(&mut self, pou: &mut Pou) -> Parsed<bool> {
+        match self.word() {
+            Some(Word::Method | Word::Property | Word::Action) => {
+                let start = self.at();
+                if self.part(pou).is_err() {
+                    self.skip_part(start);
+                }
             }
+            Some(Word::VarGlobal) if !pou.body.is_empty() => return Ok(false),
+            Some(word) if word.opens_section() => {
+                if !pou.body.is_empty() {
+                    let message = "variables are declared before the statements";
+                    self.error(Code::Section, self.at(), message, "move the section to the head of the unit");
+                }
+                pou.sections.extend(self.section()?);
+            }
+            Some(word) if word.opens_declaration() => return Ok(false),
+            Some(Word::EndProgram | Word::EndFunction | Word::EndFunctionBlock) => return Ok(false),
+            Some(word) if word.closes_declaration() => self.stray(word),
+            _ => self.body(&mut pou.body),
+        }
+        Ok(true)
+    }
+
+    /// Statements of a body, with the loops of no other body around them.
+    fn body(&mut self, body: &mut Vec<Stmt>) {
+        let open = std::mem::take(&mut self.open);
+        body.append(&mut self.statements(false));
+        self.open = open;
+    }
+
+    /// What closes nothing.
+    pub(super) fn stray(&mut self, word: Word) {
+        if !self.silent() {
+            let message = format!("{} closes nothing here", word.text());
+            self.error(Code::Unclosed, self.at(), message, "remove it, or write what it closes");
         }
         self.advance();
-        Ok(Some(section))
+        self.accept(Token::Semicolon);
     }
 
-    /// Whether a statement starts here, or a unit ends: then the section was not closed.
-    fn at_statement(&self) -> bool {
-        let goes_on = matches!(self.next.0, Token::Assign | Token::Open | Token::OpenBracket | Token::Dot);
-        self.is(Token::Word) && goes_on || self.at_statement_word()
-    }
-
-    fn at_statement_word(&self) -> bool {
-        let key = self.slice(self.token.1).to_ascii_uppercase();
-        let starts = ["IF", "FOR", "CASE", "WHILE", "REPEAT"].contains(&key.as_str());
-        self.is(Token::Word) && (starts || words::ends_statements(&key))
-    }
-
-    /// Behind the next semicolon or before END_VAR; FALSE where the section seems to have ended.
-    fn recover_in_section(&mut self, start: At) -> bool {
-        if self.token.1 == start && !self.at_word("END_VAR") {
-            self.advance();
-        }
-        loop {
-            if self.at_word("END_VAR") || self.accept(Token::Semicolon) {
-                return true;
-            }
-            if self.is(Token::End) || self.at_statement_word() {
-                return false;
-            }
-            self.advance();
+    fn extends(&mut self) -> Parsed<Option<Name>> {
+        if self.accept_word(Word::Extends) {
+            Ok(Some(self.path_name("the name of a block")?))
+        } else {
+            Ok(None)
         }
     }
 
-    /// `a, b AT %MW1 : INT := 5;`
-    fn variables(&mut self, section: &mut Section) -> Parsed<()> {
-        let mut names = Vec::new();
-        let mut address = None;
-        loop {
-            names.push(self.new_name("the name of a variable or END_VAR")?);
-            if self.accept_word("AT") {
-                let at = self.token.1;
-                self.expect(Token::Address, "an address such as %MW10")?;
-                address = Some((self.slice(at).to_string(), at));
-            }
-            if !self.accept(Token::Comma) {
-                break;
-            }
+    fn implements(&mut self) -> Parsed<Vec<Name>> {
+        if self.accept_word(Word::Implements) { self.interface_names() } else { Ok(Vec::new()) }
+    }
+
+    fn interface_names(&mut self) -> Parsed<Vec<Name>> {
+        let mut names = vec![self.path_name("the name of an interface")?];
+        while self.accept(Token::Comma) {
+            names.push(self.path_name("the name of an interface")?);
         }
-        self.expect(Token::Colon, "a colon and a type")?;
-        let ty = self.type_ref()?;
-        let initial = if self.accept(Token::Assign) { Some(self.initial()?) } else { None };
-        self.semicolon()?;
-        for name in names {
-            section.variables.push(VarDecl {
-                name,
-                address: address.clone(),
-                ty: ty.clone(),
-                initial: initial.clone(),
-            });
+        Ok(names)
+    }
+
+    /// METHOD, PROPERTY or ACTION.
+    fn part(&mut self, pou: &mut Pou) -> Parsed<()> {
+        let at = self.at();
+        let word = self.word();
+        if pou.kind == PouKind::Function {
+            let message = format!("{} cannot be in a FUNCTION", word.map_or("", Word::text));
+            self.error(Code::Section, at, message, "move it into a FUNCTION_BLOCK");
+        }
+        match word {
+            Some(Word::Method) => pou.methods.push(self.method()?),
+            Some(Word::Property) => pou.properties.push(self.property()?),
+            _ => pou.actions.push(self.action()?),
         }
         Ok(())
     }
 
-    fn type_ref(&mut self) -> Parsed<TypeRef> {
-        let at = self.token.1;
-        if !self.accept_word("ARRAY") {
-            return Ok(TypeRef::Named(self.name("a type")?));
+    /// Behind the end of a broken method, property or action, or before the next.
+    fn skip_part(&mut self, start: At) {
+        if self.at() == start {
+            self.advance();
         }
-        self.expect(Token::OpenBracket, "an opening bracket [")?;
-        let mut ranges = Vec::new();
+        while !self.is(Token::End) {
+            let word = self.word();
+            if matches!(word, Some(Word::EndMethod | Word::EndProperty | Word::EndAction)) {
+                self.advance();
+                return;
+            }
+            if word.is_some_and(|word| !word.opens_section() && word.opens_declaration())
+                || matches!(
+                    word,
+                    Some(Word::EndProgram | Word::EndFunction | Word::EndFunctionBlock | Word::EndInterface)
+                )
+            {
+                return;
+            }
+            self.advance();
+        }
+    }
+
+    fn method(&mut self) -> Parsed<Method> {
+        let open = self.expect_word(Word::Method)?;
+        let modifiers = self.modifiers();
+        let name = self.new_name("the name of a method")?;
+        let result = if self.accept(Token::Colon) { Some(self.type_ref()?) } else { None };
+        let (sections, body) = self.sections_and_body()?;
+        let end = self.close_part(Word::EndMethod, open)?;
+        Ok(Method { name, modifiers, result, sections, body, end })
+    }
+
+    fn sections_and_body(&mut self) -> Parsed<(Vec<Section>, Vec<Stmt>)> {
+        let (mut sections, mut body) = (Vec::new(), Vec::new());
         loop {
-            let low = self.expression()?;
-            self.expect(Token::Range, "..")?;
-            ranges.push((low, self.expression()?));
-            if !self.accept(Token::Comma) {
+            while self.accept(Token::Semicolon) {}
+            if !self.word().is_some_and(Word::opens_section) {
                 break;
             }
+            sections.extend(self.section()?);
         }
-        self.expect(Token::CloseBracket, "a closing bracket ]")?;
-        self.expect_word("OF")?;
-        if self.at_word("ARRAY") {
-            return Err(self.unsupported(self.token.1, "an array of arrays"));
-        }
-        let of = self.name("the type of the elements")?;
-        Ok(TypeRef::Array { ranges, of, at: at.to(self.last) })
+        self.body(&mut body);
+        Ok((sections, body))
     }
 
-    fn initial(&mut self) -> Parsed<Initial> {
-        let open = self.token.1;
-        if self.is(Token::Open) && self.next.0 == Token::Word {
-            // `(IN := TRUE)` gives values to the members of a block or structure.
-            let text_behind = self.text.get(self.next.1.end as usize..).unwrap_or("").trim_start();
-            if text_behind.starts_with(":=") {
-                return Err(self.unsupported(open, "an initial value for members"));
+    fn close_part(&mut self, close: Word, open: At) -> Parsed<At> {
+        if self.accept_word(close) { Ok(self.last) } else { Err(self.unclosed(close, open)) }
+    }
+
+    fn property(&mut self) -> Parsed<Property> {
+        let open = self.expect_word(Word::Property)?;
+        let modifiers = self.modifiers();
+        let name = self.new_name("the name of a property")?;
+        self.expect(Token::Colon, "a colon and the type of the property")?;
+        let ty = self.type_ref()?;
+        let mut property = Property { name, modifiers, ty, get: None, set: None };
+        loop {
+            let (accessor, close) = match self.word() {
+                Some(Word::Get) => (&mut property.get, Word::EndGet),
+                Some(Word::Set) => (&mut property.set, Word::EndSet),
+                Some(Word::EndProperty) => break,
+                _ if self.accept(Token::Semicolon) => continue,
+                _ => return Err(self.unclosed(Word::EndProperty, open)),
+            };
+            let at = self.at();
+            if accessor.is_some() {
+                let message = format!("the property has a second {}", self.found());
+                self.error(Code::Duplicate, at, message, "remove one of them");
             }
+            self.advance();
+            let (sections, body) = self.sections_and_body()?;
+            let end = self.close_part(close, at)?;
+            *accessor = Some(Accessor { sections, body, end });
         }
-        if !self.accept(Token::OpenBracket) {
-            return Ok(Initial::One(self.expression()?));
-        }
-        let mut list = Vec::new();
-        if !self.is(Token::CloseBracket) {
-            loop {
-                list.push(self.repeated()?);
-                if !self.accept(Token::Comma) {
-                    break;
+        self.advance();
+        Ok(property)
+    }
+
+    fn action(&mut self) -> Parsed<Action> {
+        let open = self.expect_word(Word::Action)?;
+        let name = self.new_name("the name of an action")?;
+        self.accept(Token::Colon);
+        let mut body = Vec::new();
+        self.body(&mut body);
+        let end = self.close_part(Word::EndAction, open)?;
+        Ok(Action { name, body, end })
+    }
+
+    fn interface(&mut self) -> Parsed<Interface> {
+        let open = self.expect_word(Word::Interface)?;
+        self.modifiers();
+        let name = self.new_name("the name of an interface")?;
+        let extends = if self.accept_word(Word::Extends) { self.interface_names()? } else { Vec::new() };
+        let mut interface = Interface { name, extends, methods: Vec::new(), properties: Vec::new() };
+        while !self.accept_word(Word::EndInterface) {
+            let start = self.at();
+            let read = match self.word() {
+                Some(Word::Method) => self.method().map(|method| {
+                    self.no_body(&method.body);
+                    interface.methods.push(method);
+                }),
+                Some(Word::Property) => self.property().map(|property| {
+                    for accessor in [&property.get, &property.set].into_iter().flatten() {
+                        self.no_body(&accessor.body);
+                    }
+                    interface.properties.push(property);
+                }),
+                _ if self.accept(Token::Semicolon) => Ok(()),
+                _ if self.is(Token::End) => Err(self.unclosed(Word::EndInterface, open)),
+                Some(word) if word.opens_declaration() || word.closes_declaration() => {
+                    self.unclosed(Word::EndInterface, open);
+                    return Ok(interface);
                 }
+                _ => Err(self.unexpected("METHOD, PROPERTY or END_INTERFACE")),
+            };
+            if let Err(Reported) = read {
+                if self.is(Token::End) {
+                    return Err(Reported);
+                }
+                self.skip_part(start);
             }
         }
-        let end = self.expect(Token::CloseBracket, "a comma or a closing bracket ]")?;
-        Ok(Initial::List(list, open.to(end)))
+        Ok(interface)
     }
 
-    /// `5`, or `10(5)` for ten times.
-    fn repeated(&mut self) -> Parsed<(Option<super::ast::Expr>, super::ast::Expr)> {
-        let value = self.expression()?;
-        if !self.accept(Token::Open) {
-            return Ok((None, value));
+    /// What an interface declares has no statements.
+    fn no_body(&mut self, body: &[Stmt]) {
+        if let Some(first) = body.first() {
+            let help = "move the statements into the blocks that implement the interface";
+            self.error(Code::Section, first.at, "an interface has no statements", help);
         }
-        let repeated = self.expression()?;
-        self.expect(Token::Close, "a closing bracket )")?;
-        Ok((Some(value), repeated))
     }
 }

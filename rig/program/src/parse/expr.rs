@@ -1,250 +1,312 @@
 //! Expressions, with the precedence of IEC 61131-3.
 
-use super::ast::{Argument, BinaryOp, Expr, ExprKind, Path, Segment, UnaryOp};
+use super::ast::{Argument, BinaryOp, Expr, ExprKind, Name, UnaryOp};
 use super::lexer::Token;
-use super::literal::{self, LiteralFault};
-use super::{Parsed, Parser, Reported, words};
+use super::tokens::Tok;
+use super::words::Word;
+use super::{MAX_HEIGHT, Parsed, Parser};
 use crate::codes::Code;
 use crate::findings::At;
-use crate::types::Elementary;
-
-/// Levels of the binary operators, loosest first.
-const LEVELS: usize = 7;
 
 impl Parser<'_, '_, '_> {
     pub(super) fn expression(&mut self) -> Parsed<Expr> {
-        self.nested(|p| p.level(0))
+        self.nested(|p| p.binary(0))
     }
 
-    /// One level of operators, associating to the left.
-    fn level(&mut self, level: usize) -> Parsed<Expr> {
-        if level == LEVELS {
-            return self.unary();
-        }
-        let first = self.level(level + 1)?;
-        let mut rest = Vec::new();
-        while let Some(op) = self.operator(level) {
-            let at = self.token.1;
-            self.advance();
-            rest.push((op, at, self.level(level + 1)?));
-        }
-        Ok(match rest.last() {
-            None => first,
-            Some((_, _, last)) => {
-                let at = first.at.to(last.at);
-                Expr { kind: ExprKind::Chain(Box::new(first), rest), at }
-            }
-        })
+    /// One node above what was read last.
+    fn grow(&mut self, height: usize) -> Parsed<()> {
+        self.height = height + 1;
+        if self.height > MAX_HEIGHT { Err(self.too_deep()) } else { Ok(()) }
     }
 
-    fn operator(&self, level: usize) -> Option<BinaryOp> {
-        let is = |word: &str| self.at_word(word);
-        match (level, self.token.0) {
-            (0, Token::Word) if is("OR") => Some(BinaryOp::Or),
-            (1, Token::Word) if is("XOR") => Some(BinaryOp::Xor),
-            (2, Token::Word) if is("AND") => Some(BinaryOp::And),
-            (2, Token::Ampersand) => Some(BinaryOp::And),
-            (3, Token::Equal) => Some(BinaryOp::Equal),
-            (3, Token::NotEqual) => Some(BinaryOp::NotEqual),
-            (4, Token::Less) => Some(BinaryOp::Less),
-            (4, Token::LessEqual) => Some(BinaryOp::LessEqual),
-            (4, Token::Greater) => Some(BinaryOp::Greater),
-            (4, Token::GreaterEqual) => Some(BinaryOp::GreaterEqual),
-            (5, Token::Plus) => Some(BinaryOp::Add),
-            (5, Token::Minus) => Some(BinaryOp::Subtract),
-            (6, Token::Star) => Some(BinaryOp::Multiply),
-            (6, Token::Slash) => Some(BinaryOp::Divide),
-            (6, Token::Word) if is("MOD") => Some(BinaryOp::Mod),
-            _ => None,
-        }
-    }
-
-    fn unary(&mut self) -> Parsed<Expr> {
-        let at = self.token.1;
-        let op = match self.token.0 {
-            Token::Minus => UnaryOp::Minus,
-            Token::Word if self.at_word("NOT") => UnaryOp::Not,
-            Token::Plus => {
+    /// Operators of `least` level and tighter ones. Those of one level make one chain, from left to right.
+    fn binary(&mut self, least: u8) -> Parsed<Expr> {
+        let mut left = self.unary()?;
+        while let Some((_, level)) = self.operator().filter(|(_, level)| *level >= least) {
+            let mut height = self.height;
+            let mut rest = Vec::new();
+            while let Some((op, _)) = self.operator().filter(|(_, found)| *found == level) {
+                let at = self.at();
                 self.advance();
-                return self.nested(Self::unary);
+                rest.push((op, at, self.binary(level + 1)?));
+                height = height.max(self.height);
             }
-            _ => {
-                let operand = self.primary()?;
-                if self.is(Token::Power) {
-                    return Err(self.unsupported(self.token.1, "the operator **"));
-                }
-                return Ok(operand);
-            }
+            self.grow(height)?;
+            let at = left.at.to(self.last);
+            left = Expr { kind: ExprKind::Chain(Box::new(left), rest), at };
+        }
+        Ok(left)
+    }
+
+    fn operator(&self) -> Option<(BinaryOp, u8)> {
+        self.tok.operator()
+    }
+
+    /// Signs and NOT bind tighter than every operator, `**` included: `-a ** b` is `(-a) ** b`.
+    fn unary(&mut self) -> Parsed<Expr> {
+        let at = self.at();
+        let op = match self.tok.token {
+            Token::Minus => UnaryOp::Minus,
+            Token::Plus => UnaryOp::Plus,
+            Token::Word if self.at_word(Word::Not) => UnaryOp::Not,
+            _ => return self.postfix("a value"),
         };
         self.advance();
         let operand = self.nested(Self::unary)?;
-        let at = at.to(operand.at);
-        Ok(Expr { kind: ExprKind::Unary(op, Box::new(operand)), at })
+        self.grow(self.height)?;
+        Ok(Expr { at: at.to(operand.at), kind: ExprKind::Unary(op, Box::new(operand)) })
     }
 
-    fn primary(&mut self) -> Parsed<Expr> {
-        let at = self.token.1;
-        let text = self.slice(at);
-        let kind = match self.token.0 {
-            Token::Integer | Token::Based => {
+    /// A value with what stands behind it: `a.b`, `a[1]`, `p^`, `f(x)`, `w.%X3`, in any order.
+    pub(super) fn postfix(&mut self, what: &str) -> Parsed<Expr> {
+        let mut expr = self.primary(what)?;
+        loop {
+            let height = self.height;
+            let kind = match self.tok.token {
+                _ if !expr.kind.is_place() => return Ok(expr),
+                Token::Dot => {
+                    self.advance();
+                    self.behind_point(&mut expr)?
+                }
+                Token::OpenBracket => {
+                    self.advance();
+                    let mut indices = vec![self.expression()?];
+                    let mut height = height.max(self.height);
+                    while self.accept(Token::Comma) {
+                        indices.push(self.expression()?);
+                        height = height.max(self.height);
+                    }
+                    self.expect(Token::CloseBracket, "a comma or a closing bracket ]")?;
+                    self.height = height;
+                    ExprKind::Index(Box::new(taken(&mut expr)), indices)
+                }
+                Token::Caret => {
+                    self.advance();
+                    ExprKind::Deref(Box::new(taken(&mut expr)))
+                }
+                Token::Open if expr.kind.can_be_called() => {
+                    let arguments = self.arguments()?;
+                    self.height = self.height.max(height);
+                    ExprKind::Call(Box::new(taken(&mut expr)), arguments)
+                }
+                _ => return Ok(expr),
+            };
+            self.grow(self.height.max(height))?;
+            expr = Expr { kind, at: expr.at.to(self.last) };
+        }
+    }
+
+    /// A member, a bit or part, or `colour#red` behind the name of a library.
+    fn behind_point(&mut self, of: &mut Expr) -> Parsed<ExprKind> {
+        let at = self.at();
+        match self.tok.token {
+            Token::Integer => {
                 self.advance();
-                self.literal(Code::Number, at, literal::number(text), |n| ExprKind::Number(n, None))
+                let number = self.part_number(at, self.slice(at));
+                Ok(ExprKind::Part { of: Box::new(taken(of)), bits: 1, number })
             }
-            Token::Duration => {
-                self.advance();
-                self.literal(Code::Duration, at, literal::duration(text), ExprKind::Duration)
-            }
-            Token::Real => {
-                self.unsupported(at, "a REAL number");
-                self.advance();
-                ExprKind::Wrong
-            }
-            Token::Prefix => return self.typed_literal(),
             Token::Address => {
                 self.advance();
-                ExprKind::Direct(text.to_string())
+                let text = self.slice(at);
+                let size = text.get(1..2).unwrap_or("").to_ascii_uppercase();
+                let bits = match size.as_str() {
+                    "X" => 1,
+                    "B" => 8,
+                    "W" => 16,
+                    "D" => 32,
+                    _ => {
+                        let help = "write %X, %B, %W or %D and a number, as in w.%B1";
+                        return Err(self.error(Code::Number, at, format!("`{text}` is no part"), help));
+                    }
+                };
+                // `w.%B1.3`: a bit of the part.
+                let mut numbers = text.get(2..).unwrap_or("").split('.');
+                let number = self.part_number(at, numbers.next().unwrap_or(""));
+                let mut kind = ExprKind::Part { of: Box::new(taken(of)), bits, number };
+                for bit in numbers {
+                    self.grow(self.height)?;
+                    let number = self.part_number(at, bit);
+                    kind = ExprKind::Part { of: Box::new(Expr { kind, at: of.at.to(at) }), bits: 1, number };
+                }
+                Ok(kind)
             }
+            Token::Prefix => {
+                let ExprKind::Name(_) = of.kind else { return Err(self.unexpected("the name of a member")) };
+                match self.typed()?.kind {
+                    kind @ ExprKind::Qualified(..) => Ok(kind),
+                    _ => {
+                        let message = "a literal does not belong to a library";
+                        Err(self.error(Code::Unexpected, at, message, "remove the name before the point"))
+                    }
+                }
+            }
+            _ => {
+                let name = self.name("the name of a member")?;
+                Ok(ExprKind::Member(Box::new(taken(of)), name))
+            }
+        }
+    }
+
+    /// The number of a bit or part; the compiler knows how far they go.
+    fn part_number(&mut self, at: At, text: &str) -> u32 {
+        let fine = (1..=9).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit());
+        text.parse().ok().filter(|_| fine).unwrap_or_else(|| {
+            let message = format!("`{}` is no number of a bit or part", self.slice(at));
+            self.error(Code::Number, at, message, "write it with digits only");
+            0
+        })
+    }
+
+    fn primary(&mut self, what: &str) -> Parsed<Expr> {
+        let at = self.at();
+        self.height = 1;
+        let kind = match self.tok.token {
+            Token::Word => match self.word() {
+                Some(Word::True) => ExprKind::Bool(true),
+                Some(Word::False) => ExprKind::Bool(false),
+                Some(Word::This) => ExprKind::This,
+                Some(Word::Super) => ExprKind::Super,
+                Some(Word::Null) => ExprKind::Null,
+                // Functions that have the names of operators: `MOD(a, b)`.
+                Some(Word::And | Word::Or | Word::Xor | Word::Mod) if self.next_is(Token::Open) => {
+                    ExprKind::Name(Name { key: self.tok.key, at })
+                }
+                _ => ExprKind::Name(self.name(what)?),
+            },
             Token::Open => {
                 self.advance();
                 let inner = self.expression()?;
                 let end = self.expect(Token::Close, "a closing bracket )")?;
                 return Ok(Expr { at: at.to(end), ..inner });
             }
-            Token::Word if self.at_word("TRUE") || self.at_word("FALSE") => {
+            Token::Dot => {
                 self.advance();
-                ExprKind::Bool(text.eq_ignore_ascii_case("TRUE"))
+                ExprKind::Global(self.name("the name of a global variable")?)
             }
-            Token::Word => {
-                if self.next.0 == Token::Open {
-                    let name = self.name("a value")?;
-                    let arguments = self.arguments()?;
-                    let at = at.to(self.last);
-                    return Ok(Expr { kind: ExprKind::Call(name, arguments), at });
-                }
-                let path = self.path("a value")?;
-                if self.is(Token::Open) {
-                    let message = "only functions can be called inside an expression";
-                    let help = "call the block in a statement of its own, then read its output";
-                    self.findings.error(Code::NotCallable, path.at, message, help);
-                    self.arguments()?;
-                    return Ok(Expr { kind: ExprKind::Wrong, at: at.to(self.last) });
-                }
-                return Ok(Expr { at: path.at, kind: ExprKind::Path(path) });
+            Token::Address => ExprKind::Direct(self.slice(at).into()),
+            Token::Prefix => return self.typed(),
+            Token::BadText => {
+                self.advance();
+                return Err(super::Reported);
             }
-            _ => return Err(self.unexpected("a value")),
+            _ => match self.untyped_literal() {
+                Some(kind) => kind,
+                None => return Err(self.unexpected(what)),
+            },
         };
-        Ok(Expr { kind, at })
-    }
-
-    fn literal<T>(
-        &mut self,
-        code: Code,
-        at: At,
-        read: Result<T, LiteralFault>,
-        kind: impl FnOnce(T) -> ExprKind,
-    ) -> ExprKind {
-        match read {
-            Ok(value) => kind(value),
-            Err(fault) => {
-                let (message, help) = fault.text();
-                self.findings.error(code, at, message, help);
-                ExprKind::Wrong
-            }
-        }
-    }
-
-    /// `INT#5`, `WORD#16#FF`, `BOOL#1`.
-    fn typed_literal(&mut self) -> Parsed<Expr> {
-        let start = self.token.1;
-        let key = self.slice(start).trim_end_matches('#').to_ascii_uppercase();
-        let Some(ty) = Elementary::named(&key) else {
-            if words::is_unsupported(&key) || key == "D" {
-                return Err(self.unsupported(start, &format!("a literal of {key}")));
-            }
-            let message = format!("{key} is no elementary type");
-            self.findings.error(Code::UnknownType, start, message, "write a type before #, as in INT#5");
-            return Err(Reported);
-        };
-        self.advance();
-        if ty == Elementary::Bool && (self.at_word("TRUE") || self.at_word("FALSE")) {
-            let value = self.at_word("TRUE");
+        if self.at() == at {
             self.advance();
-            return Ok(Expr { kind: ExprKind::Bool(value), at: start.to(self.last) });
         }
-        let negative = self.accept(Token::Minus);
-        if !negative {
-            self.accept(Token::Plus);
-        }
-        if !matches!(self.token.0, Token::Integer | Token::Based) {
-            return Err(self.unexpected("a number"));
-        }
-        let text = self.slice(self.token.1);
-        self.advance();
-        let at = start.to(self.last);
-        let kind = self.literal(Code::Number, at, literal::number(text), |n| {
-            ExprKind::Number(if negative { -n } else { n }, Some(ty))
-        });
-        Ok(Expr { kind, at })
-    }
-
-    /// `a`, `t1.Q`, `a[i]`, `m[i, j].x`.
-    pub(super) fn path(&mut self, what: &str) -> Parsed<Path> {
-        let root = self.name(what)?;
-        let mut path = Path { at: root.at, root, rest: Vec::new() };
-        loop {
-            match self.token.0 {
-                Token::Dot if self.next.0 == Token::Integer => {
-                    return Err(self.unsupported(self.next.1, "access to single bits of a variable"));
-                }
-                Token::Dot => {
-                    self.advance();
-                    let name = self.name("the name of a member")?;
-                    path.rest.push(Segment::Member(name));
-                }
-                Token::OpenBracket => {
-                    let open = self.token.1;
-                    self.advance();
-                    let mut indices = vec![self.expression()?];
-                    while self.accept(Token::Comma) {
-                        indices.push(self.expression()?);
-                    }
-                    let end = self.expect(Token::CloseBracket, "a closing bracket ]")?;
-                    path.rest.push(Segment::Index(indices, open.to(end)));
-                }
-                Token::Caret => return Err(self.unsupported(self.token.1, "a pointer")),
-                _ => break,
-            }
-            path.at = path.at.to(self.last);
-        }
-        Ok(path)
+        Ok(Expr { kind, at: at.to(self.last) })
     }
 
     /// The bracket behind what is called.
-    pub(super) fn arguments(&mut self) -> Parsed<Vec<Argument>> {
+    fn arguments(&mut self) -> Parsed<Vec<Argument>> {
         self.expect(Token::Open, "an opening bracket (")?;
         let mut arguments = Vec::new();
+        let mut height = 0;
         if self.accept(Token::Close) {
             return Ok(arguments);
         }
         loop {
-            arguments.push(match (self.token.0, self.next.0) {
-                (Token::Word, Token::Assign) => {
-                    let name = self.name("the name of a parameter")?;
-                    self.advance();
-                    Argument::Input(name, self.expression()?)
-                }
-                (Token::Word, Token::Arrow) => {
-                    let name = self.name("the name of a parameter")?;
-                    self.advance();
-                    Argument::Output(name, self.expression()?)
-                }
-                _ => Argument::Positional(self.expression()?),
-            });
+            self.height = 0;
+            arguments.push(self.argument()?);
+            height = height.max(self.height);
             if !self.accept(Token::Comma) {
                 break;
             }
         }
         self.expect(Token::Close, "a comma or a closing bracket )")?;
+        self.height = height;
         Ok(arguments)
+    }
+
+    fn argument(&mut self) -> Parsed<Argument> {
+        let negated_name = self.at_word(Word::Not)
+            && self.ahead(1).token == Token::Word
+            && self.ahead(2).token == Token::Arrow;
+        if negated_name {
+            self.advance();
+        }
+        if self.is(Token::Word) && self.next_is(Token::Assign) {
+            let name = self.name("the name of a parameter")?;
+            self.advance();
+            return Ok(match self.tok.token {
+                Token::Comma | Token::Close => Argument::Empty(name),
+                _ => Argument::Input(name, self.expression()?),
+            });
+        }
+        if self.is(Token::Word) && self.next_is(Token::Arrow) {
+            let name = self.name("the name of a parameter")?;
+            self.advance();
+            let negated = negated_name || self.accept_word(Word::Not);
+            let target = match self.tok.token {
+                Token::Comma | Token::Close if !negated => None,
+                _ => {
+                    let target = self.expression()?;
+                    self.assignable(&target)?;
+                    Some(target)
+                }
+            };
+            return Ok(Argument::Output { name, negated, target });
+        }
+        Ok(Argument::Positional(self.expression()?))
+    }
+}
+
+/// Moves an expression out, its place stays.
+fn taken(expr: &mut Expr) -> Expr {
+    Expr { kind: std::mem::replace(&mut expr.kind, ExprKind::Wrong), at: expr.at }
+}
+
+impl ExprKind {
+    /// Whether something can stand behind this: a point, an index, `^`.
+    fn is_place(&self) -> bool {
+        self.can_be_called()
+            || matches!(self, ExprKind::Part { .. } | ExprKind::Call(..) | ExprKind::Direct(_))
+    }
+
+    /// Whether a bracket behind this is that of a call.
+    pub(super) fn can_be_called(&self) -> bool {
+        matches!(
+            self,
+            ExprKind::Name(_)
+                | ExprKind::Global(_)
+                | ExprKind::Member(..)
+                | ExprKind::Index(..)
+                | ExprKind::Deref(_)
+                | ExprKind::This
+                | ExprKind::Super
+        )
+    }
+}
+
+impl Tok {
+    /// The operator that a token is, with its level, loosest 0.
+    pub(super) fn operator(self) -> Option<(BinaryOp, u8)> {
+        Some(match self.token {
+            Token::Word => match Word::of(self.key)? {
+                Word::Or => (BinaryOp::Or, 0),
+                Word::OrElse => (BinaryOp::OrElse, 0),
+                Word::Xor => (BinaryOp::Xor, 1),
+                Word::And => (BinaryOp::And, 2),
+                Word::AndThen => (BinaryOp::AndThen, 2),
+                Word::Mod => (BinaryOp::Mod, 6),
+                _ => return None,
+            },
+            Token::Ampersand => (BinaryOp::And, 2),
+            Token::Equal => (BinaryOp::Equal, 3),
+            Token::NotEqual => (BinaryOp::NotEqual, 3),
+            Token::Less => (BinaryOp::Less, 4),
+            Token::LessEqual => (BinaryOp::LessEqual, 4),
+            Token::Greater => (BinaryOp::Greater, 4),
+            Token::GreaterEqual => (BinaryOp::GreaterEqual, 4),
+            Token::Plus => (BinaryOp::Add, 5),
+            Token::Minus => (BinaryOp::Subtract, 5),
+            Token::Star => (BinaryOp::Multiply, 6),
+            Token::Slash => (BinaryOp::Divide, 6),
+            Token::Power => (BinaryOp::Power, 7),
+            _ => return None,
+        })
     }
 }

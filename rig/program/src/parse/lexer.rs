@@ -1,6 +1,6 @@
 //! Text to tokens.
 
-use logos::{FilterResult, Lexer, Logos, Skip};
+use logos::{FilterResult, Lexer, Logos};
 
 /// What went wrong in a token.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -9,16 +9,18 @@ pub(crate) enum LexFault {
     Character,
     /// A comment, pragma or string runs to the end of the text or line.
     Unterminated,
+    /// A pragma that chooses between pieces of the source.
+    Conditional,
 }
 
 /// A token; its text is taken from the source.
 #[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
 #[logos(error = LexFault)]
-#[logos(skip r"[ \t\r\n\f]+")]
+#[logos(skip r"[ \t\r\n\f\u{feff}]+")]
 #[logos(skip r"//[^\n]*")]
 pub(crate) enum Token {
-    #[token("(*", nested_comment)]
-    #[token("/*", slash_comment)]
+    #[token("(*", |lex| comment(lex, b"(*", b"*)"))]
+    #[token("/*", |lex| comment(lex, b"/*", b"*/"))]
     #[token("{", pragma)]
     Comment,
 
@@ -31,16 +33,20 @@ pub(crate) enum Token {
     /// `2#`, `8#`, `16#` with digits, `16#FFFF`.
     #[regex(r"[0-9][0-9_]*#[0-9A-Za-z_]*")]
     Based,
-    /// `1.5`, `1.0E3`.
-    #[regex(r"[0-9][0-9_]*\.[0-9][0-9_]*([eE][+-]?[0-9]+)?")]
+    /// `1.5`, `1.0E3`, `1e10`.
+    #[regex(r"[0-9][0-9_]*\.[0-9][0-9_]*")]
+    #[regex(r"[0-9][0-9_]*(\.[0-9][0-9_]*)?[eE][+-]?[0-9][0-9_]*")]
     Real,
-    /// `T#1s500ms`, `TIME#5s`.
-    #[regex(r"(T|TIME)#[+-]?[0-9A-Za-z_.]*", priority = 20, ignore(case))]
+    /// `T#1s500ms`, `LTIME#5us`.
+    #[regex(r"(T|TIME|LT|LTIME)#", duration, priority = 20, ignore(case))]
     Duration,
-    /// `INT#` before a literal.
+    /// `D#2024-02-29`, `TOD#12:00:00`, `LDT#2024-02-29-12:00:00.5`.
+    #[regex(r"L?(D|DATE|TOD|TIME_OF_DAY|DT|DATE_AND_TIME)#", date, priority = 20, ignore(case))]
+    Date,
+    /// `INT#` before a literal, `colour#` before the name of a value.
     #[regex(r"[A-Za-z_][A-Za-z0-9_]*#")]
     Prefix,
-    /// `%IX0.4`, `%MW10`.
+    /// `%IX0.4`, `%MW10`; `%I*`; behind a point `%X3`.
     #[regex(r"%[A-Za-z]*[0-9*]*(\.[0-9]+)*")]
     Address,
     #[regex("'", |lex| quoted(lex, b'\''))]
@@ -49,6 +55,8 @@ pub(crate) enum Token {
 
     #[token(":=")]
     Assign,
+    #[token("?=")]
+    Attempt,
     #[token("=>")]
     Arrow,
     #[token("..")]
@@ -98,18 +106,23 @@ pub(crate) enum Token {
     #[token("#")]
     Hash,
 
+    /// A string that is not closed, which was reported. Never made by the lexer itself.
+    BadText,
     /// The end of the text. Never made by the lexer itself.
     End,
 }
 
-fn nested_comment(lex: &mut Lexer<Token>) -> FilterResult<(), LexFault> {
+/// A comment, with those of its own kind inside it.
+fn comment(lex: &mut Lexer<Token>, open: &[u8; 2], close: &[u8; 2]) -> FilterResult<(), LexFault> {
     let rest = lex.remainder().as_bytes();
     let (mut depth, mut at) = (1usize, 0);
-    while at < rest.len() {
-        match &rest[at..(at + 2).min(rest.len())] {
-            b"(*" => (depth, at) = (depth + 1, at + 2),
-            b"*)" => (depth, at) = (depth - 1, at + 2),
-            _ => at += 1,
+    while let Some(pair) = rest.get(at..at + 2) {
+        if pair == close {
+            (depth, at) = (depth - 1, at + 2);
+        } else if pair == open {
+            (depth, at) = (depth + 1, at + 2);
+        } else {
+            at += 1;
         }
         if depth == 0 {
             lex.bump(at);
@@ -119,22 +132,17 @@ fn nested_comment(lex: &mut Lexer<Token>) -> FilterResult<(), LexFault> {
     unterminated(lex)
 }
 
-fn slash_comment(lex: &mut Lexer<Token>) -> FilterResult<(), LexFault> {
-    skip_past(lex, "*/")
-}
-
+/// `{attribute ..}` and other remarks to a tool are skipped; what would choose between pieces of the source is not.
 fn pragma(lex: &mut Lexer<Token>) -> FilterResult<(), LexFault> {
-    skip_past(lex, "}")
-}
-
-fn skip_past(lex: &mut Lexer<Token>, end: &str) -> FilterResult<(), LexFault> {
-    match lex.remainder().find(end) {
-        Some(at) => {
-            lex.bump(at + end.len());
-            let _: Skip = Skip;
-            FilterResult::Skip
-        }
-        None => unterminated(lex),
+    let rest = lex.remainder();
+    let Some(at) = rest.find('}') else { return unterminated(lex) };
+    let body = rest.get(..at).unwrap_or("").trim_start();
+    let word = body.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or("");
+    lex.bump(at + 1);
+    if word.eq_ignore_ascii_case("IF") {
+        FilterResult::Error(LexFault::Conditional)
+    } else {
+        FilterResult::Skip
     }
 }
 
@@ -166,4 +174,89 @@ fn quoted(lex: &mut Lexer<Token>, quote: u8) -> Result<(), LexFault> {
     }
     lex.bump(rest.len());
     Err(LexFault::Unterminated)
+}
+
+/// The rest of a duration. A point belongs to it only before a digit: `T#1s..T#2s` is a range.
+fn duration(lex: &mut Lexer<Token>) {
+    let rest = lex.remainder().as_bytes();
+    let sign = usize::from(matches!(rest.first(), Some(b'+' | b'-')));
+    body(lex, sign, |byte, next| match byte {
+        b'.' => next.is_ascii_digit(),
+        _ => byte.is_ascii_alphanumeric() || byte == b'_',
+    });
+}
+
+/// The rest of a date or time of day.
+fn date(lex: &mut Lexer<Token>) {
+    body(lex, 0, |byte, next| match byte {
+        b'.' | b'-' | b':' => next.is_ascii_digit(),
+        _ => byte.is_ascii_digit() || byte == b'_',
+    });
+}
+
+fn body(lex: &mut Lexer<Token>, start: usize, belongs: impl Fn(u8, u8) -> bool) {
+    let rest = lex.remainder().as_bytes();
+    let mut at = start;
+    while let Some(byte) = rest.get(at) {
+        if !belongs(*byte, rest.get(at + 1).copied().unwrap_or(0)) {
+            break;
+        }
+        at += 1;
+    }
+    lex.bump(at);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tokens(text: &str) -> Vec<(Token, &str)> {
+        let mut lexer = Token::lexer(text);
+        let mut list = Vec::new();
+        while let Some(token) = lexer.next() {
+            list.push((token.unwrap(), lexer.slice()));
+        }
+        list
+    }
+
+    #[test]
+    fn numbers_end_where_they_end() {
+        use Token::*;
+        assert_eq!(tokens("1..5"), [(Integer, "1"), (Range, ".."), (Integer, "5")]);
+        assert_eq!(tokens("1.5..2.5E-3"), [(Real, "1.5"), (Range, ".."), (Real, "2.5E-3")]);
+        assert_eq!(tokens("1e10 2E+3"), [(Real, "1e10"), (Real, "2E+3")]);
+        assert_eq!(tokens("1.5ELSE"), [(Real, "1.5"), (Word, "ELSE")]);
+        assert_eq!(tokens("7END_IF"), [(Integer, "7"), (Word, "END_IF")]);
+        assert_eq!(tokens("1.5E+"), [(Real, "1.5"), (Word, "E"), (Plus, "+")]);
+        assert_eq!(tokens("16#1E5"), [(Based, "16#1E5")]);
+        assert_eq!(tokens("w.3"), [(Word, "w"), (Dot, "."), (Integer, "3")]);
+        assert_eq!(tokens("w.%X3"), [(Word, "w"), (Dot, "."), (Address, "%X3")]);
+        assert_eq!(tokens("%MW10.3"), [(Address, "%MW10.3")]);
+        assert_eq!(tokens("\u{feff}a"), [(Word, "a")]);
+    }
+
+    #[test]
+    fn moments_end_where_they_end() {
+        use Token::*;
+        assert_eq!(tokens("T#1s..t#1.5s"), [(Duration, "T#1s"), (Range, ".."), (Duration, "t#1.5s")]);
+        assert_eq!(tokens("T#-5s-1"), [(Duration, "T#-5s"), (Minus, "-"), (Integer, "1")]);
+        assert_eq!(tokens("LTIME#1us LT#1ns"), [(Duration, "LTIME#1us"), (Duration, "LT#1ns")]);
+        assert_eq!(tokens("D#2020-01-31-x"), [(Date, "D#2020-01-31"), (Minus, "-"), (Word, "x")]);
+        assert_eq!(tokens("ldt#2020-01-31-12:34:56.7:"), [(Date, "ldt#2020-01-31-12:34:56.7"), (Colon, ":")]);
+        assert_eq!(tokens("tod#12:00:00..TIME_OF_DAY#1:2:3").len(), 3);
+        assert_eq!(tokens("TX#a DTX#1"), [(Prefix, "TX#"), (Word, "a"), (Prefix, "DTX#"), (Integer, "1")]);
+    }
+
+    #[test]
+    fn comments_and_pragmas_are_skipped() {
+        assert_eq!(tokens("a(* (* *) *)b/* /* */ */c{x}//d\ne").len(), 4);
+        assert_eq!(tokens("(**)a(***)(*)*)").len(), 1);
+        let fault = |text: &str| Token::lexer(text).next().unwrap().unwrap_err();
+        assert_eq!(fault("(* (* *)"), LexFault::Unterminated);
+        assert_eq!(fault("/*/"), LexFault::Unterminated);
+        assert_eq!(fault("'a"), LexFault::Unterminated);
+        assert_eq!(fault("'a$'\n'"), LexFault::Unterminated);
+        assert_eq!(fault("{ IF defined(x)}"), LexFault::Conditional);
+        assert_eq!(fault("?"), LexFault::Character);
+    }
 }

@@ -1,4 +1,4 @@
-//! Numbers and durations.
+//! Numbers and texts.
 
 /// Why a literal cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,29 +11,88 @@ pub(crate) enum LiteralFault {
     Digit,
     /// More than 64 bits.
     TooLarge,
+    /// Beyond the largest LREAL.
+    TooLargeReal,
     /// Not of the form `T#1d2h3m4s5ms`.
-    Form,
+    Duration,
     /// Negative durations do not exist.
     Negative,
-    /// Finer than a millisecond.
+    /// A TIME finer than a millisecond.
     TooFine,
+    /// An LTIME finer than a nanosecond.
+    FinerThanNanoseconds,
     /// Beyond `T#4294967295ms` (controller:DT-01).
     TooLong,
+    /// Beyond 2^63 - 1 nanoseconds.
+    TooLongLong,
+    /// Not of the form `2024-02-29`.
+    Date,
+    /// A day that no calendar has.
+    NoSuchDay,
+    /// Before 1970 or behind the last day of the type.
+    OutsideCalendar,
+    /// Not of the form `23:59:59.999`.
+    TimeOfDay,
+    /// A clock never shows this.
+    NoSuchTime,
+    /// Neither a date nor a time of day with it.
+    DateAndTime,
+    /// A date with a time finer than its type.
+    FinerThanType,
+    /// A character beyond ISO 8859-1 in a STRING.
+    Character,
+    /// `$` before what it does not escape.
+    Escape,
+    /// CHAR and WCHAR hold exactly one character.
+    OneCharacter,
 }
 
 impl LiteralFault {
+    /// What is wrong and how to mend it.
     pub(crate) fn text(self) -> (&'static str, &'static str) {
         match self {
             Self::Underscore => ("an underscore is misplaced", "use single underscores between digits"),
             Self::Base => ("there is no such base", "use 2#, 8# or 16#"),
-            Self::Digit => ("a digit does not exist in this base", ""),
-            Self::TooLarge => ("the number does not fit into 64 bits", ""),
-            Self::Form => ("this is no duration", "write it as in T#1d2h3m4s5ms, largest unit first"),
-            Self::Negative => ("TIME is never negative", ""),
-            Self::TooFine => ("TIME counts whole milliseconds", ""),
-            Self::TooLong => {
-                ("the duration is beyond the end of TIME", "the longest is T#4294967295ms, almost 50 days")
+            Self::Digit => ("a digit does not exist in this base", "use the digits of the base before #"),
+            Self::TooLarge => ("the number does not fit into 64 bits", "the largest is 18446744073709551615"),
+            Self::TooLargeReal => ("the number is beyond LREAL", "the largest is about 1.797E308"),
+            Self::Duration => ("this is no duration", "write it as in T#1d2h3m4s5ms, largest unit first"),
+            Self::Negative => ("durations are never negative", "write a difference, as in a - T#5s"),
+            Self::TooFine => ("TIME counts whole milliseconds", "use LTIME# for finer durations"),
+            Self::FinerThanNanoseconds => ("LTIME counts whole nanoseconds", "round it"),
+            Self::TooLong => (
+                "the duration is beyond the end of TIME",
+                "the longest is T#4294967295ms, almost 50 days; use LTIME# for longer ones",
+            ),
+            Self::TooLongLong => (
+                "the duration is beyond the end of LTIME",
+                "the longest is 9223372036854775807 ns, 292 years",
+            ),
+            Self::Date => ("this is no date", "write it as in D#2024-02-29"),
+            Self::NoSuchDay => {
+                ("there is no such day", "months go from 1 to 12, days to the end of the month")
             }
+            Self::OutsideCalendar => (
+                "the date is outside the range of its type",
+                "dates go from 1970-01-01 to 2106-02-07, those of LDATE and LDT to 2262-04-11",
+            ),
+            Self::TimeOfDay => ("this is no time of day", "write it as in TOD#23:59:59.999"),
+            Self::NoSuchTime => ("there is no such time of day", "the last one is 23:59:59.999"),
+            Self::DateAndTime => ("this is no date with a time", "write it as in DT#2024-02-29-23:59:59"),
+            Self::FinerThanType => (
+                "the time is finer than its type",
+                "TOD counts milliseconds, DT seconds; LTOD and LDT count nanoseconds",
+            ),
+            Self::Character => (
+                "a STRING has no such character, only those of ISO 8859-1",
+                "use a WSTRING, in double quotation marks",
+            ),
+            Self::Escape => (
+                "$ is followed by something that it does not escape",
+                "write $$ for the sign itself; $' $\" $L $N $P $R $T and hexadecimal digits have a meaning, \
+                 two in a STRING and four in a WSTRING",
+            ),
+            Self::OneCharacter => ("this is not one character", "write one character between the marks"),
         }
     }
 }
@@ -47,9 +106,7 @@ pub(crate) fn number(text: &str) -> Result<i128, LiteralFault> {
         Some(("16", digits)) => (16, digits),
         Some(_) => return Err(LiteralFault::Base),
     };
-    if digits.starts_with('_') || digits.ends_with('_') || digits.contains("__") {
-        return Err(LiteralFault::Underscore);
-    }
+    underscores(digits)?;
     if digits.is_empty() {
         return Err(LiteralFault::Digit);
     }
@@ -64,62 +121,63 @@ pub(crate) fn number(text: &str) -> Result<i128, LiteralFault> {
     Ok(number)
 }
 
-/// Milliseconds of `T#1h30m`, `TIME#1.5s`, `t#500ms`.
-pub(crate) fn duration(text: &str) -> Result<i64, LiteralFault> {
-    // Nanoseconds hold every fraction that can be written exactly.
-    const UNITS: [(&str, i128); 7] = [
-        ("d", 86_400_000_000_000),
-        ("h", 3_600_000_000_000),
-        ("m", 60_000_000_000),
-        ("s", 1_000_000_000),
-        ("ms", 1_000_000),
-        ("us", 1_000),
-        ("ns", 1),
-    ];
-    let body = text.split_once('#').map_or("", |(_, body)| body).to_ascii_lowercase();
-    let mut rest = match body.strip_prefix('-') {
-        Some(_) => return Err(LiteralFault::Negative),
-        None => body.strip_prefix('+').unwrap_or(&body),
+/// Single ones between digits are fine.
+pub(super) fn underscores(digits: &str) -> Result<(), LiteralFault> {
+    let misplaced = |part: &str| part.starts_with('_') || part.ends_with('_') || part.contains("__");
+    if digits.split(['.', 'e', 'E', '+', '-']).any(misplaced) {
+        return Err(LiteralFault::Underscore);
+    }
+    Ok(())
+}
+
+/// The nearest double and the nearest single of `1.5`, `1_000.0E-3`, `1e10`.
+pub(crate) fn real(text: &str) -> Result<(f64, f32), LiteralFault> {
+    underscores(text)?;
+    let plain: String = text.chars().filter(|c| *c != '_').collect();
+    let (double, single) = match (plain.parse::<f64>(), plain.parse::<f32>()) {
+        (Ok(double), Ok(single)) => (double, single),
+        _ => return Err(LiteralFault::Digit),
     };
-    if rest.is_empty() {
-        return Err(LiteralFault::Form);
-    }
-    let (mut total, mut least_place, mut fraction_seen) = (0i128, None, false);
-    while !rest.is_empty() {
-        rest = rest.strip_prefix('_').filter(|_| least_place.is_some()).unwrap_or(rest);
-        let number_end =
-            rest.find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '_')).ok_or(LiteralFault::Form)?;
-        let (number, after) = rest.split_at(number_end);
-        let unit_end = after.find(|c: char| !c.is_ascii_lowercase()).unwrap_or(after.len());
-        let (unit, after) = after.split_at(unit_end);
-        let place = UNITS.iter().position(|(name, _)| *name == unit).ok_or(LiteralFault::Form)?;
-        // Units go down, and only the last number may have a fraction.
-        if fraction_seen || least_place.is_some_and(|least| place <= least) {
-            return Err(LiteralFault::Form);
+    if double.is_finite() { Ok((double, single)) } else { Err(LiteralFault::TooLargeReal) }
+}
+
+/// The characters of `'text'` or `"text"`: ISO 8859-1, or UTF-16 where wide.
+pub(crate) fn text(literal: &str) -> Result<(bool, Vec<u16>), LiteralFault> {
+    let wide = literal.starts_with('"');
+    let inner = literal.get(1..literal.len().saturating_sub(1)).unwrap_or("");
+    let mut units = Vec::with_capacity(inner.len());
+    let mut rest = inner.chars();
+    while let Some(c) = rest.next() {
+        if c == '$' {
+            units.push(escaped(&mut rest, wide)?);
+        } else if wide {
+            units.extend_from_slice(c.encode_utf16(&mut [0; 2]));
+        } else {
+            let unit = u8::try_from(c).map_err(|_| LiteralFault::Character)?;
+            units.push(u16::from(unit));
         }
-        least_place = Some(place);
-        let (whole, fraction) = number.split_once('.').unwrap_or((number, ""));
-        fraction_seen = number.contains('.');
-        if fraction_seen && fraction.is_empty() || fraction.len() > 20 {
-            return Err(LiteralFault::Form);
+    }
+    Ok((wide, units))
+}
+
+/// What stands behind `$`. `$N` is one character, 16#0A.
+fn escaped(rest: &mut std::str::Chars<'_>, wide: bool) -> Result<u16, LiteralFault> {
+    let first = rest.next().ok_or(LiteralFault::Escape)?;
+    Ok(match first {
+        '$' | '\'' | '"' => first as u16,
+        'L' | 'l' | 'N' | 'n' => 0x0A,
+        'P' | 'p' => 0x0C,
+        'R' | 'r' => 0x0D,
+        'T' | 't' => 0x09,
+        _ => {
+            let mut unit = first.to_digit(16).ok_or(LiteralFault::Escape)?;
+            for _ in 1..if wide { 4 } else { 2 } {
+                let digit = rest.next().and_then(|c| c.to_digit(16)).ok_or(LiteralFault::Escape)?;
+                unit = unit << 4 | digit;
+            }
+            unit as u16
         }
-        let mantissa = self::number(&format!("{whole}{fraction}"))?;
-        let digits = fraction.chars().filter(char::is_ascii_digit).count() as u32;
-        let scaled = mantissa * UNITS[place].1;
-        let divisor = 10i128.pow(digits);
-        if scaled % divisor != 0 {
-            return Err(LiteralFault::TooFine);
-        }
-        total += scaled / divisor;
-        rest = after;
-    }
-    if total % 1_000_000 != 0 {
-        return Err(LiteralFault::TooFine);
-    }
-    match total / 1_000_000 {
-        ms @ 0..=4_294_967_295 => Ok(ms as i64),
-        _ => Err(LiteralFault::TooLong),
-    }
+    })
 }
 
 #[cfg(test)]
@@ -133,25 +191,50 @@ mod tests {
         assert_eq!(number("2#1010"), Ok(10));
         assert_eq!(number("8#17"), Ok(15));
         assert_eq!(number("2#12"), Err(LiteralFault::Digit));
+        assert_eq!(number("16#"), Err(LiteralFault::Digit));
         assert_eq!(number("3#1"), Err(LiteralFault::Base));
         assert_eq!(number("1__0"), Err(LiteralFault::Underscore));
+        assert_eq!(number("18446744073709551615"), Ok(i128::from(u64::MAX)));
         assert_eq!(number("18446744073709551616"), Err(LiteralFault::TooLarge));
     }
 
     #[test]
-    fn durations() {
-        // controller:DT-01 - TIME has 32 bits of milliseconds.
-        assert_eq!(duration("T#1d2h3m4s5ms"), Ok(93_784_005));
-        assert_eq!(duration("time#1.5s"), Ok(1_500));
-        assert_eq!(duration("t#1h_30m"), Ok(5_400_000));
-        assert_eq!(duration("T#90s"), Ok(90_000));
-        assert_eq!(duration("T#4294967295ms"), Ok(4_294_967_295));
-        assert_eq!(duration("T#4294967296ms"), Err(LiteralFault::TooLong));
-        assert_eq!(duration("T#1s1m"), Err(LiteralFault::Form));
-        assert_eq!(duration("T#1.5s1ms"), Err(LiteralFault::Form));
-        assert_eq!(duration("T#0.5ms"), Err(LiteralFault::TooFine));
-        assert_eq!(duration("T#-1s"), Err(LiteralFault::Negative));
-        assert_eq!(duration("T#"), Err(LiteralFault::Form));
-        assert_eq!(duration("T#5"), Err(LiteralFault::Form));
+    fn reals() {
+        assert_eq!(real("1_000.5"), Ok((1000.5, 1000.5)));
+        assert_eq!(real("1E3"), Ok((1000.0, 1000.0)));
+        assert_eq!(real("1.0e-3"), Ok((0.001, 0.001)));
+        // The nearest single is not the nearest single of the nearest double.
+        let halfway = "1.00000005960464477539062500000000000000000000000000001";
+        let (double, single) = real(halfway).unwrap();
+        assert_eq!((double as f32, single), (1.0, 1.000_000_1));
+        assert_eq!(real("1.0E39").unwrap().1, f32::INFINITY);
+        assert_eq!(real("1.0E309"), Err(LiteralFault::TooLargeReal));
+        assert_eq!(real("1_.0"), Err(LiteralFault::Underscore));
+        assert_eq!(real("1.0_E1"), Err(LiteralFault::Underscore));
+    }
+
+    #[test]
+    fn texts() {
+        let narrow = |s: &str| {
+            text(s).map(|(wide, units)| {
+                assert!(!wide);
+                units
+            })
+        };
+        let wide = |s: &str| {
+            text(s).map(|(wide, units)| {
+                assert!(wide);
+                units
+            })
+        };
+        assert_eq!(narrow("''"), Ok(vec![]));
+        assert_eq!(narrow("'a$$$'$\"b'"), Ok("a$'\"b".bytes().map(u16::from).collect()));
+        assert_eq!(narrow("'$L$l$N$n$P$R$T'"), Ok(vec![10, 10, 10, 10, 12, 13, 9]));
+        assert_eq!(narrow("'$41$fF\u{e9}'"), Ok(vec![0x41, 0xFF, 0xE9]));
+        assert_eq!(narrow("'\u{20ac}'"), Err(LiteralFault::Character));
+        assert_eq!(narrow("'$4'"), Err(LiteralFault::Escape));
+        assert_eq!(narrow("'$x'"), Err(LiteralFault::Escape));
+        assert_eq!(wide("\"\u{20ac}\u{1f600}$263A\""), Ok(vec![0x20AC, 0xD83D, 0xDE00, 0x263A]));
+        assert_eq!(wide("\"$41\""), Err(LiteralFault::Escape));
     }
 }

@@ -1,22 +1,39 @@
 //! Recursive descent over the tokens of one source. A fault is reported where it is found, then reading goes on
-//! behind the next semicolon or at the next keyword that starts or closes something.
+//! behind the next semicolon or at the next word that starts or closes something.
 
 pub(crate) mod ast;
+mod configuration;
+mod constant;
 mod decl;
 mod expr;
+mod initial;
 mod lexer;
 mod literal;
+mod members;
+mod moment;
+mod names;
+mod skip;
 mod stmt;
+#[cfg(test)]
+mod tests;
+mod tokens;
+mod types;
 pub(crate) mod words;
 
 use crate::codes::Code;
 use crate::findings::{At, Findings};
 use ast::{Name, Unit};
-use lexer::{LexFault, Token};
-use logos::{Lexer, Logos};
+use document::SourceFile;
+use lexer::Token;
+pub(crate) use names::Names;
+use tokens::Tok;
+use words::Word;
 
-/// Brackets, operators and blocks inside each other. Bounds the recursion of parser and compiler.
+/// Brackets, operators and blocks inside each other. Bounds the recursion of the parser.
 const MAX_DEPTH: usize = 64;
+
+/// Nodes of an expression above each other. Bounds the recursion of what walks the tree.
+const MAX_HEIGHT: usize = 128;
 
 /// Longest name that the documents allow (controller:DT-03).
 const LONG_NAME: usize = 32;
@@ -27,81 +44,91 @@ pub(crate) struct Reported;
 
 type Parsed<T> = Result<T, Reported>;
 
-/// Reads one source into `unit`.
-pub(crate) fn parse(file: u8, text: &str, findings: &mut Findings<'_>, unit: &mut Unit) {
-    let ended = (Token::End, At { file, start: 0, end: 0 });
-    let lexer = Token::lexer(text);
-    let mut parser = Parser {
-        text,
-        file,
-        lexer,
-        findings,
-        token: ended,
-        next: ended,
-        last: ended.1,
-        depth: 0,
-        given_up: false,
-    };
-    parser.advance();
-    parser.advance();
-    parser.declarations(unit);
+/// Sources that a place can tell apart.
+const MOST_SOURCES: usize = 256;
+
+/// Reads all sources into one unit.
+pub(crate) fn parse(sources: &[SourceFile], names: &mut Names, findings: &mut Findings<'_>) -> Unit {
+    let mut unit = Unit::default();
+    if sources.len() > MOST_SOURCES {
+        let message = format!("{} sources are too many", sources.len());
+        let help = format!("join some of them: at most {MOST_SOURCES} are read");
+        findings.error(Code::SourceSize, At::default(), message, help);
+    }
+    for (file, source) in (0..=u8::MAX).zip(sources) {
+        let (tokens, cut) = tokens::tokens(&source.text, file, names, findings);
+        let mut parser = Parser {
+            text: &source.text,
+            file,
+            tok: Tok::END,
+            tokens,
+            place: 0,
+            last: At { file, start: 0, end: 0 },
+            names,
+            findings,
+            depth: 0,
+            height: 0,
+            open: Vec::new(),
+            given_up: false,
+            cut,
+        };
+        parser.go(0);
+        parser.declarations(&mut unit);
+    }
+    unit
 }
 
-struct Parser<'t, 'f, 's> {
+struct Parser<'t, 'p, 's> {
     text: &'t str,
     file: u8,
-    lexer: Lexer<'t, Token>,
-    findings: &'f mut Findings<'s>,
-    token: (Token, At),
-    next: (Token, At),
-    /// The token before `token`.
+    tokens: Vec<Tok>,
+    /// Of the present token.
+    place: usize,
+    tok: Tok,
+    /// The token before the present one.
     last: At,
+    names: &'p Names,
+    findings: &'p mut Findings<'s>,
     depth: usize,
+    /// Nodes above each other in the expression that was read last.
+    height: usize,
+    /// What closes the statements around the present token, of one body.
+    open: Vec<Word>,
     /// Nothing more is read.
     given_up: bool,
+    /// The text ends inside a comment: what is missing at its end is not worth a word.
+    cut: bool,
 }
 
 impl<'t> Parser<'t, '_, '_> {
-    /// To the next token. Characters that make none are reported here, a run of them once.
+    fn go(&mut self, place: usize) {
+        self.place = place;
+        self.tok = self.tokens.get(place).copied().unwrap_or(Tok::END);
+    }
+
+    /// To the next token.
     fn advance(&mut self) {
-        self.last = self.token.1;
-        self.token = self.next;
-        let mut bad: Option<At> = None;
-        self.next = loop {
-            let lexed = if self.given_up { None } else { self.lexer.next() };
-            let span = self.lexer.span();
-            let at = At { file: self.file, start: span.start as u32, end: span.end as u32 };
-            match lexed {
-                Some(Err(LexFault::Character)) => bad = Some(bad.map_or(at, |bad| bad.to(at))),
-                Some(Err(LexFault::Unterminated)) => {
-                    let (what, close) = match self.text.as_bytes().get(span.start) {
-                        Some(b'(') => ("comment", "*)"),
-                        Some(b'/') => ("comment", "*/"),
-                        Some(b'{') => ("pragma", "}"),
-                        _ => ("string", "a quotation mark"),
-                    };
-                    let at = At { end: at.start + 1, ..at };
-                    let message = format!("this {what} is not closed");
-                    self.findings.error(Code::Unterminated, at, message, format!("close it with {close}"));
-                    // A comment swallows the rest: what is missing then is not worth a word. Strings end with their line.
-                    self.given_up = what != "string";
-                }
-                Some(Ok(Token::Comment)) => {}
-                Some(Ok(token)) => break (token, at),
-                None => {
-                    let end = self.text.len() as u32;
-                    break (Token::End, At { file: self.file, start: end, end });
-                }
-            }
-        };
-        if let Some(at) = bad {
-            let text = self.slice(at).chars().take(8).collect::<String>();
-            let message = format!("`{}` is nothing that Structured Text knows", text.escape_debug());
-            self.findings.error(Code::Character, at, message, "remove it");
+        self.last = self.at();
+        if self.tok.token != Token::End {
+            self.go(self.place + 1);
         }
-        if self.given_up || self.findings.full() {
-            self.token.0 = Token::End;
-            self.next.0 = Token::End;
+    }
+
+    fn at(&self) -> At {
+        match self.tok.token {
+            Token::End => {
+                let end = self.text.len() as u32;
+                At { file: self.file, start: end, end }
+            }
+            _ => At { file: self.file, start: self.tok.start, end: self.tok.end },
+        }
+    }
+
+    /// The token `n` behind the present one.
+    fn ahead(&self, n: usize) -> Tok {
+        match self.given_up {
+            true => Tok::END,
+            false => self.tokens.get(self.place + n).copied().unwrap_or(Tok::END),
         }
     }
 
@@ -110,12 +137,25 @@ impl<'t> Parser<'t, '_, '_> {
     }
 
     fn is(&self, token: Token) -> bool {
-        self.token.0 == token
+        self.tok.token == token
     }
 
-    /// Whether the token is this word, given in capitals.
-    fn at_word(&self, word: &str) -> bool {
-        self.is(Token::Word) && self.slice(self.token.1).eq_ignore_ascii_case(word)
+    fn next_is(&self, token: Token) -> bool {
+        self.ahead(1).token == token
+    }
+
+    /// The present word of the language.
+    fn word(&self) -> Option<Word> {
+        Word::of(self.tok.key)
+    }
+
+    fn at_word(&self, word: Word) -> bool {
+        self.tok.key == word.key()
+    }
+
+    /// Whether the present token can be a name.
+    fn at_name(&self) -> bool {
+        self.tok.is_name()
     }
 
     fn accept(&mut self, token: Token) -> bool {
@@ -126,7 +166,7 @@ impl<'t> Parser<'t, '_, '_> {
         found
     }
 
-    fn accept_word(&mut self, word: &str) -> bool {
+    fn accept_word(&mut self, word: Word) -> bool {
         let found = self.at_word(word);
         if found {
             self.advance();
@@ -135,120 +175,134 @@ impl<'t> Parser<'t, '_, '_> {
     }
 
     fn expect(&mut self, token: Token, what: &str) -> Parsed<At> {
-        if self.is(token) {
-            self.advance();
-            return Ok(self.last);
-        }
-        Err(self.unexpected(what))
+        if self.accept(token) { Ok(self.last) } else { Err(self.unexpected(what)) }
     }
 
-    fn expect_word(&mut self, word: &str) -> Parsed<At> {
-        if self.accept_word(word) { Ok(self.last) } else { Err(self.unexpected(word)) }
+    fn expect_word(&mut self, word: Word) -> Parsed<At> {
+        if self.accept_word(word) { Ok(self.last) } else { Err(self.unexpected(word.text())) }
     }
 
-    /// A missing semicolon is shown behind what it should follow.
+    /// A missing semicolon is shown behind what it should follow. Where a new line starts with a word, what was read
+    /// is taken as complete.
     fn semicolon(&mut self) -> Parsed<()> {
         if self.accept(Token::Semicolon) {
             return Ok(());
         }
-        if self.given_up {
-            return Err(Reported);
+        if !self.silent() {
+            let found = self.found();
+            let at = At { start: self.last.end, end: self.last.end, ..self.last };
+            let message = format!("a semicolon is missing here, before {found}");
+            self.error(Code::Unexpected, at, message, "end the statement or declaration with ;");
         }
-        if self.is(Token::Word) {
-            // `a AND_THEN b`: what stops the expression is a word that later parts of the language bring.
-            let key = self.slice(self.token.1).to_ascii_uppercase();
-            if words::is_unsupported(&key) {
-                return Err(self.unsupported(self.token.1, &key));
-            }
-        }
-        let found = self.found();
-        let at = At { start: self.last.end, end: self.last.end, ..self.last };
-        let message = format!("a semicolon is missing here, before {found}");
-        self.findings.error(Code::Unexpected, at, message, "end the statement or declaration with ;");
-        Err(Reported)
+        let between = At { start: self.last.end, end: self.tok.start, ..self.last };
+        if self.is(Token::Word) && self.slice(between).contains('\n') { Ok(()) } else { Err(Reported) }
     }
 
     /// What the present token is, in words.
     fn found(&self) -> String {
-        match self.token.0 {
+        match self.tok.token {
             Token::End => "the end of the text".to_string(),
-            _ => format!("`{}`", self.slice(self.token.1).chars().take(40).collect::<String>()),
+            _ => format!("`{}`", self.slice(self.at()).chars().take(40).collect::<String>()),
         }
+    }
+
+    /// Whether what is missing here is not worth a word.
+    fn silent(&self) -> bool {
+        self.given_up || self.cut && self.is(Token::End)
+    }
+
+    fn error(&mut self, code: Code, at: At, message: impl Into<String>, help: impl Into<String>) -> Reported {
+        self.findings.error(code, at, message, help);
+        if self.findings.full() {
+            self.give_up();
+        }
+        Reported
+    }
+
+    fn give_up(&mut self) {
+        self.given_up = true;
+        self.tok = Tok::END;
     }
 
     fn unexpected(&mut self, what: &str) -> Reported {
-        if self.given_up {
+        if self.silent() {
             return Reported;
         }
-        if self.is(Token::Word) {
-            let key = self.slice(self.token.1).to_ascii_uppercase();
-            if words::is_unsupported(&key) {
-                return self.unsupported(self.token.1, &key);
-            }
-        }
-        if self.is(Token::Text) {
-            return self.unsupported(self.token.1, "a string");
-        }
         let message = format!("{what} is expected here, not {}", self.found());
-        self.findings.error(Code::Unexpected, self.token.1, message, "");
-        Reported
+        let help = match self.is(Token::Word) && Word::is_reserved(self.tok.key) {
+            true => format!("{} belongs to the language and is no name", self.found()),
+            false => format!("write {what} here, or remove what does not belong"),
+        };
+        self.error(Code::Unexpected, self.at(), message, help)
     }
 
     /// `word` is missing, which closes what `open` opened.
-    fn unclosed(&mut self, word: &str, open: At) -> Reported {
-        if !self.given_up {
+    fn unclosed(&mut self, word: Word, open: At) -> Reported {
+        if !self.silent() {
+            let word = word.text();
             let message = format!("{word} is expected here, not {}", self.found());
-            self.findings.error_with(Code::Unclosed, self.token.1, message, "", (open, "this is not closed"));
+            let help = format!("close it with {word}");
+            let other = (open, "this is not closed");
+            self.findings.error_with(Code::Unclosed, self.at(), message, help, other);
+            if self.findings.full() {
+                self.give_up();
+            }
         }
         Reported
     }
 
-    fn unsupported(&mut self, at: At, what: &str) -> Reported {
-        let message = format!("{what} is not supported yet");
-        self.findings.error(Code::Unsupported, at, message, "");
-        Reported
+    /// A part of the language that is refused, with what to write instead.
+    fn unsupported(&mut self, at: At, what: &str, help: &str) -> Reported {
+        self.error(Code::Unsupported, at, format!("{what} is not supported"), help)
     }
 
     /// A name that the user chose.
     fn name(&mut self, what: &str) -> Parsed<Name> {
-        if !self.is(Token::Word) {
+        if !self.at_name() {
             return Err(self.unexpected(what));
         }
-        let at = self.token.1;
-        let text = self.slice(at);
-        let key = text.to_ascii_uppercase();
-        if words::is_keyword(&key) || words::is_unsupported(&key) {
-            return Err(self.unexpected(what));
-        }
+        let name = Name { key: self.tok.key, at: self.at() };
         self.advance();
-        Ok(Name { text: text.to_string(), key, at })
+        Ok(name)
     }
 
-    /// A name that is being declared: it has to keep the rules (controller:DT-03).
+    /// A name that is being declared: it has to keep the rules (controller:DT-03). Underscores side by side and at
+    /// the ends are taken because libraries of vendors have them.
     fn new_name(&mut self, what: &str) -> Parsed<Name> {
-        let at = self.token.1;
-        let key = self.slice(at).to_ascii_uppercase();
-        let reserved = self.is(Token::Word) && (words::is_keyword(&key) || words::is_unsupported(&key));
-        if reserved && matches!(self.next.0, Token::Colon | Token::Comma) {
-            let text = self.slice(at).to_string();
-            let message = format!("`{text}` belongs to the language");
-            self.findings.error(Code::Reserved, at, message, "choose another name");
+        let at = self.at();
+        let Tok { token, key, .. } = self.tok;
+        let declared = matches!(
+            self.ahead(1).token,
+            Token::Colon | Token::Comma | Token::Assign | Token::Close | Token::Semicolon
+        );
+        let taken =
+            Word::is_reserved(key) && declared || [Word::String.key(), Word::Wstring.key()].contains(&key);
+        if token == Token::Word && taken {
+            let message = format!("`{}` belongs to the language", self.slice(at));
+            self.error(Code::Reserved, at, message, "choose another name");
             self.advance();
-            return Ok(Name { text, key, at });
+            return Ok(Name { key, at });
         }
         let name = self.name(what)?;
-        if name.text.contains("__") || (name.text.ends_with('_') && name.text.len() > 1) || name.text == "_" {
-            let message = format!("`{}` has underscores side by side or at its end", name.text);
-            self.findings.error(
-                Code::Identifier,
-                name.at,
-                message,
-                "use single underscores between letters and digits",
-            );
+        let text = self.slice(at);
+        if text.bytes().all(|byte| byte == b'_') {
+            let message = format!("`{text}` has no letter or digit");
+            self.error(Code::Identifier, at, message, "use letters, digits and underscores between them");
         }
-        if name.text.len() > LONG_NAME {
-            let message = format!("`{}` is longer than {LONG_NAME} characters", name.text);
-            self.findings.warning(Code::LongName, name.at, message, "the controllers promise 32 characters");
+        if text.len() > LONG_NAME {
+            let message = format!("`{text}` is longer than {LONG_NAME} characters");
+            self.findings.warning(Code::LongName, at, message, "the controllers promise 32 characters");
+        }
+        Ok(name)
+    }
+
+    /// `library.name`, of which only the name counts. The point stands at the name: behind the head of a method,
+    /// `.global := 1;` is a statement.
+    fn path_name(&mut self, what: &str) -> Parsed<Name> {
+        let mut name = self.name(what)?;
+        while self.is(Token::Dot) && self.tok.start == self.last.end && self.ahead(1).is_name() {
+            self.advance();
+            name = self.name(what)?;
         }
         Ok(name)
     }
@@ -256,23 +310,20 @@ impl<'t> Parser<'t, '_, '_> {
     /// Runs `inner` one level deeper; too deep gives up the whole source.
     fn nested<T>(&mut self, inner: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
         if self.depth >= MAX_DEPTH {
-            if !self.given_up {
-                self.given_up = true;
-                let message = format!("more than {MAX_DEPTH} brackets or blocks inside each other");
-                self.findings.error(
-                    Code::Nesting,
-                    self.token.1,
-                    message,
-                    "split it up; the rest was not read",
-                );
-                self.token.0 = Token::End;
-                self.next.0 = Token::End;
-            }
-            return Err(Reported);
+            return Err(self.too_deep());
         }
         self.depth += 1;
         let result = inner(self);
         self.depth -= 1;
         result
+    }
+
+    fn too_deep(&mut self) -> Reported {
+        if !self.given_up {
+            let message = format!("more than {MAX_DEPTH} brackets or blocks inside each other");
+            self.error(Code::Nesting, self.at(), message, "split it up; the rest was not read");
+            self.give_up();
+        }
+        Reported
     }
 }

@@ -2,6 +2,8 @@
 
 #![allow(dead_code)]
 
+pub mod oracle;
+
 use document::SourceFile;
 use scanrig_program::{Host, Machine, Options, Program, Slice, Stop, compile};
 use signal::{Address, Area, Image, Span, Time, Value};

@@ -73,7 +73,7 @@ impl Texts<'_> {
         let tasks = vec![("MAST".to_owned(), Vec::new())];
         let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
         let board = drivers::build(&files.board, seed).unwrap();
-        let mut model = Model::new(config, program, Box::new(MemoryStore::default())).unwrap();
+        let mut model = Model::new(config, Some(program), Box::new(MemoryStore::default()), None).unwrap();
         model.commission(&bundle, State::Running).unwrap();
         let mut bench = Bench {
             subject: &mut model,

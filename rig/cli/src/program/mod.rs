@@ -1,0 +1,80 @@
+//! `rig program`: Structured Text without a controller and without a board.
+
+mod bench;
+mod check;
+mod dump;
+mod run;
+
+pub use bench::bench;
+pub use check::check;
+pub use dump::dump;
+pub use run::run;
+
+use crate::exit::Exit;
+use crate::output;
+use document::{Diagnostic, SourceFile};
+use profile::Profile;
+use program::Program;
+use runtime::alone::Ended;
+use runtime::suite::{self, Disk};
+use signal::Span;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Reads and compiles the files of one application for the default controller, and shows what is found in them.
+fn compile(files: &[PathBuf]) -> Result<(Arc<Program>, Vec<SourceFile>), Exit> {
+    let mut sources = Vec::new();
+    for path in files {
+        match suite::load(&Disk, &path.to_string_lossy()) {
+            Ok(source) => sources.push(source),
+            Err(found) => {
+                output::findings(&[found], &sources);
+                return Err(Exit::UserFiles);
+            }
+        }
+    }
+    match runtime::application::compile(&sources, Profile::default()) {
+        Ok(program) => {
+            output::findings(&program.warnings, &sources);
+            Ok((Arc::new(program), sources))
+        }
+        Err(found) => {
+            output::findings(&found, &sources);
+            Err(Exit::UserFiles)
+        }
+    }
+}
+
+/// Something wrong with the arguments.
+fn refuse(code: &'static str, message: String, help: &str) -> Exit {
+    output::findings(&[Diagnostic::error(code, message).help(help)], &[]);
+    Exit::UserFiles
+}
+
+/// A duration above 0 that an option gives.
+fn duration(option: &str, text: &str) -> Result<Span, Exit> {
+    match Span::parse(text) {
+        Ok(span) if span > Span::ZERO => Ok(span),
+        Ok(_) => Err(refuse("R0504", format!("{option} {text}: must be above 0"), "")),
+        Err(error) => {
+            Err(refuse("R0504", format!("{option} {text}: {error}"), "as in `500 ms` or `1 min 30 s`"))
+        }
+    }
+}
+
+/// How a run alone ended, said where that was not well.
+fn ended(ended: &Ended) -> Exit {
+    match ended {
+        Ended::InTime { .. } => Exit::Passed,
+        Ended::Fault { at, text } => {
+            output::complain(&format!("the program failed after {at}: {text}"));
+            Exit::Failed
+        }
+        Ended::Endless { task, at } => {
+            output::complain(&format!(
+                "{task}: the cycle that began after {at} had not ended at the end of the run"
+            ));
+            Exit::Failed
+        }
+    }
+}

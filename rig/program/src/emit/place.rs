@@ -1,0 +1,227 @@
+//! Places: from roots, offsets and indices to operands.
+
+use super::{Dest, Emitter, Value, ops};
+use crate::code::{Base, IndexOf, Op, Operand, map};
+use crate::findings::At;
+use crate::tree::{Expr, ExprKind, Index, Place, Root, Target, Ty};
+use crate::types::Elementary;
+
+/// What is assigned to, when its address is known.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Aim {
+    Place(Dest),
+    Bit { at: Operand, bit: u32, cost: u32 },
+}
+
+/// The operand of a place that needs no address.
+fn direct(root: &Root, offset: u32) -> Option<Operand> {
+    let base = match root {
+        Root::Absolute => Base::Absolute,
+        Root::This => Base::This,
+        Root::Frame => Base::Frame,
+        Root::Address(_) => return None,
+    };
+    Some(Operand::new(base, offset))
+}
+
+impl Emitter<'_, '_, '_> {
+    /// The operand of a place, and what finding it costs besides what was charged.
+    pub(super) fn place(&mut self, place: &Place) -> (Operand, u32) {
+        let mut own = None;
+        let (of, offset, mut cost) = match &place.root {
+            Root::Address(address) => match self.known_address(address, place.offset) {
+                Some(of) => (of, 0, 0),
+                None => {
+                    let (slot, cost) = self.address_slot(address, &mut own);
+                    (Operand::new(Base::Indirect, slot.offset()), place.offset, cost)
+                }
+            },
+            root => (direct(root, place.offset).unwrap_or_default(), 0, 0),
+        };
+        if offset == 0 && place.indices.is_empty() {
+            return (of, cost);
+        }
+        let slot = own.unwrap_or_else(|| self.temporary(Ty::Address));
+        let mut of = of;
+        if offset > 0 {
+            // The operation for indices finds an address that is none before the offset hides it.
+            self.behind(of, offset, slot, std::mem::take(&mut cost), place.at);
+            of = Operand::new(Base::Indirect, slot.offset());
+        }
+        for index in &place.indices {
+            self.index(index, of, slot, std::mem::take(&mut cost));
+            of = Operand::new(Base::Indirect, slot.offset());
+        }
+        (of, cost)
+    }
+
+    /// Puts the address of what stands `offset` bytes behind a place into a slot of the frame.
+    pub(super) fn behind(&mut self, of: Operand, offset: u32, slot: Operand, cost: u32, at: At) {
+        let zero = self.constant(0, Ty::Scalar(Elementary::Usint));
+        let entry = self.indexes.len() as u32;
+        self.indexes.push(IndexOf { of, low: -i64::from(offset), high: 0, stride: 1 });
+        self.push(Op::IndexU8, (slot.0, zero.at.0, entry), cost, at);
+    }
+
+    fn index(&mut self, index: &Index, of: Operand, slot: Operand, cost: u32) {
+        let mark = self.mark();
+        let value = self.value(&index.value);
+        let entry = self.indexes.len() as u32;
+        self.indexes.push(IndexOf { of, low: index.low, high: index.high, stride: index.stride });
+        let cost = cost.saturating_add(value.cost).saturating_add(self.costs.index);
+        let op = ops::index(ops::scalar(value.ty));
+        self.push(op, (slot.0, value.at.0, entry), cost, index.value.at);
+        self.release(mark);
+    }
+
+    /// What stands behind the address of a place that is known: a value that was put into a variable to have one.
+    fn known_address(&mut self, address: &Expr, offset: u32) -> Option<Operand> {
+        let (statements, inner) = match &address.kind {
+            ExprKind::Sequence(statements, inner) => (statements.as_slice(), inner.as_ref()),
+            _ => (&[][..], address),
+        };
+        let ExprKind::AddressOf(place) = &inner.kind else { return None };
+        let of =
+            direct(&place.root, place.offset.saturating_add(offset)).filter(|_| place.indices.is_empty())?;
+        self.written(place);
+        self.run(statements);
+        Some(of)
+    }
+
+    /// The slot of the frame that holds an address, and what reading it costs. A variable of the frame serves as it
+    /// stands: what a call is told by reference. Otherwise `own` becomes the slot, which may be used again.
+    fn address_slot(&mut self, address: &Expr, own: &mut Option<Operand>) -> (Operand, u32) {
+        if let ExprKind::Load(place) = &address.kind
+            && let (Root::Frame, []) = (&place.root, place.indices.as_slice())
+        {
+            let cost = self.reading(Ty::Address, place.retained);
+            return (Operand::new(Base::Frame, place.offset), cost);
+        }
+        let slot = self.temporary(Ty::Address);
+        self.store(address, Dest { at: slot, ty: Ty::Address, cost: 0 });
+        *own = Some(slot);
+        (slot, 0)
+    }
+
+    /// What reading a variable costs. That of texts and blocks is in what is done with them.
+    pub(super) fn reading(&self, ty: Ty, retained: bool) -> u32 {
+        let kept = if retained { self.costs.retained } else { 0 };
+        kept.saturating_add(match ty {
+            Ty::Scalar(_) | Ty::Address => self.costs.load(ops::scalar(ty)),
+            Ty::Text { .. } | Ty::Block { .. } => 0,
+        })
+    }
+
+    /// What writing a variable costs.
+    pub(super) fn writing(&self, ty: Ty, retained: bool) -> u32 {
+        let kept = if retained { self.costs.retained } else { 0 };
+        kept.saturating_add(match ty {
+            Ty::Scalar(_) | Ty::Address => self.costs.store(ops::scalar(ty)),
+            Ty::Text { .. } | Ty::Block { .. } => 0,
+        })
+    }
+
+    /// What copying a variable costs besides.
+    pub(super) fn copying(&self, ty: Ty) -> u32 {
+        match ty {
+            Ty::Scalar(_) | Ty::Address => 0,
+            Ty::Text { .. } => self.costs.text,
+            Ty::Block { bytes } => self.costs.copy.saturating_mul(bytes.div_ceil(8)),
+        }
+    }
+
+    /// The variable as a value.
+    pub(super) fn load(&mut self, place: &Place) -> Value {
+        let (at, cost) = self.place(place);
+        let cost = cost.saturating_add(self.reading(place.ty, place.retained));
+        Value { at, ty: place.ty, cost, fixed: false }
+    }
+
+    /// The variable as a destination.
+    pub(super) fn destination(&mut self, place: &Place) -> Dest {
+        let (at, cost) = self.place(place);
+        self.written(place);
+        Dest { at, ty: place.ty, cost: cost.saturating_add(self.writing(place.ty, place.retained)) }
+    }
+
+    /// Keeps account of what is written of the outputs.
+    pub(super) fn written(&mut self, place: &Place) {
+        let spans = place.indices.iter().map(|index| {
+            let count = u64::try_from(index.high.saturating_sub(index.low)).unwrap_or(0);
+            count.saturating_mul(u64::from(index.stride))
+        });
+        let bytes = spans.fold(u64::from(place.ty.bytes()), u64::saturating_add);
+        self.written_bits(place, 0, bytes.saturating_mul(8));
+    }
+
+    fn written_bits(&mut self, place: &Place, bit: u32, bits: u64) {
+        if matches!(place.root, Root::Absolute) && (map::OUTPUTS..map::MEMORY).contains(&place.offset) {
+            let first = u64::from(place.offset - map::OUTPUTS) * 8 + u64::from(bit);
+            if let Ok(first) = u32::try_from(first) {
+                let bits = u32::try_from(bits).unwrap_or(u32::MAX).min(u32::MAX - first);
+                self.unit.writes.push((first, bits));
+            }
+        }
+    }
+
+    /// Finds out where a target is. Its indices are computed before the value.
+    pub(super) fn aim(&mut self, target: &Target) -> Aim {
+        match target {
+            Target::Place(place) => Aim::Place(self.destination(place)),
+            Target::Bit(place, bit) => {
+                let (at, cost) = self.place(place);
+                let bits = if place.indices.is_empty() { 1 } else { 0 };
+                if bits == 1 {
+                    self.written_bits(place, *bit, 1);
+                } else {
+                    self.written(place);
+                }
+                let bool = self.writing(Ty::Scalar(Elementary::Bool), place.retained);
+                Aim::Bit { at, bit: *bit, cost: cost.saturating_add(bool) }
+            }
+        }
+    }
+
+    /// Assigns an expression.
+    pub(super) fn assign(&mut self, aim: Aim, expr: &Expr, at: At) {
+        match aim {
+            Aim::Place(to) => self.store(expr, to),
+            Aim::Bit { .. } => {
+                let value = self.value(expr);
+                self.hit(aim, value, at);
+            }
+        }
+    }
+
+    /// Assigns a value, converting it at no cost.
+    pub(super) fn hit(&mut self, aim: Aim, value: Value, at: At) {
+        match aim {
+            Aim::Place(to) => {
+                let cost = self.copying(to.ty);
+                self.convert(value, to, cost, at);
+            }
+            Aim::Bit { at: to, bit, cost } => {
+                self.push(Op::StoreBit, (to.0, value.at.0, bit), cost.saturating_add(value.cost), at);
+            }
+        }
+    }
+
+    /// The address of a place, where it is known or stands somewhere.
+    pub(super) fn address_in_place(&mut self, place: &Place) -> Option<Value> {
+        if place.indices.is_empty() && matches!(place.root, Root::This | Root::Frame) {
+            return None;
+        }
+        self.written(place);
+        let ty = Ty::Address;
+        let (at, cost) = self.place(place);
+        Some(match at.base() {
+            Base::Absolute => self.constant(i64::from(at.offset()), ty),
+            Base::Indirect => Value { at: Operand::new(Base::Frame, at.offset()), ty, cost, fixed: false },
+            Base::This | Base::Frame => {
+                let to = self.temporary(ty);
+                self.operate(Op::Address, [to, at, Operand(0)], cost, place.at);
+                Value { at: to, ty, cost: 0, fixed: true }
+            }
+        })
+    }
+}

@@ -1,0 +1,296 @@
+//! Statements.
+
+use super::expr::survey;
+use super::frame::{Label, Loop};
+use super::{Dest, Emitter, Value, ops};
+use crate::code::{Op, Operand, Statement};
+use crate::findings::At;
+use crate::tree::{CaseArm, Expr, ExprKind, For, Stmt, StmtKind, Ty};
+use crate::types::Elementary;
+
+const LINT: Ty = Ty::Scalar(Elementary::Lint);
+/// Parts of a condition of WHILE that is worth being there twice.
+const SMALL: usize = 16;
+
+impl Emitter<'_, '_, '_> {
+    /// Statements of the source.
+    pub(super) fn statements(&mut self, list: &[Stmt]) {
+        for statement in list {
+            let place = self.statements.len();
+            let pc = self.code.len() as u32;
+            let line = self.line(statement.at);
+            self.statements.push(Statement { pc, file: statement.at.file, line });
+            self.statement(statement);
+            if self.code.len() as u32 == pc {
+                // Nothing to stop at.
+                self.statements.truncate(place);
+            }
+        }
+    }
+
+    /// Statements inside an expression, where nothing stops.
+    pub(super) fn run(&mut self, list: &[Stmt]) {
+        for statement in list {
+            self.statement(statement);
+        }
+    }
+
+    fn statement(&mut self, statement: &Stmt) {
+        let at = statement.at;
+        let mark = self.mark();
+        match &statement.kind {
+            StmtKind::Assign(target, value) => {
+                let aim = self.aim(target);
+                self.assign(aim, value, at);
+            }
+            StmtKind::Call(call) => {
+                self.value(call);
+            }
+            StmtKind::If { arms, otherwise } => self.if_statement(arms, otherwise, at),
+            StmtKind::Case { selector, arms, otherwise } => {
+                self.case_statement(selector, arms, otherwise, at)
+            }
+            StmtKind::For(counted) => self.for_statement(counted),
+            StmtKind::While { condition, body, end } => self.while_statement(condition, body, *end),
+            StmtKind::Repeat { body, until } => {
+                let top = self.label();
+                self.bind(top);
+                let ends = self.body(body);
+                self.bind(ends.next);
+                self.jump_if(until, false, top, self.costs.turn());
+                self.bind(ends.exit);
+            }
+            StmtKind::Exit | StmtKind::Continue => {
+                if let Some(innermost) = self.unit.loops.last().copied() {
+                    let to = if matches!(statement.kind, StmtKind::Exit) {
+                        innermost.exit
+                    } else {
+                        innermost.next
+                    };
+                    self.go(to, at);
+                }
+            }
+            StmtKind::Return => self.push(Op::Return, (0, 0, 0), 0, at),
+        }
+        self.release(mark);
+    }
+
+    fn go(&mut self, to: Label, at: At) {
+        self.jump(Op::Jump, to, [Operand(0); 2], 0, at);
+    }
+
+    /// The body of a loop.
+    fn body(&mut self, body: &[Stmt]) -> Loop {
+        let ends = Loop { exit: self.label(), next: self.label() };
+        self.unit.loops.push(ends);
+        self.statements(body);
+        self.unit.loops.pop();
+        ends
+    }
+
+    /// The condition is tested before the first turn and, where it is small, again at the end of each.
+    fn while_statement(&mut self, condition: &Expr, body: &[Stmt], end: At) {
+        let known = survey(condition);
+        let (top, leave) = (self.label(), self.label());
+        let (branch, turn) = (self.costs.branch, self.costs.turn());
+        if known.effects || known.parts > SMALL {
+            self.bind(top);
+            self.jump_if(condition, false, leave, branch);
+            let ends = self.body(body);
+            self.bind(ends.next);
+            self.jump(Op::Jump, top, [Operand(0); 2], turn, end);
+            self.bind(ends.exit);
+        } else {
+            self.jump_if(condition, false, leave, branch);
+            self.bind(top);
+            let ends = self.body(body);
+            self.bind(ends.next);
+            self.jump_if(condition, true, top, branch.saturating_add(turn));
+            self.bind(ends.exit);
+        }
+        self.bind(leave);
+    }
+
+    fn if_statement(&mut self, arms: &[(Expr, Vec<Stmt>)], otherwise: &[Stmt], at: At) {
+        let end = self.label();
+        for (nth, (condition, body)) in arms.iter().enumerate() {
+            let next = self.label();
+            self.jump_if(condition, false, next, self.costs.branch);
+            self.statements(body);
+            if nth + 1 < arms.len() || !otherwise.is_empty() {
+                self.go(end, at);
+            }
+            self.bind(next);
+        }
+        self.statements(otherwise);
+        self.bind(end);
+    }
+
+    /// Labels are tested one by one, as their costs say.
+    fn case_statement(&mut self, selector: &Expr, arms: &[CaseArm], otherwise: &[Stmt], at: At) {
+        let chosen = self.value(selector);
+        // A variable is read once.
+        let chosen = self.stable(chosen, selector.at);
+        if chosen.cost > 0 {
+            let to = Dest { at: self.temporary(chosen.ty), ty: chosen.ty, cost: 0 };
+            self.transfer(to, chosen, 0, selector.at);
+        }
+        let chosen = Value { cost: 0, ..chosen };
+        let end = self.label();
+        for (nth, (labels, body)) in arms.iter().enumerate() {
+            let (hit, next) = (self.label(), self.label());
+            for (nth, range) in labels.iter().enumerate() {
+                self.test_label(chosen, *range, nth + 1 == labels.len(), (hit, next), selector.at);
+            }
+            self.bind(hit);
+            self.statements(body);
+            if nth + 1 < arms.len() || !otherwise.is_empty() {
+                self.go(end, at);
+            }
+            self.bind(next);
+        }
+        self.statements(otherwise);
+        self.bind(end);
+    }
+
+    /// Goes to `hit` if the number is in the range; else on, or to `next` after the last label.
+    fn test_label(
+        &mut self,
+        chosen: Value,
+        (low, high): (i128, i128),
+        last: bool,
+        (hit, next): (Label, Label),
+        at: At,
+    ) {
+        let ty = ops::scalar(chosen.ty);
+        let cost = self.costs.op(ty).saturating_add(self.costs.branch);
+        let low_at = self.constant(low as i64, chosen.ty).at;
+        if low == high {
+            let (op, to) = if last { (ops::Relation::NotEqual, next) } else { (ops::Relation::Equal, hit) };
+            return self.jump(ops::jump(op, ty, true).0, to, [chosen.at, low_at], cost, at);
+        }
+        let high_at = self.constant(high as i64, chosen.ty).at;
+        let below = if last { next } else { self.label() };
+        let less = ops::jump(ops::Relation::Less, ty, true).0;
+        self.jump(less, below, [chosen.at, low_at], cost, at);
+        if last {
+            self.jump(less, next, [high_at, chosen.at], cost, at);
+        } else {
+            self.jump(ops::jump(ops::Relation::LessEqual, ty, true).0, hit, [chosen.at, high_at], cost, at);
+            self.bind(below);
+        }
+    }
+
+    /// FOR. A turn costs a comparison and a branch at its start, an addition and a turn at its end; one operation
+    /// at the end bears both.
+    fn for_statement(&mut self, counted: &For) {
+        let variable = self.destination(&counted.variable);
+        let ty = ops::scalar(variable.ty);
+        self.store(&counted.from, variable);
+        let end = self.held(&counted.to, variable.ty);
+        let step = counted.by.as_ref().map(|by| (constant(by), by));
+        let step = match step {
+            None | Some((Some(1), _)) => Step::One,
+            Some((Some(n), _)) => Step::Constant(n, self.constant(n, LINT).at),
+            Some((None, by)) => Step::Held(self.held(by, LINT)),
+        };
+        let kept = if counted.variable.retained { self.costs.retained } else { 0 };
+        let op = self.costs.op(ty);
+        let load = self.costs.load(ty).saturating_add(kept);
+        let store = self.costs.store(ty).saturating_add(kept);
+        let test = load.saturating_add(op).saturating_add(self.costs.branch);
+        let turn = load.saturating_add(op).saturating_add(store).saturating_add(self.costs.turn());
+        let (top, leave) = (self.label(), self.label());
+        self.for_test(step, variable.at, end, ty, (top, leave), (test, counted.to.at));
+        self.bind(top);
+        let ends = self.body(&counted.body);
+        self.bind(ends.next);
+        match step {
+            Step::One => {
+                let cost = turn.saturating_add(test);
+                self.jump(ops::counted(ty), top, [variable.at, end], cost, counted.end);
+            }
+            Step::Constant(_, by) | Step::Held(by) => {
+                self.jump(ops::step(ty), leave, [variable.at, by], turn, counted.end);
+                self.for_again(step, variable.at, end, ty, top, (test, counted.end));
+            }
+        }
+        self.bind(ends.exit);
+        self.bind(leave);
+    }
+
+    /// The test before the first turn: goes to `leave`, or on to `top`, which comes next.
+    fn for_test(
+        &mut self,
+        step: Step,
+        variable: Operand,
+        end: Operand,
+        ty: Elementary,
+        (top, leave): (Label, Label),
+        (cost, at): (u32, At),
+    ) {
+        let less = ops::jump(ops::Relation::Less, ty, true).0;
+        match step {
+            Step::One => self.jump(less, leave, [end, variable], cost, at),
+            Step::Constant(n, _) if n >= 0 => self.jump(less, leave, [end, variable], cost, at),
+            Step::Constant(..) => self.jump(less, leave, [variable, end], cost, at),
+            Step::Held(_) => {
+                self.for_again(step, variable, end, ty, top, (cost, at));
+                self.go(leave, at);
+            }
+        }
+    }
+
+    /// Goes to `top` if the variable is not past the end.
+    fn for_again(
+        &mut self,
+        step: Step,
+        variable: Operand,
+        end: Operand,
+        ty: Elementary,
+        top: Label,
+        (cost, at): (u32, At),
+    ) {
+        let within = ops::jump(ops::Relation::LessEqual, ty, true).0;
+        match step {
+            Step::One => self.jump(within, top, [variable, end], cost, at),
+            Step::Constant(n, _) if n >= 0 => self.jump(within, top, [variable, end], cost, at),
+            Step::Constant(..) => self.jump(within, top, [end, variable], cost, at),
+            Step::Held(by) => {
+                let (down, out) = (self.label(), self.label());
+                let zero = self.constant(0, LINT).at;
+                self.jump(Op::JumpLtI64, down, [by, zero], cost, at);
+                self.jump(within, top, [variable, end], 0, at);
+                self.go(out, at);
+                self.bind(down);
+                self.jump(within, top, [end, variable], 0, at);
+                self.bind(out);
+            }
+        }
+    }
+
+    /// A value that is kept over the turns of a loop.
+    fn held(&mut self, expr: &Expr, ty: Ty) -> Operand {
+        if let Some(cell) = constant(expr) {
+            return self.constant(cell, ty).at;
+        }
+        let to = Dest { at: self.temporary(ty), ty, cost: 0 };
+        self.store(expr, to);
+        to.at
+    }
+}
+
+/// How FOR counts.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    One,
+    Constant(i64, Operand),
+    Held(Operand),
+}
+
+fn constant(expr: &Expr) -> Option<i64> {
+    match expr.kind {
+        ExprKind::Constant(cell) => Some(cell),
+        _ => None,
+    }
+}

@@ -1,0 +1,380 @@
+//! The machine: memory of a program and the tasks that run in it.
+
+mod change;
+mod debug;
+mod force;
+mod retain;
+mod task;
+
+pub use change::{ChangeError, ChangeReport};
+pub(crate) use debug::Debug;
+pub use debug::{BranchCoverage, Coverage, StatementCoverage};
+pub(crate) use task::{Registers, Task};
+
+use crate::code::{LibraryArgument, map};
+use crate::native::Native;
+use crate::program::{Program, VarRef};
+use crate::run::{Parts, Prepared, run};
+use crate::types::Elementary;
+use force::Forced;
+use signal::{Address, Span, Time, Value};
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A byte of a variable that somebody watches.
+pub(crate) const WATCHED: u8 = 1;
+/// A byte that belongs to the retained image.
+pub(crate) const RETAINED: u8 = 2;
+/// A byte that is not written.
+pub(crate) const READ_ONLY: u8 = 4;
+/// A byte that is nothing of the above itself, but a store that starts here may reach one that is.
+pub(crate) const NEAR: u8 = 8;
+
+/// The images and the mapped memory, as the program sees them.
+pub trait Host {
+    /// The bits at a place, in the low bits.
+    fn load(&mut self, at: Address) -> u64;
+
+    /// Stores the low bits of `value`. `file` and `line` (from 1) are the place in the source. TRUE where a
+    /// watched location changed: the machine stops right after the operation with [`Stop::Touched`].
+    fn store(&mut self, at: Address, value: u64, file: u8, line: u32) -> bool;
+}
+
+/// What a task did in one slice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slice {
+    /// Modelled time that was used, never more than the budget.
+    pub used: Span,
+    /// Why it stopped.
+    pub stop: Stop,
+}
+
+/// Why a slice ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The next operation takes `next`, more than what is left. Nothing of it has happened.
+    Budget {
+        /// Modelled time of the next operation.
+        next: Span,
+    },
+    /// The cycle is complete.
+    Done,
+    /// A watched variable or location changed at the end of the slice.
+    Touched,
+    /// A statement with a breakpoint comes next, or the next one after [`Machine::step`]. The cycle goes on with
+    /// the next slice.
+    Break,
+    /// The cycle was abandoned.
+    Fault(Fault),
+}
+
+/// What no program can go on from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// What happened.
+    pub kind: FaultKind,
+    /// Place of the source file.
+    pub file: u8,
+    /// Line, from 1.
+    pub line: u32,
+}
+
+/// Kinds of faults.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FaultKind {
+    /// `/` or MOD of whole numbers by 0.
+    DivisionByZero,
+    /// An index outside the bounds of its array.
+    Bounds,
+    /// A pointer, reference or interface that leads nowhere, or to what may not be written.
+    BadReference,
+    /// Calls that need more room than the task's stack has.
+    StackDepth,
+    /// The code asked for what the compiler never emits: a defect of the rig.
+    Internal,
+}
+
+impl fmt::Display for FaultKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            FaultKind::DivisionByZero => "division by zero",
+            FaultKind::Bounds => "index outside the bounds of the array",
+            FaultKind::BadReference => "reference to no variable",
+            FaultKind::StackDepth => "calls nested too deep",
+            FaultKind::Internal => "internal fault of the compiler",
+        })
+    }
+}
+
+/// Why a machine cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MachineError {
+    /// A task names a program by a place that [`Program::programs`] does not have.
+    NoSuchProgram {
+        /// Place of the task.
+        task: usize,
+        /// The place asked for.
+        program: usize,
+    },
+    /// Variables and stacks are more than what a machine addresses.
+    Memory {
+        /// Bytes needed.
+        bytes: usize,
+    },
+}
+
+impl fmt::Display for MachineError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MachineError::NoSuchProgram { task, program } => {
+                write!(f, "task {task} calls program {program}, which the application does not have")
+            }
+            MachineError::Memory { bytes } => {
+                write!(f, "variables and stacks need {bytes} bytes, and there are {}", map::OWN_END)
+            }
+        }
+    }
+}
+
+impl std::error::Error for MachineError {}
+
+/// Where the pins of a native block lie in an instance.
+#[derive(Clone, Debug)]
+pub(crate) struct PinOffsets {
+    pub offsets: Vec<u16>,
+    pub bytes: u32,
+}
+
+impl PinOffsets {
+    fn new(native: &Native) -> PinOffsets {
+        let (offsets, bytes) = native.layout();
+        PinOffsets { offsets, bytes }
+    }
+}
+
+/// Room for the arguments of the library, sized once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    pub bytes: Vec<u8>,
+    pub cells: Vec<i64>,
+}
+
+impl Scratch {
+    fn new(program: &Program) -> Scratch {
+        let (mut bytes, mut cells) = (0, 0);
+        for call in &program.library {
+            let all = call.arguments.iter().chain([&call.result]);
+            let texts = all.map(|argument| match argument {
+                LibraryArgument::Text(text) => text.bytes as usize,
+                LibraryArgument::Cell(..) => 0,
+            });
+            bytes = texts.sum::<usize>().max(bytes);
+            cells = call.arguments.len().max(cells);
+        }
+        Scratch { bytes: vec![0; bytes], cells: vec![0; cells] }
+    }
+}
+
+/// A program with its memory. Nothing is allocated by [`Machine::begin`] and [`Machine::resume`].
+#[derive(Clone, Debug)]
+pub struct Machine {
+    program: Arc<Program>,
+    prepared: Arc<Prepared>,
+    natives: Arc<[PinOffsets]>,
+    /// The program's memory, then the stacks of the tasks.
+    memory: Vec<u8>,
+    /// For each byte.
+    flags: Vec<u8>,
+    dirty: bool,
+    tasks: Vec<Task>,
+    scratch: Scratch,
+    debug: Debug,
+    forced: Vec<Forced>,
+}
+
+impl Machine {
+    /// A machine with all variables at their initial values. `tasks` gives for each task the places in
+    /// [`Program::programs`] that it runs in order; a program may be in several.
+    ///
+    /// # Errors
+    /// [`MachineError`].
+    pub fn new(program: Arc<Program>, tasks: &[Vec<usize>]) -> Result<Machine, MachineError> {
+        let mut end = program.image.len().next_multiple_of(8);
+        let mut made = Vec::with_capacity(tasks.len());
+        for (task, places) in tasks.iter().enumerate() {
+            let unit = |program_place: &usize| {
+                let unit = program.programs.get(*program_place).copied();
+                unit.ok_or(MachineError::NoSuchProgram { task, program: *program_place })
+            };
+            let units: Result<Vec<u16>, MachineError> = places.iter().map(unit).collect();
+            let task = Task::new(&program, units?, end)?;
+            end = task.end as usize;
+            made.push(task);
+        }
+        let mut memory = program.image.clone();
+        memory.resize(end, 0);
+        let mut machine = Machine {
+            flags: vec![0; memory.len()],
+            memory,
+            dirty: false,
+            tasks: made,
+            scratch: Scratch::new(&program),
+            prepared: Arc::new(Prepared::new(&program)),
+            natives: program.natives.iter().map(|native| PinOffsets::new(native)).collect(),
+            debug: Debug::default(),
+            forced: Vec::new(),
+            program,
+        };
+        let variables = machine.program.variables_from as usize..machine.program.variables_to as usize;
+        machine.flag(0..variables.start, READ_ONLY);
+        machine.flag(variables.end..machine.program.image.len(), READ_ONLY);
+        let program = Arc::clone(&machine.program);
+        for kept in &program.retained {
+            let first = kept.address as usize;
+            machine.flag(first..first.saturating_add(kept.bytes as usize), RETAINED);
+        }
+        Ok(machine)
+    }
+
+    /// Marks bytes, and those before them from which a store of up to 8 bytes may reach them.
+    fn flag(&mut self, range: Range<usize>, flag: u8) {
+        let near = range.start.saturating_sub(7)..range.start;
+        if range.is_empty() {
+            return;
+        }
+        for (range, flag) in [(range, flag), (near, NEAR)] {
+            if let Some(flags) = self.flags.get_mut(range) {
+                flags.iter_mut().for_each(|known| *known |= flag);
+            }
+        }
+    }
+
+    /// The program that it runs.
+    pub fn program(&self) -> &Arc<Program> {
+        &self.program
+    }
+
+    /// Starts a cycle of a task from the first operation of its first program. A cycle under way is abandoned.
+    pub fn begin(&mut self, task: usize) {
+        self.apply_forced();
+        if let Some(task) = self.tasks.get_mut(task) {
+            task.position = 0;
+            task.stopped = false;
+            task.enter(&self.program, &mut self.memory);
+        }
+    }
+
+    /// Runs a task from `now` for at most `budget`.
+    ///
+    /// Operations are indivisible and take effect when they complete: an operation that does not fit waits for a
+    /// later slice. So results and times do not depend on how a cycle is cut into slices. A task without a cycle
+    /// under way is [`Stop::Done`] at once.
+    pub fn resume<H: Host>(&mut self, task: usize, now: Time, budget: Span, host: &mut H) -> Slice {
+        let Some(task) = self.tasks.get_mut(task) else {
+            return Slice { used: Span::ZERO, stop: Stop::Done };
+        };
+        let mut changed = 0;
+        let idle = task.idle();
+        let debugged = self.debug.active(task);
+        let parts = Parts {
+            program: &self.program,
+            prepared: &self.prepared,
+            natives: &self.natives,
+            memory: &mut self.memory,
+            flags: &self.flags,
+            scratch: &mut self.scratch,
+            debug: &mut self.debug,
+            changed: &mut changed,
+        };
+        let slice = if debugged {
+            run::<H, true>(parts, task, now, budget, host)
+        } else {
+            run::<H, false>(parts, task, now, budget, host)
+        };
+        self.dirty |= changed & RETAINED != 0;
+        if slice.stop == Stop::Done && !idle {
+            self.apply_forced();
+        }
+        slice
+    }
+
+    /// Identity of code and variables: [`Program::signature`].
+    pub fn signature(&self) -> u64 {
+        self.program.signature()
+    }
+
+    /// The variable or element of a path: [`Program::resolve`]. Located variables are in the host's memory: see
+    /// [`Program::find`].
+    pub fn find(&self, path: &str) -> Option<VarRef> {
+        self.program.resolve(path)
+    }
+
+    /// The value of a variable, TIME in nanoseconds; [`Value::Unknown`] for a reference of another program.
+    pub fn read(&self, variable: VarRef) -> Value {
+        self.cell(variable).map_or(Value::Unknown, |(ty, cell)| ty.value(cell))
+    }
+
+    /// Type and cell of a variable.
+    fn cell(&self, variable: VarRef) -> Option<(Elementary, i64)> {
+        let ty = variable.ty()?;
+        let stored = self.memory.get(variable.bytes()?)?;
+        let mut bytes = [0; 8];
+        bytes.get_mut(..stored.len())?.copy_from_slice(stored);
+        Some((ty, ty.wrap(i64::from_le_bytes(bytes))))
+    }
+
+    /// Sets a variable, cut to the width of its type; TIME is given in nanoseconds. FALSE where the value has no number.
+    pub fn write(&mut self, variable: VarRef, value: Value) -> bool {
+        let cell = variable.ty().and_then(|ty| ty.cell(value));
+        cell.is_some_and(|cell| self.set_cell(variable, cell))
+    }
+
+    /// Stores a cell into a variable.
+    fn set_cell(&mut self, variable: VarRef, cell: i64) -> bool {
+        let Some(range) = variable.bytes() else { return false };
+        let bytes = cell.to_le_bytes();
+        let Some(bytes) = bytes.get(..range.len()) else { return false };
+        self.set_bytes(range.start, bytes)
+    }
+
+    /// Stores bytes into variables, and minds the retained ones. FALSE outside the variables.
+    fn set_bytes(&mut self, at: usize, bytes: &[u8]) -> bool {
+        let range = at..at.saturating_add(bytes.len());
+        if at < self.program.variables_from as usize || range.end > self.program.variables_to as usize {
+            return false;
+        }
+        let (Some(old), Some(flags)) = (self.memory.get_mut(range.clone()), self.flags.get(range)) else {
+            return false;
+        };
+        let mut pairs = old.iter().zip(bytes).zip(flags);
+        self.dirty |= pairs.any(|((old, new), flag)| old != new && flag & RETAINED != 0);
+        old.copy_from_slice(bytes);
+        true
+    }
+
+    /// From now on a change of this variable by the program stops the slice with [`Stop::Touched`].
+    pub fn watch(&mut self, variable: VarRef) {
+        if let Some(range) = variable.bytes() {
+            self.flag(range, WATCHED);
+        }
+    }
+
+    /// Ends [`Machine::watch`].
+    pub fn unwatch(&mut self, variable: VarRef) {
+        // The bytes before stay NEAR, which costs a look and changes nothing.
+        if let Some(flags) = variable.bytes().and_then(|range| self.flags.get_mut(range)) {
+            flags.iter_mut().for_each(|flags| *flags &= !WATCHED);
+        }
+    }
+
+    /// The machine's own memory, for showing variables.
+    pub(crate) fn memory(&self) -> &[u8] {
+        &self.memory
+    }
+
+    /// Stores what was written as a literal; FALSE outside the variables.
+    pub(crate) fn set_variable(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.set_bytes(address as usize, bytes)
+    }
+}

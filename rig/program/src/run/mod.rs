@@ -1,0 +1,686 @@
+//! The interpreter: executes operations until the budget, the cycle or a watch ends the slice.
+
+mod fast;
+mod library;
+mod number;
+mod text;
+mod world;
+
+pub(crate) use fast::Prepared;
+
+use crate::code::{Base, Op, Operand, map};
+use crate::library::convert;
+use crate::machine::{Debug, Fault, FaultKind, Host, PinOffsets, Registers, Scratch, Slice, Stop, Task};
+use crate::program::Program;
+use crate::types::Elementary;
+use number::{Canonical, Raw, max_f32, max_f64, min_f32, min_f64, shift, turn};
+use signal::{Span, Time};
+use text::{At, Pair};
+use world::{By, Stored, World};
+
+/// Why the loop ended.
+enum Exit {
+    Budget(u32),
+    Done,
+    Touched,
+    Break,
+    Fault(FaultKind),
+}
+
+/// What a slice works on, besides the task.
+pub(crate) struct Parts<'a> {
+    pub program: &'a Program,
+    pub prepared: &'a Prepared,
+    /// Beside the program's native blocks.
+    pub natives: &'a [PinOffsets],
+    pub memory: &'a mut [u8],
+    pub flags: &'a [u8],
+    pub scratch: &'a mut Scratch,
+    pub debug: &'a mut Debug,
+    /// Gathers the flags of bytes that changed.
+    pub changed: &'a mut u8,
+}
+
+/// One slice of a task. The variant with `DEBUG` minds breakpoints and coverage.
+///
+/// Everything that an operation touches often is a local variable here; what happens seldom is in functions that are
+/// kept out of line. Operands are read and written with one check of bounds each, whose failure is the slow path.
+pub(crate) fn run<H: Host, const DEBUG: bool>(
+    parts: Parts<'_>,
+    task: &mut Task,
+    now: Time,
+    budget: Span,
+    host: &mut H,
+) -> Slice {
+    let Parts { program, prepared, natives, memory, flags, scratch, debug, changed } = parts;
+    let budget = budget.as_nanos().max(0);
+    let mut left = budget;
+    if task.position >= task.programs.len() {
+        return Slice { used: Span::ZERO, stop: Stop::Done };
+    }
+    let mut world = World { program, flags, host, changed: 0 };
+    let Prepared { code, indexes } = prepared;
+    let (code, indexes) = (code.as_slice(), indexes.as_slice());
+    // As long as the memory: one check of bounds does for both.
+    let Some(flags) = flags.get(..memory.len()) else {
+        return Slice { used: Span::ZERO, stop: Stop::Done };
+    };
+    let units = program.units.as_slice();
+    let Registers { pc, this, base, mut unit } = task.registers;
+    let mut pc = pc as usize;
+    let mut here = pc;
+    // By `From`.
+    let mut bases = [0, this, base];
+    let mut branched = false;
+
+    let exit = 'slice: loop {
+        let Some(step) = code.get(pc) else { break Exit::Fault(FaultKind::Internal) };
+        if DEBUG && debug.stops(pc, task) {
+            break Exit::Break;
+        }
+        left -= i64::from(step.cost);
+        if left < 0 {
+            left += i64::from(step.cost);
+            break Exit::Budget(step.cost);
+        }
+        if DEBUG {
+            debug.passed(std::mem::take(&mut branched).then_some(here), pc, program);
+            branched = step.op.branches();
+            debug.begin(pc, task);
+        }
+        here = pc;
+        pc += 1;
+        let [from_a, from_b, from_c] = step.from;
+        let mut a = bases[from_a as usize].wrapping_add(step.a);
+        let mut b = bases[from_b as usize].wrapping_add(step.b);
+        let mut c = bases[from_c as usize].wrapping_add(step.c);
+
+        macro_rules! fault {
+            ($kind:ident) => {
+                break 'slice Exit::Fault(FaultKind::$kind)
+            };
+        }
+        // Where an operand that stands in a table leads.
+        macro_rules! resolve {
+            ($operand:expr) => {
+                match place(memory, bases, $operand) {
+                    Some(at) => at,
+                    None => fault!(BadReference),
+                }
+            };
+        }
+        macro_rules! load {
+            (f32, $at:expr) => {
+                f32::from_bits(load!(u32, $at))
+            };
+            (f64, $at:expr) => {
+                f64::from_bits(load!(u64, $at))
+            };
+            ($ty:ident, $at:expr) => {{
+                let at: u32 = $at;
+                let bytes = memory.get(at as usize..at as usize + size_of::<$ty>());
+                match bytes.and_then(|bytes| bytes.first_chunk()) {
+                    Some(bytes) => $ty::from_le_bytes(*bytes),
+                    None => match world.load(memory, at, $ty::BITS / 8) {
+                        Some(value) => value as $ty,
+                        None => fault!(BadReference),
+                    },
+                }
+            }};
+        }
+        macro_rules! settle {
+            ($stored:expr) => {
+                match $stored {
+                    Stored::Fine => {}
+                    Stored::Touched => break 'slice Exit::Touched,
+                    Stored::Bad => fault!(BadReference),
+                }
+            };
+        }
+        macro_rules! put {
+            ($at:expr, $value:expr) => {{
+                let value = $value;
+                let at: u32 = $at;
+                let bytes = value.to_le_bytes();
+                let first = at as usize;
+                match (memory.get_mut(first..first + bytes.len()), flags.get(first)) {
+                    (Some(to), Some(0)) => to.copy_from_slice(&bytes),
+                    _ => settle!(world.store(
+                        memory,
+                        at,
+                        bytes.len() as u32,
+                        value as u64,
+                        By { pc: here, unit }
+                    )),
+                }
+            }};
+        }
+        macro_rules! one {
+            ($ty:ident, |$b:ident| $result:expr) => {{
+                let $b = load!($ty, b);
+                put!(a, Raw::raw($result));
+            }};
+        }
+        macro_rules! two {
+            ($ty:ident, |$b:ident, $c:ident| $result:expr) => {{
+                let $b = load!($ty, b);
+                let $c = load!($ty, c);
+                put!(a, Raw::raw($result));
+            }};
+        }
+        macro_rules! divide {
+            ($ty:ident, $divide:ident) => {{
+                let b = load!($ty, b);
+                let c = load!($ty, c);
+                if c == 0 {
+                    fault!(DivisionByZero);
+                }
+                put!(a, b.$divide(c));
+            }};
+        }
+        macro_rules! count {
+            ($ty:ident, |$b:ident, $n:ident| $result:expr) => {{
+                let $b = load!($ty, b);
+                let $n = load!(i64, c);
+                put!(a, $result);
+            }};
+        }
+        macro_rules! compare {
+            ($ty:ident, |$b:ident, $c:ident| $holds:expr) => {{
+                let $b = load!($ty, b);
+                let $c = load!($ty, c);
+                put!(a, u8::from($holds));
+            }};
+        }
+        macro_rules! jump {
+            ($ty:ident, |$b:ident, $c:ident| $holds:expr) => {{
+                let $b = load!($ty, b);
+                let $c = load!($ty, c);
+                if $holds {
+                    pc = a as usize;
+                }
+            }};
+        }
+        macro_rules! index {
+            ($ty:ident, |$n:ident| $nth:expr) => {{
+                let $n = load!($ty, b);
+                let nth: i64 = $nth;
+                let Some(index) = indexes.get(c as usize) else { fault!(Internal) };
+                if nth < index.low || nth > index.high {
+                    fault!(Bounds);
+                }
+                let mut first = bases[index.from as usize].wrapping_add(index.of);
+                if index.indirect {
+                    first = load!(u32, first);
+                    if first < map::FIRST {
+                        fault!(BadReference);
+                    }
+                }
+                let offset = nth.wrapping_sub(index.low).wrapping_mul(i64::from(index.stride));
+                let at = first.wrapping_add(offset as u32);
+                put!(a, at);
+            }};
+        }
+        macro_rules! turn {
+            ($ty:ident) => {{
+                let n = load!($ty, b);
+                let end = load!($ty, c);
+                if n < end {
+                    pc = a as usize;
+                    put!(b, n.wrapping_add(1));
+                } else if let Some(next) = n.checked_add(1) {
+                    put!(b, next);
+                }
+            }};
+        }
+        macro_rules! by {
+            ($ty:ident, |$b:ident, $by:ident| $next:expr) => {{
+                let $b = load!($ty, b);
+                let $by = load!(i64, c);
+                match $next {
+                    Some(next) => put!(b, next),
+                    None => pc = a as usize,
+                }
+            }};
+        }
+        // The frame behind the running one, for a callee, with the room that it takes checked.
+        macro_rules! room {
+            ($callee:expr) => {{
+                let Some(callee) = units.get($callee as usize) else { fault!(Internal) };
+                let size = units.get(usize::from(unit)).map_or(0, |unit| unit.frame);
+                let next = bases[2].saturating_add(size);
+                if next.saturating_add(callee.frame) > task.end || task.callers.len() >= task.depth {
+                    fault!(StackDepth);
+                }
+                (callee, next)
+            }};
+        }
+        macro_rules! frame {
+            ($callee:expr) => {{
+                let (callee, next) = room!($callee);
+                let end = next as usize + callee.template.len();
+                match memory.get_mut(next as usize..end) {
+                    Some(frame) => frame.copy_from_slice(&callee.template),
+                    None => fault!(Internal),
+                }
+            }};
+        }
+        macro_rules! call {
+            ($callee:expr, $this:expr) => {{
+                let (callee, next) = room!($callee);
+                task.callers.push(Registers { pc: pc as u32, this: bases[1], base: bases[2], unit });
+                bases = [0, $this, next];
+                unit = $callee as u16;
+                pc = callee.entry as usize;
+            }};
+        }
+        // The instance whose address is at an operand, and its class.
+        macro_rules! class {
+            ($at:expr) => {{
+                let at = load!(u32, $at);
+                let word = match memory.get(at as usize..).and_then(|memory| memory.first_chunk()) {
+                    Some(bytes) if at >= map::FIRST => u32::from_le_bytes(*bytes),
+                    _ => fault!(BadReference),
+                };
+                let class = (word as usize).checked_sub(1).and_then(|class| program.classes.get(class));
+                let Some(class) = class else { fault!(BadReference) };
+                (at, class)
+            }};
+        }
+        macro_rules! method {
+            () => {{
+                let (at, class) = class!(b);
+                match class.methods.get(a as usize) {
+                    Some(Some(method)) => (at, *method),
+                    _ => fault!(BadReference),
+                }
+            }};
+        }
+
+        macro_rules! follow {
+            ($bit:literal, $at:ident) => {
+                if step.indirect & $bit != 0 {
+                    $at = load!(u32, $at);
+                    if $at < map::FIRST {
+                        fault!(BadReference);
+                    }
+                }
+            };
+        }
+        if step.indirect != 0 {
+            follow!(1, a);
+            follow!(2, b);
+            follow!(4, c);
+        }
+
+        match step.op {
+            Op::Move8 => put!(a, load!(u8, b)),
+            Op::Move16 => put!(a, load!(u16, b)),
+            Op::Move32 => put!(a, load!(u32, b)),
+            Op::Move64 => put!(a, load!(u64, b)),
+            Op::Copy => {
+                let (to, from) = (a, b);
+                match world.copy(memory, to, from, c, By { pc: here, unit }) {
+                    Some(stored) => settle!(stored),
+                    None => fault!(BadReference),
+                }
+            }
+            Op::Address => put!(a, b),
+            Op::Add8 => two!(u8, |b, c| b.wrapping_add(c)),
+            Op::Add16 => two!(u16, |b, c| b.wrapping_add(c)),
+            Op::Add32 => two!(u32, |b, c| b.wrapping_add(c)),
+            Op::Add64 => two!(u64, |b, c| b.wrapping_add(c)),
+            Op::AddF32 => two!(f32, |b, c| (b + c).canonical()),
+            Op::AddF64 => two!(f64, |b, c| (b + c).canonical()),
+            Op::Sub8 => two!(u8, |b, c| b.wrapping_sub(c)),
+            Op::Sub16 => two!(u16, |b, c| b.wrapping_sub(c)),
+            Op::Sub32 => two!(u32, |b, c| b.wrapping_sub(c)),
+            Op::Sub64 => two!(u64, |b, c| b.wrapping_sub(c)),
+            Op::SubF32 => two!(f32, |b, c| (b - c).canonical()),
+            Op::SubF64 => two!(f64, |b, c| (b - c).canonical()),
+            Op::Mul8 => two!(u8, |b, c| b.wrapping_mul(c)),
+            Op::Mul16 => two!(u16, |b, c| b.wrapping_mul(c)),
+            Op::Mul32 => two!(u32, |b, c| b.wrapping_mul(c)),
+            Op::Mul64 => two!(u64, |b, c| b.wrapping_mul(c)),
+            Op::MulF32 => two!(f32, |b, c| (b * c).canonical()),
+            Op::MulF64 => two!(f64, |b, c| (b * c).canonical()),
+            Op::DivI8 => divide!(i8, wrapping_div),
+            Op::DivU8 => divide!(u8, wrapping_div),
+            Op::DivI16 => divide!(i16, wrapping_div),
+            Op::DivU16 => divide!(u16, wrapping_div),
+            Op::DivI32 => divide!(i32, wrapping_div),
+            Op::DivU32 => divide!(u32, wrapping_div),
+            Op::DivI64 => divide!(i64, wrapping_div),
+            Op::DivU64 => divide!(u64, wrapping_div),
+            Op::DivF32 => two!(f32, |b, c| (b / c).canonical()),
+            Op::DivF64 => two!(f64, |b, c| (b / c).canonical()),
+            Op::ModI8 => divide!(i8, wrapping_rem),
+            Op::ModU8 => divide!(u8, wrapping_rem),
+            Op::ModI16 => divide!(i16, wrapping_rem),
+            Op::ModU16 => divide!(u16, wrapping_rem),
+            Op::ModI32 => divide!(i32, wrapping_rem),
+            Op::ModU32 => divide!(u32, wrapping_rem),
+            Op::ModI64 => divide!(i64, wrapping_rem),
+            Op::ModU64 => divide!(u64, wrapping_rem),
+            Op::Neg8 => one!(u8, |b| b.wrapping_neg()),
+            Op::Neg16 => one!(u16, |b| b.wrapping_neg()),
+            Op::Neg32 => one!(u32, |b| b.wrapping_neg()),
+            Op::Neg64 => one!(u64, |b| b.wrapping_neg()),
+            Op::NegF32 => one!(f32, |b| (-b).canonical()),
+            Op::NegF64 => one!(f64, |b| (-b).canonical()),
+            Op::AbsI8 => one!(i8, |b| b.wrapping_abs()),
+            Op::AbsI16 => one!(i16, |b| b.wrapping_abs()),
+            Op::AbsI32 => one!(i32, |b| b.wrapping_abs()),
+            Op::AbsI64 => one!(i64, |b| b.wrapping_abs()),
+            Op::AbsF32 => one!(f32, |b| b.abs().canonical()),
+            Op::AbsF64 => one!(f64, |b| b.abs().canonical()),
+            Op::MinI8 => two!(i8, |b, c| b.min(c)),
+            Op::MinU8 => two!(u8, |b, c| b.min(c)),
+            Op::MinI16 => two!(i16, |b, c| b.min(c)),
+            Op::MinU16 => two!(u16, |b, c| b.min(c)),
+            Op::MinI32 => two!(i32, |b, c| b.min(c)),
+            Op::MinU32 => two!(u32, |b, c| b.min(c)),
+            Op::MinI64 => two!(i64, |b, c| b.min(c)),
+            Op::MinU64 => two!(u64, |b, c| b.min(c)),
+            Op::MinF32 => two!(f32, |b, c| min_f32(b, c)),
+            Op::MinF64 => two!(f64, |b, c| min_f64(b, c)),
+            Op::MaxI8 => two!(i8, |b, c| b.max(c)),
+            Op::MaxU8 => two!(u8, |b, c| b.max(c)),
+            Op::MaxI16 => two!(i16, |b, c| b.max(c)),
+            Op::MaxU16 => two!(u16, |b, c| b.max(c)),
+            Op::MaxI32 => two!(i32, |b, c| b.max(c)),
+            Op::MaxU32 => two!(u32, |b, c| b.max(c)),
+            Op::MaxI64 => two!(i64, |b, c| b.max(c)),
+            Op::MaxU64 => two!(u64, |b, c| b.max(c)),
+            Op::MaxF32 => two!(f32, |b, c| max_f32(b, c)),
+            Op::MaxF64 => two!(f64, |b, c| max_f64(b, c)),
+            Op::And8 => two!(u8, |b, c| b & c),
+            Op::And16 => two!(u16, |b, c| b & c),
+            Op::And32 => two!(u32, |b, c| b & c),
+            Op::And64 => two!(u64, |b, c| b & c),
+            Op::Or8 => two!(u8, |b, c| b | c),
+            Op::Or16 => two!(u16, |b, c| b | c),
+            Op::Or32 => two!(u32, |b, c| b | c),
+            Op::Or64 => two!(u64, |b, c| b | c),
+            Op::Xor8 => two!(u8, |b, c| b ^ c),
+            Op::Xor16 => two!(u16, |b, c| b ^ c),
+            Op::Xor32 => two!(u32, |b, c| b ^ c),
+            Op::Xor64 => two!(u64, |b, c| b ^ c),
+            Op::NotBool => one!(u8, |b| u8::from(b == 0)),
+            Op::Not8 => one!(u8, |b| !b),
+            Op::Not16 => one!(u16, |b| !b),
+            Op::Not32 => one!(u32, |b| !b),
+            Op::Not64 => one!(u64, |b| !b),
+            Op::Shl8 => count!(u8, |b, n| shift(n, 8).map_or(0, |n| b << n)),
+            Op::Shl16 => count!(u16, |b, n| shift(n, 16).map_or(0, |n| b << n)),
+            Op::Shl32 => count!(u32, |b, n| shift(n, 32).map_or(0, |n| b << n)),
+            Op::Shl64 => count!(u64, |b, n| shift(n, 64).map_or(0, |n| b << n)),
+            Op::Shr8 => count!(u8, |b, n| shift(n, 8).map_or(0, |n| b >> n)),
+            Op::Shr16 => count!(u16, |b, n| shift(n, 16).map_or(0, |n| b >> n)),
+            Op::Shr32 => count!(u32, |b, n| shift(n, 32).map_or(0, |n| b >> n)),
+            Op::Shr64 => count!(u64, |b, n| shift(n, 64).map_or(0, |n| b >> n)),
+            Op::Rol8 => count!(u8, |b, n| b.rotate_left(turn(n, 8))),
+            Op::Rol16 => count!(u16, |b, n| b.rotate_left(turn(n, 16))),
+            Op::Rol32 => count!(u32, |b, n| b.rotate_left(turn(n, 32))),
+            Op::Rol64 => count!(u64, |b, n| b.rotate_left(turn(n, 64))),
+            Op::Ror8 => count!(u8, |b, n| b.rotate_right(turn(n, 8))),
+            Op::Ror16 => count!(u16, |b, n| b.rotate_right(turn(n, 16))),
+            Op::Ror32 => count!(u32, |b, n| b.rotate_right(turn(n, 32))),
+            Op::Ror64 => count!(u64, |b, n| b.rotate_right(turn(n, 64))),
+            Op::Eq8 => compare!(u8, |b, c| b == c),
+            Op::Eq16 => compare!(u16, |b, c| b == c),
+            Op::Eq32 => compare!(u32, |b, c| b == c),
+            Op::Eq64 => compare!(u64, |b, c| b == c),
+            Op::EqF32 => compare!(f32, |b, c| b == c),
+            Op::EqF64 => compare!(f64, |b, c| b == c),
+            Op::Ne8 => compare!(u8, |b, c| b != c),
+            Op::Ne16 => compare!(u16, |b, c| b != c),
+            Op::Ne32 => compare!(u32, |b, c| b != c),
+            Op::Ne64 => compare!(u64, |b, c| b != c),
+            Op::NeF32 => compare!(f32, |b, c| b != c),
+            Op::NeF64 => compare!(f64, |b, c| b != c),
+            Op::LtI8 => compare!(i8, |b, c| b < c),
+            Op::LtU8 => compare!(u8, |b, c| b < c),
+            Op::LtI16 => compare!(i16, |b, c| b < c),
+            Op::LtU16 => compare!(u16, |b, c| b < c),
+            Op::LtI32 => compare!(i32, |b, c| b < c),
+            Op::LtU32 => compare!(u32, |b, c| b < c),
+            Op::LtI64 => compare!(i64, |b, c| b < c),
+            Op::LtU64 => compare!(u64, |b, c| b < c),
+            Op::LtF32 => compare!(f32, |b, c| b < c),
+            Op::LtF64 => compare!(f64, |b, c| b < c),
+            Op::LeI8 => compare!(i8, |b, c| b <= c),
+            Op::LeU8 => compare!(u8, |b, c| b <= c),
+            Op::LeI16 => compare!(i16, |b, c| b <= c),
+            Op::LeU16 => compare!(u16, |b, c| b <= c),
+            Op::LeI32 => compare!(i32, |b, c| b <= c),
+            Op::LeU32 => compare!(u32, |b, c| b <= c),
+            Op::LeI64 => compare!(i64, |b, c| b <= c),
+            Op::LeU64 => compare!(u64, |b, c| b <= c),
+            Op::LeF32 => compare!(f32, |b, c| b <= c),
+            Op::LeF64 => compare!(f64, |b, c| b <= c),
+            Op::Sign8To16 => put!(a, i16::from(load!(i8, b))),
+            Op::Sign8To32 => put!(a, i32::from(load!(i8, b))),
+            Op::Sign8To64 => put!(a, i64::from(load!(i8, b))),
+            Op::Sign16To32 => put!(a, i32::from(load!(i16, b))),
+            Op::Sign16To64 => put!(a, i64::from(load!(i16, b))),
+            Op::Sign32To64 => put!(a, i64::from(load!(i32, b))),
+            Op::Zero8To16 => put!(a, u16::from(load!(u8, b))),
+            Op::Zero8To32 => put!(a, u32::from(load!(u8, b))),
+            Op::Zero8To64 => put!(a, u64::from(load!(u8, b))),
+            Op::Zero16To32 => put!(a, u32::from(load!(u16, b))),
+            Op::Zero16To64 => put!(a, u64::from(load!(u16, b))),
+            Op::Zero32To64 => put!(a, u64::from(load!(u32, b))),
+            Op::I16ToF32 => put!(a, Raw::raw(f32::from(load!(i16, b)))),
+            Op::I32ToF32 => put!(a, Raw::raw(load!(i32, b) as f32)),
+            Op::I32ToF64 => put!(a, Raw::raw(f64::from(load!(i32, b)))),
+            Op::F32ToF64 => put!(a, Raw::raw(f64::from(load!(f32, b)).canonical())),
+            Op::Convert => {
+                let ty = |place: u32| Elementary::ALL.get((place & 0xFF) as usize).copied();
+                let (Some(from), Some(to)) = (ty(c >> 8), ty(c)) else { fault!(Internal) };
+                let at = b;
+                let Some(cell) = world.cell(memory, at, from) else { fault!(BadReference) };
+                let cell = convert(from, to, cell);
+                let at = a;
+                settle!(world.store(memory, at, to.bytes() as u32, cell as u64, By { pc: here, unit }));
+            }
+            Op::IndexI8 => index!(i8, |n| i64::from(n)),
+            Op::IndexU8 => index!(u8, |n| i64::from(n)),
+            Op::IndexI16 => index!(i16, |n| i64::from(n)),
+            Op::IndexU16 => index!(u16, |n| i64::from(n)),
+            Op::IndexI32 => index!(i32, |n| i64::from(n)),
+            Op::IndexU32 => index!(u32, |n| i64::from(n)),
+            Op::IndexI64 => index!(i64, |n| n),
+            Op::IndexU64 => index!(u64, |n| match i64::try_from(n) {
+                Ok(n) => n,
+                // Beyond i64 is beyond every bound.
+                Err(_) => fault!(Bounds),
+            }),
+            Op::LoadBit => {
+                let at = b;
+                match world.load_bit(memory, at, c) {
+                    Some(on) => put!(a, u8::from(on)),
+                    None => fault!(BadReference),
+                }
+            }
+            Op::StoreBit => {
+                let on = load!(u8, b) != 0;
+                let at = a;
+                settle!(world.store_bit(memory, at, c, on, By { pc: here, unit }));
+            }
+            Op::Jump => pc = a as usize,
+            Op::JumpIf => {
+                if load!(u8, b) != 0 {
+                    pc = a as usize;
+                }
+            }
+            Op::JumpIfNot => {
+                if load!(u8, b) == 0 {
+                    pc = a as usize;
+                }
+            }
+            Op::JumpEq8 => jump!(u8, |b, c| b == c),
+            Op::JumpEq16 => jump!(u16, |b, c| b == c),
+            Op::JumpEq32 => jump!(u32, |b, c| b == c),
+            Op::JumpEq64 => jump!(u64, |b, c| b == c),
+            Op::JumpEqF32 => jump!(f32, |b, c| b == c),
+            Op::JumpEqF64 => jump!(f64, |b, c| b == c),
+            Op::JumpNe8 => jump!(u8, |b, c| b != c),
+            Op::JumpNe16 => jump!(u16, |b, c| b != c),
+            Op::JumpNe32 => jump!(u32, |b, c| b != c),
+            Op::JumpNe64 => jump!(u64, |b, c| b != c),
+            Op::JumpNeF32 => jump!(f32, |b, c| b != c),
+            Op::JumpNeF64 => jump!(f64, |b, c| b != c),
+            Op::JumpLtI8 => jump!(i8, |b, c| b < c),
+            Op::JumpLtU8 => jump!(u8, |b, c| b < c),
+            Op::JumpLtI16 => jump!(i16, |b, c| b < c),
+            Op::JumpLtU16 => jump!(u16, |b, c| b < c),
+            Op::JumpLtI32 => jump!(i32, |b, c| b < c),
+            Op::JumpLtU32 => jump!(u32, |b, c| b < c),
+            Op::JumpLtI64 => jump!(i64, |b, c| b < c),
+            Op::JumpLtU64 => jump!(u64, |b, c| b < c),
+            Op::JumpLtF32 => jump!(f32, |b, c| b < c),
+            Op::JumpLtF64 => jump!(f64, |b, c| b < c),
+            Op::JumpLeI8 => jump!(i8, |b, c| b <= c),
+            Op::JumpLeU8 => jump!(u8, |b, c| b <= c),
+            Op::JumpLeI16 => jump!(i16, |b, c| b <= c),
+            Op::JumpLeU16 => jump!(u16, |b, c| b <= c),
+            Op::JumpLeI32 => jump!(i32, |b, c| b <= c),
+            Op::JumpLeU32 => jump!(u32, |b, c| b <= c),
+            Op::JumpLeI64 => jump!(i64, |b, c| b <= c),
+            Op::JumpLeU64 => jump!(u64, |b, c| b <= c),
+            Op::JumpLeF32 => jump!(f32, |b, c| b <= c),
+            Op::JumpLeF64 => jump!(f64, |b, c| b <= c),
+            Op::JumpNotLtF32 => jump!(f32, |b, c| b.partial_cmp(&c).is_none_or(|order| order.is_ge())),
+            Op::JumpNotLtF64 => jump!(f64, |b, c| b.partial_cmp(&c).is_none_or(|order| order.is_ge())),
+            Op::JumpNotLeF32 => jump!(f32, |b, c| b.partial_cmp(&c).is_none_or(|order| order.is_gt())),
+            Op::JumpNotLeF64 => jump!(f64, |b, c| b.partial_cmp(&c).is_none_or(|order| order.is_gt())),
+            Op::ForI8 => turn!(i8),
+            Op::ForU8 => turn!(u8),
+            Op::ForI16 => turn!(i16),
+            Op::ForU16 => turn!(u16),
+            Op::ForI32 => turn!(i32),
+            Op::ForU32 => turn!(u32),
+            Op::ForI64 => turn!(i64),
+            Op::ForU64 => turn!(u64),
+            Op::StepI8 => by!(i8, |b, by| i64::from(b).checked_add(by).and_then(|n| i8::try_from(n).ok())),
+            Op::StepU8 => by!(u8, |b, by| i64::from(b).checked_add(by).and_then(|n| u8::try_from(n).ok())),
+            Op::StepI16 => by!(i16, |b, by| i64::from(b).checked_add(by).and_then(|n| i16::try_from(n).ok())),
+            Op::StepU16 => by!(u16, |b, by| i64::from(b).checked_add(by).and_then(|n| u16::try_from(n).ok())),
+            Op::StepI32 => by!(i32, |b, by| i64::from(b).checked_add(by).and_then(|n| i32::try_from(n).ok())),
+            Op::StepU32 => by!(u32, |b, by| i64::from(b).checked_add(by).and_then(|n| u32::try_from(n).ok())),
+            Op::StepI64 => by!(i64, |b, by| b.checked_add(by)),
+            Op::StepU64 => by!(u64, |b, by| b.checked_add_signed(by)),
+            Op::Frame => frame!(a),
+            Op::FrameVirtual => {
+                let (_, method) = method!();
+                frame!(method);
+            }
+            Op::Call => call!(a, 0),
+            Op::CallThis => {
+                let this = b;
+                if this as usize >= memory.len() {
+                    fault!(BadReference);
+                }
+                call!(a, this);
+            }
+            Op::CallSame => call!(a, bases[1]),
+            Op::CallVirtual => {
+                let (this, method) = method!();
+                call!(method, this);
+            }
+            Op::CallNative => {
+                let at = b;
+                let (Some(native), Some(pins)) = (program.natives.get(a as usize), natives.get(a as usize))
+                else {
+                    fault!(Internal)
+                };
+                let now = now.saturating_add(Span::from_nanos(budget - left));
+                settle!(world.call_native(memory, native, pins, at, now));
+            }
+            Op::CallLibrary => {
+                let Some(call) = program.library.get(b as usize) else { fault!(Internal) };
+                let place = |memory: &[u8], operand| place(memory, bases, operand);
+                match world.call_library(memory, scratch, call, place, By { pc: here, unit }) {
+                    Ok(stored) => settle!(stored),
+                    Err(kind) => break 'slice Exit::Fault(kind),
+                }
+            }
+            Op::MoveText => {
+                let Some(pair) = program.texts.get(c as usize) else { fault!(Internal) };
+                let pair = Pair {
+                    to: At::new(resolve!(pair.to.at), &pair.to),
+                    of: At::new(resolve!(pair.of.at), &pair.of),
+                };
+                match world.move_text(memory, &pair, By { pc: here, unit }) {
+                    Some(stored) => settle!(stored),
+                    None => fault!(BadReference),
+                }
+            }
+            Op::CompareText => {
+                let Some(pair) = program.texts.get(c as usize) else { fault!(Internal) };
+                let pair = Pair {
+                    to: At::new(resolve!(pair.to.at), &pair.to),
+                    of: At::new(resolve!(pair.of.at), &pair.of),
+                };
+                match world.compare_text(memory, &pair) {
+                    Some(order) => put!(a, order),
+                    None => fault!(BadReference),
+                }
+            }
+            Op::IsKind => {
+                let is = if load!(u32, b) == 0 { false } else { class!(b).1.kinds.binary_search(&c).is_ok() };
+                put!(a, u8::from(is));
+            }
+            Op::Return => match task.callers.pop() {
+                Some(caller) => {
+                    pc = caller.pc as usize;
+                    unit = caller.unit;
+                    bases = [0, caller.this, caller.base];
+                }
+                None => {
+                    task.position += 1;
+                    if !task.enter(program, memory) {
+                        break Exit::Done;
+                    }
+                    let Registers { pc: entry, this, base, unit: next } = task.registers;
+                    (pc, unit, bases) = (entry as usize, next, [0, this, base]);
+                }
+            },
+        }
+    };
+    if DEBUG && branched && !matches!(exit, Exit::Fault(_)) {
+        debug.passed(Some(here), pc, program);
+    }
+    *changed |= world.changed;
+    task.registers = Registers { pc: pc as u32, this: bases[1], base: bases[2], unit };
+    let stop = match exit {
+        Exit::Budget(next) => Stop::Budget { next: Span::from_nanos(i64::from(next)) },
+        Exit::Done => Stop::Done,
+        Exit::Touched => Stop::Touched,
+        Exit::Break => Stop::Break,
+        Exit::Fault(kind) => {
+            task.position = task.programs.len();
+            let file = units.get(usize::from(unit)).map_or(0, |unit| unit.file);
+            let line = program.lines.get(here).copied().unwrap_or(0);
+            Stop::Fault(Fault { kind, file, line })
+        }
+    };
+    Slice { used: Span::from_nanos(budget - left), stop }
+}
+
+/// The address of an operand, for what resolves a list of them; `None` for a bad reference.
+fn place(memory: &[u8], bases: [u32; 3], operand: Operand) -> Option<u32> {
+    let [zero, this, frame] = bases;
+    let base = match operand.base() {
+        Base::Absolute => zero,
+        Base::This => this,
+        Base::Frame | Base::Indirect => frame,
+    };
+    let at = base.wrapping_add(operand.offset());
+    if operand.base() != Base::Indirect {
+        return Some(at);
+    }
+    let bytes = memory.get(at as usize..)?.first_chunk()?;
+    Some(u32::from_le_bytes(*bytes)).filter(|at| *at >= map::FIRST)
+}

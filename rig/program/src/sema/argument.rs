@@ -1,0 +1,322 @@
+//! Arguments of calls: which parameter each one is for, and what goes there.
+
+use super::Sema;
+use super::place::Meaning;
+use super::scope::{Callable, Home, Symbol};
+use super::types::{Type, TypeId};
+use crate::codes::Code;
+use crate::findings::{At, count};
+use crate::native::PinKind;
+use crate::parse::ast::{self, Argument, Key, SectionKind};
+use crate::tree::{Expr, ExprKind, Input, Output, Place, Slot, Target, Ty};
+use crate::types::Elementary;
+
+/// A parameter of whatever is called.
+#[derive(Clone, Debug)]
+pub(super) struct Parameter {
+    pub key: Key,
+    pub shown: String,
+    pub kind: SectionKind,
+    pub ty: TypeId,
+    pub slot: Slot,
+    /// May be left out.
+    pub optional: bool,
+    /// In-out that is only read.
+    pub constant: bool,
+}
+
+impl<'a> Sema<'a> {
+    /// Parameters that stand in the callee's frame.
+    pub(super) fn frame_parameters(&self, callable: &Callable<'a>) -> Vec<Parameter> {
+        let pins = callable.symbols.iter().filter(|symbol| super::is_pin(symbol.kind));
+        pins.filter_map(|symbol| {
+            let (offset, ty) = match symbol.home {
+                Home::Frame(offset) => (offset, self.tree_type(symbol.type_id())),
+                Home::FrameAddress(offset) => (offset, Ty::Address),
+                _ => return None,
+            };
+            Some(self.parameter(symbol, Slot::Frame(offset, ty), symbol.given()))
+        })
+        .collect()
+    }
+
+    fn parameter(&self, symbol: &Symbol<'a>, slot: Slot, optional: bool) -> Parameter {
+        Parameter {
+            key: symbol.name.key,
+            shown: symbol.shown.to_string(),
+            kind: symbol.kind,
+            ty: symbol.type_id(),
+            slot,
+            optional,
+            constant: symbol.constant,
+        }
+    }
+
+    /// The value of a property that is set.
+    pub(super) fn setter_parameter(&self, callable: &Callable<'a>) -> Option<(TypeId, Slot)> {
+        let ty = callable.result?;
+        Some((ty, Slot::Frame(0, self.tree_type(ty))))
+    }
+
+    /// Pins of an instance of a block at a place, of what it extends first.
+    pub(super) fn block_parameters(&self, block: u32, place: &Place) -> Vec<Parameter> {
+        let mut lineage: Vec<u32> = self.lineage(block).collect();
+        lineage.reverse();
+        let mut list = Vec::new();
+        for owner in lineage {
+            let Some(pou) = self.pous.get(owner as usize) else { continue };
+            for symbol in pou.symbols.iter().filter(|symbol| super::is_pin(symbol.kind)) {
+                let at = place.at;
+                let inner = match symbol.home {
+                    Home::This(offset) => self.inside(place.clone(), offset, symbol.type_id(), at),
+                    Home::ThisAddress(offset) => {
+                        Place { ty: Ty::Address, ..self.inside(place.clone(), offset, symbol.type_id(), at) }
+                    }
+                    // Of a program.
+                    Home::Absolute(address) => {
+                        self.place(crate::tree::Root::Absolute, address, symbol.type_id(), false, at)
+                    }
+                    Home::AbsoluteAddress(address) => Place {
+                        ty: Ty::Address,
+                        ..self.place(crate::tree::Root::Absolute, address, symbol.type_id(), false, at)
+                    },
+                    _ => continue,
+                };
+                let kept = symbol.retention != crate::program::Retention::None;
+                let inner = Place { retained: inner.retained || kept, ..inner };
+                let optional = symbol.kind != SectionKind::InOut;
+                list.push(self.parameter(symbol, Slot::Place(inner), optional));
+            }
+        }
+        list
+    }
+
+    pub(super) fn native_parameters(&mut self, native: u16, place: &Place) -> Vec<Parameter> {
+        let Some(block) = self.options.blocks.get(usize::from(native)) else { return Vec::new() };
+        let offsets = self.native_layouts.get(usize::from(native)).map_or(Vec::new(), |(o, _)| o.clone());
+        let mut list = Vec::new();
+        for (pin, offset) in block.pins.iter().zip(offsets) {
+            let kind = match pin.kind {
+                PinKind::Input => SectionKind::Input,
+                PinKind::Output => SectionKind::Output,
+                PinKind::Hidden => continue,
+            };
+            let ty = self.elementary(pin.ty);
+            let inner = self.inside(place.clone(), u32::from(offset), ty, place.at);
+            list.push(Parameter {
+                // Names of pins that no source uses have no key.
+                key: self.names.get(pin.name).unwrap_or(Key(u32::MAX)),
+                shown: pin.name.to_string(),
+                kind,
+                ty,
+                slot: Slot::Place(inner),
+                optional: true,
+                constant: false,
+            });
+        }
+        list
+    }
+
+    /// The place of a parameter by its name; native blocks have several names for some.
+    fn parameter_named(
+        &self,
+        parameters: &[Parameter],
+        name: ast::Name,
+        native: Option<u16>,
+        output: bool,
+    ) -> Option<usize> {
+        let fits = |parameter: &Parameter| output == (parameter.kind == SectionKind::Output);
+        if let Some(block) = native.and_then(|native| self.options.blocks.get(usize::from(native))) {
+            let pin = block.pins.get(block.pin(self.names.key_text(name.key))?)?;
+            return parameters.iter().position(|p| p.shown == pin.name && fits(p));
+        }
+        parameters.iter().position(|parameter| parameter.key == name.key && fits(parameter))
+    }
+
+    /// Inputs and outputs of a call. `None` where something was reported.
+    pub(super) fn arguments(
+        &mut self,
+        shown: &str,
+        parameters: &[Parameter],
+        arguments: &[Argument],
+        native: Option<u16>,
+        at: At,
+    ) -> Option<(Vec<Input>, Vec<Output>)> {
+        let mut given = vec![false; parameters.len()];
+        let mut inputs = Vec::new();
+        let mut outputs = Vec::new();
+        let mut whole = true;
+        let takes: Vec<usize> =
+            (0..parameters.len()).filter(|nth| parameters[*nth].kind != SectionKind::Output).collect();
+        for (nth, argument) in arguments.iter().enumerate() {
+            let (place, value, place_at) = match argument {
+                Argument::Positional(value) => (takes.get(nth).copied(), value, value.at),
+                Argument::Input(name, value) => {
+                    let found = self.parameter_named(parameters, *name, native, false);
+                    if found.is_none() {
+                        self.unknown_parameter(*name, shown, parameters, false);
+                        whole = false;
+                        // Faults of the value are found in the same run.
+                        self.expr(value, None);
+                        continue;
+                    }
+                    (found, value, name.at)
+                }
+                Argument::Empty(name) => {
+                    if self.parameter_named(parameters, *name, native, false).is_none() {
+                        self.unknown_parameter(*name, shown, parameters, false);
+                        whole = false;
+                    }
+                    continue;
+                }
+                Argument::Output { name, negated, target } => {
+                    match self.parameter_named(parameters, *name, native, true) {
+                        Some(place) => {
+                            let Some(target) = target else { continue };
+                            match self.output(&parameters[place], *negated, target) {
+                                Some(output) => outputs.push(output),
+                                None => whole = false,
+                            }
+                        }
+                        None => {
+                            self.unknown_parameter(*name, shown, parameters, true);
+                            whole = false;
+                        }
+                    }
+                    continue;
+                }
+            };
+            let Some(place) = place else {
+                let message = format!("`{shown}` has {}", count(takes.len(), "input"));
+                self.findings.error(Code::Arguments, place_at, message, "remove what is too much");
+                whole = false;
+                continue;
+            };
+            if std::mem::replace(&mut given[place], true) {
+                self.findings.error(Code::Arguments, place_at, "this parameter is given twice", "");
+                whole = false;
+                continue;
+            }
+            let parameter = &parameters[place];
+            let value = if parameter.kind == SectionKind::InOut {
+                self.by_reference(value, parameter)
+            } else {
+                self.value(value, parameter.ty)
+            };
+            match value {
+                Some(value) => inputs.push(Input { to: parameter.slot.clone(), value }),
+                None => whole = false,
+            }
+        }
+        let missing: Vec<&str> = takes
+            .iter()
+            .filter(|nth| !given[**nth] && !parameters[**nth].optional)
+            .map(|nth| parameters[*nth].shown.as_str())
+            .collect();
+        if !missing.is_empty() && whole {
+            let message = format!("`{shown}` needs a value for {}", missing.join(", "));
+            let help = "only inputs with an initial value can be left out";
+            self.findings.error(Code::Arguments, at, message, help);
+            return None;
+        }
+        whole.then_some((inputs, outputs))
+    }
+
+    fn unknown_parameter(&mut self, name: ast::Name, of: &str, parameters: &[Parameter], output: bool) {
+        let known: Vec<&str> = parameters
+            .iter()
+            .filter(|parameter| output == (parameter.kind == SectionKind::Output))
+            .map(|parameter| parameter.shown.as_str())
+            .collect();
+        let help = match known.as_slice() {
+            [] => format!("`{of}` has no such parameters"),
+            known => format!("`{of}` has {}", known.join(", ")),
+        };
+        let message = format!("`{of}` has no parameter `{}`", self.shown(name));
+        self.findings.error(Code::UnknownParameter, name.at, message, help);
+    }
+
+    /// The address of a variable for an in-out.
+    pub(super) fn by_reference(&mut self, written: &ast::Expr, parameter: &Parameter) -> Option<Expr> {
+        let at = written.at;
+        let (place, ty, fixed) = match self.meaning(written) {
+            Meaning::Place(place, ty, fixed) => (place, ty, fixed),
+            Meaning::Wrong => return None,
+            Meaning::Bit(..) => {
+                let message = "a single bit cannot be passed by reference";
+                self.findings.error(Code::Output, at, message, "pass a BOOL variable and copy it");
+                return None;
+            }
+            meaning if parameter.constant => {
+                let operand = self.operand_of(meaning, at);
+                let value = self.give(operand, parameter.ty, at)?;
+                let place = self.held_value(value, at);
+                return Some(self.address_of(place));
+            }
+            _ => {
+                let message = format!("`{}` takes a variable, this is a value", parameter.shown);
+                self.findings.error(Code::Output, at, message, "put the value into a variable first");
+                return None;
+            }
+        };
+        if let Some(why) = fixed.filter(|_| !parameter.constant) {
+            let message = format!("`{}` may be changed, but this cannot: {why}", parameter.shown);
+            self.findings.error(Code::ReadOnly, at, message, "pass a variable");
+            return None;
+        }
+        if !self.reference_fits(ty, parameter.ty, parameter.constant) {
+            if ty != super::WRONG && parameter.ty != super::WRONG {
+                let message = format!(
+                    "`{}` takes a variable of type {}, this is {}",
+                    parameter.shown,
+                    self.type_name(parameter.ty),
+                    self.type_name(ty)
+                );
+                let help = "an in-out takes a variable of its own type";
+                self.findings.error(Code::Type, at, message, help);
+            }
+            return None;
+        }
+        Some(self.address_of(place))
+    }
+
+    /// Whether a variable of one type can stand for one of another.
+    pub(super) fn reference_fits(&self, from: TypeId, to: TypeId, read_only: bool) -> bool {
+        if from == to {
+            return from != super::WRONG;
+        }
+        match (self.ty(from), self.ty(to)) {
+            (Type::Text { wide: a, length }, Type::Text { wide: b, length: needed }) => {
+                a == b && (read_only || length >= needed)
+            }
+            (Type::Subrange { base, .. }, Type::Elementary(ty)) => base == ty,
+            (Type::Pointer(_), Type::Pointer(_)) => true,
+            _ => self.block_extends(from, to),
+        }
+    }
+
+    /// What an output is assigned to.
+    fn output(&mut self, parameter: &Parameter, negated: bool, target: &ast::Expr) -> Option<Output> {
+        let (target_place, ty) = self.target(target)?;
+        let bool_type = self.elementary(Elementary::Bool);
+        if negated && parameter.ty != bool_type {
+            let message =
+                format!("NOT needs BOOL, `{}` is {}", parameter.shown, self.type_name(parameter.ty));
+            self.findings.error(Code::Type, target.at, message, "");
+            return None;
+        }
+        // Whether the value goes there; the conversion itself is part of the output.
+        let probe = Place {
+            root: crate::tree::Root::Frame,
+            offset: 0,
+            indices: Vec::new(),
+            ty: self.tree_type(parameter.ty),
+            retained: false,
+            at: target.at,
+        };
+        let probe = Expr { kind: ExprKind::Load(probe), ty: self.tree_type(parameter.ty), at: target.at };
+        self.assigned(probe, parameter.ty, ty, target.at)?;
+        let _: &Target = &target_place;
+        Some(Output { from: parameter.slot.clone(), negated, target: target_place })
+    }
+}

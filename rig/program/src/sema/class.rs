@@ -1,0 +1,374 @@
+//! What blocks extend and implement.
+
+use super::scope::{Callable, CallableKind, Kind, Selector, SelectorKind};
+use super::types::TypeId;
+use super::{Global, Sema, State};
+use crate::code::Class;
+use crate::codes::Code;
+use crate::findings::At;
+use crate::parse::ast::{self, Name, PouKind, SectionKind};
+
+impl<'a> Sema<'a> {
+    /// EXTENDS and IMPLEMENTS of every block and interface.
+    pub(super) fn settle_inheritance(&mut self) {
+        for place in 0..self.interfaces.len() as u32 {
+            self.kinds.push(Kind::Interface(place));
+            let ast = self.interfaces[place as usize].ast;
+            let extends = ast.extends.iter().filter_map(|name| self.interface(*name)).collect();
+            self.interfaces[place as usize].extends = extends;
+        }
+        let mut class = 0;
+        for place in 0..self.pous.len() as u32 {
+            let ast = self.pous[place as usize].ast;
+            if ast.kind != PouKind::FunctionBlock {
+                if let Some(name) = ast.extends.as_ref().or(ast.implements.first()) {
+                    let message = format!("a {} extends and implements nothing", ast.kind.keyword());
+                    self.findings.error(Code::Section, name.at, message, "FUNCTION_BLOCKs do");
+                }
+                if let Some(name) =
+                    ast.methods.first().map(|m| m.name).or(ast.properties.first().map(|p| p.name))
+                    && ast.kind == PouKind::Function
+                {
+                    let message = "a FUNCTION has no methods";
+                    self.findings.error(Code::Section, name.at, message, "FUNCTION_BLOCKs have");
+                }
+                continue;
+            }
+            self.kinds.push(Kind::Block(place));
+            self.pous[place as usize].class = class;
+            class += 1;
+            if let Some(name) = ast.extends {
+                match self.outside.get(&name.key) {
+                    Some(Global::Pou(base))
+                        if self.pous[*base as usize].ast.kind == PouKind::FunctionBlock =>
+                    {
+                        let base = *base;
+                        if self.pous[base as usize].ast.modifiers.is_final {
+                            let message = format!("`{}` is FINAL", self.shown(name));
+                            self.findings.error(Code::Type, name.at, message, "it cannot be extended");
+                        }
+                        self.pous[place as usize].base = Some(base);
+                    }
+                    _ => {
+                        let message = format!("there is no FUNCTION_BLOCK `{}`", self.shown(name));
+                        let help = "declare it, or remove EXTENDS";
+                        self.findings.error(Code::UnknownType, name.at, message, help);
+                    }
+                }
+            }
+            let implements: Vec<u32> =
+                ast.implements.iter().filter_map(|name| self.interface(*name)).collect();
+            self.pous[place as usize].interfaces = implements;
+        }
+        self.break_circles();
+        for place in 0..self.interfaces.len() as u32 {
+            self.settle_interface(place);
+        }
+    }
+
+    fn interface(&mut self, name: Name) -> Option<u32> {
+        match self.outside.get(&name.key) {
+            Some(Global::Interface(place)) => Some(*place),
+            _ => {
+                let message = format!("there is no INTERFACE `{}`", self.shown(name));
+                self.findings.error(Code::UnknownType, name.at, message, "declare it with INTERFACE");
+                None
+            }
+        }
+    }
+
+    /// A block that extends itself through others loses its base.
+    fn break_circles(&mut self) {
+        for place in 0..self.pous.len() as u32 {
+            let mut at = self.pous[place as usize].base;
+            for _ in 0..=self.pous.len() {
+                match at {
+                    None => break,
+                    Some(base) if base == place => {
+                        let name = self.pous[place as usize].ast.name;
+                        let message = format!("`{}` extends itself", self.shown(name));
+                        self.findings.error(Code::ContainsItself, name.at, message, "remove EXTENDS");
+                        self.pous[place as usize].base = None;
+                        break;
+                    }
+                    Some(base) => at = self.pous[base as usize].base,
+                }
+            }
+        }
+    }
+
+    /// Heads of the methods of an interface, inherited ones too.
+    fn settle_interface(&mut self, place: u32) {
+        match self.interfaces[place as usize].state {
+            State::Untouched => {}
+            State::Done(()) => return,
+            State::Busy => {
+                let name = self.interfaces[place as usize].ast.name;
+                let message = format!("`{}` extends itself", self.shown(name));
+                self.findings.error(Code::ContainsItself, name.at, message, "remove EXTENDS");
+                return;
+            }
+        }
+        if self.depth >= super::TYPE_DEPTH {
+            let at = self.interfaces[place as usize].ast.name.at;
+            let message = "interfaces extend each other too deeply";
+            self.findings.error(Code::Depth, at, message, "use fewer levels");
+            return;
+        }
+        self.depth += 1;
+        self.interfaces[place as usize].state = State::Busy;
+        let mut heads: Vec<(Selector, Callable<'a>)> = Vec::new();
+        for base in self.interfaces[place as usize].extends.clone() {
+            self.settle_interface(base);
+            for (selector, head) in self.interfaces[base as usize].heads.clone() {
+                if !heads.iter().any(|(known, _)| *known == selector) {
+                    heads.push((selector, head));
+                }
+            }
+        }
+        let ast = self.interfaces[place as usize].ast;
+        let shown = self.interfaces[place as usize].shown.clone();
+        let outer = std::mem::take(&mut self.context);
+        self.context.constant = true;
+        for method in &ast.methods {
+            let callable = self.method_callable(method, &shown);
+            self.head(&mut heads, SelectorKind::Method, method.name, callable);
+        }
+        for property in &ast.properties {
+            for (kind, selector, accessor) in [
+                (CallableKind::Getter, SelectorKind::Get, &property.get),
+                (CallableKind::Setter, SelectorKind::Set, &property.set),
+            ] {
+                let Some(accessor) = accessor else { continue };
+                let callable = self.accessor_callable(property, accessor, kind, &shown);
+                self.head(&mut heads, selector, property.name, callable);
+            }
+        }
+        self.context = outer;
+        self.depth -= 1;
+        self.interfaces[place as usize].heads = heads;
+        self.interfaces[place as usize].state = State::Done(());
+    }
+
+    fn head(
+        &mut self,
+        heads: &mut Vec<(Selector, Callable<'a>)>,
+        kind: SelectorKind,
+        name: Name,
+        callable: Callable<'a>,
+    ) {
+        let selector = Selector { key: name.key, kind };
+        if heads.iter().any(|(known, head)| *known == selector && head.name.at != name.at) {
+            let message = format!("`{}` is there already", self.shown(name));
+            self.findings.error(Code::Duplicate, name.at, message, "an interface does not override");
+            return;
+        }
+        if let Some(callable) = self.head_signature(callable) {
+            heads.push((selector, callable));
+        }
+    }
+
+    /// Methods that override others or implement an interface are called alike.
+    pub(super) fn check_overrides(&mut self) {
+        for place in 0..self.pous.len() as u32 {
+            let pou = &self.pous[place as usize];
+            if pou.ast.kind != PouKind::FunctionBlock {
+                continue;
+            }
+            let base = pou.base;
+            let own: Vec<u32> =
+                sorted(pou.methods.values().chain(pou.getters.values()).chain(pou.setters.values()));
+            for method in own {
+                self.check_override(method, base);
+            }
+            self.check_interfaces(place);
+            self.check_abstract(place);
+        }
+    }
+
+    fn check_override(&mut self, method: u32, base: Option<u32>) {
+        let Some(callable) = self.callables.get(method as usize) else { return };
+        let (name, modifiers, kind) = (callable.name, callable.modifiers, callable.kind);
+        let inherited = base.and_then(|base| match kind {
+            CallableKind::Getter => self.accessor(base, name.key, SelectorKind::Get),
+            CallableKind::Setter => self.accessor(base, name.key, SelectorKind::Set),
+            _ => self.method(base, name.key),
+        });
+        match inherited.and_then(|place| self.callables.get(place as usize)) {
+            Some(over) => {
+                let is_final = over.modifiers.is_final;
+                let (other, of) = (over.name.at, over.shown.clone());
+                let alike = self.alike(&self.callables[method as usize], over);
+                if is_final {
+                    let message = format!("`{of}` is FINAL");
+                    self.findings.error(Code::Override, name.at, message, "it cannot be overridden");
+                } else if !alike {
+                    let message = format!("`{}` takes or gives other types than `{of}`", self.shown(name));
+                    let help = "a method that overrides another has the same parameters and result";
+                    self.findings.error_with(Code::Override, name.at, message, help, (other, "this one"));
+                }
+            }
+            None if modifiers.is_override => {
+                let message = format!("`{}` overrides nothing", self.shown(name));
+                self.findings.error(Code::Override, name.at, message, "remove OVERRIDE");
+            }
+            None => {}
+        }
+    }
+
+    /// Whether two callables have the same parameters, in the same places, and the same result.
+    fn alike(&self, a: &Callable<'a>, b: &Callable<'a>) -> bool {
+        let parameters = |callable: &Callable<'a>| -> Vec<(ast::Key, SectionKind, TypeId)> {
+            let pins = callable.symbols.iter().filter(|symbol| super::is_pin(symbol.kind));
+            pins.map(|symbol| (symbol.name.key, symbol.kind, symbol.type_id())).collect()
+        };
+        let homes = |callable: &Callable<'a>| -> Vec<super::scope::Home> {
+            let pins = callable.symbols.iter().filter(|symbol| super::is_pin(symbol.kind));
+            pins.map(|symbol| symbol.home).collect()
+        };
+        a.result == b.result && parameters(a) == parameters(b) && homes(a) == homes(b)
+    }
+
+    fn check_interfaces(&mut self, place: u32) {
+        let name = self.pous[place as usize].ast.name;
+        for interface in self.pous[place as usize].interfaces.clone() {
+            for (selector, head) in self.interfaces[interface as usize].heads.clone() {
+                let found = match selector.kind {
+                    SelectorKind::Method => self.method(place, selector.key),
+                    kind => self.accessor(place, selector.key, kind),
+                };
+                let alike = found
+                    .and_then(|f| self.callables.get(f as usize))
+                    .map(|f| (self.alike(f, &head), f.name.at));
+                match alike {
+                    Some((true, _)) => {}
+                    Some((false, at)) => {
+                        let message = format!("`{}` has other parameters here", head.shown);
+                        let help = "an implementation has the parameters of its interface, declared in the same order";
+                        self.findings.error_with(
+                            Code::Override,
+                            at,
+                            message,
+                            help,
+                            (head.name.at, "this one"),
+                        );
+                    }
+                    None if self.pous[place as usize].ast.modifiers.is_abstract => {}
+                    None => {
+                        let message = format!("`{}` does not implement `{}`", self.shown(name), head.shown);
+                        let help = "write the method, or make the block ABSTRACT";
+                        self.findings.error(Code::Override, name.at, message, help);
+                    }
+                }
+            }
+        }
+    }
+
+    fn check_abstract(&mut self, place: u32) {
+        let pou = &self.pous[place as usize];
+        if pou.ast.modifiers.is_abstract {
+            return;
+        }
+        let name = pou.ast.name;
+        let lineage: Vec<u32> = self.lineage(place).collect();
+        for owner in lineage {
+            for method in sorted(self.pous[owner as usize].methods.values()) {
+                let callable = &self.callables[method as usize];
+                let final_one = self.method(place, callable.name.key);
+                if callable.modifiers.is_abstract && final_one == Some(method) {
+                    let message =
+                        format!("`{}` does not write the method `{}`", self.shown(name), callable.shown);
+                    let help = "write it, or make the block ABSTRACT";
+                    self.findings.error(Code::Override, name.at, message, help);
+                }
+            }
+        }
+    }
+
+    /// Whether an instance of block `place` is one of `other` too.
+    pub(super) fn extends(&self, place: u32, other: u32) -> bool {
+        self.lineage(place).any(|owner| owner == other)
+    }
+
+    /// Whether a block implements an interface, itself or through what it extends.
+    pub(super) fn implements(&self, place: u32, interface: u32) -> bool {
+        self.lineage(place).any(|owner| {
+            let own = self.pous.get(owner as usize).map_or(&[][..], |pou| pou.interfaces.as_slice());
+            own.iter().any(|own| self.interface_extends(*own, interface, 0))
+        })
+    }
+
+    pub(super) fn interface_extends(&self, place: u32, other: u32, depth: usize) -> bool {
+        place == other
+            || depth <= super::TYPE_DEPTH as usize
+                && self.interfaces.get(place as usize).is_some_and(|interface| {
+                    interface.extends.iter().any(|base| self.interface_extends(*base, other, depth + 1))
+                })
+    }
+
+    /// Whether some block that extends this one overrides the method.
+    pub(super) fn is_overridden(&self, place: u32, selector: u32) -> bool {
+        let Some(selector) = self.selectors.get(selector as usize).copied() else { return false };
+        (0..self.pous.len() as u32).any(|derived| {
+            let pou = &self.pous[derived as usize];
+            let map = match selector.kind {
+                SelectorKind::Method => &pou.methods,
+                SelectorKind::Get => &pou.getters,
+                SelectorKind::Set => &pou.setters,
+            };
+            derived != place && map.contains_key(&selector.key) && self.extends(derived, place)
+        })
+    }
+
+    /// The classes of the blocks, for calls that are bound at run time.
+    pub(super) fn classes(&self) -> Vec<Class> {
+        let blocks = (0..self.pous.len() as u32)
+            .filter(|place| self.pous[*place as usize].ast.kind == PouKind::FunctionBlock);
+        let class = |place: u32| {
+            let method = |selector: &Selector| {
+                let found = match selector.kind {
+                    SelectorKind::Method => self.method(place, selector.key),
+                    kind => self.accessor(place, selector.key, kind),
+                };
+                found.map(|unit| unit as u16)
+            };
+            let is = |kind: &Kind| match kind {
+                Kind::Block(other) => self.extends(place, *other),
+                Kind::Interface(other) => self.implements(place, *other),
+            };
+            let kinds = self.kinds.iter().enumerate().filter(|(_, kind)| is(kind));
+            Class {
+                methods: self.selectors.iter().map(method).collect(),
+                kinds: kinds.map(|(nth, _)| nth as u32).collect(),
+            }
+        };
+        blocks.map(class).collect()
+    }
+
+    /// Reports a member that is not for everyone; `from` is the block whose code uses it.
+    pub(super) fn check_access(&mut self, method: u32, at: At) {
+        let Some(callable) = self.callables.get(method as usize) else { return };
+        let (modifiers, Some(owner)) = (callable.modifiers, callable.owner) else { return };
+        let shown = callable.shown.clone();
+        let from = self.context.pou;
+        let allowed = if modifiers.private {
+            from == Some(owner)
+        } else if modifiers.protected {
+            from.is_some_and(|from| self.extends(from, owner))
+        } else {
+            true
+        };
+        if !allowed {
+            let word = if modifiers.private { "PRIVATE" } else { "PROTECTED" };
+            let message = format!("`{shown}` is {word}");
+            self.findings.error(Code::NotCallable, at, message, "only the block itself may use it");
+        }
+    }
+}
+
+/// Places in order, so that findings do not depend on that of a map.
+fn sorted<'m>(places: impl Iterator<Item = &'m u32>) -> Vec<u32> {
+    let mut list: Vec<u32> = places.copied().collect();
+    list.sort_unstable();
+    list
+}

@@ -1,0 +1,252 @@
+//! Constant expressions, and what is computed at compile time.
+
+use super::types::{Type, TypeId};
+use super::{Sema, WRONG};
+use crate::codes::Code;
+use crate::library::convert;
+use crate::parse::ast;
+use crate::tree::{BinaryOp, Expr, ExprKind, Ty, UnaryOp};
+use crate::types::Elementary;
+
+impl<'a> Sema<'a> {
+    /// A whole number that is constant, of whatever type.
+    pub(super) fn constant_number(&mut self, written: &ast::Expr) -> Option<i64> {
+        let outer = std::mem::replace(&mut self.context.constant, true);
+        let operand = self.expr(written, None);
+        self.context.constant = outer;
+        let number = match &operand {
+            super::literal::Operand::Integer(n) => i64::try_from(*n).ok(),
+            super::literal::Operand::Value(expr, ty) => match (&expr.kind, self.scalar(*ty)) {
+                (ExprKind::Constant(cell), Some(ty)) if ty.is_integer() => {
+                    i64::try_from(ty.number(*cell)).ok()
+                }
+                _ => None,
+            },
+            super::literal::Operand::Wrong => return None,
+            _ => None,
+        };
+        if number.is_none() {
+            self.not_constant(written.at, "a whole number that is constant is needed here");
+        }
+        number
+    }
+
+    /// The cell of a constant of a scalar or address type.
+    pub(super) fn constant_cell(&mut self, written: &ast::Expr, ty: TypeId) -> Option<i64> {
+        match self.constant_value(written, ty)?.kind {
+            ExprKind::Constant(cell) => Some(cell),
+            _ => None,
+        }
+    }
+
+    /// A constant of a type: its kind is Constant, Text or Bytes.
+    pub(super) fn constant_value(&mut self, written: &ast::Expr, ty: TypeId) -> Option<Expr> {
+        let outer = std::mem::replace(&mut self.context.constant, true);
+        let value = self.value(written, ty);
+        self.context.constant = outer;
+        let value = value?;
+        match value.kind {
+            ExprKind::Constant(_) | ExprKind::Text(_) | ExprKind::Bytes(_) => Some(value),
+            _ => {
+                if ty != WRONG {
+                    self.not_constant(written.at, "a constant is needed here");
+                }
+                None
+            }
+        }
+    }
+
+    pub(super) fn not_constant(&mut self, at: crate::findings::At, message: &str) {
+        self.findings.error(Code::NotConstant, at, message, "use literals and names from VAR CONSTANT");
+    }
+
+    /// A unary operation, computed where the operand is constant.
+    pub(super) fn unary(&mut self, op: UnaryOp, of: Expr, at: crate::findings::At) -> Expr {
+        let ty = of.ty;
+        if let (ExprKind::Constant(cell), Ty::Scalar(scalar)) = (&of.kind, ty) {
+            let cell = *cell;
+            let folded = match op {
+                UnaryOp::Not if scalar == Elementary::Bool => i64::from(cell == 0),
+                UnaryOp::Not => scalar.wrap(!cell),
+                UnaryOp::Negate if scalar.is_real() => real_cell(scalar, -real(scalar, cell)),
+                UnaryOp::Negate => scalar.wrap(cell.wrapping_neg()),
+                UnaryOp::Absolute if scalar.is_real() => real_cell(scalar, real(scalar, cell).abs()),
+                UnaryOp::Absolute if scalar.signed() => scalar.wrap(cell.wrapping_abs()),
+                UnaryOp::Absolute => cell,
+            };
+            return Expr { kind: ExprKind::Constant(folded), ty, at };
+        }
+        Expr { kind: ExprKind::Unary(op, Box::new(of)), ty, at }
+    }
+
+    /// A binary operation on two values of one type, computed where both are constant.
+    pub(super) fn binary(&mut self, op: BinaryOp, left: Expr, right: Expr, at: crate::findings::At) -> Expr {
+        let ty = if is_comparison(op) { Ty::Scalar(Elementary::Bool) } else { left.ty };
+        if let (ExprKind::Constant(a), ExprKind::Constant(b)) = (&left.kind, &right.kind) {
+            let scalar = match left.ty {
+                Ty::Scalar(scalar) => scalar,
+                _ => Elementary::Udint,
+            };
+            if let Some(cell) = fold(op, scalar, *a, *b) {
+                return Expr { kind: ExprKind::Constant(cell), ty, at };
+            }
+        }
+        Expr { kind: ExprKind::Binary(op, Box::new(left), Box::new(right)), ty, at }
+    }
+
+    /// A conversion between scalars, computed where the value is constant; texts are converted when the code runs.
+    pub(super) fn converted(&mut self, value: Expr, to: Ty) -> Expr {
+        let at = value.at;
+        if value.ty == to {
+            return value;
+        }
+        match (&value.kind, value.ty, to) {
+            (ExprKind::Constant(cell), Ty::Scalar(from), Ty::Scalar(into)) => {
+                Expr { kind: ExprKind::Constant(convert(from, into, *cell)), ty: to, at }
+            }
+            _ => Expr { kind: ExprKind::Convert(Box::new(value)), ty: to, at },
+        }
+    }
+
+    /// A value that goes into another type by itself: between whole numbers and bit strings at no cost.
+    pub(super) fn widened(&mut self, value: Expr, to: Ty) -> Expr {
+        match (value.ty, to) {
+            (Ty::Scalar(from), Ty::Scalar(into))
+                if !from.is_real() && !into.is_real() && same_scale(from, into) =>
+            {
+                match value.kind {
+                    ExprKind::Constant(cell) => {
+                        Expr { kind: ExprKind::Constant(into.wrap(cell)), ty: to, at: value.at }
+                    }
+                    _ => self.reinterpreted(value, to),
+                }
+            }
+            _ => self.converted(value, to),
+        }
+    }
+
+    /// A value of another type with the same bits, extended or cut where the widths differ.
+    pub(super) fn reinterpreted(&mut self, value: Expr, to: Ty) -> Expr {
+        if value.ty == to {
+            return value;
+        }
+        let at = value.at;
+        match value.kind {
+            ExprKind::Constant(_) => Expr { ty: to, ..value },
+            _ => Expr { kind: ExprKind::Reinterpret(Box::new(value)), ty: to, at },
+        }
+    }
+
+    /// Reports a constant that its type's range does not hold.
+    pub(super) fn check_subrange(&mut self, value: &Expr, ty: TypeId) {
+        if let (Type::Subrange { base, low, high }, ExprKind::Constant(cell)) = (self.ty(ty), &value.kind) {
+            let number = base.number(*cell);
+            if number < i128::from(*low) || number > i128::from(*high) {
+                let message = format!("{number} is outside of {low}..{high}");
+                self.findings.error(Code::Range, value.at, message, "choose a value inside");
+            }
+        }
+    }
+}
+
+pub(super) fn is_comparison(op: BinaryOp) -> bool {
+    matches!(
+        op,
+        BinaryOp::Equal
+            | BinaryOp::NotEqual
+            | BinaryOp::Less
+            | BinaryOp::LessEqual
+            | BinaryOp::Greater
+            | BinaryOp::GreaterEqual
+    )
+}
+
+fn real(ty: Elementary, cell: i64) -> f64 {
+    if ty == Elementary::Real { f64::from(f32::from_bits(cell as u32)) } else { f64::from_bits(cell as u64) }
+}
+
+/// Whether the numbers of both types mean the same.
+fn same_scale(a: Elementary, b: Elementary) -> bool {
+    let plain = |ty: Elementary| ty.is_integer() || ty == Elementary::Bool;
+    plain(a) && plain(b)
+}
+
+/// A result in the precision of the type; there is one NaN.
+fn real_cell(ty: Elementary, value: f64) -> i64 {
+    if ty == Elementary::Real {
+        let single = value as f32;
+        i64::from(if single.is_nan() { 0x7FC0_0000 } else { single.to_bits() })
+    } else if value.is_nan() {
+        0x7FF8_0000_0000_0000
+    } else {
+        value.to_bits() as i64
+    }
+}
+
+/// `None` for what the machine has to do: divisions by zero.
+fn fold(op: BinaryOp, ty: Elementary, a: i64, b: i64) -> Option<i64> {
+    if ty.is_real() {
+        return fold_real(op, ty, a, b);
+    }
+    let (x, y) = (ty.number(a), ty.number(b));
+    let bits = u32::try_from(b).ok().filter(|n| *n < ty.bits());
+    let unsigned = if ty.bits() == 64 { a as u64 } else { a as u64 & ((1 << ty.bits()) - 1) };
+    let rotated = |n: i64| {
+        let n = n.rem_euclid(i64::from(ty.bits())) as u32;
+        let right = if n == 0 { 0 } else { unsigned >> (ty.bits() - n) };
+        ty.wrap((unsigned << n | right) as i64)
+    };
+    Some(match op {
+        BinaryOp::Add => ty.wrap(a.wrapping_add(b)),
+        BinaryOp::Subtract => ty.wrap(a.wrapping_sub(b)),
+        BinaryOp::Multiply => ty.wrap(a.wrapping_mul(b)),
+        BinaryOp::Divide => ty.wrap(x.checked_div(y)? as i64),
+        BinaryOp::Mod => ty.wrap(x.checked_rem(y)? as i64),
+        BinaryOp::And | BinaryOp::AndThen => a & b,
+        BinaryOp::Or | BinaryOp::OrElse => a | b,
+        BinaryOp::Xor => a ^ b,
+        BinaryOp::ShiftLeft => bits.map_or(0, |n| ty.wrap((unsigned << n) as i64)),
+        BinaryOp::ShiftRight => bits.map_or(0, |n| ty.wrap((unsigned >> n) as i64)),
+        BinaryOp::RotateLeft => rotated(b),
+        BinaryOp::RotateRight => rotated(b.wrapping_neg()),
+        BinaryOp::Least => {
+            if x <= y {
+                a
+            } else {
+                b
+            }
+        }
+        BinaryOp::Greatest => {
+            if x >= y {
+                a
+            } else {
+                b
+            }
+        }
+        BinaryOp::Equal => i64::from(x == y),
+        BinaryOp::NotEqual => i64::from(x != y),
+        BinaryOp::Less => i64::from(x < y),
+        BinaryOp::LessEqual => i64::from(x <= y),
+        BinaryOp::Greater => i64::from(x > y),
+        BinaryOp::GreaterEqual => i64::from(x >= y),
+    })
+}
+
+fn fold_real(op: BinaryOp, ty: Elementary, a: i64, b: i64) -> Option<i64> {
+    let (x, y) = (real(ty, a), real(ty, b));
+    // Singles are computed as doubles and rounded once more, which gives the result of a single operation.
+    let result = match op {
+        BinaryOp::Add => x + y,
+        BinaryOp::Subtract => x - y,
+        BinaryOp::Multiply => x * y,
+        BinaryOp::Divide => x / y,
+        BinaryOp::Equal => return Some(i64::from(x == y)),
+        BinaryOp::NotEqual => return Some(i64::from(x != y)),
+        BinaryOp::Less => return Some(i64::from(x < y)),
+        BinaryOp::LessEqual => return Some(i64::from(x <= y)),
+        BinaryOp::Greater => return Some(i64::from(x > y)),
+        BinaryOp::GreaterEqual => return Some(i64::from(x >= y)),
+        _ => return None,
+    };
+    Some(real_cell(ty, result))
+}

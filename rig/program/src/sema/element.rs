@@ -1,0 +1,141 @@
+//! Elements of arrays, texts and what pointers lead to.
+
+use super::Sema;
+use super::literal::Operand;
+use super::place::Meaning;
+use super::types::{Type, TypeId, WRONG, stride};
+use crate::codes::Code;
+use crate::findings::{At, count};
+use crate::parse::ast;
+use crate::tree::{self, Expr, ExprKind, Place, Ty};
+use crate::types::Elementary;
+
+impl Sema<'_> {
+    pub(super) fn index_meaning(&mut self, of: &ast::Expr, indices: &[ast::Expr], at: At) -> Meaning {
+        let (place, ty, fixed) = match self.meaning(of) {
+            Meaning::Place(place, ty, fixed) => (place, ty, fixed),
+            Meaning::Wrong => return Meaning::Wrong,
+            Meaning::Property(instance, property) => {
+                let value = self.get_property(&instance, property);
+                let Some((value, ty)) = self.own_value(value, of.at) else { return Meaning::Wrong };
+                (self.held_value(value, of.at), ty, Some("it is a value"))
+            }
+            Meaning::Operand(operand) => {
+                let Some((value, ty)) = self.own_value(operand, of.at) else { return Meaning::Wrong };
+                (self.held_value(value, of.at), ty, Some("it is a value"))
+            }
+            _ => {
+                self.findings.error(Code::NotAValue, at, "this has no elements", "arrays and texts have");
+                return Meaning::Wrong;
+            }
+        };
+        match self.ty(ty).clone() {
+            Type::Array { dimensions, of } => {
+                let (place, ty) = match self.indexed(place, &dimensions, of, indices, at) {
+                    Some(found) => found,
+                    None => return Meaning::Wrong,
+                };
+                self.followed(place, ty, fixed)
+            }
+            Type::Text { wide, length } => {
+                let unit = if wide { Elementary::Word } else { Elementary::Byte };
+                let of = self.elementary(unit);
+                match self.indexed(place, &[(0, i64::from(length))], of, indices, at) {
+                    Some((place, ty)) => Meaning::Place(place, ty, fixed),
+                    None => Meaning::Wrong,
+                }
+            }
+            Type::Pointer(to) => {
+                let [index] = indices else {
+                    self.findings.error(Code::Index, at, "a pointer takes one index", "");
+                    return Meaning::Wrong;
+                };
+                let lint = self.elementary(Elementary::Lint);
+                let Some(index) = self.value(index, lint) else { return Meaning::Wrong };
+                let step = i64::from(stride(self.layout(to)));
+                let step = self.constant(step, Elementary::Lint, at);
+                let bytes = self.binary(tree::BinaryOp::Multiply, index, step, at);
+                let pointer = Expr { kind: ExprKind::Load(place), ty: Ty::Address, at };
+                let kind = ExprKind::Offset(Box::new(pointer), Box::new(bytes));
+                let address = Expr { kind, ty: Ty::Address, at };
+                let place = self.place(tree::Root::Address(Box::new(address)), 0, to, false, at);
+                self.followed(place, to, None)
+            }
+            Type::Wrong => Meaning::Wrong,
+            _ => {
+                let message = format!("{} has no elements", self.type_name(ty));
+                self.findings.error(Code::NotAValue, at, message, "arrays and texts have");
+                Meaning::Wrong
+            }
+        }
+    }
+
+    /// An element of an array; constant indices become part of the offset. Too few indices give an error.
+    fn indexed(
+        &mut self,
+        mut place: Place,
+        dimensions: &[(i64, i64)],
+        of: TypeId,
+        indices: &[ast::Expr],
+        at: At,
+    ) -> Option<(Place, TypeId)> {
+        // `a[1, 2]` may stand for `a[1][2]` where the elements are arrays.
+        if indices.len() > dimensions.len()
+            && let Type::Array { dimensions: inner, of: element } = self.ty(of).clone()
+        {
+            let (first, rest) = indices.split_at(dimensions.len());
+            let (place, _) = self.indexed(place, dimensions, of, first, at)?;
+            return self.indexed(place, &inner, element, rest, at);
+        }
+        if indices.len() != dimensions.len() {
+            let message =
+                format!("the array has {}, not {}", count(dimensions.len(), "dimension"), indices.len());
+            self.findings.error(Code::Index, at, message, "give one index for each");
+            return None;
+        }
+        let mut step = u64::from(stride(self.layout(of)));
+        let mut strides = Vec::with_capacity(dimensions.len());
+        for (low, high) in dimensions.iter().rev() {
+            strides.push(step);
+            step = step.saturating_mul(u64::try_from(i128::from(*high) - i128::from(*low) + 1).unwrap_or(0));
+        }
+        strides.reverse();
+        for ((index, (low, high)), step) in indices.iter().zip(dimensions).zip(strides) {
+            let operand = self.expr(index, None);
+            let known = match &operand {
+                Operand::Integer(n) => Some(*n),
+                Operand::Value(Expr { kind: ExprKind::Constant(cell), .. }, ty) => {
+                    self.scalar(*ty).filter(|ty| ty.is_integer()).map(|ty| ty.number(*cell))
+                }
+                _ => None,
+            };
+            if let Some(n) = known {
+                if n < i128::from(*low) || n > i128::from(*high) {
+                    let message = format!("the index {n} is outside of {low}..{high}");
+                    self.findings.error(
+                        Code::Index,
+                        index.at,
+                        message,
+                        "the bounds are those of the declaration",
+                    );
+                    return None;
+                }
+                let bytes = (n - i128::from(*low)) as u64 * step;
+                place.offset = place.offset.wrapping_add(bytes as u32);
+                continue;
+            }
+            let (value, ty) = self.own_value(operand, index.at)?;
+            if !self.scalar(ty).is_some_and(Elementary::is_integer) {
+                if ty != WRONG {
+                    let message = format!("an index is a whole number, this is {}", self.type_name(ty));
+                    self.findings.error(Code::Index, index.at, message, "convert it");
+                }
+                return None;
+            }
+            place.indices.push(tree::Index { value, low: *low, high: *high, stride: step as u32 });
+        }
+        place.ty = self.tree_type(of);
+        place.at = place.at.to(at);
+        Some((place, of))
+    }
+}

@@ -1,0 +1,251 @@
+//! Members of structures, blocks, interfaces and programs.
+
+use super::Sema;
+use super::literal::Operand;
+use super::place::{Instance, Meaning};
+use super::scope::{Found, Home, SelectorKind};
+use super::types::{Type, TypeId};
+use crate::codes::Code;
+use crate::findings::similar;
+use crate::native::PinKind;
+use crate::parse::ast::{Name, SectionKind};
+use crate::program::Retention;
+use crate::tree::{self, Expr, ExprKind, Place, Ty};
+
+impl Sema<'_> {
+    /// A member of what a path means.
+    pub(super) fn member_meaning(&mut self, of: Meaning, name: Name) -> Meaning {
+        match of {
+            Meaning::Wrong => Meaning::Wrong,
+            Meaning::Place(place, ty, fixed) => self.place_member(place, ty, fixed, name),
+            Meaning::Type(ty) => self.enumerator_of(ty, name),
+            Meaning::Program(pou) => self.program_member(pou, name),
+            Meaning::Super(base) => self.super_member(base, name),
+            Meaning::Operand(operand) => {
+                let Some((value, ty)) = self.own_value(operand, name.at) else { return Meaning::Wrong };
+                let place = self.held_value(value, name.at);
+                self.place_member(place, ty, Some("it is a value"), name)
+            }
+            Meaning::Property(instance, property) => {
+                let value = self.get_property(&instance, property);
+                self.member_meaning(Meaning::Operand(value), name)
+            }
+            Meaning::Bit(..) | Meaning::Function(_) | Meaning::Method(..) | Meaning::Action(..) => {
+                let message = format!("there is no member `{}` here", self.shown(name));
+                self.findings.error(Code::NotAValue, name.at, message, "");
+                Meaning::Wrong
+            }
+        }
+    }
+
+    fn place_member(&mut self, place: Place, ty: TypeId, fixed: Option<&'static str>, name: Name) -> Meaning {
+        match *self.ty(ty) {
+            Type::Structure(of) => {
+                let field = self
+                    .structures
+                    .get(of as usize)
+                    .and_then(|s| s.fields.iter().find(|field| field.key == name.key))
+                    .map(|field| (field.offset, field.ty));
+                let Some((offset, field)) = field else {
+                    let keys: Vec<&str> = self.structures.get(of as usize).map_or(Vec::new(), |s| {
+                        s.fields.iter().map(|field| self.names.key_text(field.key)).collect()
+                    });
+                    let near = similar(self.names.key_text(name.key), keys.into_iter());
+                    self.unknown_member(name, near, &self.type_name(ty));
+                    return Meaning::Wrong;
+                };
+                let inner = self.inside(place, offset, field, name.at);
+                self.followed(inner, field, fixed)
+            }
+            Type::Block(of) => self.block_member(place, of, name),
+            Type::Native(of) => self.native_member(place, of, name),
+            Type::Interface(_) => {
+                let address = Expr { kind: ExprKind::Load(place), ty: Ty::Address, at: name.at };
+                let Type::Interface(interface) = *self.ty(ty) else { return Meaning::Wrong };
+                self.interface_member(address, interface, name)
+            }
+            Type::Pointer(to) | Type::RefTo(to) => {
+                let message = format!("this is a pointer, which has no `{}`", self.shown(name));
+                let _ = to;
+                self.findings.error(Code::NotAValue, name.at, message, "write ^ behind it, as in p^.a");
+                Meaning::Wrong
+            }
+            Type::Wrong => Meaning::Wrong,
+            _ => {
+                let message =
+                    format!("there is no member `{}`: this is {}", self.shown(name), self.type_name(ty));
+                self.findings.error(Code::NotAValue, name.at, message, "structures and blocks have members");
+                Meaning::Wrong
+            }
+        }
+    }
+
+    /// How the object at a place is reached.
+    pub(super) fn instance_at(&mut self, place: Place, block: u32) -> Instance {
+        match place.root {
+            tree::Root::Address(_) => {
+                let address = self.address_of(place);
+                Instance::Block(address, block)
+            }
+            tree::Root::This if place.offset == 0 && place.indices.is_empty() => Instance::Same,
+            _ => Instance::Exact(place, block),
+        }
+    }
+
+    fn block_member(&mut self, place: Place, of: u32, name: Name) -> Meaning {
+        if let Some((owner, nth)) = self.member(of, name.key) {
+            let Some(symbol) = self.member_symbol(owner, nth).cloned() else { return Meaning::Wrong };
+            let inside = self.context.pou.is_some_and(|pou| self.extends(pou, owner));
+            let ty = symbol.type_id();
+            if symbol.is_value()
+                && let Some(cell) = self.symbol_value(Found::Member(owner, nth))
+                && let Some(scalar) = self.scalar(ty)
+            {
+                return Meaning::Operand(Operand::Value(self.constant(cell, scalar, name.at), ty));
+            }
+            let fixed = match symbol.kind {
+                _ if symbol.is_value() => Some("it is a constant"),
+                _ if inside => None,
+                SectionKind::Output => Some("it is an output of the block"),
+                SectionKind::Input | SectionKind::InOut => None,
+                _ => Some("it belongs to the block alone"),
+            };
+            let kept = place.retained || symbol.retention != Retention::None;
+            let (home, offset) = match symbol.home {
+                Home::This(offset) => (None, offset),
+                Home::ThisAddress(offset) => (Some(offset), 0),
+                Home::Absolute(address) => {
+                    let place = self.place(tree::Root::Absolute, address, ty, kept, name.at);
+                    return self.followed(place, ty, fixed);
+                }
+                _ => return Meaning::Wrong,
+            };
+            if let Some(offset) = home {
+                // An in-out: what it was given last.
+                let slot = Place { ty: Ty::Address, ..self.inside(place, offset, ty, name.at) };
+                let address = Expr { kind: ExprKind::Load(slot), ty: Ty::Address, at: name.at };
+                let place = self.place(tree::Root::Address(Box::new(address)), 0, ty, false, name.at);
+                return Meaning::Place(place, ty, fixed);
+            }
+            let inner = Place { retained: kept, ..self.inside(place, offset, ty, name.at) };
+            return self.followed(inner, ty, fixed);
+        }
+        if let Some(method) = self.method(of, name.key) {
+            self.check_access(method, name.at);
+            let instance = self.instance_at(place, of);
+            return Meaning::Method(instance, name);
+        }
+        let getter = self.accessor(of, name.key, SelectorKind::Get);
+        if let Some(accessor) = getter.or_else(|| self.accessor(of, name.key, SelectorKind::Set)) {
+            self.check_access(accessor, name.at);
+            let instance = self.instance_at(place, of);
+            return Meaning::Property(instance, name);
+        }
+        if let Some(action) = self.action(of, name.key) {
+            let same =
+                matches!(place.root, tree::Root::This) && place.offset == 0 && place.indices.is_empty();
+            return Meaning::Action(action, if same { None } else { Some(place) });
+        }
+        let mut keys: Vec<&str> = Vec::new();
+        for owner in self.lineage(of) {
+            let pou = &self.pous[owner as usize];
+            keys.extend(pou.symbols.iter().map(|symbol| self.names.key_text(symbol.name.key)));
+            keys.extend(pou.ast.methods.iter().map(|method| self.names.key_text(method.name.key)));
+        }
+        let near = similar(self.names.key_text(name.key), keys.into_iter());
+        let shown = self.pous[of as usize].shown.clone();
+        self.unknown_member(name, near, &shown);
+        Meaning::Wrong
+    }
+
+    fn native_member(&mut self, place: Place, of: u16, name: Name) -> Meaning {
+        let Some(native) = self.options.blocks.get(usize::from(of)) else { return Meaning::Wrong };
+        let key = self.names.key_text(name.key);
+        let found =
+            native.pin(key).filter(|nth| native.pins.get(*nth).is_some_and(|p| p.kind != PinKind::Hidden));
+        match found.and_then(|nth| {
+            Some((native.pins.get(nth)?, self.native_layouts.get(usize::from(of))?.0.get(nth)?))
+        }) {
+            Some((pin, offset)) => {
+                let fixed = (pin.kind == PinKind::Output).then_some("it is an output of the block");
+                let offset = u32::from(*offset);
+                let ty = self.elementary(pin.ty);
+                Meaning::Place(self.inside(place, offset, ty, name.at), ty, fixed)
+            }
+            None => {
+                let pins = native.pins.iter().filter(|pin| pin.kind != PinKind::Hidden);
+                let names: Vec<&str> = pins.map(|pin| pin.name).collect();
+                let help = format!("{} has {}", native.name, names.join(", "));
+                let message = format!("`{}` has no `{}`", native.name, self.shown(name));
+                self.findings.error(Code::UnknownName, name.at, message, help);
+                Meaning::Wrong
+            }
+        }
+    }
+
+    pub(super) fn interface_member(&mut self, address: Expr, interface: u32, name: Name) -> Meaning {
+        let heads = self.interfaces.get(interface as usize).map_or(&[][..], |i| i.heads.as_slice());
+        let found =
+            heads.iter().find(|(selector, _)| selector.key == name.key).map(|(selector, _)| selector.kind);
+        let instance = Instance::Interface(address, interface);
+        match found {
+            Some(SelectorKind::Method) => Meaning::Method(instance, name),
+            Some(_) => Meaning::Property(instance, name),
+            None => {
+                let keys: Vec<&str> =
+                    heads.iter().map(|(selector, _)| self.names.key_text(selector.key)).collect();
+                let near = similar(self.names.key_text(name.key), keys.into_iter());
+                let shown =
+                    self.interfaces.get(interface as usize).map_or(String::new(), |i| i.shown.clone());
+                self.unknown_member(name, near, &shown);
+                Meaning::Wrong
+            }
+        }
+    }
+
+    fn super_member(&mut self, base: u32, name: Name) -> Meaning {
+        if self.method(base, name.key).is_some() {
+            return Meaning::Method(Instance::Super(base), name);
+        }
+        if self.accessor(base, name.key, SelectorKind::Get).is_some()
+            || self.accessor(base, name.key, SelectorKind::Set).is_some()
+        {
+            return Meaning::Property(Instance::Super(base), name);
+        }
+        if let Some((owner, nth)) = self.member(base, name.key) {
+            return self.symbol_meaning(Found::Member(owner, nth), name);
+        }
+        if let Some(action) = self.action(base, name.key) {
+            return Meaning::Action(action, None);
+        }
+        let shown = self.pous[base as usize].shown.clone();
+        self.unknown_member(name, None, &shown);
+        Meaning::Wrong
+    }
+
+    /// A variable or action of another program.
+    fn program_member(&mut self, pou: u32, name: Name) -> Meaning {
+        let Some(nth) = self.pous[pou as usize].index.get(&name.key).copied() else {
+            if let Some(action) = self.action(pou, name.key) {
+                return Meaning::Action(action, None);
+            }
+            let symbols = &self.pous[pou as usize].symbols;
+            let keys = symbols.iter().map(|symbol| self.names.key_text(symbol.name.key));
+            let near = similar(self.names.key_text(name.key), keys);
+            let shown = self.pous[pou as usize].shown.clone();
+            self.unknown_member(name, near, &shown);
+            return Meaning::Wrong;
+        };
+        let input = self.member_symbol(pou, nth).is_some_and(|symbol| symbol.kind == SectionKind::Input);
+        let own = self.context.pou == Some(pou);
+        match self.symbol_meaning(Found::Member(pou, nth), name) {
+            Meaning::Place(place, ty, fixed) if !input && !own => {
+                Meaning::Place(place, ty, fixed.or(Some("only inputs of another program can be")))
+            }
+            Meaning::Bit(place, bit, fixed) if !own => {
+                Meaning::Bit(place, bit, fixed.or(Some("only inputs of another program can be")))
+            }
+            meaning => meaning,
+        }
+    }
+}

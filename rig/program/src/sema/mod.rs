@@ -1,0 +1,327 @@
+//! Names, types, places: from the syntax tree to the checked tree.
+//!
+//! The order: names of everything first, then types and constants as they are needed, then what blocks consist of,
+//! then where variables stand with their initial bytes, at last the bodies. So nothing depends on the order of the
+//! sources.
+
+mod argument;
+mod block;
+mod call;
+mod class;
+mod constant;
+mod convert;
+mod declare;
+mod element;
+mod expr;
+mod initial;
+mod literal;
+mod member;
+mod operator;
+mod place;
+mod resolve;
+mod scope;
+mod standard;
+mod stmt;
+mod table;
+mod task;
+mod types;
+
+use crate::findings::{At, Findings};
+use crate::options::Options;
+use crate::parse::Names;
+use crate::parse::ast::{self, Key, Name, SectionKind};
+use crate::program::{Located, Retained};
+use crate::shape::{Root, Shape, ShapeId};
+use crate::tree::{Tree, UnitTree};
+use crate::types::Elementary;
+use document::SourceFile;
+use scope::{Callable, Context, Pou, Symbol};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+use types::{Enumeration, Structure, Type, TypeId, WRONG};
+
+/// Hashes small keys; the order of the maps is never used.
+#[derive(Default)]
+struct KeyHasher(u64);
+
+impl Hasher for KeyHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    fn write_u32(&mut self, n: u32) {
+        self.0 = (self.0 ^ u64::from(n)).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
+    }
+}
+
+type KeyMap<K, V> = HashMap<K, V, BuildHasherDefault<KeyHasher>>;
+
+/// How deep types may contain each other.
+const TYPE_DEPTH: u32 = 100;
+
+/// What a name at the outside means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Global {
+    /// A place in `Sema::globals`.
+    Variable(u32),
+    /// A place in `Sema::pous`.
+    Pou(u32),
+    /// A place in `Sema::type_decls`.
+    Type(u32),
+    /// A place in `Sema::interfaces`.
+    Interface(u32),
+}
+
+/// A TYPE with what has become of it.
+struct TypeEntry<'a> {
+    decl: &'a ast::TypeDecl,
+    /// `None` while it is being found out.
+    state: State<TypeId>,
+}
+
+/// What is found out when it is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State<T> {
+    Untouched,
+    Busy,
+    Done(T),
+}
+
+/// An interface.
+struct Interface<'a> {
+    ast: &'a ast::Interface,
+    shown: String,
+    extends: Vec<u32>,
+    /// Heads of its methods and accessors with those that it inherits.
+    heads: Vec<(scope::Selector, Callable<'a>)>,
+    state: State<()>,
+}
+
+/// The work on one application.
+struct Sema<'a> {
+    unit: &'a ast::Unit,
+    names: &'a Names,
+    options: &'a Options,
+    findings: Findings<'a>,
+    sources: &'a [SourceFile],
+
+    types: Vec<Type>,
+    type_index: HashMap<Type, TypeId>,
+    enumerations: Vec<Enumeration>,
+    structures: Vec<Structure>,
+    type_decls: Vec<TypeEntry<'a>>,
+    /// Types of inline enumerations and the like by the place of their declaration.
+    inline_types: HashMap<(u8, u32), TypeId>,
+    enumerators: KeyMap<Key, Vec<(TypeId, i64)>>,
+    outside: KeyMap<Key, Global>,
+    globals: Vec<Symbol<'a>>,
+    pous: Vec<Pou<'a>>,
+    interfaces: Vec<Interface<'a>>,
+    native_index: KeyMap<Key, u16>,
+    native_layouts: Vec<(Vec<u16>, u32)>,
+    callables: Vec<Callable<'a>>,
+    selectors: Vec<scope::Selector>,
+    selector_index: HashMap<scope::Selector, u32>,
+    kinds: Vec<scope::Kind>,
+    depth: u32,
+
+    /// Initial bytes of the variables, from `map::FIRST` on.
+    data: Vec<u8>,
+    retained: Vec<Retained>,
+    /// Bytes of those.
+    kept: u64,
+    /// Whether a type holds members that are retained by themselves.
+    retaining: HashMap<TypeId, bool>,
+    located: Vec<Located>,
+    roots: Vec<Root>,
+    shapes: Vec<Shape>,
+    shape_index: HashMap<TypeId, ShapeId>,
+    context: Context,
+}
+
+/// Checks the declarations and bodies. What is wrong is in the findings, and then the tree is not whole.
+pub(crate) fn check<'a>(
+    unit: &'a ast::Unit,
+    names: &'a Names,
+    options: &'a Options,
+    findings: Findings<'a>,
+    sources: &'a [SourceFile],
+) -> (Tree, Findings<'a>) {
+    let mut sema = Sema {
+        unit,
+        names,
+        options,
+        findings,
+        sources,
+        types: Vec::new(),
+        type_index: HashMap::new(),
+        enumerations: Vec::new(),
+        structures: Vec::new(),
+        type_decls: Vec::new(),
+        inline_types: HashMap::new(),
+        enumerators: KeyMap::default(),
+        outside: KeyMap::default(),
+        globals: Vec::new(),
+        pous: Vec::new(),
+        interfaces: Vec::new(),
+        native_index: KeyMap::default(),
+        native_layouts: Vec::new(),
+        callables: Vec::new(),
+        selectors: Vec::new(),
+        selector_index: HashMap::new(),
+        kinds: Vec::new(),
+        depth: 0,
+        data: Vec::new(),
+        retained: Vec::new(),
+        kept: 0,
+        retaining: HashMap::new(),
+        located: Vec::new(),
+        roots: Vec::new(),
+        shapes: Vec::new(),
+        shape_index: HashMap::new(),
+        context: Context::default(),
+    };
+    sema.intern(Type::Wrong);
+    for ty in Elementary::ALL {
+        sema.intern(Type::Elementary(ty));
+    }
+    sema.collect();
+    sema.settle_types();
+    sema.settle_pous();
+    sema.settle_globals();
+    let units = sema.bodies();
+    let tree = sema.finish(units);
+    (tree, sema.findings)
+}
+
+impl<'a> Sema<'a> {
+    /// The text of a place in the sources.
+    fn text(&self, at: At) -> &'a str {
+        let sources: &'a [SourceFile] = self.sources;
+        let text = sources.get(usize::from(at.file)).map_or("", |source| source.text.as_str());
+        text.get(at.start as usize..at.end as usize).unwrap_or("")
+    }
+
+    /// A name as it is written.
+    fn shown(&self, name: Name) -> &'a str {
+        self.text(name.at)
+    }
+
+    /// Code of every callable.
+    fn bodies(&mut self) -> Vec<UnitTree> {
+        let mut units = Vec::with_capacity(self.callables.len());
+        for place in 0..self.callables.len() as u32 {
+            units.push(self.body(place));
+        }
+        units
+    }
+
+    fn body(&mut self, place: u32) -> UnitTree {
+        let Some(callable) = self.callables.get(place as usize) else { return UnitTree::default() };
+        let (body, end, name) = (callable.body, callable.end, callable.shown.clone());
+        self.context = Context {
+            callable: Some(place),
+            pou: callable.owner,
+            frame: callable.frame.clone(),
+            loops: 0,
+            constant: false,
+        };
+        if callable.modifiers.is_abstract && !body.is_empty() {
+            let message = format!("`{name}` is ABSTRACT: it has no statements");
+            let at = callable.name.at;
+            if callable.kind == scope::CallableKind::Method {
+                self.findings.error(
+                    crate::codes::Code::Section,
+                    at,
+                    message,
+                    "remove ABSTRACT or the statements",
+                );
+            }
+        }
+        let mut statements = self.prologue(place);
+        statements.extend(self.statements(body));
+        let context = std::mem::take(&mut self.context);
+        UnitTree { name, file: end.file, frame: context.frame, body: statements, end }
+    }
+
+    fn finish(&mut self, units: Vec<UnitTree>) -> Tree {
+        let programs: Vec<u32> = (0..self.pous.len() as u32)
+            .filter(|place| self.pous[*place as usize].ast.kind == ast::PouKind::Program)
+            .collect();
+        if programs.is_empty() && !self.findings.failed() {
+            let at = At::default();
+            let message = "the sources have no PROGRAM";
+            let help = "a task runs programs: write PROGRAM name ... END_PROGRAM";
+            self.findings.error(crate::codes::Code::NoProgram, at, message, help);
+        }
+        let tasks = self.tasks(&programs);
+        if units.len() > usize::from(u16::MAX) {
+            let message = format!("the sources have {} units", units.len());
+            self.findings.error(crate::codes::Code::Length, At::default(), message, "65535 are too many");
+        }
+        self.retained.sort_by_key(|kept| kept.address);
+        // The image carries eight bytes of its own.
+        if self.kept > 0 && self.kept + 8 > self.options.limits.retained as u64 {
+            let message = format!("the retained variables need {} bytes", self.kept + 8);
+            let help = format!("the controller keeps {}", self.options.limits.retained);
+            self.findings.error(crate::codes::Code::RetainedSize, At::default(), message, help);
+        }
+        let kinds = self
+            .kinds
+            .iter()
+            .map(|kind| match kind {
+                scope::Kind::Block(place) => self.pous[*place as usize].shown.clone(),
+                scope::Kind::Interface(place) => self.interfaces[*place as usize].shown.clone(),
+            })
+            .collect();
+        Tree {
+            units,
+            programs: programs.iter().map(|place| self.pous[*place as usize].callable as u16).collect(),
+            program_names: programs.iter().map(|place| self.pous[*place as usize].shown.clone()).collect(),
+            classes: self.classes(),
+            kinds,
+            natives: self.options.blocks.iter().collect(),
+            variables: std::mem::take(&mut self.data),
+            retained: std::mem::take(&mut self.retained),
+            located: std::mem::take(&mut self.located),
+            roots: std::mem::take(&mut self.roots),
+            shapes: std::mem::take(&mut self.shapes),
+            tasks,
+        }
+    }
+
+    /// Room for a variable in the data.
+    fn allocate(&mut self, bytes: &[u8], align: u32) -> u32 {
+        let first = crate::code::map::FIRST as usize;
+        let at = (first + self.data.len()).next_multiple_of(align.max(1) as usize);
+        self.data.resize(at - first, 0);
+        self.data.extend_from_slice(bytes);
+        at as u32
+    }
+
+    /// Whether there is room for so many more bytes of variables; reports where not.
+    fn has_room(&mut self, bytes: u32, at: At) -> bool {
+        let room = (self.options.limits.memory as usize).saturating_sub(self.data.len());
+        if bytes as usize <= room {
+            return true;
+        }
+        let message = format!("the variables need more than {} bytes", self.options.limits.memory);
+        self.findings.error(crate::codes::Code::DataSize, at, message, "use smaller arrays");
+        false
+    }
+}
+
+/// Whether a section's variables are seen from outside of the block.
+fn is_pin(kind: SectionKind) -> bool {
+    matches!(kind, SectionKind::Input | SectionKind::Output | SectionKind::InOut)
+}
+
+const fn is_wrong(ty: TypeId) -> bool {
+    ty.0 == WRONG.0
+}

@@ -1,0 +1,513 @@
+//! What paths mean: variables, members, elements, bits, and what can be called.
+
+use super::Sema;
+use super::block::home_of;
+use super::literal::Operand;
+use super::scope::{Found, Home, Symbol};
+use super::types::{Type, TypeId, WRONG};
+use crate::codes::Code;
+use crate::findings::{At, count, similar};
+use crate::parse::ast::{self, Key, Name};
+use crate::program::Retention;
+use crate::tree::{self, Expr, ExprKind, Place, Target, Ty};
+use crate::types::Elementary;
+use signal::Area;
+
+/// How an object is reached.
+#[derive(Clone, Debug)]
+pub(super) enum Instance {
+    /// The running one.
+    Same,
+    /// The running one as what it extends.
+    Super(u32),
+    /// One whose class is known.
+    Exact(Place, u32),
+    /// The one at an address, of this block or one that extends it.
+    Block(Expr, u32),
+    /// The one at an address, of whatever class.
+    Interface(Expr, u32),
+}
+
+/// What a path means.
+#[derive(Clone, Debug)]
+pub(super) enum Meaning {
+    /// A place, and why it cannot be assigned to.
+    Place(Place, TypeId, Option<&'static str>),
+    /// A bit of the memory at a place.
+    Bit(Place, u32, Option<&'static str>),
+    Operand(Operand),
+    Property(Instance, Name),
+    Method(Instance, Name),
+    /// An action: its callable, the instance's place where it is not the running one.
+    Action(u32, Option<Place>),
+    Function(u32),
+    Program(u32),
+    Type(TypeId),
+    /// The running block as what it extends: `SUPER^`.
+    Super(u32),
+    Wrong,
+}
+
+impl<'a> Sema<'a> {
+    /// What an expression denotes, before its value is asked for.
+    pub(super) fn meaning(&mut self, written: &ast::Expr) -> Meaning {
+        match &written.kind {
+            ast::ExprKind::Name(name) => self.name_meaning(*name),
+            ast::ExprKind::Global(name) => match self.find_outside(name.key) {
+                Some(found) => self.found_meaning(found, *name),
+                None => self.unknown(*name),
+            },
+            ast::ExprKind::Qualified(ty, name) => match self.find_outside(ty.key) {
+                Some(Found::Type(place)) => {
+                    let of = self.named_type(place);
+                    self.enumerator_of(of, *name)
+                }
+                _ => self.unknown(*ty),
+            },
+            ast::ExprKind::Member(of, name) => {
+                let of = self.meaning(of);
+                self.member_meaning(of, *name)
+            }
+            ast::ExprKind::Index(of, indices) => self.index_meaning(of, indices, written.at),
+            ast::ExprKind::Deref(of) => self.deref_meaning(of, written.at),
+            ast::ExprKind::Part { of, bits, number } => self.part_meaning(of, *bits, *number, written.at),
+            ast::ExprKind::Direct(text) => self.direct(text, written.at),
+            _ => Meaning::Operand(self.expr(written, None)),
+        }
+    }
+
+    fn name_meaning(&mut self, name: Name) -> Meaning {
+        match self.find(name.key) {
+            Some(found) => self.found_meaning(found, name),
+            None => self.unknown(name),
+        }
+    }
+
+    fn found_meaning(&mut self, found: Found, name: Name) -> Meaning {
+        match found {
+            Found::Local(_) | Found::Member(..) | Found::Global(_) => self.symbol_meaning(found, name),
+            Found::Result => {
+                let ty = self.running().and_then(|callable| callable.result).unwrap_or(WRONG);
+                let place = self.place(tree::Root::Frame, 0, ty, false, name.at);
+                self.followed(place, ty, None)
+            }
+            Found::Pou(place) => match self.pous.get(place as usize).map(|pou| pou.ast.kind) {
+                Some(ast::PouKind::Program) => Meaning::Program(place),
+                Some(ast::PouKind::Function) => Meaning::Function(place),
+                _ => {
+                    let ty = self.intern(Type::Block(place));
+                    Meaning::Type(ty)
+                }
+            },
+            Found::Type(place) => Meaning::Type(self.named_type(place)),
+            Found::Interface(place) => Meaning::Type(self.intern(Type::Interface(place))),
+            Found::Native(place) => Meaning::Type(self.intern(Type::Native(place))),
+            Found::Method(_) => Meaning::Method(Instance::Same, name),
+            Found::Property => Meaning::Property(Instance::Same, name),
+            Found::Action(callable) => Meaning::Action(callable, None),
+            Found::Enumerator(ty, cell) => self.enumerator(ty, cell, name.at),
+            Found::Ambiguous => {
+                let message = format!("several enumerations have a value `{}`", self.shown(name));
+                self.findings.error(
+                    Code::UnknownName,
+                    name.at,
+                    message,
+                    "write it with its type, as in colour.red",
+                );
+                Meaning::Wrong
+            }
+        }
+    }
+
+    pub(super) fn running(&self) -> Option<&super::scope::Callable<'a>> {
+        self.context.callable.and_then(|place| self.callables.get(place as usize))
+    }
+
+    fn enumerator(&mut self, ty: TypeId, cell: i64, at: At) -> Meaning {
+        let base = self.scalar(ty).unwrap_or(Elementary::Int);
+        Meaning::Operand(Operand::Value(self.constant(cell, base, at), ty))
+    }
+
+    pub(super) fn enumerator_of(&mut self, ty: TypeId, name: Name) -> Meaning {
+        if let Type::Enumeration(place) = *self.ty(ty)
+            && let Some(enumeration) = self.enumerations.get(place as usize)
+        {
+            match enumeration.values.iter().find(|(key, ..)| *key == name.key) {
+                Some((_, _, cell)) => {
+                    let cell = *cell;
+                    return self.enumerator(ty, cell, name.at);
+                }
+                None => {
+                    let keys = enumeration.values.iter().map(|(key, ..)| self.names.key_text(*key));
+                    let near = similar(self.names.key_text(name.key), keys);
+                    self.unknown_member(name, near, &self.type_name(ty));
+                    return Meaning::Wrong;
+                }
+            }
+        }
+        if ty != WRONG {
+            let message = format!("{} has no `{}`", self.type_name(ty), self.shown(name));
+            self.findings.error(Code::NotAValue, name.at, message, "enumerations have values");
+        }
+        Meaning::Wrong
+    }
+
+    pub(super) fn unknown(&mut self, name: Name) -> Meaning {
+        let mut known: Vec<Key> = Vec::new();
+        if let Some(callable) = self.running() {
+            known.extend(callable.symbols.iter().map(|symbol| symbol.name.key));
+        }
+        if let Some(pou) = self.context.pou {
+            for owner in self.lineage(pou) {
+                known.extend(self.pous[owner as usize].symbols.iter().map(|symbol| symbol.name.key));
+            }
+        }
+        known.extend(self.globals.iter().map(|symbol| symbol.name.key));
+        known.extend(self.pous.iter().map(|pou| pou.ast.name.key));
+        let text = self.names.key_text(name.key);
+        let near = similar(text, known.iter().map(|key| self.names.key_text(*key)));
+        let help = match near {
+            Some(near) => format!("did you mean {}?", self.written(&near)),
+            None => "declare it in VAR".to_string(),
+        };
+        let message = format!("`{}` is not known", self.shown(name));
+        self.findings.error(Code::UnknownName, name.at, message, help);
+        Meaning::Wrong
+    }
+
+    /// A name as it was declared.
+    fn written(&self, key: &str) -> String {
+        let of = |symbols: &[Symbol<'a>]| {
+            symbols.iter().find(|s| self.names.key_text(s.name.key) == key).map(|s| s.shown.to_string())
+        };
+        let local = self.running().and_then(|callable| of(&callable.symbols));
+        let member = || {
+            let pou = self.context.pou?;
+            self.lineage(pou).find_map(|owner| of(&self.pous[owner as usize].symbols))
+        };
+        let unit =
+            || self.pous.iter().find(|p| self.names.key_text(p.ast.name.key) == key).map(|p| p.shown.clone());
+        local.or_else(member).or_else(|| of(&self.globals)).or_else(unit).unwrap_or_else(|| key.to_string())
+    }
+
+    pub(super) fn unknown_member(&mut self, name: Name, near: Option<String>, of: &str) {
+        let help = near.map_or(String::new(), |near| format!("did you mean {near}?"));
+        let message = format!("`{of}` has no `{}`", self.shown(name));
+        self.findings.error(Code::UnknownName, name.at, message, help);
+    }
+
+    pub(super) fn place(&self, root: tree::Root, offset: u32, ty: TypeId, retained: bool, at: At) -> Place {
+        Place { root, offset, indices: Vec::new(), ty: self.tree_type(ty), retained, at }
+    }
+
+    /// A variable or constant.
+    pub(super) fn symbol_meaning(&mut self, found: Found, name: Name) -> Meaning {
+        let symbol = match found {
+            Found::Local(place) => self.running().and_then(|c| c.symbols.get(place as usize)).cloned(),
+            Found::Member(owner, place) => self.member_symbol(owner, place).cloned(),
+            Found::Global(place) => {
+                self.global_type(place);
+                self.globals.get(place as usize).cloned()
+            }
+            _ => None,
+        };
+        let Some(symbol) = symbol else { return Meaning::Wrong };
+        if symbol.is_value() {
+            let value = self.symbol_value(found);
+            let ty = match found {
+                Found::Global(place) => self.globals[place as usize].type_id(),
+                Found::Member(owner, place) => {
+                    self.member_symbol(owner, place).map_or(WRONG, Symbol::type_id)
+                }
+                _ => symbol.type_id(),
+            };
+            if let (Some(cell), Some(scalar)) = (value, self.scalar(ty)) {
+                return Meaning::Operand(Operand::Value(self.constant(cell, scalar, name.at), ty));
+            }
+            if self.scalar(ty).is_some() {
+                return Meaning::Wrong;
+            }
+        }
+        self.home_meaning(&symbol, name.at)
+    }
+
+    /// The place of a variable of the running unit or of the outside.
+    fn home_meaning(&mut self, symbol: &Symbol<'a>, at: At) -> Meaning {
+        let ty = symbol.type_id();
+        let kept = symbol.retention != Retention::None;
+        let fixed = symbol.constant.then_some("it is a constant");
+        let (root, offset) = match symbol.home {
+            Home::Nowhere => {
+                if self.context.constant && ty != WRONG {
+                    self.not_constant(at, "a constant is needed here");
+                }
+                return Meaning::Wrong;
+            }
+            Home::Absolute(address) => (tree::Root::Absolute, address),
+            Home::This(offset) => (tree::Root::This, offset),
+            Home::Frame(offset) => (tree::Root::Frame, offset),
+            Home::ThisAddress(offset) => (self.address_at(tree::Root::This, offset, at), 0),
+            Home::FrameAddress(offset) => (self.address_at(tree::Root::Frame, offset, at), 0),
+            Home::AbsoluteAddress(address) => (self.address_at(tree::Root::Absolute, address, at), 0),
+            Home::Bit(address, bit) => {
+                let place = self.place(tree::Root::Absolute, address, ty, kept, at);
+                return Meaning::Bit(place, bit, read_only(address).or(fixed));
+            }
+        };
+        let fixed = match root {
+            tree::Root::Absolute => read_only(offset).or(fixed),
+            _ => fixed,
+        };
+        let place = self.place(root, offset, ty, kept, at);
+        self.followed(place, ty, fixed)
+    }
+
+    /// The address that stands at a place.
+    fn address_at(&self, root: tree::Root, offset: u32, at: At) -> tree::Root {
+        let place = Place { root, offset, indices: Vec::new(), ty: Ty::Address, retained: false, at };
+        tree::Root::Address(Box::new(Expr { kind: ExprKind::Load(place), ty: Ty::Address, at }))
+    }
+
+    /// A reference stands for what it refers to.
+    pub(super) fn followed(&mut self, place: Place, ty: TypeId, fixed: Option<&'static str>) -> Meaning {
+        let Type::Reference(to) = *self.ty(ty) else { return Meaning::Place(place, ty, fixed) };
+        let at = place.at;
+        let address = Expr { kind: ExprKind::Load(place), ty: Ty::Address, at };
+        let place = self.place(tree::Root::Address(Box::new(address)), 0, to, false, at);
+        Meaning::Place(place, to, None)
+    }
+
+    /// The place of a reference itself, for `REF=`.
+    pub(super) fn reference_place(&mut self, written: &ast::Expr) -> Option<(Place, TypeId)> {
+        let Meaning::Place(place, _, _) = self.meaning(written) else { return None };
+        let tree::Root::Address(address) = place.root else { return None };
+        let ExprKind::Load(slot) = address.kind else { return None };
+        let to = self.reference_type(written)?;
+        Some((slot, to))
+    }
+
+    /// The declared type of a variable that is a reference.
+    fn reference_type(&mut self, written: &ast::Expr) -> Option<TypeId> {
+        let ty = match &written.kind {
+            ast::ExprKind::Name(name) | ast::ExprKind::Global(name) => match self.find(name.key)? {
+                Found::Local(place) => self.running()?.symbols.get(place as usize)?.type_id(),
+                Found::Member(owner, place) => self.member_symbol(owner, place)?.type_id(),
+                Found::Global(place) => self.global_type(place),
+                Found::Result => self.running()?.result?,
+                _ => return None,
+            },
+            ast::ExprKind::Member(of, name) => {
+                let Meaning::Place(_, ty, _) = self.meaning(of) else { return None };
+                match *self.ty(ty) {
+                    Type::Structure(place) => {
+                        let structure = self.structures.get(place as usize)?;
+                        structure.fields.iter().find(|field| field.key == name.key)?.ty
+                    }
+                    Type::Block(place) => {
+                        let (owner, nth) = self.member(place, name.key)?;
+                        self.member_symbol(owner, nth)?.type_id()
+                    }
+                    _ => return None,
+                }
+            }
+            _ => return None,
+        };
+        matches!(self.ty(ty), Type::Reference(_)).then_some(ty)
+    }
+
+    /// A value in a variable without a name, so that it has a place.
+    pub(super) fn held_value(&mut self, value: Expr, at: At) -> Place {
+        let ty = value.ty;
+        let offset = self.hidden(ty);
+        let place = Place { root: tree::Root::Frame, offset, indices: Vec::new(), ty, retained: false, at };
+        let store = tree::Stmt { kind: tree::StmtKind::Assign(Target::Place(place.clone()), value), at };
+        let address = Expr { kind: ExprKind::AddressOf(place), ty: Ty::Address, at };
+        let address = Expr { kind: ExprKind::Sequence(vec![store], Box::new(address)), ty: Ty::Address, at };
+        Place {
+            root: tree::Root::Address(Box::new(address)),
+            offset: 0,
+            indices: Vec::new(),
+            ty,
+            retained: false,
+            at,
+        }
+    }
+
+    /// A part of a place.
+    pub(super) fn inside(&self, place: Place, offset: u32, ty: TypeId, at: At) -> Place {
+        Place {
+            offset: place.offset.wrapping_add(offset),
+            ty: self.tree_type(ty),
+            at: place.at.to(at),
+            ..place
+        }
+    }
+
+    fn deref_meaning(&mut self, of: &ast::Expr, at: At) -> Meaning {
+        match &of.kind {
+            ast::ExprKind::This => {
+                let Some(block) = self.this_block(of.at) else { return Meaning::Wrong };
+                let ty = self.intern(Type::Block(block));
+                return Meaning::Place(
+                    self.place(tree::Root::This, 0, ty, false, at),
+                    ty,
+                    Some("it is the instance"),
+                );
+            }
+            ast::ExprKind::Super => {
+                let Some(block) = self.this_block(of.at) else { return Meaning::Wrong };
+                match self.pous[block as usize].base {
+                    Some(base) => return Meaning::Super(base),
+                    None => {
+                        let message = "this block extends no other";
+                        self.findings.error(Code::NotAValue, of.at, message, "SUPER needs EXTENDS");
+                        return Meaning::Wrong;
+                    }
+                }
+            }
+            _ => {}
+        }
+        let operand = self.expr(of, None);
+        let Some((pointer, ty)) = self.own_value(operand, of.at) else { return Meaning::Wrong };
+        match *self.ty(ty) {
+            Type::Pointer(to) | Type::RefTo(to) => {
+                let place = self.place(tree::Root::Address(Box::new(pointer)), 0, to, false, at);
+                self.followed(place, to, None)
+            }
+            Type::Wrong => Meaning::Wrong,
+            _ => {
+                let message = format!("{} is no pointer", self.type_name(ty));
+                self.findings.error(Code::NotAValue, at, message, "remove the ^");
+                Meaning::Wrong
+            }
+        }
+    }
+
+    /// The block whose code this is.
+    pub(super) fn this_block(&mut self, at: At) -> Option<u32> {
+        let block = self.context.pou.filter(|pou| {
+            self.pous.get(*pou as usize).is_some_and(|p| p.ast.kind == ast::PouKind::FunctionBlock)
+        });
+        if block.is_none() || self.context.constant {
+            let message = "THIS and SUPER belong into function blocks and their methods";
+            self.findings.error(Code::NotAValue, at, message, "");
+            return None;
+        }
+        block
+    }
+
+    fn part_meaning(&mut self, of: &ast::Expr, bits: u8, number: u32, at: At) -> Meaning {
+        let (place, ty, fixed) = match self.meaning(of) {
+            Meaning::Place(place, ty, fixed) => (place, ty, fixed),
+            Meaning::Wrong => return Meaning::Wrong,
+            meaning => {
+                let operand = self.operand_of(meaning, of.at);
+                let Some((value, ty)) = self.own_value(operand, of.at) else { return Meaning::Wrong };
+                (self.held_value(value, of.at), ty, Some("it is a value"))
+            }
+        };
+        let Some(scalar) = self.scalar(ty).filter(|ty| ty.is_integer()) else {
+            if ty != WRONG {
+                let message = format!("{} has no bits", self.type_name(ty));
+                self.findings.error(Code::NotAValue, at, message, "whole numbers and bit strings have");
+            }
+            return Meaning::Wrong;
+        };
+        let parts = scalar.bits() / u32::from(bits.max(1));
+        if number >= parts || (bits > 1 && u32::from(bits) >= scalar.bits()) {
+            let message =
+                format!("{} has no part {number} of {}", scalar.name(), count(u32::from(bits), "bit"));
+            let help = if parts > 0 { format!("0 to {}", parts - 1) } else { String::new() };
+            self.findings.error(Code::Index, at, message, help);
+            return Meaning::Wrong;
+        }
+        if bits == 1 {
+            return Meaning::Bit(place, number, fixed);
+        }
+        let part = match bits {
+            8 => Elementary::Byte,
+            16 => Elementary::Word,
+            _ => Elementary::Dword,
+        };
+        let ty = self.elementary(part);
+        let place = self.inside(place, number * u32::from(bits) / 8, ty, at);
+        Meaning::Place(place, ty, fixed)
+    }
+
+    fn direct(&mut self, text: &str, at: At) -> Meaning {
+        let Some(address) = self.address(text, at) else { return Meaning::Wrong };
+        let scalar = Elementary::of_size(address.size());
+        let ty = self.elementary(scalar);
+        let fixed = (address.area() == Area::Input).then_some("inputs are read only");
+        if !self.context.constant {
+            self.located.push(crate::program::Located {
+                address,
+                ty: scalar,
+                read: true,
+                written: false,
+                declared: false,
+                initial: None,
+            });
+        }
+        match home_of(address) {
+            Home::Bit(byte, bit) => {
+                let place = self.place(tree::Root::Absolute, byte, ty, false, at);
+                Meaning::Bit(place, bit, fixed)
+            }
+            Home::Absolute(byte) => {
+                Meaning::Place(self.place(tree::Root::Absolute, byte, ty, false, at), ty, fixed)
+            }
+            _ => Meaning::Wrong,
+        }
+    }
+
+    /// What is assigned to, with its type; reports what cannot be.
+    pub(super) fn target(&mut self, written: &ast::Expr) -> Option<(Target, TypeId)> {
+        let (target, ty, fixed) = match self.meaning(written) {
+            Meaning::Place(place, ty, fixed) => (Target::Place(place), ty, fixed),
+            Meaning::Bit(place, bit, fixed) => {
+                (Target::Bit(place, bit), self.elementary(Elementary::Bool), fixed)
+            }
+            Meaning::Wrong => return None,
+            Meaning::Operand(Operand::Wrong) => return None,
+            meaning => {
+                let (message, help) = match meaning {
+                    Meaning::Operand(_) if matches!(written.kind, ast::ExprKind::Name(_)) => {
+                        (format!("`{}` is a constant", self.text(written.at)), "assign to a variable")
+                    }
+                    Meaning::Operand(_) => ("a value cannot be assigned to".into(), "assign to a variable"),
+                    _ => (format!("`{}` is no variable", self.text(written.at)), "assign to a variable"),
+                };
+                self.findings.error(Code::ReadOnly, written.at, message, help);
+                return None;
+            }
+        };
+        if ty == WRONG {
+            return None;
+        }
+        if let Some(why) = fixed {
+            let message = format!("this cannot be assigned to: {why}");
+            self.findings.error(Code::ReadOnly, written.at, message, "");
+            return None;
+        }
+        Some((target, ty))
+    }
+
+    /// The address of a place.
+    pub(super) fn address_of(&mut self, place: Place) -> Expr {
+        let at = place.at;
+        if let (tree::Root::Absolute, true) = (&place.root, place.indices.is_empty()) {
+            return Expr { kind: ExprKind::Constant(i64::from(place.offset)), ty: Ty::Address, at };
+        }
+        if let (tree::Root::Address(address), true, 0) = (&place.root, place.indices.is_empty(), place.offset)
+        {
+            return (**address).clone();
+        }
+        Expr { kind: ExprKind::AddressOf(place), ty: Ty::Address, at }
+    }
+}
+
+fn read_only(address: u32) -> Option<&'static str> {
+    use crate::code::map;
+    (map::INPUTS..map::OUTPUTS).contains(&address).then_some("inputs are read only")
+}

@@ -1,0 +1,115 @@
+//! CONFIGURATION: tasks and the programs that they run.
+
+use super::{Global, Sema};
+use crate::codes::Code;
+use crate::parse::ast::{self, PouKind};
+use crate::program::TaskInfo;
+use crate::types::Elementary;
+use signal::Span;
+
+impl Sema<'_> {
+    /// The tasks of all configurations; `programs` gives the place of a program by that of its unit.
+    pub(super) fn tasks(&mut self, programs: &[u32]) -> Vec<TaskInfo> {
+        let unit = self.unit;
+        let mut list: Vec<(ast::Key, TaskInfo)> = Vec::new();
+        for configuration in &unit.configurations {
+            for task in &configuration.tasks {
+                if list.iter().any(|(key, _)| *key == task.name.key) {
+                    let message = format!("the task `{}` is declared twice", self.shown(task.name));
+                    self.findings.error(Code::Duplicate, task.name.at, message, "");
+                    continue;
+                }
+                if let Some(info) = self.task(task) {
+                    list.push((task.name.key, info));
+                }
+            }
+            for declared in &configuration.programs {
+                let name = declared.program;
+                let place = match self.outside.get(&name.key) {
+                    Some(Global::Pou(pou)) if self.pous[*pou as usize].ast.kind == PouKind::Program => {
+                        let pou = *pou;
+                        programs.iter().position(|program| *program == pou)
+                    }
+                    _ => None,
+                };
+                let Some(place) = place else {
+                    let message = format!("there is no PROGRAM `{}`", self.shown(name));
+                    self.findings.error(Code::UnknownName, name.at, message, "write one, or mend the name");
+                    continue;
+                };
+                let Some(task) = declared.task else {
+                    let message = format!("`{}` runs in no task", self.shown(declared.instance));
+                    let help = "name a task, as in PROGRAM p WITH t : MAIN";
+                    self.findings.error(Code::Task, declared.at, message, help);
+                    continue;
+                };
+                match list.iter_mut().find(|(key, _)| *key == task.key) {
+                    Some((_, info)) => {
+                        if !info.programs.contains(&place) {
+                            info.programs.push(place);
+                        } else {
+                            let message = format!("`{}` is in this task already", self.shown(name));
+                            let help = "a PROGRAM has one instance here";
+                            self.findings.error(Code::Task, declared.at, message, help);
+                        }
+                    }
+                    None => {
+                        let message = format!("there is no task `{}`", self.shown(task));
+                        self.findings.error(Code::UnknownName, task.at, message, "declare it with TASK");
+                    }
+                }
+            }
+        }
+        list.into_iter().map(|(_, info)| info).collect()
+    }
+
+    fn task(&mut self, task: &ast::TaskDecl) -> Option<TaskInfo> {
+        let mut info = TaskInfo {
+            name: self.shown(task.name).to_string(),
+            interval: None,
+            priority: None,
+            programs: Vec::new(),
+            file: task.name.at.file,
+            span: task.name.at.start as usize..task.name.at.end as usize,
+        };
+        for (name, value) in &task.parameters {
+            match self.names.key_text(name.key) {
+                "INTERVAL" => {
+                    let time = self.elementary(Elementary::Ltime);
+                    let nanoseconds = self.constant_cell(value, time)?;
+                    if nanoseconds <= 0 {
+                        let message = "an interval is longer than 0";
+                        self.findings.error(Code::Task, value.at, message, "as in INTERVAL := T#20ms");
+                        return None;
+                    }
+                    info.interval = Some(Span::from_nanos(nanoseconds));
+                }
+                "PRIORITY" => {
+                    let number = self.constant_number(value)?;
+                    let Ok(priority) = u32::try_from(number) else {
+                        let message = format!("{number} is no priority");
+                        self.findings.error(Code::Task, value.at, message, "0 is the highest");
+                        return None;
+                    };
+                    info.priority = Some(priority);
+                }
+                "SINGLE" => {
+                    let message = "tasks that a variable releases are not supported yet";
+                    self.findings.error(Code::Unsupported, name.at, message, "give the task an INTERVAL");
+                    return None;
+                }
+                _ => {
+                    let message = format!("a task has no `{}`", self.shown(*name));
+                    self.findings.error(Code::Task, name.at, message, "INTERVAL and PRIORITY are known");
+                    return None;
+                }
+            }
+        }
+        if info.interval.is_none() {
+            let message = format!("the task `{}` has no interval", info.name);
+            self.findings.error(Code::Task, task.name.at, message, "write INTERVAL := T#20ms");
+            return None;
+        }
+        Some(info)
+    }
+}

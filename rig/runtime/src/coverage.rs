@@ -1,0 +1,203 @@
+//! What of a program ran, added up over applications and cases.
+
+use program::{Coverage, Program};
+use record::{FileCoverage, MAX_COVERED_FILES, MAX_LINE_RANGES};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Where the applications of a case leave what of them ran: a controller that boots again makes a new one.
+#[derive(Clone, Debug, Default)]
+pub struct Collector(Arc<Mutex<Coverage>>);
+
+impl Collector {
+    /// Adds what ran of an application. All of one case are of the same program.
+    pub fn add(&self, coverage: Coverage) {
+        let mut sum = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if sum.statements.len() != coverage.statements.len() {
+            *sum = coverage;
+            return;
+        }
+        for (sum, ran) in sum.statements.iter_mut().zip(coverage.statements) {
+            sum.executed |= ran.executed;
+        }
+        for (sum, ran) in sum.branches.iter_mut().zip(coverage.branches) {
+            sum.taken |= ran.taken;
+            sum.passed |= ran.passed;
+        }
+    }
+
+    /// What was added, file by file.
+    pub fn take(&self, program: &Program) -> Vec<Covered> {
+        by_file(program, &self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// A place of the source with what of it ran.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Ran {
+    line: u32,
+    /// Ways that it can go, and those that it went: one for a statement, two for a condition.
+    ways: [bool; 2],
+}
+
+/// What of a source file ran.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Covered {
+    file: String,
+    statements: Vec<Ran>,
+    branches: Vec<Ran>,
+}
+
+/// The coverage of a program, file by file in the order of the sources.
+pub fn by_file(program: &Program, coverage: &Coverage) -> Vec<Covered> {
+    let named = |name: &String| Covered { file: name.clone(), ..Covered::default() };
+    let mut files: Vec<Covered> = program.files().iter().map(named).collect();
+    for statement in &coverage.statements {
+        if let Some(file) = files.get_mut(usize::from(statement.file)) {
+            file.statements.push(Ran { line: statement.line, ways: [statement.executed; 2] });
+        }
+    }
+    for branch in &coverage.branches {
+        if let Some(file) = files.get_mut(usize::from(branch.file)) {
+            file.branches.push(Ran { line: branch.line, ways: [branch.taken, branch.passed] });
+        }
+    }
+    files.retain(|file| !file.statements.is_empty());
+    files
+}
+
+/// The coverage of a whole run: cases that ran the same file add up.
+#[derive(Clone, Debug, Default)]
+pub struct Total {
+    files: Vec<Covered>,
+}
+
+impl Total {
+    /// Adds what a case ran. A file that reads otherwise than an earlier one of its name stands for itself.
+    pub fn add(&mut self, files: Vec<Covered>) {
+        for file in files {
+            if let Some(known) = self.files.iter_mut().find(|known| known.is_like(&file)) {
+                known.merge(&file);
+            } else if self.files.len() < MAX_COVERED_FILES {
+                self.files.push(file);
+            }
+        }
+    }
+
+    /// As the record has it.
+    pub fn record(&self) -> Vec<FileCoverage> {
+        self.files.iter().map(Covered::record).collect()
+    }
+}
+
+fn same_lines(left: &[Ran], right: &[Ran]) -> bool {
+    left.iter().map(|ran| ran.line).eq(right.iter().map(|ran| ran.line))
+}
+
+impl Covered {
+    fn is_like(&self, other: &Covered) -> bool {
+        self.file == other.file
+            && same_lines(&self.statements, &other.statements)
+            && same_lines(&self.branches, &other.branches)
+    }
+
+    fn merge(&mut self, other: &Covered) {
+        let lists = [(&mut self.statements, &other.statements), (&mut self.branches, &other.branches)];
+        for (sum, more) in lists.into_iter().flat_map(|(sum, more)| sum.iter_mut().zip(more)) {
+            sum.ways = [sum.ways[0] | more.ways[0], sum.ways[1] | more.ways[1]];
+        }
+    }
+
+    /// As the record has it.
+    pub fn record(&self) -> FileCoverage {
+        let missed = |ran: &Ran| ran.ways == [false; 2];
+        let ways: usize = self.branches.iter().map(|ran| ran.ways.iter().filter(|went| **went).count()).sum();
+        let mut one_way: Vec<u32> =
+            self.branches.iter().filter(|ran| ran.ways[0] != ran.ways[1]).map(|ran| ran.line).collect();
+        one_way.sort_unstable();
+        // A range of these goes on only from one line to the next: lines between them say something else.
+        let one_way = ranges(&one_way, |last, line| line - last <= 1);
+        let mut lines: Vec<(u32, bool)> = self.statements.iter().map(|ran| (ran.line, missed(ran))).collect();
+        lines.sort_unstable();
+        let missing: Vec<u32> = lines.iter().filter(|(_, missed)| *missed).map(|(line, _)| *line).collect();
+        let mut ran: Vec<u32> = lines.iter().filter(|(_, missed)| !missed).map(|(line, _)| *line).collect();
+        ran.dedup();
+        let between = |last: u32, line: u32| {
+            let behind = ran.partition_point(|ran| *ran <= last);
+            ran.get(behind).is_none_or(|next| *next >= line) && ran.binary_search(&last).is_err()
+        };
+        FileCoverage {
+            file: self.file.clone(),
+            statements: self.statements.len() as u64,
+            statements_run: self.statements.iter().filter(|ran| !missed(ran)).count() as u64,
+            branches: 2 * self.branches.len() as u64,
+            branches_run: ways as u64,
+            lines_missed: ranges(&missing, between),
+            lines_one_way: one_way,
+        }
+    }
+}
+
+/// Lines in order as ranges; `joins` says whether a line goes on from the last one.
+fn ranges(lines: &[u32], joins: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
+    let mut ranges: Vec<[u32; 2]> = Vec::new();
+    for line in lines {
+        if let Some([_, last]) = ranges.last_mut()
+            && (last == line || joins(*last, *line))
+        {
+            *last = *line;
+        } else if ranges.len() < MAX_LINE_RANGES {
+            ranges.push([*line, *line]);
+        } else {
+            break;
+        }
+    }
+    ranges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(statements: &[(u32, bool)], branches: &[(u32, bool, bool)]) -> Covered {
+        Covered {
+            file: String::from("a.st"),
+            statements: statements.iter().map(|(line, ran)| Ran { line: *line, ways: [*ran; 2] }).collect(),
+            branches: branches.iter().map(|(line, a, b)| Ran { line: *line, ways: [*a, *b] }).collect(),
+        }
+    }
+
+    #[test]
+    fn lines_that_follow_each_other_are_a_range() {
+        let covered = file(
+            &[
+                (3, true),
+                (4, false),
+                (9, false),
+                (10, true),
+                (12, false),
+                (13, true),
+                (13, false),
+                (14, false),
+            ],
+            &[(3, true, false), (10, true, true), (12, false, false)],
+        );
+        let record = covered.record();
+        assert_eq!((record.statements, record.statements_run), (8, 3));
+        assert_eq!((record.branches, record.branches_run), (6, 3));
+        assert_eq!(record.lines_missed, [[4, 9], [12, 13], [14, 14]]);
+        assert_eq!(record.lines_one_way, [[3, 3]]);
+    }
+
+    #[test]
+    fn cases_add_up() {
+        let mut total = Total::default();
+        total.add(vec![file(&[(1, true), (2, false)], &[(1, true, false)])]);
+        total.add(vec![file(&[(1, false), (2, true)], &[(1, false, true)])]);
+        // Another text under the same name.
+        total.add(vec![file(&[(1, false)], &[])]);
+        let files = total.record();
+        assert_eq!(files.len(), 2);
+        assert_eq!((files[0].statements_run, files[0].branches_run), (2, 2));
+        assert_eq!((files[1].statements_run, files[1].lines_missed.as_slice()), (0, &[[1, 1]][..]));
+    }
+}

@@ -1,0 +1,305 @@
+//! The tasks of a controller: those that exist by themselves, those that the sources configure (CONFIGURATION), and
+//! what a plan says of either.
+
+use controller::{Config, ConfigError, TaskConfig, TaskKind, Watchdog};
+use document::{Diagnostic, SourceFile};
+use plans::plan::{Settings, TaskSettings};
+use profile::Profile;
+use program::{Program, TaskInfo};
+use signal::Span;
+
+/// Where a task of the configuration was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum From {
+    /// Nowhere: MAST, or in the plan.
+    Plan,
+    /// In the sources: place in [`Program::tasks`].
+    Sources(usize),
+}
+
+/// The tasks of a case.
+#[derive(Debug)]
+pub struct Tasks {
+    /// As the controller takes them.
+    pub configured: Vec<TaskConfig>,
+    /// Their names, each with the PROGRAMs that it runs; an empty list means every PROGRAM that no list names.
+    pub programs: Vec<(String, Vec<String>)>,
+    from: Vec<From>,
+}
+
+impl Tasks {
+    /// The tasks of a program with what a plan says of them: MAST, then those of the sources, then further ones of
+    /// the plan. What the plan says goes before what the sources say, key by key; a PROGRAM that a list of the plan
+    /// names leaves the lists of the sources, and a task of the sources that has none left is not made.
+    ///
+    /// # Errors
+    /// A finding in the sources for a task that these controllers do not have.
+    pub fn new(program: Option<&Program>, settings: &Settings) -> Result<Tasks, Vec<Diagnostic>> {
+        let mut tasks =
+            Tasks { configured: vec![TaskConfig::mast()], programs: Vec::new(), from: vec![From::Plan] };
+        tasks.programs.push((tasks.configured[0].name.clone(), Vec::new()));
+        let known: &[TaskInfo] = program.map_or(&[], Program::tasks);
+        for (place, task) in known.iter().enumerate() {
+            let own = find(settings, &task.name);
+            let programs = program.map_or(&[][..], Program::programs);
+            let left = task.programs.iter().filter_map(|program| programs.get(*program));
+            let left: Vec<String> = left.filter(|name| !named(settings, name)).cloned().collect();
+            let is_mast = task.name.eq_ignore_ascii_case("MAST");
+            if left.is_empty() && !is_mast && own.is_none_or(|own| own.programs.is_none()) {
+                continue;
+            }
+            let Some(interval) = own.and_then(|own| own.interval).or(task.interval) else {
+                let message = format!("the task `{}` has no INTERVAL", task.name);
+                let help = "write one, as in `TASK t (INTERVAL := T#20ms, PRIORITY := 5)`: there are cyclic tasks only";
+                return Err(vec![refused(program, task, &message).help(help)]);
+            };
+            let priority = task.priority.map_or(Ok(profile::DEFAULT_PRIORITY), u8::try_from);
+            let Ok(priority) = own.and_then(|own| own.priority).map_or(priority, Ok) else {
+                let lowest = profile::PRIORITIES.end();
+                let message = format!("the task `{}` has a priority that no controller has", task.name);
+                return Err(vec![refused(program, task, &message).help(format!("0 to {lowest}"))]);
+            };
+            let at = tasks.place(&task.name, From::Sources(place));
+            if let Some(configured) = tasks.configured.get_mut(at) {
+                configured.kind = TaskKind::Cyclic { interval };
+                configured.priority = priority;
+            }
+            if let Some((_, programs)) = tasks.programs.get_mut(at) {
+                *programs = left;
+            }
+        }
+        for said in &settings.tasks {
+            let at = tasks.place(&said.name, From::Plan);
+            if let Some(configured) = tasks.configured.get_mut(at) {
+                overlay(configured, said);
+            }
+            if let (Some((_, programs)), Some(list)) = (tasks.programs.get_mut(at), &said.programs) {
+                programs.clone_from(list);
+            }
+        }
+        Ok(tasks)
+    }
+
+    /// The place of a task by its name; a new one is made where there is none.
+    fn place(&mut self, name: &str, from: From) -> usize {
+        let known = self.configured.iter().position(|task| task.name.eq_ignore_ascii_case(name));
+        let place = known.unwrap_or_else(|| {
+            self.configured.push(TaskConfig { name: name.to_owned(), ..TaskConfig::mast() });
+            self.programs.push((name.to_owned(), Vec::new()));
+            self.from.push(from);
+            self.configured.len() - 1
+        });
+        if let (From::Sources(_), Some(known)) = (from, self.from.get_mut(place)) {
+            *known = from;
+        }
+        place
+    }
+
+    /// What the controller refuses of a configuration with these tasks, at the task of the sources that it is about,
+    /// else in the plan.
+    pub fn refusal(&self, error: &ConfigError, program: Option<&Program>, plan: &SourceFile) -> Diagnostic {
+        let places: &[usize] = match error {
+            ConfigError::SameName { tasks: (first, second) }
+            | ConfigError::SamePriority { tasks: (first, second), .. } => &[*second, *first],
+            ConfigError::Priority { task, .. }
+            | ConfigError::Interval { task, .. }
+            | ConfigError::WatchdogTime { task } => &[*task],
+            ConfigError::TooManyTasks { most, .. } | ConfigError::TooManyCyclic { most, .. } => &[*most],
+            _ => &[],
+        };
+        let written = places.iter().find_map(|place| match self.from.get(*place)? {
+            From::Sources(task) => program?.tasks().get(*task),
+            From::Plan => None,
+        });
+        let message = self.message(error);
+        match written {
+            Some(task) => refused(program, task, &message),
+            None => Diagnostic::error("R0113", message).at(&plan.name, 0..0, ""),
+        }
+    }
+
+    /// The error with the names of the tasks.
+    fn message(&self, error: &ConfigError) -> String {
+        let name = |place: &usize| self.configured.get(*place).map_or("?", |task| task.name.as_str());
+        match error {
+            ConfigError::SamePriority { tasks: (first, second), priority } => format!(
+                "the tasks `{}` and `{}` both have priority {priority}: give each its own",
+                name(first),
+                name(second)
+            ),
+            ConfigError::Priority { task, priority } => {
+                let lowest = profile::PRIORITIES.end();
+                format!("the task `{}` has priority {priority}: the lowest is {lowest}", name(task))
+            }
+            ConfigError::Interval { task, interval } => format!(
+                "the task `{}` has an interval of {interval}: the least is {}",
+                name(task),
+                profile::MINIMUM_CYCLE
+            ),
+            ConfigError::WatchdogTime { task } => {
+                format!("the watchdog time of the task `{}` is not above 0", name(task))
+            }
+            other => other.to_string(),
+        }
+    }
+
+    /// Puts the tasks into a configuration.
+    ///
+    /// # Errors
+    /// What the controller refuses of it.
+    pub fn configure(
+        &self,
+        config: &mut Config,
+        program: Option<&Program>,
+        plan: &SourceFile,
+    ) -> Result<(), Vec<Diagnostic>> {
+        config.tasks.clone_from(&self.configured);
+        config.check().map_err(|error| vec![self.refusal(&error, program, plan)])
+    }
+}
+
+/// Whether a controller of this profile takes the tasks of a program as the sources configure them.
+///
+/// # Errors
+/// What it refuses.
+pub fn check(program: &Program, profile: Profile) -> Result<(), Vec<Diagnostic>> {
+    let tasks = Tasks::new(Some(program), &Settings::default())?;
+    tasks.configure(&mut Config::new(profile), Some(program), &SourceFile::new("", ""))
+}
+
+/// What a plan says of a task.
+fn find<'a>(settings: &'a Settings, name: &str) -> Option<&'a TaskSettings> {
+    settings.tasks.iter().find(|task| task.name.eq_ignore_ascii_case(name))
+}
+
+/// Whether a list of the plan names a PROGRAM.
+fn named(settings: &Settings, program: &str) -> bool {
+    let mut lists = settings.tasks.iter().filter_map(|task| task.programs.as_ref());
+    lists.any(|list| list.iter().any(|name| name.eq_ignore_ascii_case(program)))
+}
+
+/// Puts what a plan says of a task over what is known of it.
+fn overlay(task: &mut TaskConfig, said: &TaskSettings) {
+    if let Some(interval) = said.interval {
+        task.kind = TaskKind::Cyclic { interval };
+    }
+    task.priority = said.priority.unwrap_or(task.priority);
+    let watchdog = task.watchdog.unwrap_or(Watchdog { time: Span::from_millis(100), sensitivity: 1 });
+    task.watchdog = said.enabled.unwrap_or(true).then(|| Watchdog {
+        time: said.watchdog.unwrap_or(watchdog.time),
+        sensitivity: said.sensitivity.unwrap_or(watchdog.sensitivity),
+    });
+}
+
+/// A task of the sources that these controllers do not take.
+fn refused(program: Option<&Program>, task: &TaskInfo, message: &str) -> Diagnostic {
+    let file = program.and_then(|program| program.files().get(usize::from(task.file)));
+    let file = file.map_or("", String::as_str);
+    Diagnostic::error("R0116", message).at(file, task.span.clone(), "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::application::compile;
+
+    const PROGRAMS: &str = "PROGRAM a END_PROGRAM PROGRAM b END_PROGRAM PROGRAM c END_PROGRAM\n";
+
+    fn program(configuration: &str) -> Program {
+        let text = format!("{PROGRAMS}CONFIGURATION x {configuration} END_CONFIGURATION");
+        compile(&[SourceFile::new("x.st", text)], Profile::default()).unwrap()
+    }
+
+    fn task(name: &str) -> TaskSettings {
+        TaskSettings { name: name.to_owned(), ..TaskSettings::default() }
+    }
+
+    /// Name, interval in ms, priority and programs of each task.
+    fn tasks(program: &Program, said: Vec<TaskSettings>) -> Vec<(String, i64, u8, String)> {
+        let settings = Settings { tasks: said, ..Settings::default() };
+        let tasks = Tasks::new(Some(program), &settings).unwrap();
+        let rows = tasks.configured.iter().zip(&tasks.programs);
+        let row = |(task, (name, programs)): (&TaskConfig, &(String, Vec<String>))| {
+            assert_eq!(task.name, *name);
+            (name.clone(), task.interval().as_nanos() / 1_000_000, task.priority, programs.join(" "))
+        };
+        rows.map(row).collect()
+    }
+
+    fn row(name: &str, interval: i64, priority: u8, programs: &str) -> (String, i64, u8, String) {
+        (name.to_owned(), interval, priority, programs.to_owned())
+    }
+
+    #[test]
+    fn without_any_there_is_mast() {
+        let none = compile(&[SourceFile::new("x.st", PROGRAMS)], Profile::default()).unwrap();
+        assert_eq!(tasks(&none, Vec::new()), [row("MAST", 20, 15, "")]);
+        assert_eq!(Tasks::new(None, &Settings::default()).unwrap().configured, [TaskConfig::mast()]);
+    }
+
+    #[test]
+    fn the_plan_goes_before_the_program_key_by_key() {
+        let program = program(
+            "TASK t (INTERVAL := T#5ms, PRIORITY := 2); TASK mast (INTERVAL := T#50ms); \
+             PROGRAM p WITH t : a; PROGRAM q WITH t : b;",
+        );
+        let own = [row("MAST", 50, 15, ""), row("t", 5, 2, "a b")];
+        assert_eq!(tasks(&program, Vec::new()), own);
+        let interval = TaskSettings { interval: Some(Span::from_millis(7)), ..task("T") };
+        assert_eq!(tasks(&program, vec![interval]), [row("MAST", 50, 15, ""), row("t", 7, 2, "a b")]);
+        let priority = TaskSettings { priority: Some(3), ..task("mast") };
+        assert_eq!(tasks(&program, vec![priority]), [row("MAST", 50, 3, ""), row("t", 5, 2, "a b")]);
+        // A PROGRAM that the plan gives away leaves its task, and an empty task is not made.
+        let one = TaskSettings { programs: Some(vec!["A".into()]), priority: Some(9), ..task("u") };
+        let moved = [row("MAST", 50, 15, ""), row("t", 5, 2, "b"), row("u", 20, 9, "A")];
+        assert_eq!(tasks(&program, vec![one]), moved);
+        let both = TaskSettings { programs: Some(vec!["b".into(), "a".into()]), ..task("MAST") };
+        assert_eq!(tasks(&program, vec![both]), [row("MAST", 50, 15, "b a")]);
+    }
+
+    #[test]
+    fn what_the_controller_refuses_is_told_at_the_task() {
+        for (text, said, code, place) in [
+            ("TASK t (INTERVAL := T#5ms); PROGRAM p WITH t : a;", None, "R0116", Some("t (")),
+            ("TASK t (INTERVAL := T#5ms, PRIORITY := 99); PROGRAM p WITH t : a;", None, "R0116", Some("t (")),
+            (
+                "TASK t (INTERVAL := T#5ms, PRIORITY := 999); PROGRAM p WITH t : a;",
+                None,
+                "R0116",
+                Some("t ("),
+            ),
+            (
+                "TASK t (INTERVAL := LTIME#999ns, PRIORITY := 3); PROGRAM p WITH t : a;",
+                None,
+                "R0116",
+                Some("t ("),
+            ),
+            (
+                "TASK t (INTERVAL := T#5ms, PRIORITY := 4); PROGRAM p WITH t : a;",
+                Some(4),
+                "R0116",
+                Some("t ("),
+            ),
+        ] {
+            let program = program(text);
+            let mast = TaskSettings { priority: said, ..task("MAST") };
+            let settings = Settings { tasks: vec![mast], ..Settings::default() };
+            let mut config = Config::new(Profile::default());
+            let plan = SourceFile::new("plan.toml", "");
+            let tasks = Tasks::new(Some(&program), &settings);
+            let found =
+                tasks.and_then(|tasks| tasks.configure(&mut config, Some(&program), &plan)).unwrap_err();
+            assert_eq!((found.len(), found[0].code), (1, code), "{text}");
+            let label = &found[0].labels[0];
+            let source = format!("{PROGRAMS}CONFIGURATION x {text} END_CONFIGURATION");
+            assert_eq!(source.get(label.span.start..label.span.start + 3), place, "{text}");
+        }
+        let twice = vec![TaskSettings { priority: Some(15), ..task("t") }];
+        let settings = Settings { tasks: twice, ..Settings::default() };
+        let tasks = Tasks::new(None, &settings).unwrap();
+        let plan = SourceFile::new("plan.toml", "");
+        let found = tasks.configure(&mut Config::new(Profile::default()), None, &plan).unwrap_err();
+        assert_eq!((found[0].code, found[0].labels[0].file.as_str()), ("R0113", "plan.toml"));
+        assert!(found[0].message.contains("`MAST` and `t`"), "{}", found[0].message);
+    }
+}
