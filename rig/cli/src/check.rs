@@ -72,6 +72,7 @@ fn check(
                     |found| found,
                     |mut program| {
                         let mut found = std::mem::take(&mut program.warnings);
+                        found.extend(runtime::application::notes(&program, Profile::default()));
                         found.extend(tasks::check(&program, Profile::default()).err().unwrap_or_default());
                         found
                     },

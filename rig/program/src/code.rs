@@ -160,15 +160,20 @@ pub(crate) enum Op {
     Not16,
     Not32,
     Not64,
-    /// `c` is the count, I64: a negative one or one not below the width gives 0 (shifts) or counts modulo the width (rotations).
+    /// `c` is the count, I64: a negative one or one not below the width gives 0 (shifts) or counts modulo the width
+    /// (rotations). ShrI.. fill with the sign: a count not below the width gives 0 or -1.
     Shl8,
     Shl16,
     Shl32,
     Shl64,
-    Shr8,
-    Shr16,
-    Shr32,
-    Shr64,
+    ShrI8,
+    ShrU8,
+    ShrI16,
+    ShrU16,
+    ShrI32,
+    ShrU32,
+    ShrI64,
+    ShrU64,
     Rol8,
     Rol16,
     Rol32,
@@ -330,6 +335,34 @@ pub(crate) enum Op {
     IsKind,
     /// To the caller; at the end of a program, to the next one.
     Return,
+    /// The rest is made of others when a program is loaded, and stands in no program: `c` is a constant itself.
+    Set8,
+    Set16,
+    Set32,
+    /// `a` grows by the constant.
+    Grow16,
+    Grow32,
+    /// `a` is `b` and the constant.
+    Sum16,
+    Sum32,
+    /// To step `a` where `b` compares so with the constant.
+    Equal8,
+    Equal16,
+    Equal32,
+    Other8,
+    Other16,
+    Other32,
+    Less16,
+    Less32,
+    LessEqual16,
+    LessEqual32,
+    Greater16,
+    Greater32,
+    GreaterEqual16,
+    GreaterEqual32,
+    /// FOR by 1 to the constant.
+    Turn16,
+    Turn32,
 }
 
 /// An operation with its operands and its modelled time.

@@ -133,7 +133,11 @@ pub(crate) fn count(n: impl TryInto<u32>, what: &str) -> String {
 
 /// The name of `known` that is at most two slips of the keyboard from `name`, both in capitals.
 pub(crate) fn similar<'k>(name: &str, known: impl Iterator<Item = &'k str>) -> Option<String> {
-    let allowed = if name.len() <= 3 { 1 } else { 2 };
+    let allowed = match name.len() {
+        0 | 1 => 0,
+        2 | 3 => 1,
+        _ => 2,
+    };
     known
         .filter(|k| k.len().abs_diff(name.len()) <= allowed)
         .map(|k| (distance(name.as_bytes(), k.as_bytes()), k))

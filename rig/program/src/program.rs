@@ -156,6 +156,8 @@ pub struct Program {
     pub(crate) roots: Vec<Root>,
     pub(crate) shapes: Vec<Shape>,
     pub(crate) tasks: Vec<TaskInfo>,
+    /// Source file and bytes of the first LREAL: no part of what the program does.
+    pub(crate) lreal: Option<(u8, std::ops::Range<usize>)>,
     /// What [`Program::variables`] lists: derived.
     pub(crate) variables: Vec<Variable>,
     /// First names in capitals, full and short; `None` where a short one means several: derived.
@@ -170,6 +172,12 @@ pub struct Program {
 }
 
 impl Program {
+    /// The place of the first declaration with the type LREAL, which the documents of some controllers do not list
+    /// (controller:DT-04): the source file's place and bytes of its text.
+    pub fn lreal(&self) -> Option<(u8, std::ops::Range<usize>)> {
+        self.lreal.clone()
+    }
+
     /// Names of the PROGRAMs in the order of the sources. A place in this list is what [`crate::Machine::new`] takes.
     pub fn programs(&self) -> &[String] {
         &self.program_names

@@ -65,6 +65,8 @@ pub(crate) struct Tree {
     pub roots: Vec<crate::shape::Root>,
     pub shapes: Vec<Shape>,
     pub tasks: Vec<TaskInfo>,
+    /// Source file and bytes of the first LREAL.
+    pub lreal: Option<(u8, std::ops::Range<usize>)>,
 }
 
 /// A unit: one piece of code with a frame.

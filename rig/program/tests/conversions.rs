@@ -31,10 +31,16 @@ fn samples(ty: Elementary) -> Vec<Sample> {
         Char => given(&[(65, "CHAR#'A'"), (255, "CHAR#'$FF'")]),
         Wchar => given(&[(65, "WCHAR#\"A\""), (0x20AC, "WCHAR#\"$20AC\"")]),
         Time => given(&[(0, "T#0s"), (1_500, "T#1.5s"), (4_294_967_295, "T#49d17h2m47s295ms")]),
-        Ltime => given(&[(0, "LTIME#0s"), (1_999_999, "LTIME#1999999ns"), ((1 << 62) + 1, "LTIME#4611686018427387905ns")]),
+        Ltime => given(&[
+            (0, "LTIME#0s"),
+            (1_999_999, "LTIME#1999999ns"),
+            ((1 << 62) + 1, "LTIME#4611686018427387905ns"),
+        ]),
         Date => given(&[(0, "D#1970-01-01"), (19_782 * day, "D#2024-02-29"), (49_709 * day, "D#2106-02-06")]),
         Dt => given(&[(1, "DT#1970-01-01-00:00:01"), (19_782 * day + 45_296, "DT#2024-02-29-12:34:56")]),
-        Tod => given(&[(0, "TOD#00:00:00"), (45_296_789, "TOD#12:34:56.789"), (86_399_999, "TOD#23:59:59.999")]),
+        Tod => {
+            given(&[(0, "TOD#00:00:00"), (45_296_789, "TOD#12:34:56.789"), (86_399_999, "TOD#23:59:59.999")])
+        }
         Ldate => given(&[(19_782 * day * 1_000_000_000, "LDATE#2024-02-29")]),
         Ldt => given(&[((19_782 * day + 45_296) * 1_000_000_000 + 7, "LDT#2024-02-29-12:34:56.000000007")]),
         Ltod => given(&[(45_296_000_000_007, "LTOD#12:34:56.000000007")]),
@@ -111,7 +117,12 @@ fn every_conversion_has_its_value() {
                     silent += 1;
                     continue;
                 };
-                cases.push(Case::new(&format!("{}_TO_{}($a)", from.name(), to.name()), to, expected, &operands));
+                cases.push(Case::new(
+                    &format!("{}_TO_{}($a)", from.name(), to.name()),
+                    to,
+                    expected,
+                    &operands,
+                ));
                 cases.push(Case::new(&format!("TO_{}($a)", to.name()), to, expected, &operands));
             }
         }
@@ -131,7 +142,8 @@ fn every_name_compiles() {
         ty => ty.name(),
     };
     let mut declarations = String::from("VAR_GLOBAL x_STRING : STRING; x_WSTRING : WSTRING; ");
-    let mut names = vec![("STRING".to_string(), "STRING".to_string()), ("WSTRING".to_string(), "WSTRING".to_string())];
+    let mut names =
+        vec![("STRING".to_string(), "STRING".to_string()), ("WSTRING".to_string(), "WSTRING".to_string())];
     for ty in Elementary::ALL {
         declarations += &format!("x_{0} : {0}; ", ty.name());
         names.push((ty.name().to_string(), short(ty).to_string()));
@@ -166,7 +178,12 @@ fn truncation_goes_towards_zero() {
                     continue;
                 }
                 let expected = seen(to, n as i128);
-                cases.push(Case::new(&format!("{}_TRUNC_{}($a)", from.name(), to.name()), to, expected, &operands));
+                cases.push(Case::new(
+                    &format!("{}_TRUNC_{}($a)", from.name(), to.name()),
+                    to,
+                    expected,
+                    &operands,
+                ));
                 cases.push(Case::new(&format!("TRUNC_{}($a)", to.name()), to, expected, &operands));
             }
             cases.push(Case::new("TRUNC($a)", Dint, seen(Dint, n as i128), &operands));
@@ -217,7 +234,7 @@ fn values_become_texts_and_texts_values() {
         let declarations = format!("VAR v : {ty} := {literal}; r : STRING; END_VAR");
         assert_eq!(show(&declarations, &format!("r := {ty}_TO_STRING(v);")), format!("'{text}'"));
         let wide = declarations.replace("STRING", "WSTRING");
-        assert_eq!(show(&wide, &format!("r := TO_WSTRING(v);")), format!("'{text}'"));
+        assert_eq!(show(&wide, "r := TO_WSTRING(v);"), format!("'{text}'"));
         let back = format!("VAR s : STRING := '{text}'; v, r : {ty}; same : BOOL; END_VAR");
         let rig = once(&back, &format!("v := {literal}; r := STRING_TO_{ty}(s); same := v = r;"));
         assert!(rig.on("same"), "{text} as {ty}");
@@ -225,7 +242,10 @@ fn values_become_texts_and_texts_values() {
     // What does not fit is cut off.
     assert_eq!(show("VAR v : DINT := -123456; r : STRING[4]; END_VAR", "r := DINT_TO_STRING(v);"), "'-123'");
     assert_eq!(show("VAR s : STRING := 'abc'; r : WSTRING; END_VAR", "r := STRING_TO_WSTRING(s);"), "'abc'");
-    assert_eq!(show("VAR s : WSTRING := \"a$20ACc\"; r : STRING; END_VAR", "r := WSTRING_TO_STRING(s);"), "'a?c'");
+    assert_eq!(
+        show("VAR s : WSTRING := \"a$20ACc\"; r : STRING; END_VAR", "r := WSTRING_TO_STRING(s);"),
+        "'a?c'"
+    );
     assert_eq!(show("VAR s : STRING := '  42abc'; r : INT; END_VAR", "r := STRING_TO_INT(s);"), "42");
     assert_eq!(show("VAR s : STRING := '16#FF'; r : INT; END_VAR", "r := STRING_TO_INT(s);"), "255");
     assert_eq!(show("VAR s : STRING := '-1.5E3'; r : REAL; END_VAR", "r := STRING_TO_REAL(s);"), "-1500.0");
@@ -276,7 +296,8 @@ fn which_types_go_into_which_by_themselves() {
     }
     declarations += "VAR_GLOBAL ";
     for ty in Elementary::ALL {
-        declarations += &format!("x_{0}, y_{0} : {0}; a_{0} : ARRAY[0..1] OF {0}; i_{0} : b_{0}; ", ty.name());
+        declarations +=
+            &format!("x_{0}, y_{0} : {0}; a_{0} : ARRAY[0..1] OF {0}; i_{0} : b_{0}; ", ty.name());
     }
     declarations += "s : STRING; w : WSTRING; ok : BOOL; END_VAR";
     let mut statements = Vec::new();
@@ -311,7 +332,8 @@ fn which_types_go_into_which_by_themselves() {
         expected.push(Implicit::Refused);
     }
     let mut wrong = Vec::new();
-    for ((line, codes), expected) in statements.iter().zip(verdicts(&declarations, &statements)).zip(expected) {
+    for ((line, codes), expected) in statements.iter().zip(verdicts(&declarations, &statements)).zip(expected)
+    {
         let codes_expected: &[&str] = match expected {
             Implicit::Silent => &[],
             Implicit::Warned => &["S0306"],

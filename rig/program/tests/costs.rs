@@ -58,7 +58,9 @@ fn a_thousand_documented_instructions_take_the_documented_time() {
         assert_eq!(micros(with) - micros(without), documented, "{with}");
     }
     // In long expressions too.
-    let sum = |ty: &str| time(&format!("PROGRAM MAIN VAR x, y : {ty}; END_VAR x := y{}; END_PROGRAM", " + y".repeat(150)));
+    let sum = |ty: &str| {
+        time(&format!("PROGRAM MAIN VAR x, y : {ty}; END_VAR x := y{}; END_PROGRAM", " + y".repeat(150)))
+    };
     assert_eq!(sum("INT"), 64 + 150 * (32 + 42));
     assert_eq!(sum("DINT"), 49 + 150 * (24 + 41));
     assert_eq!(sum("REAL"), 50 + 150 * (25 + 336));
@@ -96,7 +98,8 @@ fn every_type_costs_what_its_class_does() {
     let (bool_op, bool_store) = (75, 38);
     for (ty, [load, store, op, div]) in CLASSES {
         let declarations = format!("x, y, z : {ty}; b : BOOL; n : INT;");
-        let number = !matches!(ty, "BOOL" | "TIME" | "LTIME" | "DATE" | "TOD" | "DT" | "LDT" | "CHAR" | "WCHAR");
+        let number =
+            !matches!(ty, "BOOL" | "TIME" | "LTIME" | "DATE" | "TOD" | "DT" | "LDT" | "CHAR" | "WCHAR");
         let real = matches!(ty, "REAL" | "LREAL");
         let mut expected = vec![
             ("x := y;", load + store),
@@ -166,7 +169,11 @@ fn conversions_cost_an_operation_of_the_wider_type() {
         ("r := i;", 32 + 336 + 25),
         ("r := r + i;", 25 + 32 + 336 + 336 + 25),
     ] {
-        assert_eq!(time(&format!("PROGRAM MAIN VAR {VARIABLES} END_VAR {statement} END_PROGRAM")), expected, "{statement}");
+        assert_eq!(
+            time(&format!("PROGRAM MAIN VAR {VARIABLES} END_VAR {statement} END_PROGRAM")),
+            expected,
+            "{statement}"
+        );
     }
 }
 
@@ -189,20 +196,36 @@ fn statements_cost_their_tests_and_turns() {
         ("CASE i OF 3: j := 1; 0: j := 2; END_CASE;", int + 2 * (42 + branch) + int),
         ("CASE i OF 3, 4: j := 1; ELSE j := 2; END_CASE;", int + 2 * (42 + branch) + int),
     ] {
-        assert_eq!(time(&format!("PROGRAM MAIN VAR {VARIABLES} END_VAR {statement} END_PROGRAM")), expected, "{statement}");
+        assert_eq!(
+            time(&format!("PROGRAM MAIN VAR {VARIABLES} END_VAR {statement} END_PROGRAM")),
+            expected,
+            "{statement}"
+        );
     }
     // FOR: the start is stored, each turn is tested (load, comparison, branch) and counted (load, addition, store, branch).
     let (test, count) = (int + 42 + branch, int + 42 + int + branch);
     for turns in [0, 1, 2, 10] {
-        let text = format!("PROGRAM MAIN VAR i, j : INT; END_VAR FOR i := 1 TO {turns} DO j := 1; END_FOR; END_PROGRAM");
+        let text = format!(
+            "PROGRAM MAIN VAR i, j : INT; END_VAR FOR i := 1 TO {turns} DO j := 1; END_FOR; END_PROGRAM"
+        );
         assert_eq!(time(&text), int + test + turns * (int + count + test), "{turns}");
-        let text = format!("PROGRAM MAIN VAR i, j : INT; END_VAR FOR i := {turns} TO 1 BY -1 DO j := 1; END_FOR; END_PROGRAM");
+        let text = format!(
+            "PROGRAM MAIN VAR i, j : INT; END_VAR FOR i := {turns} TO 1 BY -1 DO j := 1; END_FOR; END_PROGRAM"
+        );
         assert_eq!(time(&text), int + test + turns * (int + count + test), "{turns}");
         // WHILE: the condition and a branch before each turn, a branch back.
-        let text = format!("PROGRAM MAIN VAR i : INT; END_VAR WHILE i < {turns} DO i := i + 1; END_WHILE; END_PROGRAM");
-        assert_eq!(time(&text), condition + branch + turns * (2 * int + 42 + branch + condition + branch), "{turns}");
+        let text = format!(
+            "PROGRAM MAIN VAR i : INT; END_VAR WHILE i < {turns} DO i := i + 1; END_WHILE; END_PROGRAM"
+        );
+        assert_eq!(
+            time(&text),
+            condition + branch + turns * (2 * int + 42 + branch + condition + branch),
+            "{turns}"
+        );
         if turns > 0 {
-            let text = format!("PROGRAM MAIN VAR i : INT; END_VAR REPEAT i := i + 1; UNTIL i >= {turns} END_REPEAT; END_PROGRAM");
+            let text = format!(
+                "PROGRAM MAIN VAR i : INT; END_VAR REPEAT i := i + 1; UNTIL i >= {turns} END_REPEAT; END_PROGRAM"
+            );
             assert_eq!(time(&text), turns * (2 * int + 42 + condition + branch), "{turns}");
         }
     }

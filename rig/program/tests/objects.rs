@@ -4,11 +4,9 @@ mod support;
 
 use support::Rig;
 
-const TEXT: &str = include_str!("programs/objects.st");
-
-#[test]
-fn everything_together() {
-    let mut rig = Rig::new(TEXT);
+/// Runs one cycle and compares what the variables show.
+fn shows(text: &str, expected: &[(&str, &str)]) {
+    let mut rig = Rig::new(text);
     rig.cycle();
     let shown = |path: &str| {
         rig.machine
@@ -16,6 +14,13 @@ fn everything_together() {
             .map(|shown| shown.to_string())
             .unwrap_or_default()
     };
+    for (path, value) in expected {
+        assert_eq!(shown(path), *value, "{path}");
+    }
+}
+
+#[test]
+fn types_and_objects() {
     let expected = [
         // square.area(2.0) with a side of 2.0; the cube multiplies once more and adds its side.
         ("a1", "8.0"),
@@ -54,7 +59,39 @@ fn everything_together() {
         ("ws", "'wider'"),
         ("st", "'1.5-42'"),
     ];
-    for (path, value) in expected {
-        assert_eq!(shown(path), value, "{path}");
-    }
+    shows(include_str!("programs/objects.st"), &expected);
+}
+
+#[test]
+fn calls() {
+    let expected = [
+        // Arguments from left to right: 2, then 3, then the variable that is 3 by now.
+        ("MAIN.k", "332"),
+        ("MAIN.a", "11"),
+        ("fs", "9"),
+        ("s", "'HELLO'"),
+        ("t1", "'wau'"),
+        ("t2", "'piep'"),
+        ("t3", "'pieppiep'"),
+        ("ss", "'wauwau'"),
+        ("legs", "24"),
+        // A chain of calls on what each gives back by reference.
+        ("l.n", "2"),
+        ("l.items[1]", "4"),
+        ("tot", "28"),
+        // VAR_TEMP begins at 5 in every call: 6, 7 and 8.
+        ("z", "22"),
+        // The task runs it too.
+        ("helper.c", "3"),
+        ("hs", "42"),
+        ("acc", "30"),
+        ("r.id", "43"),
+        ("ok", "TRUE"),
+        ("si", "-128"),
+        ("re", "3.5"),
+        ("w", "16#F08"),
+        // OR computes both sides.
+        ("b", "2"),
+    ];
+    shows(include_str!("programs/calls.st"), &expected);
 }

@@ -159,8 +159,8 @@ fn booleans() {
 
 #[test]
 fn shifts_and_rotations() {
-    // IEC 61131-3, table 30. Counts at and above the width shift everything out; rotations go on. A signed number is
-    // shifted as its bits, which the standard leaves open; here only those that are not negative go right.
+    // IEC 61131-3, table 30. Counts at and above the width shift everything out; rotations go on. What the standard
+    // leaves open, as the controllers do it: signed numbers keep their sign when they are shifted to the right.
     for ty in WHOLE {
         let (bits, signed) = width(ty);
         let mut cases = Vec::new();
@@ -170,20 +170,17 @@ fn shifts_and_rotations() {
                 let full: i128 = (1 << bits) - 1;
                 let turn = count % bits;
                 let left = if count < bits { plain << count & full } else { 0 };
-                let right = if count < bits { plain >> count } else { 0 };
+                let right = if signed { value >> count } else { plain >> count };
                 let rotated = (plain << turn | plain >> (bits - turn)) & full;
                 let back = (plain >> turn | plain << (bits - turn)) & full;
-                let operands =
-                    [(ty, literal(ty, value)), (Usint, literal(Usint, i128::from(count)))];
+                let operands = [(ty, literal(ty, value)), (Usint, literal(Usint, i128::from(count)))];
                 let mut add = |text: &str, n: i128| {
                     cases.push(Case::new(text, ty, seen(ty, wrap(n, ty)), &operands));
                 };
                 add("SHL($a, $b)", left);
                 add("ROL($a, $b)", rotated);
                 add("ROR(IN := $a, N := $b)", back);
-                if !signed || value >= 0 {
-                    add("SHR($a, $b)", right);
-                }
+                add("SHR($a, $b)", right);
             }
         }
         for variables in [0b11, 0b00, 0b01] {
@@ -236,7 +233,8 @@ fn real_cases(ty: Elementary, special: bool) -> Vec<Case> {
         for (b, right) in &values {
             let operands = [(ty, left.clone()), (ty, right.clone())];
             for (text, single, double) in operators {
-                let expected = if ty == Real { f64::from(single(*a as f32, *b as f32)) } else { double(*a, *b) };
+                let expected =
+                    if ty == Real { f64::from(single(*a as f32, *b as f32)) } else { double(*a, *b) };
                 cases.push(Case::new(text, ty, Value::Real(expected), &operands));
             }
             for (text, holds) in comparisons {

@@ -6,7 +6,7 @@ mod support;
 
 use scanrig_program::Elementary::{self, *};
 use signal::Value;
-use support::oracle::{Case, WHOLE, check, limits, literal, seen, verdicts, width, wrap};
+use support::oracle::{Case, WHOLE, check, limits, literal, seen, verdicts, wrap};
 
 /// The type in which two types meet.
 fn meet(a: Elementary, b: Elementary) -> Option<Elementary> {
@@ -29,7 +29,9 @@ fn meet(a: Elementary, b: Elementary) -> Option<Elementary> {
         _ if real(a) && real(b) => Some(Lreal),
         _ if real(a) && whole(b) => Some(a),
         _ if whole(a) && real(b) => Some(b),
-        _ if whole(a) && whole(b) => [a, b, Int, Dint, Lint].into_iter().find(|ty| holds(*ty, a) && holds(*ty, b)),
+        _ if whole(a) && whole(b) => {
+            [a, b, Int, Dint, Lint].into_iter().find(|ty| holds(*ty, a) && holds(*ty, b))
+        }
         _ if long(a) == long(b) => Some(long(a)),
         (Bool, _) if bits(b) => Some(b),
         (_, Bool) if bits(a) => Some(a),
@@ -71,9 +73,7 @@ fn takes(op: &str, a: Elementary, b: Elementary) -> bool {
     match op {
         "+" => met.is_some_and(|ty| number(ty) || ty.is_duration()) || added(a, b) || added(b, a),
         "-" => met.is_some_and(|ty| number(ty) || ty.is_duration()) || subtracted(a, b),
-        "*" => {
-            met.is_some_and(number) || a.is_duration() && number(b) || number(a) && b.is_duration()
-        }
+        "*" => met.is_some_and(number) || a.is_duration() && number(b) || number(a) && b.is_duration(),
         "/" => met.is_some_and(number) || a.is_duration() && number(b),
         "MOD" => met.is_some_and(whole),
         "**" => number(a) && number(b),
@@ -85,8 +85,8 @@ fn takes(op: &str, a: Elementary, b: Elementary) -> bool {
 }
 
 const OPERATORS: [&str; 18] = [
-    "+", "-", "*", "/", "MOD", "**", "AND", "&", "OR", "XOR", "AND_THEN", "OR_ELSE", "=", "<>", "<", "<=", ">",
-    ">=",
+    "+", "-", "*", "/", "MOD", "**", "AND", "&", "OR", "XOR", "AND_THEN", "OR_ELSE", "=", "<>", "<", "<=",
+    ">", ">=",
 ];
 
 /// A declaration of a variable for every type, and of one for each text.
@@ -107,20 +107,19 @@ fn which_types_operators_take() {
     for op in OPERATORS {
         for a in Elementary::ALL {
             for b in Elementary::ALL {
-                statements.push(format!("IF (x_{} {op} y_{}) = x_BOOL THEN ; END_IF;", a.name(), b.name()));
+                // SIZEOF takes every type of result.
+                statements.push(format!("x_UDINT := SIZEOF(x_{} {op} y_{});", a.name(), b.name()));
                 expected.push(takes(op, a, b));
             }
         }
     }
-    // The comparison around the operator is one of the result with BOOL: only the operator's own refusal counts, so
-    // each is tried in a place that takes every type.
-    let statements: Vec<String> = statements
-        .iter()
-        .map(|line| line.replace("IF (", "p := ADR(p) + SIZEOF(").replace(") = x_BOOL THEN ; END_IF;", ");"))
-        .collect();
     let mut wrong = Vec::new();
-    for ((codes, expected), line) in verdicts(&declarations(), &statements).iter().zip(expected).zip(statements) {
-        if codes.contains(&"S0304") == expected {
+    for ((codes, expected), line) in
+        verdicts(&declarations(), &statements).iter().zip(expected).zip(statements)
+    {
+        // An exponent of 64 bits warns that it becomes LREAL.
+        let others = codes.iter().any(|code| !["S0304", "S0306"].contains(code));
+        if codes.contains(&"S0304") == expected || others {
             wrong.push(format!("{line} {codes:?}, expected {expected}"));
         }
     }
@@ -152,7 +151,9 @@ fn texts_and_pointers_have_few_operators() {
             expected.push(fine);
         }
     }
-    for ((codes, expected), line) in verdicts(&declarations(), &statements).iter().zip(expected).zip(statements) {
+    for ((codes, expected), line) in
+        verdicts(&declarations(), &statements).iter().zip(expected).zip(statements)
+    {
         assert_eq!(codes.is_empty(), expected, "{line} {codes:?}");
         assert!(codes.iter().all(|code| *code == "S0304"), "{line} {codes:?}");
     }
@@ -292,16 +293,41 @@ fn dates_and_durations() {
         case("$a = $b", Bool, 1, &[(Dt, "DT#2024-02-29-12:30:00"), (Dt, "DT#2024-02-29-12:30:0.0")]),
         case("$a >= $b", Bool, 0, &[(Tod, "TOD#11:59:59.999"), (Tod, "TOD#12:00:00")]),
         case("MAX($a, $b)", Date, LEAP, &[(Date, "D#2024-02-29"), (Date, "D#1970-01-01")]),
-        case("$a + $b", Ldt, LEAP * 1_000_000_000 + 1, &[(Ldt, "LDT#2024-02-29-00:00:00"), (Ltime, "LTIME#1ns")]),
-        case("$a - $b", Ltime, 1, &[(Ldt, "LDT#2024-02-29-00:00:00.000000001"), (Ldt, "LDT#2024-02-29-00:00:00")]),
+        case(
+            "$a + $b",
+            Ldt,
+            LEAP * 1_000_000_000 + 1,
+            &[(Ldt, "LDT#2024-02-29-00:00:00"), (Ltime, "LTIME#1ns")],
+        ),
+        case(
+            "$a - $b",
+            Ltime,
+            1,
+            &[(Ldt, "LDT#2024-02-29-00:00:00.000000001"), (Ldt, "LDT#2024-02-29-00:00:00")],
+        ),
         case("$a - $b", Ltod, 43_200_000_000_000, &[(Ltod, "LTOD#12:00:00.5"), (Ltime, "LTIME#500ms")]),
-        case("$a - $b", Ltime, 31 * day * 1_000_000_000, &[(Ldate, "LDATE#2024-02-01"), (Ldate, "LDATE#2024-01-01")]),
+        case(
+            "$a - $b",
+            Ltime,
+            31 * day * 1_000_000_000,
+            &[(Ldate, "LDATE#2024-02-01"), (Ldate, "LDATE#2024-01-01")],
+        ),
         // Short ones go into long ones.
         case("$a + $b", Ltime, 1_500 * milli + 1, &[(Time, "T#1500ms"), (Ltime, "LTIME#1ns")]),
         case("$a < $b", Bool, 1, &[(Time, "T#1500ms"), (Ltime, "LTIME#1500000001ns")]),
         case("$a + $b", Ltod, 3_600_000_000_000, &[(Ltod, "LTOD#00:59:59"), (Time, "T#1s")]),
-        case("$a + $b", Ldt, (LEAP + 1) * 1_000_000_000, &[(Dt, "DT#2024-02-29-00:00:00"), (Ltime, "LTIME#1s")]),
-        case("$a - $b", Ltime, 1_000_000_000, &[(Ldt, "LDT#2024-02-29-00:00:01"), (Dt, "DT#2024-02-29-00:00:00")]),
+        case(
+            "$a + $b",
+            Ldt,
+            (LEAP + 1) * 1_000_000_000,
+            &[(Dt, "DT#2024-02-29-00:00:00"), (Ltime, "LTIME#1s")],
+        ),
+        case(
+            "$a - $b",
+            Ltime,
+            1_000_000_000,
+            &[(Ldt, "LDT#2024-02-29-00:00:01"), (Dt, "DT#2024-02-29-00:00:00")],
+        ),
         // A duration by a real number goes to the nearest unit.
         case("$a * $b", Time, 1_650, &[(Time, "T#1500ms"), (Real, "REAL#1.1")]),
         case("$b * $a", Time, 2_250, &[(Time, "T#1500ms"), (Lreal, "LREAL#1.5")]),
@@ -311,5 +337,4 @@ fn dates_and_durations() {
     for variables in 0..4 {
         check(&cases, variables);
     }
-    assert_eq!(width(Dt), (32, false));
 }

@@ -43,6 +43,17 @@ pub fn compile(sources: &[SourceFile], profile: Profile) -> Result<Program, Vec<
     program::compile(sources, &options(profile))
 }
 
+/// What a check of a program says besides its findings: types that this controller's documents do not list
+/// (controller:DT-04).
+pub fn notes(program: &Program, profile: Profile) -> Vec<Diagnostic> {
+    let missing = matches!(profile, Profile::M241_2014 | Profile::M241_2019);
+    let Some((file, span)) = program.lreal().filter(|_| missing) else { return Vec::new() };
+    let name = program.files().get(usize::from(file)).cloned().unwrap_or_default();
+    let message = format!("the documents of {} do not list the type LREAL", profile.name());
+    let note = Diagnostic::warning("R0117", message).at(name, span, "");
+    vec![note.help("its programming tool has the type, and the model runs it; REAL is in the table")]
+}
+
 /// The PROGRAMs that each task runs: those that its list names, and for the tasks with an empty list all that no
 /// other task names. `None` where a list names a PROGRAM that the sources do not have.
 pub fn assign(program: &Program, tasks: &[(String, Vec<String>)]) -> Option<Vec<Vec<usize>>> {
@@ -262,5 +273,24 @@ impl Loader for BundleLoader {
             Some(collector) => application.covered(collector.clone()),
             None => application,
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lreal_is_noted_where_the_documents_do_not_list_it() {
+        // controller:DT-04
+        let text = "PROGRAM MAIN VAR a : REAL; b : LREAL; END_VAR END_PROGRAM";
+        let noted = |profile: Profile| {
+            let program = compile(&[SourceFile::new("a.st", text)], profile).unwrap();
+            notes(&program, profile).iter().map(|d| (d.code, d.labels[0].span.clone())).collect::<Vec<_>>()
+        };
+        let place = text.find("LREAL").unwrap();
+        assert_eq!(noted(Profile::M241_2014), [("R0117", place..place + 5)]);
+        assert_eq!(noted(Profile::M241_2019), [("R0117", place..place + 5)]);
+        assert_eq!(noted(Profile::M251_2024), []);
     }
 }

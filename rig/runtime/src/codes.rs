@@ -18,6 +18,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0114", "A program that the tasks do not find"),
     ("R0115", "A deadband that does not fit its signal"),
     ("R0116", "A task of the program that the controller refuses"),
+    ("R0117", "A type that the controller's documents do not list"),
     ("R0201", "A file that cannot be read"),
     ("R0203", "A trace of another plan"),
     ("R0501", "A variable that the program does not have"),

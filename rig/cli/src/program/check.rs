@@ -17,6 +17,7 @@ pub fn check(files: &[PathBuf]) -> Exit {
         output::findings(&found, &sources);
         return Exit::UserFiles;
     }
+    output::findings(&runtime::application::notes(&program, Profile::default()), &sources);
     let count = program.variables().len();
     output::print(&format!("no errors: programs {}, {count} variables\n", program.programs().join(", ")));
     Exit::Passed

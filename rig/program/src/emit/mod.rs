@@ -133,6 +133,7 @@ pub(crate) fn emit(
         roots: tree.roots,
         shapes: tree.shapes,
         tasks: tree.tasks,
+        lreal: tree.lreal,
         variables: Vec::new(),
         index: BTreeMap::new(),
         files: sources.iter().map(|source| source.name.clone()).collect(),

@@ -38,7 +38,7 @@ const OR: [Op; 4] = [Or8, Or16, Or32, Or64];
 const XOR: [Op; 4] = [Xor8, Xor16, Xor32, Xor64];
 const NOT: [Op; 4] = [Not8, Not16, Not32, Not64];
 const SHL: [Op; 4] = [Shl8, Shl16, Shl32, Shl64];
-const SHR: [Op; 4] = [Shr8, Shr16, Shr32, Shr64];
+const SHR: [Op; 8] = [ShrI8, ShrU8, ShrI16, ShrU16, ShrI32, ShrU32, ShrI64, ShrU64];
 const ROL: [Op; 4] = [Rol8, Rol16, Rol32, Rol64];
 const ROR: [Op; 4] = [Ror8, Ror16, Ror32, Ror64];
 const INDEX: [Op; 8] = [IndexI8, IndexU8, IndexI16, IndexU16, IndexI32, IndexU32, IndexI64, IndexU64];
@@ -141,7 +141,7 @@ pub(super) fn arithmetic(op: BinaryOp, ty: Elementary) -> Option<Op> {
         BinaryOp::Or => OR[width(ty)],
         BinaryOp::Xor => XOR[width(ty)],
         BinaryOp::ShiftLeft => SHL[width(ty)],
-        BinaryOp::ShiftRight => SHR[width(ty)],
+        BinaryOp::ShiftRight => SHR[signed_width(ty)],
         BinaryOp::RotateLeft => ROL[width(ty)],
         BinaryOp::RotateRight => ROR[width(ty)],
         BinaryOp::Least => ten(&MIN, ty),

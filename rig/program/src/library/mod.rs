@@ -3,6 +3,7 @@
 
 mod calendar;
 mod checks;
+mod clock;
 mod convert;
 mod dates;
 mod numeric;
@@ -66,6 +67,8 @@ pub(crate) enum Body {
     Scalar(fn(Elementary, &[i64]) -> i64),
     /// Arguments or the result are texts.
     Text(fn(&mut TextCall<'_>)),
+    /// From the modelled time since the start; the cell of the result.
+    Clock(fn(signal::Time) -> i64),
 }
 
 /// A text as it is stored: units of one or two bytes (little-endian), ended by a unit 0 or by the storage.
@@ -98,8 +101,14 @@ pub(crate) struct TextCall<'a> {
 }
 
 /// Every function, by subject.
-const TABLES: [&[Function]; 5] =
-    [numeric::FUNCTIONS, strings::FUNCTIONS, dates::FUNCTIONS, checks::FUNCTIONS, convert::FUNCTIONS];
+const TABLES: [&[Function]; 6] = [
+    numeric::FUNCTIONS,
+    strings::FUNCTIONS,
+    dates::FUNCTIONS,
+    checks::FUNCTIONS,
+    clock::FUNCTIONS,
+    convert::FUNCTIONS,
+];
 
 /// The function with this name, in capitals.
 pub(crate) fn find(key: &str) -> Option<&'static Function> {

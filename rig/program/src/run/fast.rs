@@ -1,5 +1,7 @@
 //! The code in the form that runs: operands with their base taken apart.
 
+use super::fold::fold;
+use super::quick::Quick;
 use crate::code::{Base, IndexOf, Op, Operand, Step};
 use crate::program::Program;
 
@@ -43,14 +45,15 @@ pub(crate) struct FastIndex {
 pub(crate) struct Prepared {
     pub(super) code: Vec<Fast>,
     pub(super) indexes: Vec<FastIndex>,
+    pub(super) quick: Quick,
 }
 
 impl Prepared {
     pub fn new(program: &Program) -> Prepared {
-        Prepared {
-            code: program.code.iter().map(fast).collect(),
-            indexes: program.indexes.iter().map(index).collect(),
-        }
+        let code: Vec<Fast> = program.code.iter().map(fast).collect();
+        let indexes: Vec<FastIndex> = program.indexes.iter().map(index).collect();
+        let quick = fold(&code, &indexes, program);
+        Prepared { code, indexes, quick }
     }
 }
 

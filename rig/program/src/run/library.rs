@@ -24,7 +24,7 @@ impl<H: Host> World<'_, H> {
         self.load(memory, at, ty.bytes() as u32).map(|raw| cell(ty, raw))
     }
 
-    /// Runs a function of the library. `place` resolves operands, and `to` is where the result goes.
+    /// Runs a function of the library. `place` resolves operands.
     #[inline(never)]
     pub fn call_library(
         &mut self,
@@ -32,6 +32,7 @@ impl<H: Host> World<'_, H> {
         scratch: &mut Scratch,
         call: &LibraryCall,
         place: impl Fn(&[u8], Operand) -> Option<u32>,
+        now: Time,
         by: By,
     ) -> Result<Stored, FaultKind> {
         let Scratch { bytes, cells } = scratch;
@@ -69,6 +70,7 @@ impl<H: Host> World<'_, H> {
             LibraryCode::Function(function) => match function.body {
                 Body::Scalar(run) => of.result = run(call.generic, cells),
                 Body::Text(run) => run(&mut of),
+                Body::Clock(run) => of.result = run(now),
             },
             LibraryCode::ToText(ty) => to_text(ty, first, &mut of.out),
             LibraryCode::FromText(ty) => {

@@ -1,8 +1,12 @@
 //! The interpreter: executes operations until the budget, the cycle or a watch ends the slice.
 
+mod constant;
 mod fast;
+mod fold;
 mod library;
 mod number;
+mod operations;
+mod quick;
 mod text;
 mod world;
 
@@ -13,7 +17,8 @@ use crate::library::convert;
 use crate::machine::{Debug, Fault, FaultKind, Host, PinOffsets, Registers, Scratch, Slice, Stop, Task};
 use crate::program::Program;
 use crate::types::Elementary;
-use number::{Canonical, Raw, max_f32, max_f64, min_f32, min_f64, shift, turn};
+use number::{Canonical, Raw, max_f32, max_f64, min_f32, min_f64, shift, spread, turn};
+use operations::operations;
 use signal::{Span, Time};
 use text::{At, Pair};
 use world::{By, Stored, World};
@@ -59,7 +64,7 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
         return Slice { used: Span::ZERO, stop: Stop::Done };
     }
     let mut world = World { program, flags, host, changed: 0 };
-    let Prepared { code, indexes } = prepared;
+    let Prepared { code, indexes, quick } = prepared;
     let (code, indexes) = (code.as_slice(), indexes.as_slice());
     // As long as the memory: one check of bounds does for both.
     let Some(flags) = flags.get(..memory.len()) else {
@@ -74,6 +79,9 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
     let mut branched = false;
 
     let exit = 'slice: loop {
+        if !DEBUG {
+            (pc, left) = quick.run(memory, flags, bases, pc, left);
+        }
         let Some(step) = code.get(pc) else { break Exit::Fault(FaultKind::Internal) };
         if DEBUG && debug.stops(pc, task) {
             break Exit::Break;
@@ -201,6 +209,14 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
                 }
             }};
         }
+        macro_rules! test {
+            (|$b:ident| $holds:expr) => {{
+                let $b = load!(u8, b);
+                if $holds {
+                    pc = a as usize;
+                }
+            }};
+        }
         macro_rules! index {
             ($ty:ident, |$n:ident| $nth:expr) => {{
                 let $n = load!($ty, b);
@@ -313,11 +329,12 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
             follow!(4, c);
         }
 
-        match step.op {
-            Op::Move8 => put!(a, load!(u8, b)),
-            Op::Move16 => put!(a, load!(u16, b)),
-            Op::Move32 => put!(a, load!(u32, b)),
-            Op::Move64 => put!(a, load!(u64, b)),
+        macro_rules! op {
+            ($name:ident) => {
+                Op::$name
+            };
+        }
+        operations!(step.op, {
             Op::Copy => {
                 let (to, from) = (a, b);
                 match world.copy(memory, to, from, c, By { pc: here, unit }) {
@@ -326,155 +343,6 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
                 }
             }
             Op::Address => put!(a, b),
-            Op::Add8 => two!(u8, |b, c| b.wrapping_add(c)),
-            Op::Add16 => two!(u16, |b, c| b.wrapping_add(c)),
-            Op::Add32 => two!(u32, |b, c| b.wrapping_add(c)),
-            Op::Add64 => two!(u64, |b, c| b.wrapping_add(c)),
-            Op::AddF32 => two!(f32, |b, c| (b + c).canonical()),
-            Op::AddF64 => two!(f64, |b, c| (b + c).canonical()),
-            Op::Sub8 => two!(u8, |b, c| b.wrapping_sub(c)),
-            Op::Sub16 => two!(u16, |b, c| b.wrapping_sub(c)),
-            Op::Sub32 => two!(u32, |b, c| b.wrapping_sub(c)),
-            Op::Sub64 => two!(u64, |b, c| b.wrapping_sub(c)),
-            Op::SubF32 => two!(f32, |b, c| (b - c).canonical()),
-            Op::SubF64 => two!(f64, |b, c| (b - c).canonical()),
-            Op::Mul8 => two!(u8, |b, c| b.wrapping_mul(c)),
-            Op::Mul16 => two!(u16, |b, c| b.wrapping_mul(c)),
-            Op::Mul32 => two!(u32, |b, c| b.wrapping_mul(c)),
-            Op::Mul64 => two!(u64, |b, c| b.wrapping_mul(c)),
-            Op::MulF32 => two!(f32, |b, c| (b * c).canonical()),
-            Op::MulF64 => two!(f64, |b, c| (b * c).canonical()),
-            Op::DivI8 => divide!(i8, wrapping_div),
-            Op::DivU8 => divide!(u8, wrapping_div),
-            Op::DivI16 => divide!(i16, wrapping_div),
-            Op::DivU16 => divide!(u16, wrapping_div),
-            Op::DivI32 => divide!(i32, wrapping_div),
-            Op::DivU32 => divide!(u32, wrapping_div),
-            Op::DivI64 => divide!(i64, wrapping_div),
-            Op::DivU64 => divide!(u64, wrapping_div),
-            Op::DivF32 => two!(f32, |b, c| (b / c).canonical()),
-            Op::DivF64 => two!(f64, |b, c| (b / c).canonical()),
-            Op::ModI8 => divide!(i8, wrapping_rem),
-            Op::ModU8 => divide!(u8, wrapping_rem),
-            Op::ModI16 => divide!(i16, wrapping_rem),
-            Op::ModU16 => divide!(u16, wrapping_rem),
-            Op::ModI32 => divide!(i32, wrapping_rem),
-            Op::ModU32 => divide!(u32, wrapping_rem),
-            Op::ModI64 => divide!(i64, wrapping_rem),
-            Op::ModU64 => divide!(u64, wrapping_rem),
-            Op::Neg8 => one!(u8, |b| b.wrapping_neg()),
-            Op::Neg16 => one!(u16, |b| b.wrapping_neg()),
-            Op::Neg32 => one!(u32, |b| b.wrapping_neg()),
-            Op::Neg64 => one!(u64, |b| b.wrapping_neg()),
-            Op::NegF32 => one!(f32, |b| (-b).canonical()),
-            Op::NegF64 => one!(f64, |b| (-b).canonical()),
-            Op::AbsI8 => one!(i8, |b| b.wrapping_abs()),
-            Op::AbsI16 => one!(i16, |b| b.wrapping_abs()),
-            Op::AbsI32 => one!(i32, |b| b.wrapping_abs()),
-            Op::AbsI64 => one!(i64, |b| b.wrapping_abs()),
-            Op::AbsF32 => one!(f32, |b| b.abs().canonical()),
-            Op::AbsF64 => one!(f64, |b| b.abs().canonical()),
-            Op::MinI8 => two!(i8, |b, c| b.min(c)),
-            Op::MinU8 => two!(u8, |b, c| b.min(c)),
-            Op::MinI16 => two!(i16, |b, c| b.min(c)),
-            Op::MinU16 => two!(u16, |b, c| b.min(c)),
-            Op::MinI32 => two!(i32, |b, c| b.min(c)),
-            Op::MinU32 => two!(u32, |b, c| b.min(c)),
-            Op::MinI64 => two!(i64, |b, c| b.min(c)),
-            Op::MinU64 => two!(u64, |b, c| b.min(c)),
-            Op::MinF32 => two!(f32, |b, c| min_f32(b, c)),
-            Op::MinF64 => two!(f64, |b, c| min_f64(b, c)),
-            Op::MaxI8 => two!(i8, |b, c| b.max(c)),
-            Op::MaxU8 => two!(u8, |b, c| b.max(c)),
-            Op::MaxI16 => two!(i16, |b, c| b.max(c)),
-            Op::MaxU16 => two!(u16, |b, c| b.max(c)),
-            Op::MaxI32 => two!(i32, |b, c| b.max(c)),
-            Op::MaxU32 => two!(u32, |b, c| b.max(c)),
-            Op::MaxI64 => two!(i64, |b, c| b.max(c)),
-            Op::MaxU64 => two!(u64, |b, c| b.max(c)),
-            Op::MaxF32 => two!(f32, |b, c| max_f32(b, c)),
-            Op::MaxF64 => two!(f64, |b, c| max_f64(b, c)),
-            Op::And8 => two!(u8, |b, c| b & c),
-            Op::And16 => two!(u16, |b, c| b & c),
-            Op::And32 => two!(u32, |b, c| b & c),
-            Op::And64 => two!(u64, |b, c| b & c),
-            Op::Or8 => two!(u8, |b, c| b | c),
-            Op::Or16 => two!(u16, |b, c| b | c),
-            Op::Or32 => two!(u32, |b, c| b | c),
-            Op::Or64 => two!(u64, |b, c| b | c),
-            Op::Xor8 => two!(u8, |b, c| b ^ c),
-            Op::Xor16 => two!(u16, |b, c| b ^ c),
-            Op::Xor32 => two!(u32, |b, c| b ^ c),
-            Op::Xor64 => two!(u64, |b, c| b ^ c),
-            Op::NotBool => one!(u8, |b| u8::from(b == 0)),
-            Op::Not8 => one!(u8, |b| !b),
-            Op::Not16 => one!(u16, |b| !b),
-            Op::Not32 => one!(u32, |b| !b),
-            Op::Not64 => one!(u64, |b| !b),
-            Op::Shl8 => count!(u8, |b, n| shift(n, 8).map_or(0, |n| b << n)),
-            Op::Shl16 => count!(u16, |b, n| shift(n, 16).map_or(0, |n| b << n)),
-            Op::Shl32 => count!(u32, |b, n| shift(n, 32).map_or(0, |n| b << n)),
-            Op::Shl64 => count!(u64, |b, n| shift(n, 64).map_or(0, |n| b << n)),
-            Op::Shr8 => count!(u8, |b, n| shift(n, 8).map_or(0, |n| b >> n)),
-            Op::Shr16 => count!(u16, |b, n| shift(n, 16).map_or(0, |n| b >> n)),
-            Op::Shr32 => count!(u32, |b, n| shift(n, 32).map_or(0, |n| b >> n)),
-            Op::Shr64 => count!(u64, |b, n| shift(n, 64).map_or(0, |n| b >> n)),
-            Op::Rol8 => count!(u8, |b, n| b.rotate_left(turn(n, 8))),
-            Op::Rol16 => count!(u16, |b, n| b.rotate_left(turn(n, 16))),
-            Op::Rol32 => count!(u32, |b, n| b.rotate_left(turn(n, 32))),
-            Op::Rol64 => count!(u64, |b, n| b.rotate_left(turn(n, 64))),
-            Op::Ror8 => count!(u8, |b, n| b.rotate_right(turn(n, 8))),
-            Op::Ror16 => count!(u16, |b, n| b.rotate_right(turn(n, 16))),
-            Op::Ror32 => count!(u32, |b, n| b.rotate_right(turn(n, 32))),
-            Op::Ror64 => count!(u64, |b, n| b.rotate_right(turn(n, 64))),
-            Op::Eq8 => compare!(u8, |b, c| b == c),
-            Op::Eq16 => compare!(u16, |b, c| b == c),
-            Op::Eq32 => compare!(u32, |b, c| b == c),
-            Op::Eq64 => compare!(u64, |b, c| b == c),
-            Op::EqF32 => compare!(f32, |b, c| b == c),
-            Op::EqF64 => compare!(f64, |b, c| b == c),
-            Op::Ne8 => compare!(u8, |b, c| b != c),
-            Op::Ne16 => compare!(u16, |b, c| b != c),
-            Op::Ne32 => compare!(u32, |b, c| b != c),
-            Op::Ne64 => compare!(u64, |b, c| b != c),
-            Op::NeF32 => compare!(f32, |b, c| b != c),
-            Op::NeF64 => compare!(f64, |b, c| b != c),
-            Op::LtI8 => compare!(i8, |b, c| b < c),
-            Op::LtU8 => compare!(u8, |b, c| b < c),
-            Op::LtI16 => compare!(i16, |b, c| b < c),
-            Op::LtU16 => compare!(u16, |b, c| b < c),
-            Op::LtI32 => compare!(i32, |b, c| b < c),
-            Op::LtU32 => compare!(u32, |b, c| b < c),
-            Op::LtI64 => compare!(i64, |b, c| b < c),
-            Op::LtU64 => compare!(u64, |b, c| b < c),
-            Op::LtF32 => compare!(f32, |b, c| b < c),
-            Op::LtF64 => compare!(f64, |b, c| b < c),
-            Op::LeI8 => compare!(i8, |b, c| b <= c),
-            Op::LeU8 => compare!(u8, |b, c| b <= c),
-            Op::LeI16 => compare!(i16, |b, c| b <= c),
-            Op::LeU16 => compare!(u16, |b, c| b <= c),
-            Op::LeI32 => compare!(i32, |b, c| b <= c),
-            Op::LeU32 => compare!(u32, |b, c| b <= c),
-            Op::LeI64 => compare!(i64, |b, c| b <= c),
-            Op::LeU64 => compare!(u64, |b, c| b <= c),
-            Op::LeF32 => compare!(f32, |b, c| b <= c),
-            Op::LeF64 => compare!(f64, |b, c| b <= c),
-            Op::Sign8To16 => put!(a, i16::from(load!(i8, b))),
-            Op::Sign8To32 => put!(a, i32::from(load!(i8, b))),
-            Op::Sign8To64 => put!(a, i64::from(load!(i8, b))),
-            Op::Sign16To32 => put!(a, i32::from(load!(i16, b))),
-            Op::Sign16To64 => put!(a, i64::from(load!(i16, b))),
-            Op::Sign32To64 => put!(a, i64::from(load!(i32, b))),
-            Op::Zero8To16 => put!(a, u16::from(load!(u8, b))),
-            Op::Zero8To32 => put!(a, u32::from(load!(u8, b))),
-            Op::Zero8To64 => put!(a, u64::from(load!(u8, b))),
-            Op::Zero16To32 => put!(a, u32::from(load!(u16, b))),
-            Op::Zero16To64 => put!(a, u64::from(load!(u16, b))),
-            Op::Zero32To64 => put!(a, u64::from(load!(u32, b))),
-            Op::I16ToF32 => put!(a, Raw::raw(f32::from(load!(i16, b)))),
-            Op::I32ToF32 => put!(a, Raw::raw(load!(i32, b) as f32)),
-            Op::I32ToF64 => put!(a, Raw::raw(f64::from(load!(i32, b)))),
-            Op::F32ToF64 => put!(a, Raw::raw(f64::from(load!(f32, b)).canonical())),
             Op::Convert => {
                 let ty = |place: u32| Elementary::ALL.get((place & 0xFF) as usize).copied();
                 let (Some(from), Some(to)) = (ty(c >> 8), ty(c)) else { fault!(Internal) };
@@ -484,18 +352,6 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
                 let at = a;
                 settle!(world.store(memory, at, to.bytes() as u32, cell as u64, By { pc: here, unit }));
             }
-            Op::IndexI8 => index!(i8, |n| i64::from(n)),
-            Op::IndexU8 => index!(u8, |n| i64::from(n)),
-            Op::IndexI16 => index!(i16, |n| i64::from(n)),
-            Op::IndexU16 => index!(u16, |n| i64::from(n)),
-            Op::IndexI32 => index!(i32, |n| i64::from(n)),
-            Op::IndexU32 => index!(u32, |n| i64::from(n)),
-            Op::IndexI64 => index!(i64, |n| n),
-            Op::IndexU64 => index!(u64, |n| match i64::try_from(n) {
-                Ok(n) => n,
-                // Beyond i64 is beyond every bound.
-                Err(_) => fault!(Bounds),
-            }),
             Op::LoadBit => {
                 let at = b;
                 match world.load_bit(memory, at, c) {
@@ -509,68 +365,6 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
                 settle!(world.store_bit(memory, at, c, on, By { pc: here, unit }));
             }
             Op::Jump => pc = a as usize,
-            Op::JumpIf => {
-                if load!(u8, b) != 0 {
-                    pc = a as usize;
-                }
-            }
-            Op::JumpIfNot => {
-                if load!(u8, b) == 0 {
-                    pc = a as usize;
-                }
-            }
-            Op::JumpEq8 => jump!(u8, |b, c| b == c),
-            Op::JumpEq16 => jump!(u16, |b, c| b == c),
-            Op::JumpEq32 => jump!(u32, |b, c| b == c),
-            Op::JumpEq64 => jump!(u64, |b, c| b == c),
-            Op::JumpEqF32 => jump!(f32, |b, c| b == c),
-            Op::JumpEqF64 => jump!(f64, |b, c| b == c),
-            Op::JumpNe8 => jump!(u8, |b, c| b != c),
-            Op::JumpNe16 => jump!(u16, |b, c| b != c),
-            Op::JumpNe32 => jump!(u32, |b, c| b != c),
-            Op::JumpNe64 => jump!(u64, |b, c| b != c),
-            Op::JumpNeF32 => jump!(f32, |b, c| b != c),
-            Op::JumpNeF64 => jump!(f64, |b, c| b != c),
-            Op::JumpLtI8 => jump!(i8, |b, c| b < c),
-            Op::JumpLtU8 => jump!(u8, |b, c| b < c),
-            Op::JumpLtI16 => jump!(i16, |b, c| b < c),
-            Op::JumpLtU16 => jump!(u16, |b, c| b < c),
-            Op::JumpLtI32 => jump!(i32, |b, c| b < c),
-            Op::JumpLtU32 => jump!(u32, |b, c| b < c),
-            Op::JumpLtI64 => jump!(i64, |b, c| b < c),
-            Op::JumpLtU64 => jump!(u64, |b, c| b < c),
-            Op::JumpLtF32 => jump!(f32, |b, c| b < c),
-            Op::JumpLtF64 => jump!(f64, |b, c| b < c),
-            Op::JumpLeI8 => jump!(i8, |b, c| b <= c),
-            Op::JumpLeU8 => jump!(u8, |b, c| b <= c),
-            Op::JumpLeI16 => jump!(i16, |b, c| b <= c),
-            Op::JumpLeU16 => jump!(u16, |b, c| b <= c),
-            Op::JumpLeI32 => jump!(i32, |b, c| b <= c),
-            Op::JumpLeU32 => jump!(u32, |b, c| b <= c),
-            Op::JumpLeI64 => jump!(i64, |b, c| b <= c),
-            Op::JumpLeU64 => jump!(u64, |b, c| b <= c),
-            Op::JumpLeF32 => jump!(f32, |b, c| b <= c),
-            Op::JumpLeF64 => jump!(f64, |b, c| b <= c),
-            Op::JumpNotLtF32 => jump!(f32, |b, c| b.partial_cmp(&c).is_none_or(|order| order.is_ge())),
-            Op::JumpNotLtF64 => jump!(f64, |b, c| b.partial_cmp(&c).is_none_or(|order| order.is_ge())),
-            Op::JumpNotLeF32 => jump!(f32, |b, c| b.partial_cmp(&c).is_none_or(|order| order.is_gt())),
-            Op::JumpNotLeF64 => jump!(f64, |b, c| b.partial_cmp(&c).is_none_or(|order| order.is_gt())),
-            Op::ForI8 => turn!(i8),
-            Op::ForU8 => turn!(u8),
-            Op::ForI16 => turn!(i16),
-            Op::ForU16 => turn!(u16),
-            Op::ForI32 => turn!(i32),
-            Op::ForU32 => turn!(u32),
-            Op::ForI64 => turn!(i64),
-            Op::ForU64 => turn!(u64),
-            Op::StepI8 => by!(i8, |b, by| i64::from(b).checked_add(by).and_then(|n| i8::try_from(n).ok())),
-            Op::StepU8 => by!(u8, |b, by| i64::from(b).checked_add(by).and_then(|n| u8::try_from(n).ok())),
-            Op::StepI16 => by!(i16, |b, by| i64::from(b).checked_add(by).and_then(|n| i16::try_from(n).ok())),
-            Op::StepU16 => by!(u16, |b, by| i64::from(b).checked_add(by).and_then(|n| u16::try_from(n).ok())),
-            Op::StepI32 => by!(i32, |b, by| i64::from(b).checked_add(by).and_then(|n| i32::try_from(n).ok())),
-            Op::StepU32 => by!(u32, |b, by| i64::from(b).checked_add(by).and_then(|n| u32::try_from(n).ok())),
-            Op::StepI64 => by!(i64, |b, by| b.checked_add(by)),
-            Op::StepU64 => by!(u64, |b, by| b.checked_add_signed(by)),
             Op::Frame => frame!(a),
             Op::FrameVirtual => {
                 let (_, method) = method!();
@@ -601,7 +395,8 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
             Op::CallLibrary => {
                 let Some(call) = program.library.get(b as usize) else { fault!(Internal) };
                 let place = |memory: &[u8], operand| place(memory, bases, operand);
-                match world.call_library(memory, scratch, call, place, By { pc: here, unit }) {
+                let now = now.saturating_add(Span::from_nanos(budget - left));
+                match world.call_library(memory, scratch, call, place, now, By { pc: here, unit }) {
                     Ok(stored) => settle!(stored),
                     Err(kind) => break 'slice Exit::Fault(kind),
                 }
@@ -647,7 +442,9 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
                     (pc, unit, bases) = (entry as usize, next, [0, this, base]);
                 }
             },
-        }
+            // What is made for the quick loop alone.
+            _ => fault!(Internal),
+        })
     };
     if DEBUG && branched && !matches!(exit, Exit::Fault(_)) {
         debug.passed(Some(here), pc, program);

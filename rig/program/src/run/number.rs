@@ -5,17 +5,30 @@ pub(super) trait Canonical: Copy {
     fn canonical(self) -> Self;
 }
 
+/// Called, so that the test is a jump: what uses the number need not wait for its outcome.
+#[cold]
+#[inline(never)]
+fn nan_f32() -> f32 {
+    f32::from_bits(0x7FC0_0000)
+}
+
+#[cold]
+#[inline(never)]
+fn nan_f64() -> f64 {
+    f64::from_bits(0x7FF8_0000_0000_0000)
+}
+
 impl Canonical for f32 {
     #[inline(always)]
     fn canonical(self) -> f32 {
-        if self.is_nan() { f32::from_bits(0x7FC0_0000) } else { self }
+        if self.is_nan() { nan_f32() } else { self }
     }
 }
 
 impl Canonical for f64 {
     #[inline(always)]
     fn canonical(self) -> f64 {
-        if self.is_nan() { f64::from_bits(0x7FF8_0000_0000_0000) } else { self }
+        if self.is_nan() { nan_f64() } else { self }
     }
 }
 
@@ -85,6 +98,12 @@ order!(f64, min_f64, max_f64);
 #[inline(always)]
 pub(super) fn shift(n: i64, bits: u32) -> Option<u32> {
     u32::try_from(n).ok().filter(|n| *n < bits)
+}
+
+/// The count of a shift that fills with the sign, `None` for what gives 0.
+#[inline(always)]
+pub(super) fn spread(n: i64, bits: u32) -> Option<u32> {
+    (n >= 0).then(|| n.min(i64::from(bits) - 1) as u32)
 }
 
 /// A rotation's count.

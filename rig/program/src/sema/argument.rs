@@ -148,8 +148,20 @@ impl<'a> Sema<'a> {
         let mut whole = true;
         let takes: Vec<usize> =
             (0..parameters.len()).filter(|nth| parameters[*nth].kind != SectionKind::Output).collect();
+        // A list without names gives the inputs, or everything in the order of the declaration.
+        let all = takes.len() < parameters.len()
+            && arguments.len() == parameters.len()
+            && arguments.iter().all(|argument| matches!(argument, Argument::Positional(_)));
         for (nth, argument) in arguments.iter().enumerate() {
             let (place, value, place_at) = match argument {
+                Argument::Positional(target) if all && parameters[nth].kind == SectionKind::Output => {
+                    match self.output(&parameters[nth], false, target) {
+                        Some(output) => outputs.push(output),
+                        None => whole = false,
+                    }
+                    continue;
+                }
+                Argument::Positional(value) if all => (Some(nth), value, value.at),
                 Argument::Positional(value) => (takes.get(nth).copied(), value, value.at),
                 Argument::Input(name, value) => {
                     let found = self.parameter_named(parameters, *name, native, false);

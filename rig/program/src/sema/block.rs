@@ -115,11 +115,15 @@ impl<'a> Sema<'a> {
     /// Gives every member of a block or program its offset from `size` on; the size with them.
     fn members(&mut self, place: u32, mut size: u32) -> u32 {
         let pou = self.pous[place as usize].ast;
-        let mut sections: Vec<&'a Section> = pou.sections.iter().collect();
-        // Variables of methods that live with the instance.
-        let instance = |section: &&Section| section.kind == SectionKind::Instance;
-        sections.extend(pou.methods.iter().flat_map(|m| &m.sections).filter(instance));
-        for section in sections {
+        let own = super::constants_first(pou.sections.iter());
+        let mut sections: Vec<(Option<u32>, &'a Section)> = own.into_iter().map(|own| (None, own)).collect();
+        // Variables of methods that live with the instance; only their method knows their names.
+        for method in &pou.methods {
+            let callable = self.pous[place as usize].methods.get(&method.name.key).copied();
+            let instance = method.sections.iter().filter(|section| section.kind == SectionKind::Instance);
+            sections.extend(instance.map(|section| (callable, section)));
+        }
+        for (method, section) in sections {
             match section.kind {
                 SectionKind::Temp => continue,
                 SectionKind::External => {
@@ -192,6 +196,10 @@ impl<'a> Sema<'a> {
                             pou.index.insert(decl.name.key, own);
                         }
                         pou.symbols.push(symbol);
+                        if let Some(method) = method.and_then(|place| self.callables.get_mut(place as usize))
+                        {
+                            method.kept.insert(decl.name.key, own);
+                        }
                     }
                 }
             }

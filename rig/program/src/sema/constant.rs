@@ -206,6 +206,7 @@ fn fold(op: BinaryOp, ty: Elementary, a: i64, b: i64) -> Option<i64> {
         BinaryOp::Or | BinaryOp::OrElse => a | b,
         BinaryOp::Xor => a ^ b,
         BinaryOp::ShiftLeft => bits.map_or(0, |n| ty.wrap((unsigned << n) as i64)),
+        BinaryOp::ShiftRight if ty.signed() => u32::try_from(b).map_or(0, |n| ty.wrap(a >> n.min(63))),
         BinaryOp::ShiftRight => bits.map_or(0, |n| ty.wrap((unsigned >> n) as i64)),
         BinaryOp::RotateLeft => rotated(b),
         BinaryOp::RotateRight => rotated(b.wrapping_neg()),
@@ -246,6 +247,22 @@ fn fold_real(op: BinaryOp, ty: Elementary, a: i64, b: i64) -> Option<i64> {
         BinaryOp::LessEqual => return Some(i64::from(x <= y)),
         BinaryOp::Greater => return Some(i64::from(x > y)),
         BinaryOp::GreaterEqual => return Some(i64::from(x >= y)),
+        // As the machine does: -0.0 comes before 0.0, and NaN wins.
+        BinaryOp::Least | BinaryOp::Greatest if x.is_nan() || y.is_nan() => f64::NAN,
+        BinaryOp::Least => {
+            if x.total_cmp(&y).is_lt() {
+                x
+            } else {
+                y
+            }
+        }
+        BinaryOp::Greatest => {
+            if x.total_cmp(&y).is_gt() {
+                x
+            } else {
+                y
+            }
+        }
         _ => return None,
     };
     Some(real_cell(ty, result))

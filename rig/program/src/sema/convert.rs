@@ -283,6 +283,14 @@ impl<'a> Sema<'a> {
                 let length = units.len().max(other.len()).max(1) as u32;
                 Some(self.intern(Type::Text { wide: *a, length }))
             }
+            // As long as the longer one: what is compared or chosen is not cut.
+            (Operand::Text(wide, units), Operand::Value(_, ty))
+            | (Operand::Value(_, ty), Operand::Text(wide, units))
+                if matches!(self.ty(*ty), Type::Text { wide: own, .. } if own == wide) =>
+            {
+                let literal = self.intern(Type::Text { wide: *wide, length: (units.len() as u32).max(1) });
+                self.common_type(*ty, literal)
+            }
             (Operand::Text(..) | Operand::Null, Operand::Value(_, ty))
             | (Operand::Value(_, ty), Operand::Text(..) | Operand::Null) => Some(*ty),
             (Operand::Value(_, a), Operand::Value(_, b)) => self.common_type(*a, *b),

@@ -315,7 +315,7 @@ impl<'a> Sema<'a> {
             self.callables[place as usize].result = Some(ty);
             size = self.layout(ty).size;
         }
-        for section in sections {
+        for section in super::constants_first(sections.iter()) {
             if !self.is_frame_section(kind, section) {
                 continue;
             }

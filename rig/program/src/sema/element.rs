@@ -1,12 +1,13 @@
-//! Elements of arrays, texts and what pointers lead to.
+//! Elements of arrays, texts and what pointers lead to; bits and other parts of whole numbers.
 
 use super::Sema;
 use super::literal::Operand;
 use super::place::Meaning;
+use super::scope::Found;
 use super::types::{Type, TypeId, WRONG, stride};
 use crate::codes::Code;
 use crate::findings::{At, count};
-use crate::parse::ast;
+use crate::parse::ast::{self, Name};
 use crate::tree::{self, Expr, ExprKind, Place, Ty};
 use crate::types::Elementary;
 
@@ -137,5 +138,70 @@ impl Sema<'_> {
         place.ty = self.tree_type(of);
         place.at = place.at.to(at);
         Some((place, of))
+    }
+
+    pub(super) fn part_meaning(&mut self, of: &ast::Expr, bits: u8, number: u32, at: At) -> Meaning {
+        let (place, ty, fixed) = match self.meaning(of) {
+            Meaning::Place(place, ty, fixed) => (place, ty, fixed),
+            Meaning::Wrong => return Meaning::Wrong,
+            meaning => {
+                let operand = self.operand_of(meaning, of.at);
+                let Some((value, ty)) = self.own_value(operand, of.at) else { return Meaning::Wrong };
+                (self.held_value(value, of.at), ty, Some("it is a value"))
+            }
+        };
+        self.part_of(place, ty, fixed, (bits, number), at)
+    }
+
+    /// The number of a bit that a constant names, as in `status.READY`.
+    pub(super) fn named_bit(&mut self, name: Name) -> Option<u32> {
+        let found = self.find(name.key)?;
+        if !matches!(found, Found::Local(_) | Found::Member(..) | Found::Global(_)) {
+            return None;
+        }
+        match self.symbol_meaning(found, name) {
+            Meaning::Operand(Operand::Value(Expr { kind: ExprKind::Constant(cell), .. }, ty)) => {
+                let scalar = self.scalar(ty).filter(|ty| ty.is_integer())?;
+                u32::try_from(scalar.number(cell)).ok()
+            }
+            _ => None,
+        }
+    }
+
+    /// Part `number` of so many bits of a place.
+    pub(super) fn part_of(
+        &mut self,
+        place: Place,
+        ty: TypeId,
+        fixed: Option<&'static str>,
+        (bits, number): (u8, u32),
+        at: At,
+    ) -> Meaning {
+        let Some(scalar) = self.scalar(ty).filter(|ty| ty.is_integer()) else {
+            if ty != WRONG {
+                let message = format!("{} has no bits", self.type_name(ty));
+                self.findings.error(Code::NotAValue, at, message, "whole numbers and bit strings have");
+            }
+            return Meaning::Wrong;
+        };
+        let parts = scalar.bits() / u32::from(bits.max(1));
+        if number >= parts || (bits > 1 && u32::from(bits) >= scalar.bits()) {
+            let message =
+                format!("{} has no part {number} of {}", scalar.name(), count(u32::from(bits), "bit"));
+            let help = if parts > 0 { format!("0 to {}", parts - 1) } else { String::new() };
+            self.findings.error(Code::Index, at, message, help);
+            return Meaning::Wrong;
+        }
+        if bits == 1 {
+            return Meaning::Bit(place, number, fixed);
+        }
+        let part = match bits {
+            8 => Elementary::Byte,
+            16 => Elementary::Word,
+            _ => Elementary::Dword,
+        };
+        let ty = self.elementary(part);
+        let place = self.inside(place, number * u32::from(bits) / 8, ty, at);
+        Meaning::Place(place, ty, fixed)
     }
 }

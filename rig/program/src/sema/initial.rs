@@ -23,6 +23,17 @@ impl<'a> Sema<'a> {
     fn write_one(&mut self, ty: TypeId, initial: &'a Initial, image: &mut [u8], offset: u32) {
         match (self.ty(ty).clone(), initial) {
             (Type::Wrong, _) => {}
+            // Rows in brackets of their own: an array of arrays lies in memory alike.
+            (Type::Array { dimensions, of }, Initial::List(list, _))
+                if dimensions.len() > 1
+                    && !matches!(self.ty(of), Type::Array { .. })
+                    && list.iter().all(|(_, value)| matches!(value, Initial::List(..))) =>
+            {
+                let (first, rest) = dimensions.split_at(1);
+                let row = self.intern(Type::Array { dimensions: rest.to_vec(), of });
+                let rows = self.intern(Type::Array { dimensions: first.to_vec(), of: row });
+                self.write_one(rows, initial, image, offset);
+            }
             (Type::Array { dimensions, of }, Initial::List(list, at)) => {
                 let step = stride(self.layout(of));
                 let room = elements(&dimensions);
@@ -69,7 +80,17 @@ impl<'a> Sema<'a> {
                 }
             }
             (_, Initial::Members(members, _)) => {
-                for (name, value) in members {
+                for (nth, (name, value)) in members.iter().enumerate() {
+                    if members.iter().take(nth).any(|(other, _)| other.key == name.key) {
+                        let message = format!("`{}` has a value already", self.shown(*name));
+                        self.findings.error(
+                            Code::InitialValue,
+                            name.at,
+                            message,
+                            "give each member one value",
+                        );
+                        continue;
+                    }
                     match self.initial_member(ty, *name) {
                         Some((member, at)) => self.write_one(member, value, image, offset + at),
                         None => {

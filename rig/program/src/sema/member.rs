@@ -11,6 +11,7 @@ use crate::native::PinKind;
 use crate::parse::ast::{Name, SectionKind};
 use crate::program::Retention;
 use crate::tree::{self, Expr, ExprKind, Place, Ty};
+use crate::types::Elementary;
 
 impl Sema<'_> {
     /// A member of what a path means.
@@ -21,6 +22,12 @@ impl Sema<'_> {
             Meaning::Type(ty) => self.enumerator_of(ty, name),
             Meaning::Program(pou) => self.program_member(pou, name),
             Meaning::Super(base) => self.super_member(base, name),
+            // What a reference that was given refers to is no copy.
+            Meaning::Operand(Operand::Value(Expr { kind: ExprKind::Load(place), .. }, ty))
+                if matches!(place.root, tree::Root::Address(_)) =>
+            {
+                self.place_member(place, ty, None, name)
+            }
             Meaning::Operand(operand) => {
                 let Some((value, ty)) = self.own_value(operand, name.at) else { return Meaning::Wrong };
                 let place = self.held_value(value, name.at);
@@ -72,6 +79,11 @@ impl Sema<'_> {
             }
             Type::Wrong => Meaning::Wrong,
             _ => {
+                if self.scalar(ty).is_some_and(Elementary::is_integer)
+                    && let Some(number) = self.named_bit(name)
+                {
+                    return self.part_of(place, ty, fixed, (1, number), name.at);
+                }
                 let message =
                     format!("there is no member `{}`: this is {}", self.shown(name), self.type_name(ty));
                 self.findings.error(Code::NotAValue, name.at, message, "structures and blocks have members");

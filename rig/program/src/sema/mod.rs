@@ -143,6 +143,8 @@ struct Sema<'a> {
     shapes: Vec<Shape>,
     shape_index: HashMap<TypeId, ShapeId>,
     context: Context,
+    /// The first LREAL of the sources.
+    lreal: Option<At>,
 }
 
 /// Checks the declarations and bodies. What is wrong is in the findings, and then the tree is not whole.
@@ -186,6 +188,7 @@ pub(crate) fn check<'a>(
         shapes: Vec::new(),
         shape_index: HashMap::new(),
         context: Context::default(),
+        lreal: None,
     };
     sema.intern(Type::Wrong);
     for ty in Elementary::ALL {
@@ -293,6 +296,7 @@ impl<'a> Sema<'a> {
             roots: std::mem::take(&mut self.roots),
             shapes: std::mem::take(&mut self.shapes),
             tasks,
+            lreal: self.lreal.map(|at| (at.file, at.start as usize..at.end as usize)),
         }
     }
 
@@ -320,6 +324,14 @@ impl<'a> Sema<'a> {
 /// Whether a section's variables are seen from outside of the block.
 fn is_pin(kind: SectionKind) -> bool {
     matches!(kind, SectionKind::Input | SectionKind::Output | SectionKind::InOut)
+}
+
+/// Sections with those of constants first: bounds and lengths may name constants that are declared further down.
+fn constants_first<'a>(sections: impl Iterator<Item = &'a ast::Section>) -> Vec<&'a ast::Section> {
+    let (mut first, others): (Vec<_>, Vec<_>) =
+        sections.partition(|section| section.constant && !is_pin(section.kind));
+    first.extend(others);
+    first
 }
 
 const fn is_wrong(ty: TypeId) -> bool {

@@ -48,7 +48,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Moves a value into a variable without a name.
-    fn set_aside(&mut self, value: &mut Expr, before: &mut Vec<Stmt>) {
+    pub(super) fn set_aside(&mut self, value: &mut Expr, before: &mut Vec<Stmt>) {
         let (ty, at) = (value.ty, value.at);
         let place = Place {
             root: Root::Frame,

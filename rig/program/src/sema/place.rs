@@ -6,7 +6,7 @@ use super::literal::Operand;
 use super::scope::{Found, Home, Symbol};
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
-use crate::findings::{At, count, similar};
+use crate::findings::{At, similar};
 use crate::parse::ast::{self, Key, Name};
 use crate::program::Retention;
 use crate::tree::{self, Expr, ExprKind, Place, Target, Ty};
@@ -64,16 +64,40 @@ impl<'a> Sema<'a> {
                 }
                 _ => self.unknown(*ty),
             },
-            ast::ExprKind::Member(of, name) => {
-                let of = self.meaning(of);
-                self.member_meaning(of, *name)
-            }
+            ast::ExprKind::Member(of, name) => match self.listed(of, *name) {
+                Some(place) => self.symbol_meaning(Found::Global(place), *name),
+                None => {
+                    let of = self.meaning(of);
+                    self.member_meaning(of, *name)
+                }
+            },
             ast::ExprKind::Index(of, indices) => self.index_meaning(of, indices, written.at),
             ast::ExprKind::Deref(of) => self.deref_meaning(of, written.at),
             ast::ExprKind::Part { of, bits, number } => self.part_meaning(of, *bits, *number, written.at),
             ast::ExprKind::Direct(text) => self.direct(text, written.at),
-            _ => Meaning::Operand(self.expr(written, None)),
+            _ => match self.expr(written, None) {
+                // A function gave a reference: it stands for what it refers to.
+                Operand::Value(Expr { kind: ExprKind::Load(place), .. }, ty) => {
+                    Meaning::Place(place, ty, None)
+                }
+                operand => Meaning::Operand(operand),
+            },
         }
+    }
+
+    /// A global variable with the name of its list before it, as in `Limits.HIGHEST`: exported lists do not say their
+    /// name, it is that of their file.
+    fn listed(&self, of: &ast::Expr, name: Name) -> Option<u32> {
+        let ast::ExprKind::Name(list) = &of.kind else { return None };
+        let Some(Found::Global(place)) = self.find_outside(name.key) else { return None };
+        if self.find(list.key).is_some() {
+            return None;
+        }
+        let file = self.globals.get(place as usize)?.name.at.file;
+        let path = self.sources.get(usize::from(file))?.name.as_str();
+        let last = path.rsplit(['/', '\\']).next()?;
+        let stem = last.rsplit_once('.').map_or(last, |(stem, _)| stem);
+        stem.eq_ignore_ascii_case(self.names.key_text(list.key)).then_some(place)
     }
 
     fn name_meaning(&mut self, name: Name) -> Meaning {
@@ -296,6 +320,10 @@ impl<'a> Sema<'a> {
                 Found::Result => self.running()?.result?,
                 _ => return None,
             },
+            ast::ExprKind::Member(of, name) if self.listed(of, *name).is_some() => {
+                let place = self.listed(of, *name)?;
+                self.global_type(place)
+            }
             ast::ExprKind::Member(of, name) => {
                 let Meaning::Place(_, ty, _) = self.meaning(of) else { return None };
                 match *self.ty(ty) {
@@ -394,44 +422,6 @@ impl<'a> Sema<'a> {
             return None;
         }
         block
-    }
-
-    fn part_meaning(&mut self, of: &ast::Expr, bits: u8, number: u32, at: At) -> Meaning {
-        let (place, ty, fixed) = match self.meaning(of) {
-            Meaning::Place(place, ty, fixed) => (place, ty, fixed),
-            Meaning::Wrong => return Meaning::Wrong,
-            meaning => {
-                let operand = self.operand_of(meaning, of.at);
-                let Some((value, ty)) = self.own_value(operand, of.at) else { return Meaning::Wrong };
-                (self.held_value(value, of.at), ty, Some("it is a value"))
-            }
-        };
-        let Some(scalar) = self.scalar(ty).filter(|ty| ty.is_integer()) else {
-            if ty != WRONG {
-                let message = format!("{} has no bits", self.type_name(ty));
-                self.findings.error(Code::NotAValue, at, message, "whole numbers and bit strings have");
-            }
-            return Meaning::Wrong;
-        };
-        let parts = scalar.bits() / u32::from(bits.max(1));
-        if number >= parts || (bits > 1 && u32::from(bits) >= scalar.bits()) {
-            let message =
-                format!("{} has no part {number} of {}", scalar.name(), count(u32::from(bits), "bit"));
-            let help = if parts > 0 { format!("0 to {}", parts - 1) } else { String::new() };
-            self.findings.error(Code::Index, at, message, help);
-            return Meaning::Wrong;
-        }
-        if bits == 1 {
-            return Meaning::Bit(place, number, fixed);
-        }
-        let part = match bits {
-            8 => Elementary::Byte,
-            16 => Elementary::Word,
-            _ => Elementary::Dword,
-        };
-        let ty = self.elementary(part);
-        let place = self.inside(place, number * u32::from(bits) / 8, ty, at);
-        Meaning::Place(place, ty, fixed)
     }
 
     fn direct(&mut self, text: &str, at: At) -> Meaning {

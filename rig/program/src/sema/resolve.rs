@@ -112,6 +112,9 @@ impl<'a> Sema<'a> {
     fn named_loosely(&mut self, name: Name) -> TypeId {
         let text = self.names.key_text(name.key);
         if let Some(ty) = Elementary::named(text) {
+            if ty == Elementary::Lreal && self.lreal.is_none() {
+                self.lreal = Some(name.at);
+            }
             return self.elementary(ty);
         }
         match self.outside.get(&name.key).copied() {

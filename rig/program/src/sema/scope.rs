@@ -106,6 +106,8 @@ pub(super) struct Callable<'a> {
     /// Variables of the frame, parameters among them, in order.
     pub symbols: Vec<Symbol<'a>>,
     pub index: KeyMap<Key, u32>,
+    /// VAR_INST of a method: places among the members of its block.
+    pub kept: KeyMap<Key, u32>,
     /// Initial bytes of the frame.
     pub frame: Vec<u8>,
     pub selector: Option<u32>,
@@ -126,6 +128,7 @@ impl<'a> Callable<'a> {
             result: None,
             symbols: Vec::new(),
             index: KeyMap::default(),
+            kept: KeyMap::default(),
             frame: Vec::new(),
             selector: None,
         }
@@ -199,6 +202,9 @@ impl<'a> Sema<'a> {
         if let Some(callable) = self.context.callable.and_then(|place| self.callables.get(place as usize)) {
             if let Some(place) = callable.index.get(&key) {
                 return Some(Found::Local(*place));
+            }
+            if let (Some(owner), Some(place)) = (callable.owner, callable.kept.get(&key)) {
+                return Some(Found::Member(owner, *place));
             }
             if callable.name.key == key && callable.result.is_some() {
                 return Some(Found::Result);

@@ -9,7 +9,7 @@ use crate::codes::Code;
 use crate::findings::At;
 use crate::library::parse_conversion;
 use crate::parse::ast::{self, Argument, BinaryOp as Written, Name};
-use crate::tree::{BinaryOp, Expr, ExprKind, Stmt, StmtKind, Ty, UnaryOp};
+use crate::tree::{BinaryOp, Expr, ExprKind, Root, Stmt, StmtKind, Ty, UnaryOp};
 use crate::types::Elementary;
 
 /// What a function that is an operation does.
@@ -297,24 +297,51 @@ impl<'a> Sema<'a> {
         Operand::Value(value, ty)
     }
 
-    fn extreme_text(&mut self, op: BinaryOp, list: Vec<Expr>, ty: TypeId, at: At) -> Operand {
+    /// The least or greatest text. Each is used twice, to be compared and to be chosen: what has to be computed is put
+    /// into a variable first.
+    fn extreme_text(&mut self, op: BinaryOp, mut list: Vec<Expr>, ty: TypeId, at: At) -> Operand {
+        let constant = |value: &Expr| matches!(value.kind, ExprKind::Text(_));
+        let variable = |value: &Expr| {
+            matches!(&value.kind, ExprKind::Load(place)
+                if place.indices.is_empty() && !matches!(place.root, Root::Address(_)))
+        };
+        let mut before = Vec::new();
+        if !list.iter().all(|value| constant(value) || variable(value)) {
+            for value in list.iter_mut().filter(|value| !constant(value)) {
+                self.set_aside(value, &mut before);
+            }
+        }
         let compare = if op == BinaryOp::Least { BinaryOp::Greater } else { BinaryOp::Less };
         let mut list = list.into_iter();
         let Some(mut best) = list.next() else { return Operand::Wrong };
         for next in list {
+            if !constant(&best) && !variable(&best) {
+                self.set_aside(&mut best, &mut before);
+            }
             let chosen = self.binary(compare, best.clone(), next.clone(), at);
             let kind = ExprKind::Select(Box::new(chosen), vec![best, next]);
             best = Expr { kind, ty: self.tree_type(ty), at };
+        }
+        if !before.is_empty() {
+            let ty = best.ty;
+            best = Expr { kind: ExprKind::Sequence(before, Box::new(best)), ty, at };
         }
         Operand::Value(best, ty)
     }
 
     fn limit(&mut self, values: &[&ast::Expr], at: At) -> Operand {
         let Some((list, ty)) = self.together(values, "LIMIT", at) else { return Operand::Wrong };
-        if self.scalar(ty).is_none() {
+        let text = matches!(self.ty(ty), Type::Text { .. });
+        if self.scalar(ty).is_none() && !text {
             return self.no_operator("LIMIT", ty, at);
         }
         let Ok([low, value, high]) = <[Expr; 3]>::try_from(list) else { return Operand::Wrong };
+        if text {
+            return match self.extreme_text(BinaryOp::Greatest, vec![low, value], ty, at) {
+                Operand::Value(raised, _) => self.extreme_text(BinaryOp::Least, vec![raised, high], ty, at),
+                other => other,
+            };
+        }
         let raised = self.binary(BinaryOp::Greatest, low, value, at);
         Operand::Value(self.binary(BinaryOp::Least, raised, high, at), ty)
     }
@@ -396,8 +423,9 @@ impl<'a> Sema<'a> {
         if ty == WRONG {
             return Operand::Wrong;
         }
+        // It goes into whatever type holds it, as a literal does.
         let size = self.layout(ty).size;
-        self.known(i64::from(size), Elementary::Udint, at)
+        self.literal(i128::from(size), at)
     }
 
     /// An elementary type by its name, as in SIZEOF(DINT).

@@ -232,6 +232,13 @@ impl<'a> Sema<'a> {
                     self.address_of(place)
                 }
                 Meaning::Wrong => return,
+                // What a function or method refers to.
+                Meaning::Operand(Operand::Value(Expr { kind: ExprKind::Load(place), .. }, from))
+                    if matches!(place.root, crate::tree::Root::Address(_))
+                        && self.reference_fits(from, to, false) =>
+                {
+                    self.address_of(place)
+                }
                 _ => {
                     let message = "a reference needs a variable";
                     self.findings.error(

@@ -133,7 +133,8 @@ impl Sema<'_> {
             return Some(values);
         }
         let parameters: Vec<&str> = function.parameters.iter().map(|(name, _)| *name).collect();
-        let message = format!("{} takes {}", function.name, parameters.join(", "));
+        let taken = if parameters.is_empty() { "no values".to_string() } else { parameters.join(", ") };
+        let message = format!("{} takes {taken}", function.name);
         let help = if function.extensible { "or more of the last" } else { "give each once" };
         self.findings.error(Code::Arguments, name.at, message, help);
         None

@@ -62,6 +62,7 @@ impl Default for Builder {
             roots: Vec::new(),
             shapes: Vec::new(),
             tasks: Vec::new(),
+            lreal: None,
             variables: Vec::new(),
             index: Default::default(),
             files: vec!["test.st".into()],

@@ -163,7 +163,8 @@ proptest! {
     fn shifts(b in number(), n in prop_oneof![-70i64..140, any::<i64>()]) {
         let ops = [
             ([Shl8, Shl16, Shl32, Shl64], 0),
-            ([Shr8, Shr16, Shr32, Shr64], 1),
+            ([ShrU8, ShrU16, ShrU32, ShrU64], 1),
+            ([ShrI8, ShrI16, ShrI32, ShrI64], 4),
             ([Rol8, Rol16, Rol32, Rol64], 2),
             ([Ror8, Ror16, Ror32, Ror64], 3),
         ];
@@ -176,6 +177,7 @@ proptest! {
                     let from = match kind {
                         0 => Some(to - n.clamp(-1, 100)).filter(|_| n >= 0),
                         1 => Some(to + n.clamp(-1, 100)).filter(|_| n >= 0),
+                        4 => Some((to + n.clamp(-1, 100)).min(bits - 1)).filter(|_| n >= 0),
                         2 => Some((to - n % bits + bits) % bits),
                         _ => Some((to + n % bits + bits) % bits),
                     };

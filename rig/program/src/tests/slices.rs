@@ -69,7 +69,9 @@ proptest! {
             }
         }
         prop_assert_eq!((used, stop), (expected.used, Some(Stop::Done)));
-        prop_assert_eq!(cut.memory(), whole.memory());
+        // Temporaries that nobody reads any more may differ.
+        let variables = cut.program().image.len();
+        prop_assert_eq!(cut.memory().get(..variables), whole.memory().get(..variables));
     }
 }
 

@@ -138,7 +138,8 @@ fn check_some(cases: &[Case], variables: u8) {
     let program = match compile(&sources(&text), &Options::default()) {
         Ok(program) => Arc::new(program),
         Err(findings) => {
-            let first = findings.iter().find(|finding| finding.severity == document::Severity::Error).unwrap();
+            let first =
+                findings.iter().find(|finding| finding.severity == document::Severity::Error).unwrap();
             let span = first.labels[0].span.clone();
             let from = text[..span.start].rfind('\n').map_or(0, |at| at + 1);
             let line: String = text[from..].lines().next().unwrap().into();
