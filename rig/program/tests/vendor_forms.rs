@@ -3,7 +3,7 @@
 mod support;
 
 use document::SourceFile;
-use scanrig_program::{Machine, Options, compile};
+use scanrig_program::{FaultKind, Machine, Options, Stop, compile};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
 use support::{Memory, Rig, codes, once};
@@ -296,4 +296,63 @@ fn a_property_may_be_a_reference() {
         (rig.int("MAIN.b.first.lines"), rig.int("MAIN.b.first.marks[2]"), rig.int("MAIN.n")),
         (4, 9, 13)
     );
+}
+
+#[test]
+fn a_pointer_to_a_text_literal_may_be_kept() {
+    let text = "FUNCTION greeting : POINTER TO STRING VAR_INPUT again : BOOL; END_VAR
+        IF again THEN greeting := ADR('good evening'); ELSE greeting := ADR('good morning'); END_IF
+        END_FUNCTION
+        FUNCTION other : INT VAR x : ARRAY[1..50] OF INT; i : INT; END_VAR
+        FOR i := 1 TO 50 DO x[i] := 16#4141; END_FOR other := x[1];
+        END_FUNCTION
+        PROGRAM MAIN
+        VAR p, q : POINTER TO STRING; same : BOOL; n : INT; END_VAR
+        p := greeting(FALSE); q := greeting(TRUE); n := other();
+        same := p^ = 'good morning' AND q^ = 'good evening';
+        END_PROGRAM";
+    let mut rig = Rig::new(text);
+    rig.cycle();
+    assert!(rig.on("MAIN.same"));
+}
+
+#[test]
+fn an_in_out_may_take_arrays_of_any_length() {
+    let text = "FUNCTION total : DINT VAR_IN_OUT a : ARRAY[*] OF INT; END_VAR VAR i : DINT; END_VAR
+        FOR i := LOWER_BOUND(a, 1) TO UPPER_BOUND(a, 1) DO total := total + a[i]; END_FOR
+        END_FUNCTION
+        FUNCTION twice : DINT VAR_IN_OUT b : ARRAY[*] OF INT; END_VAR
+        b[LOWER_BOUND(b, 1)] := 100; twice := 2 * total(a := b);
+        END_FUNCTION
+        FUNCTION corner : INT VAR_IN_OUT m : ARRAY[*, *] OF INT; END_VAR VAR_INPUT i, j : INT; END_VAR
+        corner := m[i, j]; m[i, j] := -1;
+        END_FUNCTION
+        FUNCTION_BLOCK holder VAR_IN_OUT a : ARRAY[*] OF INT; END_VAR VAR_OUTPUT last : INT; END_VAR
+        last := a[UPPER_BOUND(a, 1)];
+        END_FUNCTION_BLOCK
+        PROGRAM MAIN
+        VAR x : ARRAY[1..3] OF INT := [1, 2, 3]; y : ARRAY[-2..-1] OF INT := [10, 20]; s1, s2, s3 : DINT;
+            m : ARRAY[1..2, 0..2] OF INT := [1, 2, 3, 4, 5, 6]; c : INT; h : holder; wide : INT; bad : INT; go : BOOL; END_VAR
+        s1 := total(x); s2 := total(a := y); s3 := twice(x);
+        c := corner(m, 2, 1);
+        h(a := y);
+        wide := DINT_TO_INT(UPPER_BOUND(m, 2) - LOWER_BOUND(m, 2));
+        IF go THEN bad := corner(m, 2, 3); END_IF
+        END_PROGRAM";
+    let mut rig = Rig::new(text);
+    rig.cycle();
+    let values = ["s1", "s2", "s3", "c", "m[2,1]", "x[1]", "h.last", "wide"];
+    assert_eq!(values.map(|path| rig.int(&format!("MAIN.{path}"))), [6, 30, 210, 5, -1, 100, 20, 2]);
+    rig.write("MAIN.go", signal::Value::Bool(true));
+    let Stop::Fault(fault) = rig.run().stop else { panic!("an index outside of its bounds is a fault") };
+    assert_eq!(fault.kind, FaultKind::Bounds);
+}
+
+#[test]
+fn a_loop_counts_where_it_began() {
+    let rig = once(
+        "VAR x : ARRAY[1..4] OF INT; p : POINTER TO INT; turns : INT; END_VAR",
+        "p := ADR(x[1]); FOR p^ := 1 TO 3 DO turns := turns + 1; p := ADR(x[3]); END_FOR",
+    );
+    assert_eq!(["turns", "x[1]", "x[3]"].map(|path| rig.int(&format!("MAIN.{path}"))), [3, 4, 0]);
 }

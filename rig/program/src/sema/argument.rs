@@ -210,13 +210,17 @@ impl<'a> Sema<'a> {
                 continue;
             }
             let parameter = &parameters[place];
+            let written = value;
             let value = if parameter.kind == SectionKind::InOut {
                 self.by_reference(value, parameter)
             } else {
                 self.value(value, parameter.ty)
             };
             match value {
-                Some(value) => inputs.push(Input { to: parameter.slot.clone(), value }),
+                Some(value) => {
+                    inputs.push(Input { to: parameter.slot.clone(), value });
+                    inputs.extend(self.open_inputs(written, parameter));
+                }
                 None => whole = false,
             }
         }
@@ -300,6 +304,9 @@ impl<'a> Sema<'a> {
         match (self.ty(from), self.ty(to)) {
             (Type::Text { wide: a, length }, Type::Text { wide: b, length: needed }) => {
                 a == b && (read_only || length >= needed)
+            }
+            (Type::Array { dimensions, of }, Type::Open { dimensions: number, of: needed }) => {
+                dimensions.len() == *number as usize && of == needed
             }
             (Type::Subrange { base, .. }, Type::Elementary(ty)) => base == ty,
             (Type::Pointer(_), Type::Pointer(_)) => true,

@@ -154,7 +154,9 @@ impl<'a> Sema<'a> {
                     self.pous[place as usize].index.insert(decl.name.key, own);
                     self.pous[place as usize].symbols.push(symbol.clone());
                 }
+                self.in_out = section.kind == SectionKind::InOut;
                 let mut ty = self.resolve(&decl.ty);
+                self.in_out = false;
                 if !self.check_depth(ty, decl.ty.at) {
                     ty = WRONG;
                 }
@@ -174,7 +176,7 @@ impl<'a> Sema<'a> {
                 } else if section.kind == SectionKind::InOut {
                     size = size.next_multiple_of(4);
                     symbol.home = Home::ThisAddress(size);
-                    size += 4;
+                    size += self.in_out_size(ty);
                 } else {
                     size = size.next_multiple_of(layout.align);
                     symbol.home = Home::This(size);
@@ -344,7 +346,12 @@ impl<'a> Sema<'a> {
                 }
             }
             // Addresses mean nothing after a restart.
-            Type::Pointer(_) | Type::RefTo(_) | Type::Reference(_) | Type::Interface(_) | Type::Wrong => {}
+            Type::Pointer(_)
+            | Type::RefTo(_)
+            | Type::Reference(_)
+            | Type::Interface(_)
+            | Type::Open { .. }
+            | Type::Wrong => {}
             Type::Elementary(_)
             | Type::Text { .. }
             | Type::Enumeration(_)

@@ -400,7 +400,9 @@ impl<'a> Sema<'a> {
             let help = "locate variables in VAR of a PROGRAM or in VAR_GLOBAL";
             self.findings.error(Code::Located, *at, message, help);
         }
+        self.in_out = section.kind == SectionKind::InOut;
         let ty = self.resolve(&decl.ty);
+        self.in_out = false;
         let layout = self.layout(ty);
         let mut home = Home::Nowhere;
         if section.kind == SectionKind::Static {
@@ -412,7 +414,7 @@ impl<'a> Sema<'a> {
         } else if section.kind == SectionKind::InOut {
             size = size.next_multiple_of(4);
             home = Home::FrameAddress(size);
-            size += 4;
+            size += self.in_out_size(ty);
         } else {
             size = size.next_multiple_of(layout.align);
             home = Home::Frame(size);

@@ -38,6 +38,10 @@ impl Sema<'_> {
                 };
                 self.followed(place, ty, fixed)
             }
+            Type::Open { .. } => match self.open_element(place, ty, indices, at) {
+                Some((place, ty)) => self.followed(place, ty, fixed),
+                None => Meaning::Wrong,
+            },
             Type::Text { wide, length } => {
                 let unit = if wide { Elementary::Word } else { Elementary::Byte };
                 let of = self.elementary(unit);

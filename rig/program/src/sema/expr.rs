@@ -135,6 +135,11 @@ impl<'a> Sema<'a> {
                 if ty == WRONG {
                     return Operand::Wrong;
                 }
+                if let Type::Open { .. } = self.ty(ty) {
+                    let message = "an array of variable length is no value";
+                    self.findings.error(Code::NotAValue, at, message, "use its elements one by one");
+                    return Operand::Wrong;
+                }
                 if self.context.constant {
                     if let Some(bytes) = self.constant_place(&place, ty) {
                         return Operand::Value(bytes, ty);

@@ -16,6 +16,7 @@ mod expr;
 mod initial;
 mod literal;
 mod member;
+mod open;
 mod operator;
 mod place;
 mod resolve;
@@ -130,6 +131,8 @@ struct Sema<'a> {
     selector_index: HashMap<scope::Selector, u32>,
     kinds: Vec<scope::Kind>,
     depth: u32,
+    /// Whether the type of an in-out is being found out, which may be an array of variable length.
+    in_out: bool,
 
     /// Initial bytes of the variables, from `map::FIRST` on.
     data: Vec<u8>,
@@ -179,6 +182,7 @@ pub(crate) fn check<'a>(
         selector_index: HashMap::new(),
         kinds: Vec::new(),
         depth: 0,
+        in_out: false,
         data: Vec::new(),
         retained: Vec::new(),
         kept: 0,

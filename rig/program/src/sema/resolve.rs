@@ -27,6 +27,8 @@ impl<'a> Sema<'a> {
     }
 
     fn resolve_kind(&mut self, written: &'a TypeRef) -> TypeId {
+        // Only the outermost type may be an array of variable length.
+        let in_out = std::mem::take(&mut self.in_out);
         match &written.kind {
             TypeKind::Named(name) => self.named(*name),
             TypeKind::Text { wide, length } => {
@@ -46,7 +48,7 @@ impl<'a> Sema<'a> {
                 self.intern(Type::Text { wide: *wide, length })
             }
             TypeKind::Subrange { base, low, high } => self.subrange(*base, low, high),
-            TypeKind::Array { ranges, of } => self.array(ranges, of, written.at),
+            TypeKind::Array { ranges, of } => self.array(ranges, of, in_out, written.at),
             TypeKind::Pointer(to) => self.pointing(to, Type::Pointer),
             TypeKind::RefTo(to) => self.pointing(to, Type::RefTo),
             TypeKind::Reference(to) => self.pointing(to, Type::Reference),
@@ -235,7 +237,7 @@ impl<'a> Sema<'a> {
         self.intern(Type::Subrange { base: elementary, low: lowest, high: highest })
     }
 
-    fn array(&mut self, ranges: &'a [Option<(Expr, Expr)>], of: &'a TypeRef, at: At) -> TypeId {
+    fn array(&mut self, ranges: &'a [Option<(Expr, Expr)>], of: &'a TypeRef, in_out: bool, at: At) -> TypeId {
         let element = self.resolve(of);
         if let Some(initial) = self.type_initial(of) {
             let message = "elements of an array do not take the initial value of their type's name";
@@ -243,12 +245,19 @@ impl<'a> Sema<'a> {
             self.findings.error(Code::Unsupported, of.at, message, help);
             let _ = initial;
         }
+        if in_out && ranges.iter().all(Option::is_none) {
+            let dimensions = ranges.len() as u32;
+            return if element == WRONG {
+                WRONG
+            } else {
+                self.intern(Type::Open { dimensions, of: element })
+            };
+        }
         let mut dimensions = Vec::new();
         for range in ranges {
             let Some((low, high)) = range else {
-                let message = "arrays of variable length are not supported yet";
-                let help = "write the bounds, or pass a POINTER TO and a length";
-                self.findings.error(Code::Unsupported, at, message, help);
+                let message = "only the type of an in-out may leave its bounds open";
+                self.findings.error(Code::ArrayBounds, at, message, "write the bounds, all of them");
                 return WRONG;
             };
             let (Some(lowest), Some(highest)) = (self.constant_number(low), self.constant_number(high))

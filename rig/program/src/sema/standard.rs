@@ -31,6 +31,8 @@ enum Operation {
     Reference,
     ValidReference,
     QueryInterface,
+    /// LOWER_BOUND, UPPER_BOUND where TRUE.
+    Bound(bool),
 }
 
 const OPERATIONS: &[(&str, &[&str], Operation)] = &[
@@ -63,6 +65,8 @@ const OPERATIONS: &[(&str, &[&str], Operation)] = &[
     ("SIZEOF", &["IN"], Operation::SizeOf),
     ("ADR", &["IN"], Operation::Address),
     ("REF", &["IN"], Operation::Reference),
+    ("LOWER_BOUND", &["ARR", "DIM"], Operation::Bound(false)),
+    ("UPPER_BOUND", &["ARR", "DIM"], Operation::Bound(true)),
     ("__ISVALIDREF", &["IN"], Operation::ValidReference),
     ("__QUERYINTERFACE", &["IN", "OUT"], Operation::QueryInterface),
 ];
@@ -209,6 +213,7 @@ impl<'a> Sema<'a> {
             Operation::Address | Operation::Reference => {
                 self.address_call(operation == Operation::Reference, values)
             }
+            Operation::Bound(upper) => self.bound_call(upper, values, at),
             Operation::ValidReference => self.valid_reference(values, at),
             Operation::QueryInterface => self.query_interface(values, at),
         }
@@ -459,12 +464,14 @@ impl<'a> Sema<'a> {
                 Operand::Wrong
             }
             Meaning::Operand(Operand::Text(wide, units)) if !reference => {
-                // A text literal stands in the memory of the constants.
+                // The text stands in the memory for good, as pointers to it may be kept.
                 let ty = self.intern(Type::Text { wide, length: (units.len() as u32).max(1) });
-                let Some(text) = self.give(Operand::Text(wide, units), ty, value.at) else {
+                let bytes = super::literal::stored(wide, &units);
+                if !self.has_room(bytes.len() as u32, value.at) {
                     return Operand::Wrong;
-                };
-                let place = self.held_value(text, value.at);
+                }
+                let address = self.allocate(&bytes, 2);
+                let place = self.place(Root::Absolute, address, ty, false, value.at);
                 let pointer = self.intern(Type::Pointer(ty));
                 Operand::Value(self.address_of(place), pointer)
             }

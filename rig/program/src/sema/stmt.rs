@@ -7,7 +7,7 @@ use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
 use crate::findings::At;
 use crate::parse::ast::{self, AssignKind, CaseLabel, Counted, StmtKind as Written};
-use crate::tree::{Expr, ExprKind, For, Place, Stmt, StmtKind, Target, Ty};
+use crate::tree::{Expr, ExprKind, For, Place, Root, Stmt, StmtKind, Target, Ty};
 use crate::types::Elementary;
 
 impl<'a> Sema<'a> {
@@ -50,7 +50,7 @@ impl<'a> Sema<'a> {
                     None => return,
                 }
             }
-            Written::For(counted) => match self.for_statement(counted) {
+            Written::For(counted) => match self.for_statement(counted, out) {
                 Some(kind) => kind,
                 None => return,
             },
@@ -379,7 +379,7 @@ impl<'a> Sema<'a> {
         Some((low, high, at))
     }
 
-    fn for_statement(&mut self, counted: &Counted) -> Option<StmtKind> {
+    fn for_statement(&mut self, counted: &Counted, out: &mut Vec<Stmt>) -> Option<StmtKind> {
         let variable = self.for_variable(&counted.variable);
         let ty = variable.as_ref().map(|(_, ty)| *ty);
         let from = ty.and_then(|ty| self.value(&counted.from, ty));
@@ -389,8 +389,27 @@ impl<'a> Sema<'a> {
             Some(by) => self.step(by).map(Some),
         };
         let body = self.looped(&counted.body);
-        let (variable, _) = variable?;
+        let (mut variable, _) = variable?;
+        if through_pointer(&counted.variable) {
+            self.hold_address(&mut variable, out);
+        }
         Some(StmtKind::For(Box::new(For { variable, from: from?, to: to?, by: by?, body, end: counted.end })))
+    }
+
+    /// Keeps where a control variable is, so that a pointer that the body changes leads the loop nowhere else.
+    fn hold_address(&mut self, variable: &mut Place, out: &mut Vec<Stmt>) {
+        let at = variable.at;
+        if !matches!(variable.root, Root::Address(_)) {
+            return;
+        }
+        let offset = self.hidden(Ty::Address);
+        let held =
+            Place { root: Root::Frame, offset, indices: Vec::new(), ty: Ty::Address, retained: false, at };
+        let address = self.address_of(variable.clone());
+        out.push(Stmt { kind: StmtKind::Assign(Target::Place(held.clone()), address), at });
+        let load = Expr { kind: ExprKind::Load(held), ty: Ty::Address, at };
+        variable.root = Root::Address(Box::new(load));
+        variable.offset = 0;
     }
 
     fn for_variable(&mut self, written: &ast::Expr) -> Option<(Place, TypeId)> {
@@ -430,5 +449,16 @@ impl<'a> Sema<'a> {
             return None;
         }
         Some(step)
+    }
+}
+
+/// Whether a path leads through a pointer.
+fn through_pointer(written: &ast::Expr) -> bool {
+    match &written.kind {
+        ast::ExprKind::Deref(of) => !matches!(of.kind, ast::ExprKind::This),
+        ast::ExprKind::Member(of, _) | ast::ExprKind::Index(of, _) | ast::ExprKind::Part { of, .. } => {
+            through_pointer(of)
+        }
+        _ => false,
     }
 }

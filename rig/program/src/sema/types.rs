@@ -32,6 +32,11 @@ pub(super) enum Type {
         dimensions: Vec<(i64, i64)>,
         of: TypeId,
     },
+    /// An array of variable length: the number of dimensions.
+    Open {
+        dimensions: u32,
+        of: TypeId,
+    },
     /// A structure or union: a place in `Sema::structures`.
     Structure(u32),
     /// A function block: a place in `Sema::pous`.
@@ -161,9 +166,11 @@ impl Sema<'_> {
                 .native_layouts
                 .get(usize::from(*place))
                 .map_or(Layout { size: 8, align: 8 }, |(_, size)| Layout { size: *size, align: 8 }),
-            Type::Pointer(_) | Type::RefTo(_) | Type::Reference(_) | Type::Interface(_) => {
-                Layout { size: 4, align: 4 }
-            }
+            Type::Pointer(_)
+            | Type::RefTo(_)
+            | Type::Reference(_)
+            | Type::Interface(_)
+            | Type::Open { .. } => Layout { size: 4, align: 4 },
         }
     }
 
@@ -213,6 +220,10 @@ impl Sema<'_> {
                 let ranges: Vec<String> =
                     dimensions.iter().map(|(low, high)| format!("{low}..{high}")).collect();
                 format!("ARRAY[{}] OF {}", ranges.join(", "), self.type_name(*of))
+            }
+            Type::Open { dimensions, of } => {
+                let stars = vec!["*"; *dimensions as usize];
+                format!("ARRAY[{}] OF {}", stars.join(", "), self.type_name(*of))
             }
             Type::Structure(place) => {
                 self.structures.get(*place as usize).map_or(String::new(), |s| s.name.clone())
@@ -340,7 +351,11 @@ impl Sema<'_> {
                 }
                 Shape::Members { name: self.type_name(id), members, size: self.layout(id).size, block: true }
             }
-            Type::Pointer(_) | Type::RefTo(_) | Type::Reference(_) | Type::Interface(_) => Shape::Address,
+            Type::Pointer(_)
+            | Type::RefTo(_)
+            | Type::Reference(_)
+            | Type::Interface(_)
+            | Type::Open { .. } => Shape::Address,
         };
         let place = ShapeId(self.shapes.len() as u32);
         self.shapes.push(shape);

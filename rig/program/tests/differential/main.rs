@@ -92,6 +92,25 @@ fn essence(text: &str) -> String {
     format!("{}{program}", declarations.join("\n"))
 }
 
+/// One cycle in slices of these lengths by turns: how it ends, and the time it takes.
+fn cycle(machine: &mut Machine, slices: &[Span]) -> (Stop, Span) {
+    machine.begin(0);
+    let mut used = Span::ZERO;
+    let mut least = Span::ZERO;
+    let mut memory = Memory::default();
+    for budget in slices.iter().cycle() {
+        let slice = machine.resume(0, Time::ZERO + used, (*budget).max(least), &mut memory);
+        used = used + slice.used;
+        match slice.stop {
+            // An operation longer than the slice has to be let through.
+            Stop::Budget { next } => least = next,
+            Stop::Touched => least = Span::ZERO,
+            stop => return (stop, used),
+        }
+    }
+    (Stop::Done, used)
+}
+
 fn check(seed: u64, depth: u32) {
     let mut maker = Maker { random: Random(seed), loops: Vec::new(), counters: 0 };
     let first: Vec<(V, V)> = TYPES.map(|ty| (maker.value(ty), maker.value(ty))).to_vec();
@@ -125,10 +144,19 @@ fn check(seed: u64, depth: u32) {
             }
             Err(findings) => panic!("{}\n{findings:#?}", essence(&text)),
         };
-        let mut machine = Machine::new(Arc::new(program), &[vec![0]]).unwrap();
-        machine.begin(0);
-        let slice = machine.resume(0, Time::ZERO, Span::from_secs(1), &mut Memory::default());
-        let stop = match slice.stop {
+        let program = Arc::new(program);
+        let mut machine = Machine::new(Arc::clone(&program), &[vec![0]]).unwrap();
+        let (stop, used) = cycle(&mut machine, &[Span::from_secs(1)]);
+        // Runs of operations that are executed in one go change nothing: cut short, they go one by one.
+        let mut cut = Machine::new(program, &[vec![0]]).unwrap();
+        let pieces = [1, 130, 900, 40, 5_000].map(Span::from_nanos);
+        assert_eq!(cycle(&mut cut, &pieces), (stop, used), "{}", essence(&text));
+        for name in walk.memory.keys() {
+            let found =
+                |machine: &Machine| format!("{:?}", machine.find(name).map(|place| machine.read(place)));
+            assert_eq!(found(&cut), found(&machine), "{name}\n{}", essence(&text));
+        }
+        let stop = match stop {
             Stop::Done => Ok(()),
             Stop::Fault(fault) => Err(fault.kind),
             other => panic!("{other:?}\n{}", essence(&text)),
@@ -144,7 +172,7 @@ fn check(seed: u64, depth: u32) {
             assert!(same(v, found), "{name} is {found:?}, not {v:?}\n{}", essence(&text));
         }
         if end.is_ok() {
-            assert_eq!(slice.used.as_nanos(), walk.cost, "{}", essence(&text));
+            assert_eq!(used.as_nanos(), walk.cost, "{}", essence(&text));
         }
     }
 }
