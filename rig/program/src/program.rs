@@ -80,21 +80,25 @@ pub struct Variable {
     pub file: u8,
 }
 
-/// A located place that the program reads or writes.
+/// A variable at an address (controller:REM-03). Arrays and structures are one, whatever their size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Located {
-    /// The place.
+    /// Where it begins.
     pub address: Address,
-    /// The type that it is read and written as.
-    pub ty: Elementary,
-    /// Some operation reads it.
-    pub read: bool,
-    /// Some operation writes it.
-    pub written: bool,
-    /// It is that of a declared variable (controller:REM-03), not only of direct uses.
-    pub declared: bool,
+    /// Bits that it covers from there on.
+    pub bits: u32,
     /// The declared initial value as raw bits.
     pub initial: Option<u64>,
+}
+
+impl Located {
+    /// Whether it covers any bit of a place.
+    pub fn overlaps(&self, place: &Address) -> bool {
+        let (first, other) = (self.address.bit_offset(), place.bit_offset());
+        self.address.area() == place.area()
+            && first < other.saturating_add(place.bit_len())
+            && other < first.saturating_add(self.bits)
+    }
 }
 
 /// A task that the sources configure (CONFIGURATION).
@@ -194,7 +198,7 @@ impl Program {
         &self.roots
     }
 
-    /// Located places, of declarations and of direct uses, in the order of appearance.
+    /// Variables at addresses, in the order of their declaration.
     pub fn located(&self) -> &[Located] {
         &self.located
     }

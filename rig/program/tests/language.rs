@@ -264,7 +264,7 @@ fn located_variables_and_direct_addresses() {
     assert_eq!(rig.memory.lines, [4, 5, 5, 4, 5, 5]);
     let program = rig.machine.program();
     let big = program.located().iter().find(|l| l.address.to_string() == "%MD10").unwrap();
-    assert_eq!((big.initial, big.declared, big.read, big.written), (Some(0x1234_5678), true, false, false));
+    assert_eq!((big.initial, big.bits), (Some(0x1234_5678), 32));
     assert!(program.find("lamp").is_some() && rig.machine.find("lamp").is_none());
 }
 
@@ -314,4 +314,22 @@ fn conversions_that_lose_values_need_to_be_written() {
     assert_eq!(with("d := i;"), Vec::<&str>::new());
     let program = support::build("PROGRAM P VAR i : INT; u : UINT; END_VAR i := u; END_PROGRAM");
     assert_eq!(program.warnings.iter().map(|w| w.code).collect::<Vec<_>>(), ["S0306"]);
+}
+
+#[test]
+fn a_located_array_is_one_variable() {
+    // controller:REM-03 - whatever its size: a list of its elements would be searched for each word of the memory.
+    let program = support::build(
+        "TYPE pair : STRUCT a : INT; b : DINT; END_STRUCT; END_TYPE
+         PROGRAM MAIN VAR all AT %MW10 : ARRAY[0..49999] OF INT; p AT %MW4 : pair; END_VAR all[3] := p.a; END_PROGRAM",
+    );
+    let covers = |word: &str| {
+        let word = signal::Address::parse(word).unwrap();
+        program.located().iter().filter(|located| located.overlaps(&word)).count()
+    };
+    assert_eq!(program.located().len(), 2);
+    assert_eq!(
+        ["%MW3", "%MW4", "%MW7", "%MW8", "%MW10", "%MW50009", "%MW50010", "%MX20.0", "%IW10"].map(covers),
+        [0, 1, 1, 0, 1, 1, 0, 1, 0]
+    );
 }

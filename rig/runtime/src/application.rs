@@ -182,7 +182,7 @@ impl Application for ProgramApplication {
     fn associates(&self, word: u32) -> bool {
         let word = Address::new(Area::Memory, Size::Word, word);
         let mut located = self.machine.program().located().iter();
-        word.is_some_and(|word| located.any(|known| known.declared && known.address.overlaps(&word)))
+        word.is_some_and(|word| located.any(|known| known.overlaps(&word)))
     }
 
     fn writes_output(&self, task: usize, byte: u32) -> bool {

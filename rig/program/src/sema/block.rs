@@ -10,7 +10,6 @@ use crate::findings::{At, count};
 use crate::parse::ast::{self, PouKind, Section, SectionKind};
 use crate::program::{Located, Retained, Retention};
 use crate::shape::{Member, Root};
-use crate::types::Elementary;
 use signal::{Address, Area, Size};
 
 /// The number of an instance's class stands in its first bytes.
@@ -459,7 +458,10 @@ impl<'a> Sema<'a> {
             return Home::Nowhere;
         }
         let initial = decl.initial.as_ref().and_then(|initial| self.constant_initial(initial, ty));
-        self.note_located(place, elementary, initial);
+        let bits = place.size().bits();
+        let mask = if bits >= 64 { u64::MAX } else { (1 << bits) - 1 };
+        let initial = initial.map(|cell| cell as u64 & mask);
+        self.located.push(Located { address: place, bits, initial });
         home_of(place)
     }
 
@@ -496,7 +498,7 @@ impl<'a> Sema<'a> {
                 "assign the values in the program",
             );
         }
-        self.note_scalars(place.area(), first, ty);
+        self.located.push(Located { address: place, bits: layout.size * 8, initial: None });
         home_of(place)
     }
 
@@ -509,45 +511,6 @@ impl<'a> Sema<'a> {
                 .is_some_and(|s| s.fields.iter().all(|field| self.only_scalars(field.ty))),
             _ => self.scalar(ty).is_some(),
         }
-    }
-
-    fn note_scalars(&mut self, area: Area, byte: u32, ty: TypeId) {
-        match self.ty(ty).clone() {
-            Type::Array { dimensions, of } => {
-                let step = stride(self.layout(of));
-                for nth in 0..elements(&dimensions).min(1 << 20) as u32 {
-                    self.note_scalars(area, byte + nth * step, of);
-                }
-            }
-            Type::Structure(place) => {
-                let fields: Vec<(u32, TypeId)> = self
-                    .structures
-                    .get(place as usize)
-                    .map_or(Vec::new(), |s| s.fields.iter().map(|f| (f.offset, f.ty)).collect());
-                for (offset, ty) in fields {
-                    self.note_scalars(area, byte + offset, ty);
-                }
-            }
-            _ => {
-                let Some(elementary) = self.scalar(ty) else { return };
-                let (size, bytes) = match elementary.bytes() {
-                    1 => (Size::Byte, 1),
-                    2 => (Size::Word, 2),
-                    4 => (Size::Double, 4),
-                    _ => (Size::Long, 8),
-                };
-                if let Some(address) = Address::new(area, size, byte / bytes) {
-                    self.note_located(address, elementary, None);
-                }
-            }
-        }
-    }
-
-    fn note_located(&mut self, address: Address, ty: Elementary, initial: Option<i64>) {
-        let bytes = address.size().bits();
-        let mask = if bytes >= 64 { u64::MAX } else { (1 << bytes) - 1 };
-        let initial = initial.map(|cell| cell as u64 & mask);
-        self.located.push(Located { address, ty, read: false, written: false, declared: true, initial });
     }
 
     /// An address that exists; reports it otherwise (controller:ADDR-02, controller:ADDR-04).

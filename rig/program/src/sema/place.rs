@@ -429,16 +429,6 @@ impl<'a> Sema<'a> {
         let scalar = Elementary::of_size(address.size());
         let ty = self.elementary(scalar);
         let fixed = (address.area() == Area::Input).then_some("inputs are read only");
-        if !self.context.constant {
-            self.located.push(crate::program::Located {
-                address,
-                ty: scalar,
-                read: true,
-                written: false,
-                declared: false,
-                initial: None,
-            });
-        }
         match home_of(address) {
             Home::Bit(byte, bit) => {
                 let place = self.place(tree::Root::Absolute, byte, ty, false, at);
