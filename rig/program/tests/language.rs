@@ -333,3 +333,16 @@ fn a_located_array_is_one_variable() {
         [0, 1, 1, 0, 1, 1, 0, 1, 0]
     );
 }
+
+#[test]
+fn a_slip_in_a_name_is_seen() {
+    let help = |statement: &str| {
+        let text = format!("PROGRAM MAIN VAR delay : TON; Count : INT; END_VAR {statement} END_PROGRAM");
+        let found = scanrig_program::compile(&support::sources(&text), &Default::default()).unwrap_err();
+        found[0].help.clone()
+    };
+    assert_eq!(help("dealy(IN := TRUE);"), "did you mean delay?");
+    assert_eq!(help("Count := SQTR(2.0);"), "did you mean SQRT?");
+    assert_eq!(help("Cuont := 1;"), "did you mean Count?");
+    assert_eq!(help("delay(IM := TRUE);"), "`TON` has IN, PT");
+}

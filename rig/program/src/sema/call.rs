@@ -122,8 +122,17 @@ impl<'a> Sema<'a> {
                 known.push(self.names.key_text(pou.ast.name.key));
             }
         }
+        // An instance of a block is called alike.
+        let members = self.context.pou.into_iter().flat_map(|pou| self.lineage(pou));
+        let members = members.filter_map(|owner| self.pous.get(owner as usize)).flat_map(|pou| &pou.symbols);
+        let local = self.running().into_iter().flat_map(|callable| &callable.symbols);
+        for symbol in local.chain(members).chain(&self.globals) {
+            if matches!(self.ty(symbol.type_id()), Type::Block(_) | Type::Native(_)) {
+                known.push(self.names.key_text(symbol.name.key));
+            }
+        }
         let near = similar(self.names.key_text(name.key), known.into_iter());
-        let help = near.map_or(String::new(), |near| format!("did you mean {near}?"));
+        let help = near.map_or(String::new(), |near| format!("did you mean {}?", self.written(&near)));
         let message = format!("the function `{}` is not known", self.shown(name));
         self.findings.error(Code::UnknownName, name.at, message, help);
     }

@@ -200,7 +200,7 @@ impl<'a> Sema<'a> {
     }
 
     /// A name as it was declared.
-    fn written(&self, key: &str) -> String {
+    pub(super) fn written(&self, key: &str) -> String {
         let of = |symbols: &[Symbol<'a>]| {
             symbols.iter().find(|s| self.names.key_text(s.name.key) == key).map(|s| s.shown.to_string())
         };
