@@ -22,7 +22,7 @@ impl Host for Nothing {
     fn load(&mut self, _: Address) -> u64 {
         0
     }
-    fn store(&mut self, _: Address, _: u64, _: u8, _: u32) -> bool {
+    fn store(&mut self, _: Address, _: u64, _: u16, _: u32) -> bool {
         false
     }
 }
@@ -36,9 +36,30 @@ struct Case {
     numbers: bool,
 }
 
-const CASES: [Case; 5] = [
+const CASES: [Case; 6] = [
     Case {
         name: "dint",
+        // A sum, a largest value and a checksum of an array; the checksum keeps native code from doing several
+        // elements at once, which no controller does.
+        source: "PROGRAM MAIN
+            VAR a : ARRAY[0..255] OF DINT; i, n, sum, most, check, result : DINT; END_VAR
+            FOR i := 0 TO 255 DO a[i] := i * 7919 MOD 1009; END_FOR;
+            check := 1; result := 0;
+            FOR n := 1 TO 20 DO
+                sum := 0; most := 0;
+                FOR i := 0 TO 255 DO
+                    sum := sum + a[i];
+                    IF a[i] > most THEN most := a[i]; END_IF;
+                    check := check * 31 + a[i];
+                END_FOR;
+                result := result + sum - most + check;
+            END_FOR;
+            END_PROGRAM",
+        native: dint,
+        numbers: true,
+    },
+    Case {
+        name: "dint sort",
         // A generator of pseudo-random numbers and a sort by insertion.
         source: "PROGRAM MAIN
             VAR a : ARRAY[0..255] OF DINT; i, j, x, k, result : DINT; END_VAR
@@ -58,7 +79,7 @@ const CASES: [Case; 5] = [
             END_FOR;
             result := a[0] + a[128] * 1000 + a[255];
             END_PROGRAM",
-        native: dint,
+        native: dint_sort,
         numbers: true,
     },
     Case {
@@ -133,6 +154,26 @@ const CASES: [Case; 5] = [
 ];
 
 fn dint() -> i64 {
+    let mut a = [0i32; 256];
+    for (value, i) in a.iter_mut().zip(black_box(0i32)..) {
+        *value = i * 7919 % 1009;
+    }
+    let (mut check, mut result) = (1i32, 0i32);
+    for _ in 0..black_box(20) {
+        let (mut sum, mut most) = (0i32, 0i32);
+        for value in a {
+            sum = sum.wrapping_add(value);
+            if value > most {
+                most = value;
+            }
+            check = check.wrapping_mul(31).wrapping_add(value);
+        }
+        result = result.wrapping_add(sum).wrapping_sub(most).wrapping_add(check);
+    }
+    i64::from(result)
+}
+
+fn dint_sort() -> i64 {
     let mut a = [0i32; 256];
     let mut x = black_box(12345i32);
     for value in &mut a {

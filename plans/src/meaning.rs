@@ -2,14 +2,14 @@
 
 use crate::expect::condition;
 use crate::lang::Literal;
-use signal::{SignalInfo, Value};
+use signal::{Kind, SignalInfo, Value};
 
 /// A written value as a value of this signal: labels are those of its state, quantities are in its unit.
 ///
 /// # Errors
 /// Why it has no meaning for the signal.
 pub fn value_of(literal: &Literal, info: &SignalInfo) -> Result<Value, String> {
-    if condition::is_high_z(literal) {
+    if condition::is_high_z(literal) && info.kind != Kind::State {
         return Ok(Value::HighZ);
     }
     Ok(match condition::number(literal, info)? {

@@ -38,6 +38,30 @@ pub struct Entry {
     pub profiles: Vec<Profile>,
     /// What kind of thing it is.
     pub class: Class,
+    /// Its clauses in the order of the file, each with what it asks. Empty where it is one statement.
+    pub clauses: Vec<Clause>,
+}
+
+/// One row of a requirement that is a table or a list; cited as in `controller:RB-02#8`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Clause {
+    /// What stands behind the `#`.
+    pub id: String,
+    /// What it asks, one line.
+    pub asks: String,
+    /// The profiles that it holds for; empty for those of its requirement.
+    pub profiles: Vec<Profile>,
+}
+
+/// Longest name of a clause in bytes.
+const MAX_CLAUSE: usize = 48;
+
+/// Whether a text can be the name of a clause: small letters, digits, `-`, and `/` between the two headings of a cell.
+pub fn is_clause(text: &str) -> bool {
+    let part = |part: &str| {
+        !part.is_empty() && part.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
+    };
+    text.len() <= MAX_CLAUSE && text.split('/').all(part)
 }
 
 /// The register.
@@ -89,14 +113,11 @@ impl Register {
                 Some("not-reproducible") => Class::NotReproducible,
                 Some(other) => return Err(fail(id, format!("there is no class `{other}`"))),
             };
-            let mut profiles = Vec::new();
-            for name in table.get("profiles").and_then(document::Node::as_array).unwrap_or_default() {
-                let name = name.as_text().unwrap_or_default();
-                profiles.push(name.parse().map_err(|_| fail(id, format!("there is no profile `{name}`")))?);
-            }
+            let profiles = profiles(table).map_err(|fault| fail(id, fault))?;
             let asks = text("asks").ok_or_else(|| fail(id, String::from("has no `asks`")))?;
             let source = text("source").ok_or_else(|| fail(id, String::from("has no `source`")))?;
-            entries.push(Entry { id: id.clone(), asks, source, profiles, class });
+            let clauses = clauses(table).map_err(|fault| fail(id, fault))?;
+            entries.push(Entry { id: id.clone(), asks, source, profiles, class, clauses });
         }
         Ok(Register { entries })
     }
@@ -105,11 +126,60 @@ impl Register {
     pub fn find(&self, id: &str) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.id == id)
     }
+
+    /// Whether there is what a plan cites: a requirement, or a clause of one.
+    pub fn knows(&self, cited: &str) -> bool {
+        match cited.split_once('#') {
+            None => self.find(cited).is_some(),
+            Some((id, clause)) => {
+                self.find(id).is_some_and(|entry| entry.clauses.iter().any(|known| known.id == clause))
+            }
+        }
+    }
+}
+
+fn profiles(table: &document::Table) -> Result<Vec<Profile>, String> {
+    let names = table.get("profiles").and_then(document::Node::as_array).unwrap_or_default();
+    names
+        .iter()
+        .map(|name| {
+            let name = name.as_text().unwrap_or_default();
+            name.parse().map_err(|_| format!("there is no profile `{name}`"))
+        })
+        .collect()
+}
+
+/// The clauses of a requirement: `"8" = "what it asks"`, or `"8" = { asks = "...", profiles = [...] }`.
+fn clauses(table: &document::Table) -> Result<Vec<Clause>, String> {
+    let Some(node) = table.get("clauses") else { return Ok(Vec::new()) };
+    let list = node.as_table().ok_or_else(|| String::from("`clauses` is no table"))?;
+    let mut clauses = Vec::with_capacity(list.entries.len());
+    for entry in &list.entries {
+        let id = entry.key.clone();
+        if !is_clause(&id) {
+            return Err(format!("`{id}` cannot be the name of a clause"));
+        }
+        let inner = entry.node.as_table();
+        let asks = inner.map_or(Some(&entry.node), |table| table.get("asks"));
+        let asks = asks.and_then(document::Node::as_text).map(str::to_owned);
+        let asks = asks.ok_or_else(|| format!("the clause `{id}` does not say what it asks"))?;
+        clauses.push(Clause { id, asks, profiles: inner.map_or(Ok(Vec::new()), profiles)? });
+    }
+    Ok(clauses)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn clauses_read() {
+        let text = "[\"controller:RB-02\"]\nasks = \"a\"\nsource = \"s\"\n[\"controller:RB-02\".clauses]\n\"8\" = \"b\"\n\"9\" = { asks = \"c\", profiles = [\"m241-2014\"] }\n";
+        let register = Register::read(text).unwrap();
+        assert!(register.knows("controller:RB-02#8") && !register.knows("controller:RB-02#7"));
+        assert_eq!(register.entries[0].clauses[1].profiles, vec![Profile::M241_2014]);
+        assert!(is_clause("reset-cold/retain") && !is_clause("Reset") && !is_clause("a/") && !is_clause(""));
+    }
 
     #[test]
     fn entries_read() {

@@ -127,3 +127,60 @@ fn a_random_phase_follows_the_seed() {
     assert_ne!(offset(1), offset(2));
     assert!(offset(1) < Span::from_millis(20));
 }
+
+/// What a plan expects to be refused: by the reader of plans here, else by the check on a bench.
+#[test]
+fn a_refusal_belongs_to_its_rows() {
+    let text = "format = 1\nprogram = \"a.st\"\nproves = [\"io:STD-IN-01\"]\nsettings = { filter = \"$filter\" }\n\
+                refused = { rows = [\"other\", \"beyond\"], code = \"$code\", says = \"$says\" }\n\
+                expect = [{ rows = [\"known\"], state = { is = \"RUNNING\", when = \"end\" } }]\n[rows]\n\
+                known = { filter = \"4 ms\", code = \"P0110\", says = \"\" }\n\
+                other = { filter = \"3 ms\", code = \"P0110\", says = \"3 ms\" }\n\
+                beyond = { filter = \"4 ms\", code = \"R0113\", says = \"tasks\" }\n";
+    let read = |text: &str| {
+        let file = SourceFile::new("a.toml", text);
+        plans::read(&file, &[], 1).map(|plan| plan.cases().collect::<Vec<_>>())
+    };
+    let cases = read(text).unwrap();
+    assert_eq!(cases[0].refusal, None);
+    let other = cases[1].refusal.as_ref().unwrap();
+    assert_eq!((other.code.as_str(), cases[1].name.as_str()), ("P0110", "a[other]"));
+    assert!(other.judge(&other.found).is_ok() && cases[1].proves == ["io:STD-IN-01"]);
+    let beyond = cases[2].refusal.as_ref().unwrap();
+    assert!(beyond.found.is_empty() && beyond.judge(&[]).unwrap_err().contains("nothing is refused"));
+    // What is wrong in another way is the plan's own fault.
+    let found = read(&text.replace("\"a.st\"", "\"\"")).unwrap_err();
+    assert!(found.iter().any(|one| one.code == "P0109"), "{found:?}");
+}
+
+#[test]
+fn a_refusal_is_one_of_code_text_and_count() {
+    let text = "format = 1\nprogram = \"a.st\"\nrefused = { code = \"R0112\", says = [\"last\", \"mend\"], errors = 2 }\n";
+    let file = SourceFile::new("a.toml", text);
+    let refusal = plans::read(&file, &[], 1).unwrap().case(0).unwrap().refusal.unwrap();
+    let error = |code, message: &str| document::Diagnostic::error(code, message);
+    let (one, two) = (error("R0112", "the last one"), error("R0112", "no").help("mend it"));
+    assert!(refusal.judge(&[one.clone(), two.clone()]).is_ok());
+    let wrong = |found: &[document::Diagnostic]| refusal.judge(found).unwrap_err();
+    assert!(wrong(&[one.clone(), one.clone()]).contains("no finding says `mend`"));
+    assert!(wrong(&[one.clone(), two.clone(), two.clone()]).contains("3 findings in place of 2"));
+    assert!(wrong(&[one, two, error("R0113", "else")]).contains("refused otherwise: R0113"));
+    assert!(wrong(&[document::Diagnostic::warning("R0112", "the last one")]).contains("nothing"));
+}
+
+#[test]
+fn a_warning_is_one_without_errors() {
+    let text =
+        "format = 1\nprogram = \"a.st\"\nwarned = { code = \"R0117\", says = \"LREAL\", errors = 1 }\n";
+    let read = |text: &str| plans::read(&SourceFile::new("a.toml", text), &[], 1);
+    let warned = read(text).unwrap().case(0).unwrap().refusal.unwrap();
+    let warning = |code| document::Diagnostic::warning(code, "the type LREAL");
+    assert!(warned.judge(&[warning("S0109"), warning("R0117")]).is_ok());
+    let wrong = |found: &[document::Diagnostic]| warned.judge(found).unwrap_err();
+    assert!(wrong(&[warning("S0109")]).contains("does not warn of R0117"));
+    assert!(
+        wrong(&[warning("R0117"), document::Diagnostic::error("S0301", "x")]).contains("refused otherwise")
+    );
+    assert!(wrong(&[document::Diagnostic::error("R0117", "LREAL")]).contains("refused otherwise"));
+    assert_eq!(read(&format!("{text}refused = {{ code = \"R0117\" }}\n")).unwrap_err()[0].code, "P0503");
+}

@@ -57,9 +57,11 @@ fn traces_of_the_library_are_judged_alike() {
     bench.expect(0, &["test", library.to_str().unwrap(), "--only", only, "--report", "out"]);
     let record = bench.json("out/record.json");
     let cases = record["cases"].as_array().unwrap();
-    assert!(cases.len() > 10);
-    for case in cases {
-        let trace = format!("out/{}", case["trace_file"].as_str().unwrap());
+    // A case that is refused at check, as its plan says, has no trace.
+    let traced: Vec<_> = cases.iter().filter_map(|case| Some((case, case["trace_file"].as_str()?))).collect();
+    assert!(traced.len() > 10);
+    for (case, trace) in traced {
+        let trace = format!("out/{trace}");
         let judged = bench.expect(0, &["judge", case["plan"].as_str().unwrap(), &trace]);
         assert!(judged.out.contains(case["trace_sha256"].as_str().unwrap()), "{}", judged.out);
     }

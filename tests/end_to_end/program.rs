@@ -133,6 +133,11 @@ fn programs_are_checked() {
     bench.write("main.st", "PROGRAM MAIN VAR b : Blink; END_VAR b(); END_PROGRAM\n");
     bench.expect(0, &["program", "check", "main.st", "two.st"]);
     bench.refused(&["program", "check", "main.st"], &["main.st:1:", "Blink"]);
+    // The controller's own variables are known, and those that it alone writes are only read.
+    bench.write("state.st", "PROGRAM MAIN VAR w : WORD; END_VAR w := PLC_R.i_wStatus; END_PROGRAM\n");
+    bench.expect(0, &["program", "check", "state.st"]);
+    bench.write("state.st", "PROGRAM MAIN PLC_R.i_wStatus := 2; END_PROGRAM\n");
+    bench.refused(&["program", "check", "state.st"], &["S0401", "state.st:1:"]);
     bench.refused(&["program", "check", "lamp.st", "main.st"], &["S0201", "main.st:1:9", "lamp.st:1:9"]);
 }
 
@@ -238,7 +243,7 @@ fn scans_are_measured() {
 fn tasks_that_the_controller_refuses_are_named_where_they_stand() {
     let bench = Bench::new();
     for (task, line) in [
-        ("TASK quick (PRIORITY := 2);", "has no interval"),
+        ("TASK quick (PRIORITY := 2);", "has neither INTERVAL nor SINGLE"),
         ("TASK quick (INTERVAL := T#5ms, PRIORITY := 15);", "both have priority 15"),
         ("TASK quick (INTERVAL := T#5ms, PRIORITY := 40);", "priority 40"),
     ] {

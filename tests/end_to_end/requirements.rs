@@ -19,7 +19,12 @@ fn the_register_as_json() {
         let status = row["status"].as_str().unwrap();
         assert!(["proven", "unproven", "not reproducible"].contains(&status), "{id} is {status}");
         assert!(!row["asks"].as_str().unwrap().is_empty() && row["cases"].is_array());
-        assert_eq!(status == "proven", !row["cases"].as_array().unwrap().is_empty(), "{id}");
+        let shown = !row["cases"].as_array().unwrap().is_empty();
+        // A requirement of which only some clauses are shown has cases and is not proven.
+        let in_part = rows.iter().any(|other| {
+            other["status"] == "unproven" && other["id"].as_str().unwrap().starts_with(&format!("{id}#"))
+        });
+        assert_eq!(status == "proven", shown && !in_part, "{id}");
         proven += usize::from(status == "proven");
     }
     assert!(proven > 20, "{proven}");

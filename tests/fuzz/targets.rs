@@ -219,7 +219,7 @@ fn built(data: &[u8]) -> Trace {
         let cause = match bytes[4] >> 5 {
             0 => Cause::Board,
             1 => Cause::Step(u16::from(bytes[3])),
-            2 => Cause::Program { task: bytes[3], file: bytes[2], line: u32::from(bytes[1]) },
+            2 => Cause::Program { task: bytes[3], file: u16::from(bytes[2]), line: u32::from(bytes[1]) },
             _ => Cause::Controller,
         };
         let _ = trace.push(Event { at, signal: SignalId(place as u32), value, cause });

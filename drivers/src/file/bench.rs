@@ -125,9 +125,10 @@ impl<'t> Bench<'t> {
     fn suits(&self, address: Address, channel: ChannelId, node: &Node, out: &mut Findings) -> bool {
         let spec = &self.file.circuit.channels[usize::from(channel.0)];
         let (message, help) = match (address.size(), &spec.kind, address.area()) {
-            (Size::Bit, ChannelKind::Analog { .. }, _) => (
+            // The terminal makes a level of a voltage; nothing else has one to make it of (io:STD-IN-02).
+            (Size::Bit, ChannelKind::Analog { unit }, area) if area != Area::Input || unit != "V" => (
                 format!("{address} is a level, `{}` an analog channel", spec.name),
-                "bind it to a digital channel",
+                "bind it to a digital channel, or an input to an analog one in V",
             ),
             (_, ChannelKind::Digital, _) if address.size() != Size::Bit => (
                 format!("{address} is a number, `{}` a digital channel", spec.name),

@@ -13,10 +13,10 @@ use super::scope::Scope;
 use super::settings::SETTINGS_KEYS;
 use super::step::{StepReader, step_names};
 use super::variants::{Variant, show};
-use super::{Case, Settings, facts, settings, signals, times};
+use super::{Case, ProgramRef, Refusal, Settings, facts, refusal, settings, signals, times};
 use crate::codes;
 use crate::expect::{self, Context, Expectation, Names, Place};
-use crate::lang::{Bindings, substitute};
+use crate::lang::{Anchor, Bindings, substitute};
 use crate::measure::{self, Measurement};
 
 const EXPECTATION: Form =
@@ -25,15 +25,64 @@ const EXPECTATION: Form =
 /// The case of this number. `None` after it reported what is wrong.
 pub(super) fn case(document: &Document, number: u64, out: &mut Findings) -> Option<Case> {
     let variant = document.variants.get(number)?;
+    let Ok(refusal) = refusal::read(document, &variant, out) else { return None };
+    match refusal {
+        Some(refusal) if refusal.is_of_the_plan() => {
+            let mut own = Findings::new(&document.file, codes::TOML);
+            let case = whole(document, number, Some(refusal.clone()), &mut own);
+            Some(case.unwrap_or_else(|| unreadable(document, &variant, refusal, own)))
+        }
+        refusal => whole(document, number, refusal, out),
+    }
+}
+
+/// A case whose plan cannot be read, as it is expected of it.
+fn unreadable(document: &Document, variant: &Variant<'_>, mut refusal: Refusal, found: Findings) -> Case {
+    refusal.found = found.into_vec();
+    let bindings = variant.bindings();
+    // What is wrong is found already.
+    let mut again = Findings::new(&document.file, codes::TOML);
+    let head = head(document, &bindings, &mut again);
+    let fields = Fields::check(&head, 0..0, "plan", PLAN_KEYS, &mut again);
+    Case {
+        name: name(document, variant),
+        title: fields.text("title").unwrap_or(&document.name).to_owned(),
+        row: variant.row.map(|row| row.name.clone()),
+        parameters: bindings.iter().map(|(name, value)| (name.to_owned(), show(value))).collect(),
+        settings: Settings::default(),
+        program: ProgramRef::None,
+        board: None,
+        signals: Vec::new(),
+        steps: Vec::new(),
+        expectations: Vec::new(),
+        measurements: Vec::new(),
+        ends: Anchor::START,
+        timeout: Span::ZERO,
+        needs: Vec::new(),
+        proves: facts::proves(&fields, &mut again),
+        profiles: facts::profiles(&fields, &mut again),
+        refusal: Some(refusal),
+    }
+}
+
+/// The plan's own keys with the case's values put in.
+fn head(document: &Document, bindings: &Bindings<'_>, out: &mut Findings) -> Table {
+    let mut head = Table::default();
+    for entry in &document.head.entries {
+        let node = substitute(&entry.node, bindings, out).into_owned();
+        head.entries.push(Entry { key: entry.key.clone(), key_span: entry.key_span.clone(), node });
+    }
+    head
+}
+
+/// The case as it would run, or be refused by what only its bench knows.
+fn whole(document: &Document, number: u64, refusal: Option<Refusal>, out: &mut Findings) -> Option<Case> {
+    let variant = document.variants.get(number)?;
     let bindings = variant.bindings();
     let row = variant.row.map(|row| row.name.as_str());
     let before = out.errors();
 
-    let mut head = Table::default();
-    for entry in &document.head.entries {
-        let node = substitute(&entry.node, &bindings, out).into_owned();
-        head.entries.push(Entry { key: entry.key.clone(), key_span: entry.key_span.clone(), node });
-    }
+    let head = head(document, &bindings, out);
     let fields = Fields::check(&head, 0..0, "plan", PLAN_KEYS, out);
     let settings = match head.get("settings").and_then(|node| Some((node, node.as_table()?))) {
         // Held against its keys once more: what is right in it is then read even where something else is wrong.
@@ -67,6 +116,9 @@ pub(super) fn case(document: &Document, number: u64, out: &mut Findings) -> Opti
 
     let expectations = expectations(document, row, &bindings, &scope, out);
     let measurements = measurements(document, row, &bindings, &scope, out);
+    if let Some(refused) = head.entry("refused").or_else(|| head.entry("warned")) {
+        claims_or_refusal(refused, refusal.as_ref(), expectations.len() + measurements.len(), out);
+    }
     let program = facts::program(document, &fields, &settings, out);
     let mut needs = facts::needs(&fields, out);
     let proves = facts::proves(&fields, out);
@@ -83,7 +135,7 @@ pub(super) fn case(document: &Document, number: u64, out: &mut Findings) -> Opti
     all.extend(scope.used.into_inner().list);
     facts::implied_needs(&steps, &all, &mut needs);
     Some(Case {
-        name: format!("{}{}{}", document.name, variant.suffix(), phase_suffix(&variant, document)),
+        name: name(document, &variant),
         title: fields.text("title").unwrap_or(&document.name).to_owned(),
         row: row.map(str::to_owned),
         parameters: bindings.iter().map(|(name, value)| (name.to_owned(), show(value))).collect(),
@@ -99,7 +151,26 @@ pub(super) fn case(document: &Document, number: u64, out: &mut Findings) -> Opti
         needs,
         proves,
         profiles,
+        refusal,
     })
+}
+
+/// Reports a case that is refused and claims something all the same, and one that is not and claims nothing.
+fn claims_or_refusal(refused: &Entry, refusal: Option<&Refusal>, claims: usize, out: &mut Findings) {
+    let place = refused.key_span.clone();
+    match (refusal, claims) {
+        (None, 0) => {
+            let message = "a row that is neither refused nor warned of claims and measures nothing";
+            out.error(codes::NOTHING_CLAIMED, place, message, "add an expectation for it");
+        }
+        (Some(_), 1..) => {
+            let message =
+                "a case that is refused or warned of never runs: it has nothing to claim or measure";
+            let help = "give `rows` to it, or to the expectations of the rows that run";
+            out.error(codes::CLAIM, place, message, help);
+        }
+        _ => {}
+    }
 }
 
 /// The entries of a list that this row has, with their places in the list and their references replaced. One
@@ -125,6 +196,11 @@ fn present<'d>(
 fn elsewhere(document: &Document, row: Option<&str>) -> Vec<String> {
     let others = document.steps.iter().filter(|step| !step.is_in(row));
     others.filter_map(|step| Some(step.node.as_table()?.get("id")?.as_text()?.to_owned())).collect()
+}
+
+/// The plan's path with what makes this case of it.
+fn name(document: &Document, variant: &Variant<'_>) -> String {
+    format!("{}{}{}", document.name, variant.suffix(), phase_suffix(variant, document))
 }
 
 /// `[train.phase=3/16]` for each step that the case moves.

@@ -56,7 +56,7 @@ pub(super) fn list(root: &Table, key: &str, rows: &[Row], out: &mut Findings) ->
 }
 
 /// The rows that an entry names.
-fn row_names(node: &Node, rows: &BTreeSet<&str>, out: &mut Findings) -> BTreeSet<String> {
+pub(super) fn row_names(node: &Node, rows: &BTreeSet<&str>, out: &mut Findings) -> BTreeSet<String> {
     let Data::Array(list) = &node.data else {
         let help = "write rows = [\"over\"]";
         out.error(

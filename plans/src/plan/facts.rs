@@ -101,10 +101,17 @@ pub(super) fn implied_needs(steps: &[Step], signals: &[SignalBinding], needs: &m
             Source::Memory(_) | Source::Image(_) | Source::Task { .. } => {
                 add(Need { word: "memory-access", bound: None });
             }
+            Source::Log(_) | Source::File { .. } => add(Need { word: "files", bound: None }),
+            Source::Register { .. } | Source::Relocation { .. } => {
+                add(Need { word: "registers", bound: None });
+            }
             Source::Path(path) => {
                 let upper = path.to_ascii_uppercase();
                 if upper.starts_with("PLC_R.") || upper.starts_with("PLC_W.") {
                     add(Need { word: "system-variables", bound: None });
+                }
+                if upper.starts_with("LED.") || upper.starts_with("OUTPUT.Q") {
+                    add(Need { word: "indicators", bound: None });
                 }
             }
             Source::Line(_) | Source::Channel(_) => {}
@@ -126,15 +133,18 @@ pub(super) fn proves(fields: &Fields<'_>, out: &mut Findings) -> Vec<String> {
         let area = text.split(':').next().unwrap_or_default();
         let help = match suggest(area, AREAS.iter().copied()) {
             Some(meant) if text.contains(':') && meant != area => format!("did you mean the area `{meant}`?"),
-            _ => "write it as in \"controller:WD-04\"".to_owned(),
+            _ => {
+                "write it as in \"controller:WD-04\", a clause of it as in \"controller:RB-02#8\"".to_owned()
+            }
         };
         out.bad(codes::REQUIREMENT, node, format!("`{text}` is not the ID of a requirement"), help);
     }
     list
 }
 
-/// `area:WORD-04`, `area:TWO-WORDS-04b`.
+/// `area:WORD-04`, `area:TWO-WORDS-04b`, `area:WORD-04#clause`.
 fn is_requirement(text: &str) -> bool {
+    let (text, clause) = text.split_once('#').unwrap_or((text, "x"));
     let Some((area, id)) = text.split_once(':') else { return false };
     let parts: Vec<&str> = id.split('-').collect();
     let [words @ .., number] = parts.as_slice() else { return false };
@@ -147,6 +157,7 @@ fn is_requirement(text: &str) -> bool {
         && words.iter().all(word)
         && !digits.is_empty()
         && digits.chars().all(|c| c.is_ascii_digit())
+        && crate::register::is_clause(clause)
 }
 
 /// The profiles that the plan holds for.

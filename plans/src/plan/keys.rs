@@ -2,6 +2,7 @@
 
 use document::{KeySpec, KeyType};
 
+use super::refusal::REFUSAL_KEYS;
 use super::settings::SETTINGS_KEYS;
 use super::signals::SIGNAL_TYPE;
 use super::variants::{PARAMETER_TYPE, ROW_TYPE, SWEEP_TYPE};
@@ -36,6 +37,16 @@ pub const PLAN_KEYS: &[KeySpec] = &[
         "Powers of rig and subject that the plan needs.",
     ),
     KeySpec::optional("settings", KeyType::Table(SETTINGS_KEYS), "Configuration of the controller."),
+    KeySpec::optional(
+        "refused",
+        KeyType::Table(REFUSAL_KEYS),
+        "Errors that the check of the case must find.",
+    ),
+    KeySpec::optional(
+        "warned",
+        KeyType::Table(REFUSAL_KEYS),
+        "Warnings that the check of the case must find.",
+    ),
     KeySpec::optional("signals", KeyType::Map(&SIGNAL_TYPE), "Names and what they stand for."),
     KeySpec::optional("ends", KeyType::Anchor, "The end of a case; 1 s after the last step if left out."),
     KeySpec::optional("timeout", KeyType::Duration, "Most modelled time of a case, from power-on."),
@@ -86,7 +97,7 @@ pub const STEP_KEYS: &[KeySpec] = &[
         "Moves the step over a span of time, case by case.",
     ),
     KeySpec::optional("rows", KeyType::List(&KeyType::Text), "The rows that have the step; all if left out."),
-    KeySpec::optional("refused", KeyType::Bool, "The controller must refuse the command or download."),
+    KeySpec::optional("refused", KeyType::Bool, "The controller must refuse what the step does."),
 ];
 
 /// The keys that every expectation has besides its verb.

@@ -3,8 +3,10 @@
 mod build;
 mod envelope;
 mod facts;
+mod inputs;
 mod keys;
 mod read;
+mod refusal;
 mod scope;
 mod settings;
 mod signals;
@@ -23,10 +25,16 @@ use crate::lang::{Anchor, Literal, Need};
 use crate::measure::Measurement;
 use crate::steps::Stimulus;
 
+pub use inputs::InputSettings;
 pub use keys::{PLAN_KEYS, STEP_KEYS};
 pub use read::{MAX_CASES, MAX_STEPS, Plan, read};
+pub use refusal::Refusal;
 pub use scope::Scope;
-pub use settings::{Initial, OutputsInStop, Settings, StartingMode, TaskSettings};
+pub(crate) use settings::output;
+pub use settings::{
+    AlwaysUpdate, HaltOutputs, Initial, OutputsInStop, Rearming, Settings, StartingMode, TaskSettings,
+    TaskType, WatchdogBasis,
+};
 
 /// The program of a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,6 +74,53 @@ pub enum Source {
         /// Which figure.
         figure: TaskFigure,
     },
+    /// How many entries of the controller's log hold this text.
+    Log(String),
+    /// A file of the controller.
+    File {
+        /// Its path, in any case of letters.
+        path: String,
+        /// What is asked of it.
+        asks: FileFigure,
+    },
+    /// A register as a client in the network reads it.
+    Register {
+        /// Its number.
+        register: u16,
+        /// The exception of reading it in place of its value.
+        exception: bool,
+    },
+    /// A row of the relocation table.
+    Relocation {
+        /// Its variable.
+        row: String,
+        /// What is asked of it.
+        figure: RowFigure,
+    },
+}
+
+/// What can be asked of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FileFigure {
+    /// Whether it is there.
+    Exists,
+    /// Whether it holds a text.
+    Holds(String),
+    /// Its bytes.
+    Size,
+    /// Entries that it lost because the disk was full.
+    Lost,
+}
+
+/// What can be asked of a row of the relocation table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RowFigure {
+    /// Its first register, -1 where its variable does not exist.
+    Address,
+    /// How many registers it has.
+    Length,
+    /// Whether its variable exists.
+    Valid,
 }
 
 /// What can be asked of a task. Times are in nanoseconds.
@@ -87,15 +142,38 @@ pub enum TaskFigure {
     Lost,
     /// Watchdog exceptions.
     Exceptions,
+    /// Mean processor time of a cycle.
+    MeanCycle,
+    /// From the last release to the start of its cycle.
+    Jitter,
+    /// Least time from a release to the start of its cycle.
+    MinJitter,
+    /// Most time from a release to the start of its cycle.
+    MaxJitter,
+    /// Per cent of the processor in the last whole second.
+    Load,
 }
 
 impl TaskFigure {
     /// The names in plans, in the order of the enumeration.
-    pub const NAMES: &[&str] =
-        &["cycles", "last-cycle", "min-cycle", "max-cycle", "elapsed", "overruns", "lost", "exceptions"];
+    pub const NAMES: &[&str] = &[
+        "cycles",
+        "last-cycle",
+        "min-cycle",
+        "max-cycle",
+        "elapsed",
+        "overruns",
+        "lost",
+        "exceptions",
+        "mean-cycle",
+        "jitter",
+        "min-jitter",
+        "max-jitter",
+        "load",
+    ];
 
     /// Every figure.
-    pub const ALL: [TaskFigure; 8] = [
+    pub const ALL: [TaskFigure; 13] = [
         TaskFigure::Cycles,
         TaskFigure::LastCycle,
         TaskFigure::MinCycle,
@@ -104,6 +182,11 @@ impl TaskFigure {
         TaskFigure::Overruns,
         TaskFigure::Lost,
         TaskFigure::Exceptions,
+        TaskFigure::MeanCycle,
+        TaskFigure::Jitter,
+        TaskFigure::MinJitter,
+        TaskFigure::MaxJitter,
+        TaskFigure::Load,
     ];
 
     /// The figure of this name.
@@ -226,6 +309,8 @@ pub struct Case {
     pub proves: Vec<String>,
     /// The profiles that it holds for; empty for all.
     pub profiles: Vec<Profile>,
+    /// What its check must find, for a case that is never to run.
+    pub refusal: Option<Refusal>,
 }
 
 impl Case {

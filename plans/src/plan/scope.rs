@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use document::{Fields, Findings, KeySpec, Node, suggest};
 
 use super::signals::{self, BUILT_IN};
-use super::{Recording, SignalBinding, Source, TaskFigure};
+use super::{FileFigure, Recording, RowFigure, SignalBinding, Source, TaskFigure};
 use crate::codes;
 use crate::expect::Names;
 use crate::lang::{Anchor, AnchorError, Base, Operand, OperandError};
@@ -200,6 +200,23 @@ fn source_name(source: &Source) -> String {
         Source::Task { task, figure } => {
             let at = TaskFigure::ALL.iter().position(|known| known == figure).unwrap_or_default();
             format!("{task} {}", TaskFigure::NAMES[at])
+        }
+        Source::Log(text) => format!("log {text}"),
+        Source::File { path, asks } => match asks {
+            FileFigure::Exists => path.clone(),
+            FileFigure::Holds(text) => format!("{path} holds {text}"),
+            FileFigure::Size => format!("{path} size"),
+            FileFigure::Lost => format!("{path} lost"),
+        },
+        Source::Register { register, exception: false } => format!("register {register}"),
+        Source::Register { register, exception: true } => format!("register {register} exception"),
+        Source::Relocation { row, figure } => {
+            let figure = match figure {
+                RowFigure::Address => "address",
+                RowFigure::Length => "length",
+                RowFigure::Valid => "valid",
+            };
+            format!("{row} {figure}")
         }
     }
 }

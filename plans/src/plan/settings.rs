@@ -1,21 +1,32 @@
 //! `settings`: the configuration of the controller.
 
+use std::ops::Range;
+
 use document::{Fields, Findings, KeySpec, KeyType, Node, Table};
 use profile::{Filter, Reference};
-use signal::{Address, Area, Size, Span};
+use signal::{Address, Area, Span};
 
-use super::signals::address;
+use super::inputs::{self, InputSettings};
 use crate::codes;
 
-const FILTER_EACH: KeyType = KeyType::Duration;
-
 const TASK_KEYS: &[KeySpec] = &[
+    KeySpec::optional(
+        "type",
+        KeyType::Choice(&["cyclic", "freewheeling", "event", "external-event"]),
+        "What starts its cycles; what the other keys say if left out, else cyclic.",
+    ),
+    KeySpec::optional("trigger", KeyType::Text, "The Boolean variable that starts an event task."),
+    KeySpec::optional("event", KeyType::Text, "What starts an external event task: an input, or a name."),
     KeySpec::optional("interval", KeyType::Duration, "From one start to the next."),
     KeySpec::optional("priority", KeyType::Integer(0, 31), "0, the highest, to 31."),
     KeySpec::optional("watchdog", KeyType::Duration, "The time of the task's watchdog."),
     KeySpec::optional("sensitivity", KeyType::Integer(0, 65_535), "Exceptions in a row that are an error."),
     KeySpec::optional("enabled", KeyType::Bool, "Whether the task's watchdog watches."),
     KeySpec::optional("programs", KeyType::List(&KeyType::Text), "The programs that it runs, in order."),
+];
+const RELOCATION_KEYS: &[KeySpec] = &[
+    KeySpec::optional("read", KeyType::List(&KeyType::Text), "What stands from %MW60200 on, in order."),
+    KeySpec::optional("write", KeyType::List(&KeyType::Text), "What stands from %MW62200 on, in order."),
 ];
 const TASK_TYPE: KeyType = KeyType::Table(TASK_KEYS);
 
@@ -33,6 +44,11 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
         "What the controller does at power-on.",
     ),
     KeySpec::optional(
+        "firmware",
+        KeyType::Choice(&["valid", "invalid"]),
+        "The controller's firmware; valid if left out.",
+    ),
+    KeySpec::optional(
         "outputs-in-stop",
         KeyType::Choice(&["keep", "default"]),
         "What outputs do in STOPPED.",
@@ -44,15 +60,59 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
     ),
     KeySpec::optional(
         "filter",
-        KeyType::Either(&[KeyType::Duration, KeyType::Map(&FILTER_EACH)]),
+        inputs::FILTER_TYPE,
         "The filter of all inputs, or of each by its address: 0, 1, 4 or 12 ms.",
+    ),
+    KeySpec::optional("inputs", inputs::INPUTS_TYPE, "Parameters of single inputs by their addresses."),
+    KeySpec::optional("run-stop-input", KeyType::Text, "The input that runs and stops the controller."),
+    KeySpec::optional(
+        "switch",
+        KeyType::Choice(&["run", "stop"]),
+        "Where the Run/Stop switch stands at power-on.",
     ),
     KeySpec::optional(
         "output-defaults",
         KeyType::Map(&KeyType::Bool),
         "Default values by the outputs' addresses.",
     ),
+    KeySpec::optional(
+        "halt-outputs",
+        KeyType::Choice(&["configured", "default"]),
+        "What outputs do in HALT: the same as in STOPPED, or always their defaults.",
+    ),
+    KeySpec::optional(
+        "alarm-output",
+        KeyType::Text,
+        "The output that shows that the application is running.",
+    ),
+    KeySpec::optional(
+        "rearming",
+        KeyType::Choice(&["automatic", "manual"]),
+        "How outputs come back behind a fault: by themselves, or on the rearming command.",
+    ),
+    KeySpec::optional(
+        "minimize-jitter",
+        KeyType::Bool,
+        "Whether outputs are written where the next bus cycle reads its inputs.",
+    ),
+    KeySpec::optional("login", KeyType::Bool, "Whether a programming tool is connected; TRUE if left out."),
+    KeySpec::optional(
+        "watchdog-basis",
+        KeyType::Choice(&["elapsed", "processor"]),
+        "What the time of a task's watchdog measures: elapsed time if left out.",
+    ),
+    KeySpec::optional(
+        "bus-cycle-task",
+        KeyType::Text,
+        "The task that exchanges what no task uses; MAST if left out, `<unspecified>` for the slowest.",
+    ),
+    KeySpec::optional(
+        "always-update",
+        KeyType::Choice(&["disabled", "enabled-1", "enabled-2"]),
+        "Always update variables: what the bus cycle task exchanges.",
+    ),
     KeySpec::optional("mast", TASK_TYPE, "The task MAST."),
+    KeySpec::optional("relocation", KeyType::Table(RELOCATION_KEYS), "The relocation table."),
     KeySpec::optional("tasks", KeyType::Map(&TASK_TYPE), "Further tasks by their names."),
 ];
 
@@ -79,6 +139,24 @@ pub enum OutputsInStop {
     Default,
 }
 
+/// What outputs do in HALT.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HaltOutputs {
+    /// The same as in STOPPED.
+    Configured,
+    /// Always their default values.
+    Default,
+}
+
+/// How outputs come back behind a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rearming {
+    /// By themselves.
+    Automatic,
+    /// On the rearming command.
+    Manual,
+}
+
 /// What the controller does at power-on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StartingMode {
@@ -90,6 +168,39 @@ pub enum StartingMode {
     Run,
 }
 
+/// What starts the cycles of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TaskType {
+    /// An interval.
+    Cyclic,
+    /// The end of the pause behind the cycle before.
+    Freewheeling,
+    /// A Boolean variable.
+    Event,
+    /// An event of the hardware.
+    ExternalEvent,
+}
+
+/// What the time of a task's watchdog measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WatchdogBasis {
+    /// From the start of a cycle to its end.
+    Elapsed,
+    /// The processor time of the task alone.
+    Processor,
+}
+
+/// What the bus cycle task exchanges besides what its own programs use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AlwaysUpdate {
+    /// Nothing.
+    Disabled,
+    /// What no task uses.
+    Enabled1,
+    /// Everything.
+    Enabled2,
+}
+
 /// The configuration that a plan asks for. What it leaves out is as the controller's documents have it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
@@ -99,6 +210,8 @@ pub struct Settings {
     pub reference: Option<&'static Reference>,
     /// What the controller does at power-on.
     pub starting_mode: Option<StartingMode>,
+    /// The firmware is damaged from the start.
+    pub firmware_invalid: bool,
     /// What outputs do in STOPPED.
     pub outputs_in_stop: Option<OutputsInStop>,
     /// Whether inputs and outputs are updated in STOPPED.
@@ -107,10 +220,34 @@ pub struct Settings {
     pub filter: Option<Filter>,
     /// The filters of single inputs.
     pub filters: Vec<(Address, Filter)>,
+    /// What is said of single inputs.
+    pub inputs: Vec<InputSettings>,
+    /// The Run/Stop input, with its bytes of the plan.
+    pub run_stop_input: Option<(Address, Range<usize>)>,
+    /// Whether the Run/Stop switch stands at Run at power-on.
+    pub switch_at_run: Option<bool>,
     /// Default values of outputs.
     pub output_defaults: Vec<(Address, bool)>,
+    /// What outputs do in HALT.
+    pub halt_outputs: Option<HaltOutputs>,
+    /// The output that shows that the application is running.
+    pub alarm_output: Option<Address>,
+    /// How outputs come back behind a fault.
+    pub rearming: Option<Rearming>,
+    /// Whether outputs are written where the next bus cycle reads its inputs.
+    pub minimize_jitter: Option<bool>,
+    /// Whether a programming tool is connected.
+    pub login: Option<bool>,
+    /// What the time of a task's watchdog measures.
+    pub watchdog_basis: Option<WatchdogBasis>,
+    /// The bus cycle task: the name of a task, or `<unspecified>`.
+    pub bus_cycle_task: Option<String>,
+    /// What the bus cycle task exchanges.
+    pub always_update: Option<AlwaysUpdate>,
     /// What is said of tasks; MAST first where it is named. MAST exists in any case.
     pub tasks: Vec<TaskSettings>,
+    /// The read part and the write part of the relocation table: names or full paths.
+    pub relocation: [Vec<String>; 2],
 }
 
 /// What a plan says of a task.
@@ -118,6 +255,12 @@ pub struct Settings {
 pub struct TaskSettings {
     /// Its name.
     pub name: String,
+    /// What starts its cycles, as written or as its other keys tell.
+    pub kind: Option<TaskType>,
+    /// The variable that starts an event task.
+    pub trigger: Option<String>,
+    /// What starts an external event task.
+    pub event: Option<String>,
     /// From one start to the next, above 0.
     pub interval: Option<Span>,
     /// 0 (highest) ..= 31.
@@ -135,6 +278,7 @@ pub struct TaskSettings {
 /// Reads settings that were held against their keys.
 pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
     let mut settings = Settings {
+        firmware_invalid: fields.text("firmware") == Some("invalid"),
         initial: match fields.text("initial") {
             Some("stopped") => Initial::Stopped,
             Some("empty") => Initial::Empty,
@@ -151,6 +295,27 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
             _ => OutputsInStop::Default,
         }),
         update_io_in_stop: fields.boolean("update-io-in-stop"),
+        halt_outputs: fields.text("halt-outputs").map(|behaviour| match behaviour {
+            "configured" => HaltOutputs::Configured,
+            _ => HaltOutputs::Default,
+        }),
+        alarm_output: fields.get("alarm-output").and_then(|node| output(node, out)),
+        rearming: fields.text("rearming").map(|mode| match mode {
+            "automatic" => Rearming::Automatic,
+            _ => Rearming::Manual,
+        }),
+        minimize_jitter: fields.boolean("minimize-jitter"),
+        login: fields.boolean("login"),
+        watchdog_basis: fields.text("watchdog-basis").map(|basis| match basis {
+            "processor" => WatchdogBasis::Processor,
+            _ => WatchdogBasis::Elapsed,
+        }),
+        bus_cycle_task: fields.text("bus-cycle-task").map(str::to_owned),
+        always_update: fields.text("always-update").map(|update| match update {
+            "enabled-1" => AlwaysUpdate::Enabled1,
+            "enabled-2" => AlwaysUpdate::Enabled2,
+            _ => AlwaysUpdate::Disabled,
+        }),
         ..Settings::default()
     };
     if let Some(node) = fields.get("reference") {
@@ -160,7 +325,8 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
             out.bad(codes::PROFILE, node, message, "as in TM241CEC24T or TM251MESC");
         }
     }
-    filters(fields, &mut settings, out);
+    relocation(fields, &mut settings, out);
+    inputs::read(fields, &mut settings, out);
     defaults(fields, &mut settings, out);
     if let Some(mast) = fields.get("mast").and_then(Node::as_table) {
         settings.tasks.push(task("MAST", mast, out));
@@ -194,52 +360,36 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
     settings
 }
 
-fn filters(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
-    let Some(node) = fields.get("filter") else { return };
-    let Some(table) = node.as_table() else {
-        settings.filter = filter(node, out);
-        return;
-    };
-    for entry in &table.entries {
-        let filter = filter(&entry.node, out);
-        let address = terminal(entry, Area::Input, out);
-        if let (Some(address), Some(filter)) = (address, filter) {
-            settings.filters.push((address, filter));
+/// The rows of the relocation table; a row without a variable is left out (controller:REL-06).
+fn relocation(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
+    // More than its registers can never fit.
+    const MOST: usize = 2_000;
+    let Some(table) = fields.get("relocation").and_then(Node::as_table) else { return };
+    let table = Fields::checked(table, RELOCATION_KEYS);
+    for (part, rows) in ["read", "write"].into_iter().zip(&mut settings.relocation) {
+        let list = table.each(part);
+        if let Some(node) = list.get(MOST) {
+            let message = format!("more than {MOST} rows");
+            out.bad(codes::SETTING, node, message, "each part has 1800 words");
         }
+        let names = list.iter().take(MOST).filter_map(Node::as_text).map(str::trim);
+        *rows = names.filter(|name| !name.is_empty()).map(str::to_owned).collect();
     }
-}
-
-fn filter(node: &Node, out: &mut Findings) -> Option<Filter> {
-    let span = Span::parse(node.as_text()?).ok()?;
-    let filter = Filter::from_span(span);
-    if filter.is_none() {
-        let help = "a filter has 0 ms, 1 ms, 4 ms or 12 ms (io:STD-IN-01)";
-        out.bad(codes::SETTING, node, format!("no input has a filter of {span}"), help);
-    }
-    filter
 }
 
 fn defaults(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
     let Some(table) = fields.get("output-defaults").and_then(Node::as_table) else { return };
     for entry in &table.entries {
         let document::Data::Bool(on) = entry.node.data else { continue };
-        if let Some(address) = terminal(entry, Area::Output, out) {
+        if let Some(address) = inputs::key(entry, Area::Output, out) {
             settings.output_defaults.push((address, on));
         }
     }
 }
 
-/// The key as the address of an input or output.
-fn terminal(entry: &document::Entry, area: Area, out: &mut Findings) -> Option<Address> {
-    let key = Node::new(entry.key_span.clone(), document::Data::Text(entry.key.clone()));
-    let address = address(&key, &entry.key, out)?;
-    if address.area() != area || address.size() != Size::Bit {
-        let example =
-            if area == Area::Input { "an input such as \"%IX0.0\"" } else { "an output such as \"%QX0.4\"" };
-        out.bad(codes::ADDRESS, &key, format!("`{}` is not {example}", entry.key), "");
-        return None;
-    }
-    Some(address)
+/// The address of an output, written as a text.
+pub(crate) fn output(node: &Node, out: &mut Findings) -> Option<Address> {
+    inputs::terminal(node, node.as_text()?, Area::Output, out)
 }
 
 fn task(name: &str, table: &Table, out: &mut Findings) -> TaskSettings {
@@ -250,9 +400,30 @@ fn task(name: &str, table: &Table, out: &mut Findings) -> TaskSettings {
             out.bad(codes::SETTING, node, format!("`{key}` is 0"), help);
         }
     }
+    let kind = match fields.text("type") {
+        Some("freewheeling") => Some(TaskType::Freewheeling),
+        Some("event") => Some(TaskType::Event),
+        Some("external-event") => Some(TaskType::ExternalEvent),
+        Some(_) => Some(TaskType::Cyclic),
+        None if fields.get("trigger").is_some() => Some(TaskType::Event),
+        None if fields.get("event").is_some() => Some(TaskType::ExternalEvent),
+        None if fields.get("interval").is_some() => Some(TaskType::Cyclic),
+        None => None,
+    };
+    for (key, of) in
+        [("interval", TaskType::Cyclic), ("trigger", TaskType::Event), ("event", TaskType::ExternalEvent)]
+    {
+        if let Some(node) = fields.get(key).filter(|_| kind != Some(of)) {
+            let help = "a cyclic task has an `interval`, an event task a `trigger`, an external event task an `event`";
+            out.bad(codes::SETTING, node, format!("`{key}` is for a task of another type"), help);
+        }
+    }
     let narrow = |key: &str| fields.integer(key).and_then(|number| u32::try_from(number).ok());
     TaskSettings {
         name: name.to_owned(),
+        kind,
+        trigger: fields.text("trigger").map(str::to_owned),
+        event: fields.text("event").map(str::to_owned),
         interval: fields.duration("interval"),
         priority: narrow("priority").and_then(|priority| u8::try_from(priority).ok()),
         watchdog: fields.duration("watchdog"),

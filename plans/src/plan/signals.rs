@@ -3,7 +3,7 @@
 use document::{Fields, Findings, KeySpec, KeyType, Node, Table};
 use signal::{Address, Area, Decimal, Size, Span, Value};
 
-use super::{Recording, SignalBinding, Source, TaskFigure};
+use super::{FileFigure, Recording, RowFigure, SignalBinding, Source, TaskFigure};
 use crate::codes;
 use crate::lang::{Literal, is_id, is_path};
 
@@ -14,8 +14,41 @@ const IMAGE: KeySpec =
     KeySpec::optional("image", KeyType::Text, "An input or output as the program sees it.");
 const CHANNEL: KeySpec = KeySpec::optional("channel", KeyType::Text, "A channel of the board.");
 const TASK: KeySpec = KeySpec::optional("task", KeyType::Text, "A task, whose `figure` is meant.");
-const FIGURE: KeySpec =
-    KeySpec::optional("figure", KeyType::Choice(TaskFigure::NAMES), "Which figure of the task.");
+const FIGURE: KeySpec = KeySpec::optional(
+    "figure",
+    KeyType::Choice(FIGURES),
+    "Which figure of the task, the file, the register or the row of the relocation table.",
+);
+const LOG: KeySpec =
+    KeySpec::optional("log", KeyType::Text, "A text: how many entries of the controller's log hold it.");
+const FILE: KeySpec =
+    KeySpec::optional("file", KeyType::Text, "A file of the controller: whether it is there.");
+const HOLDS: KeySpec = KeySpec::optional("holds", KeyType::Text, "A text: whether the file holds it.");
+const REGISTER: KeySpec = KeySpec::optional(
+    "register",
+    KeyType::Integer(0, 65_535),
+    "A register as a client in the network reads it.",
+);
+const RELOCATION: KeySpec =
+    KeySpec::optional("relocation", KeyType::Text, "A row of the relocation table, whose `figure` is meant.");
+
+/// Figures of what is no task.
+const OTHER_FIGURES: &[&str] = &["size", "exception", "address", "length", "valid"];
+
+/// Every figure.
+const FIGURES: &[&str] = &figures();
+
+/// [`TaskFigure::NAMES`] and behind them [`OTHER_FIGURES`]; `lost` is a figure of tasks and of files.
+const fn figures() -> [&'static str; TaskFigure::NAMES.len() + OTHER_FIGURES.len()] {
+    let mut all = [""; TaskFigure::NAMES.len() + OTHER_FIGURES.len()];
+    let mut place = 0;
+    while place < all.len() {
+        let tasks = TaskFigure::NAMES.len();
+        all[place] = if place < tasks { TaskFigure::NAMES[place] } else { OTHER_FIGURES[place - tasks] };
+        place += 1;
+    }
+    all
+}
 const DEADBAND: KeySpec = KeySpec::optional(
     "deadband",
     KeyType::Quantity,
@@ -25,10 +58,25 @@ const AT_MOST_EVERY: KeySpec =
     KeySpec::optional("at-most-every", KeyType::Duration, "At most one value is recorded in this time.");
 
 /// What names a signal.
-const SOURCE_KEYS: &[KeySpec] = &[PATH, ADDRESS, IMAGE, CHANNEL, TASK, FIGURE];
+const SOURCE_KEYS: &[KeySpec] =
+    &[PATH, ADDRESS, IMAGE, CHANNEL, TASK, FIGURE, LOG, FILE, HOLDS, REGISTER, RELOCATION];
 
 /// What names a signal that is bound, and how it is recorded.
-const BINDING_KEYS: &[KeySpec] = &[PATH, ADDRESS, IMAGE, CHANNEL, TASK, FIGURE, DEADBAND, AT_MOST_EVERY];
+const BINDING_KEYS: &[KeySpec] = &[
+    PATH,
+    ADDRESS,
+    IMAGE,
+    CHANNEL,
+    TASK,
+    FIGURE,
+    LOG,
+    FILE,
+    HOLDS,
+    REGISTER,
+    RELOCATION,
+    DEADBAND,
+    AT_MOST_EVERY,
+];
 
 /// What a name can stand for.
 pub(super) const SIGNAL_TYPE: KeyType = KeyType::Either(&[KeyType::Text, KeyType::Table(BINDING_KEYS)]);
@@ -120,14 +168,37 @@ fn table_source(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<
             Some(Source::Image(address))
         }
         ["channel"] => Some(Source::Channel(fields.text("channel")?.to_owned())),
-        ["task", "figure"] => Some(Source::Task {
-            task: fields.text("task")?.to_owned(),
-            figure: TaskFigure::find(fields.text("figure")?)?,
-        }),
+        ["task", "figure"] => match TaskFigure::find(fields.text("figure")?) {
+            Some(figure) => Some(Source::Task { task: fields.text("task")?.to_owned(), figure }),
+            None => no_figure("a task", TaskFigure::NAMES, fields, out),
+        },
+        ["log"] => Some(Source::Log(fields.text("log")?.to_owned())),
+        ["file", ..] | ["figure", "file", ..] => file_source(fields, out),
+        ["register"] | ["figure", "register"] => {
+            let register = fields.integer("register").and_then(|number| u16::try_from(number).ok())?;
+            match fields.text("figure") {
+                None => Some(Source::Register { register, exception: false }),
+                Some("exception") => Some(Source::Register { register, exception: true }),
+                Some(_) => no_figure("a register", &["exception"], fields, out),
+            }
+        }
+        ["figure", "relocation"] => {
+            let figure = match fields.text("figure")? {
+                "address" => RowFigure::Address,
+                "length" => RowFigure::Length,
+                "valid" => RowFigure::Valid,
+                _ => {
+                    let known = &["address", "length", "valid"];
+                    return no_figure("a row of the relocation table", known, fields, out);
+                }
+            };
+            Some(Source::Relocation { row: fields.text("relocation")?.to_owned(), figure })
+        }
         several => {
             let message = match several {
                 [] => "the table names no signal",
                 ["task"] => "the table names no figure of the task",
+                ["relocation"] => "the table names no figure of the row",
                 ["figure"] => "the table names no task",
                 _ => "the table names several signals",
             };
@@ -137,6 +208,42 @@ fn table_source(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<
             None
         }
     }
+}
+
+/// A file and what of it is asked.
+fn file_source(fields: &Fields<'_>, out: &mut Findings) -> Option<Source> {
+    let node = fields.get("file")?;
+    let path = node.as_text()?.to_owned();
+    if !path.starts_with('/') {
+        out.bad(
+            codes::SIGNAL,
+            node,
+            format!("`{path}` is no path of a file"),
+            "as in \"/usr/App/Application.app\"",
+        );
+        return None;
+    }
+    let asks = match (fields.text("holds"), fields.text("figure")) {
+        (None, None) => FileFigure::Exists,
+        (Some(text), None) => FileFigure::Holds(text.to_owned()),
+        (None, Some("size")) => FileFigure::Size,
+        (None, Some("lost")) => FileFigure::Lost,
+        (None, Some(_)) => return no_figure("a file", &["size", "lost"], fields, out),
+        (Some(_), Some(_)) => {
+            out.bad(codes::SIGNAL, node, "the table names several signals", "leave `holds` or `figure` out");
+            return None;
+        }
+    };
+    Some(Source::File { path, asks })
+}
+
+/// Reports a figure that something else has.
+fn no_figure(what: &str, known: &[&str], fields: &Fields<'_>, out: &mut Findings) -> Option<Source> {
+    let node = fields.get("figure")?;
+    let figure = node.as_text().unwrap_or_default();
+    let message = format!("{what} has no figure `{figure}`");
+    out.bad(codes::SIGNAL, node, message, format!("it has {}", known.join(", ")));
+    None
 }
 
 /// Which changes are recorded.

@@ -94,10 +94,15 @@ impl StepReader<'_> {
         let time = self.time(node, &fields, previous, out);
         let refused = fields.boolean("refused").unwrap_or(false);
         let (stimulus, id) = (stimulus?, id?);
-        if refused && !matches!(stimulus, Stimulus::Command(_) | Stimulus::Download(_)) {
+        if refused && !stimulus.can_be_refused() {
             let place = fields.entry("refused").map_or(node.span.clone(), |entry| entry.key_span.clone());
             let message = format!("`{verb}` cannot be refused");
-            out.error(codes::STIMULUS, place, message, "only `command` and `download` can");
+            out.error(
+                codes::STIMULUS,
+                place,
+                message,
+                "only commands, downloads, forcing, `file` and `write` can",
+            );
             return None;
         }
         let (when, anchor, place) = time?;

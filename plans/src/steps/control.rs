@@ -1,33 +1,33 @@
-//! `command`, `download`, `power`, `power-cut` and `mark`.
+//! `command`, `power`, `power-cut`, `switch` and `mark`.
 
 use document::{Findings, KeySpec, KeyType, Node};
 
 use super::drive::above_zero;
 use super::{Command, Stimulus, Verb};
-use crate::plan::{ProgramRef, Scope};
-
-const DOWNLOAD_KEYS: &[KeySpec] = &[KeySpec::optional(
-    "program",
-    KeyType::OneOrMore(&KeyType::Text),
-    "Structured Text files relative to the plan; the plan's own program if left out.",
-)];
+use crate::plan::Scope;
 
 const CUT_KEYS: &[KeySpec] = &[KeySpec::required("lasts", KeyType::Duration, "How long the supply is off.")];
 
 pub(super) const COMMAND: Verb = Verb {
     name: "command",
     doc: "Commands the controller.",
-    value: KeyType::Choice(&["run", "stop", "reset-warm", "reset-cold"]),
+    value: KeyType::Choice(&[
+        "run",
+        "stop",
+        "reset-warm",
+        "reset-cold",
+        "login",
+        "logout",
+        "logout-keep-forcing",
+        "identify-on",
+        "identify-off",
+        "reset-origin",
+        "reboot",
+        "create-boot-application",
+        "delete-application",
+    ]),
     needs: &["commands"],
     read: read_command,
-};
-
-pub(super) const DOWNLOAD: Verb = Verb {
-    name: "download",
-    doc: "Downloads an application.",
-    value: KeyType::Table(DOWNLOAD_KEYS),
-    needs: &["download"],
-    read: read_download,
 };
 
 pub(super) const POWER: Verb = Verb {
@@ -46,6 +46,14 @@ pub(super) const POWER_CUT: Verb = Verb {
     read: read_power_cut,
 };
 
+pub(super) const SWITCH: Verb = Verb {
+    name: "switch",
+    doc: "Moves the Run/Stop switch.",
+    value: KeyType::Choice(&["run", "stop"]),
+    needs: &["commands"],
+    read: |node, _, _| Some(Stimulus::Switch(node.as_text()? == "run")),
+};
+
 pub(super) const MARK: Verb = Verb {
     name: "mark",
     doc: "Does nothing: gives an instant a name.",
@@ -59,15 +67,17 @@ fn read_command(node: &Node, _: &Scope<'_>, _: &mut Findings) -> Option<Stimulus
         "run" => Command::Run,
         "stop" => Command::Stop,
         "reset-warm" => Command::ResetWarm,
+        "login" => Command::Login,
+        "logout" => Command::Logout,
+        "logout-keep-forcing" => Command::LogoutKeepForcing,
+        "identify-on" => Command::IdentifyOn,
+        "identify-off" => Command::IdentifyOff,
+        "reset-origin" => Command::ResetOrigin,
+        "reboot" => Command::Reboot,
+        "create-boot-application" => Command::CreateBootApplication,
+        "delete-application" => Command::DeleteApplication,
         _ => Command::ResetCold,
     }))
-}
-
-fn read_download(node: &Node, scope: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, DOWNLOAD_KEYS)?;
-    let files: Vec<String> =
-        fields.each("program").iter().filter_map(Node::as_text).map(str::to_owned).collect();
-    Some(Stimulus::Download((!files.is_empty()).then_some(ProgramRef::Files(files))))
 }
 
 fn read_power(node: &Node, _: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {

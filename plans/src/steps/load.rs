@@ -1,4 +1,5 @@
-//! `overload`: cycles of a task that take longer than its program does.
+//! `overload`: cycles of a task that take longer than its program does. `suspend`: a task that does not get the
+//! processor.
 
 use document::{Findings, KeySpec, KeyType, Node};
 
@@ -28,4 +29,24 @@ fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> 
     // The type's limits hold the number within 32 bits.
     let times = fields.integer("times").map_or(1, |times| u32::try_from(times).unwrap_or(u32::MAX));
     Some(Stimulus::Overload { task: task?, cycle: cycle?, times })
+}
+
+const SUSPEND_KEYS: &[KeySpec] = &[
+    KeySpec::required("task", KeyType::Text, "Name of the task."),
+    KeySpec::required("for", KeyType::Duration, "How long it does not get the processor."),
+];
+
+pub(super) const SUSPEND: Verb = Verb {
+    name: "suspend",
+    doc: "Keeps a task from the processor, however much it wants it.",
+    value: KeyType::Table(SUSPEND_KEYS),
+    needs: &["task-load"],
+    read: read_suspend,
+};
+
+fn read_suspend(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
+    let fields = scope.fields(node, SUSPEND_KEYS)?;
+    let task = fields.text("task").map(str::to_owned);
+    let lasts = above_zero(&fields, "for", out);
+    Some(Stimulus::Suspend { task: task?, lasts: lasts? })
 }

@@ -3,14 +3,18 @@
 //! A verb is a type of value (mostly a table of keys), the powers that it needs, and a reader that makes a
 //! [`Stimulus`] of a value that was held against the type.
 
+mod application;
 mod control;
+mod debug;
+mod disturb;
 mod drive;
 mod fault;
+mod file;
 mod load;
 mod train;
 
 use document::{Findings, KeyType, Node};
-use signal::Span;
+use signal::{Address, Span};
 
 use crate::lang::Literal;
 use crate::plan::{ProgramRef, Scope};
@@ -34,18 +38,34 @@ pub struct Verb {
 
 /// Every verb of `steps`, in alphabetical order.
 pub static VERBS: &[Verb] = &[
+    debug::BREAKPOINT,
     fault::CLEAR,
+    debug::CLEAR_BREAKPOINTS,
     control::COMMAND,
-    control::DOWNLOAD,
+    application::DOWNLOAD,
+    disturb::EXTERNAL_ERROR,
     fault::FAULT,
+    file::FILE,
+    application::FIRMWARE,
     drive::FORCE,
     control::MARK,
+    application::MULTIPLE_DOWNLOAD,
+    debug::ONLINE_CHANGE,
+    disturb::OVER_TEMPERATURE,
     load::OVERLOAD,
+    application::PLACE_BOOT_APPLICATION,
     control::POWER,
     control::POWER_CUT,
     drive::PULSE,
     drive::RELEASE,
+    application::RESET_ORIGIN_DEVICE,
+    debug::RESUME,
     drive::SET,
+    disturb::SHORT_CIRCUIT,
+    debug::STEP_STATEMENT,
+    disturb::SUPPLY_IO,
+    load::SUSPEND,
+    control::SWITCH,
     train::TRAIN,
     drive::WRITE,
 ];
@@ -61,6 +81,50 @@ pub enum Command {
     ResetWarm,
     /// Reset cold.
     ResetCold,
+    /// Reset origin.
+    ResetOrigin,
+    /// Reboot by script.
+    Reboot,
+    /// Make the application in memory the boot application.
+    CreateBootApplication,
+    /// Remove the application.
+    DeleteApplication,
+    /// A programming tool connects.
+    Login,
+    /// The programming tool disconnects and ends forcing.
+    Logout,
+    /// The programming tool disconnects and keeps forcing.
+    LogoutKeepForcing,
+    /// Every indicator begins to flash.
+    IdentifyOn,
+    /// The indicators show again what they are for.
+    IdentifyOff,
+}
+
+/// What goes wrong around the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Disturbance {
+    /// A short circuit at an output.
+    ShortCircuit(Address),
+    /// An output is too hot.
+    OverTemperature(Address),
+    /// The supply of inputs and outputs is off.
+    NoIoSupply,
+    /// A part outside of the controller is in error: its bit of PLC_R.i_lwSystemFault_1.
+    External(u8),
+}
+
+/// What is done to a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FileDeed {
+    /// It is written whole.
+    Put(Vec<u8>),
+    /// It is written with so many bytes of 0.
+    Fill(usize),
+    /// An entry is added to it.
+    Log(String),
+    /// It is removed.
+    Remove,
 }
 
 /// What a fault does to a line.
@@ -122,8 +186,30 @@ pub enum Stimulus {
     },
     /// Commands the controller.
     Command(Command),
+    /// Moves the Run/Stop switch: TRUE to Run.
+    Switch(bool),
     /// Downloads an application; `None`: the case's own program again.
     Download(Option<ProgramRef>),
+    /// Damages the firmware (FALSE), or restores it from an SD card.
+    Firmware(bool),
+    /// Downloads an application as one of several.
+    MultipleDownload {
+        /// `None`: the case's own program again.
+        program: Option<ProgramRef>,
+        /// Start all applications after download or online change.
+        start: bool,
+    },
+    /// Puts a boot application into the controller by SD card or FTP; `None`: the case's own program.
+    PlaceBootApplication(Option<ProgramRef>),
+    /// Resets the selected parts of the device to their origin.
+    ResetOriginDevice {
+        /// Users and groups.
+        user_management: bool,
+        /// Application and variables.
+        plc_logic: bool,
+        /// Certificates.
+        certificates: bool,
+    },
     /// Switches the supply off, and on again after this time, above 0.
     PowerCut(Span),
     /// Switches the supply on or off.
@@ -137,6 +223,13 @@ pub enum Stimulus {
         /// How many cycles.
         times: u32,
     },
+    /// A task does not get the processor for this long, above 0.
+    Suspend {
+        /// Name of the task.
+        task: String,
+        /// For how long.
+        lasts: Span,
+    },
     /// Puts a fault on a line.
     Fault {
         /// The line.
@@ -146,13 +239,46 @@ pub enum Stimulus {
         /// For how long; `None`: until it is cleared.
         lasts: Option<Span>,
     },
+    /// Writes or removes a file of the controller.
+    File {
+        /// Its path.
+        path: String,
+        /// What is done to it.
+        deed: FileDeed,
+        /// Whether the application does it, in place of a user.
+        by_application: bool,
+    },
     /// Takes every fault off a line.
     Clear {
         /// The line.
         signal: String,
     },
+    /// Something goes wrong around the controller, or is mended.
+    Disturb {
+        /// What.
+        what: Disturbance,
+        /// Whether it begins.
+        on: bool,
+        /// For how long; `None`: until another step mends it.
+        lasts: Option<Span>,
+    },
     /// Emits a train of pulses.
     Train(Train),
+    /// Holds the tasks where one comes to the first statement of a line.
+    Breakpoint {
+        /// Line, from 1.
+        line: u32,
+        /// The source as the plan names it; `None`: the first one.
+        file: Option<String>,
+    },
+    /// Takes every breakpoint away.
+    ClearBreakpoints,
+    /// Tasks that are held go on.
+    Resume,
+    /// A task that is held goes on to its next statement.
+    StepStatement,
+    /// Another program takes over.
+    OnlineChange(ProgramRef),
     /// Nothing: marks an instant.
     Mark,
 }
@@ -167,16 +293,53 @@ impl Stimulus {
             Stimulus::Release { .. } => "release",
             Stimulus::Write { .. } => "write",
             Stimulus::Command(_) => "command",
+            Stimulus::Switch(_) => "switch",
             Stimulus::Download(_) => "download",
+            Stimulus::Firmware(_) => "firmware",
+            Stimulus::MultipleDownload { .. } => "multiple-download",
+            Stimulus::PlaceBootApplication(_) => "place-boot-application",
+            Stimulus::ResetOriginDevice { .. } => "reset-origin-device",
             Stimulus::PowerCut(_) => "power-cut",
             Stimulus::Power(_) => "power",
             Stimulus::Overload { .. } => "overload",
+            Stimulus::Suspend { .. } => "suspend",
             Stimulus::Fault { .. } => "fault",
+            Stimulus::File { .. } => "file",
             Stimulus::Clear { .. } => "clear",
+            Stimulus::Disturb { what: Disturbance::ShortCircuit(_), .. } => "short-circuit",
+            Stimulus::Disturb { what: Disturbance::OverTemperature(_), .. } => "over-temperature",
+            Stimulus::Disturb { what: Disturbance::NoIoSupply, .. } => "supply-io",
+            Stimulus::Disturb { what: Disturbance::External(_), .. } => "external-error",
             Stimulus::Train(_) => "train",
+            Stimulus::Breakpoint { .. } => "breakpoint",
+            Stimulus::ClearBreakpoints => "clear-breakpoints",
+            Stimulus::Resume => "resume",
+            Stimulus::StepStatement => "step-statement",
+            Stimulus::OnlineChange(_) => "online-change",
             Stimulus::Mark => "mark",
         };
         VERBS.iter().find(|verb| verb.name == name).map_or(&[], |verb| verb.needs)
+    }
+
+    /// Whether the controller can refuse it.
+    pub fn can_be_refused(&self) -> bool {
+        matches!(
+            self,
+            Stimulus::Command(_)
+                | Stimulus::Download(_)
+                | Stimulus::File { .. }
+                | Stimulus::Firmware(_)
+                | Stimulus::Force { .. }
+                | Stimulus::MultipleDownload { .. }
+                | Stimulus::PlaceBootApplication(_)
+                | Stimulus::Release { .. }
+                | Stimulus::ResetOriginDevice { .. }
+                | Stimulus::Breakpoint { .. }
+                | Stimulus::Resume
+                | Stimulus::StepStatement
+                | Stimulus::OnlineChange(_)
+                | Stimulus::Write { .. }
+        )
     }
 
     /// How long after its step it is done, 0 where it is done at once.
@@ -185,10 +348,23 @@ impl Stimulus {
             Stimulus::Pulse { width, .. } | Stimulus::Fault { kind: FaultKind::Glitch { width, .. }, .. } => {
                 *width
             }
-            Stimulus::PowerCut(lasts) => *lasts,
-            Stimulus::Fault { lasts: Some(lasts), .. } => *lasts,
+            Stimulus::PowerCut(lasts) | Stimulus::Suspend { lasts, .. } => *lasts,
+            Stimulus::Fault { lasts: Some(lasts), .. } | Stimulus::Disturb { lasts: Some(lasts), .. } => {
+                *lasts
+            }
             Stimulus::Train(train) => train.length(),
             _ => Span::ZERO,
+        }
+    }
+
+    /// The program that it brings to the controller, where that is not the case's own.
+    pub fn program(&self) -> Option<&ProgramRef> {
+        match self {
+            Stimulus::Download(program)
+            | Stimulus::MultipleDownload { program, .. }
+            | Stimulus::PlaceBootApplication(program) => program.as_ref(),
+            Stimulus::OnlineChange(program) => Some(program),
+            _ => None,
         }
     }
 

@@ -104,11 +104,10 @@ fn check_plan(
     for job in loaded.jobs(0, 1, 1) {
         let Some(case) = loaded.plan.case(job.case) else { continue };
         let checked = loaded.files(&case, &job).and_then(|files| runtime::case::check_case(&case, &files));
-        if let Err(more) = checked {
-            for one in more {
-                if !found.contains(&one) {
-                    found.push(one);
-                }
+        let (Ok(more) | Err(more)) = checked;
+        for one in more {
+            if !found.contains(&one) {
+                found.push(one);
             }
         }
         if found.len() > 50 {

@@ -4,7 +4,8 @@ use crate::args::{Format, RequirementsArgs};
 use crate::exit::Exit;
 use crate::library::{self, Embedded, REGISTER};
 use crate::output;
-use plans::register::{Class, Register};
+use plans::register::{Class, Entry, Register};
+use profile::Profile;
 use record::{RunRecord, Verdict};
 use runtime::suite::{self, Done};
 use runtime::{ClockKind, RunOptions};
@@ -12,11 +13,54 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
-/// What a requirement came to, and by which cases.
-#[derive(Default)]
+/// What a requirement or a clause came to under one profile, and by which cases.
+#[derive(Debug, Default)]
 struct Proof {
     cases: Vec<String>,
     verdict: Verdict,
+}
+
+/// What is cited, with its proofs by the names of the profiles.
+type Proofs = BTreeMap<String, BTreeMap<String, Proof>>;
+
+/// What can be said of a requirement or a clause. The greatest of several is the one to tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Status {
+    Proven,
+    NotReproducible,
+    Unproven,
+    Failing,
+}
+
+impl Status {
+    const fn word(self) -> &'static str {
+        match self {
+            Status::Proven => "proven",
+            Status::NotReproducible => "not reproducible",
+            Status::Unproven => "unproven",
+            Status::Failing => "failing",
+        }
+    }
+
+    /// One column of the table.
+    const fn sign(self) -> &'static str {
+        match self {
+            Status::Proven => "+",
+            Status::NotReproducible => " ",
+            Status::Unproven => "-",
+            Status::Failing => "!",
+        }
+    }
+}
+
+/// One row of what is printed: a requirement, or one of its clauses.
+#[derive(Debug)]
+struct Row<'a> {
+    id: String,
+    asks: &'a str,
+    entry: &'a Entry,
+    status: Status,
+    profiles: Vec<(Profile, Status, &'a [String])>,
 }
 
 /// Prints the register with what proves it.
@@ -39,52 +83,101 @@ pub fn run(args: &RequirementsArgs) -> Exit {
             return Exit::UserFiles;
         }
     };
-    let mut proofs: BTreeMap<&str, Proof> = BTreeMap::new();
-    let mut unknown = Vec::new();
-    for case in record.cases.iter().filter(|case| case.is_judged()) {
-        for id in &case.proves {
-            if register.find(id).is_none() && !unknown.contains(id) {
-                unknown.push(id.clone());
-            }
-            let proof = proofs.entry(id).or_default();
-            proof.cases.push(case.name.clone());
-            proof.verdict = proof.verdict.max(case.verdict);
-        }
-    }
+    let proofs = proofs(&record);
+    let unknown: Vec<&str> = proofs.keys().map(String::as_str).filter(|id| !register.knows(id)).collect();
     if !unknown.is_empty() {
         output::complain(&format!("cited, but not in the register: {}", unknown.join(", ")));
         return Exit::UserFiles;
     }
+    let rows: Vec<Row<'_>> = register.entries.iter().flat_map(|entry| rows(entry, &proofs)).collect();
     match args.format {
-        Format::Json => json(&register, &proofs),
-        Format::Table => table(&register, &proofs),
+        Format::Json => json(&rows),
+        Format::Table => table(&rows),
     }
     Exit::Passed
 }
 
-fn status(class: Class, proof: Option<&Proof>) -> &'static str {
-    match proof {
-        Some(Proof { verdict: Verdict::Pass, .. }) => "proven",
-        Some(_) => "failing",
-        None if class == Class::NotReproducible => "not reproducible",
-        None => "unproven",
+fn proofs(record: &RunRecord) -> Proofs {
+    let mut proofs = Proofs::new();
+    for case in record.cases.iter().filter(|case| case.is_judged()) {
+        for id in &case.proves {
+            let proof = proofs.entry(id.clone()).or_default().entry(case.profile.clone()).or_default();
+            proof.cases.push(case.name.clone());
+            proof.verdict = proof.verdict.max(case.verdict);
+        }
     }
+    proofs
 }
 
-fn json(register: &Register, proofs: &BTreeMap<&str, Proof>) {
-    let rows: Vec<serde_json::Value> = register
-        .entries
+/// The row of a requirement, and behind it those of its clauses. With clauses it is proven when each of them is.
+fn rows<'a>(entry: &'a Entry, proofs: &'a Proofs) -> Vec<Row<'a>> {
+    let own = row(entry.id.clone(), &entry.asks, entry, &entry.profiles, proofs);
+    if entry.clauses.is_empty() {
+        return vec![own];
+    }
+    let clauses = entry.clauses.iter().map(|clause| {
+        let holds = if clause.profiles.is_empty() { &entry.profiles } else { &clause.profiles };
+        row(format!("{}#{}", entry.id, clause.id), &clause.asks, entry, holds, proofs)
+    });
+    let clauses: Vec<Row<'_>> = clauses.collect();
+    let least = clauses.iter().map(|row| row.status).max().unwrap_or(Status::Unproven);
+    let failing = own.status == Status::Failing;
+    let mut rows = vec![Row { status: if failing { Status::Failing } else { least }, ..own }];
+    rows.extend(clauses);
+    rows
+}
+
+fn row<'a>(id: String, asks: &'a str, entry: &'a Entry, holds: &[Profile], proofs: &'a Proofs) -> Row<'a> {
+    let known = proofs.get(&id);
+    let unproven = match entry.class {
+        Class::NotReproducible => Status::NotReproducible,
+        Class::Behaviour | Class::Constant => Status::Unproven,
+    };
+    let profiles: Vec<(Profile, Status, &[String])> = Profile::ALL
+        .into_iter()
+        .filter(|profile| holds.is_empty() || holds.contains(profile))
+        .map(|profile| match known.and_then(|known| known.get(profile.name())) {
+            None => (profile, unproven, &[][..]),
+            Some(Proof { verdict: Verdict::Pass, cases }) => (profile, Status::Proven, cases.as_slice()),
+            Some(proof) => (profile, Status::Failing, proof.cases.as_slice()),
+        })
+        .collect();
+    // What one profile shows holds as shown, unless another profile shows the contrary.
+    let any = |status: Status| profiles.iter().any(|(_, found, _)| *found == status);
+    let status =
+        [Status::Failing, Status::Proven].into_iter().find(|status| any(*status)).unwrap_or(unproven);
+    Row { id, asks, entry, status, profiles }
+}
+
+/// The cases that prove something of a row: of a requirement also those of its clauses.
+fn cases<'a>(row: &Row<'a>, all: &[Row<'a>]) -> Vec<&'a str> {
+    let of = |other: &&Row<'a>| other.id == row.id || !row.id.contains('#') && other.entry.id == row.id;
+    let lists = all.iter().filter(of).flat_map(|row| &row.profiles).map(|(.., cases)| *cases);
+    let mut names: Vec<&str> = lists.flatten().map(String::as_str).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+fn json(all: &[Row<'_>]) {
+    let rows: Vec<serde_json::Value> = all
         .iter()
-        .map(|entry| {
-            let proof = proofs.get(entry.id.as_str());
+        .map(|row| {
+            let profiles: Vec<serde_json::Value> = row
+                .profiles
+                .iter()
+                .map(|(profile, status, cases)| {
+                    json!({ "profile": profile.name(), "status": status.word(), "cases": cases })
+                })
+                .collect();
             json!({
-                "id": entry.id,
-                "status": status(entry.class, proof),
-                "class": entry.class.word(),
-                "asks": entry.asks,
-                "source": entry.source,
-                "profiles": entry.profiles.iter().map(|profile| profile.name()).collect::<Vec<_>>(),
-                "cases": proof.map(|proof| proof.cases.clone()).unwrap_or_default(),
+                "id": row.id,
+                "status": row.status.word(),
+                "class": row.entry.class.word(),
+                "asks": row.asks,
+                "source": row.entry.source,
+                "cases": cases(row, all),
+                "profiles": profiles,
             })
         })
         .collect();
@@ -92,19 +185,34 @@ fn json(register: &Register, proofs: &BTreeMap<&str, Proof>) {
     output::print(&format!("{text}\n"));
 }
 
-fn table(register: &Register, proofs: &BTreeMap<&str, Proof>) {
-    let width = register.entries.iter().map(|entry| entry.id.len()).max().unwrap_or(0);
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for entry in &register.entries {
-        let proof = proofs.get(entry.id.as_str());
-        let status = status(entry.class, proof);
-        *counts.entry(status).or_default() += 1;
-        let cases = proof.map_or(0, |proof| proof.cases.len());
+fn table(rows: &[Row<'_>]) {
+    let width = rows.iter().map(|row| row.id.len()).max().unwrap_or(0);
+    let names = Profile::ALL.map(Profile::name).join(", ");
+    output::print(&format!(
+        "{:width$}  proven by cases of {names}: + all pass, ! one does not, - none\n",
+        ""
+    ));
+    let (mut requirements, mut clauses) = (BTreeMap::new(), BTreeMap::new());
+    for row in rows {
+        let of = if row.id.contains('#') { &mut clauses } else { &mut requirements };
+        *of.entry(row.status).or_insert(0) += 1;
+        let signs = Profile::ALL.map(|profile| {
+            row.profiles
+                .iter()
+                .find(|(known, ..)| *known == profile)
+                .map_or(" ", |(_, status, _)| status.sign())
+        });
+        let cases = cases(row, rows).len();
         let by = if cases == 0 { String::new() } else { format!(" ({cases} cases)") };
-        output::print(&format!("{:width$}  {status:16}  {}{by}\n", entry.id, entry.asks));
+        let (id, signs, status) = (&row.id, signs.concat(), row.status.word());
+        output::print(&format!("{id:width$}  {signs}  {status:16}  {}{by}\n", row.asks));
     }
-    let counts: Vec<String> = counts.iter().map(|(status, count)| format!("{count} {status}")).collect();
-    output::print(&format!("{} requirements: {}\n", register.entries.len(), counts.join(", ")));
+    for (what, counts) in [("clauses", clauses), ("requirements", requirements)] {
+        let total: usize = counts.values().sum();
+        let counts: Vec<String> =
+            counts.iter().map(|(status, count)| format!("{count} {}", status.word())).collect();
+        output::print(&format!("{total} {what}: {}\n", counts.join(", ")));
+    }
 }
 
 fn read(folder: &std::path::Path) -> Result<RunRecord, String> {
@@ -133,4 +241,47 @@ fn run_library() -> Result<RunRecord, String> {
         }
     });
     Ok(run)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use record::CaseRecord;
+
+    fn statuses(cited: &[(&str, &str, Verdict)]) -> Vec<(String, &'static str)> {
+        let text = "[\"controller:RB-02\"]\nasks = \"a\"\nsource = \"s\"\n\
+                    [\"controller:RB-02\".clauses]\n\"1\" = \"b\"\n\"2\" = \"c\"\n\
+                    [\"controller:WD-04\"]\nasks = \"a\"\nsource = \"s\"\nprofiles = [\"m241-2014\"]\n";
+        let register = Register::read(text).unwrap();
+        let mut record = RunRecord::default();
+        for (id, profile, verdict) in cited {
+            record.push(CaseRecord {
+                name: String::from("case"),
+                profile: (*profile).to_owned(),
+                proves: vec![(*id).to_owned()],
+                verdict: *verdict,
+                ..CaseRecord::default()
+            });
+        }
+        let proofs = proofs(&record);
+        let rows: Vec<Row<'_>> = register.entries.iter().flat_map(|entry| rows(entry, &proofs)).collect();
+        rows.iter().map(|row| (row.id.clone(), row.status.word())).collect()
+    }
+
+    // A requirement with clauses is proven by all of them only, and one failing case is enough against it.
+    #[test]
+    fn clauses_decide() {
+        let one = ("controller:RB-02#1", "m241-2019", Verdict::Pass);
+        let two = ("controller:RB-02#2", "m241-2014", Verdict::Pass);
+        let fail = ("controller:RB-02#2", "m251-2024", Verdict::Fail);
+        let whole = ("controller:RB-02", "m241-2019", Verdict::Pass);
+        assert_eq!(statuses(&[whole, one])[0].1, "unproven");
+        assert_eq!(statuses(&[one, two])[0].1, "proven");
+        assert_eq!(statuses(&[one, two, fail])[0].1, "failing");
+        assert_eq!(
+            statuses(&[one])[1..3],
+            [("controller:RB-02#1".into(), "proven"), ("controller:RB-02#2".into(), "unproven")]
+        );
+        assert_eq!(statuses(&[("controller:WD-04", "m241-2014", Verdict::Fail)])[3].1, "failing");
+    }
 }

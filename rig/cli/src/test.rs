@@ -104,9 +104,8 @@ fn select(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> {
     let mut jobs = Vec::new();
     for (place, plan) in loaded.iter().enumerate() {
         jobs.extend(plan.jobs(place, args.seed, args.repeat.get()).into_iter().filter(|job| {
-            let plan = &plan.plan;
             let profile = job.profile.name();
-            selection.matches(&Facts { name: &job.name, title: &job.title, proves: &plan.proves, profile })
+            selection.matches(&Facts { name: &job.name, title: &job.title, proves: &job.proves, profile })
         }));
     }
     if jobs.is_empty() {

@@ -1,8 +1,9 @@
 //! What the controller asks of an application, and of whoever turns a bundle into one.
 
-use crate::Memory;
+use crate::{Located, Memory, Part};
 use profile::ApplicationError;
 use signal::{Span, Time, Value};
+use std::any::Any;
 use std::fmt;
 
 /// The user's code and variables, resumable in modelled time.
@@ -35,6 +36,15 @@ pub trait Application: Send {
     /// Whether a task writes into byte `byte` of %Q (controller:PRIO-05).
     fn writes_output(&self, task: usize, byte: u32) -> bool;
 
+    /// The outputs that a task writes, bit n for %Q bit n below 32 (controller:FRC-05). Whole bytes, unless the
+    /// application knows better.
+    fn written_outputs(&self, task: usize) -> u32 {
+        (0..4).filter(|byte| self.writes_output(task, *byte)).fold(0, |bits, byte| bits | 0xFF << (8 * byte))
+    }
+
+    /// Whether a task reads bit `bit` of %I (controller:PRIO-04).
+    fn reads_input(&self, task: usize, bit: u32) -> bool;
+
     /// Bytes of an image of the remanent variables.
     fn retained_len(&self) -> usize;
 
@@ -44,11 +54,31 @@ pub trait Application: Send {
     /// Takes the remanent variables from an image; FALSE, with nothing taken, when it does not fit this application.
     fn restore_retained(&mut self, image: &[u8]) -> bool;
 
+    /// Names, types and places of what [`Application::save_retained`] writes: what another application needs to take
+    /// its variables from such an image.
+    fn retained_map(&self) -> Vec<u8>;
+
+    /// Takes from the image of another application, which has this map, the persistent variables that both have with
+    /// the same path and type (controller:REM-02 note 2). TRUE where this application has every remanent variable of
+    /// the map (controller:REM-06); nothing is taken, and FALSE, where map and image do not belong together.
+    fn adopt_retained(&mut self, map: &[u8], image: &[u8]) -> bool;
+
+    /// Identity of what is declared: the same for applications that differ in code alone (controller:REM-02 note 1).
+    fn declarations(&self) -> u64;
+
     /// Whether a remanent variable changed since the last call.
     fn retained_dirty(&mut self) -> bool;
 
     /// Identity of code and variables (controller:STATE-10).
     fn signature(&self) -> u64;
+
+    /// The number of a variable by its path, in any case of letters; `None` where there is no variable of that path or
+    /// it is in the controller's memory. Valid as long as the application is. Not to be called inside a scan.
+    fn variable(&self, path: &str) -> Option<u32>;
+
+    /// Where a variable is, for the relocation table; `None` for one that does not exist or is no single value. Not to
+    /// be called inside a scan.
+    fn locate(&self, path: &str) -> Option<Located>;
 
     /// The value of a variable.
     fn read(&self, variable: u32) -> Value;
@@ -58,6 +88,52 @@ pub trait Application: Send {
 
     /// From now on, a change of the variable ends a slice with [`Stop::Touched`].
     fn watch(&mut self, variable: u32);
+
+    /// Answers what a task asked for with [`Stop::Service`]; its cycle goes on with the next slice.
+    fn answer(&mut self, task: usize, result: i64);
+
+    /// Every task stops with [`Stop::Break`] before the first statement of a line (from 1), or of the next line that
+    /// has one: which line that is. `None` where no statement follows in the file, which is given by its place.
+    fn breakpoint(&mut self, file: u16, line: u32) -> Option<u32>;
+
+    /// Takes every breakpoint away.
+    fn clear_breakpoints(&mut self);
+
+    /// A task stops with [`Stop::Break`] before its next statement.
+    fn step(&mut self, task: usize);
+
+    /// Takes over from an application no cycle of which is under way: variables of the same path and type have its
+    /// values, the others their initial ones. Whether only code differs; `None` where it cannot, with nothing
+    /// changed. Watches and breakpoints start anew, and so do the numbers of variables.
+    fn succeed(&mut self, old: &mut dyn Application) -> Option<bool>;
+
+    /// For [`Application::succeed`].
+    fn as_any(&mut self) -> &mut dyn Any;
+}
+
+/// What a program can ask of the controller (controller:LIB-03).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Service {
+    /// To sleep for so many milliseconds (controller:TASK-52).
+    WaitSleep,
+    /// The interval of the running task in microseconds (controller:TASK-13).
+    GetTaskCycle,
+    /// To set it (controller:TASK-13).
+    SetTaskCycle,
+    /// Whether MAST is in its first cycle since RUNNING was entered (controller:TASK-53).
+    FirstMastCycle,
+    /// The same behind a cold start.
+    FirstMastColdCycle,
+    /// The same behind a warm start.
+    FirstMastWarmCycle,
+    /// Whether an input or output is forced (controller:STATE-03).
+    HasForcedIo,
+    /// The clock, in seconds since 1970 (controller:DEV-22).
+    GetRtc,
+    /// To correct the clock by so many seconds a week (controller:DEV-22).
+    SetRtcDrift,
+    /// To keep the indicator of the battery dark (controller:LED-05).
+    InhibitBatteryLed,
 }
 
 /// What a call of [`Application::resume`] did.
@@ -82,6 +158,15 @@ pub enum Stop {
     Done,
     /// A watched variable or place changed at now + used; the cycle goes on with the next call.
     Touched,
+    /// A statement with a breakpoint comes next; the cycle goes on with the next call.
+    Break,
+    /// The program asks for something at now + used; the cycle goes on behind [`Application::answer`].
+    Service {
+        /// What it asks for.
+        service: Service,
+        /// What it asks with; 0 where there is nothing.
+        argument: i64,
+    },
     /// The operation completing at now + used is an error; the cycle is over.
     Fault(ApplicationFault),
 }
@@ -94,7 +179,7 @@ pub struct ApplicationFault {
     /// How the controller reacts (controller:ERR-01).
     pub class: FaultClass,
     /// Place of the source file in the application.
-    pub file: u8,
+    pub file: u16,
     /// Line in that file, from 1.
     pub line: u32,
 }
@@ -124,8 +209,6 @@ impl VariableReset {
     pub(crate) const WARM: VariableReset = VariableReset { keep_retain: true, keep_persistent: true };
     /// Reset cold.
     pub(crate) const COLD: VariableReset = VariableReset { keep_retain: false, keep_persistent: true };
-    /// Download of the same application.
-    pub(crate) const DOWNLOAD: VariableReset = VariableReset::COLD;
 }
 
 /// Turns an application bundle into an application. Called at boot and download, never inside a scan.
@@ -160,6 +243,18 @@ pub enum LoadError {
         /// Bytes that the application asks for.
         bytes: usize,
     },
+    /// A row of the relocation table does not fit (controller:REL-02).
+    Relocation {
+        /// Its part.
+        part: Part,
+        /// Its place in that part, from 0.
+        row: usize,
+    },
+    /// The variable that starts an event task is missing (controller:TASK-30).
+    Trigger {
+        /// The task, by its place in the configuration.
+        task: usize,
+    },
     /// Two tasks write outputs of one byte, which these profiles refuse (controller:PRIO-05).
     SharedOutputByte {
         /// Byte of %Q.
@@ -182,6 +277,18 @@ impl fmt::Display for LoadError {
             }
             LoadError::Remanent { bytes } => {
                 write!(f, "{bytes} bytes of remanent variables, the store holds {}", profile::REMANENT_BYTES)
+            }
+            LoadError::Relocation { part, row } => {
+                let part = if *part == Part::Read { "read" } else { "write" };
+                let most = profile::TABLE_WORDS;
+                write!(
+                    f,
+                    "row {} of the {part} part of the relocation table is beyond its {most} words",
+                    row + 1
+                )
+            }
+            LoadError::Trigger { task } => {
+                write!(f, "the application has no variable that starts the event task {task}")
             }
             LoadError::SharedOutputByte { byte, tasks } => {
                 write!(

@@ -1,13 +1,13 @@
 //! The remanent context: two alternating images, each with a number and a checksum (controller:REM-07).
 
-use crate::{Application, Memory, NonVolatile, RETAIN_FILES};
+use crate::{Application, Memory, NonVolatile, RETAIN_FILES, RETAIN_MAP};
 use profile::{NON_VOLATILE_SAVE, REMANENT_WORDS};
 use signal::Time;
 
-const MAGIC: &[u8; 8] = b"SRCTX\0\0\x01";
+const MAGIC: &[u8; 8] = b"SRCTX\0\0\x02";
 const WORDS: usize = REMANENT_WORDS as usize * 2;
-/// Magic, sequence, signature, length of the variables.
-const HEADER: usize = 8 + 8 + 8 + 4;
+/// Magic, sequence, signature, boot application, declarations, length of the variables.
+const HEADER: usize = 8 + 8 + 8 + 8 + 8 + 4;
 
 /// An image that is whole.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,6 +15,10 @@ pub(crate) struct Saved {
     pub sequence: u64,
     /// Of the application that saved it.
     pub signature: u64,
+    /// The boot application then: another one where an online change was not written to it.
+    pub parent: u64,
+    /// The declarations of the application that was loaded last (controller:REM-02 note 1).
+    pub declarations: u64,
     /// %MW0...%MW999.
     pub words: Vec<u8>,
     /// The application's own image.
@@ -28,14 +32,15 @@ pub(crate) fn decode(bytes: &[u8]) -> Option<Saved> {
         return None;
     }
     let number = |at: usize| body.get(at..at + 8)?.try_into().ok().map(u64::from_le_bytes);
-    let (sequence, signature) = (number(8)?, number(16)?);
-    let length = u32::from_le_bytes(body.get(24..28)?.try_into().ok()?) as usize;
-    let data = &body[HEADER..];
+    let [sequence, signature, parent, declarations] = [number(8)?, number(16)?, number(24)?, number(32)?];
+    let length = u32::from_le_bytes(body.get(40..HEADER)?.try_into().ok()?) as usize;
+    let data = body.get(HEADER..)?;
     if data.len() != WORDS.checked_add(length)? {
         return None;
     }
     let (words, variables) = data.split_at(WORDS);
-    Some(Saved { sequence, signature, words: words.to_vec(), variables: variables.to_vec() })
+    let (words, variables) = (words.to_vec(), variables.to_vec());
+    Some(Saved { sequence, signature, parent, declarations, words, variables })
 }
 
 /// Saves the context beside the scan.
@@ -50,6 +55,10 @@ pub(crate) struct Context {
     saving: Option<(Time, Time)>,
     /// A change is not yet in an image.
     pub dirty: bool,
+    /// The application in memory, the boot application, the declarations that were loaded last.
+    signature: u64,
+    parent: u64,
+    declarations: u64,
 }
 
 impl Context {
@@ -68,12 +77,29 @@ impl Context {
         newest
     }
 
-    /// Makes room for the images of an application, so that a save allocates nothing.
-    pub(crate) fn prepare(&mut self, application: &dyn Application) {
+    /// Makes room for the images of an application that was loaded, so that a save allocates nothing. `boot` tells
+    /// whether it is the boot application, too.
+    pub(crate) fn prepare(&mut self, application: &dyn Application, boot: bool, store: &mut dyn NonVolatile) {
+        self.declarations = application.declarations();
+        self.parent = if boot { application.signature() } else { 0 };
+        self.prepare_change(application, store);
+    }
+
+    /// The same for an application that took over by online change: for the boot application and the declarations
+    /// of the images it remains the one before.
+    pub(crate) fn prepare_change(&mut self, application: &dyn Application, store: &mut dyn NonVolatile) {
+        self.signature = application.signature();
+        store.write(RETAIN_MAP, &application.retained_map());
         self.saving = None;
         self.dirty = false;
         self.image.clear();
         self.image.resize(HEADER + WORDS + application.retained_len() + 4, 0);
+    }
+
+    /// The application in memory has become the boot application.
+    pub(crate) fn adopt_parent(&mut self) {
+        self.parent = self.signature;
+        self.dirty = true;
     }
 
     /// Takes the image of this instant.
@@ -82,8 +108,10 @@ impl Context {
         let length = end - HEADER - WORDS;
         self.image[..8].copy_from_slice(MAGIC);
         self.image[8..16].copy_from_slice(&self.sequence.to_le_bytes());
-        self.image[16..24].copy_from_slice(&application.signature().to_le_bytes());
-        self.image[24..28].copy_from_slice(&(length as u32).to_le_bytes());
+        self.image[16..24].copy_from_slice(&self.signature.to_le_bytes());
+        self.image[24..32].copy_from_slice(&self.parent.to_le_bytes());
+        self.image[32..40].copy_from_slice(&self.declarations.to_le_bytes());
+        self.image[40..HEADER].copy_from_slice(&(length as u32).to_le_bytes());
         self.image[HEADER..HEADER + WORDS].copy_from_slice(memory.remanent());
         application.save_retained(&mut self.image[HEADER + WORDS..end]);
         let sum = crc32fast::hash(&self.image[..end]);
@@ -132,6 +160,13 @@ impl Context {
             self.write(store);
         }
         due
+    }
+
+    /// Completes a save under way before its time: an orderly end waits for it.
+    pub(crate) fn complete(&mut self, store: &mut dyn NonVolatile) {
+        if self.saving.take().is_some() {
+            self.write(store);
+        }
     }
 
     /// The power goes at `now`: a save under way stops where it is.

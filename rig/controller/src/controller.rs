@@ -1,15 +1,29 @@
 //! The controller: its parts, and what can be asked of it.
 
+use crate::change::Pending;
 use crate::context::Context;
+use crate::event::{Arrivals, Rate};
+use crate::external::ExternalErrors;
+use crate::files::Files;
+use crate::forcing::{Forced, Forcing};
 use crate::input::Inputs;
+use crate::led::Leds;
+use crate::load::Load;
 use crate::output::Outputs;
+use crate::protection::Protection;
+use crate::registers::Registers;
+use crate::release::find_trigger;
+use crate::service::Start;
+use crate::system::System;
+use crate::system_log::SystemLog;
 use crate::task::Task;
+use crate::turn::find_peers;
 use crate::watch::Watches;
 use crate::{
-    Application, Config, ConfigError, Effects, LoadError, Loader, Memory, NonVolatile, Probe, State,
-    SystemVariable, TaskFigures, WriteError,
+    Application, Config, ConfigError, Effects, LoadError, Loader, Memory, NonVolatile, OutputState, Probe,
+    RegisterFact, State, TaskConfig, TaskFigures, TaskKind, WriteError,
 };
-use profile::{ApplicationError, BootProjectStatus, StopCause};
+use profile::StopCause;
 use signal::{Cause, Level, Size, Span, Time, Value};
 use std::fmt;
 
@@ -20,19 +34,48 @@ pub struct Controller {
     pub(crate) store: Box<dyn NonVolatile>,
     pub(crate) state: State,
     pub(crate) application: Option<Box<dyn Application>>,
+    /// The bundle that it came in.
+    pub(crate) bundle: Vec<u8>,
     pub(crate) memory: Memory,
     pub(crate) inputs: Inputs,
     pub(crate) outputs: Outputs,
     pub(crate) forced_inputs: Forced,
     pub(crate) forced_outputs: Forced,
+    pub(crate) forcing: Forcing,
+    pub(crate) protection: Protection,
+    pub(crate) external: ExternalErrors,
+    pub(crate) leds: Leds,
+    /// The bit of %I that reports faults of the outputs, among the first 32; 0 without outputs.
+    pub(crate) status_bit: u32,
+    /// The bit of %Q that rearms the outputs, among the first 32; 0 without outputs.
+    pub(crate) rearming_bit: u32,
+    /// Place of MAST in the configuration.
+    pub(crate) mast: usize,
     /// The tasks, highest priority first: a task's place in here is its rank.
     pub(crate) tasks: Vec<Task>,
     /// Processor and scheduling.
     pub(crate) cpu: Processor,
+    pub(crate) load: Load,
+    /// Events under way, and how many came.
+    pub(crate) arrivals: Arrivals,
+    pub(crate) event_rate: Rate,
+    pub(crate) external_rate: Rate,
+    /// When the variables are looked at next that start event tasks.
+    pub(crate) tick: Time,
     pub(crate) power: Power,
     pub(crate) context: Context,
     pub(crate) system: System,
+    /// The application of an online change that waits for the end of the cycles under way.
+    pub(crate) pending: Option<Pending>,
+    /// Since when a task is held at a breakpoint, and its place in the configuration.
+    pub(crate) held: Option<(Time, usize)>,
+    pub(crate) start: Start,
+    /// The program keeps the indicator of the battery dark (controller:LED-05).
+    pub(crate) battery_led_inhibited: bool,
     pub(crate) watches: Watches,
+    pub(crate) files: Files,
+    pub(crate) log: SystemLog,
+    pub(crate) registers: Registers,
 }
 
 /// The one processor (controller:TASK-03).
@@ -48,6 +91,8 @@ pub(crate) struct Processor {
     pub ready: u32,
     /// Ranks with a cycle under way.
     pub active: u32,
+    /// Ranks that sleep or are held back.
+    pub held: u32,
     /// A stop waits for the cycles under way.
     pub stopping: Option<StopCause>,
     /// Controller tasks (priority 0...24) have had the processor without a gap in this time (controller:WD-02).
@@ -64,42 +109,23 @@ pub(crate) struct Power {
     pub stage: Option<(usize, Time)>,
     /// The boot was provoked by a system error.
     pub system_error: bool,
+    /// The boot was commanded by a script.
+    pub script: bool,
+    /// The firmware in non-volatile memory is valid.
+    pub firmware: bool,
+    /// The boot application is being saved until then.
+    pub creating: Option<Time>,
     /// The Run/Stop switch is at Run.
     pub switch_at_run: bool,
     /// Next update of inputs and outputs in STOPPED and HALT.
     pub refresh: Option<Time>,
     /// What the outputs are set to at each of these updates; none to keep what is in %Q.
     pub stop_image: Option<u32>,
-}
-
-/// The system variables.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct System {
-    pub boot_project: BootProjectStatus,
-    pub stop_cause: StopCause,
-    pub error: ApplicationError,
-}
-
-/// Forced channels (controller:FRC-02).
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Forced {
-    /// A 1 for every forced channel.
-    pub mask: u32,
-    /// Their values.
-    pub bits: u32,
-}
-
-impl Forced {
-    #[inline]
-    pub(crate) const fn apply(self, bits: u32) -> u32 {
-        bits & !self.mask | self.bits & self.mask
-    }
-
-    pub(crate) fn set(&mut self, channel: usize, on: Option<bool>) {
-        let bit = 1 << channel;
-        self.mask = if on.is_some() { self.mask | bit } else { self.mask & !bit };
-        self.bits = if on == Some(true) { self.bits | bit } else { self.bits & !bit };
-    }
+    /// Outputs show their initialization values up to then, and these take their default values then.
+    pub initialization: Option<(Time, u32)>,
+    /// What was written to the outputs, and to which, to be driven where the bus cycle task reads its inputs next
+    /// (controller:PRIO-08).
+    pub late_write: Option<(u32, u32)>,
 }
 
 impl fmt::Debug for Controller {
@@ -113,6 +139,11 @@ impl fmt::Debug for Controller {
             .field("system", &self.system)
             .finish_non_exhaustive()
     }
+}
+
+/// A bit by its byte and its place in it, among the first 32 of an image.
+pub(crate) const fn low_bit((byte, bit): (u32, u32)) -> u32 {
+    1 << (8 * byte + bit)
 }
 
 impl Controller {
@@ -129,20 +160,30 @@ impl Controller {
         let mut tasks: Vec<_> =
             config.tasks.iter().enumerate().map(|(place, task)| Task::new(place, task)).collect();
         tasks.sort_by_key(|task| task.priority);
-        let filters = config.filters.iter().copied().chain(std::iter::repeat_with(profile::Filter::default));
-        let inputs = Inputs::new(
-            profile::inputs(config.reference).zip(filters).map(|(input, filter)| (input.delay, filter)),
-        );
+        find_peers(&mut tasks);
         Ok(Controller {
             memory: Memory::new(config.profile),
             outputs: Outputs::new(profile::outputs(config.reference)),
-            inputs,
+            protection: Protection::new(config.reference, config.rearming),
+            external: ExternalErrors::default(),
+            leds: Leds::default(),
+            status_bit: profile::short_circuit_status(config.reference).map_or(0, low_bit),
+            rearming_bit: profile::rearming_command(config.reference).map_or(0, low_bit),
+            forcing: Forcing::new(config.tool_connected, tasks.len()),
+            inputs: Inputs::new(&config),
+            load: Load::new(Time::MIN, &tasks),
+            arrivals: Arrivals::new(),
+            event_rate: Rate::new(),
+            external_rate: Rate::new(),
+            tick: Time::MAX,
+            mast: config.task("MAST").unwrap_or_default(),
             tasks,
             config,
             loader,
             store,
             state: State::Off,
             application: None,
+            bundle: Vec::new(),
             forced_inputs: Forced::default(),
             forced_outputs: Forced::default(),
             cpu: Processor {
@@ -151,6 +192,7 @@ impl Controller {
                 running: 0,
                 ready: 0,
                 active: 0,
+                held: 0,
                 stopping: None,
                 busy_since: Time::MIN,
                 busy_until: Time::MIN,
@@ -159,17 +201,25 @@ impl Controller {
                 hold_up: None,
                 stage: None,
                 system_error: false,
+                script: false,
+                firmware: true,
+                creating: None,
                 switch_at_run: true,
                 refresh: None,
                 stop_image: None,
+                initialization: None,
+                late_write: None,
             },
             context: Context::default(),
-            system: System {
-                boot_project: BootProjectStatus::None,
-                stop_cause: StopCause::Unknown,
-                error: ApplicationError::None,
-            },
+            system: System::default(),
+            pending: None,
+            held: None,
+            start: Start::default(),
+            battery_led_inhibited: false,
             watches: Watches::default(),
+            files: Files::default(),
+            log: SystemLog::default(),
+            registers: Registers::default(),
         })
     }
 
@@ -185,15 +235,20 @@ impl Controller {
         self.store.write(crate::APPLICATION_FILE, bundle);
         let mut context = Context::default();
         context.newest(&*self.store);
-        context.prepare(&*application);
+        context.prepare(&*application, true, &mut *self.store);
         context.save_now(&*application, &Memory::new(self.config.profile), &mut *self.store);
-        crate::transition::record(&mut *self.store, left, application.signature());
+        crate::previous::record(&mut *self.store, left, application.signature());
         Ok(())
     }
 
     /// The state. While a stop waits for cycles under way it is still RUNNING.
     pub fn state(&self) -> State {
         self.state
+    }
+
+    /// The reference that it is.
+    pub const fn reference(&self) -> &'static profile::Reference {
+        self.config.reference
     }
 
     /// The figures of a task by its place in the configuration.
@@ -229,18 +284,22 @@ impl Controller {
             Probe::TaskFigure { task, figure } => {
                 self.task_figures(task).map_or(Value::Unknown, |figures| figures.get(figure))
             }
+            Probe::Input { input, part } => self.inputs.show(input, part),
             Probe::Terminal(output) => self.outputs.level(output).map_or(Value::Unknown, Value::from),
+            Probe::File(fact) => self.file_fact(fact),
+            Probe::Register(fact) => self.register_fact(fact),
+            Probe::Output(output) => {
+                self.output_state(output).map_or(Value::Unknown, |state| Value::Int(state.number()))
+            }
+            Probe::Led(led) => Value::Int(self.pattern(led).number()),
+            Probe::LedLit(led) => Value::Bool(self.lit(led)),
         }
     }
 
-    fn read_system(&self, variable: SystemVariable) -> Value {
-        let Some(status) = self.state.status() else { return Value::Unknown };
-        Value::Word(u64::from(match variable {
-            SystemVariable::Status => status.code(),
-            SystemVariable::BootProjectStatus => self.system.boot_project.code(),
-            SystemVariable::LastStopCause => self.system.stop_cause.code(),
-            SystemVariable::LastApplicationError => self.system.error.code(),
-        }))
+    fn output_state(&self, output: usize) -> Option<OutputState> {
+        let level = self.outputs.level(output)?;
+        let protected = self.protection.off() >> output & 1 == 1;
+        Some(if protected { OutputState::Protected } else { OutputState::from(level) })
     }
 
     /// Writes a variable or a place in memory at `now`, between two operations of the application. The places of
@@ -272,6 +331,12 @@ impl Controller {
                 }
                 application.write(variable, value);
             }
+            Probe::System(variable) => self.write_system(variable, value, now, fx)?,
+            Probe::Register(RegisterFact::Value(register)) => {
+                let number = value.as_int().ok_or(WriteError::NotANumber)?;
+                self.write_registers(now, register, &[number as u16], cause, fx)
+                    .map_err(|_| WriteError::IllegalAddress)?;
+            }
             _ => return Err(WriteError::ReadOnly),
         }
         self.observe_memory(now, cause, fx);
@@ -291,6 +356,16 @@ impl Controller {
         let bytes = application.retained_len();
         if bytes > profile::REMANENT_BYTES {
             return Err(LoadError::Remanent { bytes });
+        }
+        if let Err((part, row)) = self.check_relocation(&*application) {
+            return Err(LoadError::Relocation { part, row });
+        }
+        let trigger = |task: &TaskConfig| match &task.kind {
+            TaskKind::Event { trigger } => find_trigger(&*application, trigger).is_none(),
+            _ => false,
+        };
+        if let Some(task) = self.config.tasks.iter().position(trigger) {
+            return Err(LoadError::Trigger { task });
         }
         if self.config.profile != profile::Profile::M241_2014
             && let Some((byte, tasks)) = self.shared_output_byte(&*application)

@@ -1,6 +1,6 @@
 //! What the controller hands back, and what of it can be observed.
 
-use crate::{Entry, Figure, State};
+use crate::{Entry, Figure, InputPart, Led, RegisterFact, State, SystemVariable};
 use signal::{Address, Cause, Level, Time, Value};
 
 /// Something that happened.
@@ -84,48 +84,72 @@ pub enum Probe {
         /// Which figure.
         figure: Figure,
     },
+    /// Something of an embedded input besides its image.
+    Input {
+        /// The input: n for In.
+        input: usize,
+        /// What of it.
+        part: InputPart,
+    },
     /// An output terminal.
     Terminal(usize),
+    /// A fact of files or of the log, by its number: [`crate::Controller::file_probe`].
+    File(u16),
+    /// A fact of the registers that the network sees, or of the relocation table.
+    Register(RegisterFact),
+    /// The state of an output's stage: [`OutputState::number`].
+    Output(usize),
+    /// What an indicator shows: [`crate::LedPattern::number`].
+    Led(Led),
+    /// Whether an indicator is lit; reckoned only while it is observed.
+    LedLit(Led),
+}
+
+/// What an output's stage does (io:STD-OUT-02).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum OutputState {
+    /// Driven to 0, or a contact that is open.
+    Off = 0,
+    /// Driven to 1, or a contact that is closed.
+    On = 1,
+    /// Not driven.
+    HighZ = 2,
+    /// Switched off by its protection.
+    Protected = 3,
+}
+
+impl OutputState {
+    /// Every state.
+    pub const ALL: [OutputState; 4] =
+        [OutputState::Off, OutputState::On, OutputState::HighZ, OutputState::Protected];
+
+    /// The number in a trace.
+    pub const fn number(self) -> i64 {
+        self as i64
+    }
+
+    /// The name in plans and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            OutputState::Off => "0",
+            OutputState::On => "1",
+            OutputState::HighZ => "Z",
+            OutputState::Protected => "protected",
+        }
+    }
+}
+
+impl From<Level> for OutputState {
+    fn from(level: Level) -> Self {
+        match level {
+            Level::Low => OutputState::Off,
+            Level::High => OutputState::On,
+            Level::HighZ => OutputState::HighZ,
+        }
+    }
 }
 
 /// The number of an observed probe, in the order of [`crate::Controller::watch`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ProbeId(pub u32);
-
-/// The system variables that the state machine keeps (controller:STATE-02, controller:SYS-01...03).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SystemVariable {
-    /// PLC_R.i_wStatus.
-    Status,
-    /// PLC_R.i_wBootProjectStatus.
-    BootProjectStatus,
-    /// PLC_R.i_wLastStopCause.
-    LastStopCause,
-    /// PLC_R.i_wLastApplicationError.
-    LastApplicationError,
-}
-
-impl SystemVariable {
-    /// Every system variable.
-    pub const ALL: [SystemVariable; 4] = [
-        SystemVariable::Status,
-        SystemVariable::BootProjectStatus,
-        SystemVariable::LastStopCause,
-        SystemVariable::LastApplicationError,
-    ];
-
-    /// The name, as in `PLC_R.i_wStatus`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            SystemVariable::Status => "PLC_R.i_wStatus",
-            SystemVariable::BootProjectStatus => "PLC_R.i_wBootProjectStatus",
-            SystemVariable::LastStopCause => "PLC_R.i_wLastStopCause",
-            SystemVariable::LastApplicationError => "PLC_R.i_wLastApplicationError",
-        }
-    }
-
-    /// The system variable of this name, in any case of letters.
-    pub fn find(name: &str) -> Option<SystemVariable> {
-        SystemVariable::ALL.into_iter().find(|variable| variable.name().eq_ignore_ascii_case(name))
-    }
-}

@@ -1,6 +1,6 @@
 //! What the controller writes into its log (controller:NV-09). Keeping the entries is left to whoever takes the effects.
 
-use crate::{ApplicationFault, LoadError, State};
+use crate::{ApplicationFault, LoadError, Overload, State, Warning};
 use profile::StopCause;
 use signal::Span;
 
@@ -42,6 +42,17 @@ pub enum Entry {
     },
     /// Tasks of priority 0...24 took the whole processor (controller:WD-02).
     SystemWatchdog,
+    /// The task of the lowest priority waited too long for the processor (controller:WD-03).
+    Starved {
+        /// The task.
+        task: usize,
+    },
+    /// Tasks took too much of the processor (controller:WD-01, controller:WD-05).
+    Overload(Overload),
+    /// More events than the controller takes (controller:WD-06).
+    TooManyEvents,
+    /// Something in the configuration is accepted with a warning.
+    Warning(Warning),
     /// The application failed.
     Fault {
         /// The task.
@@ -58,8 +69,18 @@ pub enum Entry {
         /// The tasks.
         tasks: (usize, usize),
     },
+    /// Another application took over while the controller went on (controller:TR-17).
+    OnlineChange {
+        /// Only code differs, no variable.
+        code_only: bool,
+    },
     /// The saved context of the remanent variables was not valid (controller:STATE-10).
     ContextInvalid,
+    /// An input is driven faster than the profile allows: not the controller's entry but the rig's (io:REF-03).
+    Overdriven {
+        /// The input: n for In.
+        input: usize,
+    },
     /// The supply was interrupted.
     SupplyLost,
     /// The supply came back within the hold-up time (controller:HW-08, controller:HW-09).

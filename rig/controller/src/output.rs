@@ -25,6 +25,8 @@ pub(crate) struct Outputs {
     /// What the drivers are commanded: 1, and not driven at all.
     on: u32,
     undriven: u32,
+    /// Outputs whose stages are switched off whatever they are commanded, by protection or for want of a supply.
+    cut: u32,
     /// Terminals with an edge to come, and the first of these edges.
     pending: u32,
     first: Time,
@@ -49,7 +51,7 @@ impl Outputs {
                 }
             })
             .collect();
-        Outputs { terminals, floating, on: 0, undriven: floating, pending: 0, first: Time::MAX }
+        Outputs { terminals, floating, on: 0, undriven: floating, cut: 0, pending: 0, first: Time::MAX }
     }
 
     /// A 1 for every output.
@@ -62,37 +64,63 @@ impl Outputs {
         self.terminals.get(output).map(|terminal| terminal.level)
     }
 
+    /// What the drivers are commanded, a 1 for on; 0 for outputs that are not driven.
+    #[inline]
+    pub(crate) fn commanded(&self) -> u32 {
+        self.on
+    }
+
+    /// Whether the outputs are in hardware initialization values.
+    pub(crate) fn initialized(&self) -> bool {
+        self.undriven != 0
+    }
+
     /// Commands every output at `now`: bit n drives Qn. The cause of an edge is the last writer of its %Q bit.
     #[inline]
-    pub(crate) fn drive(&mut self, now: Time, bits: u32, memory: &Memory) {
-        let changed = (bits ^ self.on | self.undriven) & self.mask();
+    pub(crate) fn drive(&mut self, now: Time, bits: u32, which: u32, memory: &Memory) {
+        let changed = (bits ^ self.on | self.undriven) & self.mask() & which;
         if changed != 0 {
-            (self.on, self.undriven) = (bits & self.mask(), 0);
-            self.aim(now, changed, |n| (Level::from_bool(bits >> n & 1 == 1), memory.writer(n)));
+            (self.on, self.undriven) = (self.on ^ (bits ^ self.on) & changed, self.undriven & !changed);
+            self.aim(now, changed, |n| memory.writer(n));
         }
     }
 
     /// Commands hardware initialization values at `now` (controller:OUT-02).
     pub(crate) fn initialize(&mut self, now: Time) {
-        let floating = self.floating;
-        (self.on, self.undriven) = (0, floating);
-        self.aim(now, self.mask(), |n| {
-            (if floating >> n & 1 == 1 { Level::HighZ } else { Level::Low }, Cause::Controller)
-        });
+        (self.on, self.undriven) = (0, self.floating);
+        self.aim(now, self.mask(), |_| Cause::Controller);
     }
 
-    fn aim(&mut self, now: Time, mut which: u32, target: impl Fn(u32) -> (Level, Cause)) {
+    /// Switches the stages of these outputs off at once, without delay, and lets the others follow their commands.
+    pub(crate) fn cut(&mut self, now: Time, cut: u32) {
+        let changed = cut ^ std::mem::replace(&mut self.cut, cut);
+        if changed != 0 {
+            self.aim(now, changed & self.mask(), |_| Cause::Controller);
+        }
+    }
+
+    fn aim(&mut self, now: Time, mut which: u32, cause: impl Fn(u32) -> Cause) {
         while which != 0 {
             let n = which.trailing_zeros();
             which &= which - 1;
+            let has = |mask: u32| mask >> n & 1 == 1;
+            let cut = has(self.cut);
+            let level = match cut || has(self.undriven) {
+                true if has(self.floating) => Level::HighZ,
+                true => Level::Low,
+                false => Level::from_bool(has(self.on)),
+            };
             let terminal = &mut self.terminals[n as usize];
-            let (level, cause) = target(n);
             if level == terminal.level {
                 terminal.next = level;
                 self.pending &= !(1 << n);
-            } else if level != terminal.next {
-                let delay = if level == Level::High { terminal.on_delay } else { terminal.off_delay };
-                (terminal.next, terminal.at, terminal.cause) = (level, now.saturating_add(delay), cause);
+            } else if level != terminal.next || cut {
+                let delay = match (cut, level) {
+                    (true, _) => Span::ZERO,
+                    (false, Level::High) => terminal.on_delay,
+                    (false, _) => terminal.off_delay,
+                };
+                (terminal.next, terminal.at, terminal.cause) = (level, now.saturating_add(delay), cause(n));
                 self.pending |= 1 << n;
             }
         }
@@ -154,7 +182,7 @@ mod tests {
     fn delays_by_kind_and_direction() {
         let (mut out, mut fx, memory) =
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
-        out.drive(us(0), 0b1_0001, &memory);
+        out.drive(us(0), 0b1_0001, !0, &memory);
         assert_eq!(out.next(), us(2));
         out.fire(us(2), &mut fx);
         assert_eq!(
@@ -164,11 +192,11 @@ mod tests {
         assert_eq!(out.next(), us(34));
         out.fire(us(34), &mut fx);
         assert_eq!(out.level(4), Some(Level::High));
-        out.drive(us(100), 0, &memory);
+        out.drive(us(100), 0, !0, &memory);
         out.fire(us(102), &mut fx);
         assert_eq!(out.next(), us(350));
         let mut relay = outputs("TM241CEC24R");
-        relay.drive(us(0), 0b1_0000, &memory);
+        relay.drive(us(0), 0b1_0000, !0, &memory);
         relay.fire(us(2), &mut fx);
         assert_eq!(relay.next(), us(10_000));
     }
@@ -179,7 +207,7 @@ mod tests {
         let (mut out, mut fx, memory) =
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
         assert_eq!((out.level(3), out.level(4)), (Some(Level::HighZ), Some(Level::Low)));
-        out.drive(us(0), 0x3FF, &memory);
+        out.drive(us(0), 0x3FF, !0, &memory);
         out.fire(us(1_000), &mut fx);
         out.initialize(us(2_000));
         out.initialize(us(2_100));
@@ -191,17 +219,43 @@ mod tests {
         );
     }
 
+    // io:OUT-06, io:OUT-09
+    #[test]
+    fn a_stage_that_is_cut_is_off_at_once() {
+        let (mut out, mut fx, memory) =
+            (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        out.drive(us(0), 0b11_0001, !0, &memory);
+        out.fire(us(34), &mut fx);
+        out.drive(us(100), 0b10_0001, !0, &memory);
+        out.cut(us(110), 0xFF);
+        assert_eq!(out.next(), us(110), "sooner than the off delay under way");
+        out.fire(us(110), &mut fx);
+        assert_eq!(
+            [0, 1, 4, 5, 8].map(|n| out.level(n).unwrap()),
+            [Level::HighZ, Level::HighZ, Level::Low, Level::Low, Level::Low]
+        );
+        out.drive(us(200), 0b11_0001, !0, &memory);
+        assert_eq!(out.next(), Time::MAX, "a command changes nothing");
+        out.cut(us(300), 0);
+        out.fire(us(302), &mut fx);
+        out.fire(us(334), &mut fx);
+        assert_eq!(
+            [0, 1, 4, 5].map(|n| out.level(n).unwrap()),
+            [Level::High, Level::Low, Level::High, Level::High]
+        );
+    }
+
     #[test]
     fn a_command_taken_back_in_time_leaves_no_edge() {
         let (mut out, mut fx, memory) =
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
-        out.drive(us(0), 0, &memory);
+        out.drive(us(0), 0, !0, &memory);
         out.fire(us(2), &mut fx);
         fx.list.clear();
-        out.drive(us(10), 0b1_0000, &memory);
-        out.drive(us(40), 0, &memory);
+        out.drive(us(10), 0b1_0000, !0, &memory);
+        out.drive(us(40), 0, !0, &memory);
         assert_eq!(out.next(), Time::MAX);
-        out.drive(us(50), 0b1_0000, &memory);
+        out.drive(us(50), 0b1_0000, !0, &memory);
         assert_eq!(out.next(), us(84), "the delay starts anew");
         assert!(fx.list.is_empty());
     }

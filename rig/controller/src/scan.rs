@@ -1,8 +1,7 @@
 //! The scan: application code on the one processor, cycle by cycle.
 
-use crate::controller::Forced;
 use crate::watch::class;
-use crate::{ApplicationFault, Controller, Effects, Entry, FaultClass, State, Stop};
+use crate::{ApplicationFault, Controller, Effects, Entry, FaultClass, State, Stop, TaskKind};
 use profile::{MINIMUM_CYCLE, StopCause};
 use signal::{Cause, Span, Time};
 
@@ -45,10 +44,11 @@ impl Controller {
     /// Ranks that want the processor.
     #[inline]
     pub(crate) fn runnable(&self) -> u32 {
-        match self.cpu.stopping {
-            None => self.cpu.active | self.cpu.ready,
-            Some(_) => self.cpu.active,
-        }
+        let wanted = match self.cpu.stopping {
+            None if self.pending.is_none() => self.cpu.active | self.cpu.ready,
+            _ => self.cpu.active,
+        };
+        wanted & !self.cpu.held
     }
 
     fn step(&mut self, end: Time, fx: &mut Effects) -> Step {
@@ -57,15 +57,17 @@ impl Controller {
             self.cpu.at = end;
             return Step::Wait;
         }
-        let top = runnable.trailing_zeros() as usize;
+        let chosen = self.chosen(runnable);
         // controller:TASK-03: pre-emption waits for the operation under way.
         let (rank, cap) = match self.cpu.in_flight {
-            Some(until) if self.cpu.running != top => (self.cpu.running, until),
-            _ => (top, end),
+            Some(until) if self.cpu.running != chosen => (self.cpu.running, until),
+            _ => (chosen, end),
         };
         if cap > end {
             return Step::Wait;
         }
+        let end = cap;
+        let cap = if rank == chosen { self.take_turn(rank, cap) } else { cap };
         self.cpu.running = rank;
         if self.tasks[rank].foreground() && self.cpu.at > self.cpu.busy_until {
             self.cpu.busy_since = self.cpu.at;
@@ -75,11 +77,11 @@ impl Controller {
             self.start_cycle(rank, fx);
             return Step::Go;
         }
-        self.execute(rank, cap, fx)
+        self.execute(rank, cap, end, fx)
     }
 
-    /// Runs the cycle of a task up to `cap`.
-    fn execute(&mut self, rank: usize, cap: Time, fx: &mut Effects) -> Step {
+    /// Runs the cycle of a task up to `cap`, which is the end of its turn or `end`.
+    fn execute(&mut self, rank: usize, cap: Time, end: Time, fx: &mut Effects) -> Step {
         if let Some(rest) = self.tasks[rank].cycle.rest {
             let used = rest.min(cap - self.cpu.at);
             self.tasks[rank].cycle.rest = Some(rest - used);
@@ -102,7 +104,7 @@ impl Controller {
                         // It is under way; at least a nanosecond, so that a cost of 0 cannot hold up the time.
                         let until = self.cpu.at.saturating_add(next.max(Span::from_nanos(1)));
                         self.cpu.in_flight = Some(until);
-                        if slice.used == Span::ZERO || until > cap {
+                        if until > end || slice.used == Span::ZERO && cap == end {
                             return Step::Wait;
                         }
                     }
@@ -110,6 +112,10 @@ impl Controller {
                 Stop::Touched => {
                     let (at, cause) = (self.cpu.at, self.memory.cause());
                     self.observe_memory(at, cause, fx);
+                    self.look_at_plc_w(at, fx);
+                    if self.cpu.held >> rank & 1 == 1 || !self.still_running() {
+                        return Step::Go;
+                    }
                     if fx.len() > before {
                         // What completes without further time still belongs to this instant: watching must not move
                         // the end of a cycle behind a watchdog.
@@ -125,6 +131,14 @@ impl Controller {
                         self.end_cycle(rank, fx);
                     }
                 }
+                Stop::Break => self.enter_breakpoint(place, fx),
+                Stop::Service { service, argument } => {
+                    self.serve(rank, service, argument);
+                    if self.cpu.held >> rank & 1 == 1 {
+                        return Step::Go;
+                    }
+                    continue;
+                }
                 Stop::Fault(fault) => self.fault(rank, fault, fx),
             }
             return Step::Go;
@@ -134,69 +148,60 @@ impl Controller {
     /// Processor time passes for a task.
     #[inline]
     fn pass(&mut self, rank: usize, used: Span) {
+        self.load.advance(self.cpu.at, None, &mut self.tasks);
         self.cpu.at += used;
+        self.load.advance(self.cpu.at, Some(rank), &mut self.tasks);
+        self.use_turn(rank, used);
         let task = &mut self.tasks[rank];
         task.cycle.used = task.cycle.used + used;
+        task.waits_since = self.cpu.at;
         if task.foreground() {
             self.cpu.busy_until = self.cpu.at;
         }
     }
 
-    /// Phase 1 of a cycle (controller:TASK-10): physical inputs -> %I, shared by all tasks (controller:PRIO-04).
+    /// Phase 1 of a cycle (controller:TASK-10): the inputs that the task uses -> %I (controller:PRIO-04).
     fn start_cycle(&mut self, rank: usize, fx: &mut Effects) {
         let at = self.cpu.at;
-        self.read_inputs(at, fx);
+        self.write_late(rank, at, fx);
+        self.exchange_inputs(rank, at, fx);
         self.cpu.ready &= !(1 << rank);
         self.cpu.active |= 1 << rank;
         let task = &mut self.tasks[rank];
         task.start(at, MINIMUM_CYCLE);
         let place = task.place;
+        self.start_first_cycle(place);
         if let Some(application) = &mut self.application {
             application.begin(place);
         }
     }
 
-    /// Phase 3 of a cycle (controller:TASK-10): %Q, adjusted for forcing, -> outputs.
+    /// Phase 3 of a cycle (controller:TASK-10): %Q of the task's outputs, adjusted for forcing, -> outputs.
     fn end_cycle(&mut self, rank: usize, fx: &mut Effects) {
         let at = self.cpu.at;
         let task = &mut self.tasks[rank];
         let (place, elapsed) = (task.place, task.end(at));
-        let over = elapsed > task.interval;
+        let over = task.overran(elapsed);
+        if matches!(task.kind, TaskKind::Freewheeling) {
+            self.pause(rank, elapsed, at);
+        }
+        self.end_turn(rank);
         self.cpu.active &= !(1 << rank);
-        self.write_outputs(at, fx);
+        self.exchange_outputs(rank, at, fx);
         if over {
             self.note(at, Entry::Overrun { task: place, elapsed }, fx);
         }
         // A context is consistent only while no cycle is half done (controller:REM-07).
+        self.end_first_cycle(place);
         if self.cpu.active == 0 {
             self.save_if_dirty(at);
+            self.change(at, fx);
             if let Some(cause) = self.cpu.stopping {
                 self.enter_stopped(at, cause, fx);
             }
         }
+        self.look_at_triggers(at, fx);
         self.observe(class::FIGURE, at, Cause::Controller, fx);
-    }
-
-    /// Physical inputs -> %I, with forcing.
-    #[inline]
-    pub(crate) fn read_inputs(&mut self, at: Time, fx: &mut Effects) {
-        let mask = self.inputs.mask();
-        let bits = self.forced_inputs.apply(self.inputs.levels(at));
-        if self.memory.set_input_bits(bits, mask) {
-            self.observe(class::MEMORY, at, Cause::Board, fx);
-        }
-    }
-
-    /// %Q, changed by forcing (controller:FRC-02, controller:FRC-05), -> drivers.
-    #[inline]
-    pub(crate) fn write_outputs(&mut self, at: Time, fx: &mut Effects) {
-        if self.forced_outputs.mask != 0 {
-            let Forced { mask, bits } = self.forced_outputs;
-            if self.memory.set_output_bits(bits, mask, Cause::Controller) {
-                self.observe(class::MEMORY, at, Cause::Controller, fx);
-            }
-        }
-        self.outputs.drive(at, self.memory.output_bits(), &self.memory);
     }
 
     /// Starts a save of the remanent variables where one changed.

@@ -1,6 +1,7 @@
 //! The run-time state of a task and its figures.
 
-use crate::TaskConfig;
+use crate::turn::Turn;
+use crate::{EventSource, Probe, TaskConfig, TaskKind, Watchdog};
 use profile::{SHORT_INTERVAL, SHORT_INTERVAL_TOLERANCE};
 use signal::{Span, Time, Value};
 
@@ -21,10 +22,20 @@ pub struct TaskFigures {
     pub elapsed: Span,
     /// Cycles that took longer than the interval, from start to end.
     pub overruns: u64,
-    /// Releases that were lost because one was already waiting (controller:TASK-11).
+    /// Releases and events that were lost because one was already waiting (controller:TASK-11).
     pub lost: u64,
     /// Watchdog exceptions (controller:WD-10).
     pub exceptions: u64,
+    /// From the release of the last cycle to its start.
+    pub jitter: Span,
+    /// Least time from a release to the start of its cycle; 0 before the first one.
+    pub min_jitter: Span,
+    /// Most time from a release to the start of its cycle.
+    pub max_jitter: Span,
+    /// Cycles that began.
+    pub starts: u64,
+    /// Processor time in the last whole second since RUNNING was entered.
+    pub load: Span,
 }
 
 /// One figure of [`TaskFigures`].
@@ -46,6 +57,16 @@ pub enum Figure {
     Lost,
     /// Watchdog exceptions.
     Exceptions,
+    /// Mean processor time of a cycle in nanoseconds.
+    Mean,
+    /// From the release of the last cycle to its start in nanoseconds.
+    Jitter,
+    /// Least of these times.
+    MinJitter,
+    /// Most of these times.
+    MaxJitter,
+    /// Share of the processor in the last whole second, in per cent.
+    Load,
 }
 
 impl TaskFigures {
@@ -55,7 +76,7 @@ impl TaskFigures {
         Span::from_nanos(self.total.as_nanos() / cycles)
     }
 
-    /// One of the figures as a value: a count, or nanoseconds.
+    /// One of the figures as a value: a count, nanoseconds, or per cent.
     pub(crate) fn get(&self, figure: Figure) -> Value {
         let count = |n: u64| Value::Int(i64::try_from(n).unwrap_or(i64::MAX));
         match figure {
@@ -67,6 +88,12 @@ impl TaskFigures {
             Figure::Overruns => count(self.overruns),
             Figure::Lost => count(self.lost),
             Figure::Exceptions => count(self.exceptions),
+            Figure::Mean => Value::Int(self.mean().as_nanos()),
+            Figure::Jitter => Value::Int(self.jitter.as_nanos()),
+            Figure::MinJitter => Value::Int(self.min_jitter.as_nanos()),
+            Figure::MaxJitter => Value::Int(self.max_jitter.as_nanos()),
+            // Whole numbers of nanoseconds below 2^53: the quotient is the same on every host.
+            Figure::Load => Value::Real(self.load.as_nanos() as f64 / 10_000_000.0),
         }
     }
 }
@@ -94,6 +121,9 @@ pub(crate) struct Cycle {
     pub rest: Option<Span>,
     /// Whether the exception of this cycle is counted.
     pub excepted: bool,
+    /// The interval and the marks that hold for this cycle.
+    pub interval: Option<Span>,
+    pub marks: Option<Marks>,
 }
 
 /// A task at run time.
@@ -102,39 +132,96 @@ pub(crate) struct Task {
     /// Place in the configuration, which is its number for the application.
     pub place: usize,
     pub priority: u8,
-    pub interval: Span,
-    pub marks: Option<Marks>,
+    /// Ranks of this priority, its own among them.
+    pub peers: u32,
+    /// Whose turn it is, at the first of them.
+    pub turn: Turn,
+    pub kind: TaskKind,
+    /// The event of an external event task.
+    pub source: Option<EventSource>,
+    /// What starts an event task, once the application is there, and what it showed last.
+    pub trigger: Option<Probe>,
+    pub trigger_was: bool,
+    /// Interval of a cyclic task: the one that holds, and the one from the next release on.
+    pub interval: Option<Span>,
+    pub set_interval: Option<Span>,
+    watchdog: Option<Watchdog>,
     pub next_release: Time,
+    /// The embedded inputs that it reads and the outputs that it writes.
+    pub inputs: u32,
+    pub outputs: u32,
+    /// Since when the cycle that waits, or the one under way, was due.
+    pub due: Time,
+    /// When it had the processor last, or became due after that.
+    pub waits_since: Time,
+    /// It does not want the processor until then (controller:TASK-52).
+    pub sleeps_until: Time,
+    /// It does not get the processor until then.
+    pub suspended_until: Time,
     pub cycle: Cycle,
     /// Exceptions in a row.
     pub consecutive: u32,
     /// The next cycles take at least this long.
     pub overload: (Span, u32),
+    /// Processor time in the second under way.
+    pub used: Span,
     pub figures: TaskFigures,
 }
 
 impl Task {
     pub(crate) fn new(place: usize, config: &TaskConfig) -> Task {
-        let interval = config.interval();
-        let marks = config.watchdog.map(|watchdog| {
-            let sensitivity = watchdog.sensitivity.max(1);
-            // controller:TASK-12: a short interval has a limit of its own.
-            let short = interval + SHORT_INTERVAL_TOLERANCE;
-            let exception = if interval < SHORT_INTERVAL { watchdog.time.min(short) } else { watchdog.time };
-            let trip = Span::from_nanos(watchdog.time.as_nanos().saturating_mul(i64::from(sensitivity)));
-            Marks { exception, trip, sensitivity }
-        });
         Task {
             place,
             priority: config.priority,
-            interval,
-            marks,
+            peers: 0,
+            turn: Turn::NONE,
+            kind: config.kind.clone(),
+            source: match config.kind {
+                TaskKind::ExternalEvent { source } => Some(source),
+                _ => None,
+            },
+            trigger: None,
+            trigger_was: false,
+            interval: config.interval(),
+            set_interval: config.interval(),
+            watchdog: config.watchdog,
             next_release: Time::MAX,
+            inputs: 0,
+            outputs: 0,
+            due: Time::MIN,
+            waits_since: Time::MIN,
+            sleeps_until: Time::MIN,
+            suspended_until: Time::MIN,
             cycle: Cycle::default(),
             consecutive: 0,
             overload: (Span::ZERO, 0),
+            used: Span::ZERO,
             figures: TaskFigures::default(),
         }
+    }
+
+    /// A new application was loaded: figures start anew, the interval is the configured one.
+    pub(crate) fn begin_application(&mut self) {
+        self.figures = TaskFigures::default();
+        self.consecutive = 0;
+        if let TaskKind::Cyclic { interval } = self.kind {
+            (self.interval, self.set_interval) = (Some(interval), Some(interval));
+        }
+    }
+
+    /// RUNNING is entered: nothing is due yet.
+    pub(crate) fn begin_running(&mut self) {
+        self.interval = self.set_interval;
+        self.next_release = Time::MAX;
+        self.consecutive = 0;
+        self.used = Span::ZERO;
+        self.turn = Turn::NONE;
+        (self.sleeps_until, self.suspended_until) = (Time::MIN, Time::MIN);
+    }
+
+    /// When it neither sleeps nor is held back.
+    pub(crate) fn held_until(&self) -> Time {
+        self.sleeps_until.max(self.suspended_until)
     }
 
     /// Whether it is a controller task, not a background one (controller:PRIO-03).
@@ -142,9 +229,25 @@ impl Task {
         profile::FOREGROUND_PRIORITIES.contains(&self.priority)
     }
 
+    /// The marks of its watchdog at its present interval.
+    fn marks(&self) -> Option<Marks> {
+        self.watchdog.map(|watchdog| {
+            let sensitivity = watchdog.sensitivity.max(1);
+            // controller:TASK-12: a short interval has a limit of its own.
+            let exception = match self.interval {
+                Some(interval) if interval < SHORT_INTERVAL => {
+                    watchdog.time.min(interval + SHORT_INTERVAL_TOLERANCE)
+                }
+                _ => watchdog.time,
+            };
+            let trip = Span::from_nanos(watchdog.time.as_nanos().saturating_mul(i64::from(sensitivity)));
+            Marks { exception, trip, sensitivity }
+        })
+    }
+
     /// The next mark of the cycle under way.
     pub(crate) fn mark(&self) -> Option<Span> {
-        self.marks.map(|marks| if self.cycle.excepted { marks.trip } else { marks.exception })
+        self.cycle.marks.map(|marks| if self.cycle.excepted { marks.trip } else { marks.exception })
     }
 
     /// Starts a cycle at `now` that takes at least `least` of processor time.
@@ -152,7 +255,40 @@ impl Task {
         let (overload, times) = self.overload;
         let least = if times > 0 { overload.max(least) } else { least };
         self.overload.1 = times.saturating_sub(1);
-        self.cycle = Cycle { start: now, used: Span::ZERO, least, rest: None, excepted: false };
+        let (jitter, figures) = (now - self.due, &mut self.figures);
+        figures.min_jitter = if figures.starts == 0 { jitter } else { figures.min_jitter.min(jitter) };
+        figures.max_jitter = figures.max_jitter.max(jitter);
+        figures.jitter = jitter;
+        figures.starts += 1;
+        self.cycle = Cycle {
+            start: now,
+            used: Span::ZERO,
+            least,
+            rest: None,
+            excepted: false,
+            interval: self.interval,
+            marks: self.marks(),
+        };
+    }
+
+    /// Whether a cycle of this length is longer than its interval.
+    pub(crate) fn overran(&self, elapsed: Span) -> bool {
+        self.cycle.interval.is_some_and(|interval| elapsed > interval)
+    }
+
+    /// What it waits for comes later by this, and its cycle began later.
+    pub(crate) fn postpone(&mut self, by: Span) {
+        let times = [
+            &mut self.next_release,
+            &mut self.cycle.start,
+            &mut self.due,
+            &mut self.waits_since,
+            &mut self.sleeps_until,
+            &mut self.suspended_until,
+        ];
+        for time in times {
+            *time = time.saturating_add(by);
+        }
     }
 
     /// Ends the cycle at `now`; its time from start to end.
@@ -161,13 +297,14 @@ impl Task {
         if !self.cycle.excepted {
             self.consecutive = 0;
         }
+        let over = self.overran(elapsed);
         let (used, figures) = (self.cycle.used, &mut self.figures);
         figures.min = if figures.cycles == 0 { used } else { figures.min.min(used) };
         figures.max = figures.max.max(used);
         figures.total = figures.total + used;
         (figures.last, figures.elapsed) = (used, elapsed);
         figures.cycles += 1;
-        figures.overruns += u64::from(elapsed > self.interval);
+        figures.overruns += u64::from(over);
         elapsed
     }
 }

@@ -1,6 +1,6 @@
 //! Observed values: each change becomes an effect.
 
-use crate::{Controller, Effect, Effects, Probe, ProbeId};
+use crate::{Controller, Effect, Effects, Probe, ProbeId, RegisterFact};
 use signal::{Area, Cause, Time, Value};
 
 /// What can change together: probes are looked at only when something of their kind happened.
@@ -10,16 +10,23 @@ pub(crate) mod class {
     pub const STATE: u8 = 4;
     pub const FIGURE: u8 = 8;
     pub const TERMINAL: u8 = 16;
-    pub const ALL: u8 = 31;
+    pub const INPUT: u8 = 32;
+    pub const LED: u8 = 64;
+    pub const FILE: u8 = 128;
+    pub const ALL: u8 = 255;
 }
 
 fn class_of(probe: &Probe) -> u8 {
     match probe {
         Probe::Address(_) => class::MEMORY,
         Probe::Variable(_) => class::VARIABLE,
-        Probe::State | Probe::System(_) => class::STATE,
+        Probe::State | Probe::System(_) | Probe::Led(_) => class::STATE,
+        Probe::LedLit(_) => class::STATE | class::LED,
         Probe::TaskFigure { .. } => class::FIGURE,
-        Probe::Terminal(_) => class::TERMINAL,
+        Probe::Input { .. } => class::INPUT,
+        Probe::Terminal(_) | Probe::Output(_) => class::TERMINAL,
+        Probe::File(_) => class::FILE,
+        Probe::Register(_) => class::MEMORY | class::VARIABLE | class::STATE | class::FILE,
     }
 }
 
@@ -28,6 +35,23 @@ fn class_of(probe: &Probe) -> u8 {
 pub(crate) struct Watches {
     list: Vec<(Probe, Value)>,
     classes: u8,
+}
+
+impl Watches {
+    /// Whether a probe is observed.
+    pub(crate) fn has(&self, probe: &Probe) -> bool {
+        self.list.iter().any(|(known, _)| known == probe)
+    }
+
+    /// How many probes are observed.
+    pub(crate) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The probe of this number.
+    pub(crate) fn get(&self, place: usize) -> Option<Probe> {
+        self.list.get(place).map(|(probe, _)| *probe)
+    }
 }
 
 impl Controller {
@@ -45,10 +69,13 @@ impl Controller {
                     application.watch(variable);
                 }
             }
+            Probe::Register(RegisterFact::Value(register)) => self.watch_register(register),
+            Probe::Input { input, .. } => self.inputs.watch(input),
             _ => {}
         }
         self.watches.classes |= class_of(&probe);
         self.watches.list.push((probe, self.read(&probe)));
+        self.start_clocks();
         ProbeId(self.watches.list.len() as u32 - 1)
     }
 
@@ -62,9 +89,12 @@ impl Controller {
         }
     }
 
-    /// Reports the changes of observed values of these classes.
+    /// Reports the changes of observed values of these classes; the program sees its system variables change, too.
     #[inline]
     pub(crate) fn observe(&mut self, classes: u8, at: Time, cause: Cause, fx: &mut Effects) {
+        if classes & class::STATE != 0 {
+            self.show_system();
+        }
         if self.watches.classes & classes != 0 {
             self.report(classes, at, cause, fx);
         }
@@ -76,6 +106,7 @@ impl Controller {
     }
 
     fn report(&mut self, classes: u8, at: Time, cause: Cause, fx: &mut Effects) {
+        self.leds.seen = at;
         for place in 0..self.watches.list.len() {
             let (probe, last) = self.watches.list[place];
             if class_of(&probe) & classes == 0 {
@@ -93,5 +124,17 @@ impl Controller {
                 fx.push(Effect::Changed { at, probe: ProbeId(place as u32), value, cause });
             }
         }
+        if self.watches.classes & class::LED != 0 && classes & (class::STATE | class::LED) != 0 {
+            self.leds.next = self.next_observed_flash(at);
+        }
+    }
+
+    /// When an observed indicator is lit or goes dark next.
+    fn next_observed_flash(&self, now: Time) -> Time {
+        let next = |(probe, _): &(Probe, Value)| match probe {
+            Probe::LedLit(led) => self.next_flash(*led, now),
+            _ => Time::MAX,
+        };
+        self.watches.list.iter().map(next).min().unwrap_or(Time::MAX)
     }
 }

@@ -20,7 +20,7 @@ fn script() -> Script {
 
 fn with(change: impl FnOnce(&mut Config)) -> Rig {
     let mut config = config();
-    config.filters = vec![Filter::None];
+    config.inputs = vec![InputConfig::filtered(Filter::None)];
     change(&mut config);
     let mut rig = Rig::running(config, script());
     rig.after(ms(50));
@@ -161,7 +161,7 @@ fn forced_inputs() {
 // controller:TASK-10, io:EIO-01: %I changes only when a cycle reads.
 #[test]
 fn inputs_are_read_at_the_start_of_cycles() {
-    let mut rig = with(|config| config.filters = vec![Filter::Ms4]);
+    let mut rig = with(|config| config.inputs = vec![InputConfig::filtered(Filter::Ms4)]);
     let probe = rig.plc.watch(Probe::Address(signal::Address::bit(signal::Area::Input, 0)));
     rig.to(run_at(ms(61)));
     rig.plc.input(rig.now, 0, Level::High);
@@ -178,20 +178,26 @@ fn inputs_are_read_at_the_start_of_cycles() {
     assert!(rig.seen.contains(&edge));
 }
 
-// controller:PRIO-04, io:EIO-16: the image is shared, a task that starts refreshes it for all.
+// controller:PRIO-04, io:EIO-16: the image is shared, a task that uses an input refreshes it for all.
 #[test]
 fn an_image_changes_during_a_cycle_of_lower_priority() {
     let mut config = config();
-    config.filters = vec![Filter::None];
+    config.inputs = vec![InputConfig::filtered(Filter::None)];
     config.tasks.push(task("FAST", 0, ms(1)));
     let slow = vec![
         (400_000, Act::Copy(at("%IX0.0"), at("%MX4.0"))),
         (800_000, Act::Nop),
         (400_000, Act::Copy(at("%IX0.0"), at("%MX6.0"))),
     ];
-    let mut rig = Rig::running(config, Script::new(vec![slow, vec![(10_000, Act::Nop)]]));
-    rig.to(run_at(us(100)));
-    rig.plc.input(rig.now, 0, Level::High);
-    rig.to(run_at(ms(5)));
-    assert_eq!((rig.memory("%MX4.0"), rig.memory("%MX6.0")), (0, 1));
+    let seen = |fast: Act| {
+        let script = Script::new(vec![slow.clone(), vec![(10_000, fast)]]);
+        let mut rig = Rig::running(config.clone(), script);
+        rig.to(run_at(us(100)));
+        rig.plc.input(rig.now, 0, Level::High);
+        rig.to(run_at(ms(5)));
+        (rig.memory("%MX4.0"), rig.memory("%MX6.0"))
+    };
+    assert_eq!(seen(Act::Copy(at("%IX0.0"), at("%MX8.0"))), (0, 1));
+    // A task that does not use the input leaves its image alone.
+    assert_eq!(seen(Act::Copy(at("%IX0.1"), at("%MX8.0"))), (0, 0));
 }

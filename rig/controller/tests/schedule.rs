@@ -103,7 +103,7 @@ proptest! {
     fn slices_never_show(plans in plans(), slices in proptest::collection::vec(1i64..5_000, 1..8), edge in 0i64..2_000) {
         let run = |slices: Vec<i64>, watched: bool| {
             let mut config = config();
-            config.filters = vec![profile::Filter::None; 14];
+            config.inputs = vec![InputConfig::filtered(profile::Filter::None); 14];
             let tasks = plans.iter().enumerate();
             config.tasks = tasks
                 .clone()

@@ -109,7 +109,8 @@ fn an_invalid_context_ends_stopped() {
     rig.after(ms(1_600));
     assert_eq!((rig.plc.state(), row(&rig)), (State::Stopped, 4));
     assert_eq!(rig.system(SystemVariable::LastStopCause), 0x0E);
-    assert_eq!(values(&rig), ([0, 0, 0], [0, 3, 0]));
+    // controller:REM-02 note 2: both have the persistent variable.
+    assert_eq!(values(&rig), ([0, 0, 6], [0, 3, 0]));
 
     // Both images damaged.
     for name in RETAIN_FILES {
@@ -155,7 +156,8 @@ fn downloads() {
     assert_eq!(rig.command(Command::Run), Ok(()));
     rig.after(ms(30));
     assert_eq!(rig.command(Command::Download(b"other".to_vec())), Ok(()));
-    assert_eq!((rig.plc.state(), values(&rig)), (State::Stopped, ([0, 0, 0], [55, 3, 0])));
+    assert_eq!((rig.plc.state(), values(&rig)), (State::Stopped, ([0, 0, 5], [55, 3, 0])));
+    rig.after(ms(3));
     assert_eq!(rig.files.read(APPLICATION_FILE).as_deref(), Some(&b"other"[..]));
     let refused = Err(Refusal::Application(LoadError::Bundle));
     assert_eq!(rig.command(Command::Download(b"garbage".to_vec())), refused);

@@ -96,6 +96,23 @@ pub fn rearming_command(reference: &Reference) -> Option<(u32, u32)> {
     (reference.family == Family::M241).then_some((2, 0))
 }
 
+/// The groups of outputs that are protected together, bit n for Qn: the fast outputs; Q4...Q7; Q8 to the last (io:OUT-09,
+/// rig definition: no document says which outputs share a group). Relays have no such protection: their groups are
+/// empty.
+pub fn protection_groups(reference: &Reference) -> [u32; 3] {
+    let mut groups = [0; 3];
+    for output in outputs(reference) {
+        let group = match (output.kind, output.index) {
+            (OutputKind::Fast, _) => 0,
+            (OutputKind::Transistor, 0..=7) => 1,
+            (OutputKind::Transistor, _) => 2,
+            (OutputKind::Relay, _) => continue,
+        };
+        groups[group] |= 1 << output.index;
+    }
+    groups
+}
+
 const fn place(index: usize) -> (u32, u32) {
     (index as u32 / 8, index as u32 % 8)
 }
@@ -135,6 +152,16 @@ mod tests {
         assert_eq!(outputs(small).nth(9).map(|output| (output.byte, output.bit)), Some((1, 1)));
         assert_eq!(short_circuit_status(small), Some((2, 0)));
         assert_eq!(short_circuit_status(large), Some((3, 0)));
+    }
+
+    // io:OUT-09
+    #[test]
+    fn groups_of_protection() {
+        let groups = |name| protection_groups(Reference::find(name).unwrap());
+        assert_eq!(groups("TM241CEC24T"), [0xF, 0xF0, 0x300]);
+        assert_eq!(groups("TM241CE40U"), [0xF, 0xF0, 0xFF00]);
+        assert_eq!(groups("TM241CE40R"), [0xF, 0, 0]);
+        assert_eq!(groups("TM251MESC"), [0, 0, 0]);
     }
 
     // io:REF-05, io:STD-OUT-01, io:STD-IN-02

@@ -30,6 +30,31 @@ pub enum BootProjectStatus {
     Valid = 0xFFFF,
 }
 
+/// A command in PLC_W.q_wPLCControl (controller:CMD-01).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u16)]
+pub enum PlcCommand {
+    /// Stop.
+    Stop = 0x0001,
+    /// Run.
+    Run = 0x0002,
+    /// Reset cold.
+    ResetCold = 0x0004,
+    /// Reset warm.
+    ResetWarm = 0x0008,
+}
+
+/// What PLC_W.q_uiOpenPLCControl passes to from 0 for the command to be executed (controller:CMD-01).
+pub const PLC_W_KEY: u16 = 6699;
+
+impl PlcCommand {
+    /// The command of this number.
+    pub fn from_code(code: u16) -> Option<PlcCommand> {
+        let all = [PlcCommand::Stop, PlcCommand::Run, PlcCommand::ResetCold, PlcCommand::ResetWarm];
+        all.into_iter().find(|command| *command as u16 == code)
+    }
+}
+
 /// Why the controller last left RUNNING, PLC_R.i_wLastStopCause, register 60014 (controller:SYS-02).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]

@@ -49,6 +49,24 @@ pub const MINIMUM_CYCLE: Span = Span::from_micros(1);
 /// scan: controller:REM-05).
 pub const NON_VOLATILE_SAVE: Span = Span::from_millis(1);
 
+/// How long outputs show their initialization values behind a download, or in 2014 behind a reset or boot too, before
+/// their default values follow (rig definition: the document of 2014 says "briefly", the others name only the order).
+pub const OUTPUT_INITIALIZATION: Span = Span::from_millis(20);
+
+/// From one attempt to rearm a protected group of outputs to the next (io:OUT-09).
+pub const PROTECTION_RETRY: Span = Span::from_secs(1);
+
+/// How long such an attempt drives the outputs before the fault is looked for again (rig definition).
+pub const PROTECTION_TEST: Span = Span::from_millis(1);
+
+/// Time from a download or the command to create the boot application until its file is whole (rig definition). Less
+/// than any hold-up time, so that a loss of power behind the command never finds half a file.
+pub const BOOT_APPLICATION_SAVE: Span = Span::from_millis(2);
+
+/// What a controller's clock shows when its power first comes on, in seconds since 1970-01-01 00:00 UTC (rig definition:
+/// 2025-01-01 00:00).
+pub const CLOCK_AT_FIRST_POWER_ON: u32 = 1_735_689_600;
+
 /// How long tasks of priority 0...24 may take the whole processor (controller:WD-02).
 pub const SYSTEM_WATCHDOG_FULL_LOAD: Span = Span::from_secs(1);
 
@@ -57,3 +75,36 @@ pub const SHORT_INTERVAL: Span = Span::from_millis(3);
 
 /// How far a cycle of a short interval may exceed it (controller:TASK-12).
 pub const SHORT_INTERVAL_TOLERANCE: Span = Span::from_millis(1);
+
+/// Share of a whole that system processing takes behind each cycle of a freewheeling task, as a fraction of the
+/// cycle's own duration: 3/7 of the cycle is 30 % of cycle and pause together (controller:TASK-21).
+pub const FREEWHEELING_PAUSE: (i64, i64) = (3, 7);
+
+/// How long tasks of one priority keep the processor in turn, M241 of 2014 (controller:PRIO-02).
+pub const TIME_SLICE: Span = Span::from_millis(2);
+
+/// How often the variables that start event tasks are looked at besides the end of every cycle (rig definition within
+/// what controller:TASK-30 leaves open).
+pub const TRIGGER_TICK: Span = Span::from_millis(1);
+
+/// The window in which events are counted (controller:TASK-31).
+pub const EVENT_WINDOW: Span = Span::from_millis(1);
+
+/// From an event of the hardware to the release of its task (rig definition: with the delays of input and output and
+/// 100 instructions the response is the typical 200 us of controller:TASK-44).
+pub const EVENT_LATENCY: Span = Span::from_micros(180);
+
+/// The percentage of the processor that the tasks may take together (controller:WD-01).
+pub const OVERLOAD_PERCENT: i64 = 85;
+
+/// How long the tasks may take more than [`OVERLOAD_PERCENT`] (controller:WD-01, controller:WD-05).
+pub const SYSTEM_WATCHDOG_OVERLOAD: Span = Span::from_secs(3);
+
+/// How often the load is evaluated (rig definition within the 50 ms of controller:WD-13).
+pub const LOAD_PERIOD: Span = Span::from_millis(10);
+
+/// The time over which an overload has to last for it to go on, where no task has a longer interval (rig definition).
+pub const LOAD_WINDOW: Span = Span::from_millis(100);
+
+/// How long the task of the lowest priority may wait for the processor (controller:WD-03).
+pub const SYSTEM_WATCHDOG_STARVED: Span = Span::from_secs(10);

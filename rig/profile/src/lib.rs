@@ -7,22 +7,36 @@
 mod channel;
 mod codes;
 mod figures;
+mod input;
 mod limits;
 mod reference;
+mod system;
+mod tree;
 
 pub use channel::{
-    Input, InputKind, Output, OutputKind, inputs, outputs, rearming_command, short_circuit_status,
+    Input, InputKind, Output, OutputKind, inputs, outputs, protection_groups, rearming_command,
+    short_circuit_status,
 };
-pub use codes::{ApplicationError, BootProjectStatus, IoStatus, Status, StopCause};
+pub use codes::{ApplicationError, BootProjectStatus, IoStatus, PLC_W_KEY, PlcCommand, Status, StopCause};
 pub use figures::{
-    BOOT_STAGES, InstructionCosts, MINIMUM_CYCLE, NON_VOLATILE_SAVE, SHORT_INTERVAL,
-    SHORT_INTERVAL_TOLERANCE, SYSTEM_WATCHDOG_FULL_LOAD,
+    BOOT_APPLICATION_SAVE, BOOT_STAGES, CLOCK_AT_FIRST_POWER_ON, EVENT_LATENCY, EVENT_WINDOW,
+    FREEWHEELING_PAUSE, InstructionCosts, LOAD_PERIOD, LOAD_WINDOW, MINIMUM_CYCLE, NON_VOLATILE_SAVE,
+    OUTPUT_INITIALIZATION, OVERLOAD_PERCENT, PROTECTION_RETRY, PROTECTION_TEST, SHORT_INTERVAL,
+    SHORT_INTERVAL_TOLERANCE, SYSTEM_WATCHDOG_FULL_LOAD, SYSTEM_WATCHDOG_OVERLOAD, SYSTEM_WATCHDOG_STARVED,
+    TIME_SLICE, TRIGGER_TICK,
 };
+pub use input::{EventEdges, input_level};
 pub use limits::{
-    Bounce, DEFAULT_PRIORITY, FOREGROUND_PRIORITIES, Filter, IMAGE_BITS, MEMORY_WORDS, PRIORITIES,
-    REMANENT_BYTES, REMANENT_WORDS, TaskLimits,
+    APPLICATION_BYTES, Bounce, DEFAULT_PRIORITY, FOREGROUND_PRIORITIES, Filter, IMAGE_BITS, MEMORY_WORDS,
+    PRIORITIES, REMANENT_BYTES, REMANENT_WORDS, TaskLimits,
 };
 pub use reference::{Family, REFERENCES, Reference, RegularOutputs};
+pub use system::{
+    FILE_HANDLES, FIRMWARE_VERSION, READ_TABLE, RESERVED_REGISTERS, SERIAL_NUMBER, SYSTEM_REGISTERS,
+    SYSTEM_WRITE_REGISTERS, SystemField, TABLE_WORDS, VENDOR_ID, VENDOR_NAME, WRITABLE_FIELDS, WRITE_TABLE,
+    text_words,
+};
+pub use tree::{FLASH_BYTES, SYSTEM_LOG_BYTES, TreeEntry, USER_DISK_BYTES};
 
 use signal::{AddressLimits, Span};
 use std::fmt;
@@ -64,6 +78,15 @@ impl Profile {
         }
     }
 
+    /// Least and most correction of the clock in seconds a week (controller:DEV-22). The narrower limits of older
+    /// firmware stand for the M241 of 2014.
+    pub const fn rtc_drift(self) -> (i64, i64) {
+        match self {
+            Profile::M241_2014 => (-29, 29),
+            Profile::M241_2019 | Profile::M251_2024 => (-36, 73),
+        }
+    }
+
     /// The family whose references the profile accepts.
     pub const fn family(self) -> Family {
         match self {
@@ -95,6 +118,14 @@ impl Profile {
     /// How many tasks of each kind an application may have on this reference (controller:TASK-01).
     pub fn task_limits(self, reference: &Reference) -> TaskLimits {
         TaskLimits::of(self, reference)
+    }
+
+    /// Most events within [`EVENT_WINDOW`] (controller:TASK-31, controller:TASK-43).
+    pub const fn event_limit(self) -> usize {
+        match self {
+            Profile::M241_2014 => 5,
+            Profile::M241_2019 | Profile::M251_2024 => 6,
+        }
     }
 
     /// How far %I, %Q and %M reach (controller:ADDR-02, io:ADR-06).

@@ -14,6 +14,9 @@ pub const REMANENT_WORDS: u32 = 1_000;
 /// Room for retain and persistent variables in bytes (controller:MEM-08).
 pub const REMANENT_BYTES: usize = 64 * 1024;
 
+/// Memory for the application's variables in bytes (controller:HW-01, controller:MEM-06).
+pub const APPLICATION_BYTES: u32 = 8 << 20;
+
 /// Bits of the input image and of the output image (io:ADR-06).
 pub const IMAGE_BITS: u32 = 4_096;
 

@@ -12,7 +12,7 @@ impl Host for Nothing {
     fn load(&mut self, _: Address) -> u64 {
         1
     }
-    fn store(&mut self, _: Address, _: u64, _: u8, _: u32) -> bool {
+    fn store(&mut self, _: Address, _: u64, _: u16, _: u32) -> bool {
         false
     }
 }

@@ -2,9 +2,9 @@
 //! what is retained.
 
 use crate::native::Native;
-use crate::program::{Program, Retained, Variable};
+use crate::program::{Kept, Program, Retained, Variable};
 use crate::shape::Shape;
-use crate::walk::{index, leaves};
+use crate::walk::{Leaf, index, leaves};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
@@ -21,12 +21,24 @@ impl Write for Hasher {
     }
 }
 
+impl Hasher {
+    /// The first 8 bytes of the hash.
+    fn short(self) -> [u8; 8] {
+        let digest: [u8; 32] = self.0.finalize().into();
+        let mut short = [0; 8];
+        short.iter_mut().zip(digest).for_each(|(to, from)| *to = from);
+        short
+    }
+}
+
 /// Fills in what is derived.
 pub(crate) fn finish(mut program: Program) -> Program {
     program.index = index(&program);
-    let (retained, layout) = retained(&program);
+    let Layout { retained, names, digest: layout } = retained(&program);
     program.retained = retained;
+    program.kept = names;
     program.layout = layout;
+    program.declarations = declarations(&program);
     program.variables = variables(&program);
     program.digest = digest(&program);
     program
@@ -56,11 +68,18 @@ fn variables(program: &Program) -> Vec<Variable> {
     table
 }
 
-/// The retained bytes without those that mean nothing to another program - classes, addresses, gaps - and the hash of
-/// the names and types that they have.
-fn retained(program: &Program) -> (Vec<Retained>, [u8; 8]) {
+/// What is retained.
+struct Layout {
+    retained: Vec<Retained>,
+    names: Vec<Kept>,
+    digest: [u8; 8],
+}
+
+/// The retained bytes without those that mean nothing to another program - classes, addresses, gaps - the names and
+/// types that they have, and the hash of these.
+fn retained(program: &Program) -> Layout {
     let mut kept: Vec<Retained> = Vec::new();
-    let mut names: Vec<(u32, String)> = Vec::new();
+    let mut names: Vec<Kept> = Vec::new();
     let of = &program.retained;
     let within = |first: u32, end: u32| {
         let place = of.partition_point(|kept| kept.address.saturating_add(kept.bytes) <= first);
@@ -73,31 +92,49 @@ fn retained(program: &Program) -> (Vec<Retained>, [u8; 8]) {
             return;
         };
         kept.push(Retained { address, bytes, retention });
-        names.push((address, format!("{} {shape} {retention:?}", path.to_ascii_uppercase())));
+        let name = format!("{} {shape} {retention:?}", path.to_ascii_uppercase());
+        names.push(Kept { address, bytes, retention, name });
     };
     leaves(program, &within, &mut |leaf| {
-        match program.shape(leaf.shape) {
-            Some(Shape::Address) | None => {}
-            Some(Shape::Array { dimensions, .. }) => {
-                keep(leaf.address, leaf.bytes, leaf.path, &format!("{:?} {dimensions:?}", leaf.ty));
-            }
-            Some(Shape::Text { wide, length }) => {
-                keep(leaf.address, leaf.bytes, leaf.path, &format!("{wide} {length}"));
-            }
-            Some(Shape::Members { name, .. }) => keep(leaf.address, leaf.bytes, leaf.path, name),
-            Some(_) => keep(leaf.address, leaf.bytes, leaf.path, &format!("{:?}", leaf.ty)),
+        if let Some(shape) = shape_of(program, leaf) {
+            keep(leaf.address, leaf.bytes, leaf.path, &shape);
         }
         true
     });
-    names.sort();
+    names.sort_by(|one, other| (one.address, &one.name).cmp(&(other.address, &other.name)));
     let mut hasher = Hasher(Sha256::new());
-    for (_, name) in &names {
+    for Kept { name, .. } in &names {
         let _ = write!(hasher, "{name};");
     }
-    let digest: [u8; 32] = hasher.0.finalize().into();
-    let mut layout = [0; 8];
-    layout.iter_mut().zip(digest).for_each(|(to, from)| *to = from);
-    (merged(kept), layout)
+    Layout { retained: merged(kept), names, digest: hasher.short() }
+}
+
+/// The type of a variable as text; nothing for an address, which means nothing to another program.
+fn shape_of(program: &Program, leaf: &Leaf<'_>) -> Option<String> {
+    match program.shape(leaf.shape)? {
+        Shape::Address => None,
+        Shape::Array { dimensions, .. } => Some(format!("{:?} {dimensions:?}", leaf.ty)),
+        Shape::Text { wide, length } => Some(format!("{wide} {length}")),
+        Shape::Members { name, .. } => Some(name.clone()),
+        _ => Some(format!("{:?}", leaf.ty)),
+    }
+}
+
+/// What is declared: variables with their types, initial values and what becomes of them, wherever they lie.
+fn declarations(program: &Program) -> [u8; 8] {
+    let mut hasher = Hasher(Sha256::new());
+    leaves(program, &|_, _| true, &mut |leaf| {
+        let shape = shape_of(program, leaf).unwrap_or_default();
+        let retention = program.retention_at(leaf.address);
+        let _ = write!(hasher, "{} {shape} {retention:?};", leaf.path.to_ascii_uppercase());
+        let (first, end) = (leaf.address as usize, (leaf.address + leaf.bytes) as usize);
+        if !shape.is_empty() {
+            hasher.0.update(program.image.get(first..end).unwrap_or_default());
+        }
+        true
+    });
+    let _ = write!(hasher, "{:?}", program.located);
+    hasher.short()
 }
 
 /// Sorted and disjoint, neighbours joined. Members of a union are kept once.

@@ -50,6 +50,8 @@ codes! {
     Reserved = "S0212", "A name belongs to the language";
     InitialValue = "S0213", "An initial value does not suit its variable";
     Task = "S0214", "A task is configured wrongly";
+    Unconnected = "S0215", "An address is completed elsewhere";
+    Lifecycle = "S0216", "FB_Exit and FB_Reinit are never called";
     UnknownName = "S0301", "A name is not known";
     Type = "S0302", "The types do not go together";
     Range = "S0303", "A value is outside the range of its type";

@@ -6,7 +6,7 @@ use document::{Diagnostic, Label, Severity, SourceFile};
 /// A place in a source: bytes `start..end` of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct At {
-    pub file: u8,
+    pub file: u16,
     pub start: u32,
     pub end: u32,
 }

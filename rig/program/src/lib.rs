@@ -13,7 +13,7 @@
 //!     fn load(&mut self, _: Address) -> u64 {
 //!         0
 //!     }
-//!     fn store(&mut self, _: Address, _: u64, _: u8, _: u32) -> bool {
+//!     fn store(&mut self, _: Address, _: u64, _: u16, _: u32) -> bool {
 //!         false
 //!     }
 //! }
@@ -38,6 +38,7 @@ mod code;
 mod codes;
 mod emit;
 mod findings;
+mod initialise;
 mod library;
 mod listing;
 mod look;
@@ -50,11 +51,14 @@ mod run;
 mod sema;
 mod set;
 mod shape;
+mod source;
 mod tree;
 mod types;
+mod vendor;
 mod walk;
 
 pub use codes::CODES;
+pub use library::Service;
 pub use listing::{ListedLine, ListedStep, ListedUnit};
 pub use look::Shown;
 pub use machine::{
@@ -63,26 +67,43 @@ pub use machine::{
 };
 pub use native::{Native, Pin, PinKind, Pins, STANDARD};
 pub use options::{Costs, Limits, Options};
+pub use parse::{declares, mentions};
 pub use program::{Located, Program, Retention, Storage, TaskInfo, VarRef, Variable};
 pub use set::SetError;
 pub use shape::{Member, Root, Shape, ShapeId};
+pub use source::source;
 pub use types::Elementary;
 
 use codes::Code;
 use document::{Diagnostic, SourceFile};
 use findings::{At, Findings};
 
+/// Files of one application. Libraries are distributed with a file for each unit.
+const MOST_SOURCES: usize = 4000;
+
 /// Compiles sources, which are one application together.
 ///
 /// # Errors
 /// The findings: at least one error, and at most [`Limits::errors`]; warnings among them.
 pub fn compile(sources: &[SourceFile], options: &Options) -> Result<Program, Vec<Diagnostic>> {
+    let mut needed = vendor::needed(sources);
+    if needed.is_empty() {
+        return compile_all(sources, sources.len(), options);
+    }
+    let own = sources.len();
+    needed.splice(0..0, sources.iter().cloned());
+    compile_all(&needed, own, options)
+}
+
+/// The first `own` sources are the user's.
+fn compile_all(sources: &[SourceFile], own: usize, options: &Options) -> Result<Program, Vec<Diagnostic>> {
     let mut findings = Findings::new(sources, options.limits.errors);
     let mut names = parse::Names::new();
     let size: usize = sources.iter().map(|source| source.text.len()).sum();
-    if size > options.limits.source || sources.len() > 255 {
+    if size > options.limits.source || sources.len() > MOST_SOURCES {
         let message = format!("{} sources of {size} bytes in all", sources.len());
-        let help = format!("at most 255 sources of {} bytes in all are compiled", options.limits.source);
+        let help =
+            format!("at most {MOST_SOURCES} sources of {} bytes in all are compiled", options.limits.source);
         findings.error(Code::SourceSize, At::default(), message, help);
         return Err(findings.finish());
     }
@@ -91,11 +112,15 @@ pub fn compile(sources: &[SourceFile], options: &Options) -> Result<Program, Vec
         // A tree with faults has holes: what is missing would be reported as unknown.
         return Err(findings.finish());
     }
-    let (tree, mut findings) = sema::check(&unit, &names, options, findings, sources);
+    let (tree, mut findings) = sema::check(&unit, &names, options, findings, (sources, own));
     if findings.failed() {
         return Err(findings.finish());
     }
+    let (initial, makers) = (tree.initial, tree.makers.clone());
     let mut program = emit::emit(tree, options, &mut findings, sources);
+    if let (Some(unit), false) = (initial, findings.failed()) {
+        program = initialise::initialise(program, unit, makers, &mut findings);
+    }
     if findings.failed() {
         return Err(findings.finish());
     }

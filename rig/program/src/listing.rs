@@ -17,7 +17,7 @@ pub struct ListedUnit {
     /// As declared.
     pub name: String,
     /// Place of the source file.
-    pub file: u8,
+    pub file: u16,
     /// Bytes of its frame.
     pub frame: u32,
     /// Lines that have operations, in the order of the code: a line may be there several times.

@@ -206,11 +206,21 @@ pub struct Options {
     pub limits: Limits,
     /// The function blocks that are not written in Structured Text.
     pub blocks: &'static [Native],
+    /// Names of global variables that are not assigned to: whoever runs the program writes them.
+    pub read_only: &'static [&'static str],
+    /// The sources are a library: nothing has to run.
+    pub library: bool,
 }
 
 impl Default for Options {
     /// The documented costs, the default limits, the standard blocks.
     fn default() -> Self {
-        Options { costs: Costs::default(), limits: Limits::default(), blocks: STANDARD }
+        Options {
+            costs: Costs::default(),
+            limits: Limits::default(),
+            blocks: STANDARD,
+            read_only: &[],
+            library: false,
+        }
     }
 }

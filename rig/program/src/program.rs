@@ -77,7 +77,7 @@ pub struct Variable {
     /// Where it is.
     pub storage: Storage,
     /// Place of the source file that declares it.
-    pub file: u8,
+    pub file: u16,
 }
 
 /// A variable at an address (controller:REM-03). Arrays and structures are one, whatever their size.
@@ -106,14 +106,16 @@ impl Located {
 pub struct TaskInfo {
     /// As declared.
     pub name: String,
-    /// INTERVAL; `None` for a task without one.
+    /// INTERVAL; `None` for a task with SINGLE.
     pub interval: Option<Span>,
+    /// SINGLE: the Boolean variable that releases it, as written.
+    pub single: Option<String>,
     /// PRIORITY as written.
     pub priority: Option<u32>,
     /// Places in [`Program::programs`] of what it runs, in order.
     pub programs: Vec<usize>,
     /// Place of the source file that configures it.
-    pub file: u8,
+    pub file: u16,
     /// Bytes of its name in that file.
     pub span: std::ops::Range<usize>,
 }
@@ -124,6 +126,16 @@ pub(crate) struct Retained {
     pub address: u32,
     pub bytes: u32,
     pub retention: Retention,
+}
+
+/// A retained variable, or an array of elementary ones.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Kept {
+    pub address: u32,
+    pub bytes: u32,
+    pub retention: Retention,
+    /// Path in capitals, type, retention.
+    pub name: String,
 }
 
 /// A compiled program. Immutable: machines share it.
@@ -161,7 +173,7 @@ pub struct Program {
     pub(crate) shapes: Vec<Shape>,
     pub(crate) tasks: Vec<TaskInfo>,
     /// Source file and bytes of the first LREAL: no part of what the program does.
-    pub(crate) lreal: Option<(u8, std::ops::Range<usize>)>,
+    pub(crate) lreal: Option<(u16, std::ops::Range<usize>)>,
     /// What [`Program::variables`] lists: derived.
     pub(crate) variables: Vec<Variable>,
     /// First names in capitals, full and short; `None` where a short one means several: derived.
@@ -171,6 +183,10 @@ pub struct Program {
     pub(crate) digest: [u8; 32],
     /// Derived.
     pub(crate) layout: [u8; 8],
+    /// What stands in the retained image, sorted by address: derived.
+    pub(crate) kept: Vec<Kept>,
+    /// Derived.
+    pub(crate) declarations: [u8; 8],
     /// Findings that did not prevent the compilation.
     pub warnings: Vec<Diagnostic>,
 }
@@ -178,7 +194,7 @@ pub struct Program {
 impl Program {
     /// The place of the first declaration with the type LREAL, which the documents of some controllers do not list
     /// (controller:DT-04): the source file's place and bytes of its text.
-    pub fn lreal(&self) -> Option<(u8, std::ops::Range<usize>)> {
+    pub fn lreal(&self) -> Option<(u16, std::ops::Range<usize>)> {
         self.lreal.clone()
     }
 
@@ -206,6 +222,15 @@ impl Program {
     /// Places in `%Q` that a program writes, itself or by what it calls, in order. `program` is a place in
     /// [`Program::programs`]; none for another.
     pub fn outputs_of(&self, program: usize) -> Vec<Address> {
+        self.places_of(program, Area::Output, |unit| &unit.writes)
+    }
+
+    /// Places in `%I` that a program reads, in the same way. What it reads through pointers is not among them.
+    pub fn inputs_of(&self, program: usize) -> Vec<Address> {
+        self.places_of(program, Area::Input, |unit| &unit.reads)
+    }
+
+    fn places_of(&self, program: usize, area: Area, of: fn(&Unit) -> &[(u32, u32)]) -> Vec<Address> {
         let mut waiting: Vec<u16> = self.programs.get(program).copied().into_iter().collect();
         let mut seen = vec![false; self.units.len()];
         let mut bits: Vec<(u32, u32)> = Vec::new();
@@ -217,18 +242,18 @@ impl Program {
             };
             if !std::mem::replace(seen, true) {
                 waiting.extend(&unit.calls);
-                bits.extend(&unit.writes);
+                bits.extend(of(unit));
             }
         }
-        let limit = self.limits.bits(Area::Output);
+        let limit = self.limits.bits(area);
         let mut found: Vec<Address> = Vec::new();
         for (first, number) in bits {
             let mut at = first.min(limit);
             let end = first.saturating_add(number).min(limit);
             while at < end {
                 let whole = at.is_multiple_of(8) && end - at >= 8;
-                let byte = if whole { Address::new(Area::Output, Size::Byte, at / 8) } else { None };
-                found.push(byte.unwrap_or(Address::bit(Area::Output, at)));
+                let byte = if whole { Address::new(area, Size::Byte, at / 8) } else { None };
+                found.push(byte.unwrap_or(Address::bit(area, at)));
                 at += if whole { 8 } else { 1 };
             }
         }
@@ -253,8 +278,13 @@ impl Program {
         self.digest.iter().take(8).fold(0, |n, byte| n << 8 | u64::from(*byte))
     }
 
+    /// Identity of what is declared: the same for programs that differ in code alone (controller:REM-02).
+    pub fn declarations(&self) -> u64 {
+        u64::from_le_bytes(self.declarations)
+    }
+
     /// Place of the source file of an operation.
-    pub(crate) fn file_at(&self, pc: u32) -> u8 {
+    pub(crate) fn file_at(&self, pc: u32) -> u16 {
         let behind = self.units.iter().filter(|unit| unit.entry <= pc);
         behind.max_by_key(|unit| unit.entry).map_or(0, |unit| unit.file)
     }

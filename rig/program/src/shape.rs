@@ -115,5 +115,5 @@ pub struct Root {
     /// Bit of that byte, for a BOOL in the images or the mapped memory; else 0.
     pub bit: u8,
     /// Place of the source file that declares it.
-    pub file: u8,
+    pub file: u16,
 }

@@ -51,6 +51,10 @@ impl Ty {
 pub(crate) struct Tree {
     /// Programs, functions, blocks, methods, accessors, actions.
     pub units: Vec<UnitTree>,
+    /// Those at the end that make instances, which no task runs.
+    pub makers: std::ops::Range<usize>,
+    /// The one of them that makes everything.
+    pub initial: Option<u16>,
     /// Places in `units` of the programs, in the order of the sources.
     pub programs: Vec<u16>,
     pub program_names: Vec<String>,
@@ -66,7 +70,7 @@ pub(crate) struct Tree {
     pub shapes: Vec<Shape>,
     pub tasks: Vec<TaskInfo>,
     /// Source file and bytes of the first LREAL.
-    pub lreal: Option<(u8, std::ops::Range<usize>)>,
+    pub lreal: Option<(u16, std::ops::Range<usize>)>,
 }
 
 /// A unit: one piece of code with a frame.
@@ -74,7 +78,7 @@ pub(crate) struct Tree {
 pub(crate) struct UnitTree {
     /// As declared; a method with its block, `block.method`.
     pub name: String,
-    pub file: u8,
+    pub file: u16,
     /// Initial bytes of the frame: result, parameters, variables. Temporaries come behind.
     pub frame: Vec<u8>,
     pub body: Vec<Stmt>,

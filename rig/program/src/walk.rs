@@ -29,7 +29,7 @@ pub(crate) struct Spot {
     pub address: u32,
     pub bit: u8,
     pub shape: ShapeId,
-    pub file: u8,
+    pub file: u16,
 }
 
 impl Spot {

@@ -318,7 +318,7 @@ fn coverage_of_units_and_files() {
     machine.set_coverage(true);
     machine.begin(0);
     machine.resume(0, Time::ZERO, Span::from_secs(1), &mut Memory::default());
-    let mut found: Vec<(u8, u32, bool)> =
+    let mut found: Vec<(u16, u32, bool)> =
         machine.coverage().statements.iter().map(|s| (s.file, s.line, s.executed)).collect();
     found.sort_unstable();
     let expected = [(0, 2, true), (0, 5, false), (1, 3, false), (1, 5, true), (2, 3, true)];

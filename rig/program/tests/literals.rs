@@ -140,6 +140,9 @@ fn durations() {
         ("T#+1s", second),
         ("T#4294967295ms", 4_294_967_295 * milli),
         ("T#49d17h2m47s295ms", 4_294_967_295 * milli),
+        // What is finer than a millisecond is cut off.
+        ("T#5.5ms", 5 * milli),
+        ("T#1.2345s", 1_234 * milli),
     ] {
         assert_eq!(value("TIME", literal).as_int(), Some(nanos), "{literal}");
         // A short one goes into a long one.
@@ -162,7 +165,6 @@ fn durations() {
         ("TIME", "T#-5s"),
         ("TIME", "T#4294967296ms"),
         ("TIME", "T#1us"),
-        ("TIME", "T#0.1ms"),
         ("TIME", "T#1.5h30m"),
         ("LTIME", "LTIME#0.1ns"),
         ("LTIME", "LTIME#106752d"),

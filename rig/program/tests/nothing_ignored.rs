@@ -23,6 +23,12 @@ INTERFACE named METHOD name : INT END_METHOD END_INTERFACE
 FUNCTION twice : INT VAR_INPUT n : INT; END_VAR twice := n * 2; END_FUNCTION
 FUNCTION two : INT VAR_INPUT a : INT := 1; b : INT := 2; END_VAR VAR_OUTPUT o : INT; END_VAR o := a; two := b; END_FUNCTION
 FUNCTION change : INT VAR_IN_OUT v : INT; END_VAR v := v + 1; change := v; END_FUNCTION
+FUNCTION kind : INT VAR_INPUT it : ANY; END_VAR kind := DINT_TO_INT(it.TypeClass); END_FUNCTION
+FUNCTION_BLOCK rising VAR_INPUT e : BOOL R_EDGE; END_VAR VAR n : INT; END_VAR IF e THEN n := 1; END_IF; END_FUNCTION_BLOCK
+FUNCTION_BLOCK falling VAR_INPUT e : BOOL F_EDGE; END_VAR VAR n : INT; END_VAR IF e THEN n := 1; END_IF; END_FUNCTION_BLOCK
+FUNCTION_BLOCK level VAR_INPUT e : BOOL; END_VAR VAR n : INT; END_VAR IF e THEN n := 1; END_IF; END_FUNCTION_BLOCK
+FUNCTION_BLOCK vessel VAR n : INT; END_VAR
+METHOD FB_Init : BOOL VAR_INPUT size : INT; END_VAR n := size; END_METHOD END_FUNCTION_BLOCK
 FUNCTION_BLOCK counter VAR_INPUT up : BOOL; END_VAR VAR_OUTPUT n : INT; END_VAR
 METHOD more : INT VAR_INPUT k : INT; END_VAR n := n + k; more := n; END_METHOD
 PROPERTY half : INT GET half := n / 2; END_GET SET n := half * 2; END_SET END_PROPERTY
@@ -55,6 +61,18 @@ const BODIES: &[(&str, &str)] = &[
     ("VAR c : light; END_VAR", "VAR c : light := on; END_VAR"),
     ("VAR c : light; END_VAR", "VAR c : (red, green); END_VAR"),
     ("VAR p : POINTER TO INT; END_VAR", "VAR p : REFERENCE TO INT; END_VAR n := 1;"),
+    ("VAR v : vessel(size := 1); END_VAR", "VAR v : vessel(size := 2); END_VAR"),
+    ("VAR v : vessel(1); END_VAR", "VAR v : vessel(2); END_VAR"),
+    (
+        "VAR v : ARRAY[0..1] OF vessel[(size := 1), (size := 2)]; END_VAR",
+        "VAR v : ARRAY[0..1] OF vessel[(size := 1), (size := 3)]; END_VAR",
+    ),
+    ("VAR n : INT; p : POINTER TO INT; END_VAR", "VAR n : INT; p : POINTER TO INT := ADR(n); END_VAR"),
+    ("VAR b : rising; END_VAR b(e := TRUE);", "VAR b : falling; END_VAR b(e := TRUE);"),
+    ("VAR b : rising; END_VAR b(e := TRUE);", "VAR b : level; END_VAR b(e := TRUE);"),
+    ("VAR n : INT; END_VAR n := kind(n);", "VAR n : INT; d : DINT; END_VAR n := kind(d);"),
+    ("VAR n : INT; END_VAR n := two(a := 3);", "VAR n : INT; END_VAR n := two(a := 3, b := 4);"),
+    ("VAR n AT %I* : INT; END_VAR", "VAR n : INT; END_VAR"),
     ("VAR n, m : INT; END_VAR n := m;", "VAR n, m : INT; END_VAR n := NOT m;"),
     ("VAR n, m : INT; END_VAR n := m;", "VAR n, m : INT; END_VAR n := -m;"),
     ("VAR n, m : INT; END_VAR n := m + 1;", "VAR n, m : INT; END_VAR n := m - 1;"),

@@ -66,6 +66,52 @@ fn an_image_of_other_variables_is_refused() {
 }
 
 #[test]
+fn another_program_takes_the_persistent_variables_that_both_have() {
+    // controller:REM-02 note 2, controller:REM-06
+    let mut old = Rig::new(TEXT);
+    old.cycle();
+    let (map, mut image) = (old.machine.retained_map(), vec![0; 29]);
+    assert!(old.machine.save_retained(&mut image));
+    let adopt = |text: &str| {
+        let mut new = Rig::new(text);
+        let all = new.machine.adopt_retained(&map, &image);
+        (all, new.int("p"), new.int("big"))
+    };
+    assert_eq!(adopt(TEXT), (true, 8, 0), "only what is persistent");
+    let moved = TEXT.replace("VAR_GLOBAL PERSISTENT RETAIN", "VAR_GLOBAL PERSISTENT RETAIN first : LINT;");
+    assert_eq!(adopt(&moved), (true, 8, 0), "by its name, wherever it lies");
+    assert_eq!(adopt(&TEXT.replace("r : SINT", "r : INT")), (false, 8, 0), "one is of another type");
+    assert_eq!(adopt(&TEXT.replace("p : DINT", "p : UDINT")), (false, 7, 0));
+    let plain = TEXT.replace("VAR_GLOBAL PERSISTENT RETAIN", "VAR_GLOBAL RETAIN");
+    assert_eq!(adopt(&plain), (false, 7, 0), "it is no longer persistent");
+    // Whatever does not belong together changes nothing.
+    let mut new = Rig::new(TEXT);
+    for (map, image) in
+        [(&map[..], &image[..8]), (&map[..20], &image[..]), (&[][..], &image[..]), (&map[..], &[][..])]
+    {
+        assert!(!new.machine.adopt_retained(map, image));
+    }
+    for place in 0..map.len() {
+        let mut torn = map.clone();
+        torn[place] ^= 0x55;
+        Rig::new(TEXT).machine.adopt_retained(&torn, &image);
+    }
+    assert_eq!(new.int("p"), 7);
+    assert!(new.machine.adopt_retained(&[], &[]), "neither had anything to keep");
+}
+
+#[test]
+fn declarations_are_the_same_where_code_alone_differs() {
+    // controller:REM-02 note 1
+    let of = |text: &str| build(text).declarations();
+    assert_eq!(of(TEXT), of(&TEXT.replace("v := v + 1", "v := v + 2; v := v * 3")));
+    for (was, is) in [("v : INT := 3", "v : INT := 4"), ("v : INT", "v : DINT"), ("v : INT", "u, v : INT")] {
+        assert_ne!(of(TEXT), of(&TEXT.replace(was, is)), "{is}");
+    }
+    assert_ne!(of(TEXT), of(&TEXT.replace("VAR RETAIN r", "VAR PERSISTENT r")));
+}
+
+#[test]
 fn identity_is_that_of_code_and_variables() {
     // controller:STATE-10
     let signature = |text: &str| build(text).signature();

@@ -154,9 +154,8 @@ fn run(budgets: &[i64], watch: bool) -> (Vec<i64>, Vec<Value>, Vec<u8>, Vec<u32>
                 Stop::Done => break,
                 // An operation longer than every slice has to be let through.
                 Stop::Budget { next } => least = next.as_nanos(),
-                Stop::Break => panic!("there are no breakpoints"),
                 Stop::Touched => least = 0,
-                Stop::Fault(fault) => panic!("{fault:?}"),
+                stop => panic!("{stop:?}"),
             }
         }
         times.push(used.as_nanos());

@@ -1,8 +1,8 @@
 //! A program alone: no controller, no board, only its tasks at their intervals. For trying a block.
 
-use controller::Memory;
+use controller::{Memory, Rtc};
 use profile::Profile;
-use program::{Coverage, Fault, Host, Machine, MachineError, Program, SetError, Shown, Stop};
+use program::{Coverage, Fault, Host, Machine, MachineError, Program, Service, SetError, Shown, Stop};
 use signal::{Address, Cause, Span, Time};
 use std::sync::Arc;
 
@@ -47,6 +47,17 @@ struct Turn {
     release: Time,
     /// When the cycle began that is under way.
     began: Option<Time>,
+    /// The cycle under way goes on from then.
+    sleeps: Time,
+    /// It is the first one.
+    first: bool,
+}
+
+impl Turn {
+    /// When it wants to run.
+    fn due(&self) -> Time {
+        if self.began.is_some() { self.sleeps } else { self.release }
+    }
 }
 
 /// A program with memory of its own.
@@ -57,6 +68,8 @@ pub struct Alone {
     program: Arc<Program>,
     turns: Vec<Turn>,
     now: Time,
+    rtc: Rtc,
+    profile: Profile,
 }
 
 /// How a run alone ended.
@@ -90,7 +103,7 @@ impl Host for Plain<'_> {
         self.0.load(at)
     }
 
-    fn store(&mut self, at: Address, value: u64, file: u8, line: u32) -> bool {
+    fn store(&mut self, at: Address, value: u64, file: u16, line: u32) -> bool {
         self.0.set_cause(Cause::Program { task: 0, file, line });
         self.0.store(at, value);
         false
@@ -115,8 +128,11 @@ impl Alone {
                 memory.store(located.address, initial);
             }
         }
-        let turns = tasks.into_iter().map(|task| Turn { task, release: Time::ZERO, began: None }).collect();
-        Ok(Alone { machine, memory, program, turns, now: Time::ZERO })
+        let turns = tasks
+            .into_iter()
+            .map(|task| Turn { task, release: Time::ZERO, began: None, sleeps: Time::MIN, first: true })
+            .collect();
+        Ok(Alone { machine, memory, program, turns, now: Time::ZERO, rtc: Rtc::default(), profile })
     }
 
     /// From now on notes what runs.
@@ -148,14 +164,14 @@ impl Alone {
         let end = self.now.saturating_add(duration);
         let mut cycles = 0;
         while self.now < end {
-            let ready = |turn: &Turn| turn.began.is_some() || turn.release <= self.now;
+            let ready = |turn: &Turn| turn.due() <= self.now;
             let Some(task) = self.turns.iter().position(ready) else {
-                let Some(next) = self.turns.iter().map(|turn| turn.release).min() else { break };
+                let Some(next) = self.turns.iter().map(Turn::due).min() else { break };
                 self.now = next.min(end);
                 continue;
             };
             // What is before it in the list goes before it.
-            let higher = self.turns.iter().take(task).map(|turn| turn.release).min().unwrap_or(end).min(end);
+            let higher = self.turns.iter().take(task).map(Turn::due).min().unwrap_or(end).min(end);
             match self.slice(task, higher, end) {
                 Ok(true) => cycles += 1,
                 Ok(false) => {}
@@ -163,7 +179,12 @@ impl Alone {
             }
         }
         self.now = self.now.max(end);
-        match self.turns.iter().find_map(|turn| Some((turn, turn.began?))) {
+        match self
+            .turns
+            .iter()
+            .filter(|turn| turn.due() <= self.now)
+            .find_map(|turn| Some((turn, turn.began?)))
+        {
             Some((turn, began)) => Ended::Endless { task: turn.task.name.clone(), at: began - Time::ZERO },
             None => Ended::InTime { cycles },
         }
@@ -183,6 +204,14 @@ impl Alone {
             match slice.stop {
                 Stop::Done => break,
                 Stop::Fault(fault) => return Err(fault),
+                Stop::Service { service, argument } => {
+                    let slept = self.serve(task, service, argument);
+                    if let (Some(turn), true) = (self.turns.get_mut(task), slept > Span::ZERO) {
+                        turn.sleeps = self.now.saturating_add(slept);
+                        return Ok(false);
+                    }
+                    budget = (until - self.now).max(Span::ZERO);
+                }
                 Stop::Touched | Stop::Break => budget = (until - self.now).max(Span::ZERO),
                 Stop::Budget { .. } if self.now >= until => return Ok(false),
                 // The operation that is under way at `until` comes to its end, if it does so before the run does.
@@ -193,7 +222,9 @@ impl Alone {
                 }
             }
         }
+        let Some(turn) = self.turns.get_mut(task) else { return Ok(false) };
         turn.began = None;
+        turn.first = false;
         // On the grid; of the releases that were missed the last one counts.
         let interval = turn.task.interval.as_nanos().max(1);
         let missed = (self.now - turn.release).as_nanos() / interval;
@@ -216,6 +247,10 @@ impl Alone {
                 self.now += slice.used;
                 match slice.stop {
                     Stop::Done => break,
+                    Stop::Service { service, argument } => {
+                        let slept = self.serve(task, service, argument);
+                        self.now += slept;
+                    }
                     Stop::Touched | Stop::Break => {}
                     Stop::Fault(fault) => return Err(self.failed(fault)),
                     Stop::Budget { .. } => {
@@ -225,7 +260,38 @@ impl Alone {
                 }
             }
         }
+        for turn in &mut self.turns {
+            turn.first = false;
+        }
         Ok(self.now - began)
+    }
+
+    /// Answers what a task asks of a controller: the first cycle of each task is the first one behind a cold start,
+    /// nothing is forced, and there is a clock. How long the task sleeps.
+    fn serve(&mut self, task: usize, service: Service, argument: i64) -> Span {
+        let mut slept = Span::ZERO;
+        let Some(turn) = self.turns.get_mut(task) else { return slept };
+        let answer = match service {
+            Service::WaitSleep => {
+                slept = Span::from_millis(argument);
+                0
+            }
+            Service::GetTaskCycle => turn.task.interval.as_nanos() / 1_000,
+            Service::SetTaskCycle => {
+                let interval = Span::from_micros(argument);
+                let possible = interval >= profile::MINIMUM_CYCLE;
+                if possible {
+                    turn.task.interval = interval;
+                }
+                i64::from(!possible)
+            }
+            Service::FirstMastCycle | Service::FirstMastColdCycle => i64::from(turn.first),
+            Service::FirstMastWarmCycle | Service::HasForcedIo | Service::InhibitBatteryLed => 0,
+            Service::GetRtc => self.rtc.seconds(self.now),
+            Service::SetRtcDrift => self.rtc.set_drift(argument, self.profile, self.now),
+        };
+        self.machine.answer(task, answer);
+        slept
     }
 
     fn failed(&self, fault: Fault) -> Ended {

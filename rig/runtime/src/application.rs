@@ -3,19 +3,24 @@
 
 use crate::bundle::Bundle;
 use crate::coverage::Collector;
+use crate::names::{Names, Resolved};
+use crate::system::with_system;
 use controller::{
-    Application, ApplicationFault, FaultClass, LoadError, Loader, Memory, Slice, Stop, VariableReset,
+    Application, ApplicationFault, FaultClass, Form, LoadError, Loader, Located, Memory, Service, Slice,
+    Stop, VariableReset,
 };
 use document::{Diagnostic, SourceFile};
 use profile::{ApplicationError, Profile};
-use program::{FaultKind, Host, Machine, Options, Program, VarRef};
+use program::{Elementary, FaultKind, Host, Machine, Options, Program, Storage};
 use signal::{Address, Area, Cause, Size, Span, Time, Value};
+use std::any::Any;
 use std::sync::Arc;
 
 /// What a program of this controller is compiled with: its address ranges and its instruction times.
 pub fn options(profile: Profile) -> Options {
     let mut options = Options::default();
     options.limits.addresses = profile.address_limits();
+    options.limits.memory = profile::APPLICATION_BYTES;
     let documented = profile.instruction_costs();
     let costs = &mut options.costs;
     costs.bool_op = documented.bool_op;
@@ -40,7 +45,20 @@ const fn halves(pair: u32) -> (u32, u32) {
 /// # Errors
 /// The findings of the compiler.
 pub fn compile(sources: &[SourceFile], profile: Profile) -> Result<Program, Vec<Diagnostic>> {
-    program::compile(sources, &options(profile))
+    compile_with(sources, options(profile))
+}
+
+/// The same for sources that need not have a PROGRAM: a library.
+///
+/// # Errors
+/// The findings of the compiler.
+pub fn compile_library(sources: &[SourceFile], profile: Profile) -> Result<Program, Vec<Diagnostic>> {
+    compile_with(sources, Options { library: true, ..options(profile) })
+}
+
+fn compile_with(sources: &[SourceFile], options: Options) -> Result<Program, Vec<Diagnostic>> {
+    let (sources, read_only) = with_system(sources);
+    program::compile(&sources, &Options { read_only, ..options })
 }
 
 /// What a check of a program says besides its findings: types that this controller's documents do not list
@@ -75,12 +93,20 @@ pub fn assign(program: &Program, tasks: &[(String, Vec<String>)]) -> Option<Vec<
 #[derive(Debug)]
 pub struct ProgramApplication {
     machine: Machine,
-    tasks: usize,
+    /// The PROGRAMs of each task, by their places.
+    places: Vec<Vec<usize>>,
     profile: Profile,
     /// Per task the bytes of %Q that its programs can write.
     output_bytes: Vec<Vec<u32>>,
+    /// Per task those of the first 32 bits of %Q that its programs can write.
+    output_bits: Vec<u32>,
+    /// Per task the places in %I that its programs read.
+    inputs: Vec<Vec<Address>>,
     /// Where it leaves what of it ran.
     collector: Option<Collector>,
+    names: Names,
+    /// Where the variables of `names` are.
+    resolved: Resolved,
 }
 
 impl ProgramApplication {
@@ -91,7 +117,30 @@ impl ProgramApplication {
     pub fn new(program: Arc<Program>, tasks: &[Vec<usize>], profile: Profile) -> Result<Self, LoadError> {
         let machine = Machine::new(Arc::clone(&program), tasks).map_err(|_| LoadError::Bundle)?;
         let output_bytes = tasks.iter().map(|programs| written_bytes(&program, programs)).collect();
-        Ok(ProgramApplication { machine, tasks: tasks.len(), profile, output_bytes, collector: None })
+        let output_bits = tasks.iter().map(|programs| written_bits(&program, programs)).collect();
+        let inputs = tasks
+            .iter()
+            .map(|programs| programs.iter().flat_map(|place| program.inputs_of(*place)).collect())
+            .collect();
+        Ok(ProgramApplication {
+            machine,
+            places: tasks.to_vec(),
+            profile,
+            output_bytes,
+            output_bits,
+            inputs,
+            collector: None,
+            names: Names::default(),
+            resolved: Resolved::default(),
+        })
+    }
+
+    /// The same, with its variables known by the numbers of this table too.
+    #[must_use]
+    pub fn named(mut self, names: Names) -> Self {
+        self.resolved = names.resolve(self.machine.program());
+        self.names = names;
+        self
     }
 
     /// The same, with what of it runs added to the collector in the end.
@@ -103,11 +152,18 @@ impl ProgramApplication {
     }
 }
 
+impl ProgramApplication {
+    /// Adds what ran of it to the collector, if there is one.
+    fn leave_coverage(&self) {
+        if let Some(collector) = &self.collector {
+            collector.add(self.machine.program().digest(), self.machine.coverage());
+        }
+    }
+}
+
 impl Drop for ProgramApplication {
     fn drop(&mut self) {
-        if let Some(collector) = &self.collector {
-            collector.add(self.machine.coverage());
-        }
+        self.leave_coverage();
     }
 }
 
@@ -125,6 +181,14 @@ fn written_bytes(program: &Program, programs: &[usize]) -> Vec<u32> {
     bytes
 }
 
+fn written_bits(program: &Program, programs: &[usize]) -> u32 {
+    let written = programs.iter().flat_map(|place| program.outputs_of(*place));
+    written
+        .filter(|address| address.bit_offset() < u32::BITS)
+        .map(|address| (u64::MAX >> (64 - address.bit_len().min(64)) << address.bit_offset()) as u32)
+        .fold(0, |bits, written| bits | written)
+}
+
 /// The controller's memory as the machine's host.
 struct TaskMemory<'a> {
     memory: &'a mut Memory,
@@ -138,7 +202,7 @@ impl Host for TaskMemory<'_> {
     }
 
     #[inline]
-    fn store(&mut self, at: Address, value: u64, file: u8, line: u32) -> bool {
+    fn store(&mut self, at: Address, value: u64, file: u16, line: u32) -> bool {
         self.memory.set_cause(Cause::Program { task: self.task, file, line });
         self.memory.store(at, value)
     }
@@ -146,7 +210,7 @@ impl Host for TaskMemory<'_> {
 
 impl Application for ProgramApplication {
     fn tasks(&self) -> usize {
-        self.tasks
+        self.places.len()
     }
 
     fn begin(&mut self, task: usize) {
@@ -160,7 +224,11 @@ impl Application for ProgramApplication {
             program::Stop::Budget { next } => Stop::Budget { next },
             program::Stop::Done => Stop::Done,
             // Nobody sets breakpoints here yet; a stop at one is no more than the end of a slice.
-            program::Stop::Touched | program::Stop::Break => Stop::Touched,
+            program::Stop::Touched => Stop::Touched,
+            program::Stop::Break => Stop::Break,
+            program::Stop::Service { service, argument } => {
+                Stop::Service { service: service_of(service), argument }
+            }
             program::Stop::Fault(fault) => Stop::Fault(application_fault(fault, self.profile)),
         };
         Slice { used: slice.used, stop }
@@ -189,6 +257,15 @@ impl Application for ProgramApplication {
         self.output_bytes.get(task).is_some_and(|bytes| bytes.binary_search(&byte).is_ok())
     }
 
+    fn written_outputs(&self, task: usize) -> u32 {
+        self.output_bits.get(task).copied().unwrap_or(0)
+    }
+
+    fn reads_input(&self, task: usize, bit: u32) -> bool {
+        let bit = Address::bit(Area::Input, bit);
+        self.inputs.get(task).is_some_and(|inputs| inputs.iter().any(|read| read.overlaps(&bit)))
+    }
+
     fn retained_len(&self) -> usize {
         self.machine.retained_len()
     }
@@ -201,6 +278,18 @@ impl Application for ProgramApplication {
         self.machine.restore_retained(image)
     }
 
+    fn retained_map(&self) -> Vec<u8> {
+        self.machine.retained_map()
+    }
+
+    fn adopt_retained(&mut self, map: &[u8], image: &[u8]) -> bool {
+        self.machine.adopt_retained(map, image)
+    }
+
+    fn declarations(&self) -> u64 {
+        self.machine.program().declarations()
+    }
+
     fn retained_dirty(&mut self) -> bool {
         self.machine.retained_dirty()
     }
@@ -209,16 +298,94 @@ impl Application for ProgramApplication {
         self.machine.signature()
     }
 
+    fn variable(&self, path: &str) -> Option<u32> {
+        self.machine.find(path).map(|variable| variable.0)
+    }
+
+    fn locate(&self, path: &str) -> Option<Located> {
+        let variable = self.machine.program().find(path).filter(|variable| variable.dimensions.is_empty())?;
+        match variable.storage {
+            Storage::Located(address) => Some(Located::Memory(address)),
+            Storage::Cell(cell) => Some(Located::Variable(cell.0, form_of(variable.ty))),
+        }
+    }
+
     fn read(&self, variable: u32) -> Value {
-        self.machine.read(VarRef(variable))
+        self.resolved.of(variable).map_or(Value::Unknown, |variable| self.machine.read(variable))
     }
 
     fn write(&mut self, variable: u32, value: Value) {
-        self.machine.write(VarRef(variable), value);
+        if let Some(variable) = self.resolved.of(variable) {
+            self.machine.write(variable, value);
+        }
     }
 
     fn watch(&mut self, variable: u32) {
-        self.machine.watch(VarRef(variable));
+        if self.resolved.lacks(variable) {
+            self.resolved = self.names.resolve(self.machine.program());
+        }
+        if let Some(variable) = self.resolved.of(variable) {
+            self.machine.watch(variable);
+        }
+    }
+
+    fn answer(&mut self, task: usize, result: i64) {
+        self.machine.answer(task, result);
+    }
+
+    fn breakpoint(&mut self, file: u16, line: u32) -> Option<u32> {
+        self.machine.set_breakpoint(file, line)
+    }
+
+    fn clear_breakpoints(&mut self) {
+        self.machine.clear_breakpoints();
+    }
+
+    fn step(&mut self, task: usize) {
+        self.machine.step(task);
+    }
+
+    fn succeed(&mut self, old: &mut dyn Application) -> Option<bool> {
+        let old: &mut ProgramApplication = old.as_any().downcast_mut()?;
+        self.leave_coverage();
+        old.leave_coverage();
+        let new = Arc::clone(self.machine.program());
+        let report = old.machine.change(new, &self.places).ok()?;
+        std::mem::swap(&mut self.machine, &mut old.machine);
+        if self.collector.is_some() {
+            self.machine.set_coverage(true);
+        }
+        Some(report.new == 0 && report.lost == 0)
+    }
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+}
+
+/// What a program asks for, as the controller knows it.
+const fn service_of(service: program::Service) -> Service {
+    match service {
+        program::Service::WaitSleep => Service::WaitSleep,
+        program::Service::GetTaskCycle => Service::GetTaskCycle,
+        program::Service::SetTaskCycle => Service::SetTaskCycle,
+        program::Service::FirstMastCycle => Service::FirstMastCycle,
+        program::Service::FirstMastColdCycle => Service::FirstMastColdCycle,
+        program::Service::FirstMastWarmCycle => Service::FirstMastWarmCycle,
+        program::Service::HasForcedIo => Service::HasForcedIo,
+        program::Service::GetRtc => Service::GetRtc,
+        program::Service::SetRtcDrift => Service::SetRtcDrift,
+        program::Service::InhibitBatteryLed => Service::InhibitBatteryLed,
+    }
+}
+
+/// How a value of this type fills registers (controller:REL-04).
+fn form_of(ty: Elementary) -> Form {
+    match ty {
+        Elementary::Bool => Form::Bit,
+        Elementary::Real => Form::Real,
+        Elementary::Lreal => Form::Long,
+        ty => Form::Whole(ty.bits().div_ceil(16) as u16),
     }
 }
 
@@ -246,12 +413,20 @@ fn application_fault(fault: program::Fault, profile: Profile) -> ApplicationFaul
 pub struct BundleLoader {
     profile: Profile,
     collector: Option<Collector>,
+    names: Names,
 }
 
 impl BundleLoader {
     /// A loader for a controller of this profile.
-    pub const fn new(profile: Profile) -> Self {
-        BundleLoader { profile, collector: None }
+    pub fn new(profile: Profile) -> Self {
+        BundleLoader { profile, collector: None, names: Names::default() }
+    }
+
+    /// The same, whose applications know their variables by the numbers of this table too.
+    #[must_use]
+    pub fn named(mut self, names: Names) -> Self {
+        self.names = names;
+        self
     }
 
     /// The same, with what of the applications runs added to the collector.
@@ -268,7 +443,8 @@ impl Loader for BundleLoader {
         let program = compile(&bundle.sources, self.profile)
             .map_err(|findings| LoadError::Program { errors: findings.len() })?;
         let tasks = assign(&program, &bundle.tasks).ok_or(LoadError::Bundle)?;
-        let application = ProgramApplication::new(Arc::new(program), &tasks, self.profile)?;
+        let application =
+            ProgramApplication::new(Arc::new(program), &tasks, self.profile)?.named(self.names.clone());
         Ok(Box::new(match &self.collector {
             Some(collector) => application.covered(collector.clone()),
             None => application,

@@ -3,25 +3,26 @@
 use crate::application::{assign, compile};
 use crate::bundle::Bundle;
 use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
+use crate::configure::{configuration, initial_state};
 use crate::coverage::{Collector, Covered};
 use crate::executor::{Executor, Limits, Parts, Ran};
+use crate::needs::{Unmet, unmet};
 use crate::prepare::{Bench, Prepared, prepare};
 use crate::recorder::Recorder;
 use crate::schedule::Schedule;
 use crate::store::MemoryStore;
-use crate::subject::{Capability, Model, Subject};
+use crate::subject::{Model, Subject};
 use crate::tasks::Tasks;
-use crate::{describe, lanes, spill};
-use controller::{Config, OutputsInStop, StartingMode, State};
+use crate::{describe, inputs, lanes, refusal, spill};
+use controller::{Command, Config, Effects, LoadError, Part, State};
 use document::{Diagnostic, SourceFile};
 use drivers::file::{BoardFile, build};
 use plans::Case;
 use plans::judge::{Judge, Outcome};
-use plans::lang::{Amount, Need, Relation};
-use plans::plan::{Initial, Settings};
+use plans::plan::ProgramRef;
 use profile::{Profile, Reference};
 use record::{CaseRecord, CaseStatus, Hashes, Parameter, RigTiming, StepRecord, TaskFigures, Verdict};
-use signal::{Area, SignalId, Span, Time, Trace, Value, When};
+use signal::{SignalId, Span, Time, Trace, Value, When};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -89,6 +90,8 @@ pub struct CaseFiles {
     pub plan: SourceFile,
     /// The sources of the program.
     pub sources: Vec<SourceFile>,
+    /// The programs that steps bring to the controller, each once.
+    pub others: Vec<OtherProgram>,
     /// The board.
     pub board: BoardFile,
     /// Text of the board file, empty for the default board.
@@ -99,6 +102,15 @@ pub struct CaseFiles {
     pub reference: &'static Reference,
     /// The seed of everything that is left to chance.
     pub seed: u64,
+}
+
+/// A program that a step brings to the controller.
+#[derive(Clone, Debug)]
+pub struct OtherProgram {
+    /// As the step names it.
+    pub program: ProgramRef,
+    /// Its sources.
+    pub sources: Vec<SourceFile>,
 }
 
 /// A case that was run, with its trace where there is one.
@@ -113,25 +125,36 @@ pub struct CaseResult {
 }
 
 impl CaseResult {
-    /// A case that did not run.
+    /// A case that did not run and has no trace.
     fn not_run(record: CaseRecord) -> CaseResult {
         CaseResult { record, trace: None, coverage: Vec::new() }
     }
 }
 
-/// Looks up every name of a case on its bench, without running it.
+/// Looks up every name of a case on its bench, without running it. Hands back what its controller warns of.
 ///
 /// # Errors
 /// What [`run_case`] would find in the user's files.
-pub fn check_case(case: &Case, files: &CaseFiles) -> Result<(), Vec<Diagnostic>> {
+pub fn check_case(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
     if (!case.profiles.is_empty() && !case.profiles.contains(&files.profile))
         || !files.profile.accepts(files.reference)
     {
-        return Ok(());
+        return Ok(Vec::new());
     }
+    match &case.refusal {
+        Some(refusal) => refusal::check(case, files, refusal).map(|()| Vec::new()),
+        None => look_up(case, files),
+    }
+}
+
+/// Builds subject and board of a case and looks up its names.
+pub(crate) fn look_up(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
     let mut stage = stage(case, files, None)?;
     let prepared = stage.prepare(case, files, Trace::new(), true)?;
-    Judge::new(case.scenario(), prepared.trace.signals()).map(|_| ())
+    Judge::new(case.scenario(), prepared.trace.signals())?;
+    let mut warnings = stage.warnings;
+    warnings.extend(prepared.warnings);
+    Ok(warnings)
 }
 
 /// Subject and board of a case, before power-on.
@@ -139,7 +162,11 @@ struct Stage {
     model: Model,
     board: Box<dyn drivers::Board>,
     bundle: Vec<u8>,
+    /// Those of the programs that steps bring.
+    others: Vec<(ProgramRef, Vec<u8>)>,
     program: Option<Arc<program::Program>>,
+    /// What the controller accepts with a warning.
+    warnings: Vec<Diagnostic>,
 }
 
 impl Stage {
@@ -157,6 +184,7 @@ impl Stage {
             profile: files.profile,
             reference: files.reference,
             bundle: &self.bundle,
+            others: &self.others,
             exact,
         };
         prepare(case, &files.plan, trace, &mut bench)
@@ -169,13 +197,24 @@ fn stage(case: &Case, files: &CaseFiles, collector: Option<Collector>) -> Result
     let none = files.sources.is_empty() && initial == State::Empty;
     let program = if none { None } else { Some(Arc::new(compile(&files.sources, files.profile)?)) };
     let mut config = configuration(&case.settings, files)?;
-    let tasks = Tasks::new(program.as_deref(), &case.settings)?;
-    tasks.configure(&mut config, program.as_deref(), &files.plan)?;
+    let tasks = Tasks::new(program.as_deref(), &case.settings, files.profile, &files.plan)?;
+    tasks.configure(&mut config, &case.settings, program.as_deref(), &files.plan)?;
+    let warnings = crate::tasks::warnings(&config, &files.plan);
     let tasks = tasks.programs;
-    if let Some(program) = &program
-        && assign(program, &tasks).is_none()
-    {
-        return Err(vec![no_such_program(program, &tasks, &files.plan)]);
+    if let Some(program) = &program {
+        let Some(places) = assign(program, &tasks) else {
+            return Err(vec![no_such_program(program, &tasks, &files.plan)]);
+        };
+        let readers = tasks.iter().map(|(task, _)| task.as_str()).zip(&places);
+        inputs::latched_for_mast(program, readers, &case.settings, &files.plan.name)?;
+    }
+    let mut others = Vec::new();
+    let mut known = Vec::new();
+    for other in &files.others {
+        let program = Arc::new(compile(&other.sources, files.profile)?);
+        let tasks = tasks_of_another(&program, case, &config, files)?;
+        others.push((other.program.clone(), Bundle { sources: other.sources.clone(), tasks }.to_bytes()));
+        known.push(program);
     }
     let bundle = match &program {
         Some(_) => Bundle { sources: files.sources.clone(), tasks }.to_bytes(),
@@ -187,11 +226,51 @@ fn stage(case: &Case, files: &CaseFiles, collector: Option<Collector>) -> Result
     let board = build(&files.board, files.seed).map_err(|error| refused(&error))?;
     let mut model = Model::new(config, program.clone(), Box::new(MemoryStore::default()), collector)
         .map_err(|error| refused(&error))?;
+    model.know(known);
+    if case.settings.firmware_invalid {
+        model.damage_firmware();
+    }
+    if case.settings.switch_at_run == Some(false) {
+        let moved = model.command(Time::ZERO, &Command::Switch(false), &mut Effects::new());
+        moved.map_err(|error| refused(&error))?;
+    }
     if initial != State::Empty {
         let left = if initial == State::Booting { State::Running } else { initial };
-        model.commission(&bundle, left).map_err(|error| refused(&error))?;
+        model.commission(&bundle, left).map_err(|error| match error {
+            LoadError::Relocation { part, row } => vec![beyond_table(part, row, case, files)],
+            error => refused(&error),
+        })?;
     }
-    Ok(Stage { model, board, bundle, program })
+    Ok(Stage { model, board, bundle, others, program, warnings })
+}
+
+/// The PROGRAMs that each task of the controller runs of another program. The controller's tasks stay those of the
+/// case.
+fn tasks_of_another(
+    program: &program::Program,
+    case: &Case,
+    config: &Config,
+    files: &CaseFiles,
+) -> Result<Vec<(String, Vec<String>)>, Vec<Diagnostic>> {
+    let tasks = Tasks::new(Some(program), &case.settings, files.profile, &files.plan)?;
+    if tasks.configured != config.tasks {
+        let name = program.files().first().map_or("", String::as_str);
+        let message = format!("`{name}` configures other tasks than the case's own program");
+        let found = Diagnostic::error("R0121", message).at(name, 0..0, "");
+        return Err(vec![found.help("give it the same tasks: a controller of a case keeps its tasks")]);
+    }
+    if assign(program, &tasks.programs).is_none() {
+        return Err(vec![no_such_program(program, &tasks.programs, &files.plan)]);
+    }
+    Ok(tasks.programs)
+}
+
+/// The first row of the relocation table that does not fit (controller:REL-02).
+fn beyond_table(part: Part, row: usize, case: &Case, files: &CaseFiles) -> Diagnostic {
+    let name = case.settings.relocation[part as usize].get(row).map_or("?", String::as_str);
+    let message = format!("`{name}` does not fit into the relocation table");
+    let help = format!("row {}: each part has {} words", row + 1, profile::TABLE_WORDS);
+    Diagnostic::error("R0113", message).at(&files.plan.name, 0..0, "").help(help)
 }
 
 /// Runs a case. Cases that do not apply here, and cases that this instrument cannot judge, come back with the
@@ -217,6 +296,11 @@ pub fn run_case(
         record.status = CaseStatus::NotApplicable { reason };
         return Ok(CaseResult::not_run(record));
     }
+    if let Some(refusal) = &case.refusal {
+        refusal::run(case, files, refusal, &mut record);
+        record.host_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
+        return Ok(CaseResult::not_run(record));
+    }
     let collector = options.coverage.then(Collector::default);
     let mut stage = stage(case, files, collector.clone())?;
     if let Some(unmet) = unmet(case, &stage.model, &*stage.board, Span::ZERO) {
@@ -234,7 +318,7 @@ pub fn run_case(
     let prepared = stage.prepare(case, files, trace, clock.is_exact())?;
     let Stage { mut model, mut board, program, .. } = stage;
     let initial = initial_state(case.settings.initial);
-    let Prepared { mut trace, mut wiring, steps, probes } = prepared;
+    let Prepared { mut trace, mut wiring, steps, probes, .. } = prepared;
     describe::annotate(&mut trace, case, files, &model, clock.name());
     let mut judge = Judge::new(case.scenario(), trace.signals())?;
     if !options.fail_fast {
@@ -369,59 +453,6 @@ fn clock(kind: ClockKind, seed: u64) -> Box<dyn Clock> {
     }
 }
 
-const fn initial_state(initial: Initial) -> State {
-    match initial {
-        Initial::Running => State::Running,
-        Initial::Stopped => State::Stopped,
-        Initial::Empty => State::Empty,
-        Initial::Booting => State::Booting,
-    }
-}
-
-/// The controller's configuration from the plan's settings, but for the tasks.
-fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, Vec<Diagnostic>> {
-    let mut config = Config::new(files.profile);
-    config.reference = files.reference;
-    if let Some(mode) = settings.starting_mode {
-        config.starting_mode = match mode {
-            plans::plan::StartingMode::Previous => StartingMode::Previous,
-            plans::plan::StartingMode::Stop => StartingMode::Stop,
-            plans::plan::StartingMode::Run => StartingMode::Run,
-        };
-    }
-    if let Some(outputs) = settings.outputs_in_stop {
-        config.outputs_in_stop = match outputs {
-            plans::plan::OutputsInStop::Keep => OutputsInStop::Keep,
-            plans::plan::OutputsInStop::Default => OutputsInStop::Default,
-        };
-    }
-    config.update_io_in_stop = settings.update_io_in_stop.unwrap_or(config.update_io_in_stop);
-    let inputs = files.reference.input_count();
-    config.filters = vec![settings.filter.unwrap_or_default(); inputs];
-    for (address, filter) in &settings.filters {
-        match config.filters.get_mut(address.bit_offset() as usize) {
-            Some(place) => *place = *filter,
-            None => return Err(vec![no_terminal(*address, files)]),
-        }
-    }
-    for (address, on) in &settings.output_defaults {
-        if address.bit_offset() as usize >= files.reference.output_count() {
-            return Err(vec![no_terminal(*address, files)]);
-        }
-        config.output_defaults |= u32::from(*on) << address.bit_offset();
-    }
-    Ok(config)
-}
-
-fn no_terminal(address: signal::Address, files: &CaseFiles) -> Diagnostic {
-    let kind = if address.area() == Area::Input { "input" } else { "output" };
-    Diagnostic::error("R0102", format!("{} has no {kind} {address}", files.reference.name)).at(
-        &files.plan.name,
-        0..0,
-        "",
-    )
-}
-
 fn no_such_program(
     program: &program::Program,
     tasks: &[(String, Vec<String>)],
@@ -440,62 +471,10 @@ fn no_such_program(
         .help(format!("the program has {}", known.join(", ")))
 }
 
-/// A need of the plan that is not met.
-enum Unmet {
-    /// The subject or the board lacks a power: the case does not apply.
-    Power(String),
-    /// The instrument is not good enough: inconclusive.
-    Instrument(String),
-}
-
-/// The first need that is not met on a rig that is `late` by so much.
-fn unmet(case: &Case, model: &Model, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
-    case.needs.iter().find_map(|need| unmet_need(need, model, board, late))
-}
-
-fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
-    let lines = || board.channels().iter().filter(|channel| channel.is_digital());
-    match (need.word, need.bound) {
-        ("pulse", bound) => {
-            let fastest = lines().filter(|channel| channel.drives).map(|channel| channel.max_pulse_hz).max();
-            let fastest = u128::from(fastest.unwrap_or(0)) * 1_000;
-            let wanted = match bound.map(|bound| (bound.relation, bound.amount)) {
-                Some((Relation::AtLeast, Amount::Millihertz(wanted))) => u128::from(wanted),
-                _ => 1,
-            };
-            (fastest < wanted).then(|| {
-                Unmet::Instrument(format!(
-                    "the board emits pulses up to {} Hz, the plan needs more",
-                    fastest / 1_000
-                ))
-            })
-        }
-        ("timestamp", bound) => {
-            let stamped = lines().map(|channel| channel.resolution).max().unwrap_or(Span::ZERO);
-            let worst = stamped + late;
-            match bound.map(|bound| (bound.relation, bound.amount)) {
-                Some((Relation::AtMost, Amount::Time(wanted))) if worst > wanted => {
-                    Some(Unmet::Instrument(if stamped > wanted {
-                        format!("the board stamps edges to within {stamped}, the plan needs {wanted}")
-                    } else {
-                        format!("the rig was {late} late, the plan needs edges to within {wanted}")
-                    }))
-                }
-                _ => None,
-            }
-        }
-        ("settings", _) => None,
-        (word, _) => match Capability::find(word) {
-            Some(capability) if model.capabilities().contains(&capability) => None,
-            _ => Some(Unmet::Power(format!("the subject does not have the power `{word}`"))),
-        },
-    }
-}
-
 /// Hashes of what a case is made of.
 pub fn hashes(files: &CaseFiles) -> Hashes {
-    let sources: String =
-        files.sources.iter().map(|source| format!("{}\0{}\0", source.name, source.text)).collect();
+    let all = files.sources.iter().chain(files.others.iter().flat_map(|other| &other.sources));
+    let sources: String = all.map(|source| format!("{}\0{}\0", source.name, source.text)).collect();
     Hashes {
         plan: describe::sha256(files.plan.text.as_bytes()),
         board: if files.board_text.is_empty() {
@@ -503,7 +482,7 @@ pub fn hashes(files: &CaseFiles) -> Hashes {
         } else {
             describe::sha256(files.board_text.as_bytes())
         },
-        program: if files.sources.is_empty() { String::new() } else { describe::sha256(sources.as_bytes()) },
+        program: if sources.is_empty() { String::new() } else { describe::sha256(sources.as_bytes()) },
     }
 }
 

@@ -2,16 +2,18 @@
 
 use program::{Coverage, Program};
 use record::{FileCoverage, MAX_COVERED_FILES, MAX_LINE_RANGES};
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Where the applications of a case leave what of them ran: a controller that boots again makes a new one.
 #[derive(Clone, Debug, Default)]
-pub struct Collector(Arc<Mutex<Coverage>>);
+pub struct Collector(Arc<Mutex<BTreeMap<[u8; 32], Coverage>>>);
 
 impl Collector {
-    /// Adds what ran of an application. All of one case are of the same program.
-    pub fn add(&self, coverage: Coverage) {
-        let mut sum = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+    /// Adds what ran of an application of the program with this digest.
+    pub fn add(&self, digest: [u8; 32], coverage: Coverage) {
+        let mut sums = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let sum = sums.entry(digest).or_default();
         if sum.statements.len() != coverage.statements.len() {
             *sum = coverage;
             return;
@@ -25,9 +27,10 @@ impl Collector {
         }
     }
 
-    /// What was added, file by file.
+    /// What was added of a program, file by file.
     pub fn take(&self, program: &Program) -> Vec<Covered> {
-        by_file(program, &self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        let sums = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        sums.get(&program.digest()).map_or_else(Vec::new, |coverage| by_file(program, coverage))
     }
 }
 

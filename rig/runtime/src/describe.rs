@@ -3,7 +3,8 @@
 use crate::case::{CaseFiles, hashes, parameters};
 use crate::subject::{Model, Subject};
 use plans::Case;
-use plans::steps::{Command, FaultKind, Stimulus};
+use plans::plan::ProgramRef;
+use plans::steps::{Command, Disturbance, FaultKind, FileDeed, Stimulus};
 use record::{CaseRecord, StepRecord};
 use sha2::{Digest, Sha256};
 use signal::Trace;
@@ -64,6 +65,14 @@ pub fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, model: &Model
     }
 }
 
+/// A program that a step names, in words.
+fn program_name(program: &ProgramRef) -> String {
+    match program {
+        ProgramRef::Files(names) => names.join(", "),
+        ProgramRef::Text { .. } | ProgramRef::None => String::from("the application"),
+    }
+}
+
 /// A stimulus in words.
 pub fn what(stimulus: &Stimulus) -> String {
     match stimulus {
@@ -85,8 +94,47 @@ pub fn what(stimulus: &Stimulus) -> String {
             Command::Stop => "stop",
             Command::ResetWarm => "reset warm",
             Command::ResetCold => "reset cold",
+            Command::Login => "connect the tool",
+            Command::Logout => "disconnect the tool",
+            Command::LogoutKeepForcing => "disconnect the tool and keep forcing",
+            Command::IdentifyOn => "identify the controller",
+            Command::IdentifyOff => "identify the controller no longer",
+            Command::ResetOrigin => "reset origin",
+            Command::Reboot => "reboot by script",
+            Command::CreateBootApplication => "create the boot application",
+            Command::DeleteApplication => "delete the application",
         }),
-        Stimulus::Download(_) => String::from("download the application"),
+        Stimulus::Switch(run) => {
+            format!("Run/Stop switch to {}", if *run { "Run" } else { "Stop" })
+        }
+        Stimulus::Download(None) => String::from("download the application"),
+        Stimulus::Download(Some(program)) => format!("download {}", program_name(program)),
+        Stimulus::OnlineChange(program) => format!("online change to {}", program_name(program)),
+        Stimulus::Breakpoint { line, file: None } => format!("breakpoint in line {line}"),
+        Stimulus::Breakpoint { line, file: Some(file) } => format!("breakpoint in line {line} of {file}"),
+        Stimulus::ClearBreakpoints => String::from("clear breakpoints"),
+        Stimulus::Resume => String::from("go on from the breakpoint"),
+        Stimulus::StepStatement => String::from("go on to the next statement"),
+        Stimulus::MultipleDownload { program, start } => {
+            let name = program.as_ref().map_or_else(|| String::from("the application"), program_name);
+            let start = if *start { " and start" } else { "" };
+            format!("multiple download of {name}{start}")
+        }
+        Stimulus::PlaceBootApplication(program) => {
+            let name = program.as_ref().map_or_else(|| String::from("the application"), program_name);
+            format!("place {name} as boot application")
+        }
+        Stimulus::ResetOriginDevice { user_management, plc_logic, certificates } => {
+            let parts = [
+                (*user_management, "user management"),
+                (*plc_logic, "PLC logic"),
+                (*certificates, "certificates"),
+            ];
+            let chosen: Vec<&str> = parts.iter().filter(|part| part.0).map(|part| part.1).collect();
+            format!("reset origin device: {}", chosen.join(", "))
+        }
+        Stimulus::Firmware(true) => String::from("restore the firmware"),
+        Stimulus::Firmware(false) => String::from("damage the firmware"),
         Stimulus::PowerCut(lasts) => format!("cut the supply for {lasts}"),
         Stimulus::Power(true) => String::from("supply on"),
         Stimulus::Power(false) => String::from("supply off"),
@@ -94,6 +142,7 @@ pub fn what(stimulus: &Stimulus) -> String {
         Stimulus::Overload { task, cycle, times } => {
             format!("the next {times} cycles of {task} take {cycle} each")
         }
+        Stimulus::Suspend { task, lasts } => format!("{task} does not get the processor for {lasts}"),
         Stimulus::Fault { signal, kind, lasts } => {
             let kind = match kind {
                 FaultKind::Stuck(value) => format!("stuck at {}", plans::show_literal(value)),
@@ -109,7 +158,26 @@ pub fn what(stimulus: &Stimulus) -> String {
             let lasts = lasts.map_or_else(String::new, |lasts| format!(" for {lasts}"));
             format!("fault on {signal}: {kind}{lasts}")
         }
+        Stimulus::File { path, deed, .. } => match deed {
+            FileDeed::Put(bytes) => format!("put {} bytes into {path}", bytes.len()),
+            FileDeed::Fill(bytes) => format!("put {bytes} bytes into {path}"),
+            FileDeed::Log(entry) => format!("log {} characters into {path}", entry.chars().count()),
+            FileDeed::Remove => format!("remove {path}"),
+        },
         Stimulus::Clear { signal } => format!("faults off {signal}"),
+        Stimulus::Disturb { what, on, lasts } => {
+            let what = match what {
+                Disturbance::ShortCircuit(output) => format!("short circuit at {output}"),
+                Disturbance::OverTemperature(output) => format!("over-temperature at {output}"),
+                Disturbance::NoIoSupply => String::from("no supply of inputs and outputs"),
+                Disturbance::External(bit) => format!("external error {bit}"),
+            };
+            match (on, lasts) {
+                (true, Some(lasts)) => format!("{what} for {lasts}"),
+                (true, None) => what,
+                (false, _) => format!("{what} mended"),
+            }
+        }
         Stimulus::Train(train) => format!("{} pulses on {}", train.count, train.signal),
         Stimulus::Mark => String::from("nothing"),
     }

@@ -1,7 +1,7 @@
 //! The controller's log in words.
 
 use crate::subject::Subject;
-use controller::{Entry, FaultClass};
+use controller::{Entry, FaultClass, Overload};
 
 /// A log entry with the names of the tasks.
 pub fn show(entry: &Entry, subject: &dyn Subject) -> String {
@@ -22,6 +22,18 @@ pub fn show(entry: &Entry, subject: &dyn Subject) -> String {
         Entry::SystemWatchdog => {
             String::from("system watchdog: the tasks of priority 0 to 24 took the whole processor")
         }
+        Entry::Starved { task: place } => {
+            format!("system watchdog: {}, the task of the lowest priority, was not executed", task(place))
+        }
+        Entry::Overload(Overload::Tasks) => {
+            String::from("system watchdog: the tasks took more than 85 % of the processor")
+        }
+        Entry::Overload(Overload::Freewheeling) => {
+            String::from("system watchdog: less than 15 % was left for system processing")
+        }
+        // The text of the documents (controller:TASK-31).
+        Entry::TooManyEvents => String::from("ISR Count Exceeded"),
+        Entry::Warning(warning) => warning.show(|place| subject.task_name(place).unwrap_or("?")),
         Entry::Fault { task: place, fault } => {
             let class = match fault.class {
                 FaultClass::Application => "application error",
@@ -34,7 +46,12 @@ pub fn show(entry: &Entry, subject: &dyn Subject) -> String {
         Entry::SharedOutputByte { byte, tasks } => {
             format!("outputs of %QB{byte} are written by {} and by {}", task(tasks.0), task(tasks.1))
         }
+        Entry::OnlineChange { code_only: true } => String::from("online change of code alone"),
+        Entry::OnlineChange { code_only: false } => String::from("online change of code and variables"),
         Entry::ContextInvalid => String::from("the saved context of the remanent variables is not valid"),
+        Entry::Overdriven { input } => {
+            format!("out of specification: I{input} is driven faster than a regular input can follow")
+        }
         Entry::SupplyLost => String::from("the supply was interrupted"),
         Entry::SupplyBack => String::from("the supply came back within the hold-up time"),
     }

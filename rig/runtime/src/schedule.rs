@@ -1,10 +1,10 @@
 //! The steps of a case on their way to their instants. Prepared before the start: nothing is allocated while the
 //! case runs.
 
-use controller::{Command, Probe};
+use controller::{Command, Disturbance, FileUser, Probe};
 use drivers::{ChannelId, Fault};
 use plans::lang::{Anchor, Base};
-use plans::steps::Train;
+use plans::steps::{FileDeed, Train};
 use signal::{Random, SignalId, Span, Time, Value};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -29,12 +29,34 @@ pub enum Act {
         /// Number of cycles.
         times: u32,
     },
+    /// Lets something go wrong around the subject, or mends it.
+    Disturb(Disturbance),
+    /// Keeps a task from the processor.
+    Suspend {
+        /// Place of the task.
+        task: usize,
+        /// For how long.
+        lasts: Span,
+    },
     /// Puts a fault on a line.
     Fault(Fault),
     /// Takes the faults off a line.
     Clear(ChannelId),
-    /// Writes a variable or a place in memory.
-    Write(Probe, Value),
+    /// Writes a variable, a place in memory or a register.
+    Write(Probe, Value, Expected),
+    /// Does something to a file.
+    File(FileAct, Expected),
+}
+
+/// What is done to a file of the subject.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileAct {
+    /// Its path.
+    pub path: String,
+    /// What is done.
+    pub deed: FileDeed,
+    /// Who does it.
+    pub user: FileUser,
 }
 
 /// Whether a command is to be obeyed.

@@ -31,6 +31,10 @@ impl NonVolatile for MemoryStore {
         self.files.remove(name);
     }
 
+    fn list(&self, each: &mut dyn FnMut(&str, u64)) {
+        self.files.iter().for_each(|(name, bytes)| each(name, bytes.len() as u64));
+    }
+
     fn tear(&mut self, name: &str, bytes: &[u8], kept: usize) {
         let old = self.files.get(name).map_or(&[][..], Vec::as_slice);
         let torn = torn(old, bytes, kept);
@@ -155,6 +159,23 @@ impl NonVolatile for DiskStore {
         }
     }
 
+    fn list(&self, each: &mut dyn FnMut(&str, u64)) {
+        let mut found = Vec::new();
+        let mut folders = vec![String::from("/")];
+        while let Some(at) = folders.pop() {
+            for entry in std::fs::read_dir(self.path(&at)).into_iter().flatten().flatten() {
+                let name = format!("{at}{}", entry.file_name().to_string_lossy());
+                match entry.metadata() {
+                    Ok(data) if data.is_dir() => folders.push(name + "/"),
+                    Ok(data) => found.push((name, data.len().saturating_sub(HEADER as u64))),
+                    Err(_) => {}
+                }
+            }
+        }
+        found.sort();
+        found.iter().for_each(|(name, bytes)| each(name, *bytes));
+    }
+
     fn tear(&mut self, name: &str, bytes: &[u8], kept: usize) {
         // The medium under an atomic replacement keeps the old file; what a controller without one would
         // hold is written here as it would be found: without a fitting checksum.
@@ -195,7 +216,28 @@ mod tests {
             std::fs::write(&path, &flipped).unwrap();
             assert_eq!(store.read("/data/retain.0"), None, "bit flipped in byte {place}");
         }
+        std::fs::write(&path, &whole).unwrap();
+        store.write("/usr/Rcp/a.rcp", b"abc");
+        let mut names = Vec::new();
+        store.list(&mut |name, bytes| names.push((name.to_owned(), bytes)));
+        assert_eq!(names, [("/data/retain.0".to_owned(), 6), ("/usr/Rcp/a.rcp".to_owned(), 3)]);
         assert_eq!(store.take_fault(), None);
+    }
+
+    #[test]
+    fn files_are_listed_in_order() {
+        let disk = tempfile::tempdir().unwrap();
+        let stores: [&mut dyn NonVolatile; 2] =
+            [&mut MemoryStore::default(), &mut DiskStore::open(disk.path()).unwrap()];
+        for store in stores {
+            for name in ["/usr/Log/b.log", "/usr/App/Application.app", "/usr/Log/a/c.log"] {
+                store.write(name, b"12345");
+            }
+            let mut seen = Vec::new();
+            store.list(&mut |name, bytes| seen.push((name.to_owned(), bytes)));
+            let names = ["/usr/App/Application.app", "/usr/Log/a/c.log", "/usr/Log/b.log"];
+            assert_eq!(seen, names.map(|name| (name.to_owned(), 5)));
+        }
     }
 
     #[test]

@@ -2,10 +2,15 @@
 
 use crate::application::BundleLoader;
 use crate::coverage::Collector;
+use crate::inputs;
+use crate::names::Names;
+use crate::schedule::FileAct;
 use controller::{
-    Command, Config, ConfigError, Controller, Effects, LoadError, NonVolatile, Probe, ProbeId, Refusal,
-    State, SystemVariable, TaskFigures, WriteError,
+    Command, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError, FileFact, Led,
+    LedPattern, LoadError, NonVolatile, OutputState, Probe, ProbeId, Refusal, State, SystemType,
+    SystemVariable, TaskFigures, WriteError,
 };
+use plans::steps::FileDeed;
 use program::{Elementary, Program, Storage};
 use signal::{Address, Cause, Kind, Level, Span, Time, Value};
 use std::sync::Arc;
@@ -21,6 +26,8 @@ pub enum Capability {
     MemoryAccess,
     /// Run, stop and resets can be commanded.
     Commands,
+    /// The firmware can be damaged and restored.
+    Firmware,
     /// Inputs and outputs can be forced.
     Force,
     /// The supply can be switched.
@@ -29,19 +36,29 @@ pub enum Capability {
     Download,
     /// Electrical faults can be put on lines.
     Faults,
+    /// Files and the log can be seen and changed.
+    Files,
+    /// Registers can be read and written as over the network.
+    Registers,
+    /// LEDs and the states of output stages can be read.
+    Indicators,
 }
 
 impl Capability {
     /// Every capability.
-    pub const ALL: [Capability; 8] = [
+    pub const ALL: [Capability; 12] = [
         Capability::TaskLoad,
         Capability::SystemVariables,
         Capability::MemoryAccess,
         Capability::Commands,
+        Capability::Firmware,
         Capability::Force,
         Capability::Power,
         Capability::Download,
         Capability::Faults,
+        Capability::Files,
+        Capability::Registers,
+        Capability::Indicators,
     ];
 
     /// The word in a plan's `needs`.
@@ -51,10 +68,14 @@ impl Capability {
             Capability::SystemVariables => "system-variables",
             Capability::MemoryAccess => "memory-access",
             Capability::Commands => "commands",
+            Capability::Firmware => "firmware",
             Capability::Force => "force",
             Capability::Power => "power",
             Capability::Download => "download",
             Capability::Faults => "faults",
+            Capability::Files => "files",
+            Capability::Registers => "registers",
+            Capability::Indicators => "indicators",
         }
     }
 
@@ -71,6 +92,21 @@ pub struct Observable {
     pub probe: Probe,
     /// What its values are.
     pub kind: Kind,
+}
+
+impl Observable {
+    /// The names of its values, where they have any.
+    pub fn labels(&self) -> Vec<(i64, String)> {
+        match self.probe {
+            Probe::Led(_) => {
+                LedPattern::ALL.iter().map(|pattern| (pattern.number(), pattern.name().to_owned())).collect()
+            }
+            Probe::Output(_) => {
+                OutputState::ALL.iter().map(|state| (state.number(), state.name().to_owned())).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
 }
 
 /// A controller under test.
@@ -103,8 +139,23 @@ pub trait Subject: Send {
     /// [`Refusal`] with the reason.
     fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal>;
 
+    /// Does something to a file, as a user or as the application would.
+    ///
+    /// # Errors
+    /// [`FileError`] with the reason.
+    fn file(&mut self, now: Time, act: &FileAct, effects: &mut Effects) -> Result<(), FileError>;
+
+    /// What shows a fact of files or of the log.
+    fn file_probe(&mut self, fact: FileFact) -> Probe;
+
+    /// Lets something go wrong around it, or mends it.
+    fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects);
+
     /// Makes the next `times` cycles of a task take `cycle` of execution time.
     fn overload(&mut self, task: usize, cycle: Span, times: u32);
+
+    /// Keeps a task from the processor until `until`.
+    fn suspend(&mut self, task: usize, until: Time);
 
     /// The place of a task by its name.
     fn task(&self, name: &str) -> Option<usize>;
@@ -113,7 +164,10 @@ pub trait Subject: Send {
     fn task_name(&self, task: usize) -> Option<&str>;
 
     /// Name of a source file by its place.
-    fn file_name(&self, file: u8) -> Option<&str>;
+    fn file_name(&self, file: u16) -> Option<&str>;
+
+    /// The source files of the programs that it may get, with their places in their programs.
+    fn source_files(&self) -> Vec<(u16, String)>;
 
     /// Names that mean something inside the subject, for suggestions.
     fn names(&self) -> Vec<String>;
@@ -151,7 +205,10 @@ pub trait Subject: Send {
 #[derive(Debug)]
 pub struct Model {
     controller: Controller,
-    program: Option<Arc<Program>>,
+    /// What its variables' names mean: the case's own program, then those that steps bring.
+    programs: Vec<Arc<Program>>,
+    names: Names,
+    /// Names and intervals; 0 for a task that is not cyclic.
     tasks: Vec<(String, Span)>,
 }
 
@@ -167,9 +224,21 @@ impl Model {
         store: Box<dyn NonVolatile>,
         collector: Option<Collector>,
     ) -> Result<Model, ConfigError> {
-        let loader = Box::new(BundleLoader::new(config.profile).covered(collector));
-        let tasks = config.tasks.iter().map(|task| (task.name.clone(), task.interval())).collect();
-        Ok(Model { controller: Controller::new(config, loader, store)?, program, tasks })
+        let names = Names::default();
+        let loader = Box::new(BundleLoader::new(config.profile).covered(collector).named(names.clone()));
+        let tasks = config.tasks.iter();
+        let tasks = tasks.map(|task| (task.name.clone(), task.interval().unwrap_or(Span::ZERO))).collect();
+        Ok(Model {
+            controller: Controller::new(config, loader, store)?,
+            programs: program.into_iter().collect(),
+            names,
+            tasks,
+        })
+    }
+
+    /// Names of further programs mean something too, behind those that it knows.
+    pub fn know(&mut self, programs: Vec<Arc<Program>>) {
+        self.programs.extend(programs);
     }
 
     /// Prepares the storage as if this application had been downloaded and the controller left in state `left`.
@@ -178,6 +247,21 @@ impl Model {
     /// [`LoadError`] where the application is not valid.
     pub fn commission(&mut self, bundle: &[u8], left: State) -> Result<(), LoadError> {
         self.controller.commission(bundle, left)
+    }
+
+    /// Puts the log entries among new effects into the controller's log, in words (controller:NV-09).
+    fn log(&mut self, before: usize, effects: &mut Effects) {
+        for place in before..effects.list.len() {
+            if let Effect::Log { at, entry } = effects.list[place] {
+                let text = crate::log::show(&entry, self);
+                self.controller.log_line(at, &text, effects);
+            }
+        }
+    }
+
+    /// The firmware is damaged from the start.
+    pub fn damage_firmware(&mut self) {
+        self.controller.damage_firmware();
     }
 
     /// The controller, to look into.
@@ -192,15 +276,20 @@ impl Subject for Model {
     }
 
     fn power(&mut self, now: Time, on: bool, effects: &mut Effects) {
+        let before = effects.list.len();
         if on {
             self.controller.power_on(now, effects);
         } else {
             self.controller.power_off(now, effects);
         }
+        self.log(before, effects);
     }
 
     fn run(&mut self, limit: Time, effects: &mut Effects) -> Time {
-        self.controller.run(limit, effects)
+        let before = effects.list.len();
+        let reached = self.controller.run(limit, effects);
+        self.log(before, effects);
+        reached
     }
 
     fn next_timer(&self) -> Option<Time> {
@@ -208,7 +297,9 @@ impl Subject for Model {
     }
 
     fn fire(&mut self, now: Time, effects: &mut Effects) {
+        let before = effects.list.len();
         self.controller.fire(now, effects);
+        self.log(before, effects);
     }
 
     fn input(&mut self, now: Time, input: usize, level: Level) {
@@ -216,11 +307,36 @@ impl Subject for Model {
     }
 
     fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {
-        self.controller.command(now, command.clone(), effects)
+        let before = effects.list.len();
+        let answer = self.controller.command(now, command.clone(), effects);
+        self.log(before, effects);
+        answer
+    }
+
+    fn file(&mut self, now: Time, act: &FileAct, effects: &mut Effects) -> Result<(), FileError> {
+        let (path, user) = (act.path.as_str(), act.user);
+        match &act.deed {
+            FileDeed::Put(bytes) => self.controller.put_file(now, path, bytes, user, effects),
+            FileDeed::Fill(bytes) => self.controller.put_file(now, path, &vec![0; *bytes], user, effects),
+            FileDeed::Log(entry) => self.controller.log_data(now, path, entry, effects),
+            FileDeed::Remove => self.controller.remove_file(now, path, user, effects),
+        }
+    }
+
+    fn file_probe(&mut self, fact: FileFact) -> Probe {
+        self.controller.file_probe(fact)
+    }
+
+    fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects) {
+        self.controller.disturb(now, disturbance, effects);
     }
 
     fn overload(&mut self, task: usize, cycle: Span, times: u32) {
         self.controller.overload(task, cycle, times);
+    }
+
+    fn suspend(&mut self, task: usize, until: Time) {
+        self.controller.suspend(task, until);
     }
 
     fn task(&self, name: &str) -> Option<usize> {
@@ -231,31 +347,49 @@ impl Subject for Model {
         self.tasks.get(task).map(|(name, _)| name.as_str())
     }
 
-    fn file_name(&self, file: u8) -> Option<&str> {
-        self.program.as_ref()?.files().get(usize::from(file)).map(String::as_str)
+    fn file_name(&self, file: u16) -> Option<&str> {
+        self.programs.first()?.files().get(usize::from(file)).map(String::as_str)
+    }
+
+    fn source_files(&self) -> Vec<(u16, String)> {
+        let files = |program: &Arc<Program>| program.files().to_vec();
+        self.programs.iter().flat_map(|program| (0..).zip(files(program))).collect()
     }
 
     fn names(&self) -> Vec<String> {
-        let variables = self.program.iter().flat_map(|program| program.variables());
+        let variables = self.programs.iter().flat_map(|program| program.variables());
         let variables = variables.map(|variable| variable.path.clone());
-        variables.chain(SystemVariable::ALL.iter().map(|variable| variable.name().to_owned())).collect()
+        let variables = variables.chain(inputs::names(self.controller.reference().input_count()));
+        let leds = Led::ALL.iter().flat_map(|led| ["", ".lit"].map(|end| format!("LED.{}{end}", led.name())));
+        let system = SystemVariable::ALL.iter().map(|variable| variable.name().to_owned());
+        variables.chain(system).chain(leds).collect()
     }
 
     fn observable(&self, name: &str) -> Option<Observable> {
         if let Some(variable) = SystemVariable::find(name) {
-            return Some(Observable { probe: Probe::System(variable), kind: Kind::Word });
+            let kind = if variable.ty() == SystemType::Bool { Kind::Bool } else { Kind::Word };
+            return Some(Observable { probe: Probe::System(variable), kind });
+        }
+        if let Some(found) = indicator(name, self.controller.reference().output_count()) {
+            return Some(found);
+        }
+        if let Some(found) = inputs::observable(name, self.controller.reference().input_count()) {
+            return Some(found);
         }
         if name.starts_with('%') {
             return Address::parse(name).ok().map(of_address);
         }
-        let variable = self.program.as_ref()?.find(name)?;
+        let variable = self.programs.iter().find_map(|program| program.find(name))?;
         if !variable.dimensions.is_empty() {
             return None;
         }
         Some(match variable.storage {
             // The memory knows no types: what is located is its bits.
             Storage::Located(address) => of_address(address),
-            Storage::Cell(cell) => Observable { probe: Probe::Variable(cell.0), kind: kind_of(variable.ty) },
+            Storage::Cell(_) => Observable {
+                probe: Probe::Variable(self.names.number(&variable.path, variable.ty)),
+                kind: kind_of(variable.ty),
+            },
         })
     }
 
@@ -290,6 +424,23 @@ impl Subject for Model {
             })
             .collect()
     }
+}
+
+/// `LED.RUN`, `LED.RUN.lit` or `OUTPUT.Q0`, in any case of letters.
+fn indicator(name: &str, outputs: usize) -> Option<Observable> {
+    let upper = name.to_ascii_uppercase();
+    if let Some(led) = upper.strip_prefix("LED.") {
+        let (led, lit) = match led.strip_suffix(".LIT") {
+            Some(led) => (Led::find(led)?, true),
+            None => (Led::find(led)?, false),
+        };
+        return Some(match lit {
+            true => Observable { probe: Probe::LedLit(led), kind: Kind::Bool },
+            false => Observable { probe: Probe::Led(led), kind: Kind::State },
+        });
+    }
+    let output = upper.strip_prefix("OUTPUT.Q")?.parse().ok().filter(|output| *output < outputs)?;
+    Some(Observable { probe: Probe::Output(output), kind: Kind::State })
 }
 
 fn of_address(address: Address) -> Observable {

@@ -1,6 +1,6 @@
 //! Many plans: their files, their cases, and several cases at once.
 
-use crate::case::{CaseFiles, CaseResult, RunOptions, run_case};
+use crate::case::{CaseFiles, CaseResult, OtherProgram, RunOptions, run_case};
 use document::{Diagnostic, SourceFile};
 use drivers::file::{BoardFile, Subject as BoardSubject, Terminals, UnknownSubject, read as read_board};
 use plans::plan::ProgramRef;
@@ -18,6 +18,14 @@ pub trait Files: Sync {
     /// # Errors
     /// Why it cannot be read.
     fn read(&self, path: &str) -> Result<String, String>;
+
+    /// The bytes of a file, which need not be UTF-8.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn bytes(&self, path: &str) -> Result<Vec<u8>, String> {
+        self.read(path).map(String::into_bytes)
+    }
 }
 
 /// Largest file that is read.
@@ -29,13 +37,16 @@ pub struct Disk;
 
 impl Files for Disk {
     fn read(&self, path: &str) -> Result<String, String> {
+        String::from_utf8(self.bytes(path)?)
+            .map_err(|error| format!("it is no UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
+    }
+
+    fn bytes(&self, path: &str) -> Result<Vec<u8>, String> {
         let length = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
         if length > LARGEST_FILE {
             return Err(format!("it has {length} bytes, {LARGEST_FILE} is the most"));
         }
-        let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-        String::from_utf8(bytes)
-            .map_err(|error| format!("it is no UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
+        std::fs::read(path).map_err(|error| error.to_string())
     }
 }
 
@@ -56,6 +67,17 @@ pub fn load(files: &dyn Files, path: &str) -> Result<SourceFile, Diagnostic> {
         .read(path)
         .map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
     Ok(SourceFile::new(path, text))
+}
+
+/// Reads a file of Structured Text, in whatever encoding and wrapping it is distributed.
+///
+/// # Errors
+/// A finding with the path and the reason.
+pub fn load_program(files: &dyn Files, path: &str) -> Result<SourceFile, Diagnostic> {
+    let bytes = files
+        .bytes(path)
+        .map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
+    program::source(path, &bytes)
 }
 
 /// The terminals of a board file's subject.
@@ -130,18 +152,21 @@ pub fn load_plan(
     };
     let mut found = Vec::new();
     for case in loaded.plan.cases() {
-        if let ProgramRef::Files(names) = &case.program {
+        let brought =
+            case.steps.iter().filter_map(|step| Some((step.stimulus.program()?, step.span.clone())));
+        for (program, at) in std::iter::once((&case.program, 0..0)).chain(brought) {
+            let ProgramRef::Files(names) = program else { continue };
             for name in names {
                 let path = beside(path, name);
                 if loaded.programs.iter().any(|known| known.name == path) {
                     continue;
                 }
-                match load(files, &path) {
+                match load_program(files, &path) {
                     Ok(source) => {
                         sources.push(source.clone());
                         loaded.programs.push(source);
                     }
-                    Err(error) => found.push(error.at(&file.name, 0..0, "")),
+                    Err(error) => found.push(error.at(&file.name, at.clone(), "")),
                 }
             }
         }
@@ -190,6 +215,8 @@ pub struct Job {
     pub name: String,
     /// Title of the case.
     pub title: String,
+    /// The requirements that it proves, of which a row may have its own.
+    pub proves: Vec<String>,
     /// Its seed.
     pub seed: u64,
 }
@@ -218,6 +245,7 @@ impl LoadedPlan {
                         profile,
                         name,
                         title: case.title.clone(),
+                        proves: case.proves.clone(),
                         seed,
                     });
                 }
@@ -244,20 +272,30 @@ impl LoadedPlan {
         if profiles.is_empty() { vec![Profile::default()] } else { profiles }
     }
 
+    /// The sources of a program.
+    fn sources(&self, program: &ProgramRef) -> Vec<SourceFile> {
+        match program {
+            ProgramRef::Files(names) => {
+                let paths = names.iter().map(|name| beside(&self.plan.path, name));
+                let find = |path: String| self.programs.iter().find(|known| known.name == path).cloned();
+                paths.filter_map(find).collect()
+            }
+            ProgramRef::Text { text, at } => vec![inside(self.plan.source(), text, *at)],
+            ProgramRef::None => Vec::new(),
+        }
+    }
+
     /// The files of a job.
     ///
     /// # Errors
     /// A finding when the plan needs a program and has none.
     pub fn files(&self, case: &Case, job: &Job) -> Result<CaseFiles, Vec<Diagnostic>> {
-        let sources = match &case.program {
-            ProgramRef::Files(names) => {
-                let paths: Vec<String> = names.iter().map(|name| beside(&self.plan.path, name)).collect();
-                let find = |path: &String| self.programs.iter().find(|known| known.name == *path).cloned();
-                paths.iter().filter_map(find).collect()
+        let mut others: Vec<OtherProgram> = Vec::new();
+        for program in case.steps.iter().filter_map(|step| step.stimulus.program()) {
+            if others.iter().all(|known| known.program != *program) {
+                others.push(OtherProgram { program: program.clone(), sources: self.sources(program) });
             }
-            ProgramRef::Text { text, at } => vec![inside(self.plan.source(), text, *at)],
-            ProgramRef::None => Vec::new(),
-        };
+        }
         let own = case.board.as_ref().and_then(|name| {
             let path = beside(&self.plan.path, name);
             self.boards.iter().find(|(known, ..)| *known == path).map(|(_, board, text)| (board, text))
@@ -279,7 +317,8 @@ impl LoadedPlan {
             name: job.name.clone(),
             given: self.given.clone(),
             plan: self.plan.source().clone(),
-            sources,
+            sources: self.sources(&case.program),
+            others,
             board,
             board_text,
             profile: job.profile,

@@ -1,12 +1,12 @@
 //! The tasks of a controller: those that exist by themselves, those that the sources configure (CONFIGURATION), and
 //! what a plan says of either.
 
-use controller::{Config, ConfigError, TaskConfig, TaskKind, Watchdog};
+use controller::{BusCycle, Config, ConfigError, EventSource, TaskConfig, TaskKind, Warning, Watchdog};
 use document::{Diagnostic, SourceFile};
-use plans::plan::{Settings, TaskSettings};
+use plans::plan::{Settings, TaskSettings, TaskType};
 use profile::Profile;
-use program::{Program, TaskInfo};
-use signal::Span;
+use program::{Elementary, Program, Storage, TaskInfo};
+use signal::{Address, Size, Span};
 
 /// Where a task of the configuration was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,8 +33,13 @@ impl Tasks {
     /// names leaves the lists of the sources, and a task of the sources that has none left is not made.
     ///
     /// # Errors
-    /// A finding in the sources for a task that these controllers do not have.
-    pub fn new(program: Option<&Program>, settings: &Settings) -> Result<Tasks, Vec<Diagnostic>> {
+    /// A finding in the sources or the plan for a task that these controllers do not have.
+    pub fn new(
+        program: Option<&Program>,
+        settings: &Settings,
+        profile: Profile,
+        plan: &SourceFile,
+    ) -> Result<Tasks, Vec<Diagnostic>> {
         let mut tasks =
             Tasks { configured: vec![TaskConfig::mast()], programs: Vec::new(), from: vec![From::Plan] };
         tasks.programs.push((tasks.configured[0].name.clone(), Vec::new()));
@@ -48,10 +53,16 @@ impl Tasks {
             if left.is_empty() && !is_mast && own.is_none_or(|own| own.programs.is_none()) {
                 continue;
             }
-            let Some(interval) = own.and_then(|own| own.interval).or(task.interval) else {
-                let message = format!("the task `{}` has no INTERVAL", task.name);
-                let help = "write one, as in `TASK t (INTERVAL := T#20ms, PRIORITY := 5)`: there are cyclic tasks only";
-                return Err(vec![refused(program, task, &message).help(help)]);
+            let kind = match (task.interval, &task.single) {
+                (_, Some(trigger)) => {
+                    let trigger = find_trigger(program, trigger).map_err(|message| {
+                        let help = "SINGLE names a Boolean variable, as in `TASK t (SINGLE := MAIN.go, PRIORITY := 5)`";
+                        vec![refused(program, task, &message).help(help)]
+                    })?;
+                    TaskKind::Event { trigger }
+                }
+                (Some(interval), None) => TaskKind::Cyclic { interval },
+                (None, None) => TaskConfig::mast().kind,
             };
             let priority = task.priority.map_or(Ok(profile::DEFAULT_PRIORITY), u8::try_from);
             let Ok(priority) = own.and_then(|own| own.priority).map_or(priority, Ok) else {
@@ -61,7 +72,7 @@ impl Tasks {
             };
             let at = tasks.place(&task.name, From::Sources(place));
             if let Some(configured) = tasks.configured.get_mut(at) {
-                configured.kind = TaskKind::Cyclic { interval };
+                configured.kind = kind;
                 configured.priority = priority;
             }
             if let Some((_, programs)) = tasks.programs.get_mut(at) {
@@ -72,6 +83,12 @@ impl Tasks {
             let at = tasks.place(&said.name, From::Plan);
             if let Some(configured) = tasks.configured.get_mut(at) {
                 overlay(configured, said);
+                if let Some(kind) = said.kind {
+                    configured.kind =
+                        kind_of(kind, said, configured, program, profile).map_err(|message| {
+                            vec![Diagnostic::error("R0113", message).at(&plan.name, 0..0, "")]
+                        })?;
+                }
             }
             if let (Some((_, programs)), Some(list)) = (tasks.programs.get_mut(at), &said.programs) {
                 programs.clone_from(list);
@@ -104,7 +121,8 @@ impl Tasks {
             ConfigError::Priority { task, .. }
             | ConfigError::Interval { task, .. }
             | ConfigError::WatchdogTime { task } => &[*task],
-            ConfigError::TooManyTasks { most, .. } | ConfigError::TooManyCyclic { most, .. } => &[*most],
+            ConfigError::Event { task, .. } | ConfigError::NoEvent { task, .. } => &[*task],
+            ConfigError::TooManyTasks { most, .. } => &[*most],
             _ => &[],
         };
         let written = places.iter().find_map(|place| match self.from.get(*place)? {
@@ -139,6 +157,16 @@ impl Tasks {
             ConfigError::WatchdogTime { task } => {
                 format!("the watchdog time of the task `{}` is not above 0", name(task))
             }
+            ConfigError::Event { task, source } => {
+                format!(
+                    "the task `{}` is started by {source}, an event that the controller does not have",
+                    name(task)
+                )
+            }
+            ConfigError::NoEvent { task, source } => format!(
+                "the task `{}` is started by {source}, which raises no event: give the input an `event`",
+                name(task)
+            ),
             other => other.to_string(),
         }
     }
@@ -150,10 +178,21 @@ impl Tasks {
     pub fn configure(
         &self,
         config: &mut Config,
+        settings: &Settings,
         program: Option<&Program>,
         plan: &SourceFile,
     ) -> Result<(), Vec<Diagnostic>> {
         config.tasks.clone_from(&self.configured);
+        if let Some(name) = &settings.bus_cycle_task {
+            config.bus_cycle_task = match config.task(name) {
+                Some(place) => BusCycle::Task(place),
+                None if name == "<unspecified>" => BusCycle::Slowest,
+                None => {
+                    let message = format!("there is no task `{name}` to be the bus cycle task");
+                    return Err(vec![Diagnostic::error("R0113", message).at(&plan.name, 0..0, "")]);
+                }
+            };
+        }
         config.check().map_err(|error| vec![self.refusal(&error, program, plan)])
     }
 }
@@ -163,8 +202,9 @@ impl Tasks {
 /// # Errors
 /// What it refuses.
 pub fn check(program: &Program, profile: Profile) -> Result<(), Vec<Diagnostic>> {
-    let tasks = Tasks::new(Some(program), &Settings::default())?;
-    tasks.configure(&mut Config::new(profile), Some(program), &SourceFile::new("", ""))
+    let (settings, plan) = (Settings::default(), SourceFile::new("", ""));
+    let tasks = Tasks::new(Some(program), &settings, profile, &plan)?;
+    tasks.configure(&mut Config::new(profile), &settings, Some(program), &plan)
 }
 
 /// What a plan says of a task.
@@ -180,15 +220,76 @@ fn named(settings: &Settings, program: &str) -> bool {
 
 /// Puts what a plan says of a task over what is known of it.
 fn overlay(task: &mut TaskConfig, said: &TaskSettings) {
-    if let Some(interval) = said.interval {
-        task.kind = TaskKind::Cyclic { interval };
-    }
     task.priority = said.priority.unwrap_or(task.priority);
     let watchdog = task.watchdog.unwrap_or(Watchdog { time: Span::from_millis(100), sensitivity: 1 });
     task.watchdog = said.enabled.unwrap_or(true).then(|| Watchdog {
         time: said.watchdog.unwrap_or(watchdog.time),
         sensitivity: said.sensitivity.unwrap_or(watchdog.sensitivity),
     });
+}
+
+/// The kind of a task of which a plan says more than was known. What it leaves out stays as it was.
+fn kind_of(
+    kind: TaskType,
+    said: &TaskSettings,
+    known: &TaskConfig,
+    program: Option<&Program>,
+    profile: Profile,
+) -> Result<TaskKind, String> {
+    Ok(match (kind, &known.kind) {
+        (TaskType::Cyclic, _) => {
+            let interval = said.interval.or(known.interval()).or(TaskConfig::mast().interval());
+            TaskKind::Cyclic { interval: interval.unwrap_or(Span::ZERO) }
+        }
+        (TaskType::Freewheeling, _) => TaskKind::Freewheeling,
+        (TaskType::Event, known) => match (&said.trigger, known) {
+            (Some(trigger), _) => TaskKind::Event { trigger: find_trigger(program, trigger)? },
+            (None, TaskKind::Event { .. }) => known.clone(),
+            _ => return Err(format!("the event task `{}` has no `trigger`", said.name)),
+        },
+        (TaskType::ExternalEvent, _) => {
+            let Some(event) = &said.event else {
+                return Err(format!("the external event task `{}` has no `event`", said.name));
+            };
+            let source = EventSource::find(event, profile);
+            let source = source.ok_or_else(|| format!("{} has no event `{event}`", profile.name()))?;
+            TaskKind::ExternalEvent { source }
+        }
+    })
+}
+
+/// The variable that starts an event task, as the controller looks it up: a path, or the address of a located one.
+fn find_trigger(program: Option<&Program>, trigger: &str) -> Result<String, String> {
+    if trigger.starts_with('%') {
+        let address = Address::parse(trigger).ok().filter(|address| address.size() == Size::Bit);
+        return address
+            .map(|address| address.to_string())
+            .ok_or(format!("`{trigger}` is no bit of the memory"));
+    }
+    let Some(program) = program else { return Ok(trigger.to_owned()) };
+    match program.find(trigger) {
+        Some(variable) if variable.ty == Elementary::Bool && variable.dimensions.is_empty() => {
+            Ok(match variable.storage {
+                Storage::Located(address) => address.to_string(),
+                Storage::Cell(_) => variable.path,
+            })
+        }
+        Some(_) => {
+            Err(format!("`{trigger}` is no Boolean variable: it starts an event task when it becomes TRUE"))
+        }
+        None => Err(format!("there is no variable `{trigger}` to start an event task")),
+    }
+}
+
+/// What the controller accepts of a configuration with a warning (controller:PRIO-02, controller:TASK-23).
+pub fn warnings(config: &Config, plan: &SourceFile) -> Vec<Diagnostic> {
+    let name = |place: usize| config.tasks.get(place).map_or("?", |task| task.name.as_str());
+    let show = |warning: &Warning| {
+        Diagnostic::warning("R0119", warning.show(name))
+            .at(&plan.name, 0..0, "")
+            .help("it also stands in the log")
+    };
+    config.warnings().iter().map(show).collect()
 }
 
 /// A task of the sources that these controllers do not take.
@@ -217,11 +318,12 @@ mod tests {
     /// Name, interval in ms, priority and programs of each task.
     fn tasks(program: &Program, said: Vec<TaskSettings>) -> Vec<(String, i64, u8, String)> {
         let settings = Settings { tasks: said, ..Settings::default() };
-        let tasks = Tasks::new(Some(program), &settings).unwrap();
+        let plan = SourceFile::new("plan.toml", "");
+        let tasks = Tasks::new(Some(program), &settings, Profile::default(), &plan).unwrap();
         let rows = tasks.configured.iter().zip(&tasks.programs);
         let row = |(task, (name, programs)): (&TaskConfig, &(String, Vec<String>))| {
             assert_eq!(task.name, *name);
-            (name.clone(), task.interval().as_nanos() / 1_000_000, task.priority, programs.join(" "))
+            (name.clone(), task.interval().unwrap().as_nanos() / 1_000_000, task.priority, programs.join(" "))
         };
         rows.map(row).collect()
     }
@@ -234,7 +336,12 @@ mod tests {
     fn without_any_there_is_mast() {
         let none = compile(&[SourceFile::new("x.st", PROGRAMS)], Profile::default()).unwrap();
         assert_eq!(tasks(&none, Vec::new()), [row("MAST", 20, 15, "")]);
-        assert_eq!(Tasks::new(None, &Settings::default()).unwrap().configured, [TaskConfig::mast()]);
+        assert_eq!(
+            Tasks::new(None, &Settings::default(), Profile::default(), &SourceFile::new("", ""))
+                .unwrap()
+                .configured,
+            [TaskConfig::mast()]
+        );
     }
 
     #[test]
@@ -245,7 +352,8 @@ mod tests {
         );
         let own = [row("MAST", 50, 15, ""), row("t", 5, 2, "a b")];
         assert_eq!(tasks(&program, Vec::new()), own);
-        let interval = TaskSettings { interval: Some(Span::from_millis(7)), ..task("T") };
+        let kind = Some(TaskType::Cyclic);
+        let interval = TaskSettings { kind, interval: Some(Span::from_millis(7)), ..task("T") };
         assert_eq!(tasks(&program, vec![interval]), [row("MAST", 50, 15, ""), row("t", 7, 2, "a b")]);
         let priority = TaskSettings { priority: Some(3), ..task("mast") };
         assert_eq!(tasks(&program, vec![priority]), [row("MAST", 50, 3, ""), row("t", 5, 2, "a b")]);
@@ -286,9 +394,10 @@ mod tests {
             let settings = Settings { tasks: vec![mast], ..Settings::default() };
             let mut config = Config::new(Profile::default());
             let plan = SourceFile::new("plan.toml", "");
-            let tasks = Tasks::new(Some(&program), &settings);
-            let found =
-                tasks.and_then(|tasks| tasks.configure(&mut config, Some(&program), &plan)).unwrap_err();
+            let tasks = Tasks::new(Some(&program), &settings, Profile::default(), &plan);
+            let found = tasks
+                .and_then(|tasks| tasks.configure(&mut config, &settings, Some(&program), &plan))
+                .unwrap_err();
             assert_eq!((found.len(), found[0].code), (1, code), "{text}");
             let label = &found[0].labels[0];
             let source = format!("{PROGRAMS}CONFIGURATION x {text} END_CONFIGURATION");
@@ -296,9 +405,10 @@ mod tests {
         }
         let twice = vec![TaskSettings { priority: Some(15), ..task("t") }];
         let settings = Settings { tasks: twice, ..Settings::default() };
-        let tasks = Tasks::new(None, &settings).unwrap();
         let plan = SourceFile::new("plan.toml", "");
-        let found = tasks.configure(&mut Config::new(Profile::default()), None, &plan).unwrap_err();
+        let tasks = Tasks::new(None, &settings, Profile::default(), &plan).unwrap();
+        let found =
+            tasks.configure(&mut Config::new(Profile::default()), &settings, None, &plan).unwrap_err();
         assert_eq!((found[0].code, found[0].labels[0].file.as_str()), ("R0113", "plan.toml"));
         assert!(found[0].message.contains("`MAST` and `t`"), "{}", found[0].message);
     }

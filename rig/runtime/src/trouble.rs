@@ -1,6 +1,6 @@
 //! Trouble of the rig itself: the verdict is then `error`, whatever the controller did.
 
-use controller::{Refusal, State, WriteError};
+use controller::{FileError, Refusal, State, WriteError};
 use drivers::{BoardError, Channel, ChannelId, Health, LossReason};
 use signal::{Span, Time, TraceError};
 use std::fmt;
@@ -84,6 +84,13 @@ pub enum Trouble {
         step: String,
         /// Why.
         error: WriteError,
+    },
+    /// A step could not reach a file.
+    File {
+        /// The step.
+        step: String,
+        /// Why.
+        error: FileError,
     },
     /// The trace could not be written.
     Trace(TraceError),
@@ -183,6 +190,9 @@ impl fmt::Display for Shown<'_> {
                 )
             }
             Trouble::NotWritten { step, error } => write!(f, "step `{step}` could not write: {error}"),
+            Trouble::File { step, error } => {
+                write!(f, "step `{step}` could not reach its file: {error}; `refused = true` expects that")
+            }
             Trouble::Trace(error) => write!(f, "the trace could not be written: {error}"),
             Trouble::Interrupted => f.write_str("interrupted"),
         }

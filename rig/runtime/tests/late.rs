@@ -83,7 +83,8 @@ fn lateness_widens_intervals_and_nothing_else() {
 #[test]
 fn lateness_follows_from_the_seed() {
     let library = Library::load();
-    let jobs = library.jobs.iter().step_by(library.jobs.len() / 12);
+    let running = library.jobs.iter().filter(|job| library.case(job).refusal.is_none());
+    let jobs = running.step_by(library.jobs.len() / 12);
     for job in jobs {
         let hash = |seed| run(&library, &Job { seed, ..job.clone() }, LATE, WORST).record.trace_sha256;
         assert_eq!(hash(7), hash(7), "{}", job.name);

@@ -5,14 +5,14 @@ mod common;
 use common::Library;
 use record::{CaseRecord, Verdict};
 use scanrig_runtime::suite::{self, Done, LoadedPlan};
-use scanrig_runtime::{CaseResult, ClockKind, RunOptions, rejudge};
+use scanrig_runtime::{ClockKind, RunOptions, rejudge};
 use signal::{LoadLimits, Trace};
 use std::sync::atomic::AtomicBool;
 
 /// What the trace of a case says of itself, after it was saved and loaded.
-fn again(plan: &LoadedPlan, result: &CaseResult) -> CaseRecord {
+fn again(plan: &LoadedPlan, trace: &Trace) -> CaseRecord {
     let mut bytes = Vec::new();
-    result.trace.as_ref().unwrap().save(&mut bytes).unwrap();
+    trace.save(&mut bytes).unwrap();
     let loaded = Trace::load(&mut bytes.as_slice(), LoadLimits::default()).unwrap();
     rejudge::judge(plan.plan.source(), &loaded).unwrap()
 }
@@ -29,7 +29,9 @@ fn every_case_passes_and_its_trace_says_so_again() {
             if record.verdict != Verdict::Pass {
                 wrong.push(format!("{}: {:?} {}", record.name, record.verdict, record.reason));
             }
-            let replayed = again(&library.plans[library.jobs[place].plan], &result);
+            // A case that is refused as it must be has no trace.
+            let Some(trace) = &result.trace else { return };
+            let replayed = again(&library.plans[library.jobs[place].plan], trace);
             for (claim, again) in record.claims.iter().zip(&replayed.claims) {
                 if claim != again {
                     wrong.push(format!("{}: {claim:?} in the run, {again:?} again", record.name));
@@ -63,7 +65,7 @@ fn a_trace_without_memory_comes_to_the_same() {
         let mut results = vec![None; library.jobs.len()];
         suite::run(&library.plans, &library.jobs, 2, false, &options, &mut |place, done| {
             let Done::Case(result) = done else { panic!("{}: {done:?}", library.jobs[place].name) };
-            let events = result.trace.as_ref().unwrap().len();
+            let events = result.trace.as_ref().map_or(0, Trace::len);
             results[place] = Some((events, CaseRecord { host_ms: 0, ..result.record }));
         });
         results.into_iter().map(Option::unwrap).collect::<Vec<_>>()

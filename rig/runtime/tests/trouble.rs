@@ -3,9 +3,13 @@
 #[path = "common/texts.rs"]
 mod texts;
 
-use controller::{Command, Effects, Probe, ProbeId, Refusal, State, TaskFigures, WriteError};
+use controller::{
+    Command, Disturbance, Effects, FileError, FileFact, Probe, ProbeId, Refusal, State, TaskFigures,
+    WriteError,
+};
 use record::Verdict;
 use scanrig_runtime::clock::VirtualClock;
+use scanrig_runtime::schedule::FileAct;
 use scanrig_runtime::subject::{Capability, Model, Observable, Subject};
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Cause, Level, Span, Time, Value};
@@ -132,6 +136,19 @@ impl Subject for Panics {
         self.model.command(now, command, effects)
     }
 
+    fn file(&mut self, now: Time, act: &FileAct, effects: &mut Effects) -> Result<(), FileError> {
+        self.model.file(now, act, effects)
+    }
+
+    fn file_probe(&mut self, fact: FileFact) -> Probe {
+        self.model.file_probe(fact)
+    }
+
+    fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects) {
+        self.model.disturb(now, disturbance, effects);
+    }
+
+    fn suspend(&mut self, _: usize, _: Time) {}
     fn overload(&mut self, task: usize, cycle: Span, times: u32) {
         self.model.overload(task, cycle, times);
     }
@@ -144,10 +161,13 @@ impl Subject for Panics {
         self.model.task_name(task)
     }
 
-    fn file_name(&self, file: u8) -> Option<&str> {
+    fn file_name(&self, file: u16) -> Option<&str> {
         self.model.file_name(file)
     }
 
+    fn source_files(&self) -> Vec<(u16, String)> {
+        self.model.source_files()
+    }
     fn names(&self) -> Vec<String> {
         self.model.names()
     }

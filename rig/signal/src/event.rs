@@ -41,7 +41,7 @@ pub enum Cause {
         /// Place of the task in the application.
         task: u8,
         /// Place of the source file in the application.
-        file: u8,
+        file: u16,
         /// Line in that file, from 1.
         line: u32,
     },

@@ -1,6 +1,6 @@
 //! `rig program check`.
 
-use super::compile;
+use super::compile_with;
 use crate::exit::Exit;
 use crate::output;
 use profile::Profile;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Compiles files and says what is wrong: with the program, and with its tasks for the default controller.
 pub fn check(files: &[PathBuf]) -> Exit {
-    let (program, sources) = match compile(files) {
+    let (program, sources) = match compile_with(files, runtime::application::compile_library) {
         Ok(compiled) => compiled,
         Err(exit) => return exit,
     };
@@ -19,6 +19,10 @@ pub fn check(files: &[PathBuf]) -> Exit {
     }
     output::findings(&runtime::application::notes(&program, Profile::default()), &sources);
     let count = program.variables().len();
-    output::print(&format!("no errors: programs {}, {count} variables\n", program.programs().join(", ")));
+    let what = match program.programs() {
+        [] => "a library without a PROGRAM".to_owned(),
+        programs => format!("programs {}", programs.join(", ")),
+    };
+    output::print(&format!("no errors: {what}, {count} variables\n"));
     Exit::Passed
 }

@@ -23,9 +23,16 @@ use std::sync::Arc;
 
 /// Reads and compiles the files of one application for the default controller, and shows what is found in them.
 fn compile(files: &[PathBuf]) -> Result<(Arc<Program>, Vec<SourceFile>), Exit> {
+    compile_with(files, runtime::application::compile)
+}
+
+/// The compiler to be used: one for applications or one for libraries.
+type Compiler = fn(&[SourceFile], Profile) -> Result<Program, Vec<Diagnostic>>;
+
+fn compile_with(files: &[PathBuf], compiler: Compiler) -> Result<(Arc<Program>, Vec<SourceFile>), Exit> {
     let mut sources = Vec::new();
     for path in files {
-        match suite::load(&Disk, &path.to_string_lossy()) {
+        match suite::load_program(&Disk, &path.to_string_lossy()) {
             Ok(source) => sources.push(source),
             Err(found) => {
                 output::findings(&[found], &sources);
@@ -33,7 +40,7 @@ fn compile(files: &[PathBuf]) -> Result<(Arc<Program>, Vec<SourceFile>), Exit> {
             }
         }
     }
-    match runtime::application::compile(&sources, Profile::default()) {
+    match compiler(&sources, Profile::default()) {
         Ok(program) => {
             output::findings(&program.warnings, &sources);
             Ok((Arc::new(program), sources))

@@ -18,6 +18,8 @@ pub enum Act {
     /// Copies a variable into another.
     Move(usize, usize),
     Fault(FaultClass),
+    /// Asks for a service with an argument; the answer goes into a variable.
+    Ask(Service, i64, usize),
     /// Goes back to the first operation of the task.
     Loop,
 }
@@ -57,6 +59,11 @@ struct Player {
     fresh: Vec<bool>,
     watched: Vec<bool>,
     dirty: bool,
+    asks: Vec<Option<usize>>,
+    breaks: Vec<u32>,
+    steps: Vec<bool>,
+    /// It stopped before this operation already.
+    stood: Vec<bool>,
     trail: Trail,
 }
 
@@ -78,6 +85,11 @@ impl Application for Player {
                 self.trail.lock().unwrap().push((task, now + used, "end"));
                 return Slice { used, stop: Stop::Done };
             };
+            let line = self.at[task] as u32 + 1;
+            if (self.breaks.contains(&line) || self.steps[task]) && !std::mem::take(&mut self.stood[task]) {
+                (self.stood[task], self.steps[task]) = (true, false);
+                return Slice { used, stop: Stop::Break };
+            }
             let cost = Span::from_nanos(cost);
             if used + cost > budget {
                 return Slice { used, stop: Stop::Budget { next: cost } };
@@ -93,6 +105,10 @@ impl Application for Player {
                 Act::Add(variable, n) => touched = self.set(variable, self.values[variable] + n),
                 Act::Move(from, to) => touched = self.set(to, self.values[from]),
                 Act::Loop => self.at[task] = 0,
+                Act::Ask(service, argument, variable) => {
+                    self.asks[task] = Some(variable);
+                    return Slice { used, stop: Stop::Service { service, argument } };
+                }
                 Act::Fault(class) => {
                     let error = profile::ApplicationError::IntegerDivision;
                     let fault = ApplicationFault { error, class, file: 0, line: self.at[task] as u32 };
@@ -133,6 +149,18 @@ impl Application for Player {
             _ => false,
         })
     }
+    fn reads_input(&self, task: usize, bit: u32) -> bool {
+        let bit = Address::new(signal::Area::Input, signal::Size::Bit, bit).unwrap();
+        self.script.tasks[task].iter().any(|(_, act)| match act {
+            Act::Copy(from, _) => from.overlaps(&bit),
+            _ => false,
+        })
+    }
+    /// `v3` is the fourth variable.
+    fn variable(&self, path: &str) -> Option<u32> {
+        let n: usize = path.strip_prefix('v')?.parse().ok()?;
+        (n < self.values.len()).then_some(n as u32)
+    }
     fn retained_len(&self) -> usize {
         self.script.variables.iter().filter(|(_, keep)| *keep != Keep::Plain).count() * 8
     }
@@ -154,11 +182,31 @@ impl Application for Player {
         }
         true
     }
+    fn retained_map(&self) -> Vec<u8> {
+        vec![self.script.variables.len() as u8]
+    }
+    /// Variables are known by their numbers here.
+    fn adopt_retained(&mut self, map: &[u8], image: &[u8]) -> bool {
+        let kept = self.values.iter_mut().zip(&self.script.variables);
+        let kept = kept.filter(|(_, (_, keep))| *keep != Keep::Plain);
+        for (place, (value, (_, keep))) in image.chunks_exact(8).zip(kept) {
+            if *keep == Keep::Persistent {
+                *value = i64::from_le_bytes(place.try_into().unwrap());
+            }
+        }
+        map.first().is_some_and(|count| usize::from(*count) <= self.script.variables.len())
+    }
+    fn declarations(&self) -> u64 {
+        self.script.variables.len() as u64
+    }
     fn retained_dirty(&mut self) -> bool {
         std::mem::take(&mut self.dirty)
     }
     fn signature(&self) -> u64 {
         self.script.signature
+    }
+    fn locate(&self, path: &str) -> Option<Located> {
+        self.variable(path).map(|number| Located::Variable(number, Form::Whole(2)))
     }
     fn read(&self, variable: u32) -> Value {
         self.values.get(variable as usize).map_or(Value::Unknown, |value| Value::Int(*value))
@@ -170,6 +218,30 @@ impl Application for Player {
     }
     fn watch(&mut self, variable: u32) {
         self.watched[variable as usize] = true;
+    }
+    fn answer(&mut self, task: usize, result: i64) {
+        if let Some(variable) = self.asks[task].take() {
+            self.set(variable, result);
+        }
+    }
+    /// Operations are lines.
+    fn breakpoint(&mut self, _: u16, line: u32) -> Option<u32> {
+        self.breaks.push(line);
+        Some(line)
+    }
+    fn clear_breakpoints(&mut self) {
+        self.breaks.clear();
+    }
+    fn step(&mut self, task: usize) {
+        self.steps[task] = true;
+    }
+    fn succeed(&mut self, old: &mut dyn Application) -> Option<bool> {
+        let old: &mut Player = old.as_any().downcast_mut()?;
+        self.values.clone_from(&old.values);
+        Some(true)
+    }
+    fn as_any(&mut self) -> &mut dyn std::any::Any {
+        self
     }
 }
 
@@ -196,6 +268,10 @@ impl Loader for Scripts {
             fresh: vec![false; tasks],
             watched: vec![false; script.variables.len()],
             dirty: false,
+            asks: vec![None; tasks],
+            breaks: Vec::new(),
+            steps: vec![false; tasks],
+            stood: vec![false; tasks],
             trail: self.1.clone(),
             script,
         }))
@@ -215,6 +291,9 @@ impl NonVolatile for Files {
     }
     fn remove(&mut self, name: &str) {
         self.0.lock().unwrap().remove(name);
+    }
+    fn list(&self, each: &mut dyn FnMut(&str, u64)) {
+        self.0.lock().unwrap().iter().for_each(|(name, bytes)| each(name, bytes.len() as u64));
     }
     fn tear(&mut self, name: &str, bytes: &[u8], kept: usize) {
         let old = self.read(name).unwrap_or_default();

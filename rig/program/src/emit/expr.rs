@@ -172,7 +172,10 @@ impl Emitter<'_, '_, '_> {
                 Some(Value { at, ty, cost: 0, fixed: true })
             }
             ExprKind::Load(place) => Some(self.load(place)),
-            ExprKind::AddressOf(place) => self.address_in_place(place),
+            ExprKind::AddressOf(place) => {
+                self.read(place);
+                self.address_in_place(place)
+            }
             ExprKind::Call(call) => Some(self.call(call, ty)),
             ExprKind::Reinterpret(inner) if same_bits(inner.ty, ty) => {
                 Some(Value { ty, ..self.value(inner) })
@@ -198,6 +201,7 @@ impl Emitter<'_, '_, '_> {
             ExprKind::Binary(op, ..) if is_plain(*op) => self.chain(expr, to),
             ExprKind::Binary(..) => self.short_circuit(expr, to),
             ExprKind::LoadBit(place, bit) => {
+                self.read_bit(place, *bit);
                 let (from, cost) = self.place(place);
                 let cost = cost.saturating_add(self.reading(BOOL, place.retained)).saturating_add(to.cost);
                 self.push(Op::LoadBit, (to.at.0, from.0, *bit), cost, at);

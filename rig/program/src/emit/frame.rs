@@ -31,6 +31,7 @@ pub(super) struct Running {
     pub loops: Vec<Loop>,
     pub calls: Vec<u16>,
     pub writes: Vec<(u32, u32)>,
+    pub reads: Vec<(u32, u32)>,
     /// Expressions inside each other.
     pub depth: u32,
     /// That they are too many was reported.

@@ -139,6 +139,8 @@ pub(crate) fn emit(
         files: sources.iter().map(|source| source.name.clone()).collect(),
         digest: [0; 32],
         layout: [0; 8],
+        kept: Vec::new(),
+        declarations: [0; 8],
         warnings: Vec::new(),
     }
 }
@@ -212,6 +214,7 @@ impl Emitter<'_, '_, '_> {
             template: unit.frame.clone(),
             calls: unique(running.calls),
             writes: unique(running.writes),
+            reads: unique(running.reads),
         }
     }
 

@@ -84,6 +84,7 @@ impl Emitter<'_, '_, '_> {
         let of =
             direct(&place.root, place.offset.saturating_add(offset)).filter(|_| place.indices.is_empty())?;
         self.written(place);
+        self.read(place);
         self.run(statements);
         Some(of)
     }
@@ -132,6 +133,7 @@ impl Emitter<'_, '_, '_> {
 
     /// The variable as a value.
     pub(super) fn load(&mut self, place: &Place) -> Value {
+        self.read(place);
         let (at, cost) = self.place(place);
         let cost = cost.saturating_add(self.reading(place.ty, place.retained));
         Value { at, ty: place.ty, cost, fixed: false }
@@ -146,21 +148,25 @@ impl Emitter<'_, '_, '_> {
 
     /// Keeps account of what is written of the outputs.
     pub(super) fn written(&mut self, place: &Place) {
-        let spans = place.indices.iter().map(|index| {
-            let count = u64::try_from(index.high.saturating_sub(index.low)).unwrap_or(0);
-            count.saturating_mul(u64::from(index.stride))
-        });
-        let bytes = spans.fold(u64::from(place.ty.bytes()), u64::saturating_add);
-        self.written_bits(place, 0, bytes.saturating_mul(8));
+        let writes = bits_in(place, 0, whole(place), map::OUTPUTS..map::MEMORY);
+        self.unit.writes.extend(writes);
     }
 
-    fn written_bits(&mut self, place: &Place, bit: u32, bits: u64) {
-        if matches!(place.root, Root::Absolute) && (map::OUTPUTS..map::MEMORY).contains(&place.offset) {
-            let first = u64::from(place.offset - map::OUTPUTS) * 8 + u64::from(bit);
-            if let Ok(first) = u32::try_from(first) {
-                let bits = u32::try_from(bits).unwrap_or(u32::MAX).min(u32::MAX - first);
-                self.unit.writes.push((first, bits));
-            }
+    fn written_bit(&mut self, place: &Place, bit: u32) {
+        self.unit.writes.extend(bits_in(place, bit, 1, map::OUTPUTS..map::MEMORY));
+    }
+
+    /// Keeps account of what is read of the inputs.
+    pub(super) fn read(&mut self, place: &Place) {
+        self.unit.reads.extend(bits_in(place, 0, whole(place), map::INPUTS..map::OUTPUTS));
+    }
+
+    /// The same for one bit, or for all that indices may mean.
+    pub(super) fn read_bit(&mut self, place: &Place, bit: u32) {
+        if place.indices.is_empty() {
+            self.unit.reads.extend(bits_in(place, bit, 1, map::INPUTS..map::OUTPUTS));
+        } else {
+            self.read(place);
         }
     }
 
@@ -172,7 +178,7 @@ impl Emitter<'_, '_, '_> {
                 let (at, cost) = self.place(place);
                 let bits = if place.indices.is_empty() { 1 } else { 0 };
                 if bits == 1 {
-                    self.written_bits(place, *bit, 1);
+                    self.written_bit(place, *bit);
                 } else {
                     self.written(place);
                 }
@@ -224,4 +230,22 @@ impl Emitter<'_, '_, '_> {
             }
         })
     }
+}
+
+/// Bits of a place, with all that its indices may mean.
+fn whole(place: &Place) -> u64 {
+    let spans = place.indices.iter().map(|index| {
+        let count = u64::try_from(index.high.saturating_sub(index.low)).unwrap_or(0);
+        count.saturating_mul(u64::from(index.stride))
+    });
+    spans.fold(u64::from(place.ty.bytes()), u64::saturating_add).saturating_mul(8)
+}
+
+/// Bits of a place within one of the images, as first and number.
+fn bits_in(place: &Place, bit: u32, bits: u64, image: std::ops::Range<u32>) -> Option<(u32, u32)> {
+    if !matches!(place.root, Root::Absolute) || !image.contains(&place.offset) {
+        return None;
+    }
+    let first = u32::try_from(u64::from(place.offset - image.start) * 8 + u64::from(bit)).ok()?;
+    Some((first, u32::try_from(bits).unwrap_or(u32::MAX).min(u32::MAX - first)))
 }

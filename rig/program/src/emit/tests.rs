@@ -22,7 +22,7 @@ impl Host for NoHost {
         0
     }
 
-    fn store(&mut self, _: Address, _: u64, _: u8, _: u32) -> bool {
+    fn store(&mut self, _: Address, _: u64, _: u16, _: u32) -> bool {
         false
     }
 }

@@ -7,11 +7,13 @@ mod clock;
 mod convert;
 mod dates;
 mod numeric;
+mod services;
 mod strings;
 mod text;
 
 pub(crate) use calendar::days_of;
 pub(crate) use convert::{Conversion, How, Side, convert, from_text, parse_conversion, to_text};
+pub use services::Service;
 
 use crate::types::Elementary;
 
@@ -69,6 +71,8 @@ pub(crate) enum Body {
     Text(fn(&mut TextCall<'_>)),
     /// From the modelled time since the start; the cell of the result.
     Clock(fn(signal::Time) -> i64),
+    /// The caller of the machine answers; the first argument goes with the question.
+    Service(Service),
 }
 
 /// A text as it is stored: units of one or two bytes (little-endian), ended by a unit 0 or by the storage.
@@ -101,12 +105,13 @@ pub(crate) struct TextCall<'a> {
 }
 
 /// Every function, by subject.
-const TABLES: [&[Function]; 6] = [
+const TABLES: [&[Function]; 7] = [
     numeric::FUNCTIONS,
     strings::FUNCTIONS,
     dates::FUNCTIONS,
     checks::FUNCTIONS,
     clock::FUNCTIONS,
+    services::FUNCTIONS,
     convert::FUNCTIONS,
 ];
 

@@ -96,7 +96,7 @@ pub struct Coverage {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StatementCoverage {
     /// Place of the source file.
-    pub file: u8,
+    pub file: u16,
     /// Line, from 1.
     pub line: u32,
     /// It ran.
@@ -107,7 +107,7 @@ pub struct StatementCoverage {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BranchCoverage {
     /// Place of the source file.
-    pub file: u8,
+    pub file: u16,
     /// Line, from 1.
     pub line: u32,
     /// It jumped.
@@ -145,7 +145,7 @@ impl Machine {
     }
 
     /// Stops every task before the first statement of a line, or of the next line that has one: which line that is.
-    pub fn set_breakpoint(&mut self, file: u8, line: u32) -> Option<u32> {
+    pub fn set_breakpoint(&mut self, file: u16, line: u32) -> Option<u32> {
         let behind = self.program.statements.iter().filter(|known| known.file == file && known.line >= line);
         let statement = *behind.min_by_key(|known| (known.line, known.pc))?;
         self.debug.prepare(&self.program);

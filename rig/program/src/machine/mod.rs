@@ -1,5 +1,6 @@
 //! The machine: memory of a program and the tasks that run in it.
 
+mod adopt;
 mod change;
 mod debug;
 mod force;
@@ -9,12 +10,13 @@ mod task;
 pub use change::{ChangeError, ChangeReport};
 pub(crate) use debug::Debug;
 pub use debug::{BranchCoverage, Coverage, StatementCoverage};
-pub(crate) use task::{Registers, Task};
+pub(crate) use task::{Asks, Registers, Task};
 
 use crate::code::{LibraryArgument, map};
+use crate::library::Service;
 use crate::native::Native;
 use crate::program::{Program, VarRef};
-use crate::run::{Parts, Prepared, run};
+use crate::run::{Parts, Prepared, run, settle};
 use crate::types::Elementary;
 use force::Forced;
 use signal::{Address, Span, Time, Value};
@@ -38,7 +40,7 @@ pub trait Host {
 
     /// Stores the low bits of `value`. `file` and `line` (from 1) are the place in the source. TRUE where a
     /// watched location changed: the machine stops right after the operation with [`Stop::Touched`].
-    fn store(&mut self, at: Address, value: u64, file: u8, line: u32) -> bool;
+    fn store(&mut self, at: Address, value: u64, file: u16, line: u32) -> bool;
 }
 
 /// What a task did in one slice.
@@ -65,6 +67,14 @@ pub enum Stop {
     /// A statement with a breakpoint comes next, or the next one after [`Machine::step`]. The cycle goes on with
     /// the next slice.
     Break,
+    /// The program asks for something, the operation that does so being complete at the end of the slice. The cycle
+    /// goes on with the next slice behind [`Machine::answer`]; without an answer it asks again.
+    Service {
+        /// What it asks for.
+        service: Service,
+        /// The first argument; 0 where there is none.
+        argument: i64,
+    },
     /// The cycle was abandoned.
     Fault(Fault),
 }
@@ -75,7 +85,7 @@ pub struct Fault {
     /// What happened.
     pub kind: FaultKind,
     /// Place of the source file.
-    pub file: u8,
+    pub file: u16,
     /// Line, from 1.
     pub line: u32,
 }
@@ -261,6 +271,7 @@ impl Machine {
         if let Some(task) = self.tasks.get_mut(task) {
             task.position = 0;
             task.stopped = false;
+            task.asks = None;
             task.enter(&self.program, &mut self.memory);
         }
     }
@@ -274,6 +285,17 @@ impl Machine {
         let Some(task) = self.tasks.get_mut(task) else {
             return Slice { used: Span::ZERO, stop: Stop::Done };
         };
+        if let Some(Asks { call, service, argument, answer }) = task.asks {
+            let nothing = |stop| Slice { used: Span::ZERO, stop };
+            let Some(answer) = answer else { return nothing(Stop::Service { service, argument }) };
+            task.asks = None;
+            let place = (call, answer);
+            let (stop, changed) = settle(&self.program, &mut self.memory, &self.flags, task, host, place);
+            self.dirty |= changed & RETAINED != 0;
+            if let Some(stop) = stop {
+                return nothing(stop);
+            }
+        }
         let mut changed = 0;
         let idle = task.idle();
         let debugged = self.debug.active(task);
@@ -297,6 +319,14 @@ impl Machine {
             self.apply_forced();
         }
         slice
+    }
+
+    /// Answers what a task asked for with [`Stop::Service`]: the result of the call, cut to its type. Nothing happens
+    /// where the task waits for none.
+    pub fn answer(&mut self, task: usize, result: i64) {
+        if let Some(asks) = self.tasks.get_mut(task).and_then(|task| task.asks.as_mut()) {
+            asks.answer = Some(result);
+        }
     }
 
     /// Identity of code and variables: [`Program::signature`].

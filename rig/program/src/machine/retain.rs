@@ -99,7 +99,7 @@ impl Machine {
     }
 
     /// BOOLs hold 0 or 1 whatever the image held.
-    fn tidy(&mut self, program: &Program) {
+    pub(super) fn tidy(&mut self, program: &Program) {
         let within = |first: u32, end: u32| {
             let place = program.retained.partition_point(|kept| kept.address + kept.bytes <= first);
             program.retained.get(place).is_some_and(|kept| kept.address < end)

@@ -2,6 +2,7 @@
 
 use super::MachineError;
 use crate::code::{Unit, map};
+use crate::library::Service;
 use crate::program::Program;
 
 /// Stack of a task whose programs call in circles, in bytes and calls.
@@ -17,6 +18,16 @@ pub(crate) struct Registers {
     /// Address of the running unit's frame.
     pub base: u32,
     pub unit: u16,
+}
+
+/// A service that a task waits for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asks {
+    /// The call's entry in `Program::library`.
+    pub call: u32,
+    pub service: Service,
+    pub argument: i64,
+    pub answer: Option<i64>,
 }
 
 /// A task between two slices.
@@ -37,6 +48,8 @@ pub(crate) struct Task {
     pub stopped: bool,
     /// It stops before the next statement.
     pub stepping: bool,
+    /// It has asked the caller of the machine for something.
+    pub asks: Option<Asks>,
 }
 
 impl Task {
@@ -65,6 +78,7 @@ impl Task {
             end: end as u32,
             stopped: false,
             stepping: false,
+            asks: None,
         })
     }
 

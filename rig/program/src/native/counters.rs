@@ -1,7 +1,7 @@
 //! Counters. CTU, CTD and CTUD count in WORD as the controllers' Standard library does, where IEC 61131-3 has INT; the
 //! standard's typed counters count in the type that they are named after. CV stops at the limits of its type.
 
-use super::{Native, Pin, Pins, hidden, input, output, rose};
+use super::{Native, Pin, Pins, hidden, input, native, output, rose};
 use crate::types::Elementary::{Bool, Dint, Int, Lint, Udint, Ulint, Word};
 
 /// Pins of a counter upwards, by place.
@@ -50,44 +50,43 @@ macro_rules! both {
     };
 }
 
-const fn block(name: &'static str, pins: &'static [Pin], run: fn(&mut Pins<'_>)) -> Native {
-    Native { name, pins, run }
-}
-
 /// CTU, CTD and CTUD, and the typed ones of the standard with the standard's names of pins.
 pub(super) const BLOCKS: &[Native] = &[
-    block("CTU", up!(Word, "RESET"), ctu),
-    block("CTU_INT", up!(Int, "R"), ctu),
-    block("CTU_DINT", up!(Dint, "R"), ctu),
-    block("CTU_LINT", up!(Lint, "R"), ctu),
-    block("CTU_UDINT", up!(Udint, "R"), ctu),
-    block("CTU_ULINT", up!(Ulint, "R"), ctu),
-    block("CTD", down!(Word, "LOAD"), ctd),
-    block("CTD_INT", down!(Int, "LD"), ctd),
-    block("CTD_DINT", down!(Dint, "LD"), ctd),
-    block("CTD_LINT", down!(Lint, "LD"), ctd),
-    block("CTD_UDINT", down!(Udint, "LD"), ctd),
-    block("CTD_ULINT", down!(Ulint, "LD"), ctd),
-    block("CTUD", both!(Word, "RESET", "LOAD"), ctud),
-    block("CTUD_INT", both!(Int, "R", "LD"), ctud),
-    block("CTUD_DINT", both!(Dint, "R", "LD"), ctud),
-    block("CTUD_LINT", both!(Lint, "R", "LD"), ctud),
-    block("CTUD_UDINT", both!(Udint, "R", "LD"), ctud),
-    block("CTUD_ULINT", both!(Ulint, "R", "LD"), ctud),
+    native!("CTU", up!(Word, "RESET"), ctu),
+    native!("CTU_INT", up!(Int, "R"), ctu),
+    native!("CTU_DINT", up!(Dint, "R"), ctu),
+    native!("CTU_LINT", up!(Lint, "R"), ctu),
+    native!("CTU_UDINT", up!(Udint, "R"), ctu),
+    native!("CTU_ULINT", up!(Ulint, "R"), ctu),
+    native!("CTD", down!(Word, "LOAD"), ctd),
+    native!("CTD_INT", down!(Int, "LD"), ctd),
+    native!("CTD_DINT", down!(Dint, "LD"), ctd),
+    native!("CTD_LINT", down!(Lint, "LD"), ctd),
+    native!("CTD_UDINT", down!(Udint, "LD"), ctd),
+    native!("CTD_ULINT", down!(Ulint, "LD"), ctd),
+    native!("CTUD", both!(Word, "RESET", "LOAD"), ctud),
+    native!("CTUD_INT", both!(Int, "R", "LD"), ctud),
+    native!("CTUD_DINT", both!(Dint, "R", "LD"), ctud),
+    native!("CTUD_LINT", both!(Lint, "R", "LD"), ctud),
+    native!("CTUD_UDINT", both!(Udint, "R", "LD"), ctud),
+    native!("CTUD_ULINT", both!(Ulint, "R", "LD"), ctud),
 ];
 
 /// The number in a pin.
+#[inline(always)]
 fn number(pins: &Pins<'_>, pin: usize) -> i128 {
     pins.ty(pin).number(pins.get(pin))
 }
 
 /// The number in a pin, one more or less, within the limits of its type.
+#[inline(always)]
 fn step(pins: &Pins<'_>, pin: usize, by: i128) -> i64 {
     let (low, high) = pins.ty(pin).range();
     (number(pins, pin) + by).clamp(low, high) as i64
 }
 
 /// Up counter; RESET goes before counting.
+#[inline(always)]
 fn ctu(pins: &mut Pins<'_>) {
     let up = rose(pins, 0, 5);
     let count = if pins.on(1) { 0 } else { step(pins, 4, i128::from(up)) };
@@ -96,6 +95,7 @@ fn ctu(pins: &mut Pins<'_>) {
 }
 
 /// Down counter; LOAD goes before counting.
+#[inline(always)]
 fn ctd(pins: &mut Pins<'_>) {
     let down = rose(pins, 0, 5);
     let count = if pins.on(1) { pins.get(2) } else { step(pins, 4, -i128::from(down)) };
@@ -104,6 +104,7 @@ fn ctd(pins: &mut Pins<'_>) {
 }
 
 /// Up and down counter; RESET goes before LOAD, LOAD before counting. Two edges in one call cancel out.
+#[inline(always)]
 fn ctud(pins: &mut Pins<'_>) {
     let up = rose(pins, 0, 8);
     let down = rose(pins, 1, 9);

@@ -48,15 +48,9 @@ impl Native {
     /// Where the pins lie in an instance, in bytes from its start, and the size of an instance: each pin at a multiple
     /// of its size, the instance a multiple of 8 bytes.
     pub(crate) fn layout(&self) -> (Vec<u16>, u32) {
-        let mut size = 0usize;
-        let mut place = |pin: &Pin| {
-            let offset = size.next_multiple_of(pin.ty.bytes());
-            size = offset + pin.ty.bytes();
-            // A table of pins is written by hand: it has no 8,000 of them.
-            offset as u16
-        };
-        let offsets = self.pins.iter().map(&mut place).collect();
-        (offsets, size.next_multiple_of(ALIGNMENT) as u32)
+        let offsets: Vec<u16> = (0..self.pins.len()).map(|pin| offset(self.pins, pin)).collect();
+        let ends = offsets.iter().zip(self.pins).map(|(offset, pin)| usize::from(*offset) + pin.ty.bytes());
+        (offsets.clone(), ends.max().unwrap_or(0).next_multiple_of(ALIGNMENT) as u32)
     }
 
     /// The place of the pin that a program may call by this name, in capitals.
@@ -81,6 +75,44 @@ impl Native {
         })
     }
 }
+
+/// Where a pin lies in an instance, in bytes.
+const fn offset(pins: &[Pin], pin: usize) -> u16 {
+    let (mut nth, mut end) = (0, 0usize);
+    loop {
+        let bytes = pins[nth].ty.bytes();
+        let offset = end.next_multiple_of(bytes);
+        if nth == pin {
+            // A table of pins is written by hand: it has no 8,000 of them.
+            return offset as u16;
+        }
+        (nth, end) = (nth + 1, offset + bytes);
+    }
+}
+
+/// A block whose body is made for its pins: where they lie and of what type they are is known when it is compiled.
+macro_rules! native {
+    ($name:expr, $pins:expr, $run:ident) => {
+        Native {
+            name: $name,
+            pins: $pins,
+            run: {
+                const PINS: &[Pin] = $pins;
+                const OFFSETS: [u16; PINS.len()] = {
+                    let mut offsets = [0; PINS.len()];
+                    let mut pin = 0;
+                    while pin < PINS.len() {
+                        offsets[pin] = crate::native::offset(PINS, pin);
+                        pin += 1;
+                    }
+                    offsets
+                };
+                |pins| pins.of(PINS, &OFFSETS, $run)
+            },
+        }
+    };
+}
+use native;
 
 /// The standard blocks of IEC 61131-3 (controller:LIB-01, library Standard): timers, counters, edges, bistables and the
 /// real-time clock.
@@ -125,31 +157,41 @@ impl<'a> Pins<'a> {
         Pins { bytes, pins, offsets, flags, now, changed: 0 }
     }
 
+    /// Runs a block on the same instance, with its pins as they were when it was compiled.
+    #[inline(always)]
+    fn of(&mut self, pins: &'static [Pin], offsets: &'static [u16], run: impl FnOnce(&mut Pins<'_>)) {
+        let Pins { bytes, flags, now, .. } = self;
+        let mut known = Pins { bytes, pins, offsets, flags, now: *now, changed: 0 };
+        run(&mut known);
+        self.changed |= known.changed;
+    }
+
     /// Modelled time at which the call takes effect.
+    #[inline(always)]
     pub fn now(&self) -> Time {
         self.now
     }
 
     /// The type of a pin; LINT where there is no such pin.
-    #[inline]
+    #[inline(always)]
     pub fn ty(&self, pin: usize) -> Elementary {
         self.pins.get(pin).map_or(Elementary::Lint, |pin| pin.ty)
     }
 
     /// The cell of a pin; 0 where there is no such pin.
-    #[inline]
+    #[inline(always)]
     pub fn get(&self, pin: usize) -> i64 {
         self.read(pin).unwrap_or(0)
     }
 
     /// Whether a pin is not 0.
-    #[inline]
+    #[inline(always)]
     pub fn on(&self, pin: usize) -> bool {
         self.get(pin) != 0
     }
 
     /// Sets the cell of a pin; its high bits are cut off to the type of the pin.
-    #[inline]
+    #[inline(always)]
     pub fn set(&mut self, pin: usize, value: i64) {
         let ty = self.ty(pin);
         let value = ty.wrap(value);
@@ -168,7 +210,7 @@ impl<'a> Pins<'a> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn read(&self, pin: usize) -> Option<i64> {
         let ty = self.pins.get(pin)?.ty;
         let bytes = self.bytes.get(usize::from(*self.offsets.get(pin)?)..)?;
@@ -195,6 +237,7 @@ const fn hidden(name: &'static str) -> Pin {
 }
 
 /// Whether the input pin rose since the last call, remembered in the pin `last`.
+#[inline(always)]
 fn rose(pins: &mut Pins<'_>, input: usize, last: usize) -> bool {
     let rose = pins.on(input) && !pins.on(last);
     pins.set(last, i64::from(pins.on(input)));

@@ -1,7 +1,7 @@
 //! Timers. Elapsed time counts in the unit of PT from the call that started the timer, so a timer is never early; PT
 //! counts as it is at each call.
 
-use super::{Native, Pin, Pins, hidden, input, output};
+use super::{Native, Pin, Pins, hidden, input, native, output};
 use crate::types::Elementary::{Bool, Ltime, Time};
 
 /// Pins of a timer, by place.
@@ -23,18 +23,18 @@ const LONG: &[Pin] = pins!(Ltime);
 
 /// TON, TOF and TP with TIME, and with LTIME under the names of the controllers' tool and of the standard.
 pub(super) const BLOCKS: &[Native] = &[
-    Native { name: "TON", pins: SHORT, run: ton },
-    Native { name: "TOF", pins: SHORT, run: tof },
-    Native { name: "TP", pins: SHORT, run: tp },
-    Native { name: "LTON", pins: LONG, run: ton },
-    Native { name: "LTOF", pins: LONG, run: tof },
-    Native { name: "LTP", pins: LONG, run: tp },
-    Native { name: "TON_TIME", pins: SHORT, run: ton },
-    Native { name: "TOF_TIME", pins: SHORT, run: tof },
-    Native { name: "TP_TIME", pins: SHORT, run: tp },
-    Native { name: "TON_LTIME", pins: LONG, run: ton },
-    Native { name: "TOF_LTIME", pins: LONG, run: tof },
-    Native { name: "TP_LTIME", pins: LONG, run: tp },
+    native!("TON", SHORT, ton),
+    native!("TOF", SHORT, tof),
+    native!("TP", SHORT, tp),
+    native!("LTON", LONG, ton),
+    native!("LTOF", LONG, tof),
+    native!("LTP", LONG, tp),
+    native!("TON_TIME", SHORT, ton),
+    native!("TOF_TIME", SHORT, tof),
+    native!("TP_TIME", SHORT, tp),
+    native!("TON_LTIME", LONG, ton),
+    native!("TOF_LTIME", LONG, tof),
+    native!("TP_LTIME", LONG, tp),
 ];
 
 const IN: usize = 0;
@@ -49,12 +49,14 @@ const IDLE: i64 = 0;
 const TIMING: i64 = 1;
 const EXPIRED: i64 = 2;
 
+#[inline(always)]
 fn start(pins: &mut Pins<'_>) {
     pins.set(START, pins.now().as_nanos());
     pins.set(PHASE, TIMING);
 }
 
 /// Advances a timing timer; whether it has expired.
+#[inline(always)]
 fn expires(pins: &mut Pins<'_>) -> bool {
     let elapsed = pins.now().as_nanos().saturating_sub(pins.get(START)).max(0) as u64;
     let elapsed = if pins.ty(PT) == Time { elapsed / 1_000_000 } else { elapsed };
@@ -68,6 +70,7 @@ fn expires(pins: &mut Pins<'_>) -> bool {
 }
 
 /// On-delay: Q becomes TRUE when IN has been TRUE for PT.
+#[inline(always)]
 fn ton(pins: &mut Pins<'_>) {
     if !pins.on(IN) {
         pins.set(PHASE, IDLE);
@@ -85,6 +88,7 @@ fn ton(pins: &mut Pins<'_>) {
 }
 
 /// Off-delay: Q stays TRUE until IN has been FALSE for PT.
+#[inline(always)]
 fn tof(pins: &mut Pins<'_>) {
     if pins.on(IN) {
         pins.set(PHASE, IDLE);
@@ -102,6 +106,7 @@ fn tof(pins: &mut Pins<'_>) {
 }
 
 /// Pulse: a rising edge of IN makes Q TRUE for PT, whatever IN does meanwhile. ET is held until IN is FALSE.
+#[inline(always)]
 fn tp(pins: &mut Pins<'_>) {
     if pins.get(PHASE) == IDLE && pins.on(IN) {
         start(pins);

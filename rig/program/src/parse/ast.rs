@@ -175,7 +175,19 @@ pub(crate) struct VarDecl {
     /// Text of the address behind AT.
     pub address: Option<(Box<str>, At)>,
     pub ty: TypeRef,
+    pub built: Option<Built>,
+    /// R_EDGE, F_EDGE where TRUE.
+    pub edge: Option<(bool, At)>,
     pub initial: Option<Initial>,
+}
+
+/// What FB_Init of an instance is given: `block(level := 1)`; for an array one list for each element,
+/// `ARRAY[1..2] OF block[(level := 1), (level := 2)]`.
+#[derive(Clone, Debug)]
+pub(crate) struct Built {
+    pub each: bool,
+    pub lists: Vec<Vec<Argument>>,
+    pub at: At,
 }
 
 #[derive(Clone, Debug)]

@@ -201,7 +201,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// The bracket behind what is called.
-    fn arguments(&mut self) -> Parsed<Vec<Argument>> {
+    pub(super) fn arguments(&mut self) -> Parsed<Vec<Argument>> {
         self.expect(Token::Open, "an opening bracket (")?;
         let mut arguments = Vec::new();
         let mut height = 0;

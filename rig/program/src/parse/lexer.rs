@@ -2,6 +2,39 @@
 
 use logos::{FilterResult, Lexer, Logos};
 
+/// Whether a name stands in a text outside of comments, pragmas and texts, in any case of letters.
+pub fn mentions(text: &str, name: &str) -> bool {
+    words(text, name).next().is_some()
+}
+
+/// Whether a text declares a name, with a colon and a type behind it.
+pub fn declares(text: &str, name: &str) -> bool {
+    words(text, name).any(|mut rest| {
+        loop {
+            match rest.next() {
+                Some(Ok(Token::Comment)) => {}
+                next => return next == Some(Ok(Token::Colon)),
+            }
+        }
+    })
+}
+
+/// Where a name stands: what follows each time.
+fn words<'a>(text: &'a str, name: &'a str) -> impl Iterator<Item = Lexer<'a, Token>> {
+    // Few texts have it at all, and looking for bytes is quick.
+    let bytes = text.as_bytes().windows(name.len().max(1));
+    let somewhere = bytes.into_iter().any(|bytes| bytes.eq_ignore_ascii_case(name.as_bytes()));
+    let mut tokens = Token::lexer(if somewhere { text } else { "" });
+    std::iter::from_fn(move || {
+        loop {
+            let token = tokens.next()?;
+            if token == Ok(Token::Word) && tokens.slice().eq_ignore_ascii_case(name) {
+                return Some(tokens.clone());
+            }
+        }
+    })
+}
+
 /// What went wrong in a token.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum LexFault {
@@ -13,9 +46,14 @@ pub(crate) enum LexFault {
     Conditional,
 }
 
+/// Whether comments end at the first `*)`, as exports of older tools say of themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Flat(bool);
+
 /// A token; its text is taken from the source.
 #[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
 #[logos(error = LexFault)]
+#[logos(extras = Flat)]
 #[logos(skip r"[ \t\r\n\f\u{feff}]+")]
 #[logos(skip r"//[^\n]*")]
 pub(crate) enum Token {
@@ -119,13 +157,16 @@ fn comment(lex: &mut Lexer<Token>, open: &[u8; 2], close: &[u8; 2]) -> FilterRes
     while let Some(pair) = rest.get(at..at + 2) {
         if pair == close {
             (depth, at) = (depth - 1, at + 2);
-        } else if pair == open {
+        } else if pair == open && !lex.extras.0 {
             (depth, at) = (depth + 1, at + 2);
         } else {
             at += 1;
         }
         if depth == 0 {
             lex.bump(at);
+            if let Some((_, value)) = lex.slice().split_once("@NESTEDCOMMENTS") {
+                lex.extras = Flat(value.contains("'No'"));
+            }
             return FilterResult::Skip;
         }
     }

@@ -41,7 +41,25 @@ impl Parser<'_, '_, '_> {
             Section { kind, retention: Retention::None, constant: false, variables: Vec::new(), at };
         self.section_words(&mut section);
         section.variables = self.members(Word::EndVar, at)?;
+        self.check_words(&section);
         Ok(Some(section))
+    }
+
+    /// Reports edges and arguments of FB_Init where they mean nothing.
+    fn check_words(&mut self, section: &Section) {
+        use SectionKind::{Global, Input, Instance, Local, Static, Temp};
+        for decl in &section.variables {
+            if let Some((_, at)) = decl.edge.filter(|_| section.kind != Input) {
+                let message = "only inputs detect edges";
+                self.error(Code::Section, at, message, "declare an R_TRIG or F_TRIG and call it");
+            }
+            if let Some(built) = &decl.built
+                && !matches!(section.kind, Local | Temp | Static | Instance | Global)
+            {
+                let message = "the instance is made elsewhere";
+                self.error(Code::Section, built.at, message, "declare it in VAR or VAR_GLOBAL");
+            }
+        }
     }
 
     /// CONSTANT, RETAIN and the like, in any order. Who may see the variables is not restricted here.
@@ -157,10 +175,19 @@ impl Parser<'_, '_, '_> {
             }
         }
         self.expect(Token::Colon, "a colon and a type")?;
-        let ty = self.type_ref()?;
-        if self.at_edge() {
-            let help = "declare an R_TRIG or F_TRIG and call it with the input";
-            return Err(self.unsupported(self.at(), "an input that detects edges", help));
+        // Structures and what pointers lead to are built nowhere.
+        let plain = matches!(self.tok.token, Token::Word) && !self.at_word(Word::Struct);
+        let outer = std::mem::replace(&mut self.builds, plain && close == Word::EndVar);
+        let ty = self.type_ref();
+        self.builds = outer;
+        let (ty, built) = (ty?, self.built.take());
+        let edge = self.at_edge().then(|| (self.at_word(Word::FEdge), self.at()));
+        if close != Word::EndVar && self.at_edge() {
+            let help = "declare it as an input of a FUNCTION_BLOCK";
+            return Err(self.unsupported(self.at(), "a member that detects edges", help));
+        }
+        if edge.is_some() {
+            self.advance();
         }
         let initial = self.initial_of(&ty)?;
         self.semicolon()?;
@@ -175,9 +202,11 @@ impl Parser<'_, '_, '_> {
             name,
             address,
             ty: ty.clone(),
+            built: built.clone(),
+            edge,
             initial: initial.clone(),
         }));
-        list.extend(last.map(|(name, address)| VarDecl { name, address, ty, initial }));
+        list.extend(last.map(|(name, address)| VarDecl { name, address, ty, built, edge, initial }));
         Ok(())
     }
 
@@ -195,7 +224,9 @@ impl Parser<'_, '_, '_> {
             return Ok(None);
         }
         if text.contains('*') {
-            self.unsupported(at, "an address that is completed elsewhere", "write the whole address");
+            let message = format!("`{text}` is an address that is completed elsewhere");
+            let help = "the variable is connected to nothing here; write the whole address to connect it";
+            self.findings.warning(Code::Unconnected, at, message, help);
             return Ok(None);
         }
         Ok(Some((text.into(), at)))

@@ -25,6 +25,7 @@ use crate::findings::{At, Findings};
 use ast::{Name, Unit};
 use document::SourceFile;
 use lexer::Token;
+pub use lexer::{declares, mentions};
 pub(crate) use names::Names;
 use tokens::Tok;
 use words::Word;
@@ -45,7 +46,7 @@ pub(crate) struct Reported;
 type Parsed<T> = Result<T, Reported>;
 
 /// Sources that a place can tell apart.
-const MOST_SOURCES: usize = 256;
+const MOST_SOURCES: usize = 65_535;
 
 /// Reads all sources into one unit.
 pub(crate) fn parse(sources: &[SourceFile], names: &mut Names, findings: &mut Findings<'_>) -> Unit {
@@ -55,7 +56,7 @@ pub(crate) fn parse(sources: &[SourceFile], names: &mut Names, findings: &mut Fi
         let help = format!("join some of them: at most {MOST_SOURCES} are read");
         findings.error(Code::SourceSize, At::default(), message, help);
     }
-    for (file, source) in (0..=u8::MAX).zip(sources) {
+    for (file, source) in (0..=u16::MAX).zip(sources) {
         let (tokens, cut) = tokens::tokens(&source.text, file, names, findings);
         let mut parser = Parser {
             text: &source.text,
@@ -69,6 +70,8 @@ pub(crate) fn parse(sources: &[SourceFile], names: &mut Names, findings: &mut Fi
             depth: 0,
             height: 0,
             open: Vec::new(),
+            builds: false,
+            built: None,
             given_up: false,
             cut,
         };
@@ -78,9 +81,20 @@ pub(crate) fn parse(sources: &[SourceFile], names: &mut Names, findings: &mut Fi
     unit
 }
 
+/// The first word of a text behind remarks and pragmas, in capitals.
+pub(crate) fn first_word(text: &str) -> String {
+    let mut lexer = <Token as logos::Logos>::lexer(text);
+    while let Some(token) = lexer.next() {
+        if token == Ok(Token::Word) {
+            return lexer.slice().to_ascii_uppercase();
+        }
+    }
+    String::new()
+}
+
 struct Parser<'t, 'p, 's> {
     text: &'t str,
-    file: u8,
+    file: u16,
     tokens: Vec<Tok>,
     /// Of the present token.
     place: usize,
@@ -94,6 +108,9 @@ struct Parser<'t, 'p, 's> {
     height: usize,
     /// What closes the statements around the present token, of one body.
     open: Vec<Word>,
+    /// Whether an instance with arguments for FB_Init may be declared here, and those that were read.
+    builds: bool,
+    built: Option<ast::Built>,
     /// Nothing more is read.
     given_up: bool,
     /// The text ends inside a comment: what is missing at its end is not worth a word.

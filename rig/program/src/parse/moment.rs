@@ -9,23 +9,25 @@ const DAY: i128 = 86_400 * SECOND;
 /// Type and cell of `T#1h30m`, `LTIME#1.5us`.
 pub(crate) fn duration(text: &str) -> Result<(i64, Elementary), LiteralFault> {
     let (prefix, body) = text.split_once('#').unwrap_or(("", text));
-    let nanoseconds = nanoseconds(&body.to_ascii_lowercase());
+    let body = body.to_ascii_lowercase();
+    let (nanoseconds, exact) = nanoseconds(&body)?;
     if prefix.eq_ignore_ascii_case("LT") || prefix.eq_ignore_ascii_case("LTIME") {
-        let whole = nanoseconds?.ok_or(LiteralFault::FinerThanNanoseconds)?;
-        let cell = i64::try_from(whole).map_err(|_| LiteralFault::TooLongLong)?;
+        if !exact {
+            return Err(LiteralFault::FinerThanNanoseconds);
+        }
+        let cell = i64::try_from(nanoseconds).map_err(|_| LiteralFault::TooLongLong)?;
         return Ok((cell, Elementary::Ltime));
     }
-    match nanoseconds? {
-        Some(whole) if whole % 1_000_000 == 0 => {
-            let cell = u32::try_from(whole / 1_000_000).map_err(|_| LiteralFault::TooLong)?;
-            Ok((i64::from(cell), Elementary::Time))
-        }
-        _ => Err(LiteralFault::TooFine),
+    // Decimals that are finer than the type are cut off, as where LTIME becomes TIME; units that are finer are a slip.
+    if nanoseconds % 1_000_000 != 0 && (body.ends_with("us") || body.ends_with("ns")) {
+        return Err(LiteralFault::TooFine);
     }
+    let cell = u32::try_from(nanoseconds / 1_000_000).map_err(|_| LiteralFault::TooLong)?;
+    Ok((i64::from(cell), Elementary::Time))
 }
 
-/// Nanoseconds of `1d2h3m4s5ms`, in small letters; `None` where they are not whole.
-fn nanoseconds(body: &str) -> Result<Option<i128>, LiteralFault> {
+/// Nanoseconds of `1d2h3m4s5ms`, in small letters, and whether they are whole; what is finer is cut off.
+fn nanoseconds(body: &str) -> Result<(i128, bool), LiteralFault> {
     const UNITS: [(&str, i128); 7] = [
         ("d", DAY),
         ("h", 3_600 * SECOND),
@@ -71,7 +73,7 @@ fn nanoseconds(body: &str) -> Result<Option<i128>, LiteralFault> {
         exact &= part_exact;
         rest = after;
     }
-    Ok(exact.then_some(total))
+    Ok((total, exact))
 }
 
 /// `0.fraction` times `scale`, and whether that is whole.
@@ -79,14 +81,12 @@ fn scaled(fraction: &str, scale: i128) -> Result<(i128, bool), LiteralFault> {
     let (mut sum, mut place) = (0i128, 1i128);
     // Zeros at the end say nothing; more than 18 places cannot be whole in any unit.
     let digits: Vec<char> = fraction.trim_end_matches(['0', '_']).chars().filter(|c| *c != '_').collect();
-    if digits.len() > 18 {
-        return Ok((0, false));
-    }
-    for digit in digits {
+    let whole = digits.len() <= 18;
+    for digit in digits.into_iter().take(18) {
         sum = sum * 10 + i128::from(digit.to_digit(10).ok_or(LiteralFault::Duration)?);
         place *= 10;
     }
-    Ok((sum * scale / place, sum * scale % place == 0))
+    Ok((sum * scale / place, whole && sum * scale % place == 0))
 }
 
 /// Type and cell of `D#2024-02-29`, `TOD#12:34:56.789`, `LDT#2024-02-29-12:34:56.789`.
@@ -201,7 +201,8 @@ mod tests {
         assert_eq!(time("T#1s1s"), Err(LiteralFault::Duration));
         assert_eq!(time("T#1.5s1ms"), Err(LiteralFault::Duration));
         assert_eq!(time("T#.5s"), Err(LiteralFault::Duration));
-        assert_eq!(time("T#0.5ms"), Err(LiteralFault::TooFine));
+        assert_eq!((time("T#5.5ms"), time("T#0.5ms"), time("T#1m2.3456s")), (Ok(5), Ok(0), Ok(62_345)));
+        assert_eq!(time("T#0.3333333333333333333333s"), Ok(333));
         assert_eq!(time("T#1us"), Err(LiteralFault::TooFine));
         assert_eq!(time("T#-1s"), Err(LiteralFault::Negative));
         for text in ["T#", "T#5", "T#s", "T#5x", "T#_5s", "T#1h__5m"] {

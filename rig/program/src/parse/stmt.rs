@@ -110,6 +110,7 @@ impl Parser<'_, '_, '_> {
                 let kind = match word {
                     Some(Word::Exit) => self.single(StmtKind::Exit),
                     Some(Word::Continue) => self.single(StmtKind::Continue),
+                    Some(Word::Return) if self.next_is(Token::Open) => self.conditional_return()?,
                     Some(Word::Return) => self.single(StmtKind::Return),
                     _ => {
                         self.refused_statement()?;
@@ -246,6 +247,17 @@ impl Parser<'_, '_, '_> {
             if self.accept_word(Word::Else) { self.inside(Word::EndIf, false) } else { Vec::new() };
         self.close(Word::EndIf, open)?;
         Ok(StmtKind::If { arms, otherwise })
+    }
+
+    /// `RETURN(condition);`, a return that is taken where the condition holds.
+    fn conditional_return(&mut self) -> Parsed<StmtKind> {
+        let at = self.at();
+        self.advance();
+        self.advance();
+        let condition = self.expression()?;
+        self.expect(Token::Close, "a closing bracket )")?;
+        let leave = Stmt { kind: StmtKind::Return, at };
+        Ok(StmtKind::If { arms: vec![(condition, vec![leave])], otherwise: Vec::new() })
     }
 
     fn case_statement(&mut self) -> Parsed<StmtKind> {

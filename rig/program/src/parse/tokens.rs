@@ -35,7 +35,7 @@ impl Tok {
 /// run of them once.
 pub(super) fn tokens(
     text: &str,
-    file: u8,
+    file: u16,
     names: &mut Names,
     findings: &mut Findings<'_>,
 ) -> (Vec<Tok>, bool) {
@@ -56,7 +56,7 @@ pub(super) fn tokens(
             Ok(token) => {
                 tok.token = token;
                 match token {
-                    Token::Word => tok.key = names.intern(lexer.slice()),
+                    Token::Word => tok.key = word(lexer.slice(), names),
                     Token::Prefix => tok.prefix = names.intern(lexer.slice().trim_end_matches('#')),
                     _ => {}
                 }
@@ -94,6 +94,17 @@ pub(super) fn tokens(
         character(run, text, findings);
     }
     (list, cut)
+}
+
+/// The key of a word. Older tools wrote one of the language in one piece as well.
+fn word(text: &str, names: &mut Names) -> Key {
+    if text.len() == 13 && text.eq_ignore_ascii_case("FUNCTIONBLOCK") {
+        Word::FunctionBlock.key()
+    } else if text.len() == 17 && text.eq_ignore_ascii_case("END_FUNCTIONBLOCK") {
+        Word::EndFunctionBlock.key()
+    } else {
+        names.intern(text)
+    }
 }
 
 fn character(at: At, text: &str, findings: &mut Findings<'_>) {

@@ -1,6 +1,6 @@
 //! Types where they are used, and the TYPE block.
 
-use super::ast::{Expr, TypeDecl, TypeKind, TypeRef, Unit};
+use super::ast::{Built, Expr, TypeDecl, TypeKind, TypeRef, Unit};
 use super::lexer::Token;
 use super::words::Word;
 use super::{Parsed, Parser};
@@ -209,6 +209,10 @@ impl Parser<'_, '_, '_> {
     /// A name of a type, with a subrange or the values of an enumeration behind it.
     fn named_type(&mut self) -> Parsed<TypeKind> {
         let base = self.path_name("a type")?;
+        if self.builds && self.is(Token::OpenBracket) && self.next_is(Token::Open) {
+            self.built = Some(self.built_each()?);
+            return Ok(TypeKind::Named(base));
+        }
         if !self.is(Token::Open) {
             return Ok(TypeKind::Named(base));
         }
@@ -222,6 +226,11 @@ impl Parser<'_, '_, '_> {
         let constructor = self.next_is(Token::Close)
             || !elementary && self.ahead(2).token == Token::Assign
             || !elementary && !self.range_ahead();
+        if constructor && self.builds {
+            let lists = vec![self.arguments()?];
+            self.built = Some(Built { each: false, lists, at: open.to(self.last) });
+            return Ok(TypeKind::Named(base));
+        }
         if constructor {
             self.unsupported(open, CONSTRUCTOR, CONSTRUCTOR_HELP);
             self.skip_brackets();
@@ -233,6 +242,21 @@ impl Parser<'_, '_, '_> {
         let high = Box::new(self.expression()?);
         self.expect(Token::Close, "a closing bracket )")?;
         Ok(TypeKind::Subrange { base, low, high })
+    }
+
+    /// `[(level := 1), (level := 2)]` behind the block of an array.
+    fn built_each(&mut self) -> Parsed<Built> {
+        let open = self.at();
+        self.advance();
+        let mut lists = Vec::new();
+        loop {
+            lists.push(self.arguments()?);
+            if !self.accept(Token::Comma) {
+                break;
+            }
+        }
+        let end = self.expect(Token::CloseBracket, "a comma or a closing bracket ]")?;
+        Ok(Built { each: true, lists, at: open.to(end) })
     }
 
     /// Whether `..` stands in the bracket that opens here.

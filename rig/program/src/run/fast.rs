@@ -1,7 +1,6 @@
 //! The code in the form that runs: operands with their base taken apart.
 
-use super::fold::fold;
-use super::quick::Quick;
+use super::quick::{Quick, fold};
 use crate::code::{Base, IndexOf, Op, Operand, Step};
 use crate::program::Program;
 

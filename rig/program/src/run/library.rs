@@ -3,11 +3,19 @@
 use super::text::At;
 use super::world::{By, Stored, World};
 use crate::code::{LibraryArgument, LibraryCall, LibraryCode, Operand, TextAt};
-use crate::library::{Body, Text, TextCall, TextOut, from_text, to_text};
+use crate::library::{Body, Service, Text, TextCall, TextOut, from_text, to_text};
 use crate::machine::{FaultKind, Host, PinOffsets, READ_ONLY, Scratch, WATCHED};
 use crate::native::{Native, Pins};
 use crate::types::Elementary;
 use signal::Time;
+
+/// What a call of the library came to.
+pub(super) enum Called {
+    /// The result is stored.
+    Done(Stored),
+    /// The caller of the machine has to answer.
+    Asks(Service, i64),
+}
 
 /// Text arguments that a call can have.
 const TEXTS: usize = 32;
@@ -34,7 +42,7 @@ impl<H: Host> World<'_, H> {
         place: impl Fn(&[u8], Operand) -> Option<u32>,
         now: Time,
         by: By,
-    ) -> Result<Stored, FaultKind> {
+    ) -> Result<Called, FaultKind> {
         let Scratch { bytes, cells } = scratch;
         let place = |memory: &[u8], operand| place(memory, operand).ok_or(FaultKind::BadReference);
         let (out, mut rest) = match &call.result {
@@ -71,6 +79,7 @@ impl<H: Host> World<'_, H> {
                 Body::Scalar(run) => of.result = run(call.generic, cells),
                 Body::Text(run) => run(&mut of),
                 Body::Clock(run) => of.result = run(now),
+                Body::Service(service) => return Ok(Called::Asks(service, first)),
             },
             LibraryCode::ToText(ty) => to_text(ty, first, &mut of.out),
             LibraryCode::FromText(ty) => {
@@ -81,13 +90,13 @@ impl<H: Host> World<'_, H> {
         match &call.result {
             LibraryArgument::Cell(operand, ty) => {
                 let at = place(memory, *operand)?;
-                Ok(self.store(memory, at, ty.bytes() as u32, result as u64, by))
+                Ok(Called::Done(self.store(memory, at, ty.bytes() as u32, result as u64, by)))
             }
             LibraryArgument::Text(text) => {
                 let at = At::new(place(memory, text.at)?, text);
                 let length = length.saturating_mul(at.unit() as usize).min(text.bytes as usize);
                 let units = bytes.get(..length).unwrap_or_default();
-                Ok(self.store_text(memory, at, units, by))
+                Ok(Called::Done(self.store_text(memory, at, units, by)))
             }
         }
     }

@@ -1,24 +1,28 @@
 //! The interpreter: executes operations until the budget, the cycle or a watch ends the slice.
 
-mod constant;
 mod fast;
-mod fold;
 mod library;
 mod number;
 mod operations;
 mod quick;
+mod service;
 mod text;
 mod world;
 
 pub(crate) use fast::Prepared;
+pub(crate) use service::settle;
 
 use crate::code::{Base, Op, Operand, map};
-use crate::library::convert;
-use crate::machine::{Debug, Fault, FaultKind, Host, PinOffsets, Registers, Scratch, Slice, Stop, Task};
+use crate::library::{Service, convert};
+use crate::machine::{
+    Asks, Debug, Fault, FaultKind, Host, PinOffsets, Registers, Scratch, Slice, Stop, Task,
+};
 use crate::program::Program;
 use crate::types::Elementary;
+use library::Called;
 use number::{Canonical, Raw, max_f32, max_f64, min_f32, min_f64, shift, spread, turn};
 use operations::operations;
+use quick::{Around, Place};
 use signal::{Span, Time};
 use text::{At, Pair};
 use world::{By, Stored, World};
@@ -29,6 +33,7 @@ enum Exit {
     Done,
     Touched,
     Break,
+    Service(Service, i64),
     Fault(FaultKind),
 }
 
@@ -79,8 +84,9 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
     let mut branched = false;
 
     let exit = 'slice: loop {
-        if !DEBUG {
-            (pc, left) = quick.run(memory, flags, bases, pc, left);
+        if !DEBUG && let Some(entry) = quick.entry(pc) {
+            let around = Around { program, memory, flags, pins: natives, task, now, budget };
+            Place { pc, left, bases, unit } = quick.go(around, entry, Place { pc, left, bases, unit });
         }
         let Some(step) = code.get(pc) else { break Exit::Fault(FaultKind::Internal) };
         if DEBUG && debug.stops(pc, task) {
@@ -397,7 +403,11 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
                 let place = |memory: &[u8], operand| place(memory, bases, operand);
                 let now = now.saturating_add(Span::from_nanos(budget - left));
                 match world.call_library(memory, scratch, call, place, now, By { pc: here, unit }) {
-                    Ok(stored) => settle!(stored),
+                    Ok(Called::Done(stored)) => settle!(stored),
+                    Ok(Called::Asks(service, argument)) => {
+                        task.asks = Some(Asks { call: b, service, argument, answer: None });
+                        break 'slice Exit::Service(service, argument);
+                    }
                     Err(kind) => break 'slice Exit::Fault(kind),
                 }
             }
@@ -456,6 +466,7 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
         Exit::Done => Stop::Done,
         Exit::Touched => Stop::Touched,
         Exit::Break => Stop::Break,
+        Exit::Service(service, argument) => Stop::Service { service, argument },
         Exit::Fault(kind) => {
             task.position = task.programs.len();
             let file = units.get(usize::from(unit)).map_or(0, |unit| unit.file);

@@ -23,6 +23,8 @@ pub(super) struct Parameter {
     pub optional: bool,
     /// In-out that is only read.
     pub constant: bool,
+    /// Input of any type.
+    pub any: Option<super::any::Any>,
 }
 
 impl<'a> Sema<'a> {
@@ -49,6 +51,10 @@ impl<'a> Sema<'a> {
             slot,
             optional,
             constant: symbol.constant,
+            any: match symbol.decl.ty.kind {
+                ast::TypeKind::Named(name) => self.any_named(name),
+                _ => None,
+            },
         }
     }
 
@@ -112,6 +118,7 @@ impl<'a> Sema<'a> {
                 slot: Slot::Place(inner),
                 optional: true,
                 constant: false,
+                any: None,
             });
         }
         list
@@ -211,6 +218,13 @@ impl<'a> Sema<'a> {
             }
             let parameter = &parameters[place];
             let written = value;
+            if let Some(any) = parameter.any {
+                match self.any_inputs(value, parameter, any) {
+                    Some(list) => inputs.extend(list),
+                    None => whole = false,
+                }
+                continue;
+            }
             let value = if parameter.kind == SectionKind::InOut {
                 self.by_reference(value, parameter)
             } else {
@@ -224,14 +238,17 @@ impl<'a> Sema<'a> {
                 None => whole = false,
             }
         }
+        // A list with names may be incomplete: what is left out has its initial value, or that of its type.
+        let named = arguments.iter().any(|argument| matches!(argument, Argument::Input(..)));
         let missing: Vec<&str> = takes
             .iter()
             .filter(|nth| !given[**nth] && !parameters[**nth].optional)
+            .filter(|nth| !named || parameters[**nth].kind == SectionKind::InOut)
             .map(|nth| parameters[*nth].shown.as_str())
             .collect();
         if !missing.is_empty() && whole {
             let message = format!("`{shown}` needs a value for {}", missing.join(", "));
-            let help = "only inputs with an initial value can be left out";
+            let help = "name the parameters that are given, as in x := 1: inputs that are left out have initial values then";
             self.findings.error(Code::Arguments, at, message, help);
             return None;
         }

@@ -1,13 +1,14 @@
 //! Where the members of blocks and programs and the global variables stand.
 
 use super::declare::initial_at;
+use super::late::Base;
 use super::scope::{Home, Symbol};
 use super::types::{Type, TypeId, WRONG, elements, stride};
 use super::{Sema, State};
 use crate::code::map;
 use crate::codes::Code;
 use crate::findings::{At, count};
-use crate::parse::ast::{self, PouKind, Section, SectionKind};
+use crate::parse::ast::{self, Section, SectionKind};
 use crate::program::{Located, Retained, Retention};
 use crate::shape::{Member, Root};
 use signal::{Address, Area, Size};
@@ -154,8 +155,10 @@ impl<'a> Sema<'a> {
                     self.pous[place as usize].symbols.push(symbol.clone());
                 }
                 self.in_out = section.kind == SectionKind::InOut;
+                self.any =
+                    section.kind == SectionKind::Input && matches!(decl.ty.kind, ast::TypeKind::Named(_));
                 let mut ty = self.resolve(&decl.ty);
-                self.in_out = false;
+                (self.in_out, self.any) = (false, false);
                 if !self.check_depth(ty, decl.ty.at) {
                     ty = WRONG;
                 }
@@ -165,7 +168,7 @@ impl<'a> Sema<'a> {
                 symbol.ty = State::Done(ty);
                 let layout = self.layout(ty);
                 if decl.address.is_some() {
-                    symbol.home = self.located(decl, section, pou.kind == PouKind::Program, ty);
+                    symbol.home = self.located(decl, section, true, ty);
                 } else if section.kind == SectionKind::Static {
                     if self.has_room(layout.size, decl.name.at) {
                         let mut bytes = Vec::new();
@@ -185,6 +188,10 @@ impl<'a> Sema<'a> {
                         self.findings.error(Code::DataSize, decl.name.at, message, "use smaller arrays");
                         return HEADER;
                     }
+                }
+                if decl.edge.is_some() && self.check_edge(section, decl, ty, true) {
+                    symbol.edge = Some(size);
+                    size += 2;
                 }
                 let pou = &mut self.pous[place as usize];
                 match pou.symbols.get_mut(own as usize) {
@@ -226,12 +233,13 @@ impl<'a> Sema<'a> {
                 }
                 _ => continue,
             };
-            self.variable_initial(&symbol, image, offset);
+            let at = if base > 0 { Base::At(base) } else { Base::Block(place) };
+            self.variable_initial(&symbol, image, offset, at);
         }
     }
 
     /// Default and given initial value of one variable.
-    fn variable_initial(&mut self, symbol: &Symbol<'a>, image: &mut [u8], offset: u32) {
+    fn variable_initial(&mut self, symbol: &Symbol<'a>, image: &mut [u8], offset: u32, base: Base) {
         let ty = symbol.type_id();
         let mut bytes = Vec::new();
         self.default_bytes(ty, &mut bytes);
@@ -240,17 +248,20 @@ impl<'a> Sema<'a> {
         }
         let inherited = self.type_initial(&symbol.decl.ty);
         if let Some(initial) = symbol.decl.initial.as_ref().or(inherited) {
+            // Constants have their values before anything has a place.
+            let base = if symbol.constant { Base::None } else { base };
+            let outer = std::mem::replace(&mut self.base, base);
             self.write_initial(ty, initial, image, offset);
-        } else if symbol.is_value() && !super::is_wrong(ty) {
-            let message = format!("the constant `{}` has no value", symbol.shown);
-            self.findings.error(Code::ConstantValue, symbol.name.at, message, "write := and the value");
+            self.base = outer;
+        } else {
+            self.check_constant(symbol);
         }
     }
 
     /// The same for a variable in the data.
     pub(super) fn data_initial(&mut self, symbol: &Symbol<'a>, address: u32) {
         let mut data = std::mem::take(&mut self.data);
-        self.variable_initial(symbol, &mut data, address - map::FIRST);
+        self.variable_initial(symbol, &mut data, address - map::FIRST, Base::At(map::FIRST));
         self.data = data;
     }
 
@@ -295,7 +306,7 @@ impl<'a> Sema<'a> {
     }
 
     /// A variable at an address is a root of its own.
-    fn locate_root(&mut self, path: &str, ty: TypeId, home: Home, file: u8) {
+    fn locate_root(&mut self, path: &str, ty: TypeId, home: Home, file: u16) {
         let (address, bit) = match home {
             Home::Absolute(address) if address >= map::OWN_END => (address, 0),
             Home::Bit(address, bit) => (address, bit as u8),

@@ -19,6 +19,15 @@ impl<'a> Sema<'a> {
         {
             return result;
         }
+        // `Standard.CONCAT(...)`: a function with the name of its library before it.
+        if let ast::ExprKind::Member(of, name) = &callee.kind
+            && let ast::ExprKind::Name(library) = &of.kind
+            && self.find(library.key).is_none()
+            && let key = self.names.key_text(name.key)
+            && let Some(result) = self.standard(*name, key, arguments, at)
+        {
+            return result;
+        }
         let meaning = self.meaning(callee);
         if self.context.constant && !matches!(meaning, Meaning::Wrong) {
             self.not_constant(at, "a constant is needed here");

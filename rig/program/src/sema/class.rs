@@ -202,7 +202,7 @@ impl<'a> Sema<'a> {
                 if is_final {
                     let message = format!("`{of}` is FINAL");
                     self.findings.error(Code::Override, name.at, message, "it cannot be overridden");
-                } else if !alike {
+                } else if !alike && self.names.key_text(name.key) != "FB_INIT" {
                     let message = format!("`{}` takes or gives other types than `{of}`", self.shown(name));
                     let help = "a method that overrides another has the same parameters and result";
                     self.findings.error_with(Code::Override, name.at, message, help, (other, "this one"));

@@ -159,6 +159,13 @@ impl<'a> Sema<'a> {
                     self.findings.warning(Code::SignChange, at, message, help);
                     Some(self.widened(value, target))
                 }
+                Implicit::No if a.bits() > b.bits() && goes_back(&value, b) => {
+                    let message =
+                        format!("{} becomes {}: large numbers are cut", a.name(), self.type_name(to));
+                    let help = format!("{}_TO_{} says that this is meant", a.name(), b.name());
+                    self.findings.warning(Code::SignChange, at, message, help);
+                    Some(self.widened(value, target))
+                }
                 Implicit::No => {
                     self.mismatch(from, to, at);
                     None
@@ -346,6 +353,30 @@ impl<'a> Sema<'a> {
             (Type::Elementary(ty), Type::Pointer(_)) if ty.is_integer() => Some(b),
             _ => None,
         }
+    }
+}
+
+/// Whether a whole number is wider than the type that it goes into only because of how it was computed: operands of
+/// different signs met in a wider type, or TRUNC, which gives an INT in older tools, gave a DINT.
+fn goes_back(value: &Expr, to: Elementary) -> bool {
+    let crate::tree::Ty::Scalar(own) = value.ty else { return false };
+    if !own.is_integer() || !to.is_integer() {
+        return false;
+    }
+    if to.bits() >= own.bits() {
+        return true;
+    }
+    match &value.kind {
+        ExprKind::Constant(cell) => in_range(own.number(*cell), to),
+        ExprKind::Library(function, ..) => function.name == "TRUNC_DINT",
+        ExprKind::Reinterpret(of) | ExprKind::Unary(_, of) => goes_back(of, to),
+        ExprKind::Binary(op, a, b) => {
+            use crate::tree::BinaryOp::{Add, And, Divide, Mod, Multiply, Or, Subtract, Xor};
+            matches!(op, Add | Subtract | Multiply | Divide | Mod | And | Or | Xor)
+                && goes_back(a, to)
+                && goes_back(b, to)
+        }
+        _ => false,
     }
 }
 

@@ -65,8 +65,11 @@ impl<'a> Sema<'a> {
             return false;
         }
         if let Some(first) = self.outside.get(&name.key).copied() {
-            let first = self.place_of(first);
-            self.twice(name, first);
+            // A declaration of the user's goes before that of a library.
+            if usize::from(name.at.file) < self.own {
+                let first = self.place_of(first);
+                self.twice(name, first);
+            }
             return false;
         }
         self.outside.insert(name.key, meaning);
@@ -116,6 +119,7 @@ impl<'a> Sema<'a> {
             constant: section.constant,
             ty: State::Untouched,
             home: Home::Nowhere,
+            edge: None,
             value: State::Untouched,
         }
     }
@@ -155,6 +159,8 @@ impl<'a> Sema<'a> {
             image: Vec::new(),
             depth: 0,
             state: State::Untouched,
+            late: Vec::new(),
+            maker: None,
         };
         let mut names: KeyMap<Key, At> = KeyMap::default();
         for action in &pou.actions {
@@ -171,13 +177,9 @@ impl<'a> Sema<'a> {
             if self.own_name(&mut names, method.name) {
                 let callable = self.method_callable(method, &entry.shown);
                 let callable = Callable { owner: Some(place), ..callable };
+                self.check_hook(&callable);
                 let callable = self.add_callable(callable);
                 entry.methods.insert(method.name.key, callable);
-                if matches!(self.names.key_text(method.name.key), "FB_INIT" | "FB_EXIT" | "FB_REINIT") {
-                    let message = format!("`{}` is never called by itself here", self.shown(method.name));
-                    let help = "give initial values to variables, or call a method of another name";
-                    self.findings.error(Code::Unsupported, method.name.at, message, help);
-                }
             }
         }
         for property in &pou.properties {
@@ -401,8 +403,10 @@ impl<'a> Sema<'a> {
             self.findings.error(Code::Located, *at, message, help);
         }
         self.in_out = section.kind == SectionKind::InOut;
+        self.any = section.kind == SectionKind::Input && matches!(decl.ty.kind, ast::TypeKind::Named(_));
         let ty = self.resolve(&decl.ty);
-        self.in_out = false;
+        (self.in_out, self.any) = (false, false);
+        self.check_edge(section, decl, ty, false);
         let layout = self.layout(ty);
         let mut home = Home::Nowhere;
         if section.kind == SectionKind::Static {

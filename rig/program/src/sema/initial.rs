@@ -1,6 +1,7 @@
 //! Initial values, as bytes.
 
 use super::declare::initial_at;
+use super::late::Base;
 use super::scope::{Home, Symbol};
 use super::types::{Type, TypeId, elements, stride};
 use super::{Sema, State};
@@ -68,6 +69,11 @@ impl<'a> Sema<'a> {
                     }) else {
                         return;
                     };
+                    // What waits is to be noted for each.
+                    let again = if self.base != Base::None && self.is_late(value) { times } else { 1 };
+                    for copy in 1..again {
+                        self.write_one(of, value, image, offset + (nth + copy) as u32 * step);
+                    }
                     for copy in 1..times {
                         let at = (first + copy as u32 * step) as usize;
                         let end = (at + bytes.len()).min(image.len());
@@ -123,6 +129,9 @@ impl<'a> Sema<'a> {
                 self.findings.error(Code::InitialValue, *at, message, "lists are for arrays");
             }
             (_, Initial::One(value)) => {
+                if self.wait_for(value, ty, offset) {
+                    return;
+                }
                 if let Some(bytes) = self.constant_bytes(value, ty) {
                     put(image, offset, &bytes);
                 } else if self.findings_allow(value) {
@@ -188,15 +197,7 @@ impl<'a> Sema<'a> {
         for symbol in symbols {
             let inherited = self.type_initial(&symbol.decl.ty);
             let Some(initial) = symbol.decl.initial.as_ref().or(inherited) else {
-                if symbol.is_value() && !super::is_wrong(symbol.type_id()) {
-                    let message = format!("the constant `{}` has no value", symbol.shown);
-                    self.findings.error(
-                        Code::ConstantValue,
-                        symbol.name.at,
-                        message,
-                        "write := and the value",
-                    );
-                }
+                self.check_constant(&symbol);
                 continue;
             };
             match symbol.home {
@@ -223,6 +224,16 @@ impl<'a> Sema<'a> {
         }
     }
 
+    /// Reports a constant that nothing gives a value to. Structures bring their own: libraries keep their settings so.
+    pub(super) fn check_constant(&mut self, symbol: &Symbol<'a>) {
+        let ty = symbol.type_id();
+        let own = matches!(self.ty(ty), Type::Structure(_) | Type::Block(_) | Type::Native(_));
+        if symbol.is_value() && !super::is_wrong(ty) && !own {
+            let message = format!("the constant `{}` has no value", symbol.shown);
+            self.findings.error(Code::ConstantValue, symbol.name.at, message, "write := and the value");
+        }
+    }
+
     /// Whether an initial value of a local variable has to be computed at each call.
     fn is_dynamic(&mut self, symbol: &Symbol<'a>, initial: &'a Initial) -> bool {
         let Initial::One(value) = initial else { return false };
@@ -232,7 +243,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Whether an expression is made of constants alone, by its looks.
-    fn is_constant_expr(&self, value: &Expr) -> bool {
+    pub(super) fn is_constant_expr(&self, value: &Expr) -> bool {
         match &value.kind {
             ast::ExprKind::Name(name) => match self.find(name.key) {
                 Some(found) => self.is_constant_symbol(found),
@@ -261,7 +272,7 @@ impl<'a> Sema<'a> {
         }
     }
 
-    fn is_address_call(&self, callee: &Expr) -> bool {
+    pub(super) fn is_address_call(&self, callee: &Expr) -> bool {
         matches!(&callee.kind, ast::ExprKind::Name(name) if matches!(self.names.key_text(name.key), "ADR" | "REF"))
     }
 
@@ -275,7 +286,13 @@ impl<'a> Sema<'a> {
     /// Assignments at the begin of a call, of initial values that are no constants. The context is that of the body.
     pub(super) fn prologue(&mut self, place: u32) -> Vec<Stmt> {
         let symbols = self.callables.get(place as usize).map_or(Vec::new(), |c| c.symbols.clone());
-        let mut list = Vec::new();
+        let mut list = self.edges(place);
+        for symbol in &symbols {
+            if let (Home::Frame(offset), SectionKind::Local | SectionKind::Temp) = (symbol.home, symbol.kind)
+            {
+                self.made_variable(symbol, (tree::Root::Frame, offset), &mut list);
+            }
+        }
         for symbol in symbols {
             let (Some(initial), Home::Frame(offset)) = (&symbol.decl.initial, symbol.home) else { continue };
             let Initial::One(value) = initial else { continue };

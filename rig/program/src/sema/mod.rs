@@ -4,6 +4,7 @@
 //! then where variables stand with their initial bytes, at last the bodies. So nothing depends on the order of the
 //! sources.
 
+mod any;
 mod argument;
 mod block;
 mod call;
@@ -11,9 +12,11 @@ mod class;
 mod constant;
 mod convert;
 mod declare;
+mod edge;
 mod element;
 mod expr;
 mod initial;
+mod late;
 mod literal;
 mod member;
 mod open;
@@ -111,6 +114,8 @@ struct Sema<'a> {
     options: &'a Options,
     findings: Findings<'a>,
     sources: &'a [SourceFile],
+    /// How many of them are the user's: they stand first.
+    own: usize,
 
     types: Vec<Type>,
     type_index: HashMap<Type, TypeId>,
@@ -118,7 +123,7 @@ struct Sema<'a> {
     structures: Vec<Structure>,
     type_decls: Vec<TypeEntry<'a>>,
     /// Types of inline enumerations and the like by the place of their declaration.
-    inline_types: HashMap<(u8, u32), TypeId>,
+    inline_types: HashMap<(u16, u32), TypeId>,
     enumerators: KeyMap<Key, Vec<(TypeId, i64)>>,
     outside: KeyMap<Key, Global>,
     globals: Vec<Symbol<'a>>,
@@ -133,6 +138,8 @@ struct Sema<'a> {
     depth: u32,
     /// Whether the type of an in-out is being found out, which may be an array of variable length.
     in_out: bool,
+    /// Whether the type of an input is being found out, which may be any type.
+    any: bool,
 
     /// Initial bytes of the variables, from `map::FIRST` on.
     data: Vec<u8>,
@@ -148,6 +155,12 @@ struct Sema<'a> {
     context: Context,
     /// The first LREAL of the sources.
     lreal: Option<At>,
+    /// Where the image stands whose initial values are being written.
+    base: late::Base,
+    /// Initial values of variables at addresses that wait, with the unit whose names they use.
+    late: Vec<(Option<u32>, late::Late<'a>)>,
+    /// Blocks whose instances are made by code: places in `pous`.
+    makers: Vec<Option<u32>>,
 }
 
 /// Checks the declarations and bodies. What is wrong is in the findings, and then the tree is not whole.
@@ -156,7 +169,7 @@ pub(crate) fn check<'a>(
     names: &'a Names,
     options: &'a Options,
     findings: Findings<'a>,
-    sources: &'a [SourceFile],
+    (sources, own): (&'a [SourceFile], usize),
 ) -> (Tree, Findings<'a>) {
     let mut sema = Sema {
         unit,
@@ -164,6 +177,7 @@ pub(crate) fn check<'a>(
         options,
         findings,
         sources,
+        own,
         types: Vec::new(),
         type_index: HashMap::new(),
         enumerations: Vec::new(),
@@ -183,6 +197,7 @@ pub(crate) fn check<'a>(
         kinds: Vec::new(),
         depth: 0,
         in_out: false,
+        any: false,
         data: Vec::new(),
         retained: Vec::new(),
         kept: 0,
@@ -193,6 +208,9 @@ pub(crate) fn check<'a>(
         shape_index: HashMap::new(),
         context: Context::default(),
         lreal: None,
+        base: late::Base::None,
+        late: Vec::new(),
+        makers: Vec::new(),
     };
     sema.intern(Type::Wrong);
     for ty in Elementary::ALL {
@@ -202,8 +220,9 @@ pub(crate) fn check<'a>(
     sema.settle_types();
     sema.settle_pous();
     sema.settle_globals();
-    let units = sema.bodies();
-    let tree = sema.finish(units);
+    let mut units = sema.bodies();
+    let initial = sema.making(&mut units);
+    let tree = sema.finish(units, initial);
     (tree, sema.findings)
 }
 
@@ -257,11 +276,11 @@ impl<'a> Sema<'a> {
         UnitTree { name, file: end.file, frame: context.frame, body: statements, end }
     }
 
-    fn finish(&mut self, units: Vec<UnitTree>) -> Tree {
+    fn finish(&mut self, units: Vec<UnitTree>, initial: Option<u16>) -> Tree {
         let programs: Vec<u32> = (0..self.pous.len() as u32)
             .filter(|place| self.pous[*place as usize].ast.kind == ast::PouKind::Program)
             .collect();
-        if programs.is_empty() && !self.findings.failed() {
+        if programs.is_empty() && !self.options.library && !self.findings.failed() {
             let at = At::default();
             let message = "the sources have no PROGRAM";
             let help = "a task runs programs: write PROGRAM name ... END_PROGRAM";
@@ -288,6 +307,8 @@ impl<'a> Sema<'a> {
             })
             .collect();
         Tree {
+            makers: units.len() - self.makers.len() - usize::from(initial.is_some())..units.len(),
+            initial,
             units,
             programs: programs.iter().map(|place| self.pous[*place as usize].callable as u16).collect(),
             program_names: programs.iter().map(|place| self.pous[*place as usize].shown.clone()).collect(),

@@ -66,6 +66,7 @@ impl<'a> Sema<'a> {
             },
             ast::ExprKind::Member(of, name) => match self.listed(of, *name) {
                 Some(place) => self.symbol_meaning(Found::Global(place), *name),
+                None if self.of_library(of, *name) => self.name_meaning_outside(*name),
                 None => {
                     let of = self.meaning(of);
                     self.member_meaning(of, *name)
@@ -98,6 +99,23 @@ impl<'a> Sema<'a> {
         let last = path.rsplit(['/', '\\']).next()?;
         let stem = last.rsplit_once('.').map_or(last, |(stem, _)| stem);
         stem.eq_ignore_ascii_case(self.names.key_text(list.key)).then_some(place)
+    }
+
+    /// Whether a name that nothing has stands before a type, function or program, as the name of its library.
+    pub(super) fn of_library(&self, of: &ast::Expr, name: Name) -> bool {
+        let ast::ExprKind::Name(library) = &of.kind else { return false };
+        let known = matches!(
+            self.find_outside(name.key),
+            Some(Found::Pou(_) | Found::Type(_) | Found::Interface(_) | Found::Native(_))
+        );
+        known && self.find(library.key).is_none()
+    }
+
+    fn name_meaning_outside(&mut self, name: Name) -> Meaning {
+        match self.find_outside(name.key) {
+            Some(found) => self.found_meaning(found, name),
+            None => self.unknown(name),
+        }
     }
 
     fn name_meaning(&mut self, name: Name) -> Meaning {
@@ -235,7 +253,13 @@ impl<'a> Sema<'a> {
             }
             _ => None,
         };
-        let Some(symbol) = symbol else { return Meaning::Wrong };
+        let Some(mut symbol) = symbol else { return Meaning::Wrong };
+        if let (Some(edge), Found::Member(..)) = (symbol.edge, found) {
+            // Inside of the block the input stands for its edge.
+            symbol.home = Home::This(edge);
+            symbol.constant = true;
+            return self.home_meaning(&symbol, name.at);
+        }
         if symbol.is_value() {
             let value = self.symbol_value(found);
             let ty = match found {
@@ -252,7 +276,16 @@ impl<'a> Sema<'a> {
                 return Meaning::Wrong;
             }
         }
-        self.home_meaning(&symbol, name.at)
+        let meaning = self.home_meaning(&symbol, name.at);
+        let written = self.text(symbol.name.at);
+        match (meaning, found) {
+            (Meaning::Place(place, ty, None), Found::Global(_))
+                if self.options.read_only.iter().any(|known| known.eq_ignore_ascii_case(written)) =>
+            {
+                Meaning::Place(place, ty, Some("it is a system variable that programs only read"))
+            }
+            (meaning, _) => meaning,
+        }
     }
 
     /// The place of a variable of the running unit or of the outside.

@@ -136,6 +136,9 @@ impl<'a> Sema<'a> {
             let native = *native;
             return self.intern(Type::Native(native));
         }
+        if self.any_named(name).is_some() {
+            return self.any_type(name);
+        }
         self.unknown_type(name);
         WRONG
     }
@@ -342,7 +345,10 @@ impl<'a> Sema<'a> {
                 entry.default = next as i64;
             }
             entry.values.push((value.key, shown, next as i64));
-            self.enumerators.entry(value.key).or_default().push((ty, next as i64));
+            // Those of a library are named with their type: they must not come between those of the user.
+            if usize::from(value.at.file) < self.own {
+                self.enumerators.entry(value.key).or_default().push((ty, next as i64));
+            }
             next += 1;
         }
         ty

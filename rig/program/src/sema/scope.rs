@@ -34,6 +34,8 @@ pub(super) struct Symbol<'a> {
     pub constant: bool,
     pub ty: State<TypeId>,
     pub home: Home,
+    /// Of an input that detects edges: where the block keeps the edge, and behind it what the input was.
+    pub edge: Option<u32>,
     /// Cell of a constant of a scalar type.
     pub value: State<Option<i64>>,
 }
@@ -159,6 +161,10 @@ pub(super) struct Pou<'a> {
     /// Levels of what it contains.
     pub depth: u32,
     pub state: State<()>,
+    /// Initial values of members that wait until everything has its place.
+    pub late: Vec<super::late::Late<'a>>,
+    /// The unit that makes its instances, once that was asked for.
+    pub maker: Option<Option<u16>>,
 }
 
 /// Where the walk through the bodies is.

@@ -67,6 +67,7 @@ impl Sema<'_> {
         let mut info = TaskInfo {
             name: self.shown(task.name).to_string(),
             interval: None,
+            single: None,
             priority: None,
             programs: Vec::new(),
             file: task.name.at.file,
@@ -94,22 +95,33 @@ impl Sema<'_> {
                     info.priority = Some(priority);
                 }
                 "SINGLE" => {
-                    let message = "tasks that a variable releases are not supported yet";
-                    self.findings.error(Code::Unsupported, name.at, message, "give the task an INTERVAL");
-                    return None;
+                    let path: String = self.text(value.at).chars().filter(|c| !c.is_whitespace()).collect();
+                    if !path.chars().all(|c| c.is_alphanumeric() || "_.[],%".contains(c)) {
+                        let message = "a task is released by a variable, not by an expression";
+                        self.findings.error(Code::Task, value.at, message, "as in SINGLE := MAIN.go");
+                        return None;
+                    }
+                    info.single = Some(path);
                 }
                 _ => {
                     let message = format!("a task has no `{}`", self.shown(*name));
-                    self.findings.error(Code::Task, name.at, message, "INTERVAL and PRIORITY are known");
+                    self.findings.error(
+                        Code::Task,
+                        name.at,
+                        message,
+                        "INTERVAL, SINGLE and PRIORITY are known",
+                    );
                     return None;
                 }
             }
         }
-        if info.interval.is_none() {
-            let message = format!("the task `{}` has no interval", info.name);
-            self.findings.error(Code::Task, task.name.at, message, "write INTERVAL := T#20ms");
-            return None;
-        }
-        Some(info)
+        let help = "write INTERVAL := T#20ms, or SINGLE := MAIN.go for a task that a variable releases";
+        let message = match (info.interval, &info.single) {
+            (None, None) => format!("the task `{}` has neither INTERVAL nor SINGLE", info.name),
+            (Some(_), Some(_)) => format!("the task `{}` has both INTERVAL and SINGLE", info.name),
+            _ => return Some(info),
+        };
+        self.findings.error(Code::Task, task.name.at, message, help);
+        None
     }
 }

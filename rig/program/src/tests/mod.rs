@@ -68,6 +68,8 @@ impl Default for Builder {
             files: vec!["test.st".into()],
             digest: [0; 32],
             layout: [0; 8],
+            kept: Vec::new(),
+            declarations: [0; 8],
             warnings: Vec::new(),
         };
         Builder { program }
@@ -137,6 +139,7 @@ impl Builder {
             template: template.into(),
             calls: calls.into(),
             writes: Vec::new(),
+            reads: Vec::new(),
         });
         program.units.len() as u16 - 1
     }
@@ -217,7 +220,7 @@ impl Host for Board {
         self.image(at.area()).get(at)
     }
 
-    fn store(&mut self, at: Address, value: u64, _: u8, line: u32) -> bool {
+    fn store(&mut self, at: Address, value: u64, _: u16, line: u32) -> bool {
         self.stores.push((at, value, line));
         let changed = self.image(at.area()).set(at, value);
         changed && self.watched.is_some_and(|watched| watched.overlaps(&at))

@@ -50,7 +50,7 @@ impl Host for Memory {
         self.image(at.area()).get(at)
     }
 
-    fn store(&mut self, at: Address, value: u64, _file: u8, line: u32) -> bool {
+    fn store(&mut self, at: Address, value: u64, _file: u16, line: u32) -> bool {
         self.lines.push(line);
         let changed = self.image(at.area()).set(at, value);
         changed && self.watched.is_some_and(|watched| watched.overlaps(&at))

@@ -82,6 +82,7 @@ impl Texts<'_> {
             profile: files.profile,
             reference: files.reference,
             bundle: &bundle,
+            others: &[],
             exact: true,
         };
         let prepared = prepare(&case, &files.plan, Trace::new(), &mut bench).unwrap();

@@ -12,8 +12,8 @@
 
 use crate::{Cause, Event, SignalId, Time, Value, When};
 
-/// No event is longer: 6 + 10 + 10 + 10 + 8 bytes.
-pub(super) const MAX_EVENT: usize = 44;
+/// No event is longer: 6 + 10 + 10 + 10 + 10 bytes.
+pub(super) const MAX_EVENT: usize = 46;
 
 const FALSE: u64 = 0;
 const TRUE: u64 = 1;
@@ -121,7 +121,7 @@ impl State {
                 Cause::Program { task, file, line } => {
                     writer.byte(4);
                     writer.byte(task);
-                    writer.byte(file);
+                    writer.varint(u64::from(file));
                     writer.varint(u64::from(line));
                 }
             }
@@ -170,7 +170,7 @@ impl State {
                 3 => Cause::Step(u16::try_from(reader.varint()?).map_err(|_| Fault::Bad)?),
                 4 => Cause::Program {
                     task: reader.byte()?,
-                    file: reader.byte()?,
+                    file: u16::try_from(reader.varint()?).map_err(|_| Fault::Bad)?,
                     line: u32::try_from(reader.varint()?).map_err(|_| Fault::Bad)?,
                 },
                 _ => return Err(Fault::Bad),

@@ -78,7 +78,7 @@ fn any_cause() -> impl Strategy<Value = Cause> {
         Just(Cause::Controller),
         Just(Cause::Board),
         any::<u16>().prop_map(Cause::Step),
-        (any::<u8>(), any::<u8>(), any::<u32>()).prop_map(|(task, file, line)| Cause::Program {
+        (any::<u8>(), any::<u16>(), any::<u32>()).prop_map(|(task, file, line)| Cause::Program {
             task,
             file,
             line

@@ -238,7 +238,7 @@ fn sources_share_one_unit() {
     let mut names = Names::new();
     let mut findings = crate::findings::Findings::new(&sources, 50);
     let unit = super::super::parse(&sources, &mut names, &mut findings);
-    let places: Vec<(u8, u32)> = unit.pous.iter().map(|pou| (pou.name.at.file, pou.name.at.start)).collect();
+    let places: Vec<(u16, u32)> = unit.pous.iter().map(|pou| (pou.name.at.file, pou.name.at.start)).collect();
     assert_eq!(places, [(0, 8), (1, 8)]);
     assert!(!findings.failed());
 }

@@ -209,6 +209,23 @@ impl Printer<'_> {
             }
             self.put(":");
             self.ty(&variable.ty);
+            if let Some(built) = &variable.built {
+                if built.each {
+                    self.put("[");
+                }
+                for (nth, list) in built.lists.iter().enumerate() {
+                    if nth > 0 {
+                        self.put(",");
+                    }
+                    self.arguments(list);
+                }
+                if built.each {
+                    self.put("]");
+                }
+            }
+            if let Some((falling, _)) = variable.edge {
+                self.put(if falling { "F_EDGE" } else { "R_EDGE" });
+            }
             self.initial_of(&variable.initial);
             self.put(";");
         }

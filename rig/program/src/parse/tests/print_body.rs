@@ -83,14 +83,7 @@ impl Printer<'_> {
             }
             ExprKind::Call(of, arguments) => {
                 self.grouped(of);
-                self.put("(");
-                for (place, argument) in arguments.iter().enumerate() {
-                    if place > 0 {
-                        self.put(",");
-                    }
-                    self.argument(argument);
-                }
-                self.put(")");
+                self.arguments(arguments);
             }
             ExprKind::Direct(text) => self.put(text),
             ExprKind::This => self.put("THIS"),
@@ -113,6 +106,17 @@ impl Printer<'_> {
             }
             ExprKind::Wrong => panic!("a wrong expression without a finding"),
         }
+    }
+
+    pub(super) fn arguments(&mut self, arguments: &[Argument]) {
+        self.put("(");
+        for (place, argument) in arguments.iter().enumerate() {
+            if place > 0 {
+                self.put(",");
+            }
+            self.argument(argument);
+        }
+        self.put(")");
     }
 
     fn argument(&mut self, argument: &Argument) {

@@ -1,0 +1,74 @@
+//! `short-circuit`, `over-temperature`, `supply-io` and `external-error`: what goes wrong around the controller.
+
+use document::{Findings, KeySpec, KeyType, Node};
+use signal::{Address, Span};
+
+use super::drive::above_zero;
+use super::{Disturbance, Stimulus, Verb};
+use crate::plan::{Scope, output};
+
+const OUTPUT_KEYS: &[KeySpec] = &[
+    KeySpec::required("output", KeyType::Text, "The output, as in %QX0.0."),
+    KeySpec::optional("for", KeyType::Duration, "How long it lasts; to the end if left out."),
+];
+
+const ERROR_KEYS: &[KeySpec] = &[
+    KeySpec::required("bit", KeyType::Integer(0, 63), "The bit of PLC_R.i_lwSystemFault_1."),
+    KeySpec::optional("on", KeyType::Bool, "Whether the error comes or goes; TRUE if left out."),
+];
+
+pub(super) const SHORT_CIRCUIT: Verb = Verb {
+    name: "short-circuit",
+    doc: "Puts a short circuit on an output.",
+    value: KeyType::Table(OUTPUT_KEYS),
+    needs: &["faults"],
+    read: |node, scope, out| {
+        let (output, lasts) = at_output(node, scope, out)?;
+        Some(Stimulus::Disturb { what: Disturbance::ShortCircuit(output), on: true, lasts })
+    },
+};
+
+pub(super) const OVER_TEMPERATURE: Verb = Verb {
+    name: "over-temperature",
+    doc: "Makes an output too hot.",
+    value: KeyType::Table(OUTPUT_KEYS),
+    needs: &["faults"],
+    read: |node, scope, out| {
+        let (output, lasts) = at_output(node, scope, out)?;
+        Some(Stimulus::Disturb { what: Disturbance::OverTemperature(output), on: true, lasts })
+    },
+};
+
+pub(super) const SUPPLY_IO: Verb = Verb {
+    name: "supply-io",
+    doc: "Switches the supply of the inputs and outputs.",
+    value: KeyType::Choice(&["on", "off"]),
+    needs: &["faults"],
+    read: |node, _, _| {
+        let on = node.as_text()? == "off";
+        Some(Stimulus::Disturb { what: Disturbance::NoIoSupply, on, lasts: None })
+    },
+};
+
+pub(super) const EXTERNAL_ERROR: Verb = Verb {
+    name: "external-error",
+    doc: "Puts a part outside of the controller in error, or mends it.",
+    value: KeyType::Table(ERROR_KEYS),
+    needs: &["faults"],
+    read: read_external,
+};
+
+/// An output and for how long something is wrong with it.
+fn at_output(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<(Address, Option<Span>)> {
+    let fields = scope.fields(node, OUTPUT_KEYS)?;
+    let address = output(fields.get("output")?, out);
+    let lasts = if fields.has("for") { Some(above_zero(&fields, "for", out)?) } else { None };
+    Some((address?, lasts))
+}
+
+fn read_external(node: &Node, scope: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
+    let fields = scope.fields(node, ERROR_KEYS)?;
+    let bit = u8::try_from(fields.integer("bit")?).ok()?;
+    let on = fields.boolean("on").unwrap_or(true);
+    Some(Stimulus::Disturb { what: Disturbance::External(bit), on, lasts: None })
+}

@@ -1,0 +1,68 @@
+//! Online change: another application takes over while the controller runs, and variables keep their values
+//! (controller:TR-17, controller:TR-18, controller:STATE-13). It takes no modelled time, and waits for the end of the
+//! cycles under way as a stop does, so that no cycle is half of one application.
+
+use crate::commands::Refusal;
+use crate::previous::record;
+use crate::watch::class;
+use crate::{Application, Controller, Effects, Entry, State};
+use profile::StopCause;
+use signal::{Cause, Time};
+
+/// An application that will take over.
+pub(crate) struct Pending {
+    application: Box<dyn Application>,
+    bundle: Vec<u8>,
+}
+
+impl Controller {
+    /// Online change (controller:TR-17, controller:TR-18).
+    pub(crate) fn command_online_change(
+        &mut self,
+        bundle: &[u8],
+        now: Time,
+        fx: &mut Effects,
+    ) -> Result<(), Refusal> {
+        if !matches!(self.state, State::Running | State::Stopped) {
+            return Err(Refusal::State(self.state));
+        }
+        if self.cpu.stopping.is_some() {
+            return Err(Refusal::Stopping);
+        }
+        let application = self.build(bundle).map_err(Refusal::Change)?;
+        self.pending = Some(Pending { application, bundle: bundle.to_vec() });
+        if self.cpu.active == 0 {
+            self.change(now, fx);
+        }
+        Ok(())
+    }
+
+    /// The application that waits takes over, no cycle being under way.
+    pub(crate) fn change(&mut self, now: Time, fx: &mut Effects) {
+        let Some(Pending { mut application, bundle }) = self.pending.take() else { return };
+        let Some(old) = &mut self.application else { return };
+        let Some(code_only) = application.succeed(&mut **old) else { return };
+        let signature = application.signature();
+        self.application = Some(application);
+        self.attach();
+        self.bundle = bundle;
+        self.boot_file_changed();
+        if let Some(application) = &self.application {
+            // A save under way was of the old application.
+            self.context.prepare_change(&**application, &mut *self.store);
+        }
+        self.context.dirty = true;
+        self.save_if_dirty(now);
+        record(&mut *self.store, self.state, signature);
+        self.note(now, Entry::OnlineChange { code_only }, fx);
+        self.observe(class::ALL, now, Cause::Controller, fx);
+        if self.state == State::Running && self.cpu.stopping.is_none() {
+            let inhibited = match self.may_run(now) {
+                Ok(()) => return,
+                Err(Refusal::RunStopInput) => StopCause::Input,
+                Err(_) => StopCause::Switch,
+            };
+            self.enter_stopped(now, inhibited, fx);
+        }
+    }
+}

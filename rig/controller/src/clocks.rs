@@ -1,0 +1,84 @@
+//! The time bases that programs and plans can read (controller:SYS-05): bits that are TRUE in the second half of
+//! each period, counted from the end of the boot.
+
+use crate::watch::class;
+use crate::{Controller, Effects, Probe, SystemVariable};
+use signal::{Cause, Span, Time};
+
+/// The bits with their periods.
+const BITS: [(SystemVariable, Span); 3] = [
+    (SystemVariable::Clock10Ms, Span::from_millis(10)),
+    (SystemVariable::Clock100Ms, Span::from_millis(100)),
+    (SystemVariable::Clock1S, Span::from_secs(1)),
+];
+
+/// The time bases. Their edges are events only while somebody looks at one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Clocks {
+    origin: Time,
+    /// The edges up to here have come.
+    at: Time,
+    /// Half the shortest period that is looked at.
+    half: Option<Span>,
+}
+
+impl Default for Clocks {
+    fn default() -> Self {
+        Clocks { origin: Time::ZERO, at: Time::ZERO, half: None }
+    }
+}
+
+fn half(period: Span) -> Span {
+    Span::from_nanos(period.as_nanos() / 2)
+}
+
+impl Clocks {
+    /// Periods begin at `now`.
+    pub(crate) fn begin(&mut self, now: Time) {
+        (self.origin, self.at) = (now, now);
+    }
+
+    /// The level of a bit at `now`, or where its edges have come to if that is later.
+    pub(crate) fn level(&self, variable: SystemVariable, now: Time) -> bool {
+        let period = BITS.iter().find(|(known, _)| *known == variable).map(|(_, period)| *period);
+        let passed = (now.max(self.at) - self.origin).as_nanos();
+        period.is_some_and(|period| passed / half(period).as_nanos() % 2 == 1)
+    }
+
+    /// The next edge of a bit that is looked at.
+    #[inline]
+    pub(crate) fn next(&self) -> Time {
+        let Some(half) = self.half else { return Time::MAX };
+        let passed = (self.at - self.origin).as_nanos() / half.as_nanos();
+        self.origin.saturating_add(Span::from_nanos((passed + 1).saturating_mul(half.as_nanos())))
+    }
+}
+
+impl Controller {
+    /// Has the edges come of the bits that somebody looks at.
+    pub(crate) fn start_clocks(&mut self) {
+        let looked_at =
+            |variable| self.system.link(variable).is_some() || self.watches.has(&Probe::System(variable));
+        let looked_at = BITS.iter().find(|(variable, _)| looked_at(*variable));
+        let half = looked_at.map(|(_, period)| half(*period));
+        let clocks = &mut self.system.clocks;
+        if clocks.half != half {
+            clocks.half = half;
+            clocks.at = clocks.at.max(self.cpu.at);
+        }
+    }
+
+    /// When the next edge is due.
+    pub(crate) fn clock_due(&self) -> Time {
+        if self.state.status().is_some() { self.system.clocks.next() } else { Time::MAX }
+    }
+
+    /// The edges due at `now`.
+    pub(crate) fn fire_clocks(&mut self, now: Time, fx: &mut Effects) {
+        if self.clock_due() > now {
+            return;
+        }
+        self.system.clocks.at = now;
+        self.observe(class::STATE, now, Cause::Controller, fx);
+    }
+}

@@ -1,0 +1,243 @@
+//! What can be commanded, what it does (controller: section 14.4), and why it is refused.
+
+mod boot_application;
+mod download;
+mod origin;
+mod reboot;
+mod reset;
+mod run_stop;
+
+pub use origin::DeviceReset;
+
+use crate::watch::class;
+use crate::{Controller, Effects, LoadError, State, VariableReset};
+use profile::{Reference, StopCause};
+use signal::{Address, Area, Cause, Size, Time};
+use std::fmt;
+
+/// A command of a user or a tool.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Start the application (controller:RUN-01).
+    Run,
+    /// Stop the application (controller:STP-01). Cycles under way are finished first; no new one starts.
+    Stop,
+    /// Reset warm (controller:RW-01).
+    ResetWarm,
+    /// Reset cold (controller:RC-01).
+    ResetCold,
+    /// Reset origin (controller:RO-01).
+    ResetOrigin,
+    /// Reset origin device (controller:ROD-01).
+    ResetOriginDevice(DeviceReset),
+    /// Reboot by script (controller:RB-01).
+    Reboot,
+    /// Load an application and make it the boot application (controller:DL-02).
+    Download(Vec<u8>),
+    /// Load an application as one of several that are downloaded together (controller:TR-19, controller:TR-20).
+    MultipleDownload {
+        /// The application.
+        bundle: Vec<u8>,
+        /// Start all applications after download or online change.
+        start: bool,
+    },
+    /// Make the application in memory the boot application (controller:STATE-13).
+    CreateBootApplication,
+    /// Put a boot application into the non-volatile memory by SD card or FTP (controller:DL-03).
+    PlaceBootApplication(Vec<u8>),
+    /// Remove the application (controller:TR-27).
+    DeleteApplication,
+    /// Damage the firmware, or restore it from an SD card (controller:TR-02, controller:TR-25).
+    Firmware {
+        /// It is valid from then on.
+        valid: bool,
+    },
+    /// Force the value of an embedded input or output (controller:FRC-01).
+    Force {
+        /// What is forced.
+        channel: Channel,
+        /// Its value.
+        on: bool,
+    },
+    /// End the forcing of an embedded input or output.
+    Unforce(Channel),
+    /// Move the Run/Stop switch: TRUE to Run (controller:RS-01).
+    Switch(bool),
+    /// Go on with another application that keeps the values of its variables (controller:TR-17, controller:TR-18).
+    OnlineChange(Vec<u8>),
+    /// Hold the tasks where one comes to the first statement of a line (controller:TR-22).
+    Breakpoint {
+        /// Place of the source file in the application.
+        file: u16,
+        /// Line in that file, from 1.
+        line: u32,
+    },
+    /// Go on from a breakpoint.
+    Resume,
+    /// Go on from a breakpoint to the next statement of the task that came to it.
+    StepStatement,
+    /// Take every breakpoint away, and go on.
+    ClearBreakpoints,
+    /// A programming tool connects (controller:FRC-01).
+    LogIn,
+    /// The programming tool disconnects (controller:FRC-03).
+    LogOut {
+        /// Whether forcing stays.
+        keep_forcing: bool,
+    },
+    /// Show or no longer show which controller it is: every indicator flashes (controller:LED-03).
+    Identify(bool),
+}
+
+/// An embedded input or output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Channel {
+    /// In, from I0.
+    Input(usize),
+    /// Qn, from Q0.
+    Output(usize),
+}
+
+impl Channel {
+    /// The channel behind a bit of %I or %Q; none where the reference has no channel there.
+    pub fn at(address: Address, reference: &Reference) -> Option<Channel> {
+        let bit = address.bit_offset() as usize;
+        match (address.area(), address.size()) {
+            (Area::Input, Size::Bit) if bit < reference.input_count() => Some(Channel::Input(bit)),
+            (Area::Output, Size::Bit) if bit < reference.output_count() => Some(Channel::Output(bit)),
+            _ => None,
+        }
+    }
+}
+
+/// Why a command was not obeyed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// Not possible in this state (controller:TR-24, controller:TR-28, controller:WD-14).
+    State(State),
+    /// The Run/Stop switch is at Stop.
+    SwitchAtStop,
+    /// The Run/Stop input is 0.
+    RunStopInput,
+    /// A stop is under way: a cycle is being finished.
+    Stopping,
+    /// The reference has no such channel.
+    NoChannel(Channel),
+    /// No programming tool is connected (controller:FRC-01).
+    NotConnected,
+    /// The controller does not know this command.
+    NoSuchCommand,
+    /// The downloaded application is not valid. The old one is already erased: the state is EMPTY
+    /// (controller:DL-04).
+    Application(LoadError),
+    /// The application of an online change is not valid; the old one runs on.
+    Change(LoadError),
+    /// No statement stands in the line or behind it.
+    NoStatement {
+        /// The line.
+        line: u32,
+    },
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refusal::State(state) => write!(f, "not possible in state {state}"),
+            Refusal::SwitchAtStop => f.write_str("the Run/Stop switch is at Stop"),
+            Refusal::RunStopInput => f.write_str("the Run/Stop input is 0"),
+            Refusal::Stopping => f.write_str("a stop is under way"),
+            Refusal::NoChannel(Channel::Input(n)) => write!(f, "the reference has no input I{n}"),
+            Refusal::NoChannel(Channel::Output(n)) => write!(f, "the reference has no output Q{n}"),
+            Refusal::Application(error) | Refusal::Change(error) => {
+                write!(f, "the application is not valid: {error}")
+            }
+            Refusal::NoStatement { line } => write!(f, "no statement stands in line {line} or behind it"),
+            Refusal::NoSuchCommand => f.write_str("the controller has no such command"),
+            Refusal::NotConnected => f.write_str("no programming tool is connected"),
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+/// Why a value was not written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WriteError {
+    /// No service answers in this state, or there is no application.
+    State(State),
+    /// The probe can only be read.
+    ReadOnly,
+    /// The value is no number.
+    NotANumber,
+    /// The register cannot be written (controller:MEM-07).
+    IllegalAddress,
+}
+
+impl fmt::Display for WriteError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            WriteError::State(state) => write!(f, "cannot be written in state {state}"),
+            WriteError::ReadOnly => {
+                f.write_str("can only be read: write a variable or a %M, %Q or %I address")
+            }
+            WriteError::NotANumber => f.write_str("the value is no number"),
+            WriteError::IllegalAddress => f.write_str("the register is closed to writing, exception 02"),
+        }
+    }
+}
+
+impl std::error::Error for WriteError {}
+impl Controller {
+    /// Obeys a command at `now`, between two operations of the application.
+    ///
+    /// # Errors
+    /// [`Refusal`]; nothing has happened then, except that a download whose application is not valid has erased the
+    /// old one.
+    pub fn command(&mut self, now: Time, command: Command, fx: &mut Effects) -> Result<(), Refusal> {
+        self.come_to(now);
+        let done = match command {
+            Command::Run => self.command_run(now, fx),
+            Command::Stop => self.command_stop(StopCause::User, now, fx),
+            Command::ResetWarm => self.command_reset(VariableReset::WARM, now, fx),
+            Command::ResetCold => self.command_reset(VariableReset::COLD, now, fx),
+            Command::ResetOrigin => self.command_reset_origin(now, fx),
+            Command::ResetOriginDevice(reset) => self.command_reset_origin_device(reset, now, fx),
+            Command::Reboot => self.command_reboot(now, fx),
+            Command::Download(bundle) => self.command_download(&bundle, now, fx),
+            Command::MultipleDownload { bundle, start } => {
+                self.command_multiple_download(&bundle, start, now, fx)
+            }
+            Command::CreateBootApplication => self.command_create_boot_application(now, fx),
+            Command::PlaceBootApplication(bundle) => self.command_place_boot_application(&bundle, now, fx),
+            Command::DeleteApplication => self.command_delete_application(now, fx),
+            Command::Firmware { valid } => self.command_firmware(valid),
+            Command::Force { channel, on } => self.force(channel, Some(on)),
+            Command::Unforce(channel) => self.force(channel, None),
+            Command::Switch(run) => {
+                self.move_switch(run, now, fx);
+                Ok(())
+            }
+            Command::OnlineChange(bundle) => self.command_online_change(&bundle, now, fx),
+            Command::Breakpoint { file, line } => self.set_breakpoint(file, line),
+            Command::Resume => self.resume(now, fx),
+            Command::StepStatement => self.step_statement(now, fx),
+            Command::ClearBreakpoints => {
+                self.clear_breakpoints(now, fx);
+                Ok(())
+            }
+            Command::LogIn => self.log_in(),
+            Command::LogOut { keep_forcing } => self.log_out(keep_forcing),
+            Command::Identify(on) => self.identify(on, now, fx),
+        };
+        self.observe(class::FILE, now, Cause::Controller, fx);
+        done
+    }
+
+    /// controller:LED-03
+    fn identify(&mut self, on: bool, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+        self.state.status().ok_or(Refusal::State(self.state))?;
+        self.leds.identify = on;
+        self.observe(class::STATE, now, Cause::Controller, fx);
+        Ok(())
+    }
+}

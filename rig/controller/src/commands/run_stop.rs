@@ -1,0 +1,56 @@
+//! Run, Stop and the Run/Stop switch (controller: sections 13, 14.1, 14.2).
+
+use super::Refusal;
+use crate::{Controller, Effects, State};
+use profile::StopCause;
+use signal::Time;
+
+impl Controller {
+    pub(crate) fn command_run(&mut self, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+        match self.state {
+            State::Stopped => {
+                self.may_run(now)?;
+                self.enter_running(now, fx);
+                Ok(())
+            }
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    pub(crate) fn command_stop(
+        &mut self,
+        cause: StopCause,
+        now: Time,
+        fx: &mut Effects,
+    ) -> Result<(), Refusal> {
+        match self.state {
+            State::Running if self.cpu.stopping.is_some() => Err(Refusal::Stopping),
+            State::Running => {
+                // Cycles under way are finished, so that no context is ever half a cycle.
+                if self.cpu.active == 0 {
+                    self.enter_stopped(now, cause, fx);
+                } else {
+                    self.cpu.stopping = Some(cause);
+                }
+                Ok(())
+            }
+            // The cycles that are held are given up: nothing of them runs behind a Stop.
+            State::Breakpoint => {
+                self.enter_stopped(now, cause, fx);
+                Ok(())
+            }
+            // controller:TR-26
+            State::Empty => Ok(()),
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    /// controller:RS-06, controller:RS-10
+    pub(crate) fn move_switch(&mut self, run: bool, now: Time, fx: &mut Effects) {
+        if std::mem::replace(&mut self.power.switch_at_run, run) == run {
+            return;
+        }
+        // An edge that the state does not take is no error: only the position stays.
+        let _ = if run { self.command_run(now, fx) } else { self.command_stop(StopCause::Switch, now, fx) };
+    }
+}

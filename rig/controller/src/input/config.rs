@@ -1,0 +1,145 @@
+//! The parameters of the embedded inputs and what they exclude (io: section 3).
+
+use profile::{Bounce, EventEdges, Filter, Profile, Reference};
+use std::fmt;
+
+/// The parameters of one input.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InputConfig {
+    /// The integrating filter; none with Latch or Event.
+    pub filter: Filter,
+    /// Pulses between two reads of MAST are kept for the next one (io:EIO-08).
+    pub latch: bool,
+    /// Edges that raise the input's event (io:EIO-10).
+    pub event: Option<EventEdges>,
+    /// The anti-bounce filter of an input with Latch or Event, else 0.002 ms (io:EIO-07).
+    pub bounce: Bounce,
+}
+
+impl InputConfig {
+    /// An input with this filter and nothing else.
+    pub fn filtered(filter: Filter) -> InputConfig {
+        InputConfig { filter, ..InputConfig::default() }
+    }
+
+    /// Whether an expert function uses it: Latch or Event (io:EIO-12).
+    pub const fn is_expert(&self) -> bool {
+        self.latch || self.event.is_some()
+    }
+
+    /// Whether an input of this number can have these parameters.
+    ///
+    /// # Errors
+    /// The first [`InputFault`].
+    pub(crate) fn check(&self, input: usize, reference: &Reference) -> Result<(), InputFault> {
+        match (self.latch, self.event.is_some()) {
+            (true, true) => return Err(InputFault::LatchWithEvent),
+            (latch, event) if (latch || event) && input >= reference.fast_inputs => {
+                return Err(InputFault::NotFast);
+            }
+            (latch, event) if (latch || event) && self.filter != Filter::None => {
+                return Err(InputFault::FilterWithExpert);
+            }
+            (false, false) if self.bounce != Bounce::default() => return Err(InputFault::BounceAlone),
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+/// Parameters that one input cannot have together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputFault {
+    /// A filter beside Latch or Event (io:EIO-04).
+    FilterWithExpert,
+    /// Latch and Event (io:EIO-05).
+    LatchWithEvent,
+    /// Latch or Event on a regular input (io:EIO-06).
+    NotFast,
+    /// A bounce time without Latch and Event (io:EIO-07).
+    BounceAlone,
+}
+
+impl fmt::Display for InputFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            InputFault::FilterWithExpert => "has a filter beside Latch or Event",
+            InputFault::LatchWithEvent => "has both Latch and Event",
+            InputFault::NotFast => "has Latch or Event, which only fast inputs have",
+            InputFault::BounceAlone => "has a bounce time without Latch or Event",
+        })
+    }
+}
+
+/// Why an input cannot be the Run/Stop input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunStopFault {
+    /// The profile has none (controller:RS-01).
+    NoneAtAll,
+    /// The profile allows only the first ones (controller:RS-03).
+    Beyond {
+        /// How many, from I0.
+        most: usize,
+    },
+    /// It has Latch or Event (controller:RS-05).
+    Expert,
+}
+
+impl RunStopFault {
+    /// Whether I`input` with these parameters can be the Run/Stop input.
+    pub(crate) fn check(
+        input: usize,
+        config: Option<&InputConfig>,
+        profile: Profile,
+        reference: &Reference,
+    ) -> Result<(), RunStopFault> {
+        match profile.run_stop_inputs(reference) {
+            0 => Err(RunStopFault::NoneAtAll),
+            most if input >= most => Err(RunStopFault::Beyond { most }),
+            _ if config.is_some_and(InputConfig::is_expert) => Err(RunStopFault::Expert),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for RunStopFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RunStopFault::NoneAtAll => f.write_str("the controller has none"),
+            RunStopFault::Beyond { most } => {
+                write!(f, "the controller takes I0 to I{}", most.saturating_sub(1))
+            }
+            RunStopFault::Expert => f.write_str("the input has Latch or Event"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(input: usize, change: impl FnOnce(&mut InputConfig)) -> Result<(), InputFault> {
+        let mut config = InputConfig::default();
+        change(&mut config);
+        config.check(input, Profile::default().default_reference())
+    }
+
+    // io:EIO-04, io:EIO-05, io:EIO-06, io:EIO-07
+    #[test]
+    fn each_conflict_is_refused() {
+        let latch = |c: &mut InputConfig| (c.latch, c.filter) = (true, Filter::None);
+        let event = |c: &mut InputConfig| (c.event, c.filter) = (Some(EventEdges::Both), Filter::None);
+        assert_eq!(check(13, |_| ()), Ok(()));
+        assert_eq!(check(7, latch), Ok(()));
+        assert_eq!(check(7, event), Ok(()));
+        assert_eq!(check(8, latch), Err(InputFault::NotFast));
+        assert_eq!(check(8, event), Err(InputFault::NotFast));
+        assert_eq!(check(0, |c| c.latch = true), Err(InputFault::FilterWithExpert));
+        assert_eq!(check(0, |c| c.event = Some(EventEdges::Rising)), Err(InputFault::FilterWithExpert));
+        let both = |c: &mut InputConfig| (c.latch, c.event) = (true, Some(EventEdges::Falling));
+        assert_eq!(check(0, both), Err(InputFault::LatchWithEvent));
+        let bounce = |c: &mut InputConfig| c.bounce = Bounce::ALL[3];
+        assert_eq!(check(0, bounce), Err(InputFault::BounceAlone));
+        assert_eq!(check(0, |c| (latch(c), bounce(c)).0), Ok(()));
+    }
+}

@@ -1,0 +1,217 @@
+//! The indicators of the controller: what each of them shows, and when it is lit (controller:STATE-01, io:LED-01).
+
+use crate::{Controller, State};
+use profile::Profile;
+use signal::{Span, Time};
+
+/// An indicator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Led {
+    /// PWR, green: the supply.
+    Pwr,
+    /// RUN, green: the application.
+    Run,
+    /// ERR, red: errors of the controller.
+    Err,
+    /// I/O, red: errors detected outside of the controller.
+    Io,
+    /// TM4, red: errors of the TM4 bus.
+    Tm4,
+}
+
+impl Led {
+    /// Every indicator.
+    pub const ALL: [Led; 5] = [Led::Pwr, Led::Run, Led::Err, Led::Io, Led::Tm4];
+
+    /// The name in a plan, as in `LED.RUN`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Led::Pwr => "PWR",
+            Led::Run => "RUN",
+            Led::Err => "ERR",
+            Led::Io => "IO",
+            Led::Tm4 => "TM4",
+        }
+    }
+
+    /// The indicator of this name, in any case of letters.
+    pub fn find(name: &str) -> Option<Led> {
+        Led::ALL.into_iter().find(|led| led.name().eq_ignore_ascii_case(name))
+    }
+}
+
+/// What an indicator shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum LedPattern {
+    /// Dark.
+    Off = 0,
+    /// Lit.
+    On = 1,
+    /// 50 ms lit, 50 ms dark (rig definition: the documents draw the times, in pictures that are lost).
+    FastFlash = 2,
+    /// 200 ms lit, 200 ms dark (rig definition).
+    RegularFlash = 3,
+    /// 200 ms lit, 1 s dark (rig definition).
+    SingleFlash = 4,
+}
+
+impl LedPattern {
+    /// Every pattern.
+    pub const ALL: [LedPattern; 5] = [
+        LedPattern::Off,
+        LedPattern::On,
+        LedPattern::FastFlash,
+        LedPattern::RegularFlash,
+        LedPattern::SingleFlash,
+    ];
+
+    /// The number in a trace.
+    pub const fn number(self) -> i64 {
+        self as i64
+    }
+
+    /// The name in plans and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            LedPattern::Off => "off",
+            LedPattern::On => "on",
+            LedPattern::FastFlash => "fast-flash",
+            LedPattern::RegularFlash => "regular-flash",
+            LedPattern::SingleFlash => "single-flash",
+        }
+    }
+
+    /// Time lit and time dark of a flash.
+    const fn times(self) -> Option<(Span, Span)> {
+        match self {
+            LedPattern::Off | LedPattern::On => None,
+            LedPattern::FastFlash => Some((Span::from_millis(50), Span::from_millis(50))),
+            LedPattern::RegularFlash => Some((Span::from_millis(200), Span::from_millis(200))),
+            LedPattern::SingleFlash => Some((Span::from_millis(200), Span::from_secs(1))),
+        }
+    }
+
+    /// Whether the indicator is lit `since` the beginning of the common phase, and how long it stays so
+    /// ([`Span::MAX`] for ever).
+    fn lit(self, since: Span) -> (bool, Span) {
+        let Some((lit, dark)) = self.times() else { return (self == LedPattern::On, Span::MAX) };
+        let (lit, dark) = (lit.as_nanos(), dark.as_nanos());
+        let at = since.as_nanos().rem_euclid(lit + dark);
+        (at < lit, Span::from_nanos(if at < lit { lit - at } else { lit + dark - at }))
+    }
+}
+
+/// The common phase of all flashes and what of it is observed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leds {
+    /// Every flash begins lit here: the last power-on.
+    pub origin: Time,
+    /// The controller shows itself to somebody who looks for it (controller:LED-03).
+    pub identify: bool,
+    /// When an observed indicator is lit or goes dark next.
+    pub next: Time,
+    /// When anything was reported last.
+    pub seen: Time,
+}
+
+impl Default for Leds {
+    fn default() -> Self {
+        Leds { origin: Time::ZERO, identify: false, next: Time::MAX, seen: Time::ZERO }
+    }
+}
+
+impl Controller {
+    /// What an indicator shows.
+    pub(crate) fn pattern(&self, led: Led) -> LedPattern {
+        if self.state == State::Off {
+            LedPattern::Off
+        } else if self.leds.identify {
+            LedPattern::RegularFlash
+        } else {
+            match led {
+                Led::Pwr => on(self.power.hold_up.is_none()),
+                Led::Run => self.run_pattern(),
+                Led::Err => self.err_pattern(),
+                Led::Io => on(self.io_lit()),
+                Led::Tm4 => on(self.state.status().is_some() && self.external.tm4()),
+            }
+        }
+    }
+
+    /// Step of BOOTING, 0...2; the last one also while its end is being worked on.
+    fn boot_step(&self) -> usize {
+        self.power.stage.map_or(2, |(step, _)| step)
+    }
+
+    fn run_pattern(&self) -> LedPattern {
+        match self.state {
+            State::Booting => on(self.config.profile == Profile::M241_2014 && self.boot_step() == 0),
+            State::Running => LedPattern::On,
+            State::Breakpoint => LedPattern::SingleFlash,
+            State::Stopped | State::Halt => LedPattern::RegularFlash,
+            State::Off | State::InvalidOs | State::Empty => LedPattern::Off,
+        }
+    }
+
+    fn err_pattern(&self) -> LedPattern {
+        match self.state {
+            State::Off => LedPattern::Off,
+            State::Booting => on(self.boot_step() > 0),
+            State::InvalidOs => LedPattern::RegularFlash,
+            State::Empty if self.power.system_error => LedPattern::FastFlash,
+            State::Empty => LedPattern::SingleFlash,
+            State::Halt => LedPattern::On,
+            // controller:STATE-15: the boot application is not the one in memory.
+            _ if self.application_differs() => LedPattern::SingleFlash,
+            State::Running | State::Breakpoint | State::Stopped => LedPattern::Off,
+        }
+    }
+
+    fn io_lit(&self) -> bool {
+        match self.state {
+            State::Off | State::InvalidOs | State::Empty => false,
+            State::Booting => match self.boot_step() {
+                0 => self.config.profile != Profile::M241_2014,
+                step => step == 1,
+            },
+            State::Running | State::Breakpoint | State::Stopped | State::Halt => self.external_error(),
+        }
+    }
+
+    /// Whether an indicator is lit.
+    pub(crate) fn lit(&self, led: Led) -> bool {
+        let now = self.leds.seen.max(self.cpu.at);
+        self.pattern(led).lit(now - self.leds.origin).0
+    }
+
+    /// When an indicator is lit or goes dark next.
+    pub(crate) fn next_flash(&self, led: Led, now: Time) -> Time {
+        match self.pattern(led).lit(now - self.leds.origin).1 {
+            Span::MAX => Time::MAX,
+            left => now.saturating_add(left),
+        }
+    }
+}
+
+const fn on(lit: bool) -> LedPattern {
+    if lit { LedPattern::On } else { LedPattern::Off }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flashes_begin_lit_and_come_again() {
+        let ms = Span::from_millis;
+        let single = LedPattern::SingleFlash;
+        assert_eq!(single.lit(ms(0)), (true, ms(200)));
+        assert_eq!(single.lit(ms(199)), (true, ms(1)));
+        assert_eq!(single.lit(ms(200)), (false, ms(1_000)));
+        assert_eq!(single.lit(ms(1_200)), (true, ms(200)));
+        assert_eq!(LedPattern::FastFlash.lit(ms(149)), (true, ms(1)));
+        assert_eq!(LedPattern::On.lit(ms(149)), (true, Span::MAX));
+        assert!(LedPattern::ALL.iter().enumerate().all(|(n, pattern)| pattern.number() == n as i64));
+    }
+}

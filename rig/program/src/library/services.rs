@@ -1,0 +1,66 @@
+//! Functions that ask the controller: the machine stops at the call, and the caller of the machine answers.
+
+use super::{Accepts, Body, Function, Gives};
+use crate::types::Elementary::{self, Bool, Dint, Int, Sint, Udint, Usint};
+
+/// What a program asks of the controller that runs it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Service {
+    /// `SysTaskWaitSleep(ulMilliSeconds)`: the task gives the processor away for so many milliseconds
+    /// (controller:TASK-52). 0 where that was done.
+    WaitSleep,
+    /// `GetCurrentTaskCycle()`: the interval of the running task in microseconds (controller:TASK-13), 0 for a task
+    /// without one.
+    GetTaskCycle,
+    /// `SetCurrentTaskCycle(Interval)`: sets it, in microseconds, from the next cycle on (controller:TASK-13). 0 where
+    /// that was done, 1 where the task cannot have it.
+    SetTaskCycle,
+    /// `IsFirstMastCycle()` (controller:TASK-53).
+    FirstMastCycle,
+    /// `IsFirstMastColdCycle()` (controller:TASK-53).
+    FirstMastColdCycle,
+    /// `IsFirstMastWarmCycle()` (controller:TASK-53).
+    FirstMastWarmCycle,
+    /// `HasForcedIo()`: whether an input or output is forced (controller:STATE-03).
+    HasForcedIo,
+    /// `GetRtc()`: seconds since 1970-01-01 00:00 UTC (controller:DEV-22).
+    GetRtc,
+    /// `SetRTCDrift(RtcDrift, Day, Hour, Minute)`: corrects the clock by so many seconds a week (controller:DEV-22).
+    /// The other three have no effect.
+    SetRtcDrift,
+    /// `InhibitBatLed(Inhibit)` (controller:LED-05).
+    InhibitBatteryLed,
+}
+
+/// Every function that asks. The first argument is what is asked with.
+pub(super) const FUNCTIONS: &[Function] = &[
+    service("SYSTASKWAITSLEEP", &[("ULMILLISECONDS", Accepts::Exact(Udint))], Udint, Service::WaitSleep),
+    service("GETCURRENTTASKCYCLE", &[], Udint, Service::GetTaskCycle),
+    service("SETCURRENTTASKCYCLE", &[("INTERVAL", Accepts::Exact(Udint))], Udint, Service::SetTaskCycle),
+    service("ISFIRSTMASTCYCLE", &[], Bool, Service::FirstMastCycle),
+    service("ISFIRSTMASTCOLDCYCLE", &[], Bool, Service::FirstMastColdCycle),
+    service("ISFIRSTMASTWARMCYCLE", &[], Bool, Service::FirstMastWarmCycle),
+    service("HASFORCEDIO", &[], Bool, Service::HasForcedIo),
+    service("GETRTC", &[], Dint, Service::GetRtc),
+    service(
+        "SETRTCDRIFT",
+        &[
+            ("RTCDRIFT", Accepts::Exact(Sint)),
+            ("DAY", Accepts::Exact(Usint)),
+            ("HOUR", Accepts::Exact(Usint)),
+            ("MINUTE", Accepts::Exact(Usint)),
+        ],
+        Int,
+        Service::SetRtcDrift,
+    ),
+    service("INHIBITBATLED", &[("INHIBIT", Accepts::Exact(Bool))], Int, Service::InhibitBatteryLed),
+];
+
+const fn service(
+    name: &'static str,
+    parameters: &'static [(&'static str, Accepts)],
+    gives: Elementary,
+    service: Service,
+) -> Function {
+    Function { name, parameters, extensible: false, gives: Gives::Exact(gives), body: Body::Service(service) }
+}

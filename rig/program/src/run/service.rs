@@ -1,0 +1,41 @@
+//! The way back from a service: what the caller answered goes where the call stands in its expression.
+
+use super::place;
+use super::world::{By, Stored, World};
+use crate::code::LibraryArgument;
+use crate::machine::{Fault, FaultKind, Host, Stop, Task};
+use crate::program::Program;
+
+/// Stores the answer to the service that a task waits for; the operation was complete when it was asked. Gives why
+/// the task does not go on at once, and the flags of the bytes that changed.
+pub(crate) fn settle<H: Host>(
+    program: &Program,
+    memory: &mut [u8],
+    flags: &[u8],
+    task: &mut Task,
+    host: &mut H,
+    (call, answer): (u32, i64),
+) -> (Option<Stop>, u8) {
+    let registers = task.registers;
+    let by = By { pc: (registers.pc as usize).saturating_sub(1), unit: registers.unit };
+    let mut world = World { program, flags, host, changed: 0 };
+    let stored = match program.library.get(call as usize).map(|call| &call.result) {
+        Some(LibraryArgument::Cell(operand, ty)) => {
+            place(memory, [0, registers.this, registers.base], *operand).map_or(Stored::Bad, |at| {
+                world.store(memory, at, ty.bytes() as u32, ty.wrap(answer) as u64, by)
+            })
+        }
+        _ => Stored::Bad,
+    };
+    let stop = match stored {
+        Stored::Fine => None,
+        Stored::Touched => Some(Stop::Touched),
+        Stored::Bad => {
+            task.position = task.programs.len();
+            let file = program.units.get(usize::from(by.unit)).map_or(0, |unit| unit.file);
+            let line = program.lines.get(by.pc).copied().unwrap_or(0);
+            Some(Stop::Fault(Fault { kind: FaultKind::BadReference, file, line }))
+        }
+    };
+    (stop, world.changed)
+}

@@ -1,0 +1,89 @@
+//! The controller's configuration from what a plan sets.
+
+use crate::case::CaseFiles;
+use crate::inputs;
+use controller::{
+    AlwaysUpdate, Config, HaltOutputs, OutputsInStop, Rearming, Relocation, StartingMode, State,
+    WatchdogBasis,
+};
+use document::Diagnostic;
+use plans::plan::{Initial, Settings};
+
+/// The state in which a case begins.
+pub const fn initial_state(initial: Initial) -> State {
+    match initial {
+        Initial::Running => State::Running,
+        Initial::Stopped => State::Stopped,
+        Initial::Empty => State::Empty,
+        Initial::Booting => State::Booting,
+    }
+}
+
+/// The controller's configuration from the plan's settings, but for the tasks.
+///
+/// # Errors
+/// A finding in the plan: an input or an output that the reference does not have, parameters that exclude each other.
+pub fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, Vec<Diagnostic>> {
+    let mut config = Config::new(files.profile);
+    config.reference = files.reference;
+    if let Some(mode) = settings.starting_mode {
+        config.starting_mode = match mode {
+            plans::plan::StartingMode::Previous => StartingMode::Previous,
+            plans::plan::StartingMode::Stop => StartingMode::Stop,
+            plans::plan::StartingMode::Run => StartingMode::Run,
+        };
+    }
+    if let Some(outputs) = settings.outputs_in_stop {
+        config.outputs_in_stop = match outputs {
+            plans::plan::OutputsInStop::Keep => OutputsInStop::Keep,
+            plans::plan::OutputsInStop::Default => OutputsInStop::Default,
+        };
+    }
+    if let Some(basis) = settings.watchdog_basis {
+        config.watchdog_basis = match basis {
+            plans::plan::WatchdogBasis::Elapsed => WatchdogBasis::Elapsed,
+            plans::plan::WatchdogBasis::Processor => WatchdogBasis::Processor,
+        };
+    }
+    if let Some(update) = settings.always_update {
+        config.always_update = match update {
+            plans::plan::AlwaysUpdate::Disabled => AlwaysUpdate::Disabled,
+            plans::plan::AlwaysUpdate::Enabled1 => AlwaysUpdate::Unused,
+            plans::plan::AlwaysUpdate::Enabled2 => AlwaysUpdate::Always,
+        };
+    }
+    config.update_io_in_stop = settings.update_io_in_stop.unwrap_or(config.update_io_in_stop);
+    let [read, write] = settings.relocation.clone();
+    config.relocation = Relocation { read, write };
+    if let Some(outputs) = settings.halt_outputs {
+        config.halt_outputs = match outputs {
+            plans::plan::HaltOutputs::Configured => HaltOutputs::Configured,
+            plans::plan::HaltOutputs::Default => HaltOutputs::Default,
+        };
+    }
+    if let Some(mode) = settings.rearming {
+        config.rearming = match mode {
+            plans::plan::Rearming::Automatic => Rearming::Automatic,
+            plans::plan::Rearming::Manual => Rearming::Manual,
+        };
+    }
+    config.minimize_jitter = settings.minimize_jitter.unwrap_or(config.minimize_jitter);
+    config.tool_connected = settings.login.unwrap_or(config.tool_connected);
+    config.alarm_output = settings.alarm_output.map(|address| address.bit_offset() as usize);
+    inputs::configure(&mut config, settings, &files.plan.name)?;
+    for (address, on) in &settings.output_defaults {
+        if address.bit_offset() as usize >= files.reference.output_count() {
+            return Err(vec![no_output(*address, files)]);
+        }
+        config.output_defaults |= u32::from(*on) << address.bit_offset();
+    }
+    Ok(config)
+}
+
+fn no_output(address: signal::Address, files: &CaseFiles) -> Diagnostic {
+    Diagnostic::error("R0102", format!("{} has no output {address}", files.reference.name)).at(
+        &files.plan.name,
+        0..0,
+        "",
+    )
+}

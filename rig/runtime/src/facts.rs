@@ -1,0 +1,57 @@
+//! Signals that stand for files, the log, registers and rows of the relocation table.
+
+use crate::prepare::Bench;
+use crate::subject::Observable;
+use controller::{FileFact, Part, Probe, RegisterFact};
+use document::Findings;
+use plans::Case;
+use plans::plan::{FileFigure, RowFigure, SignalBinding, Source};
+use signal::Kind;
+
+/// What a bound name is, where it stands for files, the log or registers: these the subject has to be told of.
+pub(crate) fn observable(
+    binding: &SignalBinding,
+    case: &Case,
+    bench: &mut Bench<'_>,
+    out: &mut Findings,
+) -> Option<Option<Observable>> {
+    let mut ask = |fact, kind| Observable { probe: bench.subject.file_probe(fact), kind };
+    let register = |fact, kind| Observable { probe: Probe::Register(fact), kind };
+    let found = match &binding.source {
+        Source::Log(text) => ask(FileFact::Log(text.clone()), Kind::Int),
+        Source::File { path, asks } => {
+            let path = path.clone();
+            match asks {
+                FileFigure::Exists => ask(FileFact::Exists(path), Kind::Bool),
+                FileFigure::Holds(text) => ask(FileFact::Holds(path, text.clone()), Kind::Bool),
+                FileFigure::Size => ask(FileFact::Size(path), Kind::Int),
+                FileFigure::Lost => ask(FileFact::Lost(path), Kind::Int),
+            }
+        }
+        Source::Register { register: number, exception: false } => {
+            register(RegisterFact::Value(*number), Kind::Word)
+        }
+        Source::Register { register: number, exception: true } => {
+            register(RegisterFact::Exception(*number), Kind::Int)
+        }
+        Source::Relocation { row, figure } => {
+            let parts = [Part::Read, Part::Write].into_iter().zip(&case.settings.relocation);
+            let mut places = parts.filter_map(|(part, rows)| {
+                let place = rows.iter().position(|known| known.eq_ignore_ascii_case(row))?;
+                Some((part, u16::try_from(place).ok()?))
+            });
+            let Some((part, place)) = places.next() else {
+                let message = format!("the relocation table has no row `{row}`");
+                out.error("R0104", binding.span.clone(), message, "its rows stand in `settings.relocation`");
+                return Some(None);
+            };
+            match figure {
+                RowFigure::Address => register(RegisterFact::Address(part, place), Kind::Int),
+                RowFigure::Length => register(RegisterFact::Length(part, place), Kind::Int),
+                RowFigure::Valid => register(RegisterFact::Valid(part, place), Kind::Bool),
+            }
+        }
+        _ => return None,
+    };
+    Some(Some(found))
+}

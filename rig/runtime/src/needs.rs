@@ -1,0 +1,58 @@
+//! What a plan needs of subject, board and rig.
+
+use crate::subject::{Capability, Model, Subject};
+use plans::Case;
+use plans::lang::{Amount, Need, Relation};
+use signal::Span;
+
+/// A need of the plan that is not met.
+pub enum Unmet {
+    /// The subject or the board lacks a power: the case does not apply.
+    Power(String),
+    /// The instrument is not good enough: inconclusive.
+    Instrument(String),
+}
+
+/// The first need that is not met on a rig that is `late` by so much.
+pub fn unmet(case: &Case, model: &Model, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
+    case.needs.iter().find_map(|need| unmet_need(need, model, board, late))
+}
+
+fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
+    let lines = || board.channels().iter().filter(|channel| channel.is_digital());
+    match (need.word, need.bound) {
+        ("pulse", bound) => {
+            let fastest = lines().filter(|channel| channel.drives).map(|channel| channel.max_pulse_hz).max();
+            let fastest = u128::from(fastest.unwrap_or(0)) * 1_000;
+            let wanted = match bound.map(|bound| (bound.relation, bound.amount)) {
+                Some((Relation::AtLeast, Amount::Millihertz(wanted))) => u128::from(wanted),
+                _ => 1,
+            };
+            (fastest < wanted).then(|| {
+                Unmet::Instrument(format!(
+                    "the board emits pulses up to {} Hz, the plan needs more",
+                    fastest / 1_000
+                ))
+            })
+        }
+        ("timestamp", bound) => {
+            let stamped = lines().map(|channel| channel.resolution).max().unwrap_or(Span::ZERO);
+            let worst = stamped + late;
+            match bound.map(|bound| (bound.relation, bound.amount)) {
+                Some((Relation::AtMost, Amount::Time(wanted))) if worst > wanted => {
+                    Some(Unmet::Instrument(if stamped > wanted {
+                        format!("the board stamps edges to within {stamped}, the plan needs {wanted}")
+                    } else {
+                        format!("the rig was {late} late, the plan needs edges to within {wanted}")
+                    }))
+                }
+                _ => None,
+            }
+        }
+        ("settings", _) => None,
+        (word, _) => match Capability::find(word) {
+            Some(capability) if model.capabilities().contains(&capability) => None,
+            _ => Some(Unmet::Power(format!("the subject does not have the power `{word}`"))),
+        },
+    }
+}

@@ -1,0 +1,162 @@
+//! The channels and terminals that steps act on, and what these can take.
+
+use super::Bench;
+use super::meaning::{Meaning, Names};
+use super::signals::channel_info;
+use crate::subject::Observable;
+use controller::{Channel as Terminal, Probe};
+use document::Findings;
+use drivers::{ChannelId, FaultKind};
+use plans::Step;
+use plans::lang::Literal;
+use plans::steps::FaultKind as PlannedFault;
+use signal::{Area, Level, Value};
+
+/// The channel of a line.
+pub(super) fn line(name: &str, names: &Names<'_>, step: &Step, out: &mut Findings) -> Option<ChannelId> {
+    if let Some(Meaning::Channel(channel, _)) = names.meaning(name) {
+        return Some(channel);
+    }
+    // A name that means nothing at all was reported where it is bound.
+    if names.meaning(name).is_some() {
+        let help = "bind it to a terminal such as \"%IX0.0\", or to a channel of the board";
+        out.error("R0109", step.span.clone(), format!("`{name}` is no line"), help);
+    }
+    None
+}
+
+/// Whether an output terminal is behind the channel.
+pub(super) fn of_controller(channel: ChannelId, bench: &Bench<'_>) -> bool {
+    bench.file.bind.iter().any(|binding| binding.channel == channel && binding.address.area() == Area::Output)
+}
+
+/// The channel of a line that the plan may drive: not one that the model drives.
+pub(super) fn driven(
+    name: &str,
+    names: &Names<'_>,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) -> Option<ChannelId> {
+    let channel = line(name, names, step, out)?;
+    if of_controller(channel, bench) {
+        let help = "an output is the controller's own: force it, or put a fault on it";
+        out.error("R0110", step.span.clone(), format!("`{name}` is driven by the controller"), help);
+        return None;
+    }
+    if !bench.board.channels()[usize::from(channel.0)].drives {
+        out.error("R0110", step.span.clone(), format!("the board cannot drive `{name}`"), "");
+        return None;
+    }
+    Some(channel)
+}
+
+/// The terminal behind a signal, for forcing.
+pub(super) fn terminal(
+    name: &str,
+    names: &Names<'_>,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) -> Option<Terminal> {
+    let address = match names.meaning(name)? {
+        Meaning::Channel(_, Some(address)) => Some(address),
+        Meaning::Channel(channel, None) => {
+            bench.file.bind.iter().find(|binding| binding.channel == channel).map(|binding| binding.address)
+        }
+        Meaning::Inside(Observable { probe: Probe::Address(address), .. }) => Some(address),
+        Meaning::Inside(_) => None,
+    };
+    let terminal = address.and_then(|address| Terminal::at(address, bench.reference));
+    if terminal.is_none() {
+        let help = "only inputs and outputs of the controller are forced; a variable is written with `write`";
+        out.error("R0109", step.span.clone(), format!("`{name}` is no input or output"), help);
+    }
+    terminal
+}
+
+/// A written value as the channel takes it.
+pub(super) fn value_for(
+    literal: &Literal,
+    channel: ChannelId,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) -> Option<Value> {
+    let channel = &bench.board.channels()[usize::from(channel.0)];
+    let info = channel_info(&channel.name, channel);
+    let value = match (plans::value_of(literal, &info).ok(), channel.is_digital()) {
+        (Some(Value::HighZ), _) => Some(Value::HighZ),
+        (Some(value), true) => match value.as_int() {
+            Some(0) => Some(Value::from(Level::Low)),
+            Some(1) => Some(Value::from(Level::High)),
+            _ => None,
+        },
+        (Some(value), false) => value.as_real().map(Value::Real),
+        (None, _) => None,
+    };
+    if value.is_none() {
+        let help = if channel.is_digital() {
+            String::from("a level is TRUE or FALSE")
+        } else {
+            format!(
+                "a number, or a quantity in {}",
+                if channel.unit().is_empty() { "no unit" } else { channel.unit() }
+            )
+        };
+        out.error("R0107", step.span.clone(), format!("the value does not fit `{}`", channel.name), help);
+    }
+    value
+}
+
+pub(super) fn fault_kind(
+    kind: &PlannedFault,
+    channel: ChannelId,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) -> Option<FaultKind> {
+    let kind = match kind {
+        PlannedFault::Stuck(value) => FaultKind::StuckAt(value_for(value, channel, bench, step, out)?),
+        PlannedFault::Open => FaultKind::Open,
+        PlannedFault::ShortToGround => FaultKind::ShortToGround,
+        PlannedFault::ShortToSupply => FaultKind::ShortToSupply,
+        PlannedFault::Glitch { value, width } => {
+            FaultKind::Glitch { value: value_for(value, channel, bench, step, out)?, width: *width }
+        }
+        PlannedFault::Late(delay) => FaultKind::Late(*delay),
+        PlannedFault::Lost => FaultKind::Lost,
+    };
+    let channel = &bench.board.channels()[usize::from(channel.0)];
+    if !channel.faults.contains(kind) {
+        out.error(
+            "R0111",
+            step.span.clone(),
+            format!("the board cannot put this fault on `{}`", channel.name),
+            "",
+        );
+        return None;
+    }
+    Some(kind)
+}
+
+/// Reports a train that is faster than a regular input can follow (io:REF-03).
+pub(super) fn warn_if_too_fast(
+    channel: ChannelId,
+    train: &plans::steps::Train,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) {
+    let Some(hertz) = bench.profile.regular_input_hertz() else { return };
+    let mut bound = bench.file.bind.iter().filter(|binding| binding.channel == channel);
+    let regular = bound.find(|binding| match Terminal::at(binding.address, bench.reference) {
+        Some(Terminal::Input(input)) => input >= bench.reference.fast_inputs,
+        _ => false,
+    });
+    if let Some(binding) = regular.filter(|_| train.millihertz() > u64::from(hertz) * 1_000) {
+        let message = format!("the train is out of specification for the regular input {}", binding.address);
+        let help = format!("{} allows it up to {hertz} Hz", bench.profile.name());
+        out.warn("R0134", step.span.clone(), message, help);
+    }
+}

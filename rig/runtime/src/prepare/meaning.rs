@@ -1,0 +1,150 @@
+//! What a bound name is on a bench.
+
+use super::Bench;
+use crate::subject::Observable;
+use controller::{Channel as Terminal, Figure, Probe};
+use document::Findings;
+use drivers::ChannelId;
+use plans::plan::{SignalBinding, Source, TaskFigure};
+use signal::{Address, Kind, SignalId};
+
+/// What a name turned out to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Meaning {
+    /// A channel, and the terminal where it was named by one: several inputs may share a channel.
+    Channel(ChannelId, Option<Address>),
+    Inside(Observable),
+}
+
+/// What a bound name is on this bench.
+pub(super) fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Findings) -> Option<Meaning> {
+    let at = binding.span.clone();
+    let inside = |name: &str| bench.subject.observable(name).map(Meaning::Inside);
+    let found = match &binding.source {
+        Source::Line(address) => {
+            let channel = bench.file.channel_of(*address);
+            channel.map(|channel| Meaning::Channel(channel, Some(*address))).or_else(|| {
+                // A terminal that the reference does not have is no line; nor is one that the board leaves open.
+                let help = match Terminal::at(*address, bench.reference) {
+                    None => format!("{} has no such terminal", bench.reference.name),
+                    Some(_) => format!("bind it to a channel in {}", bench.file.name),
+                };
+                out.error("R0102", at.clone(), format!("no line is at {address}"), help);
+                None
+            })?
+        }
+        Source::Memory(address) | Source::Image(address) => {
+            let limits = bench.profile.address_limits();
+            if let Err(error) = address.check(&limits) {
+                out.error("R0112", at, error.to_string(), "");
+                return None;
+            }
+            inside(&address.to_string())?
+        }
+        Source::Channel(name) => match bench.board.find(name) {
+            Some(channel) => Meaning::Channel(channel, None),
+            None => {
+                let channels = bench.board.channels().iter().map(|channel| channel.name.as_str());
+                let help = suggestion(name, channels);
+                out.error("R0103", at, format!("the board has no channel `{name}`"), help);
+                return None;
+            }
+        },
+        Source::Path(path) => {
+            let channel = || bench.board.find(path).map(|channel| Meaning::Channel(channel, None));
+            let Some(found) = inside(path).or_else(channel) else {
+                if let Some((message, help)) = element(path, bench) {
+                    out.error("R0104", at, message, help);
+                    return None;
+                }
+                let mut known = bench.subject.names();
+                known.extend(bench.board.channels().iter().map(|channel| channel.name.clone()));
+                let help = suggestion(path, known.iter().map(String::as_str));
+                let message =
+                    format!("`{path}` is no variable, no system variable and no channel of the board");
+                out.error("R0104", at, message, help);
+                return None;
+            };
+            found
+        }
+        Source::Task { task, figure } => {
+            let Some(place) = bench.subject.task(task) else {
+                out.error("R0105", at, format!("there is no task `{task}`"), known_tasks(task, bench));
+                return None;
+            };
+            let probe = Probe::TaskFigure { task: place, figure: figure_of(*figure) };
+            let kind = if *figure == TaskFigure::Load { Kind::Real } else { Kind::Int };
+            Meaning::Inside(Observable { probe, kind })
+        }
+        // These were looked at before.
+        Source::Log(_) | Source::File { .. } | Source::Register { .. } | Source::Relocation { .. } => {
+            return None;
+        }
+    };
+    Some(found)
+}
+
+/// What is wrong with a name that means an array, or a place outside one: its finding and what mends it.
+fn element(path: &str, bench: &Bench<'_>) -> Option<(String, String)> {
+    let array = path.split('[').next().unwrap_or(path);
+    let mut elements = (0..=1).rev().map(|place| format!("{array}[{place}]"));
+    let example = elements.find(|element| bench.subject.observable(element).is_some())?;
+    let message = if array == path {
+        format!("`{path}` is an array, and a signal is one value")
+    } else {
+        format!("`{path}` is no element of the array `{array}`")
+    };
+    Some((message, format!("name one element, as in `{example}`")))
+}
+
+pub(super) fn suggestion<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    document::suggest(name, known).map_or_else(String::new, |meant| format!("did you mean `{meant}`?"))
+}
+
+/// What mends the name of a task that there is none of.
+pub(super) fn known_tasks(task: &str, bench: &Bench<'_>) -> String {
+    let known: Vec<&str> = (0..).map_while(|place| bench.subject.task_name(place)).collect();
+    match document::suggest(task, known.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => {
+            format!("there are {}: tasks stand in the plan's settings or in the program", known.join(", "))
+        }
+    }
+}
+
+const fn figure_of(figure: TaskFigure) -> Figure {
+    match figure {
+        TaskFigure::Cycles => Figure::Cycles,
+        TaskFigure::LastCycle => Figure::Last,
+        TaskFigure::MinCycle => Figure::Min,
+        TaskFigure::MaxCycle => Figure::Max,
+        TaskFigure::Elapsed => Figure::Elapsed,
+        TaskFigure::Overruns => Figure::Overruns,
+        TaskFigure::Lost => Figure::Lost,
+        TaskFigure::Exceptions => Figure::Exceptions,
+        TaskFigure::MeanCycle => Figure::Mean,
+        TaskFigure::Jitter => Figure::Jitter,
+        TaskFigure::MinJitter => Figure::MinJitter,
+        TaskFigure::MaxJitter => Figure::MaxJitter,
+        TaskFigure::Load => Figure::Load,
+    }
+}
+
+/// The names of a case with what they mean.
+pub(super) struct Names<'a> {
+    pub(super) list: &'a [(String, Meaning, SignalId)],
+    pub(super) state: Option<SignalId>,
+}
+
+impl Names<'_> {
+    pub(super) fn signal(&self, name: &str) -> Option<SignalId> {
+        if name == "state" {
+            return self.state;
+        }
+        self.list.iter().find(|(known, ..)| known == name).map(|(.., signal)| *signal)
+    }
+
+    pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {
+        self.list.iter().find(|(known, ..)| known == name).map(|(_, meaning, _)| *meaning)
+    }
+}

@@ -1,0 +1,66 @@
+//! How the trace records a bound name.
+
+use document::Findings;
+use drivers::{Channel, TimestampSource};
+use plans::plan::{Recording, SignalBinding};
+use signal::{ClockDomain, Kind, Policy, Sampling, SignalId, SignalInfo, Trace, TraceError, Value};
+
+/// Which changes of a bound signal the trace keeps.
+pub(super) fn policy(binding: &SignalBinding, info: &SignalInfo, out: &mut Findings) -> Option<Policy> {
+    let band = match &binding.recording {
+        Recording::Changes => return Some(Policy::Changes),
+        Recording::AtMostEvery(span) => return Some(Policy::AtMostEvery(*span)),
+        Recording::Deadband(band) => band,
+    };
+    let (message, help) = match (info.kind, plans::value_of(band, info).ok().and_then(Value::as_real)) {
+        (Kind::Int | Kind::Word | Kind::Real, Some(band)) if band > 0.0 && band.is_finite() => {
+            return Some(Policy::Deadband(band));
+        }
+        (Kind::Int | Kind::Word | Kind::Real, _) => {
+            let unit = if info.unit.is_empty() {
+                String::from("without a unit")
+            } else {
+                format!("in {}", info.unit)
+            };
+            let band = plans::show_literal(band);
+            (format!("the deadband {band} does not fit `{}`", info.name), format!("write a number {unit}"))
+        }
+        _ => (format!("`{}` is no number and has no deadband", info.name), String::from("remove `deadband`")),
+    };
+    out.error("R0115", binding.span.clone(), message, help);
+    None
+}
+
+pub(super) fn define(trace: &mut Trace, info: SignalInfo, out: &mut Findings) -> Option<SignalId> {
+    let name = info.name.clone();
+    match trace.define(info) {
+        Ok(signal) => Some(signal),
+        Err(TraceError::DuplicateName(_)) => {
+            out.error("R0101", 0..0, format!("the trace has two signals `{name}`"), "rename one of them");
+            None
+        }
+        Err(error) => {
+            out.error("R0101", 0..0, format!("the signal `{name}` cannot be recorded: {error}"), "");
+            None
+        }
+    }
+}
+
+pub(super) fn clocked(mut info: SignalInfo, exact: bool) -> SignalInfo {
+    info.clock = if exact { ClockDomain::Virtual } else { ClockDomain::Monotonic };
+    info
+}
+
+pub(super) fn channel_info(name: &str, channel: &Channel) -> SignalInfo {
+    let kind = if channel.is_digital() { Kind::Bool } else { Kind::Real };
+    let sampling = match channel.timestamp {
+        TimestampSource::Sampled { period } => Sampling::Sampled { period },
+        _ => Sampling::Edges { resolution: channel.resolution },
+    };
+    SignalInfo {
+        unit: channel.unit().to_owned(),
+        sampling,
+        shortest_pulse: channel.shortest_pulse,
+        ..SignalInfo::exact(name, kind)
+    }
+}

@@ -1,0 +1,291 @@
+//! From the steps of a plan to what is done on a bench.
+
+use super::Bench;
+use super::lines::{driven, fault_kind, line, of_controller, terminal, value_for, warn_if_too_fast};
+use super::meaning::{Meaning, Names, known_tasks, suggestion};
+use crate::schedule::{Act, Awaited, Expected, FileAct, Planned, Timing, TrainWork};
+use controller::{Channel as Terminal, Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
+use document::Findings;
+use drivers::Fault;
+use plans::lang::Literal;
+use plans::plan::{Await, ProgramRef};
+use plans::steps::Stimulus;
+use plans::{Step, StepTime};
+use signal::{Address, Kind, SignalId, SignalInfo, Span, Trace, Value};
+
+pub(super) fn plan_step(
+    step: &Step,
+    mark: SignalId,
+    done: SignalId,
+    names: &Names<'_>,
+    trace: &Trace,
+    bench: &mut Bench<'_>,
+    out: &mut Findings,
+) -> Option<Planned> {
+    let timing = match &step.when {
+        StepTime::At(anchor) => Timing::At(anchor.clone()),
+        StepTime::When { signal, awaits, from, within } => {
+            let signal = names.signal(signal)?;
+            let info = &trace.signals()[signal.0 as usize];
+            let event = awaited(awaits, info, step, out)?;
+            Timing::When { signal, event, from: from.clone(), within: *within }
+        }
+    };
+    let mut train = None;
+    let acts = match &step.stimulus {
+        Stimulus::Set(list) => {
+            let acts: Option<Vec<_>> = list
+                .iter()
+                .map(|(name, value)| {
+                    let channel = driven(name, names, bench, step, out)?;
+                    Some((Span::ZERO, Act::Drive(channel, value_for(value, channel, bench, step, out)?)))
+                })
+                .collect();
+            acts?
+        }
+        Stimulus::Pulse { signal, value, width } => {
+            let channel = driven(signal, names, bench, step, out)?;
+            let value = value_for(value, channel, bench, step, out)?;
+            vec![(Span::ZERO, Act::Drive(channel, value)), (*width, Act::Restore(channel))]
+        }
+        Stimulus::Train(planned) => {
+            let channel = driven(&planned.signal, names, bench, step, out)?;
+            warn_if_too_fast(channel, planned, bench, step, out);
+            train = Some(TrainWork { channel, train: planned.clone() });
+            Vec::new()
+        }
+        Stimulus::Force { signal, value } => {
+            let channel = terminal(signal, names, bench, step, out)?;
+            let Some(on) = boolean(value) else {
+                out.error("R0107", step.span.clone(), "a terminal is forced to TRUE or FALSE", "");
+                return None;
+            };
+            vec![(Span::ZERO, Act::Command(Command::Force { channel, on }, expected(step)))]
+        }
+        Stimulus::Release { signal } => {
+            let channel = terminal(signal, names, bench, step, out)?;
+            vec![(Span::ZERO, Act::Command(Command::Unforce(channel), expected(step)))]
+        }
+        Stimulus::Write { of, value } => {
+            let observable = match names.meaning(of)? {
+                Meaning::Inside(observable) => observable,
+                Meaning::Channel(channel, _) => {
+                    let message = format!("`{of}` is no variable and no place in memory");
+                    let help = match of_controller(channel, bench) {
+                        true => "an output of the controller is driven from outside with `force`",
+                        false => "a line is driven with `set`",
+                    };
+                    out.error("R0106", step.span.clone(), message, help);
+                    return None;
+                }
+            };
+            let Literal::Value(value) = value else {
+                out.error("R0107", step.span.clone(), format!("`{of}` takes a plain number"), "");
+                return None;
+            };
+            if matches!(value, Value::Real(_)) && observable.kind != Kind::Real {
+                let help = "only a REAL or LREAL has a value with a part behind the point";
+                out.error("R0107", step.span.clone(), format!("`{of}` takes a whole number"), help);
+                return None;
+            }
+            vec![(Span::ZERO, Act::Write(observable.probe, *value, expected(step)))]
+        }
+        Stimulus::Command(command) => {
+            let command = match command {
+                plans::steps::Command::Run => Command::Run,
+                plans::steps::Command::Stop => Command::Stop,
+                plans::steps::Command::ResetWarm => Command::ResetWarm,
+                plans::steps::Command::ResetCold => Command::ResetCold,
+                plans::steps::Command::Login => Command::LogIn,
+                plans::steps::Command::Logout => Command::LogOut { keep_forcing: false },
+                plans::steps::Command::LogoutKeepForcing => Command::LogOut { keep_forcing: true },
+                plans::steps::Command::IdentifyOn => Command::Identify(true),
+                plans::steps::Command::IdentifyOff => Command::Identify(false),
+                plans::steps::Command::ResetOrigin => Command::ResetOrigin,
+                plans::steps::Command::Reboot => Command::Reboot,
+                plans::steps::Command::CreateBootApplication => Command::CreateBootApplication,
+                plans::steps::Command::DeleteApplication => Command::DeleteApplication,
+            };
+            vec![(Span::ZERO, Act::Command(command, expected(step)))]
+        }
+        Stimulus::Switch(run) => vec![(Span::ZERO, Act::Command(Command::Switch(*run), Expected::Obeyed))],
+        Stimulus::Download(program) => {
+            let bundle = bundle(program.as_ref(), step, bench, out)?;
+            vec![(Span::ZERO, Act::Command(Command::Download(bundle), expected(step)))]
+        }
+        Stimulus::OnlineChange(program) => {
+            let bundle = bundle(Some(program), step, bench, out)?;
+            vec![(Span::ZERO, Act::Command(Command::OnlineChange(bundle), expected(step)))]
+        }
+        Stimulus::Breakpoint { line, file } => {
+            let file = source_file(file.as_deref(), step, bench, out)?;
+            let command = Command::Breakpoint { file, line: *line };
+            vec![(Span::ZERO, Act::Command(command, expected(step)))]
+        }
+        Stimulus::ClearBreakpoints => {
+            vec![(Span::ZERO, Act::Command(Command::ClearBreakpoints, expected(step)))]
+        }
+        Stimulus::Resume => vec![(Span::ZERO, Act::Command(Command::Resume, expected(step)))],
+        Stimulus::StepStatement => vec![(Span::ZERO, Act::Command(Command::StepStatement, expected(step)))],
+        Stimulus::MultipleDownload { program, start } => {
+            let bundle = bundle(program.as_ref(), step, bench, out)?;
+            let command = Command::MultipleDownload { bundle, start: *start };
+            vec![(Span::ZERO, Act::Command(command, expected(step)))]
+        }
+        Stimulus::PlaceBootApplication(program) => {
+            let bundle = bundle(program.as_ref(), step, bench, out)?;
+            vec![(Span::ZERO, Act::Command(Command::PlaceBootApplication(bundle), expected(step)))]
+        }
+        Stimulus::ResetOriginDevice { user_management, plc_logic, certificates } => {
+            let reset = DeviceReset {
+                user_management: *user_management,
+                plc_logic: *plc_logic,
+                certificates: *certificates,
+            };
+            vec![(Span::ZERO, Act::Command(Command::ResetOriginDevice(reset), expected(step)))]
+        }
+        Stimulus::Firmware(valid) => {
+            vec![(Span::ZERO, Act::Command(Command::Firmware { valid: *valid }, expected(step)))]
+        }
+        Stimulus::PowerCut(lasts) => vec![(Span::ZERO, Act::Power(false)), (*lasts, Act::Power(true))],
+        Stimulus::Power(on) => vec![(Span::ZERO, Act::Power(*on))],
+        Stimulus::Overload { task, cycle, times } => {
+            let Some(task) = bench.subject.task(task) else {
+                let help = known_tasks(task, bench);
+                out.error("R0105", step.span.clone(), format!("there is no task `{task}`"), help);
+                return None;
+            };
+            vec![(Span::ZERO, Act::Overload { task, cycle: *cycle, times: *times })]
+        }
+        Stimulus::Suspend { task, lasts } => {
+            let Some(task) = bench.subject.task(task) else {
+                let help = known_tasks(task, bench);
+                out.error("R0105", step.span.clone(), format!("there is no task `{task}`"), help);
+                return None;
+            };
+            vec![(Span::ZERO, Act::Suspend { task, lasts: *lasts })]
+        }
+        Stimulus::Fault { signal, kind, lasts } => {
+            let channel = line(signal, names, step, out)?;
+            let kind = fault_kind(kind, channel, bench, step, out)?;
+            vec![(Span::ZERO, Act::Fault(Fault { channel, kind, lasts: *lasts }))]
+        }
+        Stimulus::File { path, deed, by_application } => {
+            let user = if *by_application { FileUser::Application } else { FileUser::Service };
+            let act = FileAct { path: path.clone(), deed: deed.clone(), user };
+            vec![(Span::ZERO, Act::File(act, expected(step)))]
+        }
+        Stimulus::Disturb { what, on, lasts } => {
+            let begin = disturbance(*what, *on, bench, step, out)?;
+            let end = lasts.and_then(|lasts| Some((lasts, disturbance(*what, !on, bench, step, out)?)));
+            let acts = std::iter::once((Span::ZERO, begin)).chain(end);
+            acts.map(|(after, what)| (after, Act::Disturb(what))).collect()
+        }
+        Stimulus::Clear { signal } => vec![(Span::ZERO, Act::Clear(line(signal, names, step, out)?))],
+        Stimulus::Mark => Vec::new(),
+    };
+    let lasts = step.stimulus.duration();
+    Some(Planned { id: step.id.clone(), mark, done, timing, acts, train, lasts })
+}
+
+/// The place of a source in its application: as a step names it, relative to the plan; the first one where it names
+/// none.
+fn source_file(name: Option<&str>, step: &Step, bench: &Bench<'_>, out: &mut Findings) -> Option<u16> {
+    let Some(name) = name else { return Some(0) };
+    let known = bench.subject.source_files();
+    let found = known.iter().find(|(_, known)| known == name || known.ends_with(&format!("/{name}")));
+    if found.is_none() {
+        let help = suggestion(name, known.iter().map(|(_, known)| known.as_str()));
+        out.error(
+            "R0122",
+            step.span.clone(),
+            format!("no program of the plan has the source `{name}`"),
+            help,
+        );
+    }
+    found.map(|(place, _)| *place)
+}
+
+/// What goes wrong, with its output found on the bench.
+fn disturbance(
+    what: plans::steps::Disturbance,
+    on: bool,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) -> Option<Disturbance> {
+    use plans::steps::Disturbance as Planned;
+    let mut output = |address: Address| match Terminal::at(address, bench.reference) {
+        Some(Terminal::Output(output)) => Some(output),
+        _ => {
+            let help = format!("{} has no such terminal", bench.reference.name);
+            out.error("R0102", step.span.clone(), format!("no output is at {address}"), help);
+            None
+        }
+    };
+    Some(match what {
+        Planned::ShortCircuit(address) => Disturbance::ShortCircuit { output: output(address)?, on },
+        Planned::OverTemperature(address) => Disturbance::OverTemperature { output: output(address)?, on },
+        Planned::NoIoSupply => Disturbance::IoSupply(!on),
+        Planned::External(bit) if FAULT_BITS.contains(&bit) => Disturbance::ExternalError { bit, on },
+        Planned::External(bit) => {
+            let bits: Vec<String> = FAULT_BITS.iter().map(u8::to_string).collect();
+            let help = format!("the others are {}", bits.join(", "));
+            out.error("R0107", step.span.clone(), format!("bit {bit} is reserved"), help);
+            return None;
+        }
+    })
+}
+
+/// The bundle of the program that a step brings: of the case's own one where it names none.
+fn bundle(
+    program: Option<&ProgramRef>,
+    step: &Step,
+    bench: &Bench<'_>,
+    out: &mut Findings,
+) -> Option<Vec<u8>> {
+    let bundle = match program {
+        None => Some(bench.bundle).filter(|bundle| !bundle.is_empty()),
+        Some(program) => {
+            bench.others.iter().find(|(known, _)| known == program).map(|(_, bundle)| bundle.as_slice())
+        }
+    };
+    if bundle.is_none() {
+        let help = "give the plan a `program`, or the step: it is what is transferred";
+        out.error("R0108", step.span.clone(), "there is no application to transfer", help);
+    }
+    bundle.map(<[u8]>::to_vec)
+}
+
+const fn expected(step: &Step) -> Expected {
+    if step.refused { Expected::Refused } else { Expected::Obeyed }
+}
+
+fn awaited(awaits: &Await, info: &SignalInfo, step: &Step, out: &mut Findings) -> Option<Awaited> {
+    let mut value = |literal: &Literal| {
+        let value = plans::value_of(literal, info).ok();
+        if value.is_none() {
+            let message = format!("`{}` cannot have this value", info.name);
+            let labels: Vec<&str> = info.labels.iter().map(|(_, label)| label.as_str()).collect();
+            let help =
+                if labels.is_empty() { String::new() } else { format!("it can be {}", labels.join(", ")) };
+            out.error("R0107", step.span.clone(), message, help);
+        }
+        value
+    };
+    Some(match awaits {
+        Await::Becomes(literal) => Awaited::Becomes(value(literal)?),
+        Await::Rises => Awaited::Rises,
+        Await::Falls => Awaited::Falls,
+        Await::Changes => Awaited::Changes,
+        Await::Above(literal) => Awaited::Above(value(literal)?.as_real()?),
+        Await::Below(literal) => Awaited::Below(value(literal)?.as_real()?),
+    })
+}
+
+fn boolean(literal: &Literal) -> Option<bool> {
+    match literal {
+        Literal::Value(value) => value.as_bool(),
+        _ => None,
+    }
+}

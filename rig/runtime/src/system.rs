@@ -1,0 +1,113 @@
+//! The system variables in programs: structures that are compiled with a program that mentions them, and with no
+//! other, so that nothing else changes for it.
+
+use controller::SystemVariable;
+use document::SourceFile;
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// Name of the source that declares the structures.
+const NAME: &str = "PLCSystem";
+
+/// The structures, each with what of it programs only read.
+const STRUCTURES: [(&str, &[&str]); 2] = [("PLC_R", &["PLC_R"]), ("PLC_W", &[])];
+
+/// Sources with what they mention of the system variables behind them, so that their own places stay; and the
+/// variables that they may not write. What the sources declare themselves is theirs.
+pub fn with_system(sources: &[SourceFile]) -> (Cow<'_, [SourceFile]>, &'static [&'static str]) {
+    let mut text = String::new();
+    let mut read_only: &[&str] = &[];
+    for (structure, reads) in STRUCTURES {
+        let mentioned = sources.iter().any(|source| program::mentions(&source.text, structure));
+        if !mentioned || sources.iter().any(|source| program::declares(&source.text, structure)) {
+            continue;
+        }
+        declare(structure, &mut text);
+        if !reads.is_empty() {
+            read_only = reads;
+        }
+    }
+    if text.is_empty() {
+        return (Cow::Borrowed(sources), read_only);
+    }
+    let mut all = sources.to_vec();
+    all.push(SourceFile::new(NAME, text));
+    (Cow::Owned(all), read_only)
+}
+
+/// The type and the variable of a structure.
+fn declare(structure: &str, out: &mut String) {
+    let members = SystemVariable::ALL.iter().filter_map(|variable| {
+        let name = variable.name().strip_prefix(structure)?.strip_prefix('.')?;
+        Some((name, variable.ty().name()))
+    });
+    // Writing to a text does not fail.
+    let _ = write!(out, "TYPE {structure}_STRUCT : STRUCT ");
+    for (name, ty) in members {
+        let _ = write!(out, "{name} : {ty}; ");
+    }
+    let _ = writeln!(out, "END_STRUCT END_TYPE VAR_GLOBAL {structure} : {structure}_STRUCT; END_VAR");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::application::compile;
+    use profile::Profile;
+    use program::Elementary;
+
+    fn source(statements: &str) -> [SourceFile; 1] {
+        [SourceFile::new(
+            "a.st",
+            format!("PROGRAM MAIN VAR w : WORD; b : BOOL; END_VAR {statements} END_PROGRAM"),
+        )]
+    }
+
+    fn codes(statements: &str) -> Vec<&'static str> {
+        match compile(&source(statements), Profile::default()) {
+            Ok(_) => Vec::new(),
+            Err(found) => found.iter().map(|found| found.code).collect(),
+        }
+    }
+
+    #[test]
+    fn every_system_variable_has_its_type() {
+        let program =
+            compile(&source("w := PLC_R.i_wStatus; plc_w.q_wPLCControl := 1;"), Profile::default()).unwrap();
+        for variable in SystemVariable::ALL {
+            let found = program.find(variable.name()).unwrap();
+            let ty = match variable.ty() {
+                controller::SystemType::Bool => Elementary::Bool,
+                controller::SystemType::Word => Elementary::Word,
+                controller::SystemType::Uint => Elementary::Uint,
+                controller::SystemType::Dword => Elementary::Dword,
+                controller::SystemType::Lword => Elementary::Lword,
+            };
+            assert_eq!(found.ty, ty, "{}", variable.name());
+        }
+    }
+
+    #[test]
+    fn a_program_that_mentions_none_is_as_it_was() {
+        for text in ["w := 1; // PLC_R", "(* PLC_W *) w := 1;", "w := 1; {PLC_R}"] {
+            let sources = source(text);
+            let (all, _) = with_system(&sources);
+            assert!(matches!(all, Cow::Borrowed(_)), "{text}");
+        }
+        let sources = source("w := PLC_R.i_wStatus;");
+        let (all, read_only) = with_system(&sources);
+        assert_eq!((all.len(), read_only), (2, &["PLC_R"][..]));
+        assert!(!all[1].text.contains("PLC_W"));
+    }
+
+    #[test]
+    fn plc_r_is_only_read() {
+        assert_eq!(codes("b := PLC_R.i_x1sClk; PLC_W.q_wPLCControl := PLC_R.i_wStatus;"), Vec::<&str>::new());
+        let read_only = codes("PLC_R.i_wStatus := 1;");
+        assert_eq!(read_only, ["S0401"]);
+        assert_eq!(codes("PLC_R.i_wStatus.1 := TRUE;"), read_only);
+        // A local variable of the name is the program's own.
+        let own = "PROGRAM MAIN VAR plc_r : WORD; END_VAR plc_r := 1; END_PROGRAM";
+        assert!(compile(&[SourceFile::new("a.st", own)], Profile::default()).is_ok());
+    }
+}
