@@ -83,9 +83,13 @@ def properties(case):
 
 def value(raw, kind):
     """A value of a VCD file as a number; None where it is not driven or not known."""
-    if raw is None or set(raw.lower()) & {"x", "z"}:
+    if raw is None:
         return None
-    return float(raw) if kind == "real" else int(raw, 2)
+    if kind == "real":
+        # A real of VCD has no x and no z: what is not known is no number.
+        number = float(raw)
+        return None if number != number else number
+    return None if set(raw.lower()) & {"x", "z"} else int(raw, 2)
 
 
 def signals_of(wave):
