@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Reads a report with programs that are not ours: tests/peers.py DIR (what `rig test --report DIR` wrote).
 
-junit.xml with junitparser, every traces/*.vcd with vcdvcd and one of them with sigrok-cli, each compared with
-record.json. Prints what failed, then `N passed, M failed`; the exit code is 0 only without failures.
+junit.xml with junitparser and by Jenkins' schema, ctrf.json by its schema, the tables with Python's csv, every
+traces/*.vcd with vcdvcd and one of them with sigrok-cli, each compared with record.json. Prints what failed, then `N passed, M failed`; the exit code is 0 only without failures.
 """
 
+import csv
 import json
 import pathlib
 import re
@@ -13,7 +14,9 @@ import subprocess
 import sys
 import tempfile
 
+import jsonschema
 import junitparser
+from lxml import etree
 from vcdvcd import VCDVCD
 
 # Reading value by value is slow in Python: larger files are left out, never all of them.
@@ -21,6 +24,12 @@ LARGEST = 2_000_000
 LEAST_TRACES = 10
 
 MILLISECOND = 1_000_000
+
+# What other people's programs take: GitLab reads no JUnit file above 30 MB, GitHub no longer comment.
+LARGEST_JUNIT = 30_000_000
+LONGEST_SUMMARY = 65_536
+
+SCHEMAS = pathlib.Path(__file__).parent / "schemas"
 
 passed = failed = 0
 
@@ -35,6 +44,23 @@ def check(what, holds, found=""):
         print(f"FAILED: {what}{f': {found}' if found != '' else ''}")
 
 
+def load(folder):
+    """The record, with what it leaves out because it is empty."""
+    record = json.loads((folder / "record.json").read_text())
+    for case in record["cases"]:
+        for name in ["proves", "claims", "measurements", "steps", "lanes"]:
+            case.setdefault(name, [])
+        for name in ["start_ns", "end_ns", "duration_ns"]:
+            case.setdefault(name, 0)
+        for step in case["steps"]:
+            step.setdefault("at_ns", None)
+        for lane in case["lanes"]:
+            # An instant that is known exactly is written once.
+            points = lane.setdefault("points", [])
+            lane["points"] = [point if len(point) == 3 else [point[0], *point] for point in points]
+    return record
+
+
 def outcome(case):
     """What JUnit must say of a case of the record."""
     if case["status"]["is"] != "judged" or case["verdict"] == "none":
@@ -43,6 +69,10 @@ def outcome(case):
 
 
 def read_junit(folder, record):
+    path = folder / "junit.xml"
+    check("junit: size", path.stat().st_size <= LARGEST_JUNIT, path.stat().st_size)
+    schema = etree.XMLSchema(etree.parse(str(SCHEMAS / "jenkins-junit-4.xsd")))
+    check("junit: schema of Jenkins", schema.validate(etree.parse(str(path))), schema.error_log.last_error)
     xml = junitparser.JUnitXml.fromfile(str(folder / "junit.xml"))
     cases = [case for suite in xml for case in suite]
     totals = record["totals"]
@@ -72,13 +102,64 @@ def read_junit(folder, record):
             continue
         said = [kinds[type(result)] for result in peer.result if type(result) in kinds] or ["success"]
         check(f"junit: {case['name']}", said == [outcome(case)], said)
-        proves = [fact.value for fact in properties(peer) if fact.name == "requirement"]
+        proves = re.findall(r"^\[\[PROPERTY\|requirement=(.*)\]\]$", peer.system_out or "", re.MULTILINE)
         check(f"junit: requirements of {case['name']}", proves == case["proves"], proves)
 
 
-def properties(case):
-    element = case.child(junitparser.Properties)
-    return list(element) if element is not None else []
+def read_ctrf(folder, record):
+    report = json.loads((folder / "ctrf.json").read_text())
+    schema = json.loads((SCHEMAS / "ctrf-0.0.json").read_text())
+    faults = jsonschema.Draft7Validator(schema, format_checker=jsonschema.FormatChecker()).iter_errors(report)
+    fault = next(faults, None)
+    check("ctrf: schema", fault is None, fault and f"{fault.message[:200]} at {list(fault.absolute_path)}")
+    tests = report["results"]["tests"]
+    check("ctrf: tests", [test["name"] for test in tests] == [case["name"] for case in record["cases"]])
+    words = {"success": "passed", "failure": "failed", "error": "failed", "skipped": "skipped"}
+    for test, case in zip(tests, record["cases"]):
+        nothing = case["status"]["is"] == "judged" and case["verdict"] == "none"
+        wanted = "other" if nothing else words[outcome(case)]
+        check(f"ctrf: {case['name']}", test["status"] == wanted, test["status"])
+        steps = len(case["claims"]) + len(case["measurements"])
+        check(f"ctrf: steps of {case['name']}", len(test.get("steps", [])) == steps, len(test.get("steps", [])))
+        for attachment in test.get("attachments", []):
+            check(f"ctrf: {attachment['path']}", (folder / attachment["path"]).is_file())
+    summary = report["results"]["summary"]
+    counted = [sum(test["status"] == status for test in tests) for status in ["passed", "failed", "skipped", "other"]]
+    said = [summary[name] for name in ["passed", "failed", "skipped", "other"]]
+    check("ctrf: summary", said == counted and summary["tests"] == len(tests), said)
+
+
+def read_tables(folder, record):
+    judged = [case for case in record["cases"] if case["status"]["is"] == "judged"]
+    for name, part in [("measurements.csv", "measurements"), ("claims.csv", "claims")]:
+        with open(folder / name, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file, strict=True))
+        wanted = [(case["name"], entry) for case in judged for entry in case[part]]
+        check(f"{name}: rows", len(rows) == len(wanted), f"{len(rows)} for {len(wanted)}")
+        for row, (case, entry) in zip(rows, wanted):
+            check(f"{name}: {case}", row["case"] == case and row["verdict"] == entry["verdict"], row)
+            # Numbers that are not finite are words in the record, which Python reads, too.
+            margin = float(entry["margin"].get("value", 0)) if "margin" in entry else None
+            check(f"{name}: margin in {case}", field(row["margin"]) == margin, row["margin"])
+            if part == "measurements":
+                low = float(entry["value"][0]) if "value" in entry else None
+                check(f"{name}: value in {case}", field(row["low"]) == low, row["low"])
+
+
+def field(text):
+    """A number of a table; None where there is none."""
+    return float(text) if text else None
+
+
+def read_summary(folder, record):
+    text = (folder / "summary.md").read_text()
+    check("summary: length", len(text) <= LONGEST_SUMMARY, len(text))
+    for name in ["passed", "failed", "inconclusive"]:
+        count = record["totals"][name]
+        check(f"summary: {name}", not count or f"**{count}** {name}" in text)
+    failed = [case for case in record["cases"] if case["status"]["is"] == "judged" and case["verdict"] == "fail"]
+    for case in failed[:10]:
+        check(f"summary: {case['name']}", case["name"].replace("|", "\\|") in text)
 
 
 def value(raw, kind):
@@ -205,8 +286,11 @@ def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
     folder = pathlib.Path(sys.argv[1])
-    record = json.loads((folder / "record.json").read_text())
+    record = load(folder)
     read_junit(folder, record)
+    read_ctrf(folder, record)
+    read_tables(folder, record)
+    read_summary(folder, record)
     cases = {case["trace_file"]: case for case in record["cases"] if case.get("trace_file")}
     files = sorted(folder.glob("traces/*.vcd"))
     check("vcd: a file for each trace", len(files) == len(cases), f"{len(files)} for {len(cases)}")

@@ -47,6 +47,31 @@ document::codes! {
     CLAIM = "P0503", "A claim that can never be met or never fail";
     MEANING = "P0504", "A claim that means nothing for its signal";
     NOT_IN_TRACE = "P0505", "A signal that the trace does not have";
+    PHASE = "P0600", "A step that hangs on another part of the case";
+    NO_TEARDOWN = "P0601", "An instant of a teardown that the plan does not have";
+    GROUP = "P0602", "An unknown group";
+    ARGUMENT = "P0603", "An argument that is missing, unknown or malformed";
+    RECURSION = "P0604", "Groups that run each other without end";
+    IN_GROUP = "P0605", "What cannot stand in a group";
+    INCLUDE = "P0606", "A file that cannot be included";
+    INCLUDED_TWICE = "P0607", "A name that two files define";
+    REPEAT = "P0608", "A step that cannot come again like this";
+    OCCURRENCE = "P0609", "A time that a step does not come";
+    QUESTION = "P0610", "A question that cannot be asked";
+    GUARD_STEP = "P0620", "An invariant or alarm that hangs on a step";
+    ALARM = "P0621", "An alarm that cannot be";
+    BEYOND_CASE = "P0622", "A claim that looks beyond the end of its case";
+    UNUSED = "P0623", "A name that is bound and never used";
+    CUT_OFF = "P0624", "A step that lasts longer than its case";
+    NEVER_ARMED = "P0625", "A watchdog that is never armed";
+    WAVE = "P0640", "A wave that cannot be";
+    SAMPLES = "P0641", "A wave with too many or too few values";
+    ENCODER = "P0642", "A motion of an encoder that cannot be";
+    TABLE_FILE = "P0643", "A table that cannot be read";
+    TABLE = "P0644", "A table of values that is malformed";
+    COLUMN = "P0645", "A column that cannot drive a signal";
+    MEASURE = "P0660", "A key that means nothing for this kind of measurement";
+    TOO_MANY_TURNS = "P0661", "More turns than a plan can have";
 }
 
 /// The codes of what every TOML file can have wrong.

@@ -6,6 +6,8 @@
 //! Goals: every finding with a code, the exact place and the mend; several findings in one run; bounded time
 //! and memory for any text. Not goals: opening files, driving anything: the runtime does both.
 
+pub mod alarm;
+pub mod bench;
 mod codes;
 pub mod expect;
 pub mod judge;
@@ -14,10 +16,12 @@ mod meaning;
 pub mod measure;
 pub mod plan;
 pub mod register;
+pub mod schema;
 pub mod steps;
+pub mod table;
 
 pub use codes::{CODES, TOML};
 pub use lang::{Anchor, Base, Literal};
 pub use meaning::{show_literal, value_of};
-pub use plan::{Case, Plan, Step, StepTime, read};
+pub use plan::{Case, Plan, Step, StepTime, check_included, gather, read, read_gathered};
 pub use steps::Stimulus;

@@ -34,7 +34,12 @@ impl Names for Anything {
     }
 
     fn signal(&self, node: &Node, _out: &mut Findings) -> Option<String> {
-        node.as_text().map(str::to_owned)
+        let Some(table) = node.as_table() else { return node.as_text().map(str::to_owned) };
+        // `log:halt`, `task:MAST:lost`.
+        let value = |key: &str| table.get(key).and_then(Node::as_text).unwrap_or_default();
+        let first = table.entries.first()?;
+        let figure = if value("figure").is_empty() { String::new() } else { format!(":{}", value("figure")) };
+        Some(format!("{}:{}{figure}", first.key, value(&first.key)))
     }
 
     fn at_value(&self, node: &Node, out: &mut Findings) -> Option<(String, Option<Anchor>)> {
@@ -62,6 +67,8 @@ fn value(text: &str, kind: Kind) -> Value {
         "FALSE" => Value::Bool(false),
         "Z" => Value::HighZ,
         "?" => Value::Unknown,
+        "off" => Value::Int(0),
+        "fast-flash" => Value::Int(2),
         _ if kind == Kind::Real => Value::Real(text.parse().expect("a real")),
         _ => Value::Int(text.parse().expect("an integer")),
     }
@@ -72,7 +79,7 @@ fn declare(words: &[&str]) -> SignalInfo {
         "bool" => Kind::Bool,
         "int" => Kind::Int,
         "real" => Kind::Real,
-        "state" => Kind::State,
+        "state" | "led" => Kind::State,
         other => panic!("no kind {other}"),
     };
     let mut info = SignalInfo::exact(words[0], kind);
@@ -86,7 +93,9 @@ fn declare(words: &[&str]) -> SignalInfo {
             unit => info.unit = unit.to_owned(),
         }
     }
-    if kind == Kind::State {
+    if words[1] == "led" {
+        info.labels = vec![(0, "off".into()), (1, "on".into()), (2, "fast-flash".into())];
+    } else if kind == Kind::State {
         info.labels = vec![(0, "EMPTY".into()), (2, "RUNNING".into()), (4, "HALT".into())];
     }
     info

@@ -1,20 +1,31 @@
 //! Writes the example run, to be looked at: `cargo run -p scanrig-reports --example page > page.html`.
 //!
-//! The first argument chooses the form: `html` (also without one), `hostile`, `text`, `junit`, `json`, `vcd`.
+//! The first argument chooses the form: `html` (also without one), `hostile`, `extreme`, `repeated`, `text`, `junit`,
+//! `ctrf`, `markdown`, `measurements`, `claims`, `json`, `vcd`; any other is the path of a `record.json` to draw.
 
 #[path = "../tests/fixture/mod.rs"]
 mod fixture;
 
-fn main() -> Result<(), scanrig_reports::html::HtmlError> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let form = std::env::args().nth(1).unwrap_or_default();
     let run = fixture::example();
     let text = match form.as_str() {
-        "junit" => scanrig_reports::junit::render(&run),
+        "junit" => scanrig_reports::junit::render(&run, "out"),
+        "ctrf" => scanrig_reports::ctrf::render(&run),
+        "markdown" => scanrig_reports::markdown::render(&run),
+        "measurements" => scanrig_reports::csv::measurements(&run),
+        "claims" => scanrig_reports::csv::claims(&run),
         "text" => scanrig_reports::text::render(&run, scanrig_reports::text::Style::default()),
         "vcd" => dump(&run),
         "json" => run.to_json(),
         "hostile" => scanrig_reports::html::render(&fixture::hostile())?,
-        _ => scanrig_reports::html::render(&run)?,
+        "extreme" => scanrig_reports::html::render(&fixture::extreme::extreme())?,
+        "repeated" => scanrig_reports::html::render(&fixture::repeated())?,
+        "" | "html" => scanrig_reports::html::render(&fixture::drawn())?,
+        path => {
+            let record = record::RunRecord::from_json(&std::fs::read_to_string(path)?)?;
+            scanrig_reports::html::render(&record)?
+        }
     };
     print!("{text}");
     Ok(())

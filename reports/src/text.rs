@@ -1,8 +1,12 @@
 //! The summary of a run for a terminal or a CI log: a line a case, then what needs attention, then counts.
 
 use crate::coverage::Row;
-use crate::show::{self, Outcome, clean};
-use record::{CaseRecord, ClaimRecord, FileCoverage, MeasurementRecord, RunRecord, Totals, Verdict};
+pub use crate::show::clean;
+use crate::show::{self, Outcome};
+use record::{
+    CaseRecord, ClaimRecord, FigureOf, FileCoverage, MeasurementRecord, RepeatedFigure, RunRecord, Totals,
+    Verdict,
+};
 use std::fmt::Write;
 
 /// How the text is dressed.
@@ -33,6 +37,7 @@ pub fn render(run: &RunRecord, style: Style) -> String {
         out.push_str(&coverage(&run.coverage));
         out.push('\n');
     }
+    out.push_str(&repeats(run));
     out.push_str(&summary(run, style));
     out.push('\n');
     out
@@ -45,6 +50,16 @@ fn is_quiet(case: &CaseRecord) -> bool {
 /// One line, without its end: verdict, modelled time of the case in seconds, name; and the reason of a case
 /// that does not apply or was skipped.
 pub fn case_line(case: &CaseRecord, style: Style) -> String {
+    line_of(case, "", style)
+}
+
+/// As [`case_line`], with the case's number among all cases of the run before its name: `( 12/2389)`.
+pub fn numbered_line(case: &CaseRecord, number: usize, total: usize, style: Style) -> String {
+    let width = total.to_string().len();
+    line_of(case, &format!("({number:>width$}/{total}) "), style)
+}
+
+fn line_of(case: &CaseRecord, number: &str, style: Style) -> String {
     let outcome = Outcome::of(case);
     let word = match outcome {
         Outcome::Judged(Verdict::Pass) => "PASS",
@@ -58,9 +73,9 @@ pub fn case_line(case: &CaseRecord, style: Style) -> String {
     let name = clean(&case.name);
     let word = paint(&format!("{word:>12}"), outcome, style);
     if case.is_judged() {
-        format!("{word} [{:>10}] {name}", seconds(case.duration_ns))
+        format!("{word} [{:>10}] {number}{name}", seconds(case.duration_ns))
     } else {
-        format!("{word} [{:>10}] {name}: {}", "", clean(show::reason(case)))
+        format!("{word} [{:>10}] {number}{name}: {}", "", clean(show::reason(case)))
     }
 }
 
@@ -113,9 +128,17 @@ fn claim_details(out: &mut String, case: &CaseRecord, claim: &ClaimRecord, style
             ),
             ("nearest miss", claim.nearest_miss.clone().unwrap_or_default()),
             ("last writer", claim.last_writer.clone().unwrap_or_default()),
-            ("in", place(case, claim.line, "")),
+            ("in", claim_place(case, claim)),
         ],
     );
+}
+
+/// Where a claim stands: in its plan, or in the suite or board file that claims it of every case.
+fn claim_place(case: &CaseRecord, claim: &ClaimRecord) -> String {
+    match &claim.place_file {
+        Some(file) => format!("{}:{}", clean(file), claim.line),
+        None => place(case, claim.line, ""),
+    }
 }
 
 fn measurement_details(out: &mut String, case: &CaseRecord, measurement: &MeasurementRecord, style: Style) {
@@ -157,7 +180,8 @@ fn line(out: &mut String, indent: usize, label: &str, text: &str) {
 }
 
 /// The counts, in one line without its end. Counts of errors, of cases without verdict and of skipped cases
-/// appear when they are not 0.
+/// appear when they are not 0, and that the
+/// run ended early is said.
 pub fn summary(run: &RunRecord, style: Style) -> String {
     let Totals { passed, none, inconclusive, failed, errors, not_applicable, skipped } = run.totals;
     let count = |n: u64, word: &str, outcome: Outcome| {
@@ -179,7 +203,10 @@ pub fn summary(run: &RunRecord, style: Style) -> String {
             parts.push(count(n, word, outcome));
         }
     }
-    format!("Summary: {}", parts.join(", "))
+    let ran = run.totals.judged() + not_applicable;
+    let planned = run.planned.max(ran + skipped);
+    let part = if ran < planned { format!("; {ran} of {planned} planned cases ran") } else { String::new() };
+    format!("Summary: {}{part}", parts.join(", "))
 }
 
 /// What of each source file ran: statements, branches, the lines that were missed. Ends with a line end.
@@ -197,6 +224,30 @@ pub fn coverage(files: &[FileCoverage]) -> String {
                 ("one way only", one_way),
             ],
         );
+    }
+    out
+}
+
+/// What the turns of cases that ran several times came to: how many passed, and how each figure moved. Empty without
+/// such cases; else it ends with an empty line.
+pub fn repeats(run: &RunRecord) -> String {
+    let mut out = String::new();
+    for case in run.repeated() {
+        if out.is_empty() {
+            out.push_str("Repeats\n");
+        }
+        let passed = format!("{} of {} passed", case.passed, case.turns);
+        line(&mut out, 2, &clean(&case.case), &passed);
+        for RepeatedFigure { of, name, unit, statistics, .. } in &case.figures {
+            let name = match of {
+                FigureOf::Measurement => clean(name).into_owned(),
+                FigureOf::Margin => format!("margin of {}", clean(name)),
+            };
+            line(&mut out, 4, &format!("{name}:"), &show::statistics(statistics, unit));
+        }
+    }
+    if !out.is_empty() {
+        out.push('\n');
     }
     out
 }

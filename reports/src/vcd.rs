@@ -2,7 +2,9 @@
 //!
 //! A change that is known to lie within an interval is written at its latest instant: from there on the
 //! value is certain. Instants before the trace's origin are written at 0. Changes are put in order of that
-//! instant within a bounded buffer; one that comes later still is written at the instant reached.
+//! instant within a bounded buffer; one that comes later still is written at the instant reached. Comments say what
+//! else the trace knew: `note KEY VALUE`, and at the end `widest SIGNAL N ns`, how far apart the earliest and the
+//! latest instant of a change lie at most.
 
 use signal::{Event, Kind, SignalId, SignalInfo, Trace, TraceError, Value};
 use std::cmp::Reverse;
@@ -54,12 +56,18 @@ impl std::fmt::Display for VcdError {
 
 impl std::error::Error for VcdError {}
 
-/// Writes a whole trace; see [`write()`].
+/// Writes a whole trace with its notes; see [`write()`].
 ///
 /// # Errors
 /// [`VcdError`]: reading the trace or writing the dump failed.
 pub fn write_trace<W: Write>(trace: &Trace, rig_version: &str, out: W) -> Result<(), VcdError> {
-    let mut sink = Sink::begin(trace.signals(), rig_version, out).map_err(VcdError::Output)?;
+    let notes = |writer: &mut Writer<W>| -> io::Result<()> {
+        for (key, value) in trace.notes() {
+            writer.comment(&format!("note {} {}", word(key), escaped(value)))?;
+        }
+        Ok(())
+    };
+    let mut sink = Sink::begin_with(trace.signals(), rig_version, out, notes).map_err(VcdError::Output)?;
     for event in trace.events() {
         sink.push(&event.map_err(VcdError::Trace)?).map_err(VcdError::Output)?;
     }
@@ -71,6 +79,9 @@ pub struct Sink<'a, W: Write> {
     writer: Writer<W>,
     signals: &'a [SignalInfo],
     codes: Vec<IdCode>,
+    names: Vec<String>,
+    /// How far the earliest and the latest instant of a change of each signal lie apart at most.
+    widest: Vec<i64>,
     /// Waiting changes: instant, then order of arrival.
     waiting: BinaryHeap<Reverse<(u64, u64, Change)>>,
     arrived: u64,
@@ -113,6 +124,17 @@ impl<'a, W: Write> Sink<'a, W> {
     /// # Errors
     /// Those of `out`.
     pub fn begin(signals: &'a [SignalInfo], rig_version: &str, out: W) -> io::Result<Self> {
+        Sink::begin_with(signals, rig_version, out, |_| Ok(()))
+    }
+
+    /// The same with the notes of the trace, comments `note KEY VALUE` with which the dump can be judged again. They
+    /// stand in the header: sigrok reads nothing behind a comment among the values.
+    fn begin_with(
+        signals: &'a [SignalInfo],
+        rig_version: &str,
+        out: W,
+        notes: impl FnOnce(&mut Writer<W>) -> io::Result<()>,
+    ) -> io::Result<Self> {
         let mut writer = Writer::new(out);
         writer.version(&word(&format!("rig {rig_version}")).replace('_', " "))?;
         for info in signals.iter().filter(|info| !info.labels.is_empty()) {
@@ -120,22 +142,16 @@ impl<'a, W: Write> Sink<'a, W> {
                 info.labels.iter().map(|(n, label)| format!("{n}={}", word(label))).collect();
             writer.comment(&format!("{}: {}", word(&info.name), labels.join(" ")))?;
         }
+        notes(&mut writer)?;
         writer.timescale(1, TimescaleUnit::NS)?;
         writer.add_module("rig")?;
-        let mut names = BTreeSet::new();
         let mut codes = Vec::with_capacity(signals.len());
-        for info in signals {
-            let stem = word(&info.name);
-            let mut name = stem.clone();
-            let mut copy = 2;
-            while !names.insert(name.clone()) {
-                name = format!("{stem}_{copy}");
-                copy += 1;
-            }
+        let names = names(signals);
+        for (info, name) in signals.iter().zip(&names) {
             codes.push(match info.kind {
-                Kind::Bool => writer.add_wire(1, &name)?,
-                Kind::Real => writer.add_var(VarType::Real, 64, &name, None)?,
-                Kind::Int | Kind::Word | Kind::State | Kind::Mark => writer.add_wire(64, &name)?,
+                Kind::Bool => writer.add_wire(1, name)?,
+                Kind::Real => writer.add_var(VarType::Real, 64, name, None)?,
+                Kind::Int | Kind::Word | Kind::State | Kind::Mark => writer.add_wire(64, name)?,
             });
         }
         writer.upscope()?;
@@ -150,7 +166,8 @@ impl<'a, W: Write> Sink<'a, W> {
             }
         }
         writer.end()?;
-        Ok(Sink { writer, signals, codes, waiting: BinaryHeap::new(), arrived: 0, now: 0 })
+        let widest = vec![0; signals.len()];
+        Ok(Sink { writer, signals, codes, names, widest, waiting: BinaryHeap::new(), arrived: 0, now: 0 })
     }
 
     /// Takes one event, in the order of the trace.
@@ -159,18 +176,25 @@ impl<'a, W: Write> Sink<'a, W> {
     /// Those of the output.
     pub fn push(&mut self, event: &Event) -> io::Result<()> {
         let at = u64::try_from(event.at.latest.as_nanos()).unwrap_or(0);
+        if let Some(widest) = self.widest.get_mut(event.signal.0 as usize) {
+            let width = event.at.latest.as_nanos().saturating_sub(event.at.earliest.as_nanos());
+            *widest = width.max(*widest);
+        }
         self.waiting.push(Reverse((at, self.arrived, Change(event.signal, event.value))));
         self.arrived += 1;
         if self.waiting.len() > REORDER { self.write_next() } else { Ok(()) }
     }
 
-    /// Writes what is waiting and flushes.
+    /// Writes what is waiting, how well the changes are known where that is not exactly, and flushes.
     ///
     /// # Errors
     /// Those of the output.
     pub fn finish(mut self) -> io::Result<()> {
         while !self.waiting.is_empty() {
             self.write_next()?;
+        }
+        for (name, width) in self.names.iter().zip(&self.widest).filter(|(_, width)| **width > 0) {
+            self.writer.comment(&format!("widest {name} {width} ns"))?;
         }
         self.writer.flush()
     }
@@ -199,6 +223,38 @@ impl<'a, W: Write> Sink<'a, W> {
             },
         }
     }
+}
+
+/// A text as a comment can hold it, which ends at `$end`: `\n`, `\r`, `\t`, `\d` for a dollar, `\\`.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\n' => out.push_str("\\n"),
+            '\r' => out.push_str("\\r"),
+            '\t' => out.push_str("\\t"),
+            '$' => out.push_str("\\d"),
+            '\\' => out.push_str("\\\\"),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// The names that a dump has for these signals, in their order: each is unique.
+pub fn names(signals: &[SignalInfo]) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    let unique = |info: &SignalInfo| {
+        let stem = word(&info.name);
+        let mut name = stem.clone();
+        let mut copy = 2;
+        while !taken.insert(name.clone()) {
+            name = format!("{stem}_{copy}");
+            copy += 1;
+        }
+        name
+    };
+    signals.iter().map(unique).collect()
 }
 
 fn scalar(value: Value) -> vcd::Value {

@@ -1,11 +1,12 @@
 //! The forms that other tools and people's eyes depend on. After a wanted change write them anew:
-//! `cargo run -p scanrig-reports --example page text > reports/tests/golden/run.txt` (and `junit`, `run.xml`).
+//! `cargo run -p scanrig-reports --example page text > reports/tests/golden/run.txt` (and `junit`, `run.xml`; `ctrf`,
+//! `ctrf.json`; `markdown`, `summary.md`; `measurements`, `measurements.csv`; `claims`, `claims.csv`).
 
 mod fixture;
 mod markup;
 
 use record::{CaseRecord, RunRecord};
-use scanrig_reports::{junit, text};
+use scanrig_reports::{csv, ctrf, junit, markdown, text};
 use std::collections::BTreeSet;
 
 fn same(got: &str, wanted: &str) {
@@ -22,7 +23,47 @@ fn the_terminal_summary() {
 
 #[test]
 fn the_junit_file() {
-    same(&junit::render(&fixture::example()), include_str!("golden/run.xml"));
+    same(&junit::render(&fixture::example(), "out"), include_str!("golden/run.xml"));
+}
+
+#[test]
+fn the_ctrf_file() {
+    same(&ctrf::render(&fixture::example()), include_str!("golden/ctrf.json"));
+}
+
+#[test]
+fn the_summary_for_a_merge_request() {
+    same(&markdown::render(&fixture::example()), include_str!("golden/summary.md"));
+}
+
+#[test]
+fn the_tables_for_a_spreadsheet() {
+    let run = fixture::example();
+    same(&csv::measurements(&run), include_str!("golden/measurements.csv"));
+    same(&csv::claims(&run), include_str!("golden/claims.csv"));
+    assert!(csv::claims(&run).lines().all(|line| !line.ends_with('\r')), "lines() takes the return with it");
+    assert_eq!(csv::claims(&run).matches("\r\n").count(), csv::claims(&run).matches('\n').count());
+}
+
+/// No name of a user is a formula, a mention, a link or markup elsewhere.
+#[test]
+fn hostile_names_stay_names() {
+    let mut run = fixture::hostile();
+    run.cases[1].name = "=HYPERLINK(\"x\")".into();
+    for claim in &mut run.cases[1].claims {
+        claim.name = "@SUM(1)".into();
+        claim.expected = "- [x](http://x) @all `` ` | <img>".into();
+    }
+    let claims = csv::claims(&run);
+    assert!(
+        claims.contains("\r\n\"'=HYPERLINK(\"\"x\"\")\",") && claims.contains(",\"'@SUM(1)\","),
+        "{claims}"
+    );
+    let summary = markdown::render(&run);
+    assert!(summary.contains("```- [x](http://x) @all `` ` \\| <img>```"), "{summary}");
+    assert!(!summary.contains('\u{1b}') && !summary.contains('\u{202e}'));
+    let ctrf: serde_json::Value = serde_json::from_str(&ctrf::render(&run)).unwrap();
+    assert_eq!(ctrf["results"]["tests"].as_array().unwrap().len(), run.cases.len());
 }
 
 #[test]
@@ -62,7 +103,7 @@ fn junit_stays_well_formed_and_its_names_unique() {
     for name in ["a/b[1]", "a/b[1]", "a/b[1]", "a/b[1] #2", "", "", "/"] {
         run.push(CaseRecord { name: name.into(), ..CaseRecord::default() });
     }
-    let text = junit::render(&run);
+    let text = junit::render(&run, "");
     let elements = markup::read(&text).unwrap_or_else(|fault| panic!("{fault}"));
     let cases: Vec<_> = elements.iter().filter(|e| e.name == "testcase").collect();
     let names: BTreeSet<_> = cases.iter().map(|e| (e.get("classname"), e.get("name"))).collect();
@@ -79,5 +120,5 @@ fn a_run_without_cases_has_every_form() {
         text::render(&run, text::Style::default()).trim(),
         "Summary: 0 passed, 0 failed, 0 inconclusive, 0 not applicable"
     );
-    assert!(markup::read(&junit::render(&run)).is_ok());
+    assert!(markup::read(&junit::render(&run, "")).is_ok());
 }

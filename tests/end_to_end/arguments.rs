@@ -89,7 +89,7 @@ fn selections_of_nothing() {
     bench.refused(&["test", "lamp.toml", "--only", "nothing", "--list"], &["no case is selected"]);
     bench.refused(&["test", "lamp.toml", "--only", "(lamp"], &["never closed", "character 1"]);
     bench.refused(&["test", "lamp.toml", "--only", "lamp and"], &["character 9"]);
-    bench.refused(&["test", "lamp.toml", "--only", "tag:slow"], &["unknown kind"]);
+    bench.refused(&["test", "lamp.toml", "--only", "colour:red"], &["unknown kind"]);
     bench.refused(&["test", "lamp.toml", "--only", ""], &["--only"]);
 }
 

@@ -56,6 +56,12 @@ fn traces() {
 }
 
 #[test]
+fn captures() {
+    corpus("capture", targets::capture);
+    each(&root().join("rig/capture/tests/files"), targets::capture);
+}
+
+#[test]
 fn records() {
     corpus("record", targets::record);
 }

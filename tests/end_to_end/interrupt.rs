@@ -85,7 +85,7 @@ fn a_run_on_the_real_clock_stops_cleanly() {
     assert!(rest.contains("ERROR") && rest.contains("interrupted"), "{rest}");
     assert!(rest.contains("SKIP") && rest.contains("lamp: the run ended before it"), "{rest}");
     // Everything that was seen is kept whole, and nothing is left half written.
-    assert_eq!(bench.list("out"), ["index.html", "junit.xml", "record.json", "traces"]);
+    assert_eq!(bench.list("out"), crate::report::OUTPUTS);
     assert_eq!(bench.list("out/traces"), ["hours.trace", "hours.vcd", "quick.trace", "quick.vcd"]);
     let cases = bench.json("out/record.json")["cases"].clone();
     assert_eq!((&cases[1]["verdict"], &cases[1]["reason"]), (&"error".into(), &"interrupted".into()));

@@ -298,7 +298,7 @@ fn coverage_of_plans_is_in_the_record_and_in_the_page() {
     assert!(ran.out.contains("statements    2 of 2 (100.0 %)"), "{}", ran.out);
     let coverage = &bench.json("out/record.json")["coverage"];
     assert_eq!((&coverage[0]["file"], &coverage[0]["statements_run"]), (&"lamp.st".into(), &2.into()));
-    assert!(bench.read("out/index.html").contains("<h2 id=\"coverage\">"));
+    assert!(bench.read("out/index.html").contains("<section id=\"coverage\">"));
     // What is looked at does not change what happens.
     let trace = |folder: &str| std::fs::read(bench.path(folder).join("traces/lamp.trace")).unwrap();
     assert!(trace("plain") == trace("out"));

@@ -2,13 +2,25 @@
 
 use crate::bench::{Bench, LAMP};
 
+/// What a report folder holds.
+pub const OUTPUTS: [&str; 8] = [
+    "claims.csv",
+    "ctrf.json",
+    "index.html",
+    "junit.xml",
+    "measurements.csv",
+    "record.json",
+    "summary.md",
+    "traces",
+];
+
 #[test]
 fn a_run_leaves_record_reports_and_traces() {
     let bench = Bench::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     let ran = bench.expect(1, &["test", "lamp.toml", "slow.toml", "--report", "out"]);
     assert!(ran.out.ends_with("Report: out/index.html\n"), "{}", ran.out);
-    assert_eq!(bench.list("out"), ["index.html", "junit.xml", "record.json", "traces"]);
+    assert_eq!(bench.list("out"), OUTPUTS);
     assert_eq!(bench.list("out/traces"), ["lamp.trace", "lamp.vcd", "slow.trace", "slow.vcd"]);
 
     let record = bench.json("out/record.json");
@@ -20,6 +32,12 @@ fn a_run_leaves_record_reports_and_traces() {
     // Where it came from: the command line, the hashes of what it was made of.
     assert_eq!(record["provenance"]["arguments"][1], "lamp.toml");
     assert_eq!(record["provenance"]["clock"], "virtual");
+    assert_eq!(record["provenance"]["environment"][0][0], "Real-time kernel");
+    assert_eq!(case["board"], "default board");
+    // What the register says of the requirements that the plans name, so that a report needs no register.
+    assert_eq!(record["requirements"].as_array().unwrap().len(), 1);
+    assert_eq!(record["requirements"][0]["id"], "controller:TASK-10");
+    assert!(!record["requirements"][0]["asks"].as_str().unwrap().is_empty());
     for hash in [
         &record["provenance"]["binary_sha256"],
         &case["hashes"]["plan"],
@@ -39,6 +57,20 @@ fn a_run_leaves_record_reports_and_traces() {
     }
     let waves = bench.read("out/traces/lamp.vcd");
     assert!(waves.contains("$timescale 1 ns $end") && waves.contains(" lamp $end"));
+}
+
+#[test]
+fn tags_choose_and_are_in_the_record() {
+    let bench = Bench::new();
+    bench.write(
+        "slow.toml",
+        &LAMP.replacen("\nprogram", "\ntags = [\"slow\", \"lamp\", \"slow\"]\nprogram", 1),
+    );
+    let ran = bench.expect(0, &["test", "lamp.toml", "slow.toml", "--only", "tag:slow", "--report", "out"]);
+    assert!(ran.out.contains("1 passed"), "{}", ran.out);
+    let record = bench.json("out/record.json");
+    assert_eq!(record["cases"][0]["name"], "slow");
+    assert_eq!(record["cases"][0]["tags"], serde_json::json!(["slow", "lamp"]));
 }
 
 #[test]

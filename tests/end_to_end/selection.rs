@@ -8,12 +8,14 @@ fn listed(bench: &Bench, args: &[&str]) -> Vec<String> {
     out.lines().map(|line| line.split("  ").next().unwrap().to_owned()).collect()
 }
 
-/// Verdict words and names of the cases that a command ran, in the order in which it told of them.
+/// Verdict words and names of the cases that a command ran, in the order in which it told of them: up to the summary,
+/// behind which failures come again.
 fn lines(out: &str) -> Vec<(String, String)> {
     out.lines()
+        .take_while(|line| !line.starts_with("Summary"))
         .filter_map(|line| {
             let (word, rest) = line.split_once('[')?;
-            let name = rest.split_once("] ")?.1;
+            let name = rest.split_once("] (")?.1.split_once(") ")?.1;
             ["PASS", "FAIL", "SKIP"].contains(&word.trim()).then(|| (word.trim().to_owned(), name.to_owned()))
         })
         .collect()

@@ -1,6 +1,7 @@
 //! What is fuzzed: each function takes any bytes and must neither panic nor hang nor take memory without bound.
 //! `tests/end_to_end/corpus.rs` runs the committed corpora through the same functions with the stable compiler.
 
+use capture::{Capture, Format};
 use document::{Diagnostic, SourceFile, render};
 use plans::lang::{Need, Operand};
 use plans::{Anchor, Literal};
@@ -227,6 +228,29 @@ fn built(data: &[u8]) -> Trace {
     trace
 }
 
+/// A capture of another instrument in each format, with and without a time between samples.
+pub fn capture(data: &[u8]) {
+    for format in [Format::Vcd, Format::Csv, Format::Sigrok] {
+        for period in [None, Some(Span::from_micros(1))] {
+            match capture::read(format, data, period) {
+                Err(error) => assert!(!error.what.is_empty(), "{error:?}"),
+                Ok(read) => sound(&read),
+            }
+        }
+    }
+}
+
+/// What a reader promises of a capture.
+fn sound(read: &Capture) {
+    assert!(read.changes.is_sorted_by_key(|change| change.at.latest));
+    for change in &read.changes {
+        assert!((change.channel as usize) < read.channels.len() && change.at.earliest <= change.at.latest);
+    }
+    let names: std::collections::BTreeSet<&str> =
+        read.channels.iter().map(|channel| channel.name.as_str()).collect();
+    assert_eq!(names.len(), read.channels.len());
+}
+
 /// A record, with the reports that are made from it.
 pub fn record(data: &[u8]) {
     let Ok(run) = RunRecord::from_json(&String::from_utf8_lossy(data)) else { return };
@@ -234,7 +258,10 @@ pub fn record(data: &[u8]) {
     let again = RunRecord::from_json(&text).expect("a record that was read can be written and read");
     assert_eq!(again.to_json(), text);
     let _ = reports::text::render(&run, Style::default());
-    let _ = reports::junit::render(&run);
+    let _ = reports::junit::render(&run, "out");
+    let _ = reports::ctrf::render(&run);
+    let _ = reports::markdown::render(&run);
+    let _ = (reports::csv::measurements(&run), reports::csv::claims(&run));
     let _ = reports::html::render(&run);
 }
 

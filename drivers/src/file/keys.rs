@@ -19,6 +19,12 @@ pub const KEYS: &[KeySpec] = &[
     KeySpec::optional("wires", KeyType::List(&KeyType::Table(WIRE)), "Wires between channels"),
     KeySpec::optional("plants", KeyType::List(&KeyType::Table(PLANT)), "Processes between channels"),
     KeySpec::optional("faults", KeyType::Table(FAULTS), "Trouble that the board makes by itself"),
+    KeySpec::optional(
+        "invariants",
+        KeyType::List(&KeyType::Any),
+        "What is claimed of every case that runs on the board, as in a plan",
+    ),
+    KeySpec::optional("alarms", KeyType::List(&KeyType::Any), "What ends a case when it lasts, as in a plan"),
 ];
 
 pub(super) const SUBJECT: &[KeySpec] = &[

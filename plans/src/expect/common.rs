@@ -3,7 +3,7 @@
 use document::{Fields, KeySpec, KeyType, Node};
 use signal::{Decimal, QuantityError, QuantityFault, QuantityRange, SignalInfo, Span, is_range};
 
-use super::Context;
+use super::{Context, Demand};
 use crate::codes;
 use crate::lang::Anchor;
 
@@ -28,14 +28,14 @@ pub(super) const LONGER: KeySpec = KeySpec::optional(
 
 /// A window of the plan.
 #[derive(Clone, Debug)]
-pub(super) struct Between {
-    pub(super) from: Anchor,
-    pub(super) until: Anchor,
+pub(crate) struct Between {
+    pub(crate) from: Anchor,
+    pub(crate) until: Anchor,
 }
 
 impl Between {
     /// Reads `from` and `until`.
-    pub(super) fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Between> {
+    pub(crate) fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Between> {
         let from = anchor(fields, "from", Anchor::START, cx);
         let until = anchor(fields, "until", Anchor::END, cx);
         let (from, until) = (from?, until?);
@@ -50,6 +50,11 @@ impl Between {
 
     pub(super) fn anchors(&self) -> Vec<&Anchor> {
         vec![&self.from, &self.until]
+    }
+
+    /// That the claim looks between the two.
+    pub(super) fn demand(&self) -> Demand<'_> {
+        Demand::Window { from: &self.from, until: &self.until }
     }
 
     /// ` from busy until end`; empty for the whole case.
@@ -73,6 +78,8 @@ pub(super) fn anchor(
     match fields.get(key) {
         Some(node) => cx.names.anchor(node, cx.out),
         None if fields.has(key) => None,
+        // In a group counting begins where the group is run.
+        None if default == Anchor::START => Some(cx.names.begin()),
         None => Some(default),
     }
 }
@@ -186,7 +193,7 @@ pub(super) fn count_range(limits: (u64, u64)) -> String {
 }
 
 /// `100.2 ms after busy`, `3 ms before busy`, `at busy`; an interval where the delay is not exact.
-pub(super) fn delay_words(delay: (i64, i64), anchor: &Anchor) -> String {
+pub(crate) fn delay_words(delay: (i64, i64), anchor: &Anchor) -> String {
     match delay {
         (0, 0) => format!("at {anchor}"),
         (least, most) if most <= 0 && least < 0 && most != i64::MIN => {
@@ -207,7 +214,7 @@ pub(super) fn width(interval: (i64, i64)) -> Option<record::Figure> {
 }
 
 /// A channel that can miss pulses, in words for a reason.
-pub(super) fn blind_words(info: &SignalInfo, missed: Span) -> String {
+pub(crate) fn blind_words(info: &SignalInfo, missed: Span) -> String {
     format!(
         "`{}` is only sampled: pulses up to {missed} can go unseen; state `pulses-longer-than`",
         info.name

@@ -30,7 +30,7 @@ pub(super) const ONE_OF: KeySpec =
 
 /// What a value has to be, in the words of the plan.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Condition {
+pub enum Condition {
     /// One of these.
     OneOf(Vec<Literal>),
     /// Within these, both included.
@@ -278,7 +278,7 @@ impl Around {
 }
 
 /// A literal as an exact number of this signal.
-fn exact(literal: &Literal, info: &SignalInfo) -> Result<Decimal, String> {
+pub(crate) fn exact(literal: &Literal, info: &SignalInfo) -> Result<Decimal, String> {
     if let Some(quantity) = literal.quantity() {
         return in_unit_of(&quantity, info);
     }

@@ -12,7 +12,7 @@ use record::Figure;
 use signal::{SignalInfo, Value};
 
 use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, count_range, counts, signal};
-use super::{Claim, Context, Verb};
+use super::{Claim, Context, Demand, Verb};
 use crate::codes;
 use crate::judge::count::{Counted, Counter};
 use crate::judge::edges::{Edge, Finder};
@@ -44,6 +44,8 @@ struct Edges {
     falling: Option<Range>,
     between: Between,
     longer_than: Option<signal::Span>,
+    /// The signal counts entries of a log.
+    entries: bool,
 }
 
 fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
@@ -61,12 +63,35 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
         cx.out.error(codes::CLAIM, cx.place.clone(), message, "give `rising`, `falling` or both");
         return None;
     }
+    let any = |range: Option<Range>| range.is_none_or(|range| range == (0, u64::MAX));
+    if any(rising) && any(falling) {
+        let node = fields.get("rising").or_else(|| fields.get("falling"))?;
+        let message = "any number of edges is right: the claim can never fail";
+        cx.out.bad(codes::CLAIM, node, message, "give a least or a greatest number");
+        return None;
+    }
     let longer_than = fields.duration("pulses-longer-than");
-    Some(Arc::new(Edges { signal: signal?, rising, falling, between: between?, longer_than }))
+    let (signal, between) = (signal?, between?);
+    Some(Arc::new(Edges { signal, rising, falling, between, longer_than, entries: false }))
+}
+
+/// Reads the window in which no entry of a log is added.
+pub(super) fn read_none(
+    fields: &Fields<'_>,
+    signal: Option<String>,
+    cx: &mut Context<'_>,
+) -> Option<Arc<dyn Claim>> {
+    let between = Between::read(fields, cx)?;
+    let rising = Some((0, 0));
+    let claim = Edges { signal: signal?, rising, falling: None, between, longer_than: None, entries: true };
+    Some(Arc::new(claim))
 }
 
 impl Claim for Edges {
     fn expected(&self) -> String {
+        if self.entries {
+            return format!("no `{}` is added{}", self.signal, self.between.words());
+        }
         let part = |range: Option<Range>, word| range.map(|range| format!("{} {word}", count_range(range)));
         let parts = [part(self.rising, "rising"), part(self.falling, "falling")];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
@@ -83,6 +108,12 @@ impl Claim for Edges {
 
     fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.signal, wiring, out);
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        let wanted = [self.rising, self.falling].into_iter().flatten().any(|range| range.0 > 0);
+        let change = wanted.then_some(Demand::Change(&self.signal));
+        change.into_iter().chain([self.between.demand()]).collect()
     }
 
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
@@ -205,8 +236,9 @@ impl Count {
         let can_break = more || !counted.exact || !counted.counts.iter().all(right);
         let part =
             |wanted: bool, seen: Range, word: &str| wanted.then(|| format!("{} {word}", count_range(seen)));
+        let risen = if self.claim.entries { "added" } else { "rising" };
         let parts = [
-            part(self.claim.rising.is_some(), rising, "rising"),
+            part(self.claim.rising.is_some(), rising, risen),
             part(self.claim.falling.is_some(), falling, "falling"),
         ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
@@ -218,12 +250,13 @@ impl Count {
         let margins = [margin(self.claim.rising, rising), margin(self.claim.falling, falling)];
         let margin = margins.into_iter().flatten().reduce(f64::min);
         let spread = (rising.1 - rising.0).max(falling.1 - falling.0);
+        let noun = if self.claim.entries { "entries" } else { "edges" };
         let mut finding = Finding {
             can_hold,
             can_break,
             observed: parts.join(" and "),
-            margin: margin.map(|margin| Figure::new(margin, "edges")),
-            uncertainty: (spread > 0).then(|| Figure::new(spread as f64, "edges")),
+            margin: margin.map(|margin| Figure::new(margin, noun)),
+            uncertainty: (spread > 0).then(|| Figure::new(spread as f64, noun)),
             window: Some(self.window.shown()),
             ..Finding::default()
         };

@@ -14,7 +14,7 @@ use signal::{SignalInfo, Value};
 use super::common::{WHEN, anchor};
 use super::condition::{literal, number};
 use super::value::{instant, observed, unknown};
-use super::{Claim, Context, Verb};
+use super::{Claim, Context, Demand, Verb};
 use crate::judge::reading::{Candidate, Reader};
 use crate::judge::{Finding, Monitor, NotJudged, Number, Point, Scene, Seen, Truth, Wiring, slack};
 use crate::lang::{Anchor, Literal};
@@ -116,6 +116,10 @@ impl Claim for Equal {
         super::known(&self.right.signal, wiring, out);
     }
 
+    fn demands(&self) -> Vec<Demand<'_>> {
+        vec![Demand::At(&self.left.at), Demand::At(&self.right.at)]
+    }
+
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.left.signal)?;
         let limit = self.limit(info).map_err(NotJudged::NoMeaning)?;
@@ -201,7 +205,7 @@ fn together(left: &Candidate, right: &Candidate, link: Option<i64>) -> bool {
 }
 
 /// How far apart two numbers are, and whether that is within the limit.
-fn close(a: Number, b: Number, limit: Number, slack: f64) -> (f64, Truth) {
+pub(super) fn close(a: Number, b: Number, limit: Number, slack: f64) -> (f64, Truth) {
     if let (Number::Int(a), Number::Int(b), Number::Int(limit)) = (a, b, limit)
         && slack == 0.0
     {

@@ -14,7 +14,7 @@ use signal::{SignalInfo, Span, Value};
 
 use super::common::{FROM, Limits, SIGNAL, Single, anchor, delay_words, signal, span_range, spans, width};
 use super::condition::Condition;
-use super::{Claim, Context, Verb};
+use super::{Claim, Context, Demand, Verb};
 use crate::judge::edges::{Delay, Edge, Finder, First, Found, LAST};
 use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
 use crate::lang::Anchor;
@@ -56,13 +56,15 @@ pub(super) enum Kind {
     Rises,
     Falls,
     Changes,
+    /// The count of a log's entries grows.
+    Added,
     Becomes(Condition),
 }
 
 impl Kind {
     fn bind(&self, info: &SignalInfo) -> Result<Edge, String> {
         Ok(match self {
-            Kind::Rises => Edge::Rises,
+            Kind::Rises | Kind::Added => Edge::Rises,
             Kind::Falls => Edge::Falls,
             Kind::Changes => Edge::Changes,
             Kind::Becomes(condition) => Edge::Becomes(condition.bind(info)?),
@@ -74,6 +76,7 @@ impl Kind {
             Kind::Rises => "rises".into(),
             Kind::Falls => "falls".into(),
             Kind::Changes => "changes".into(),
+            Kind::Added => "is added".into(),
             Kind::Becomes(condition) => format!("becomes {condition}"),
         }
     }
@@ -83,7 +86,16 @@ impl Kind {
             Kind::Rises => "rose".into(),
             Kind::Falls => "fell".into(),
             Kind::Changes => "changed".into(),
+            Kind::Added => "was added".into(),
             Kind::Becomes(condition) => format!("became {condition}"),
+        }
+    }
+
+    /// `did not rise`.
+    fn missing(&self) -> String {
+        match self {
+            Kind::Added => "was not added".into(),
+            kind => format!("did not {}", kind.infinitive()),
         }
     }
 
@@ -92,6 +104,7 @@ impl Kind {
             Kind::Rises => "rise".into(),
             Kind::Falls => "fall".into(),
             Kind::Changes => "change".into(),
+            Kind::Added => "be added".into(),
             Kind::Becomes(condition) => format!("become {condition}"),
         }
     }
@@ -151,6 +164,18 @@ impl Claim for FirstEdge {
         if let Some(info) = super::known(&self.signal, wiring, out) {
             super::meant(self.kind.bind(info).map(drop), out);
         }
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        let limits = self.within.unwrap_or((0, i64::MAX));
+        let mut demands = vec![
+            Demand::Change(&self.signal),
+            Demand::Delay { from: &self.from, limits, signal: &self.signal },
+        ];
+        if let Kind::Becomes(condition) = &self.kind {
+            demands.push(Demand::Value { signal: &self.signal, condition, forbidden: false });
+        }
+        demands
     }
 
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
@@ -239,11 +264,11 @@ impl Follow {
         finding.observed = match delay.delay {
             Some(delay) => format!("{past} {}", delay_words(delay, from)),
             None => {
-                let stayed = match self.last {
+                let stayed = match self.last.filter(|_| self.claim.kind != Kind::Added) {
                     Some(value) => format!("; it was {} at the end", self.info.show(value)),
                     None => String::new(),
                 };
-                format!("did not {} after {from}{stayed}", self.claim.kind.infinitive())
+                format!("{} after {from}{stayed}", self.claim.kind.missing())
             }
         };
         if let Some((least, most)) = delay.delay {
@@ -286,7 +311,7 @@ impl Follow {
                     format!("{} too early", Span::from_nanos(self.limits.0.saturating_sub(most)))
                 }
                 Some(_) => String::from("outside the limits in every placement"),
-                None => format!("it did not {what}"),
+                None => format!("it {}", self.claim.kind.missing()),
             };
         }
         if delay.doubtful && delay.deciding.is_none_or(|found| !found.certain) {

@@ -14,7 +14,7 @@ use signal::{SignalInfo, Span, Value};
 
 use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, signal, span_range, width};
 use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
-use super::{Claim, Context, Verb};
+use super::{Claim, Context, Demand, Verb};
 use crate::codes;
 use crate::judge::segments::{Breach, Kept, Segments, Weight};
 use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Test, Truth, Wiring, blind, slack};
@@ -42,6 +42,11 @@ pub(super) const NEVER: Verb = Verb {
             "all",
             KeyType::List(&KeyType::SignalRef),
             "Two or more Boolean signals, in place of `signal`: never all TRUE at once",
+        ),
+        KeySpec::optional(
+            "any-two",
+            KeyType::List(&KeyType::SignalRef),
+            "Two or more Boolean signals, in place of `signal`: no two of them TRUE at once",
         ),
         IS,
         ONE_OF,
@@ -82,42 +87,70 @@ pub(super) fn read_window(
 }
 
 fn read_never(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
-    let between = Between::read(fields, cx);
     let condition = Condition::read(fields, Some(Condition::is_true()), cx);
-    let mut signals = Vec::new();
-    match (fields.has("signal"), fields.has("all")) {
-        (true, false) => signals.push(signal(fields, "signal", cx)?),
-        (false, true) => {
-            let list = fields.each("all");
-            for node in list {
-                let name = cx.names.signal(node, cx.out)?;
-                if signals.contains(&name) {
-                    cx.out.bad(codes::CLAIM, node, format!("`{name}` stands here twice"), "");
-                    return None;
-                }
-                signals.push(name);
-            }
-            if !(2..=MOST).contains(&signals.len()) {
-                let node = fields.get("all")?;
-                let help = "for a single signal, write `signal`";
-                cx.out.bad(codes::CLAIM, node, format!("`all` takes 2 to {MOST} signals"), help);
-                return None;
-            }
-        }
+    let given: Vec<&str> = ["signal", "all", "any-two"].into_iter().filter(|key| fields.has(key)).collect();
+    let signals = match given.as_slice() {
+        ["signal"] => vec![signal(fields, "signal", cx)?],
+        [key] => several(fields, key, cx)?,
         _ => {
-            let message = "`never` looks at either `signal` or `all`";
+            let message = "`never` looks at one of `signal`, `all` and `any-two`";
             cx.out.error(codes::CLAIM, cx.place.clone(), message, "give one of them");
             return None;
         }
+    };
+    if given == ["any-two"] {
+        return super::pairs::claim(signals, condition, fields, cx);
     }
+    let between = Between::read(fields, cx);
     let longer_than = fields.duration("pulses-longer-than");
     Some(Arc::new(Keeps { signals, condition: condition?, forbidden: true, between: between?, longer_than }))
+}
+
+/// Reads two or more signals, each once.
+fn several(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Vec<String>> {
+    let mut signals = Vec::new();
+    for node in fields.each(key) {
+        let name = cx.names.signal(node, cx.out)?;
+        if signals.contains(&name) {
+            cx.out.bad(codes::CLAIM, node, format!("`{name}` stands here twice"), "");
+            return None;
+        }
+        signals.push(name);
+    }
+    if !(2..=MOST).contains(&signals.len()) {
+        let node = fields.get(key)?;
+        let help = "for a single signal, write `signal`";
+        cx.out.bad(codes::CLAIM, node, format!("`{key}` takes 2 to {MOST} signals"), help);
+        return None;
+    }
+    Some(signals)
 }
 
 impl Keeps {
     fn test(&self, info: &SignalInfo) -> Result<Test, String> {
         let test = self.condition.bind(info)?;
         Ok(if self.forbidden { Test::Not(Box::new(test)) } else { test })
+    }
+
+    /// Finds what cannot be judged of one of the signals.
+    pub(super) fn check_one(&self, at: usize, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        if let Some(info) = super::known(&self.signals[at], wiring, out) {
+            super::meant(self.test(info).map(drop), out);
+        }
+    }
+
+    /// The judge of a signal that is not in the trace but made of some that are.
+    pub(super) fn start_with(
+        &self,
+        info: &SignalInfo,
+        scene: &Scene<'_>,
+    ) -> Result<Box<dyn Monitor>, NotJudged> {
+        let segments = Segments::new(scene.window(&self.between.from, &self.between.until)?);
+        let test = self.test(info).map_err(NotJudged::NoMeaning)?;
+        let watched = vec![Watched { test, slack: slack(info), info: info.clone() }];
+        let open = scene.is_open(&self.between.until);
+        let common = Common { claim: self.clone(), watched, segments, missed: None, open, end: scene.end() };
+        Ok(Box::new(Single { common, last: None, extreme: None, run: None }))
     }
 
     fn subject(&self) -> String {
@@ -149,11 +182,17 @@ impl Claim for Keeps {
     }
 
     fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
-        for name in &self.signals {
-            if let Some(info) = super::known(name, wiring, out) {
-                super::meant(self.test(info).map(drop), out);
-            }
+        for at in 0..self.signals.len() {
+            self.check_one(at, wiring, out);
         }
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        let (condition, forbidden) = (&self.condition, self.forbidden);
+        // Of several signals it is enough that one keeps out.
+        let signal = if let [one] = self.signals.as_slice() { Some(one) } else { None };
+        let value = signal.map(|signal| Demand::Value { signal, condition, forbidden });
+        value.into_iter().chain([self.between.demand()]).collect()
     }
 
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
@@ -229,6 +268,7 @@ impl Common {
             can_hold: kept.can_hold,
             can_break: kept.can_break || self.missed.is_some(),
             window: Some(self.segments.window().shown()),
+            bounds: self.bounds(),
             ..Finding::default()
         };
         finding.observed = self.observed(&kept);
@@ -242,6 +282,14 @@ impl Common {
             finding = finding.decided_by(&seen);
         }
         finding
+    }
+
+    /// The values that one signal may have.
+    fn bounds(&self) -> Option<record::Bounds> {
+        match self.watched.as_slice() {
+            [one] if !self.claim.forbidden => one.test.bounds(),
+            _ => None,
+        }
     }
 
     fn show(&self, value: Value) -> String {
@@ -261,18 +309,16 @@ impl Common {
             None => format!("it stayed {}", self.claim.condition),
             Some(Breach { weight: Weight::Unknown, .. }) => String::from("the value is not known throughout"),
             Some(breach) => {
-                let least = breach.end.0.saturating_sub(breach.start.1).max(0);
-                let most = breach.end.1.saturating_sub(breach.start.0);
-                let lasting = match breach.end.0 {
-                    i64::MAX => String::from("to the end of the case"),
-                    _ if breach.end.1 == i64::MAX => format!("for {} or longer", Span::from_nanos(least)),
-                    _ => format!("for {}", span_range((least, most))),
+                let lasting = lasts(breach.start, breach.value_end);
+                let all = match breach.value_end == breach.end {
+                    true => String::new(),
+                    false => format!("; forbidden {} in all", lasts(breach.start, breach.end)),
                 };
                 let from = &self.claim.between.from;
                 let point = &self.segments.window().from;
                 let delay = (breach.start.0.saturating_sub(point.b), breach.start.1.saturating_sub(point.a));
                 let when = super::common::delay_words(delay, from);
-                format!("{} {lasting}, from {when}", self.show(breach.value))
+                format!("{} {lasting}, from {when}{all}", self.show(breach.value))
             }
         }
     }
@@ -311,6 +357,17 @@ impl Common {
             None => kept.distance?,
         };
         Some(Figure::span(Span::from_nanos(nanos)))
+    }
+}
+
+/// How long something lasts.
+fn lasts(start: (i64, i64), end: (i64, i64)) -> String {
+    let least = end.0.saturating_sub(start.1).max(0);
+    let most = end.1.saturating_sub(start.0);
+    match end {
+        (i64::MAX, _) => String::from("to the end of the case"),
+        (_, i64::MAX) => format!("for {} or longer", Span::from_nanos(least)),
+        _ => format!("for {}", span_range((least, most))),
     }
 }
 

@@ -3,18 +3,29 @@
 //! A verb is a table of keys, a reader and a [`Claim`]; [`VERBS`] lists them all, and nothing outside this
 //! folder knows any of them by name. How to add one: `docs/add-an-expectation.md`.
 
+pub(crate) mod answered;
+pub(crate) mod band;
 mod becomes;
 mod common;
 pub(crate) mod condition;
+mod demand;
 mod edges;
+mod entry;
 mod equal;
 mod first_edge;
+mod follows;
 pub(crate) mod happens;
+mod indicator;
 mod keeps;
 mod order;
+mod pairs;
 mod period;
+mod phase;
 mod pulse;
+mod rate;
+mod settles;
 mod state;
+mod task;
 mod together;
 mod value;
 
@@ -28,6 +39,9 @@ use crate::codes;
 use crate::judge::{Monitor, NotJudged, Scene, Wiring};
 use crate::lang::Anchor;
 
+pub use demand::Demand;
+
+pub(crate) use common::{Between, blind_words, delay_words, span_range};
 pub(crate) use condition::{Around, literal, number};
 
 /// A verb of `expect`: `{ falls = { signal = ... } }`.
@@ -47,6 +61,10 @@ pub struct Verb {
 pub trait Names {
     /// Reads an instant such as `busy + 102 ms`; reports what is wrong with it, unknown steps included.
     fn anchor(&self, node: &Node, out: &mut Findings) -> Option<Anchor>;
+    /// Where counting begins that says nothing else.
+    fn begin(&self) -> Anchor {
+        Anchor::START
+    }
     /// Reads the name of a signal: bound by the plan, built in, or a variable's path.
     fn signal(&self, node: &Node, out: &mut Findings) -> Option<String>;
     /// Reads `n` or `n @ cut`: a signal, and the instant at which its value is meant.
@@ -103,6 +121,10 @@ pub trait Claim: Debug + Send + Sync {
     fn anchors(&self) -> Vec<&Anchor>;
     /// Finds what cannot be judged with these signals at all (a label that the state does not have).
     fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>);
+    /// What it demands, as far as that can be held against plan and bench before anything moves.
+    fn demands(&self) -> Vec<Demand<'_>> {
+        Vec::new()
+    }
     /// Starts judging; every instant that the claim hangs on is known by now, or known not to have come.
     ///
     /// # Errors
@@ -121,7 +143,15 @@ pub static VERBS: &[&Verb] = &[
     &edges::EDGES,
     &pulse::PULSE,
     &period::PERIOD,
+    &rate::FREQUENCY,
+    &rate::DUTY,
+    &phase::PHASE,
+    &settles::SETTLES,
+    &follows::FOLLOWS,
     &state::STATE,
+    &indicator::LED,
+    &entry::LOG,
+    &task::TASK,
     &value::VALUE,
     &equal::EQUAL,
     &order::ORDER,

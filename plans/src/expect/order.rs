@@ -13,7 +13,7 @@ use record::Figure;
 use signal::Span;
 
 use super::common::{FROM, anchor, delay_words};
-use super::{Claim, Context, Verb};
+use super::{Claim, Context, Demand, Verb};
 use crate::codes;
 use crate::judge::edges::{Delay, Edge, Finder, First};
 use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
@@ -105,6 +105,11 @@ impl Claim for Order {
         for (signal, _) in &self.edges {
             super::known(signal, wiring, out);
         }
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        let changes = self.edges.iter().map(|(signal, _)| Demand::Change(signal));
+        changes.chain([Demand::At(&self.from)]).collect()
     }
 
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

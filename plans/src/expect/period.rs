@@ -15,7 +15,7 @@ use super::common::{
     Between, FROM, LONGER, Limits, SIGNAL, Single, UNTIL, blind_words, delay_words, signal, span_range,
     spans, width,
 };
-use super::{Claim, Context, Verb};
+use super::{Claim, Context, Demand, Verb};
 use crate::codes;
 use crate::judge::edges::{Edge, Finder};
 use crate::judge::pulses::Chain;
@@ -105,6 +105,10 @@ impl Claim for Period {
 
     fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.signal, wiring, out);
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        vec![Demand::Change(&self.signal), self.between.demand()]
     }
 
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

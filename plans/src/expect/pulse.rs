@@ -14,10 +14,10 @@ use signal::{SignalInfo, Span};
 use super::common::{
     Between, FROM, Limits, SIGNAL, Single, UNTIL, delay_words, signal, span_range, spans, width,
 };
-use super::{Claim, Context, Verb};
-use crate::judge::edges::LAST;
+use super::{Claim, Context, Demand, Verb};
+use crate::judge::levels::Levels;
 use crate::judge::pulses::{Chain, FirstPulse, Pulse, Spread};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Test, Truth, Window, Wiring, slack};
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
 use crate::lang::Anchor;
 
 /// `pulse`.
@@ -87,6 +87,10 @@ impl Claim for Widths {
         super::known(&self.signal, wiring, out);
     }
 
+    fn demands(&self) -> Vec<Demand<'_>> {
+        vec![Demand::Change(&self.signal), self.between.demand()]
+    }
+
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
@@ -97,11 +101,9 @@ impl Claim for Widths {
         Ok(Box::new(Measure {
             claim: self.clone(),
             info: info.clone(),
-            test: Test::bool(self.high),
+            levels: Levels::new(self.high, slack(info)),
             window,
             judge,
-            open: Some((Seen::NOTHING, Truth::Unknown)),
-            clean: true,
             end: scene.end(),
         }))
     }
@@ -117,23 +119,18 @@ enum Judge {
 struct Measure {
     claim: Widths,
     info: SignalInfo,
-    test: Test,
+    levels: Levels,
     window: Window,
     judge: Judge,
-    /// The beginning of the stretch that is open, and whether it is a pulse.
-    open: Option<(Seen, Truth)>,
-    /// The open pulse has a known beginning.
-    clean: bool,
     end: i64,
 }
 
 impl Measure {
-    fn pulse(&mut self, start: Seen, end: (i64, i64), certain: bool) {
-        let pulse = Pulse { start, end, certain };
+    fn pulse(&mut self, pulse: &Pulse) {
         match &mut self.judge {
-            Judge::First(first) => first.see(&pulse),
-            Judge::Every(chain) if certain => chain.pulse(&pulse),
-            Judge::Every(chain) => chain.unknown(&start),
+            Judge::First(first) => first.see(pulse),
+            Judge::Every(chain) if pulse.certain => chain.pulse(pulse),
+            Judge::Every(chain) => chain.unknown(&pulse.start),
         }
     }
 }
@@ -141,41 +138,14 @@ impl Measure {
 impl Monitor for Measure {
     #[inline]
     fn feed(&mut self, _slot: usize, seen: &Seen) {
-        let class = self.test.holds(seen.value, slack(&self.info));
-        let Some((start, open)) = self.open else {
-            self.open = (class != Truth::False).then_some((*seen, class));
-            return;
-        };
-        match (open, class) {
-            (Truth::True, Truth::False) => {
-                let certain = std::mem::replace(&mut self.clean, true);
-                self.pulse(start, (seen.a, seen.b), certain);
-                self.open = None;
-            }
-            // It ends, or goes on, where nothing is known.
-            (Truth::True, Truth::Unknown) => self.open = Some((start, Truth::Unknown)),
-            (Truth::Unknown, _) => {
-                // There can be any pulse in an unknown stretch, and one that is there behind it can have begun
-                // anywhere in it.
-                let begun = Seen { a: start.a, since: start.since, ..*seen };
-                self.pulse(begun, (start.a, seen.b), false);
-                self.clean = class == Truth::False;
-                self.open = (class == Truth::True).then_some((begun, Truth::True));
-            }
-            _ => {}
+        if let Some(pulse) = self.levels.see(seen) {
+            self.pulse(&pulse);
         }
     }
 
     fn finish(mut self: Box<Self>) -> Finding {
-        if let Some((start, class)) = self.open.take() {
-            match class {
-                // It lasts at least to the end of the case.
-                Truth::True => self.pulse(start, (self.end.max(start.a), i64::MAX), self.clean),
-                _ => {
-                    let begun = Seen { b: i64::MAX, place: LAST, ..start };
-                    self.pulse(begun, (start.a, i64::MAX), false);
-                }
-            }
+        if let Some(pulse) = self.levels.rest(self.end) {
+            self.pulse(&pulse);
         }
         let end = self.end;
         let (claim, window, info) = (self.claim, self.window, self.info);

@@ -41,11 +41,16 @@ pub(super) const STATE: Verb = Verb {
 };
 
 fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    read_of(NAME.to_owned(), fields, cx)
+}
+
+/// Reads `is`, `becomes` or `stays` of a signal with named values.
+pub(super) fn read_of(name: String, fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
     let forms: [(&str, &[&str]); 3] =
         [("is", &["when"]), ("becomes", &["from", "within"]), ("stays", &["from", "until"])];
     let given: Vec<_> = forms.iter().filter(|(form, _)| fields.has(form)).collect();
     let [(form, takes)] = given.as_slice() else {
-        let message = "the state is claimed in no way or in two";
+        let message = format!("`{name}` is claimed in no way or in two");
         cx.out.error(codes::CLAIM, cx.place.clone(), message, "give one of `is`, `becomes` and `stays`");
         return None;
     };
@@ -57,13 +62,13 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
         }
     }
     let condition = Condition::label(fields.text(form)?);
-    let signal = Some(NAME.to_owned());
+    let signal = Some(name.clone());
     match *form {
         "becomes" => read_delay(fields, signal, Kind::Becomes(condition), cx),
         "stays" => keeps::read_window(fields, signal, Some(condition), cx),
         _ => {
             let when = anchor(fields, "when", Anchor::END, cx)?;
-            Some(value::at_instant(NAME.to_owned(), condition, when))
+            Some(value::at_instant(name, condition, when))
         }
     }
 }

@@ -15,7 +15,7 @@ use signal::{SignalInfo, Value};
 use super::common::{WHEN, anchor};
 use super::condition::{Condition, IS, MAX, MIN, ONE_OF, literal};
 use super::equal::{Operand, read_pair};
-use super::{Claim, Context, Verb};
+use super::{Claim, Context, Demand, Verb};
 use crate::codes;
 use crate::judge::reading::{Candidate, Reader};
 use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Test, Truth, Wiring, slack};
@@ -113,6 +113,11 @@ impl Claim for At {
         }
     }
 
+    fn demands(&self) -> Vec<Demand<'_>> {
+        let (signal, condition) = (&self.signal, &self.condition);
+        vec![Demand::Value { signal, condition, forbidden: false }, Demand::At(&self.when)]
+    }
+
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let point = scene.point(&self.when)?;
@@ -155,6 +160,7 @@ impl Monitor for Read {
             can_break: candidates.iter().any(|candidate| holds(candidate).not().possible()),
             observed: observed(&candidates, &self.info),
             window: Some(instant(&self.point)),
+            bounds: self.test.bounds(),
             ..Finding::default()
         };
         let margins = candidates.iter().filter_map(|candidate| self.test.margin(candidate.seen.value));

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use signal::{Event, SignalInfo, Value, When};
+use signal::{Event, SignalInfo, Span, Value, When};
 
 use super::edges::{Edge, Finder};
 use super::{Point, Seen};
@@ -42,6 +42,9 @@ pub(crate) struct Anchors {
     trains: Vec<Train>,
     /// By place of the signal: whether it matters here at all.
     relevant: Vec<bool>,
+    /// The mark of the teardown's end, and when it was.
+    closing: Option<u32>,
+    closed: Option<Happening>,
 }
 
 impl Anchors {
@@ -51,7 +54,7 @@ impl Anchors {
         train: impl Fn(&str) -> Option<String>,
         signals: &[SignalInfo],
     ) -> Anchors {
-        let mut bases = vec![Base::Start, Base::End];
+        let mut bases = vec![Base::Start, Base::Main, Base::End];
         bases.extend(anchors.map(|anchor| anchor.base.clone()));
         bases.sort();
         bases.dedup();
@@ -61,12 +64,22 @@ impl Anchors {
             marks: BTreeMap::new(),
             trains: Vec::new(),
             relevant: vec![false; signals.len()],
+            closing: None,
+            closed: None,
         };
         let find = |name: &str| signals.iter().position(|info| info.name == name).map(|at| at as u32);
+        this.closing = find("step:teardown.done");
+        if let Some(mark) = this.closing {
+            this.relevant[mark as usize] = true;
+        }
         for (at, base) in this.bases.clone().iter().enumerate() {
             let mark = match base {
                 Base::Start => find("step:start"),
+                // Without a setup the case begins with its steps.
+                Base::Main => find("step:main").or_else(|| find("step:start")),
                 Base::End => find("step:end"),
+                Base::Teardown => find("step:teardown"),
+                Base::Occurrence { step, .. } => find(&format!("step:{step}")),
                 Base::Step(id) => find(&format!("step:{id}")),
                 Base::StepDone(id) => {
                     find(&format!("step:{id}.done")).or_else(|| find(&format!("step:{id}")))
@@ -111,8 +124,16 @@ impl Anchors {
         }
         let mut news = false;
         let now = Happening { at: event.at, place };
+        if self.closing == Some(event.signal.0) {
+            self.closed.get_or_insert(now);
+        }
         for base in self.marks.get(&event.signal.0).into_iter().flatten() {
-            if self.found[*base].is_none() && !matches!(event.value, Value::Unknown) {
+            let meant = match &self.bases[*base] {
+                // A mark counts how often it happened.
+                Base::Occurrence { n, .. } => event.value.as_int() == Some(i128::from(*n)),
+                _ => !matches!(event.value, Value::Unknown),
+            };
+            if self.found[*base].is_none() && meant {
                 self.found[*base] = Some(now);
                 news = true;
             }
@@ -142,6 +163,22 @@ impl Anchors {
         if let Some(base) = self.bases.iter().position(|base| *base == Base::End) {
             self.found[base].get_or_insert(Happening { at, place });
         }
+    }
+
+    /// Place in the trace of the case's end; behind everything in a case without a teardown.
+    pub(crate) fn end_place(&self) -> u64 {
+        if self.closing.is_none() {
+            return u64::MAX;
+        }
+        let end = self.bases.iter().position(|base| *base == Base::End).and_then(|base| self.found[base]);
+        end.map_or(u64::MAX, |end| end.place)
+    }
+
+    /// When the teardown was over, if the case has one.
+    pub(crate) fn closed(&self, offset: Span) -> Option<Point> {
+        let happening = self.closed?;
+        // No base has this number: what is linked to the end of the case is not linked to this.
+        Some(Point::new(happening.at, happening.place, u32::MAX - 1, offset))
     }
 
     /// When an instant was, if it came.

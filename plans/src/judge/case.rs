@@ -3,16 +3,18 @@
 use std::fmt;
 
 use document::Diagnostic;
-use record::{ClaimRecord, Verdict};
+use record::{ClaimRecord, Origin, Verdict};
 use signal::{Cause, Event, SignalInfo, Span, When};
 
 use super::anchors::Anchors;
 use super::live::Live;
 use super::order::Orderer;
 use super::{Finding, Monitor, NotJudged, Outcome, Scene, Wiring};
-use crate::expect::{Expectation, Place, happens};
-use crate::lang::Anchor;
+use crate::expect::{Expectation, Place, answered, happens};
+use crate::lang::{Anchor, Base};
 use crate::measure::{Gauge, Measurement};
+use crate::plan::Phase;
+use crate::steps::Question;
 
 /// A step of the case, as far as the judge needs it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -23,8 +25,21 @@ pub struct StepFacts {
     pub awaited: Option<Span>,
     /// The signal that its train of pulses is emitted on.
     pub train: Option<String>,
+    /// The part of the case that it belongs to.
+    pub phase: Phase,
+    /// What a person is asked: the answer has to be that which passes.
+    pub asks: Option<Question>,
     /// Line of the plan, from 1.
     pub line: u32,
+}
+
+/// A claim that stands for more than its case: an invariant or an alarm.
+#[derive(Clone, Debug)]
+pub struct Guard {
+    /// The claim.
+    pub expectation: Expectation,
+    /// The kind of file that it stands in.
+    pub origin: Origin,
 }
 
 /// What is to be judged of a case.
@@ -36,6 +51,8 @@ pub struct Scenario {
     pub measurements: Vec<Measurement>,
     /// The steps, in the plan's order: the place is that of [`Cause::Step`].
     pub steps: Vec<StepFacts>,
+    /// Invariants and alarms, which are judged behind the expectations.
+    pub guards: Vec<Guard>,
 }
 
 impl Scenario {
@@ -50,12 +67,34 @@ impl Scenario {
         let mut names: Vec<String> = Vec::new();
         let claims = self.expectations.iter().flat_map(|each| each.claim.signals());
         let measured = self.measurements.iter().flat_map(Measurement::signals);
-        for name in claims.chain(measured) {
+        let guards = self.guards.iter().flat_map(|guard| guard.expectation.claim.signals());
+        for name in claims.chain(measured).chain(guards) {
             if !names.contains(&name) {
                 names.push(name);
             }
         }
         names
+    }
+
+    /// The part of the case that a claim looks at, by the instants that it hangs on and the signals that it looks at:
+    /// what names the teardown sees it to its end, and what is of a step of the setup alone does not need the rest.
+    fn part(&self, anchors: &[&Anchor], signals: &[String]) -> Phase {
+        let phase = |id: &str| self.steps.iter().find(|step| step.id == id).map(|step| step.phase);
+        let own = |signal: &String| {
+            signal.strip_prefix("step:").or_else(|| signal.strip_prefix("answer:")).and_then(phase)
+        };
+        let named = anchors.iter().any(|anchor| {
+            anchor.base == Base::Teardown || anchor.base.step().and_then(phase) == Some(Phase::Teardown)
+        });
+        match signals.iter().filter_map(own).max() {
+            _ if named => Phase::Teardown,
+            Some(phase) => phase,
+            None => Phase::Main,
+        }
+    }
+
+    fn part_of_claim(&self, expectation: &Expectation) -> Phase {
+        self.part(&expectation.claim.anchors(), &expectation.claim.signals())
     }
 
     fn train(&self, id: &str) -> Option<String> {
@@ -103,9 +142,15 @@ impl Judge {
     /// Findings about claims that these signals cannot answer: a name that the trace does not have, a label
     /// that a state does not have, a unit of another dimension.
     pub fn new(mut scenario: Scenario, signals: &[SignalInfo]) -> Result<Judge, Vec<Diagnostic>> {
-        for step in scenario.steps.iter().filter(|step| step.awaited.is_some()) {
-            scenario.expectations.push(happens::implied(step));
+        for step in &scenario.steps {
+            if step.awaited.is_some() {
+                scenario.expectations.push(happens::implied(step));
+            }
+            if let Some(question) = &step.asks {
+                scenario.expectations.push(answered::implied(step, question));
+            }
         }
+        scenario.expectations.extend(scenario.guards.iter().map(|guard| guard.expectation.clone()));
         let mut found = Vec::new();
         let wiring = Wiring { signals };
         for expectation in &scenario.expectations {
@@ -122,7 +167,12 @@ impl Judge {
             return Err(found);
         }
         let anchors = Anchors::new(scenario.anchors(), |id| scenario.train(id), signals);
-        let live = Live::new(&scenario.expectations, signals);
+        let mut live = Live::new(&scenario.expectations, signals);
+        for (at, expectation) in scenario.expectations.iter().enumerate() {
+            if scenario.part_of_claim(expectation) == Phase::Teardown {
+                live.pass_over(at);
+            }
+        }
         Ok(Judge { scenario, signals: signals.to_vec(), anchors, live, fed: 0 })
     }
 
@@ -143,7 +193,7 @@ impl Judge {
         if news {
             let now = event.at.earliest.as_nanos();
             let (signals, anchors) = (&self.signals, &self.anchors);
-            let scene = Scene { signals, anchors, disordered: &[], open_from: Some(now) };
+            let scene = Scene { signals, anchors, disordered: &[], open_from: Some(now), closing: false };
             self.live.news(&self.scenario.expectations, &scene, now);
         }
     }
@@ -151,6 +201,11 @@ impl Judge {
     /// Whether some claim is lost whatever comes. Cheap enough to ask after every step and every change.
     pub fn failed_early(&mut self) -> bool {
         self.live.lost()
+    }
+
+    /// Which claims are lost whatever comes, in the order of the expectations.
+    pub(super) fn lost(&mut self) -> Vec<bool> {
+        self.live.lost_each()
     }
 
     /// The verdicts at the end of a case. `end` is the end of the case where the trace has no mark of it.
@@ -189,9 +244,10 @@ impl Judge {
         self.anchors.end(end, self.fed);
         let disordered = self.live.disordered();
         let (signals, anchors) = (&self.signals, &self.anchors);
-        let scene = Scene { signals, anchors, disordered: &disordered, open_from: None };
-        let mut stage = Stage::new(&self.scenario, &scene);
-        let last = scene.end();
+        let scene = Scene { signals, anchors, disordered: &disordered, open_from: None, closing: false };
+        let why = note("ended").unwrap_or_default();
+        let mut stage = Stage::new(&self.scenario, &scene, &why);
+        let last = scene.end().max(Scene { closing: true, ..scene }.end());
         let mut place = 0;
         let mut fault = None;
         // Not a `for`: reading a whole trace is faster from the inside.
@@ -230,9 +286,29 @@ enum Running {
 /// A signal with those who follow it.
 struct Line {
     orderer: Orderer,
-    /// Place of the follower, and the slot under which it knows the signal.
-    followers: Vec<(usize, usize)>,
+    /// The followers.
+    followers: Vec<Follower>,
     observed: bool,
+}
+
+/// Who follows a signal.
+#[derive(Clone, Copy)]
+struct Follower {
+    /// Its place.
+    at: usize,
+    /// The slot under which it knows the signal.
+    slot: usize,
+    /// Where it stops looking: the instant, and the place in the trace.
+    last: (i64, u64),
+}
+
+impl Follower {
+    #[inline]
+    fn feed(self, running: &mut [Running], seen: &super::Seen) {
+        if seen.a <= self.last.0 && seen.place <= self.last.1 {
+            running[self.at].feed(self.slot, seen);
+        }
+    }
 }
 
 /// The last reading.
@@ -242,28 +318,41 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(scenario: &Scenario, scene: &Scene<'_>) -> Stage {
+    fn new(scenario: &Scenario, scene: &Scene<'_>, why: &str) -> Stage {
         let mut stage = Stage { running: Vec::new(), lines: Vec::new() };
         for at in 0..scene.signals.len() {
             let hold = scene.disordered.get(at).copied().unwrap_or(false);
             stage.lines.push(Line { orderer: Orderer::new(hold), followers: Vec::new(), observed: false });
         }
-        for expectation in &scenario.expectations {
-            stage.follow(&expectation.claim.signals(), scene);
-            stage.running.push(Running::Claim(expectation.claim.start(scene)));
+        let setup = scenario.steps.iter().any(|step| step.phase == Phase::Setup);
+        let begun =
+            !setup || scene.anchors.resolve(&Anchor { base: Base::Main, offset: Span::ZERO }).is_some();
+        // What holds in every case holds in its setup, too.
+        let own = scenario.expectations.len() - scenario.guards.len();
+        let part = |phase: Phase, standing: bool| {
+            let missing = phase == Phase::Main && !begun && !standing;
+            let whole = Scene { closing: phase == Phase::Teardown, ..*scene };
+            if missing { Err(NotJudged::NoMain(why.to_owned())) } else { Ok(whole) }
+        };
+        for (at, expectation) in scenario.expectations.iter().enumerate() {
+            let scene_of = part(scenario.part_of_claim(expectation), at >= own);
+            stage.follow(&expectation.claim.signals(), scene_of.as_ref().unwrap_or(scene));
+            stage.running.push(Running::Claim(scene_of.and_then(|scene| expectation.claim.start(&scene))));
         }
         for measurement in &scenario.measurements {
-            stage.follow(&measurement.signals(), scene);
-            stage.running.push(Running::Gauge(Box::new(measurement.start(scene))));
+            let scene_of = part(scenario.part(&measurement.anchors(), &measurement.signals()), false);
+            stage.follow(&measurement.signals(), scene_of.as_ref().unwrap_or(scene));
+            let gauge = scene_of.and_then(|scene| measurement.start(&scene));
+            stage.running.push(Running::Gauge(Box::new(gauge)));
         }
         stage
     }
 
     fn follow(&mut self, names: &[String], scene: &Scene<'_>) {
-        let follower = self.running.len();
+        let (at, last) = (self.running.len(), (scene.end(), scene.last_place()));
         for (slot, name) in names.iter().enumerate() {
-            if let Some(at) = scene.signals.iter().position(|info| info.name == *name) {
-                self.lines[at].followers.push((follower, slot));
+            if let Some(line) = scene.signals.iter().position(|info| info.name == *name) {
+                self.lines[line].followers.push(Follower { at, slot, last });
             }
         }
     }
@@ -277,9 +366,7 @@ impl Stage {
         line.observed = true;
         let (followers, running) = (&line.followers, &mut self.running);
         line.orderer.push(event, place, |seen| {
-            for (follower, slot) in followers {
-                running[*follower].feed(*slot, seen);
-            }
+            followers.iter().for_each(|follower| follower.feed(running, seen));
         });
     }
 
@@ -292,9 +379,7 @@ impl Stage {
         for line in &mut self.lines {
             let (followers, running) = (&line.followers, &mut self.running);
             line.orderer.drain(|seen| {
-                for (follower, slot) in followers {
-                    running[*follower].feed(*slot, seen);
-                }
+                followers.iter().for_each(|follower| follower.feed(running, seen));
             });
         }
         let unobserved = |names: &[String]| {
@@ -306,11 +391,21 @@ impl Stage {
         let writer = |cause| writer(cause, &scenario.steps, note);
         let (mut claims, mut measurements) = (Vec::new(), Vec::new());
         let mut running = self.running.into_iter();
-        for (expectation, running) in scenario.expectations.iter().zip(running.by_ref()) {
+        // The guards stand behind the case's own claims.
+        let own = scenario.expectations.len() - scenario.guards.len();
+        for ((place, expectation), running) in scenario.expectations.iter().enumerate().zip(running.by_ref())
+        {
             let Running::Claim(judged) = running else { continue };
             let finding = judged.map(Monitor::finish);
             let silent = unobserved(&expectation.claim.signals());
-            claims.push(claim_record(expectation, finding, silent, &writer));
+            let mut record = claim_record(expectation, finding, silent, &writer);
+            if let Some(guard) = place.checked_sub(own).and_then(|place| scenario.guards.get(place)) {
+                record.guard = true;
+                record.origin = guard.origin;
+                let file = expectation.place.as_ref().map(|place| place.file.to_string());
+                record.place_file = file.filter(|_| guard.origin != Origin::Plan);
+            }
+            claims.push(record);
         }
         for (measurement, running) in scenario.measurements.iter().zip(running) {
             let Running::Gauge(taken) = running else { continue };
@@ -378,6 +473,7 @@ fn claim_record(
     record.margin = finding.margin;
     record.uncertainty = finding.uncertainty;
     record.window = finding.window;
+    record.bounds = finding.bounds;
     record.deciding_ns = finding.deciding.map(|at| [at.earliest.as_nanos(), at.latest.as_nanos()]);
     record.signal = claim.signals().into_iter().nth(finding.slot);
     record.last_writer = finding.cause.map(writer).filter(|writer| !writer.is_empty());

@@ -21,6 +21,17 @@ enum Watch {
     Over { lost: bool },
 }
 
+impl Watch {
+    /// Whether the claim is lost when every event before `now` is known.
+    fn lost(&mut self, now: i64) -> bool {
+        match self {
+            Watch::Waiting => false,
+            Watch::Running { monitor, .. } => monitor.lost(now),
+            Watch::Over { lost } => *lost,
+        }
+    }
+}
+
 /// A signal with the claims that look at it.
 struct Line {
     orderer: Orderer,
@@ -40,6 +51,11 @@ pub(crate) struct Live {
 }
 
 impl Live {
+    /// The claim at this place is not watched: it is decided behind the case.
+    pub(crate) fn pass_over(&mut self, at: usize) {
+        self.watches[at] = Watch::Over { lost: false };
+    }
+
     pub(crate) fn new(expectations: &[Expectation], signals: &[SignalInfo]) -> Live {
         let line = |_: &SignalInfo| Line { orderer: Orderer::new(false), followers: Vec::new(), last: None };
         let mut live = Live {
@@ -147,10 +163,12 @@ impl Live {
     /// Whether a claim is lost.
     pub(crate) fn lost(&mut self) -> bool {
         let (now, lags) = (self.now, &self.lags);
-        self.watches.iter_mut().zip(lags).any(|(watch, lag)| match watch {
-            Watch::Waiting => false,
-            Watch::Running { monitor, .. } => monitor.lost(now.saturating_sub(*lag)),
-            Watch::Over { lost } => *lost,
-        })
+        self.watches.iter_mut().zip(lags).any(|(watch, lag)| watch.lost(now.saturating_sub(*lag)))
+    }
+
+    /// Which claims are lost.
+    pub(crate) fn lost_each(&mut self) -> Vec<bool> {
+        let (now, lags) = (self.now, &self.lags);
+        self.watches.iter_mut().zip(lags).map(|(watch, lag)| watch.lost(now.saturating_sub(*lag))).collect()
     }
 }

@@ -11,7 +11,10 @@
 mod anchors;
 mod case;
 pub mod count;
+pub mod cycles;
 pub mod edges;
+pub mod extremes;
+pub mod levels;
 mod live;
 mod order;
 mod outcome;
@@ -20,13 +23,15 @@ pub mod pulses;
 pub mod reading;
 mod scene;
 pub mod segments;
+mod standing;
 mod test;
 
-pub use case::{Judge, JudgeError, Scenario, StepFacts};
+pub use case::{Guard, Judge, JudgeError, Scenario, StepFacts};
 pub(crate) use outcome::clipped;
 pub use outcome::{Finding, Outcome};
 pub use point::{Point, Seen, Window};
 pub use scene::{NotJudged, Scene, Wiring, blind};
+pub use standing::Standing;
 pub use test::{Number, Test, Truth, slack};
 
 /// Follows the signals of one claim and comes to a finding.

@@ -4,6 +4,7 @@ use record::{ClaimRecord, Figure, MeasurementRecord, Verdict, Window as Shown};
 use signal::{Cause, Time, When};
 
 use super::{Seen, Window};
+use crate::alarm;
 
 /// What a claim came to.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +23,8 @@ pub struct Finding {
     pub uncertainty: Option<Figure>,
     /// When the claim looks.
     pub window: Option<Shown>,
+    /// The values that the claim allows, where it has limits for them.
+    pub bounds: Option<record::Bounds>,
     /// The instant that decided.
     pub deciding: Option<When>,
     /// The signal that is the evidence, by its place among the claim's signals.
@@ -53,6 +56,7 @@ impl Finding {
 
 /// An interval for display: what is beyond all time is held at the origin of the trace or the known end.
 pub(crate) fn clipped(a: i64, b: i64) -> When {
+    let b = if b == i64::MIN { 0 } else { b };
     let a = if a == i64::MIN { 0.min(b) } else { a };
     let b = if b == i64::MAX { a } else { b };
     When::within(Time::from_nanos(a), Time::from_nanos(b))
@@ -91,7 +95,14 @@ impl Outcome {
             claims.chain(measurements.iter().map(|taken| (taken.verdict, &taken.name, &taken.reason)))
         };
         let verdict = Verdict::fold(parts().map(|(verdict, ..)| verdict));
-        let reason = match parts().find(|(each, ..)| *each == verdict && verdict > Verdict::Pass) {
+        // An alarm may have ended the case: what other claims lack is then for its sake.
+        let alarm = claims.iter().find(|claim| claim.verb == alarm::VERB && claim.verdict == Verdict::Fail);
+        let alarm = alarm.map(|claim| (claim.verdict, &claim.name, &claim.reason));
+        let reason = match alarm
+            .into_iter()
+            .chain(parts())
+            .find(|(each, ..)| *each == verdict && verdict > Verdict::Pass)
+        {
             Some((_, name, reason)) if reason.is_empty() => name.clone(),
             Some((_, name, reason)) => format!("{name}: {reason}"),
             None => String::new(),

@@ -6,7 +6,7 @@ use signal::{Sampling, SignalInfo, Span};
 
 use super::anchors::Anchors;
 use super::{Point, Window};
-use crate::lang::Anchor;
+use crate::lang::{Anchor, Base};
 
 /// The signals of a trace.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +27,10 @@ impl<'a> Wiring<'a> {
 pub enum NotJudged {
     /// The instant that it hangs on never came.
     NeverCame(String),
+    /// The instant that it hangs on lies behind the end of the case, of which nothing is known.
+    AfterEnd(String),
+    /// The case never came to its steps proper.
+    NoMain(String),
     /// Its window ends before it begins, or has no length.
     EmptyWindow(String),
     /// The trace has no signal of this name.
@@ -39,6 +43,9 @@ impl fmt::Display for NotJudged {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NotJudged::NeverCame(anchor) => write!(f, "`{anchor}` never came"),
+            NotJudged::AfterEnd(anchor) => write!(f, "`{anchor}` lies behind the end of the case"),
+            NotJudged::NoMain(why) if why.is_empty() => f.write_str("the setup was never done"),
+            NotJudged::NoMain(why) => write!(f, "the setup was never done: {why}"),
             NotJudged::EmptyWindow(window) => write!(f, "the window from {window} is empty"),
             NotJudged::NoSignal(name) => write!(f, "the trace has no signal `{name}`"),
             NotJudged::NoMeaning(why) => f.write_str(why),
@@ -55,15 +62,32 @@ pub struct Scene<'a> {
     pub(crate) disordered: &'a [bool],
     /// While the trace grows: an end that is not known yet lies at this instant or later.
     pub(crate) open_from: Option<i64>,
+    /// `end` is the end of the teardown: for what looks at the teardown.
+    pub(crate) closing: bool,
 }
 
 impl<'a> Scene<'a> {
     /// An instant.
     ///
     /// # Errors
-    /// [`NotJudged::NeverCame`].
+    /// [`NotJudged::NeverCame`], [`NotJudged::AfterEnd`].
     pub fn point(&self, anchor: &Anchor) -> Result<Point, NotJudged> {
-        self.anchors.resolve(anchor).ok_or_else(|| NotJudged::NeverCame(anchor.to_string()))
+        let point = self.resolve(anchor).ok_or_else(|| NotJudged::NeverCame(anchor.to_string()))?;
+        match !self.closing && point.a > self.end() {
+            true => Err(NotJudged::AfterEnd(anchor.to_string())),
+            false => Ok(point),
+        }
+    }
+
+    fn resolve(&self, anchor: &Anchor) -> Option<Point> {
+        let closed =
+            if self.closing && anchor.base == Base::End { self.anchors.closed(anchor.offset) } else { None };
+        closed.or_else(|| self.anchors.resolve(anchor))
+    }
+
+    /// Place in the trace behind which nothing counts.
+    pub(crate) fn last_place(&self) -> u64 {
+        if self.closing { u64::MAX } else { self.anchors.end_place() }
     }
 
     /// A window.
@@ -81,7 +105,7 @@ impl<'a> Scene<'a> {
 
     /// The end of the case; later than all time while it is not known.
     pub fn end(&self) -> i64 {
-        self.anchors.resolve(&Anchor::END).map_or(i64::MAX, |end| end.b)
+        self.resolve(&Anchor::END).map_or(i64::MAX, |end| end.b)
     }
 
     /// Whether a window that ends at this instant has an end that is still to come.

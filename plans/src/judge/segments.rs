@@ -18,6 +18,8 @@ pub struct Breach {
     pub end: (i64, i64),
     /// The value with which it began.
     pub value: Value,
+    /// Earliest and latest end of that value, which another one of the segment may follow.
+    pub value_end: (i64, i64),
     /// Who began it.
     pub cause: Cause,
     /// How clearly it speaks.
@@ -41,6 +43,8 @@ pub struct Segments {
     window: Window,
     class: Truth,
     since: Seen,
+    /// When the first value of the segment gave way to another one of it.
+    second: Option<(i64, i64)>,
     /// The earliest end of the last forbidden segment.
     free_from: i64,
     can_hold: bool,
@@ -57,6 +61,7 @@ impl Segments {
             window,
             class: Truth::Unknown,
             since: Seen::NOTHING,
+            second: None,
             free_from: i64::MIN,
             can_hold: false,
             doomed: false,
@@ -69,6 +74,9 @@ impl Segments {
     #[inline]
     pub fn change(&mut self, class: Truth, seen: &Seen) {
         if class == self.class {
+            if class == Truth::False && self.second.is_none() && seen.value != self.since.value {
+                self.second = Some((seen.a, seen.b));
+            }
             return;
         }
         self.close((seen.a, seen.b));
@@ -77,6 +85,7 @@ impl Segments {
         }
         self.class = class;
         self.since = *seen;
+        self.second = None;
     }
 
     /// A forbidden or unknown segment with ends that hang on different signals, in the order of beginnings.
@@ -99,8 +108,8 @@ impl Segments {
         self.doomed |= weight == Weight::Certain;
         if self.worst.is_none_or(|worst| weight > worst.weight) {
             let start_at = (start.a, start.b);
-            self.worst =
-                Some(Breach { start: start_at, end, value: start.value, cause: start.cause, weight });
+            let (value, cause) = (start.value, start.cause);
+            self.worst = Some(Breach { start: start_at, end, value, value_end: end, cause, weight });
         }
     }
 
@@ -125,7 +134,8 @@ impl Segments {
             };
             if self.worst.is_none_or(|worst| weight > worst.weight) {
                 let (value, cause) = (self.since.value, self.since.cause);
-                self.worst = Some(Breach { start, end, value, cause, weight });
+                let value_end = self.second.unwrap_or(end);
+                self.worst = Some(Breach { start, end, value, value_end, cause, weight });
             }
         } else if self.class == Truth::False {
             let before = self.window.from.a.saturating_sub(end.1);

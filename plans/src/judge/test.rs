@@ -149,6 +149,12 @@ impl Test {
         }
     }
 
+    /// The limits of the condition; `None` where it has none.
+    pub fn bounds(&self) -> Option<record::Bounds> {
+        let Test::Range { min, max } = self else { return None };
+        Some(record::Bounds { min: min.map(Number::as_real), max: max.map(Number::as_real) })
+    }
+
     /// How far inside its limits a value is, negative outside; `None` where the condition has no limits.
     pub fn margin(&self, value: Value) -> Option<f64> {
         let Test::Range { min, max } = self else { return None };

@@ -1,25 +1,38 @@
-//! Instants of a plan: `start + 1 s`, `busy`, `train.pulse[1000] - 2 us`, `cut.done + $wait`.
+//! Instants of a plan: `start + 1 s`, `busy`, `train.pulse[1000] - 2 us`, `cut.done + $wait`, `retry.second`.
 //!
 //! ```text
 //! anchor = base { ("+" | "-") duration }
-//! base   = "start" | "end" | id | id ".done" | id ".pulse[" number "]"
+//! base   = "start" | "main" | "end" | "teardown" | path | path ".done" | path ".pulse[" number "]"
+//! path   = id [ "[" number "]" ] { "." id [ "[" number "]" ] }
 //! ```
-//! An id may contain `-` before a letter; everywhere else `-` subtracts.
+//! An id may contain `-` before a letter; everywhere else `-` subtracts. A path leads into the groups that steps run.
 
 use std::fmt;
 use std::ops::Range;
 
+use document::DURATION;
 use signal::{QuantityFault, Span};
 
 use super::words::id_length;
+
+/// The pattern of an instant for schemas, without anchors at its ends: all that [`Anchor::parse`] takes, and little
+/// more. Behind the id any parts and numbers may stand: which there are, depends on the step.
+pub(crate) fn pattern() -> String {
+    let id = "[A-Za-z_][A-Za-z0-9_]*(?:-[A-Za-z][A-Za-z0-9_]*)*";
+    format!(r"{id}(?:\.{id}|\[\s*[0-9]+\s*\])*(?:\s*[+-]\s*-?{DURATION})*")
+}
 
 /// What an instant counts from.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Base {
     /// The controller is booted, in its initial state, at the first release of MAST.
     Start,
+    /// All of the setup is done; the same as `start` in a case without one.
+    Main,
     /// The end of the case.
     End,
+    /// The teardown begins.
+    Teardown,
     /// The step of this id begins.
     Step(String),
     /// All that the step of this id does is done: the pulse is over, the power is back.
@@ -31,14 +44,38 @@ pub enum Base {
         /// Number of the pulse, from 1.
         n: u64,
     },
+    /// The step of this id, which comes again and again, comes this time.
+    Occurrence {
+        /// Id of the step.
+        step: String,
+        /// Which time, from 1.
+        n: u64,
+    },
 }
 
 impl Base {
     /// The id of the step it hangs on, if any.
     pub fn step(&self) -> Option<&str> {
         match self {
-            Base::Start | Base::End => None,
-            Base::Step(id) | Base::StepDone(id) | Base::Pulse { step: id, .. } => Some(id),
+            Base::Start | Base::Main | Base::End | Base::Teardown => None,
+            Base::Step(id)
+            | Base::StepDone(id)
+            | Base::Pulse { step: id, .. }
+            | Base::Occurrence { step: id, .. } => Some(id),
+        }
+    }
+}
+
+impl Base {
+    /// The same part of another step.
+    #[must_use]
+    pub fn of_step(self, id: String) -> Base {
+        match self {
+            Base::Step(_) => Base::Step(id),
+            Base::StepDone(_) => Base::StepDone(id),
+            Base::Pulse { n, .. } => Base::Pulse { step: id, n },
+            Base::Occurrence { n, .. } => Base::Occurrence { step: id, n },
+            other => other,
         }
     }
 }
@@ -47,10 +84,13 @@ impl fmt::Display for Base {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Base::Start => f.write_str("start"),
+            Base::Main => f.write_str("main"),
             Base::End => f.write_str("end"),
+            Base::Teardown => f.write_str("teardown"),
             Base::Step(id) => f.write_str(id),
             Base::StepDone(id) => write!(f, "{id}.done"),
             Base::Pulse { step, n } => write!(f, "{step}.pulse[{n}]"),
+            Base::Occurrence { step, n } => write!(f, "{step}[{n}]"),
         }
     }
 }
@@ -108,7 +148,7 @@ pub enum AnchorFault {
     NoBase,
     /// A part of a step that does not exist.
     Part,
-    /// Not a pulse's number from 1.
+    /// Not the number of a pulse or an occurrence, from 1.
     Number,
     /// Neither `+` nor `-`.
     Operator,
@@ -121,13 +161,17 @@ pub enum AnchorFault {
 impl fmt::Display for AnchorFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            AnchorFault::Base => f.write_str("expected `start`, `end` or the id of a step"),
+            AnchorFault::Base => {
+                f.write_str("expected `start`, `main`, `end`, `teardown` or the id of a step")
+            }
             AnchorFault::NoBase => {
                 f.write_str("a duration alone is no instant: say from where, as in `start + 1 s`")
             }
-            AnchorFault::Part => f.write_str("a step has `.done` and, if it is a train, `.pulse[n]`"),
+            AnchorFault::Part => {
+                f.write_str("a step has `.done`, a train `.pulse[n]`, a run the steps of its group")
+            }
             AnchorFault::Number => {
-                f.write_str("expected the number of a pulse, from 1, as in `.pulse[1000]`")
+                f.write_str("expected a number from 1, as in `train.pulse[1000]` or `poll[3]`")
             }
             AnchorFault::Operator => f.write_str("expected `+` or `-` and a duration, or nothing"),
             AnchorFault::Duration(fault) => fault.fmt(f),
@@ -144,18 +188,27 @@ fn parse(text: &str) -> Result<Anchor, AnchorError> {
         let fault = if Span::parse(text).is_ok() { AnchorFault::NoBase } else { AnchorFault::Base };
         return fail(at..word_end(text, at), fault);
     }
-    let id = &text[at..at + length];
-    at += length;
-    let mut base = match id {
-        "start" => Base::Start,
-        "end" => Base::End,
-        _ => Base::Step(id.to_owned()),
+    let fixed = match &text[at..at + length] {
+        "start" => Some(Base::Start),
+        "main" => Some(Base::Main),
+        "end" => Some(Base::End),
+        "teardown" => Some(Base::Teardown),
+        _ => None,
     };
-    if text[at..].starts_with('.') {
-        let (part, after) = part(text, id, at)?;
-        base = part;
-        at = after;
-    }
+    let base = match fixed {
+        Some(base) => {
+            at += length;
+            if text[at..].starts_with(['.', '[']) {
+                return fail(at..word_end(text, at), AnchorFault::Part);
+            }
+            base
+        }
+        None => {
+            let (base, after) = path(text, at)?;
+            at = after;
+            base
+        }
+    };
     let mut total = 0i128;
     loop {
         at = skip_blanks(text, at);
@@ -182,25 +235,53 @@ fn parse(text: &str) -> Result<Anchor, AnchorError> {
     }
 }
 
-/// The part of a step behind the dot at `dot`.
-fn part(text: &str, id: &str, dot: usize) -> Result<(Base, usize), AnchorError> {
-    let rest = &text[dot + 1..];
-    if matches!(id, "start" | "end") {
-        return Err(AnchorError { at: dot..word_end(text, dot), fault: AnchorFault::Part });
-    }
-    if let Some(inside) = rest.strip_prefix("pulse[") {
-        let from = dot + 1 + "pulse[".len();
-        let end = inside.find(']').map_or(text.len(), |end| from + end);
-        return match text[from..end].trim().parse::<u64>() {
-            Ok(n) if n > 0 && end < text.len() => Ok((Base::Pulse { step: id.to_owned(), n }, end + 1)),
-            _ => Err(AnchorError { at: from..end, fault: AnchorFault::Number }),
+/// The path of a step from `first` on, with the part of it that is meant, and where it ends.
+fn path(text: &str, first: usize) -> Result<(Base, usize), AnchorError> {
+    let mut at = first;
+    loop {
+        let length = id_length(&text[at..]);
+        if length == 0 {
+            return Err(AnchorError { at: at..word_end(text, at).max(at), fault: AnchorFault::Part });
+        }
+        at += length;
+        // Up to here without the index, which belongs to the path only where it goes on.
+        let step = &text[first..at];
+        let mut index = None;
+        if text[at..].starts_with('[') {
+            let (n, after) = number(text, at + 1)?;
+            index = Some(n);
+            at = after;
+        }
+        let whole = &text[first..at];
+        let Some(rest) = text[at..].strip_prefix('.') else {
+            let base = match index {
+                Some(n) => Base::Occurrence { step: step.to_owned(), n },
+                None => Base::Step(whole.to_owned()),
+            };
+            return Ok((base, at));
         };
+        at += 1;
+        if let Some(inside) = rest.strip_prefix("pulse[") {
+            let (n, after) = number(text, text.len() - inside.len())?;
+            return Ok((Base::Pulse { step: whole.to_owned(), n }, after));
+        }
+        let length = id_length(rest);
+        if &rest[..length] == "done" {
+            return Ok((Base::StepDone(whole.to_owned()), at + length));
+        }
     }
-    let length = id_length(rest);
-    if &rest[..length] == "done" {
-        return Ok((Base::StepDone(id.to_owned()), dot + 1 + length));
+}
+
+/// A number from 1 before a `]`, and where the bracket ends.
+fn number(text: &str, from: usize) -> Result<(u64, usize), AnchorError> {
+    let end = text[from..].find(']').map_or(text.len(), |end| from + end);
+    let digits = text[from..end].trim();
+    // One number has one name.
+    let plain = !digits.starts_with(['+', '0']) && digits.len() == end - from;
+    match digits.parse::<u64>() {
+        Ok(n) if n > 0 && end < text.len() && plain => Ok((n, end + 1)),
+        _ => Err(AnchorError { at: from..end, fault: AnchorFault::Number }),
     }
-    Err(AnchorError { at: dot + 1..(dot + 1 + length).max(dot + 1), fault: AnchorFault::Part })
 }
 
 /// The end of the duration at `from`: the next operator, but not the sign right at the beginning.
@@ -241,6 +322,12 @@ mod tests {
         assert_eq!(Anchor::parse("train.pulse[1000]"), Ok(Anchor { base: pulse, offset: Span::ZERO }));
         let done = Base::StepDone("cut".into());
         assert_eq!(Anchor::parse("cut.done"), Ok(Anchor { base: done, offset: Span::ZERO }));
+        let inner = Base::StepDone("retry[2].gap".into());
+        assert_eq!(Anchor::parse("retry[2].gap.done"), Ok(Anchor { base: inner, offset: Span::ZERO }));
+        let third = Base::Occurrence { step: "poll".into(), n: 3 };
+        assert_eq!(Anchor::parse("poll[3] - 1 ms").map(|anchor| anchor.base), Ok(third));
+        assert_eq!(Anchor::parse("main").map(|anchor| anchor.base), Ok(Base::Main));
+        assert_eq!(Anchor::parse("teardown + 1 s").map(|anchor| anchor.base), Ok(Base::Teardown));
     }
 
     #[test]
@@ -254,9 +341,30 @@ mod tests {
         assert_eq!(fault("start +"), (7..7, AnchorFault::Duration(QuantityFault::Empty)));
         assert_eq!(fault("a.pulse[0]"), (8..9, AnchorFault::Number));
         assert_eq!(fault("a.pulse[1"), (8..9, AnchorFault::Number));
-        assert_eq!(fault("a.ready"), (2..7, AnchorFault::Part));
+        assert_eq!(fault("a.1"), (2..3, AnchorFault::Part));
+        assert_eq!(fault("a."), (2..2, AnchorFault::Part));
+        assert_eq!(fault("a[0]"), (2..3, AnchorFault::Number));
+        assert_eq!(fault("a[x].b"), (2..3, AnchorFault::Number));
         assert_eq!(fault("start.done"), (5..10, AnchorFault::Part));
+        assert_eq!(fault("main[1]"), (4..7, AnchorFault::Part));
         assert_eq!(fault("a + 290 d + 290000 d").1, AnchorFault::Duration(QuantityFault::TooLong));
+    }
+
+    fn matches(text: &str) -> bool {
+        regex::Regex::new(&format!(r"^\s*(?:{})\s*$", pattern())).unwrap().is_match(text)
+    }
+
+    #[test]
+    fn the_pattern_of_schemas_tells_instants_from_other_texts() {
+        for good in
+            ["start", " busy + 102 ms ", "busy-2 ms", "power-cut + 2 s + 0.37 ms", "a + 1 min 30 s - 1 s"]
+        {
+            assert!(matches(good) && Anchor::parse(good).is_ok(), "{good}");
+        }
+        for bad in ["", "1 s", "start 1 s", "start + 1", "start + 1 s + 2 sec", "start +", "a.pulse[", "a..b"]
+        {
+            assert!(!matches(bad) && Anchor::parse(bad).is_err(), "{bad}");
+        }
     }
 
     proptest! {
@@ -264,22 +372,26 @@ mod tests {
         fn what_is_written_reads_back(
             offset in -i64::MAX..=i64::MAX,
             id in "[a-z_][a-z0-9_]{0,8}(-[a-z][a-z0-9]{0,3})?",
-            part in 0u8..3,
+            part in 0u8..4,
             n in 1u64..u64::MAX,
         ) {
-            prop_assume!(id != "start" && id != "end");
+            prop_assume!(!["start", "main", "end", "teardown"].contains(&id.as_str()));
+            let id = if n % 2 == 0 { id } else { format!("{id}[{n}].x") };
             let base = match part {
                 0 => Base::Step(id),
                 1 => Base::StepDone(id),
+                2 => Base::Occurrence { step: id, n },
                 _ => Base::Pulse { step: id, n },
             };
             let anchor = Anchor { base, offset: Span::from_nanos(offset) };
+            prop_assert!(matches(&anchor.to_string()), "{}", anchor);
             prop_assert_eq!(Anchor::parse(&anchor.to_string()), Ok(anchor));
         }
 
         #[test]
-        fn no_text_panics(text in "\\PC*", near in "(start|a|a\\.pulse\\[|\\.done| |\\+|-|[0-9]{1,3}|s|ms|µ){0,9}") {
+        fn no_text_panics(text in "\\PC*", near in "(start|a|a\\.pulse\\[|\\.done|\\.|\\[|\\]| |\\+|-|[0-9]{1,3}|s|ms|µ){0,9}") {
             for text in [text, near] {
+                prop_assert!(Anchor::parse(&text).is_err() || matches(&text), "{}", text);
                 if let Err(error) = Anchor::parse(&text) {
                     prop_assert!(error.at.start <= error.at.end && error.at.end <= text.len());
                     prop_assert!(text.is_char_boundary(error.at.start));

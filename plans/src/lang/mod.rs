@@ -8,6 +8,7 @@ mod operand;
 mod reference;
 mod words;
 
+pub(crate) use anchor::pattern as instant_pattern;
 pub use anchor::{Anchor, AnchorError, AnchorFault, Base};
 pub use literal::{Literal, LiteralFault};
 pub(crate) use need::millihertz;

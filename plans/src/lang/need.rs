@@ -45,6 +45,7 @@ pub const CAPABILITIES: &[Capability] = &[
     capability("force", Measure::None, "inputs and outputs can be forced"),
     capability("indicators", Measure::None, "LEDs and the states of output stages can be read"),
     capability("memory-access", Measure::None, "variables and memory can be read and written"),
+    capability("operator", Measure::None, "a person at a terminal can be asked"),
     capability("power", Measure::None, "the supply can be switched"),
     capability("pulse", Measure::Frequency, "trains of pulses up to a frequency can be emitted"),
     capability("registers", Measure::None, "registers can be read and written as over the network"),

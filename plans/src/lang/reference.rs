@@ -35,6 +35,14 @@ impl<'a> Bindings<'a> {
         self.values.push((name, value, place));
     }
 
+    /// Adds all of `others` behind: those that are here already go before them.
+    pub fn append(&mut self, others: &Bindings<'a>) {
+        self.values.extend(others.values.iter().cloned());
+        if self.row.is_none() {
+            self.row.clone_from(&others.row);
+        }
+    }
+
     /// The names with their values, in the order added.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &Node)> {
         self.values.iter().map(|(name, value, _)| (*name, value.as_ref()))

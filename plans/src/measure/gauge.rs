@@ -3,6 +3,7 @@
 use record::{Figure, MeasurementRecord, Verdict};
 use signal::{Kind, SignalInfo};
 
+use super::window::Over;
 use super::{Limits, Measurement, Quantity};
 use crate::expect::{Around, number};
 use crate::judge::edges::{Finder, First};
@@ -76,6 +77,7 @@ enum Taking {
     Between(Point, Point),
     Edge { from: Point, finder: Finder, first: First, past: &'static str },
     Value { point: Point, info: SignalInfo, reader: Reader },
+    Over(Box<Over>),
 }
 
 /// Follows the signal of one measurement.
@@ -101,6 +103,12 @@ impl Gauge {
                 info = found.clone();
                 Taking::Value { point, info: found.clone(), reader: Reader::new(point) }
             }
+            Quantity::Over { signal, from, until, figure } => {
+                let found = scene.signal(signal)?;
+                info = figure.info(found).map_err(NotJudged::NoMeaning)?;
+                let window = scene.window(from, until)?;
+                Taking::Over(Box::new(Over::new(window, *figure, found, scene.end())))
+            }
         };
         let bounds = Bounds::new(&measurement.limits, &info).map_err(NotJudged::NoMeaning)?;
         let record = MeasurementRecord {
@@ -111,6 +119,7 @@ impl Gauge {
             nominal: bounds.nominal,
             tolerance: bounds.tolerance,
             signal: measurement.signals().into_iter().next(),
+            what: measurement.quantity.to_string(),
             line: measurement.line(),
             ..MeasurementRecord::default()
         };
@@ -128,6 +137,7 @@ impl Gauge {
                 }
             }
             Taking::Value { reader, .. } => reader.see(seen),
+            Taking::Over(over) => over.feed(seen),
         }
     }
 
@@ -157,9 +167,7 @@ impl Gauge {
                     if delay.doubtful {
                         return open(record, "the value is not known when it may have ended");
                     }
-                    record.verdict = Verdict::Fail;
-                    record.reason = format!("it did not happen, nothing {past}");
-                    return record;
+                    return failed(record, &format!("it did not happen, nothing {past}"));
                 };
                 let record = judge(record, &bounds, low as f64, high as f64);
                 if delay.doubtful || delay.can_be_missing {
@@ -185,12 +193,18 @@ impl Gauge {
                 }
                 judge(record, &bounds, low, high)
             }
+            Taking::Over(over) => over.finish(record, &bounds),
         }
     }
 }
 
 /// The verdict on a value that lies in an interval.
-fn judge(mut record: MeasurementRecord, bounds: &Bounds, low: f64, high: f64) -> MeasurementRecord {
+pub(super) fn judge(
+    mut record: MeasurementRecord,
+    bounds: &Bounds,
+    low: f64,
+    high: f64,
+) -> MeasurementRecord {
     record.value = Some([low, high]);
     if !bounds.any() {
         return record;
@@ -208,8 +222,15 @@ fn judge(mut record: MeasurementRecord, bounds: &Bounds, low: f64, high: f64) ->
 }
 
 /// The same, open where it was a pass or had no verdict.
-fn open(mut record: MeasurementRecord, why: &str) -> MeasurementRecord {
+pub(super) fn open(mut record: MeasurementRecord, why: &str) -> MeasurementRecord {
     record.verdict = Verdict::Inconclusive;
+    record.reason = why.to_owned();
+    record
+}
+
+/// A measurement that could not be taken because what it measures did not come.
+pub(super) fn failed(mut record: MeasurementRecord, why: &str) -> MeasurementRecord {
+    record.verdict = Verdict::Fail;
     record.reason = why.to_owned();
     record
 }

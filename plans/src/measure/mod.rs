@@ -3,6 +3,8 @@
 //! ```toml
 //! measure = [
 //!   { name = "reflex latency", from = "train.pulse[1000]", to = { signal = "out", edge = "rises" }, max = "6 us" },
+//!   { name = "speed", frequency-of = "pulses", from = "run", nominal = "50 Hz", tolerance = "1 %" },
+//!   { name = "ripple", value-of = "u24", take = "span", from = "run", until = "stop", max = "0.5 V" },
 //!   { name = "supply", value-of = "u24", when = "busy", nominal = "24 V", tolerance = "1.2 V" },
 //! ]
 //! ```
@@ -10,13 +12,18 @@
 
 mod gauge;
 mod read;
+mod window;
 
+use std::fmt;
 use std::sync::Arc;
 
 use document::Diagnostic;
 use record::{MeasurementRecord, Verdict};
+use signal::{Kind, SignalInfo};
 
 use crate::expect::Place;
+use crate::expect::band::figure;
+use crate::judge::edges::Edge;
 use crate::judge::{NotJudged, Scene, Wiring};
 use crate::lang::{Anchor, Literal};
 
@@ -49,6 +56,141 @@ pub enum Quantity {
         /// The instant.
         when: Anchor,
     },
+    /// What a signal came to over a window.
+    Over {
+        /// The signal.
+        signal: String,
+        /// Where the window begins.
+        from: Anchor,
+        /// Where it ends, itself not included.
+        until: Anchor,
+        /// What is asked.
+        figure: Figure,
+    },
+}
+
+/// What is asked of a signal over a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Figure {
+    /// The mean frequency of its whole cycles.
+    Frequency,
+    /// The part of their time in which it is TRUE.
+    Duty,
+    /// The lengths of its cycles.
+    Period(Take),
+    /// The widths of its pulses.
+    Width {
+        /// Those at which it is TRUE, else those at which it is FALSE.
+        high: bool,
+        /// Which of them.
+        take: Take,
+    },
+    /// Its values.
+    Value(Take),
+}
+
+/// What is taken of several figures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Take {
+    /// The first one.
+    First,
+    /// The least.
+    Min,
+    /// The greatest.
+    Max,
+    /// The mean; of values the mean over the time.
+    Mean,
+    /// The root of the mean square over the time.
+    Rms,
+    /// The greatest less the least.
+    Span,
+}
+
+impl Take {
+    /// The names in plans, in the order of [`Take::ALL`].
+    pub const NAMES: &[&str] = &["first", "min", "max", "mean", "rms", "span"];
+
+    /// Every one.
+    pub const ALL: [Take; 6] = [Take::First, Take::Min, Take::Max, Take::Mean, Take::Rms, Take::Span];
+
+    /// The one of this name.
+    pub fn find(name: &str) -> Option<Take> {
+        Self::ALL.into_iter().zip(Self::NAMES).find_map(|(take, known)| (*known == name).then_some(take))
+    }
+
+    fn name(self) -> &'static str {
+        Self::ALL
+            .into_iter()
+            .zip(Self::NAMES)
+            .find_map(|(take, name)| (take == self).then_some(*name))
+            .unwrap_or("")
+    }
+}
+
+impl Figure {
+    /// What it is a number of, for its unit.
+    ///
+    /// # Errors
+    /// Why the signal has no such figure, one sentence.
+    pub(crate) fn info(self, signal: &SignalInfo) -> Result<SignalInfo, String> {
+        match self {
+            Figure::Frequency => Ok(figure("frequency", "Hz")),
+            Figure::Duty => Ok(figure("duty", "%")),
+            Figure::Period(_) | Figure::Width { .. } => Ok(gauge::time()),
+            Figure::Value(_) if matches!(signal.kind, Kind::State | Kind::Mark) => {
+                Err(format!("`{}` has named values, of which there is no least or mean one", signal.name))
+            }
+            Figure::Value(_) => {
+                let mut info = signal.clone();
+                if info.kind == Kind::Bool {
+                    // The mean of a line is the part of the time in which it is TRUE.
+                    info.kind = Kind::Real;
+                }
+                Ok(info)
+            }
+        }
+    }
+
+    /// The unit that it has whatever the signal's is.
+    pub(crate) fn own_unit(self) -> Option<&'static str> {
+        match self {
+            Figure::Frequency => Some("Hz"),
+            Figure::Duty => Some("%"),
+            Figure::Period(_) | Figure::Width { .. } => Some("ns"),
+            Figure::Value(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    /// `time from press until `lamp` rises`, `mean of `pressure` from press until end`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Quantity::Between { from, to } => write!(f, "time from {from} until {to}"),
+            Quantity::ToEdge { from, signal, edge } => {
+                let edge = match edge {
+                    Edge::Rises => "rises",
+                    Edge::Falls => "falls",
+                    Edge::Changes | Edge::Becomes(_) => "changes",
+                };
+                write!(f, "time from {from} until `{signal}` {edge}")
+            }
+            Quantity::Value { signal, when } => write!(f, "`{signal}` at {when}"),
+            Quantity::Over { signal, from, until, figure } => {
+                match figure {
+                    Figure::Frequency => write!(f, "frequency of `{signal}`")?,
+                    Figure::Duty => write!(f, "duty of `{signal}`")?,
+                    Figure::Period(take) => write!(f, "{} period of `{signal}`", take.name())?,
+                    Figure::Width { high, take } => {
+                        let low = if *high { "" } else { "low " };
+                        write!(f, "{} width of the {low}pulses of `{signal}`", take.name())?;
+                    }
+                    Figure::Value(take) => write!(f, "{} of `{signal}`", take.name())?,
+                }
+                write!(f, " from {from} until {until}")
+            }
+        }
+    }
 }
 
 /// Limits of a measurement, as written.
@@ -82,6 +224,7 @@ impl Measurement {
             Quantity::Between { from, to } => vec![from, to],
             Quantity::ToEdge { from, .. } => vec![from],
             Quantity::Value { when, .. } => vec![when],
+            Quantity::Over { from, until, .. } => vec![from, until],
         }
     }
 
@@ -89,7 +232,9 @@ impl Measurement {
     pub fn signals(&self) -> Vec<String> {
         match &self.quantity {
             Quantity::Between { .. } => Vec::new(),
-            Quantity::ToEdge { signal, .. } | Quantity::Value { signal, .. } => vec![signal.clone()],
+            Quantity::ToEdge { signal, .. }
+            | Quantity::Value { signal, .. }
+            | Quantity::Over { signal, .. } => vec![signal.clone()],
         }
     }
 
@@ -98,8 +243,13 @@ impl Measurement {
         let mut info = gauge::time();
         if let Some(name) = self.signals().first() {
             let Some(known) = crate::expect::known(name, wiring, out) else { return };
-            if matches!(self.quantity, Quantity::Value { .. }) {
-                info = known.clone();
+            match &self.quantity {
+                Quantity::Value { .. } => info = known.clone(),
+                Quantity::Over { figure, .. } => match figure.info(known) {
+                    Ok(asked) => info = asked,
+                    Err(why) => return crate::expect::meant(Err(why), out),
+                },
+                Quantity::Between { .. } | Quantity::ToEdge { .. } => {}
             }
         }
         crate::expect::meant(gauge::Bounds::new(&self.limits, &info).map(drop), out);
@@ -124,6 +274,7 @@ impl Measurement {
             verdict: Verdict::Inconclusive,
             reason: why.to_owned(),
             signal: self.signals().into_iter().next(),
+            what: self.quantity.to_string(),
             line: self.line(),
             ..MeasurementRecord::default()
         }

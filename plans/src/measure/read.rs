@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use document::{Data, Fields, KeySpec, KeyType};
+use signal::Unit;
 
 use super::gauge::{Bounds, time};
-use super::{Limits, Measurement, Quantity};
+use super::{Figure, Limits, Measurement, Quantity, Take};
 use crate::codes;
-use crate::expect::{Context, literal};
+use crate::expect::band::figure;
+use crate::expect::{Between, Context, literal};
 use crate::judge::edges::Edge;
 use crate::lang::{Anchor, Literal};
 
@@ -23,7 +25,7 @@ const EDGE_KEYS: &[KeySpec] = &[
 /// The keys of an entry of `measure`.
 pub const KEYS: &[KeySpec] = &[
     KeySpec::required("name", KeyType::Text, "The name of the measurement in the report"),
-    KeySpec::optional("from", KeyType::Anchor, "The instant at which a time begins"),
+    KeySpec::optional("from", KeyType::Anchor, "The instant at which a time or a window begins"),
     KeySpec::optional(
         "to",
         KeyType::Either(&[KeyType::Anchor, KeyType::Table(EDGE_KEYS)]),
@@ -35,6 +37,33 @@ pub const KEYS: &[KeySpec] = &[
         "The signal whose value is measured, in place of `from`",
     ),
     KeySpec::optional("when", KeyType::Anchor, "The instant of the value; `end` if left out"),
+    KeySpec::optional(
+        "frequency-of",
+        KeyType::SignalRef,
+        "The signal whose mean frequency from `from` until `until` is measured",
+    ),
+    KeySpec::optional(
+        "duty-of",
+        KeyType::SignalRef,
+        "The signal of which the part of the time in which it is TRUE is measured, over whole cycles",
+    ),
+    KeySpec::optional("period-of", KeyType::SignalRef, "The signal whose cycles are measured"),
+    KeySpec::optional("width-of", KeyType::SignalRef, "The signal whose pulses are measured"),
+    KeySpec::optional(
+        "take",
+        KeyType::Choice(Take::NAMES),
+        "What is taken of several: of values over a window, of periods or of widths",
+    ),
+    KeySpec::optional(
+        "level",
+        KeyType::Choice(&["high", "low"]),
+        "The level of the pulses of `width-of`; `high` if left out",
+    ),
+    KeySpec::optional(
+        "until",
+        KeyType::Anchor,
+        "Where a window ends, itself not included; `end` if left out",
+    ),
     KeySpec::optional("min", KeyType::Value, "The least value allowed, itself included"),
     KeySpec::optional("max", KeyType::Value, "The greatest value allowed, itself included"),
     KeySpec::optional("nominal", KeyType::Value, "The value wanted, with `tolerance`"),
@@ -52,20 +81,18 @@ pub fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Measurement> {
     let quantity = quantity(fields, cx);
     let limits = limits(fields, cx);
     let (quantity, limits) = (quantity?, limits?);
-    if !matches!(quantity, Quantity::Value { .. }) {
-        for key in ["min", "max", "nominal", "tolerance"] {
-            let Some(node) = fields.get(key) else { continue };
-            let limit = Literal::of(node).ok().and_then(|limit| limit.quantity());
-            let timed = |limit: signal::Quantity| limit.is_time() || (key == "tolerance" && limit.is_part());
-            if !limit.is_some_and(timed) {
-                let message = format!("`{key}` limits a time and is no duration");
-                cx.out.bad(codes::UNIT, node, message, "write it with a unit, as in \"6 us\"");
-                return None;
-            }
-        }
-        // A time is known to be one without any signal, so its limits are checked here.
-        if let Err(why) = Bounds::new(&limits, &time()) {
-            cx.out.error(codes::UNIT, cx.place.clone(), why, "write durations with a unit, as in \"6 us\"");
+    let own = match &quantity {
+        Quantity::Value { .. } => None,
+        Quantity::Between { .. } | Quantity::ToEdge { .. } => Some("ns"),
+        Quantity::Over { figure, .. } => figure.own_unit(),
+    };
+    if let Some(unit) = own {
+        has_units(fields, unit, cx)?;
+        // Its unit is known without any signal, so the limits are checked here.
+        let info = if unit == "ns" { time() } else { figure(&quantity.to_string(), unit) };
+        if let Err(why) = Bounds::new(&limits, &info) {
+            let help = format!("write limits with a unit, as in \"{}\"", example(unit));
+            cx.out.error(codes::UNIT, cx.place.clone(), why, help);
             return None;
         }
     }
@@ -77,29 +104,130 @@ pub fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Measurement> {
     })
 }
 
-fn quantity(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
-    let time = fields.has("from") || fields.has("to");
-    if time == fields.has("value-of") {
-        let message = "a measurement is a time with `from` and `to`, or a value with `value-of`";
-        cx.out.error(codes::CLAIM, cx.place.clone(), message, "give one of them");
-        return None;
+/// A limit as it should be written.
+fn example(unit: &str) -> &'static str {
+    match unit {
+        "Hz" => "50 Hz",
+        "%" => "50 %",
+        _ => "6 us",
     }
-    if !time {
-        let (signal, at) = cx.names.at_value(fields.get("value-of")?, cx.out)?;
-        let when = match fields.get("when") {
-            Some(node) => cx.names.anchor(node, cx.out)?,
-            None => at.unwrap_or(Anchor::END),
+}
+
+/// Reports a limit without the unit that the measurement has: 50 could be hertz or kilohertz.
+fn has_units(fields: &Fields<'_>, unit: &str, cx: &mut Context<'_>) -> Option<()> {
+    for key in ["min", "max", "nominal", "tolerance"] {
+        let Some(node) = fields.get(key) else { continue };
+        let limit = Literal::of(node).ok().and_then(|limit| limit.quantity());
+        let meant = |limit: signal::Quantity| {
+            limit.in_unit(&Unit::new(unit)).is_some() || (key == "tolerance" && limit.is_part())
         };
-        return Some(Quantity::Value { signal, when });
+        if !limit.is_some_and(meant) {
+            let message = match unit {
+                "ns" => format!("`{key}` limits a time and is no duration"),
+                unit => format!("`{key}` limits a figure in {unit} and is none"),
+            };
+            let help = format!("write it with a unit, as in \"{}\"", example(unit));
+            cx.out.bad(codes::UNIT, node, message, help);
+            return None;
+        }
     }
-    if let Some(node) = fields.get("when") {
-        cx.out.bad(codes::CLAIM, node, "`when` has no meaning for a time", "use `from` and `to`");
-        return None;
+    Some(())
+}
+
+/// The keys that name what is measured of a signal.
+const OF: &[&str] = &["value-of", "frequency-of", "duty-of", "period-of", "width-of"];
+
+fn quantity(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
+    let given: Vec<&str> = OF.iter().copied().filter(|key| fields.has(key)).collect();
+    match given.as_slice() {
+        [] if fields.has("from") || fields.has("to") => {
+            lacks(fields, &["when", "take", "level", "until"], "a time", cx)
+                .and_then(|()| time_between(fields, cx))
+        }
+        ["value-of"] if !fields.has("take") => {
+            lacks(fields, &["from", "to", "until", "level"], "a value at an instant", cx)?;
+            let (signal, at) = cx.names.at_value(fields.get("value-of")?, cx.out)?;
+            let when = match fields.get("when") {
+                Some(node) => cx.names.anchor(node, cx.out)?,
+                None => at.unwrap_or(Anchor::END),
+            };
+            Some(Quantity::Value { signal, when })
+        }
+        [key] => over(fields, key, cx),
+        _ => {
+            let message = "a measurement is a time with `from` and `to`, or of one signal";
+            let help = format!("give `to`, or one of `{}`", OF.join("`, `"));
+            cx.out.error(codes::CLAIM, cx.place.clone(), message, help);
+            None
+        }
     }
+}
+
+/// Reports keys that say nothing of this kind of measurement.
+fn lacks(fields: &Fields<'_>, keys: &[&str], what: &str, cx: &mut Context<'_>) -> Option<()> {
+    let key = keys.iter().find(|key| fields.has(key));
+    let Some(key) = key else { return Some(()) };
+    let place = fields.entry(key)?.key_span.clone();
+    let help = match *key {
+        "from" | "until" => "a value over a window says with `take` what is taken of it",
+        _ => "leave it out",
+    };
+    cx.out.error(codes::MEASURE, place, format!("`{key}` has no meaning for {what}"), help);
+    None
+}
+
+/// Reads what is measured over a window.
+fn over(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity> {
+    let what = match key {
+        "value-of" => "a value over a window",
+        "frequency-of" => "a frequency",
+        "duty-of" => "a duty",
+        "period-of" => "a period",
+        _ => "a width",
+    };
+    lacks(fields, &["to", "when"], what, cx)?;
+    let takes: &[Take] = match key {
+        "value-of" => &[Take::Min, Take::Max, Take::Mean, Take::Rms, Take::Span],
+        "period-of" => &[Take::Mean, Take::Min, Take::Max, Take::Span],
+        "width-of" => &[Take::First, Take::Mean, Take::Min, Take::Max, Take::Span],
+        _ => &[],
+    };
+    if key != "width-of" {
+        lacks(fields, &["level"], what, cx)?;
+    }
+    if takes.is_empty() {
+        lacks(fields, &["take"], what, cx)?;
+    }
+    let take = match fields.text("take").and_then(Take::find) {
+        Some(take) if takes.contains(&take) => take,
+        Some(_) => {
+            let node = fields.get("take")?;
+            let place = |take: &Take| Take::ALL.iter().position(|known| known == take).unwrap_or_default();
+            let names: Vec<&str> = takes.iter().map(|take| Take::NAMES[place(take)]).collect();
+            let help = format!("one of {}", names.join(", "));
+            cx.out.bad(codes::MEASURE, node, format!("{what} has no such figure"), help);
+            return None;
+        }
+        None => takes.first().copied().unwrap_or(Take::Mean),
+    };
+    let figure = match key {
+        "frequency-of" => Figure::Frequency,
+        "duty-of" => Figure::Duty,
+        "period-of" => Figure::Period(take),
+        "width-of" => Figure::Width { high: fields.text("level") != Some("low"), take },
+        _ => Figure::Value(take),
+    };
+    let signal = cx.names.signal(fields.get(key)?, cx.out);
+    let between = Between::read(fields, cx)?;
+    Some(Quantity::Over { signal: signal?, from: between.from, until: between.until, figure })
+}
+
+/// Reads a time with its two ends.
+fn time_between(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
     let from = match fields.get("from") {
         Some(node) => cx.names.anchor(node, cx.out)?,
         None if fields.has("from") => return None,
-        None => Anchor::START,
+        None => cx.names.begin(),
     };
     let Some(to) = fields.get("to") else {
         if !fields.has("to") {

@@ -1,19 +1,20 @@
 //! One case of a plan: its values put in, held against the tables of keys and read.
 
-use std::borrow::Cow;
 use std::cell::RefCell;
+use std::sync::Arc;
 
 use document::{Entry, Fields, Findings, Node, Table};
 use signal::Span;
 
-use super::envelope::{self, Form, Listed};
+use super::envelope::{self, Form};
+use super::expand::{self, Placed};
 use super::keys::{EXPECT_KEYS, PLAN_KEYS};
 use super::read::Document;
 use super::scope::Scope;
 use super::settings::SETTINGS_KEYS;
 use super::step::{StepReader, step_names};
 use super::variants::{Variant, show};
-use super::{Case, ProgramRef, Refusal, Settings, facts, refusal, settings, signals, times};
+use super::{Case, ProgramRef, Refusal, Settings, check, facts, guards, refusal, settings, signals, times};
 use crate::codes;
 use crate::expect::{self, Context, Expectation, Names, Place};
 use crate::lang::{Anchor, Bindings, substitute};
@@ -22,17 +23,17 @@ use crate::measure::{self, Measurement};
 const EXPECTATION: Form =
     Form { what: "expectation", list: "expect", own: EXPECT_KEYS, code: codes::EXPECT_VERB, alone: None };
 
-/// The case of this number. `None` after it reported what is wrong.
-pub(super) fn case(document: &Document, number: u64, out: &mut Findings) -> Option<Case> {
+/// The case of this number, with `seed` for what it leaves to chance. `None` after it reported what is wrong.
+pub(super) fn case(document: &Document, number: u64, seed: u64, out: &mut Findings) -> Option<Case> {
     let variant = document.variants.get(number)?;
     let Ok(refusal) = refusal::read(document, &variant, out) else { return None };
     match refusal {
         Some(refusal) if refusal.is_of_the_plan() => {
             let mut own = Findings::new(&document.file, codes::TOML);
-            let case = whole(document, number, Some(refusal.clone()), &mut own);
+            let case = whole(document, number, seed, Some(refusal.clone()), &mut own);
             Some(case.unwrap_or_else(|| unreadable(document, &variant, refusal, own)))
         }
-        refusal => whole(document, number, refusal, out),
+        refusal => whole(document, number, seed, refusal, out),
     }
 }
 
@@ -53,14 +54,20 @@ fn unreadable(document: &Document, variant: &Variant<'_>, mut refusal: Refusal, 
         program: ProgramRef::None,
         board: None,
         signals: Vec::new(),
+        unspoken: Vec::new(),
         steps: Vec::new(),
         expectations: Vec::new(),
         measurements: Vec::new(),
+        invariants: Vec::new(),
+        alarms: Vec::new(),
         ends: Anchor::START,
         timeout: Span::ZERO,
+        teardown: Span::ZERO,
         needs: Vec::new(),
         proves: facts::proves(&fields, &mut again),
+        tags: facts::tags(&fields, &mut again),
         profiles: facts::profiles(&fields, &mut again),
+        repeat: 1,
         refusal: Some(refusal),
     }
 }
@@ -76,7 +83,13 @@ fn head(document: &Document, bindings: &Bindings<'_>, out: &mut Findings) -> Tab
 }
 
 /// The case as it would run, or be refused by what only its bench knows.
-fn whole(document: &Document, number: u64, refusal: Option<Refusal>, out: &mut Findings) -> Option<Case> {
+fn whole(
+    document: &Document,
+    number: u64,
+    seed: u64,
+    refusal: Option<Refusal>,
+    out: &mut Findings,
+) -> Option<Case> {
     let variant = document.variants.get(number)?;
     let bindings = variant.bindings();
     let row = variant.row.map(|row| row.name.as_str());
@@ -97,42 +110,77 @@ fn whole(document: &Document, number: u64, refusal: Option<Refusal>, out: &mut F
         .and_then(Node::as_table)
         .map_or_else(Vec::new, |table| signals::read(table, out));
 
-    let here = present(&document.steps, row, &bindings, out);
+    let lists = expand::lists(document, row, &bindings, out);
+    let here = &lists.steps;
     let scope = Scope {
-        steps: step_names(&here),
+        steps: step_names(here),
+        phases: here.iter().map(|step| step.phase).collect(),
+        call: RefCell::default(),
         elsewhere: elsewhere(document, row),
         row,
+        tables: &document.text.tables,
         bound_names: bound.iter().map(|binding| binding.name.clone()).collect(),
         bound,
+        spoken_of: RefCell::default(),
         used: RefCell::default(),
     };
-    let reader = StepReader { document, variant: &variant, number, scope: &scope };
-    let (mut steps, written) = reader.read(&here, out);
+    let reader = StepReader { document, variant: &variant, number, seed, scope: &scope };
+    let (mut steps, written) = reader.read(here, out);
+    scope.enter(&Default::default(), out);
     let ends = match fields.get("ends") {
         Some(node) => scope.anchor(node, out).map(|anchor| (anchor, node)),
         None => None,
     };
     let settled = if out.errors() > before { None } else { times::settle(&mut steps, &written, ends, out) };
 
-    let expectations = expectations(document, row, &bindings, &scope, out);
-    let measurements = measurements(document, row, &bindings, &scope, out);
+    let expectations = expectations(document, &lists.expect, &scope, out);
+    let measurements = measurements(document, &lists.measure, &scope, out);
+    scope.enter(&Default::default(), out);
+    if lists.expect.is_empty() && lists.measure.is_empty() && refusal.is_none() && !document.groups.is_empty()
+    {
+        let help = "add an expectation, or a step that runs a group that has one";
+        out.error(codes::NOTHING_CLAIMED, 0..0, "the case neither claims nor measures anything", help);
+    }
+    let standing = guards::of_case(document, row, &bindings, &scope, out);
     if let Some(refused) = head.entry("refused").or_else(|| head.entry("warned")) {
         claims_or_refusal(refused, refusal.as_ref(), expectations.len() + measurements.len(), out);
     }
     let program = facts::program(document, &fields, &settings, out);
     let mut needs = facts::needs(&fields, out);
     let proves = facts::proves(&fields, out);
+    let tags = facts::tags(&fields, out);
     let profiles = facts::profiles(&fields, out);
-    let mut timeout = settled.as_ref().map_or(Span::ZERO, |(_, allowance)| *allowance);
+    let mut timeout = settled.as_ref().map_or(Span::ZERO, |settled| settled.allowance);
     if let Some(given) = fields.duration("timeout") {
         timeout = given;
     }
     if out.errors() > before {
         return None;
     }
-    let (ends, _) = settled?;
+    let settled = settled?;
+    let spoken_of = scope.spoken_of.into_inner();
+    let own = scope.bound.iter().filter(|binding| document.text.joined.is_first(binding.span.start));
+    let unspoken =
+        own.map(|binding| &binding.name).filter(|name| !spoken_of.contains(*name)).cloned().collect();
     let mut all = scope.bound;
+    // What another file binds is there for those plans that use it.
+    all.retain(|binding| {
+        document.text.joined.is_first(binding.span.start) || spoken_of.contains(&binding.name)
+    });
     all.extend(scope.used.into_inner().list);
+    let parts = check::Parts {
+        steps: &steps,
+        ends: &settled.ends,
+        ends_given: fields.has("ends"),
+        expectations: &expectations,
+        measurements: &measurements,
+        signals: &all,
+        settings: &settings,
+    };
+    check::case(&parts, out);
+    if out.errors() > before {
+        return None;
+    }
     facts::implied_needs(&steps, &all, &mut needs);
     Some(Case {
         name: name(document, &variant),
@@ -143,14 +191,24 @@ fn whole(document: &Document, number: u64, refusal: Option<Refusal>, out: &mut F
         program,
         board: fields.text("board").map(str::to_owned),
         signals: all,
+        unspoken,
         steps,
         expectations,
         measurements,
-        ends,
+        invariants: standing.invariants,
+        alarms: standing.alarms,
+        ends: settled.ends,
         timeout,
+        teardown: settled.teardown,
         needs,
         proves,
+        tags,
         profiles,
+        // Nothing of what is refused hangs on chance.
+        repeat: match refusal {
+            None => fields.integer("repeat").and_then(|turns| u32::try_from(turns).ok()).unwrap_or(1),
+            Some(_) => 1,
+        },
         refusal,
     })
 }
@@ -171,25 +229,6 @@ fn claims_or_refusal(refused: &Entry, refusal: Option<&Refusal>, claims: usize, 
         }
         _ => {}
     }
-}
-
-/// The entries of a list that this row has, with their places in the list and their references replaced. One
-/// whose references cannot be replaced is left out: what they would be is not known.
-fn present<'d>(
-    list: &'d [Listed],
-    row: Option<&str>,
-    bindings: &Bindings<'_>,
-    out: &mut Findings,
-) -> Vec<(usize, Cow<'d, Node>)> {
-    let mut here = Vec::with_capacity(list.len());
-    for (at, listed) in list.iter().enumerate().filter(|(_, listed)| listed.is_in(row)) {
-        let before = out.errors();
-        let node = substitute(&listed.node, bindings, out);
-        if out.errors() == before {
-            here.push((at, node));
-        }
-    }
-    here
 }
 
 /// Ids of steps that this row does not have.
@@ -216,55 +255,76 @@ fn phase_suffix(variant: &Variant<'_>, document: &Document) -> String {
 
 fn expectations(
     document: &Document,
-    row: Option<&str>,
-    bindings: &Bindings<'_>,
+    here: &[Placed<'_>],
     scope: &Scope<'_>,
     out: &mut Findings,
 ) -> Vec<Expectation> {
-    let verbs: Vec<&'static str> = expect::VERBS.iter().map(|verb| verb.name).collect();
     let mut list = Vec::new();
-    for (_, node) in present(&document.expect, row, bindings, out) {
-        let Some((Some(entry), own)) = envelope::verb(&node, &EXPECTATION, &verbs, out) else { continue };
-        let fields = Fields::check(&own, node.span.clone(), "expectation", EXPECT_KEYS, out);
-        let Some(verb) = expect::verb(&entry.key) else { continue };
-        let Some(table) = entry.node.as_table() else {
-            let message = format!("`{}` is {}, not a table", entry.key, entry.node.kind());
-            let help = format!("write {} = {{ ... }}; its keys are {}", entry.key, key_names(verb.keys));
-            out.bad(codes::WRONG_TYPE, &entry.node, message, help);
-            continue;
-        };
-        let before = out.errors();
-        let what = format!("claim `{}`", verb.name);
-        let claim_fields = Fields::check(table, entry.node.span.clone(), &what, verb.keys, out);
-        if out.errors() > before {
-            continue;
-        }
-        let mut context = Context { out, names: scope, place: entry.node.span.clone() };
-        if let Some(claim) = (verb.read)(&claim_fields, &mut context) {
-            let name = fields.text("name").unwrap_or_default().to_owned();
-            list.push(Expectation { name, verb: verb.name, claim, place: Some(place(document, &node)) });
+    for Placed { node, call, .. } in here {
+        scope.enter(call, out);
+        if let Some(mut read) = expectation(node, &EXPECTATION, scope, out) {
+            if !call.path.is_empty() && !read.name.is_empty() {
+                read.name = format!("{}: {}", call.path, read.name);
+            }
+            read.place = Some(place(document, node));
+            list.push(read);
         }
     }
     list
+}
+
+/// One entry of a list of claims, without its place. Reports what is wrong with it.
+pub(super) fn expectation(
+    node: &Node,
+    form: &Form,
+    names: &dyn Names,
+    out: &mut Findings,
+) -> Option<Expectation> {
+    let verbs: Vec<&'static str> = expect::VERBS.iter().map(|verb| verb.name).collect();
+    let (entry, own) = envelope::verb(node, form, &verbs, out)?;
+    let entry = entry?;
+    let fields = Fields::check(&own, node.span.clone(), form.what, form.own, out);
+    let verb = expect::verb(&entry.key)?;
+    let Some(table) = entry.node.as_table() else {
+        let message = format!("`{}` is {}, not a table", entry.key, entry.node.kind());
+        let help = format!("write {} = {{ ... }}; its keys are {}", entry.key, key_names(verb.keys));
+        out.bad(codes::WRONG_TYPE, &entry.node, message, help);
+        return None;
+    };
+    let before = out.errors();
+    let what = format!("claim `{}`", verb.name);
+    let claim_fields = Fields::check(table, entry.node.span.clone(), &what, verb.keys, out);
+    if out.errors() > before {
+        return None;
+    }
+    let mut context = Context { out, names, place: entry.node.span.clone() };
+    let claim = (verb.read)(&claim_fields, &mut context)?;
+    let name = fields.text("name").unwrap_or_default().to_owned();
+    Some(Expectation { name, verb: verb.name, claim, place: None })
 }
 
 fn key_names(keys: &[document::KeySpec]) -> String {
     keys.iter().map(|key| key.name).collect::<Vec<_>>().join(", ")
 }
 
-fn place(document: &Document, node: &Node) -> Place {
-    Place { file: document.file_name.clone(), span: node.span.clone(), line: document.line(node.span.start) }
+pub(super) fn place(document: &Document, node: &Node) -> Place {
+    if document.text.joined.is_first(node.span.start) {
+        let line = document.line(node.span.start);
+        return Place { file: document.file_name.clone(), span: node.span.clone(), line };
+    }
+    let (file, span) = document.text.joined.span(&node.span);
+    Place { file: Arc::from(file.name.as_str()), span, line: document.line(node.span.start) }
 }
 
 fn measurements(
     document: &Document,
-    row: Option<&str>,
-    bindings: &Bindings<'_>,
+    here: &[Placed<'_>],
     scope: &Scope<'_>,
     out: &mut Findings,
 ) -> Vec<Measurement> {
     let mut list = Vec::new();
-    for (_, node) in present(&document.measure, row, bindings, out) {
+    for Placed { node, call, .. } in here {
+        scope.enter(call, out);
         let Some(table) = node.as_table() else { continue };
         let mut table = table.clone();
         // Which rows have it is settled; the rest is the measurement's own.
@@ -276,7 +336,10 @@ fn measurements(
         }
         let mut context = Context { out, names: scope, place: node.span.clone() };
         if let Some(mut measurement) = measure::read(&fields, &mut context) {
-            measurement.place = Some(place(document, &node));
+            if !call.path.is_empty() {
+                measurement.name = format!("{}: {}", call.path, measurement.name);
+            }
+            measurement.place = Some(place(document, node));
             list.push(measurement);
         }
     }

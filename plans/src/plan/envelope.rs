@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use document::{Data, Entry, Findings, KeySpec, Node, Table, suggest};
 
+use super::Phase;
 use super::variants::Row;
 use crate::codes;
 
@@ -12,6 +13,8 @@ use crate::codes;
 #[derive(Clone, Debug)]
 pub(super) struct Listed {
     pub(super) node: Node,
+    /// The part of the case, for steps.
+    pub(super) phase: Phase,
     /// The rows that have it; `None`: all.
     rows: Option<BTreeSet<String>>,
 }
@@ -50,7 +53,12 @@ pub(super) fn list(root: &Table, key: &str, rows: &[Row], out: &mut Findings) ->
             continue;
         };
         let named = table.get("rows").map(|node| row_names(node, &known, out));
-        listed.push(Listed { node: entry.clone(), rows: named });
+        let phase = match key {
+            "setup" => Phase::Setup,
+            "teardown" => Phase::Teardown,
+            _ => Phase::Main,
+        };
+        listed.push(Listed { node: entry.clone(), phase, rows: named });
     }
     listed
 }

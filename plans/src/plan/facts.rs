@@ -7,7 +7,6 @@ use super::read::Document;
 use super::{Initial, ProgramRef, Settings, SignalBinding, Source, Step};
 use crate::codes;
 use crate::lang::{Amount, Bound, Need, Relation};
-use crate::steps::Stimulus;
 
 /// Areas of the requirements.
 const AREAS: &[&str] = &["controller", "io", "ethernet", "serial-can", "plcsystem"];
@@ -87,8 +86,8 @@ pub(super) fn implied_needs(steps: &[Step], signals: &[SignalBinding], needs: &m
         }
     };
     for step in steps {
-        if let Stimulus::Train(train) = &step.stimulus {
-            let bound = Bound { relation: Relation::AtLeast, amount: Amount::Millihertz(train.millihertz()) };
+        if let Some(rate) = step.stimulus.millihertz() {
+            let bound = Bound { relation: Relation::AtLeast, amount: Amount::Millihertz(rate) };
             add(Need { word: "pulse", bound: Some(bound) });
             continue;
         }
@@ -138,6 +137,17 @@ pub(super) fn proves(fields: &Fields<'_>, out: &mut Findings) -> Vec<String> {
             }
         };
         out.bad(codes::REQUIREMENT, node, format!("`{text}` is not the ID of a requirement"), help);
+    }
+    list
+}
+
+/// The words that the plan's cases can be chosen by, each once.
+pub(super) fn tags(fields: &Fields<'_>, out: &mut Findings) -> Vec<String> {
+    let mut list: Vec<String> = Vec::new();
+    for text in few(fields, "tags", out).iter().filter_map(Node::as_text) {
+        if !text.is_empty() && !list.iter().any(|known| known == text) {
+            list.push(text.to_owned());
+        }
     }
     list
 }

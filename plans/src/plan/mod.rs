@@ -1,8 +1,13 @@
 //! A plan and its concrete cases.
 
 mod build;
+mod check;
 mod envelope;
+mod expand;
 mod facts;
+mod groups;
+mod guards;
+mod include;
 mod inputs;
 mod keys;
 mod read;
@@ -15,19 +20,24 @@ mod times;
 mod variants;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use profile::Profile;
 use signal::{Address, Span};
 
+use crate::alarm::Alarm;
 use crate::expect::Expectation;
-use crate::judge::{Scenario, StepFacts};
+use crate::judge::{Guard, Scenario, StepFacts};
 use crate::lang::{Anchor, Literal, Need};
 use crate::measure::Measurement;
 use crate::steps::Stimulus;
 
+pub use guards::{Guards, SUITE_KEYS};
+pub use include::{PlanText, check_included, gather};
 pub use inputs::InputSettings;
-pub use keys::{PLAN_KEYS, STEP_KEYS};
-pub use read::{MAX_CASES, MAX_STEPS, Plan, read};
+pub(crate) use keys::EXPECT_KEYS;
+pub use keys::{GROUP_KEYS, INCLUDED_KEYS, PLAN_KEYS, STEP_KEYS};
+pub use read::{MAX_CASES, MAX_STEPS, Plan, read, read_gathered};
 pub use refusal::Refusal;
 pub use scope::Scope;
 pub(crate) use settings::output;
@@ -35,6 +45,8 @@ pub use settings::{
     AlwaysUpdate, HaltOutputs, Initial, OutputsInStop, Rearming, Settings, StartingMode, TaskSettings,
     TaskType, WatchdogBasis,
 };
+
+pub(crate) use signals::SOURCE_KEYS;
 
 /// The program of a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -216,7 +228,11 @@ pub struct SignalBinding {
     pub source: Source,
     /// How it is recorded.
     pub recording: Recording,
-    /// Bytes of the plan at which it is bound, or first used where it is not bound.
+    /// It is there for the trace, even if nothing speaks of it.
+    pub record: bool,
+    /// The file that binds or first uses it, where that is not the plan.
+    pub file: Option<Arc<str>>,
+    /// Bytes of that file.
     pub span: Range<usize>,
 }
 
@@ -235,6 +251,68 @@ pub enum Await {
     Above(Literal),
     /// It moves from at or above to below this.
     Below(Literal),
+}
+
+/// A part of a case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Phase {
+    /// Before the steps proper, which wait for all of it.
+    Setup,
+    /// The steps proper.
+    #[default]
+    Main,
+    /// Behind the case, however it ended.
+    Teardown,
+}
+
+impl Phase {
+    /// The word in records.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Phase::Setup => "setup",
+            Phase::Main => "main",
+            Phase::Teardown => "teardown",
+        }
+    }
+}
+
+/// How a step comes more than once.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Repeat {
+    /// Again and again from its instant on.
+    Every {
+        /// From one time to the next, above 0.
+        period: Span,
+        /// How many times at most, from 1.
+        times: u64,
+        /// From here on no more; its base is as that of [`StepTime::At`].
+        until: Option<Anchor>,
+    },
+    /// Every time that what it waits for happens.
+    Each {
+        /// How many times at most, from 1.
+        times: u64,
+    },
+}
+
+impl Repeat {
+    /// How many times the step comes at most.
+    pub const fn times(&self) -> u64 {
+        match self {
+            Repeat::Every { times, .. } | Repeat::Each { times } => *times,
+        }
+    }
+
+    /// When the time `n` comes after the first one, where that is known before the case runs.
+    pub fn after(&self, n: u64) -> Option<Span> {
+        match self {
+            Repeat::Every { period, until: None, .. } => {
+                let nanos = i128::from(period.as_nanos()) * i128::from(n.saturating_sub(1));
+                Some(Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX)))
+            }
+            _ => None,
+        }
+    }
 }
 
 /// When a step comes.
@@ -259,10 +337,17 @@ pub enum StepTime {
 /// A step of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// Its id; `step:<id>` is its signal in the trace.
+    /// Its id; `step:<id>` is its signal in the trace. That of a step of a group has the id of the step that runs the
+    /// group and a `.` in front.
     pub id: String,
+    /// The part of the case that it belongs to.
+    pub phase: Phase,
     /// When it comes.
     pub when: StepTime,
+    /// How it comes more than once.
+    pub repeat: Option<Repeat>,
+    /// Place of the step that runs its group.
+    pub parent: Option<usize>,
     /// What it does.
     pub stimulus: Stimulus,
     /// Whether the controller must refuse it (a command or a download).
@@ -293,22 +378,35 @@ pub struct Case {
     /// The signals that the plan binds, then those that it uses without binding them. `state` is built in and
     /// not among them.
     pub signals: Vec<SignalBinding>,
-    /// The steps, in the plan's order: the place is that of [`signal::Cause::Step`].
+    /// Names that the plan binds and this case leaves aside. They are recorded all the same.
+    pub unspoken: Vec<String>,
+    /// The steps, setup, main and teardown each in the plan's order, those of a group behind the step that runs it: the
+    /// place is that of [`signal::Cause::Step`].
     pub steps: Vec<Step>,
     /// What is claimed.
     pub expectations: Vec<Expectation>,
     /// What is measured.
     pub measurements: Vec<Measurement>,
+    /// What is claimed of every case: of the plan, then of suite and board.
+    pub invariants: Vec<Guard>,
+    /// What ends the case when it lasts.
+    pub alarms: Vec<Arc<Alarm>>,
     /// The end of the case; its base is as that of [`StepTime::At`].
     pub ends: Anchor,
     /// Most modelled time from power-on to the end of the case.
     pub timeout: Span,
+    /// Most modelled time of the teardown.
+    pub teardown: Span,
     /// What it needs of rig and subject: what the plan says and what its verbs and signals imply.
     pub needs: Vec<Need>,
     /// IDs of the requirements that it proves.
     pub proves: Vec<String>,
+    /// Words that it can be chosen by.
+    pub tags: Vec<String>,
     /// The profiles that it holds for; empty for all.
     pub profiles: Vec<Profile>,
+    /// How often it runs, each turn with what is left to chance drawn anew.
+    pub repeat: u32,
     /// What its check must find, for a case that is never to run.
     pub refusal: Option<Refusal>,
 }
@@ -319,6 +417,7 @@ impl Case {
         Scenario {
             expectations: self.expectations.clone(),
             measurements: self.measurements.clone(),
+            guards: self.invariants.iter().cloned().chain(self.alarms.iter().map(Alarm::guard)).collect(),
             steps: self
                 .steps
                 .iter()
@@ -330,6 +429,11 @@ impl Case {
                     },
                     train: match &step.stimulus {
                         Stimulus::Train(train) => Some(train.signal.clone()),
+                        _ => None,
+                    },
+                    phase: step.phase,
+                    asks: match &step.stimulus {
+                        Stimulus::Ask(question) => Some(question.clone()),
                         _ => None,
                     },
                     line: step.line,

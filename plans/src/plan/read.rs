@@ -3,11 +3,14 @@
 
 use std::sync::Arc;
 
-use document::{Data, Diagnostic, Entry, Findings, Node, SourceFile, Table, toml};
+use document::{Data, Diagnostic, Entry, Findings, Joined, Node, SourceFile, Table};
 use profile::Profile;
 
 use super::build;
+use super::check::Unspoken;
 use super::envelope::{self, Listed};
+use super::groups::{self, Group};
+use super::include::{PlanText, gather};
 use super::variants::Variants;
 use super::{Case, ProgramRef, refusal};
 use crate::codes;
@@ -22,22 +25,45 @@ const MAX_WORK: u64 = 3_000_000;
 const MAX_FAULTY_CASES: usize = 10;
 
 /// Keys of the root that are not the same table for each case, or are read once.
-const APART: &[&str] =
-    &["steps", "expect", "measure", "rows", "sweep", "parameters", "program-text", "description"];
+const APART: &[&str] = &[
+    "include",
+    "setup",
+    "steps",
+    "teardown",
+    "expect",
+    "measure",
+    "group",
+    "invariants",
+    "alarms",
+    "rows",
+    "sweep",
+    "parameters",
+    "program-text",
+    "description",
+];
+
+/// The lists of steps, in the order in which they come.
+const STEPS: [&str; 3] = ["setup", "steps", "teardown"];
 
 /// What was read of a plan's text before its cases are made.
 #[derive(Debug)]
 pub(super) struct Document {
     pub(super) file: SourceFile,
+    /// It and the files that it includes.
+    pub(super) text: PlanText,
     /// The file's name, for places of claims.
     pub(super) file_name: Arc<str>,
     /// The plan's path without `.toml`: the first part of every case's name.
     pub(super) name: String,
     /// The root without [`APART`].
     pub(super) head: Table,
+    /// Setup, main and teardown, one behind another.
     pub(super) steps: Vec<Listed>,
+    pub(super) groups: Vec<Group>,
     pub(super) expect: Vec<Listed>,
     pub(super) measure: Vec<Listed>,
+    pub(super) invariants: Vec<Listed>,
+    pub(super) alarms: Vec<Listed>,
     pub(super) variants: Variants,
     pub(super) program_text: Option<ProgramRef>,
     /// The byte at which each line begins.
@@ -48,6 +74,9 @@ pub(super) struct Document {
 impl Document {
     /// The line of a byte, from 1.
     pub(super) fn line(&self, byte: usize) -> u32 {
+        if !self.text.joined.is_first(byte) {
+            return self.text.joined.line(byte);
+        }
         u32::try_from(self.lines.partition_point(|start| *start <= byte)).unwrap_or(u32::MAX)
     }
 }
@@ -67,6 +96,7 @@ pub struct Plan {
     pub profiles: Vec<Profile>,
     /// What is worth knowing about it.
     pub warnings: Vec<Diagnostic>,
+    turns: u64,
     document: Document,
 }
 
@@ -83,8 +113,21 @@ impl Plan {
 
     /// The case of this number from 0; `None` behind the last.
     pub fn case(&self, number: u64) -> Option<Case> {
+        self.case_with(number, self.document.seed).ok()
+    }
+
+    /// The case of this number from 0 with another seed for what it leaves to chance.
+    ///
+    /// # Errors
+    /// What is wrong with it: a phase that is drawn anew can move a step behind the end of the case.
+    pub fn case_with(&self, number: u64, seed: u64) -> Result<Case, Vec<Diagnostic>> {
         let mut out = Findings::new(&self.document.file, codes::TOML);
-        build::case(&self.document, number, &mut out)
+        build::case(&self.document, number, seed, &mut out).ok_or_else(|| out.into_vec())
+    }
+
+    /// Number of runs: each case as often as it is repeated.
+    pub fn turns(&self) -> u64 {
+        self.turns
     }
 
     /// All cases in order, made one by one.
@@ -96,23 +139,64 @@ impl Plan {
     pub fn source(&self) -> &SourceFile {
         &self.document.file
     }
+
+    /// The plan as it was gathered, to be read again.
+    pub fn text(&self) -> &PlanText {
+        &self.document.text
+    }
+
+    /// The plan's text with those of the files that it includes. The places of its cases count through all of them:
+    /// [`Joined::locate`] names the right file in findings about them.
+    pub fn joined(&self) -> &Joined {
+        &self.document.text.joined
+    }
 }
 
-/// Reads a plan. `parameters` are name and value of what the command line gives; `seed` decides what the plan
+/// Reads a plan that names no other files. `parameters` are name and value of what the command line gives; `seed` decides what the plan
 /// leaves to chance.
 ///
 /// # Errors
 /// Everything that is wrong with the plan, in its cases as they would run, with codes of [`crate::CODES`].
 pub fn read(file: &SourceFile, parameters: &[(String, String)], seed: u64) -> Result<Plan, Vec<Diagnostic>> {
-    let root = toml::parse(file, codes::TOML)?;
+    let text = gather(file, &mut |_| Err(String::from("no files can be included here")))?;
+    read_gathered(&text, parameters, seed)
+}
+
+/// Reads a plan with what it includes, as [`gather`] made it. `parameters` are name and value of what the command line
+/// gives; `seed` decides what the plan leaves to chance.
+///
+/// # Errors
+/// Everything that is wrong with the plan, in its cases as they would run, with codes of [`crate::CODES`].
+pub fn read_gathered(
+    text: &PlanText,
+    parameters: &[(String, String)],
+    seed: u64,
+) -> Result<Plan, Vec<Diagnostic>> {
+    let locate = |mut found: Vec<Diagnostic>| {
+        text.joined.locate(&mut found);
+        found
+    };
+    let mut plan = read_joined(text, parameters, seed).map_err(locate)?;
+    text.joined.locate(&mut plan.warnings);
+    Ok(plan)
+}
+
+/// The plan, with findings whose places count through all files.
+fn read_joined(text: &PlanText, parameters: &[(String, String)], seed: u64) -> Result<Plan, Vec<Diagnostic>> {
+    let file = text.file();
     let mut out = Findings::new(file, codes::TOML);
-    if !format_is_known(&root, &mut out) {
+    if !format_is_known(&text.root, &mut out) {
         return Err(out.into_vec());
     }
+    let root = text.merged(&mut out);
     let mut variants = Variants::read(&root, parameters, &mut out);
-    let steps = envelope::list(&root, "steps", &variants.rows, &mut out);
+    let Some(groups) = groups::read(&root, &mut out) else { return Err(out.into_vec()) };
+    let steps: Vec<Listed> =
+        STEPS.iter().flat_map(|key| envelope::list(&root, key, &variants.rows, &mut out)).collect();
     let expect = envelope::list(&root, "expect", &variants.rows, &mut out);
     let measure = envelope::list(&root, "measure", &variants.rows, &mut out);
+    let invariants = envelope::list(&root, "invariants", &variants.rows, &mut out);
+    let alarms = envelope::list(&root, "alarms", &variants.rows, &mut out);
     if steps.len() > MAX_STEPS {
         let message = format!("the plan has {} steps; {MAX_STEPS} is the most", steps.len());
         out.error(
@@ -123,11 +207,17 @@ pub fn read(file: &SourceFile, parameters: &[(String, String)], seed: u64) -> Re
         );
         return Err(out.into_vec());
     }
-    if expect.is_empty() && measure.is_empty() && !refusal::is_there(&root) && !out.has_errors() {
+    let claims = [&expect, &measure, &invariants, &alarms];
+    let of_group = |group: &Group| !group.expect.is_empty() || !group.measure.is_empty();
+    if claims.iter().all(|list| list.is_empty())
+        && !groups.iter().any(of_group)
+        && !refusal::is_there(&root)
+        && !out.has_errors()
+    {
         let help = "add expect = [ ... ] or measure = [ ... ]: a plan that claims nothing would always pass";
         out.error(codes::NOTHING_CLAIMED, 0..0, "the plan neither claims nor measures anything", help);
     }
-    let nodes: u64 = [&steps, &expect, &measure]
+    let nodes: u64 = [&steps, &expect, &measure, &invariants, &alarms]
         .iter()
         .flat_map(|list| list.iter())
         .map(|one| size(&one.node))
@@ -137,7 +227,8 @@ pub fn read(file: &SourceFile, parameters: &[(String, String)], seed: u64) -> Re
                 .filter(|entry| !APART.contains(&entry.key.as_str()))
                 .map(|entry| size(&entry.node)),
         )
-        .sum();
+        .chain([groups::weight(&steps, &groups, 0)])
+        .fold(0, u64::saturating_add);
     if !is_feasible(variants.rows.len() as u64, nodes, &mut out) {
         return Err(out.into_vec());
     }
@@ -157,22 +248,34 @@ pub fn read(file: &SourceFile, parameters: &[(String, String)], seed: u64) -> Re
     }
     let document = Document {
         file: file.clone(),
+        text: text.clone(),
         file_name: Arc::from(file.name.as_str()),
         name: file.name.strip_suffix(".toml").unwrap_or(&file.name).to_owned(),
         head,
         steps,
+        groups,
         expect,
         measure,
+        invariants,
+        alarms,
         variants,
         program_text,
         lines: line_starts(&file.text),
         seed,
     };
     let mut first = None;
+    let mut turns = 0;
     let mut faulty = 0;
+    let mut unspoken = Unspoken::default();
     for number in 0..document.variants.len() {
         let before = out.errors();
-        let case = build::case(&document, number, &mut out);
+        let case = build::case(&document, number, seed, &mut out);
+        turns += case.as_ref().map_or(0, |case| u64::from(case.repeat));
+        match &case {
+            // A case that is refused has no use for its names.
+            Some(case) if case.refusal.is_none() => unspoken.case(&case.unspoken),
+            _ => {}
+        }
         if number == 0 {
             first = case;
         }
@@ -181,7 +284,15 @@ pub fn read(file: &SourceFile, parameters: &[(String, String)], seed: u64) -> Re
             break;
         }
     }
+    if turns > MAX_CASES {
+        let place = document.head.entry("repeat").map_or(0..0, |entry| entry.node.span.clone());
+        let message = format!("the cases have {turns} turns together; {MAX_CASES} is the most");
+        out.error(codes::TOO_MANY_TURNS, place, message, "repeat them less often");
+    }
     let failed = out.has_errors();
+    if let (false, Some(first)) = (failed, &first) {
+        unspoken.report(&first.signals, &mut out);
+    }
     let found = out.into_vec();
     let first = match first {
         Some(first) if !failed => first,
@@ -194,6 +305,7 @@ pub fn read(file: &SourceFile, parameters: &[(String, String)], seed: u64) -> Re
         proves: first.proves,
         profiles: first.profiles,
         warnings: found,
+        turns,
         document,
     })
 }
@@ -258,7 +370,7 @@ fn is_feasible(cases: u64, nodes: u64, out: &mut Findings) -> bool {
 }
 
 /// Number of values in a value, itself included.
-fn size(node: &Node) -> u64 {
+pub(super) fn size(node: &Node) -> u64 {
     match &node.data {
         Data::Array(list) => 1 + list.iter().map(size).sum::<u64>(),
         Data::Table(table) => 1 + table.entries.iter().map(|entry| size(&entry.node)).sum::<u64>(),

@@ -2,14 +2,19 @@
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+use std::sync::Arc;
 
 use document::{Fields, Findings, KeySpec, Node, suggest};
+use signal::Span;
 
+use super::expand::Call;
 use super::signals::{self, BUILT_IN};
-use super::{FileFigure, Recording, RowFigure, SignalBinding, Source, TaskFigure};
+use super::{FileFigure, Phase, Recording, RowFigure, SignalBinding, Source, TaskFigure};
 use crate::codes;
 use crate::expect::Names;
 use crate::lang::{Anchor, AnchorError, Base, Operand, OperandError};
+use crate::table::{Fault, Table, Tables};
 
 /// Signals in order of first use.
 #[derive(Debug, Default)]
@@ -18,19 +23,36 @@ pub(super) struct Used {
     pub(super) list: Vec<SignalBinding>,
 }
 
+/// What instants may ask of a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct StepName {
+    /// How many pulses it emits; `None` if it is no train.
+    pub(super) pulses: Option<u64>,
+    /// How many times it comes at most, if it comes again.
+    pub(super) times: Option<u64>,
+}
+
 /// The names of one case.
 #[derive(Debug)]
 pub struct Scope<'a> {
-    /// Steps of this case by their ids: how many pulses each emits, `None` if it is no train.
-    pub(super) steps: BTreeMap<String, Option<u64>>,
+    /// Steps of this case by their ids.
+    pub(super) steps: BTreeMap<String, StepName>,
+    /// The parts that the case has steps in.
+    pub(super) phases: BTreeSet<Phase>,
+    /// The call whose group is read.
+    pub(super) call: RefCell<Rc<Call>>,
     /// Ids of steps that only other rows have.
     pub(super) elsewhere: Vec<String>,
     /// The row, for messages.
     pub(super) row: Option<&'a str>,
+    /// The tables that the plan may name.
+    pub(super) tables: &'a Tables,
     /// Signals that the plan binds.
     pub(super) bound: Vec<SignalBinding>,
     /// Names of `bound`.
     pub(super) bound_names: BTreeSet<String>,
+    /// Those of them that something speaks of.
+    pub(super) spoken_of: RefCell<BTreeSet<String>>,
     /// Signals that it uses without binding them, in order of use.
     pub(super) used: RefCell<Used>,
 }
@@ -39,6 +61,11 @@ impl Scope<'_> {
     /// The fields of a table that was held against these keys before.
     pub(crate) fn fields<'n>(&self, node: &'n Node, specs: &'static [KeySpec]) -> Option<Fields<'n>> {
         Some(Fields::checked(node.as_table()?, specs))
+    }
+
+    /// The table of this name, a file relative to the plan.
+    pub(crate) fn table(&self, name: &str) -> Result<Arc<Table>, Fault> {
+        self.tables.get(name)
     }
 
     /// The name of a signal; reports what is wrong with it.
@@ -50,6 +77,7 @@ impl Scope<'_> {
         };
         let name = text.trim();
         if self.is_bound(name) {
+            self.spoken_of.borrow_mut().insert(name.to_owned());
             return Some(name.to_owned());
         }
         let source = signals::text_source(node, text, out)?;
@@ -79,40 +107,88 @@ impl Scope<'_> {
         None
     }
 
-    /// An instant; `within` shifts places inside the text.
+    /// What is read from now on belongs to this call, and so do findings about it.
+    pub(super) fn enter(&self, call: &Rc<Call>, out: &mut Findings) {
+        call.announce(out);
+        *self.call.borrow_mut() = Rc::clone(call);
+    }
+
+    /// Where counting begins that says nothing else: where the group that is read is run, or `start`.
+    fn first(&self) -> Anchor {
+        match self.call.borrow().path.as_str() {
+            "" => Anchor::START,
+            path => Anchor { base: Base::Step(path.to_owned()), offset: Span::ZERO },
+        }
+    }
+
+    /// The step that is meant by an id: one of the group that is read goes before those around it.
+    fn meant(&self, id: &str) -> Option<(String, StepName)> {
+        let call = self.call.borrow();
+        let mut path = call.path.as_str();
+        if id == "begin" && !path.is_empty() {
+            return Some((path.to_owned(), StepName::default()));
+        }
+        while !path.is_empty() {
+            let full = format!("{path}.{id}");
+            if let Some(known) = self.steps.get(&full) {
+                return Some((full, *known));
+            }
+            path = path.rfind('.').map_or("", |at| &path[..at]);
+        }
+        self.steps.get(id).map(|known| (id.to_owned(), *known))
+    }
+
+    /// The instant with the full id of its step; reports a step that is not there and a part that it does not have.
+    /// `at` is where the instant begins in the text.
     fn known(&self, anchor: Anchor, node: &Node, at: usize, out: &mut Findings) -> Option<Anchor> {
+        if anchor.base == Base::Teardown && !self.phases.contains(&Phase::Teardown) {
+            let place = Some(at..at + "teardown".len());
+            let help = "add teardown = [ ... ], or count from `end`";
+            out.bad_inside(codes::NO_TEARDOWN, node, place, "the plan has no teardown", help);
+            return None;
+        }
         let Some(id) = anchor.base.step() else { return Some(anchor) };
         let place = Some(at..at + id.len());
-        let Some(pulses) = self.steps.get(id) else {
+        if let Base::Occurrence { step, n } = &anchor.base
+            && let Some((full, _)) = self.meant(&format!("{step}[{n}]"))
+        {
+            // One of several calls of a group is a step of its own.
+            return Some(Anchor { base: Base::Step(full), ..anchor });
+        }
+        let Some((full, facts)) = self.meant(id) else {
             let mut message = format!("there is no step `{id}`");
             if let (true, Some(row)) = (self.elsewhere.iter().any(|other| other == id), self.row) {
                 message = format!("row `{row}` has no step `{id}`");
             }
             // Looking for what was meant takes time; what is not kept needs none.
             let ids = self.steps.keys().map(String::as_str).take(if out.is_full() { 0 } else { usize::MAX });
-            let help = match suggest(id, ["start", "end"].into_iter().chain(ids)) {
+            let help = match suggest(id, ["start", "main", "end", "teardown"].into_iter().chain(ids)) {
                 Some(meant) => format!("did you mean `{meant}`?"),
                 None => "an instant counts from `start`, `end` or the id of a step".to_owned(),
             };
             out.bad_inside(codes::UNKNOWN_ANCHOR, node, place, message, help);
             return None;
         };
-        if let Base::Pulse { n, .. } = anchor.base {
-            match *pulses {
-                None => {
-                    let message = format!("the step `{id}` emits no train of pulses");
-                    out.bad_inside(codes::UNKNOWN_ANCHOR, node, place, message, "");
-                    return None;
-                }
-                Some(count) if n > count => {
-                    let message = format!("the train `{id}` has {count} pulses, not {n}");
-                    out.bad_inside(codes::UNKNOWN_ANCHOR, node, place, message, "");
-                    return None;
-                }
-                Some(_) => {}
+        let fault = match (&anchor.base, facts.pulses, facts.times) {
+            (Base::Pulse { .. }, None, _) => {
+                Some((codes::UNKNOWN_ANCHOR, format!("the step `{id}` emits no train of pulses")))
             }
+            (Base::Pulse { n, .. }, Some(count), _) if *n > count => {
+                Some((codes::UNKNOWN_ANCHOR, format!("the train `{id}` has {count} pulses, not {n}")))
+            }
+            (Base::Occurrence { .. }, _, None) => {
+                Some((codes::OCCURRENCE, format!("the step `{id}` comes once")))
+            }
+            (Base::Occurrence { n, .. }, _, Some(times)) if *n > times => {
+                Some((codes::OCCURRENCE, format!("the step `{id}` comes at most {times} times, not {n}")))
+            }
+            _ => None,
+        };
+        if let Some((code, message)) = fault {
+            out.bad_inside(code, node, place, message, "");
+            return None;
         }
-        Some(anchor)
+        Some(Anchor { base: anchor.base.of_step(full), offset: anchor.offset })
     }
 
     fn is_bound(&self, name: &str) -> bool {
@@ -124,7 +200,14 @@ impl Scope<'_> {
         let mut used = self.used.borrow_mut();
         if used.names.insert(name.clone()) {
             let (name, recording) = (name.clone(), Recording::Changes);
-            used.list.push(SignalBinding { name, source, recording, span: node.span.clone() });
+            used.list.push(SignalBinding {
+                name,
+                source,
+                recording,
+                record: false,
+                file: None,
+                span: node.span.clone(),
+            });
         }
         name
     }
@@ -143,6 +226,10 @@ impl Scope<'_> {
 }
 
 impl Names for Scope<'_> {
+    fn begin(&self) -> Anchor {
+        self.first()
+    }
+
     fn anchor(&self, node: &Node, out: &mut Findings) -> Option<Anchor> {
         let text = node.as_text()?;
         match Anchor::parse(text) {

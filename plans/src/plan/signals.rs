@@ -1,6 +1,6 @@
 //! `signals`: names and what they stand for.
 
-use document::{Fields, Findings, KeySpec, KeyType, Node, Table};
+use document::{Data, Fields, Findings, KeySpec, KeyType, Node, Table};
 use signal::{Address, Area, Decimal, Size, Span, Value};
 
 use super::{FileFigure, Recording, RowFigure, SignalBinding, Source, TaskFigure};
@@ -57,8 +57,11 @@ const DEADBAND: KeySpec = KeySpec::optional(
 const AT_MOST_EVERY: KeySpec =
     KeySpec::optional("at-most-every", KeyType::Duration, "At most one value is recorded in this time.");
 
+const RECORD: KeySpec =
+    KeySpec::optional("record", KeyType::Bool, "It is bound to be recorded, even if nothing speaks of it.");
+
 /// What names a signal.
-const SOURCE_KEYS: &[KeySpec] =
+pub(crate) const SOURCE_KEYS: &[KeySpec] =
     &[PATH, ADDRESS, IMAGE, CHANNEL, TASK, FIGURE, LOG, FILE, HOLDS, REGISTER, RELOCATION];
 
 /// What names a signal that is bound, and how it is recorded.
@@ -76,6 +79,7 @@ const BINDING_KEYS: &[KeySpec] = &[
     RELOCATION,
     DEADBAND,
     AT_MOST_EVERY,
+    RECORD,
 ];
 
 /// What a name can stand for.
@@ -100,7 +104,16 @@ pub(super) fn read(table: &Table, out: &mut Findings) -> Vec<SignalBinding> {
             continue;
         }
         if let Some((source, recording)) = binding(&entry.node, out) {
-            list.push(SignalBinding { name: name.clone(), source, recording, span: place });
+            let written = entry.node.as_table().and_then(|table| table.get("record"));
+            let record = written.is_some_and(|node| node.data == Data::Bool(true));
+            list.push(SignalBinding {
+                name: name.clone(),
+                source,
+                recording,
+                record,
+                file: None,
+                span: place,
+            });
         }
     }
     list

@@ -1,18 +1,19 @@
 //! The steps of one case.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use document::{Data, Diagnostic, Entry, Fields, Findings, Node};
+use document::{Data, Diagnostic, Entry, Fields, Findings, Node, Table};
 use signal::Span;
 
 use super::envelope::{self, Form};
-use super::keys::STEP_KEYS;
+use super::expand::Placed;
+use super::groups::RESERVED;
+use super::keys::{MOST_TIMES, STEP_KEYS};
 use super::read::Document;
-use super::scope::Scope;
+use super::scope::{Scope, StepName};
 use super::times::Written;
 use super::variants::Variant;
-use super::{Await, Step, StepTime};
+use super::{Await, Phase, Repeat, Step, StepTime};
 use crate::codes;
 use crate::expect::Names;
 use crate::lang::{Anchor, Base, Literal, is_id};
@@ -21,20 +22,28 @@ use crate::steps::{self, Stimulus};
 const STEP: Form =
     Form { what: "step", list: "steps", own: STEP_KEYS, code: codes::STEP_VERB, alone: Some("when") };
 
+/// Most times that a step comes that waits each time, where the plan does not say.
+const USUAL_TIMES: u64 = 1_000;
+
 /// The steps as anchors know them, before they are read.
-pub(super) fn step_names(here: &[(usize, Cow<'_, Node>)]) -> BTreeMap<String, Option<u64>> {
+pub(super) fn step_names(here: &[Placed<'_>]) -> BTreeMap<String, StepName> {
     let mut names = BTreeMap::new();
-    for (_, node) in here {
-        let Some(table) = node.as_table() else { continue };
-        let Some(id) = table.get("id").and_then(Node::as_text) else { continue };
-        let count =
-            table.get("train").and_then(Node::as_table).map(|train| train.get("count").map(|n| &n.data));
-        let pulses = count.map(|count| match count {
-            Some(Data::Integer(count)) => u64::try_from(*count).unwrap_or(0),
-            // A wrong count is reported when the step is read; any pulse may stand in an anchor until then.
-            _ => u64::MAX,
-        });
-        names.insert(id.to_owned(), pulses);
+    for placed in here {
+        let (Some(table), Some(id)) = (placed.node.as_table(), placed.id()) else { continue };
+        let inner = |key: &str| table.get(key).and_then(Node::as_table);
+        // A wrong number is reported when the step is read; any may stand in an instant until then.
+        let number = |table: &Table, key: &str| {
+            table.get(key).map(|node| match &node.data {
+                Data::Integer(number) => u64::try_from(*number).unwrap_or(0),
+                _ => u64::MAX,
+            })
+        };
+        let pulses = inner("train").map(|train| number(train, "count").unwrap_or(u64::MAX));
+        let every = inner("every").map(|every| number(every, "times").unwrap_or(u64::MAX));
+        let each = inner("when").filter(|when| when.get("each").is_some());
+        let each = each.map(|when| number(when, "times").unwrap_or(USUAL_TIMES));
+        let times = if placed.turn.is_some() { None } else { every.or(each) };
+        names.insert(id, StepName { pulses, times });
     }
     names
 }
@@ -44,6 +53,7 @@ pub(super) struct StepReader<'a> {
     pub(super) document: &'a Document,
     pub(super) variant: &'a Variant<'a>,
     pub(super) number: u64,
+    pub(super) seed: u64,
     pub(super) scope: &'a Scope<'a>,
 }
 
@@ -51,47 +61,55 @@ impl StepReader<'_> {
     /// The steps in order, each with its time as written. Wrong ones are left out after they were reported.
     pub(super) fn read<'n>(
         &self,
-        here: &'n [(usize, Cow<'_, Node>)],
+        here: &'n [Placed<'_>],
         out: &mut Findings,
     ) -> (Vec<Step>, Vec<Written<'n>>) {
         let (mut steps, mut written) = (Vec::with_capacity(here.len()), Vec::with_capacity(here.len()));
         let verbs: Vec<&'static str> = steps::VERBS.iter().map(|verb| verb.name).collect();
-        let mut ids: BTreeMap<&str, &Node> = BTreeMap::new();
-        let mut previous: Option<&str> = None;
-        for (at, node) in here {
-            let id =
-                node.as_table().and_then(|table| table.get("id")).and_then(|id| Some((id.as_text()?, id)));
-            if let Some((text, place)) = id
-                && let Some(first) = ids.insert(text, place)
+        let mut ids: BTreeMap<String, &Node> = BTreeMap::new();
+        // The step before, in the same list.
+        let mut before: BTreeMap<(&str, Phase), String> = BTreeMap::new();
+        for placed in here {
+            self.scope.enter(&placed.call, out);
+            let id = placed.id();
+            let place = placed.node.as_table().and_then(|table| table.get("id"));
+            if let (Some(id), Some(place)) = (&id, place)
+                && let Some(first) = ids.insert(id.clone(), place)
             {
-                report_twice(text, place, first, out);
+                report_twice(id, place, first, out);
             }
-            if let Some((step, time)) = self.step(*at, node, &verbs, previous, out) {
+            let list = (placed.call.path.as_str(), placed.phase);
+            if let Some((step, time)) = self.step(placed, &verbs, before.get(&list), out) {
                 steps.push(step);
                 written.push(time);
             }
-            previous = id.map(|(text, _)| text).or(previous);
+            if let Some(id) = id {
+                before.insert(list, id);
+            }
         }
         (steps, written)
     }
 
     fn step<'n>(
         &self,
-        at: usize,
-        node: &'n Node,
+        placed: &'n Placed<'_>,
         verbs: &[&'static str],
-        previous: Option<&str>,
+        previous: Option<&String>,
         out: &mut Findings,
     ) -> Option<(Step, Written<'n>)> {
+        let node: &Node = &placed.node;
         let (entry, own) = envelope::verb(node, &STEP, verbs, out)?;
         let fields = Fields::check(&own, node.span.clone(), "step", STEP_KEYS, out);
         let (stimulus, verb) = match entry {
             Some(entry) => (self.stimulus(entry, out), entry.key.as_str()),
             None => (Some(Stimulus::Mark), "mark"),
         };
-        let id = self.id(&fields, out);
-        let phase = self.phase(at, &fields, out);
-        let time = self.time(node, &fields, previous, out);
+        let id = self.id(&fields, placed, out);
+        let phase = self.phase(placed, &fields, out);
+        let time = match id.as_deref().and_then(|local| placed.instant(local)) {
+            Some(instant) => Some((StepTime::At(instant.clone()), instant, node)),
+            None => self.time(placed, &fields, previous, out),
+        };
         let refused = fields.boolean("refused").unwrap_or(false);
         let (stimulus, id) = (stimulus?, id?);
         if refused && !stimulus.can_be_refused() {
@@ -105,10 +123,82 @@ impl StepReader<'_> {
             );
             return None;
         }
+        let repeat = self.repeat(node, &fields, &stimulus, out);
         let (when, anchor, place) = time?;
         let line = self.document.line(node.span.start);
-        let written = Written { anchor, node: place, phase: phase? };
-        Some((Step { id, when, stimulus, refused, span: node.span.clone(), line }, written))
+        let until = repeat_node(node);
+        let written = Written { anchor, node: place, until, phase: phase? };
+        let id = placed.id().unwrap_or(id);
+        let repeat = if placed.turn.is_some() { None } else { repeat? };
+        let (span, phase, parent) = (node.span.clone(), placed.phase, placed.parent);
+        Some((Step { id, phase, when, repeat, parent, stimulus, refused, span, line }, written))
+    }
+
+    /// How the step comes more than once: `None` after it reported what is wrong, `Some(None)` for once.
+    fn repeat(
+        &self,
+        node: &Node,
+        fields: &Fields<'_>,
+        stimulus: &Stimulus,
+        out: &mut Findings,
+    ) -> Option<Option<Repeat>> {
+        let fault = |node: &Node, message: &str, help: &str, out: &mut Findings| {
+            out.bad(codes::REPEAT, node, message, help);
+            None
+        };
+        let runs = matches!(stimulus, Stimulus::Run { .. });
+        let each = fields.inner("when").and_then(|when| Some((when, when.boolean("each")?)));
+        let times = |fields: &Fields<'_>| fields.integer("times").and_then(|n| u64::try_from(n).ok());
+        let Some(every) = fields.inner("every") else {
+            let when = fields.inner("when").and_then(|when| when.get("times"));
+            return match (fields.has("every"), each, when) {
+                (true, ..) => None,
+                (_, Some((_, true)), _) if runs || matches!(stimulus, Stimulus::Ask(_)) => {
+                    let help = "give `each` to a step that does one thing, or run the group `every` so often";
+                    fault(node, "a step with this verb cannot come each time", help, out)
+                }
+                (_, Some((when, true)), _) => {
+                    Some(Some(Repeat::Each { times: times(&when).unwrap_or(USUAL_TIMES) }))
+                }
+                (_, _, Some(times)) => {
+                    fault(times, "`times` counts for `each` alone", "add each = true", out)
+                }
+                _ => Some(None),
+            };
+        };
+        let place = node.as_table()?.get("every")?;
+        let period = every.duration("period")?;
+        if fields.has("when") {
+            let help = "write `each = true` into `when`, or let the step come `at` an instant";
+            return fault(place, "a step that waits does not come `every` so often", help, out);
+        }
+        if matches!(stimulus, Stimulus::Ask(_)) {
+            return fault(place, "a question is asked once", "ask again with a step of its own", out);
+        }
+        if period == Span::ZERO {
+            return fault(place, "the period is 0", "as in period = \"100 ms\"", out);
+        }
+        if stimulus.duration() > period {
+            let message = format!("it lasts {}, longer than its period of {period}", stimulus.duration());
+            return fault(place, &message, "a step is done before it comes again: lengthen the period", out);
+        }
+        match (times(&every), every.get("until")) {
+            (Some(times), None) => Some(Some(Repeat::Every { period, times, until: None })),
+            (None, Some(_)) if runs => fault(
+                place,
+                "how often a group is run has to be known",
+                "give `times` in place of `until`",
+                out,
+            ),
+            (None, Some(until)) => {
+                let until = Some(self.scope.anchor(until, out)?);
+                Some(Some(Repeat::Every { period, times: MOST_TIMES.unsigned_abs(), until }))
+            }
+            _ => {
+                let help = "as in every = { period = \"100 ms\", times = 10 } or until = \"stop\"";
+                fault(place, "`every` has either `times` or `until`", help, out)
+            }
+        }
     }
 
     fn stimulus(&self, entry: &Entry, out: &mut Findings) -> Option<Stimulus> {
@@ -117,11 +207,20 @@ impl StepReader<'_> {
         if right { (verb.read)(&entry.node, self.scope, out) } else { None }
     }
 
-    fn id(&self, fields: &Fields<'_>, out: &mut Findings) -> Option<String> {
+    /// The id as the step says it.
+    fn id(&self, fields: &Fields<'_>, placed: &Placed<'_>, out: &mut Findings) -> Option<String> {
         let node = fields.get("id")?;
         let text = node.as_text()?;
-        if matches!(text, "start" | "end") || !is_id(text) {
-            let help = "letters, digits, `_`, and `-` before a letter; not `start` or `end`";
+        let inner = !placed.call.path.is_empty();
+        if matches!(text, "start" | "main" | "end" | "teardown")
+            || inner && RESERVED.contains(&text)
+            || !is_id(text)
+        {
+            let mut help =
+                "letters, digits, `_`, and `-` before a letter; not `start`, `main`, `end` or `teardown`";
+            if inner {
+                help = "not `begin`, `done` or `pulse` in a group, nor `start`, `main`, `end` or `teardown`";
+            }
             out.bad(codes::STEP_ID, node, format!("`{text}` cannot be the id of a step"), help);
             return None;
         }
@@ -129,7 +228,7 @@ impl StepReader<'_> {
     }
 
     /// What the phase of this case adds to the step's time, in nanoseconds.
-    fn phase(&self, at: usize, fields: &Fields<'_>, out: &mut Findings) -> Option<i64> {
+    fn phase(&self, placed: &Placed<'_>, fields: &Fields<'_>, out: &mut Findings) -> Option<i64> {
         let Some(phase) = fields.inner("phase") else { return (!fields.has("phase")).then_some(0) };
         if fields.has("when") {
             let place = fields.entry("phase")?.key_span.clone();
@@ -143,12 +242,12 @@ impl StepReader<'_> {
             return None;
         }
         let over = i128::from(phase.duration("over")?.as_nanos());
-        let nanos = match self.variant.phases.iter().find(|(step, ..)| *step == at) {
+        let nanos = match self.variant.phases.iter().find(|(step, ..)| Some(*step) == placed.listed) {
             Some((_, position, count)) => over * i128::from(*position) / i128::from(*count),
-            None if phase.has("positions") => return None,
+            None if phase.has("positions") => return placed.turn.map(|_| 0),
             None => {
-                let purpose = format!("{}:{}", self.number, fields.text("id").unwrap_or_default());
-                (i128::from(draw(self.document.seed, &purpose)) * over) >> 64
+                let purpose = format!("{}:{}", self.number, placed.id().unwrap_or_default());
+                (i128::from(draw(self.seed, &purpose)) * over) >> 64
             }
         };
         i64::try_from(nanos).ok()
@@ -157,12 +256,13 @@ impl StepReader<'_> {
     /// The time of a step, its anchor and the value that says it.
     fn time<'n>(
         &self,
-        node: &'n Node,
+        placed: &'n Placed<'_>,
         fields: &Fields<'_>,
-        previous: Option<&str>,
+        previous: Option<&String>,
         out: &mut Findings,
     ) -> Option<(StepTime, Anchor, &'n Node)> {
         // The same values as in `fields`, but of the node, which lives longer.
+        let node: &Node = &placed.node;
         let table = node.as_table()?;
         match (fields.has("at"), fields.has("when")) {
             (true, false) => {
@@ -174,7 +274,7 @@ impl StepReader<'_> {
             (false, true) => {
                 let when = fields.inner("when")?;
                 let place = table.get("when")?;
-                let (time, anchor) = self.awaited(&when, place, previous, out)?;
+                let (time, anchor) = self.awaited(&when, place, placed, previous, out)?;
                 Some((time, anchor, place))
             }
             (both, _) => {
@@ -188,11 +288,23 @@ impl StepReader<'_> {
         }
     }
 
+    /// Where waiting begins in a list that has no step before.
+    fn first(&self, placed: &Placed<'_>) -> Anchor {
+        let at = |base| Anchor { base, offset: Span::ZERO };
+        match (placed.call.path.as_str(), placed.phase) {
+            ("", Phase::Main) if self.scope.phases.contains(&Phase::Setup) => at(Base::Main),
+            ("", Phase::Teardown) => at(Base::Teardown),
+            ("", _) => Anchor::START,
+            (path, _) => at(Base::Step(path.to_owned())),
+        }
+    }
+
     fn awaited(
         &self,
         when: &Fields<'_>,
         place: &Node,
-        previous: Option<&str>,
+        placed: &Placed<'_>,
+        previous: Option<&String>,
         out: &mut Findings,
     ) -> Option<(StepTime, Anchor)> {
         let signal = self.scope.whole_signal(when.get("signal")?, out);
@@ -218,8 +330,8 @@ impl StepReader<'_> {
         };
         let from = match (when.get("from"), previous) {
             (Some(node), _) => self.scope.anchor(node, out)?,
-            (None, Some(previous)) => Anchor { base: Base::Step(previous.to_owned()), offset: Span::ZERO },
-            (None, None) => Anchor::START,
+            (None, Some(previous)) => Anchor { base: Base::Step(previous.clone()), offset: Span::ZERO },
+            (None, None) => self.first(placed),
         };
         let time = StepTime::When {
             signal: signal?,
@@ -229,6 +341,11 @@ impl StepReader<'_> {
         };
         Some((time, from))
     }
+}
+
+/// The `until` of a step's `every`.
+fn repeat_node(node: &Node) -> Option<&Node> {
+    node.as_table()?.get("every")?.as_table()?.get("until")
 }
 
 fn report_twice(id: &str, place: &Node, first: &Node, out: &mut Findings) {

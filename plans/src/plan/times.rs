@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use document::{Diagnostic, Findings, Node};
 use signal::Span;
 
-use super::{Step, StepTime};
+use super::{Phase, Repeat, Step, StepTime};
 use crate::codes;
 use crate::lang::{Anchor, Base};
 use crate::steps::Stimulus;
@@ -23,16 +23,55 @@ pub(super) struct Written<'n> {
     pub(super) anchor: Anchor,
     /// Where it is written; the step's own table where it is left out.
     pub(super) node: &'n Node,
+    /// Where the `until` of its `every` is written.
+    pub(super) until: Option<&'n Node>,
     /// How much the phase of this case adds, nanoseconds.
     pub(super) phase: i64,
+}
+
+/// What is not known before the case runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Root {
+    Start,
+    Main,
+    Teardown,
+    /// The step at this place begins.
+    Step(usize),
+    /// It is done.
+    Done(usize),
+    /// It comes this time.
+    Time(usize, u64),
+}
+
+impl Root {
+    /// Its name for messages.
+    fn name(self, steps: &[Step]) -> String {
+        self.base(&|at| steps[at].id.clone()).to_string()
+    }
+
+    fn base(self, id: &dyn Fn(usize) -> String) -> Base {
+        match self {
+            Root::Start => Base::Start,
+            Root::Main => Base::Main,
+            Root::Teardown => Base::Teardown,
+            Root::Step(at) => Base::Step(id(at)),
+            Root::Done(at) => Base::StepDone(id(at)),
+            Root::Time(at, n) => Base::Occurrence { step: id(at), n },
+        }
+    }
 }
 
 /// A place in time: a root that is not known before the case runs, and a distance from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rooted {
-    /// Place of the awaited step it hangs on; `None`: `start`.
-    root: Option<usize>,
+    root: Root,
     nanos: i128,
+}
+
+impl Rooted {
+    fn later(self, nanos: i128) -> Rooted {
+        Rooted { nanos: self.nanos + nanos, ..self }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -42,8 +81,19 @@ enum Mark {
     Done(Option<Rooted>),
 }
 
-/// Rewrites the times of `steps` so that every instant hangs on `start` or on an awaited step, and gives the end
-/// of the case and the time that it may take. `ends` is what the plan says, with the value that says it.
+/// The times of a case.
+pub(super) struct Settled {
+    /// Its end.
+    pub(super) ends: Anchor,
+    /// The time that it may take.
+    pub(super) allowance: Span,
+    /// The time that its teardown may take.
+    pub(super) teardown: Span,
+}
+
+/// Rewrites the times of `steps` so that every instant hangs on `start`, `main`, `teardown` or on a step of which
+/// nobody knows beforehand when it comes, and gives the end of the case and the time that it may take. `ends` is what
+/// the plan says, with the value that says it.
 ///
 /// `None` after it reported what is wrong.
 pub(super) fn settle(
@@ -51,7 +101,7 @@ pub(super) fn settle(
     written: &[Written<'_>],
     ends: Option<(Anchor, &Node)>,
     out: &mut Findings,
-) -> Option<(Anchor, Span)> {
+) -> Option<Settled> {
     let before = out.errors();
     let places = steps.iter().enumerate().map(|(at, step)| (step.id.as_str(), at)).collect();
     let mut chain = Chain {
@@ -60,6 +110,7 @@ pub(super) fn settle(
         written,
         ends: ends.as_ref(),
         marks: vec![Mark::New; steps.len() + 1],
+        setup: steps.iter().any(|step| step.phase == Phase::Setup),
     };
     for at in 0..=steps.len() {
         if at < steps.len() || ends.is_some() {
@@ -75,14 +126,21 @@ pub(super) fn settle(
             _ => None,
         })
         .collect();
+    let untils = chain.untils(&places, out);
+    if out.errors() > before {
+        return None;
+    }
+    let main = if chain.setup { Root::Main } else { Root::Start };
     let end = match &ends {
         Some(_) => places[steps.len()]?,
-        None => default_end(steps, &places)?,
+        None => default_end(steps, &places, &untils, main)?,
     };
     check(steps, written, &places, end, ends.is_some(), out);
     if out.errors() > before {
         return None;
     }
+    let teardown = allowance(steps, &places, &untils, Phase::Teardown);
+    let main = allowance(steps, &places, &untils, Phase::Main);
     let ids: Vec<String> = steps.iter().map(|step| step.id.clone()).collect();
     for (at, step) in steps.iter_mut().enumerate() {
         let anchor = to_anchor(places[at]?, &ids);
@@ -92,8 +150,13 @@ pub(super) fn settle(
                 *from = Anchor { offset: anchor.offset.max(Span::ZERO), ..anchor };
             }
         }
+        if let (Some(Repeat::Every { until: Some(until), .. }), Some(place)) = (&mut step.repeat, untils[at])
+        {
+            *until = to_anchor(place, &ids);
+        }
     }
-    Some((to_anchor(end, &ids), allowance(steps, end)))
+    let allowance = main + Span::from_nanos(i64::try_from(end.nanos.max(0)).unwrap_or(i64::MAX));
+    Some(Settled { ends: to_anchor(end, &ids), allowance, teardown })
 }
 
 /// The chain of what hangs on what. Every step hangs on exactly one thing, so following is a walk, not a search.
@@ -105,6 +168,8 @@ struct Chain<'c, 'n> {
     ends: Option<&'c (Anchor, &'n Node)>,
     /// One for each step, then one for the end.
     marks: Vec<Mark>,
+    /// Whether the case has a setup.
+    setup: bool,
 }
 
 impl Chain<'_, '_> {
@@ -125,7 +190,7 @@ impl Chain<'_, '_> {
             path.push(at);
             match self.base_of(at, out) {
                 Ok(Some(next)) => at = next,
-                Ok(None) => break Some(Rooted { root: None, nanos: 0 }),
+                Ok(None) => break Some(self.fixed(at)),
                 Err(()) => break None,
             }
         };
@@ -157,36 +222,149 @@ impl Chain<'_, '_> {
         }
     }
 
-    /// What the instant at `at` hangs on: a step, the end, or nothing for `start`.
+    /// The part of the case that a place belongs to; the end of the case belongs to the steps proper.
+    fn phase(&self, at: usize) -> Phase {
+        self.steps.get(at).map_or(Phase::Main, |step| step.phase)
+    }
+
+    /// Where an instant stands that hangs on no step.
+    fn fixed(&self, at: usize) -> Rooted {
+        let root = match self.anchor(at).map(|anchor| &anchor.base) {
+            Some(Base::Main) if self.setup => Root::Main,
+            Some(Base::Teardown) => Root::Teardown,
+            _ => Root::Start,
+        };
+        Rooted { root, nanos: 0 }
+    }
+
+    /// What the instant at `at` hangs on: a step, the end, or nothing for `start` and the like.
     fn base_of(&self, at: usize, out: &mut Findings) -> Result<Option<usize>, ()> {
         let Some(anchor) = self.anchor(at) else { return Err(()) };
-        match (&anchor.base, anchor.base.step()) {
+        self.base_in(&anchor.base, self.phase(at), self.node(at), out)
+    }
+
+    /// What a base is to something of a part of the case; reports what it cannot hang on.
+    fn base_in(
+        &self,
+        base: &Base,
+        phase: Phase,
+        node: &Node,
+        out: &mut Findings,
+    ) -> Result<Option<usize>, ()> {
+        let step = base.step().map(|id| self.places.get(id).copied());
+        let of = step.flatten().map(|step| self.steps[step].phase);
+        let possible = match (phase, base, of) {
+            (Phase::Setup, Base::Start, _) | (Phase::Main, Base::Start | Base::Main | Base::End, _) => true,
+            (Phase::Teardown, Base::Teardown, _) => true,
+            (Phase::Main, _, Some(of)) => of != Phase::Teardown,
+            (phase, _, Some(of)) => of == phase,
+            // Unknown steps were reported when the text was read.
+            (.., None) => step.is_some(),
+        };
+        if !possible {
+            let (message, help) = match phase {
+                Phase::Setup => (
+                    "the setup hangs on what comes behind it",
+                    "count from `start` or from a step of the setup",
+                ),
+                Phase::Main => (
+                    "the steps of the case hang on its teardown",
+                    "count from `start`, `main` or from a step of the case",
+                ),
+                Phase::Teardown => (
+                    "the teardown hangs on a step that may never have come",
+                    "count from `teardown` or from a step of the teardown",
+                ),
+            };
+            out.bad(codes::PHASE, node, message, help);
+            return Err(());
+        }
+        match (base, step) {
             (Base::End, _) if self.ends.is_some() => Ok(Some(self.steps.len())),
             (Base::End, _) => {
                 let help = "say when the case ends, as in ends = \"start + 10 s\"";
-                out.bad(codes::STEP_CYCLE, self.node(at), "the end of the case hangs on its steps", help);
+                out.bad(codes::STEP_CYCLE, node, "the end of the case hangs on its steps", help);
                 Err(())
             }
-            // Unknown steps were reported when the text was read.
-            (_, Some(id)) => self.places.get(id).copied().map(Some).ok_or(()),
+            (_, Some(step)) => step.map(Some).ok_or(()),
             _ => Ok(None),
         }
     }
 
     /// The place of `at` when its base stands at `base`.
     fn add(&self, base: Rooted, at: usize) -> Option<Rooted> {
-        let anchor = self.anchor(at)?;
+        let place = self.from(base, self.anchor(at)?);
+        Some(place.later(self.written.get(at).map_or(0, |written| i128::from(written.phase))))
+    }
+
+    /// The place of an instant when its base stands at `base`.
+    fn from(&self, base: Rooted, anchor: &Anchor) -> Rooted {
         let mut place = base;
-        if let Some(step) = anchor.base.step().and_then(|id| self.places.get(id).copied()) {
-            // An awaited step is a root of its own.
-            if matches!(self.steps[step].when, StepTime::When { .. }) {
-                place = Rooted { root: Some(step), nanos: 0 };
+        if let Some(at) = anchor.base.step().and_then(|id| self.places.get(id).copied()) {
+            let step = &self.steps[at];
+            let waits = matches!(step.when, StepTime::When { .. });
+            // What nobody knows beforehand is a root of its own.
+            let root = match (&anchor.base, &step.repeat) {
+                (
+                    Base::Occurrence { n, .. },
+                    Some(Repeat::Each { .. } | Repeat::Every { until: Some(_), .. }),
+                ) => Some(Root::Time(at, *n)),
+                (Base::StepDone(_), Some(Repeat::Each { .. } | Repeat::Every { until: Some(_), .. })) => {
+                    Some(Root::Done(at))
+                }
+                (Base::StepDone(_), _) if matches!(step.stimulus, Stimulus::Run { .. }) => {
+                    Some(Root::Done(at))
+                }
+                _ if waits => Some(Root::Step(at)),
+                _ => None,
+            };
+            let parted = !matches!(root, Some(Root::Done(_) | Root::Time(..)));
+            if let Some(root) = root {
+                place = Rooted { root, nanos: 0 };
             }
-            place.nanos += i128::from(part(&self.steps[step].stimulus, &anchor.base).as_nanos());
+            if parted {
+                place.nanos += i128::from(part(step, &anchor.base).as_nanos());
+            }
         }
-        place.nanos += i128::from(anchor.offset.as_nanos());
-        place.nanos += self.written.get(at).map_or(0, |written| i128::from(written.phase));
-        Some(place)
+        place.later(i128::from(anchor.offset.as_nanos()))
+    }
+
+    /// Where the steps that come up to an instant end.
+    fn untils(&self, places: &[Option<Rooted>], out: &mut Findings) -> Vec<Option<Rooted>> {
+        let mut untils = vec![None; self.steps.len()];
+        for (at, step) in self.steps.iter().enumerate() {
+            let Some(Repeat::Every { until: Some(until), period, .. }) = &step.repeat else { continue };
+            let node = self.written[at].until.unwrap_or(self.written[at].node);
+            if until.base.step() == Some(step.id.as_str()) {
+                out.bad(
+                    codes::STEP_CYCLE,
+                    node,
+                    "the step comes until it has come",
+                    "count from something else",
+                );
+                continue;
+            }
+            let Ok(base) = self.base_in(&until.base, step.phase, node, out) else { continue };
+            let fixed = match until.base {
+                Base::Main if self.setup => Root::Main,
+                Base::Teardown => Root::Teardown,
+                _ => Root::Start,
+            };
+            let base = base.map_or(Some(Rooted { root: fixed, nanos: 0 }), |base| places[base]);
+            let Some(place) = base.map(|base| self.from(base, until)) else { continue };
+            untils[at] = Some(place);
+            let Some(from) = places[at].filter(|from| from.root == place.root) else { continue };
+            let times = (place.nanos - from.nanos) / i128::from(period.as_nanos().max(1));
+            let most = i128::from(step.repeat.as_ref().map_or(0, Repeat::times));
+            if place.nanos <= from.nanos {
+                let message = "the step would never come: `until` is not later than `at`";
+                out.bad(codes::REPEAT, node, message, "");
+            } else if times >= most {
+                let message = format!("the step would come {times} times; {most} is the most");
+                out.bad(codes::REPEAT, node, message, "a train has many pulses");
+            }
+        }
+        untils
     }
 
     fn report_cycle(&self, path: &[usize], at: usize, out: &mut Findings) {
@@ -207,35 +385,57 @@ impl Chain<'_, '_> {
     }
 }
 
-/// How long after its step the named part of a stimulus is.
-fn part(stimulus: &Stimulus, base: &Base) -> Span {
-    match (base, stimulus) {
-        (Base::StepDone(_), stimulus) => stimulus.duration(),
+/// How long after its step the named part of it is.
+pub(super) fn part(step: &Step, base: &Base) -> Span {
+    match (base, &step.stimulus) {
+        (Base::StepDone(_), _) => lasts(step),
         (Base::Pulse { n, .. }, Stimulus::Train(train)) => train.rises(u32::try_from(*n).unwrap_or(u32::MAX)),
+        (Base::Occurrence { n, .. }, _) => {
+            step.repeat.as_ref().and_then(|repeat| repeat.after(*n)).unwrap_or(Span::ZERO)
+        }
         _ => Span::ZERO,
     }
 }
 
+/// How long after its beginning a step is done, with every time that it comes, as far as that is known.
+fn lasts(step: &Step) -> Span {
+    let again = step.repeat.as_ref().and_then(|repeat| repeat.after(repeat.times())).unwrap_or(Span::ZERO);
+    again + step.stimulus.duration()
+}
+
+/// When a step is done at the latest, as far as that is known before the case runs.
+fn done(at: usize, step: &Step, places: &[Option<Rooted>], untils: &[Option<Rooted>]) -> Option<Rooted> {
+    let duration = i128::from(step.stimulus.duration().as_nanos());
+    let place = places[at]?;
+    Some(match (&step.when, &step.repeat) {
+        (StepTime::When { within, .. }, Some(Repeat::Each { .. })) => {
+            place.later(i128::from(within.as_nanos()) + duration)
+        }
+        (StepTime::When { .. }, _) => Rooted { root: Root::Step(at), nanos: duration },
+        (StepTime::At(_), Some(Repeat::Every { until: Some(_), .. })) => untils[at]?.later(duration),
+        (StepTime::At(_), _) => place.later(i128::from(lasts(step).as_nanos())),
+    })
+}
+
 /// One second after the step that ends last, as far as that is known before the case runs.
-fn default_end(steps: &[Step], places: &[Option<Rooted>]) -> Option<Rooted> {
-    let done = |at: usize| -> Option<Rooted> {
-        let lasts = i128::from(steps[at].stimulus.duration().as_nanos());
-        match steps[at].when {
-            StepTime::At(_) => places[at].map(|place| Rooted { nanos: place.nanos + lasts, ..place }),
-            StepTime::When { .. } => Some(Rooted { root: Some(at), nanos: lasts }),
-        }
+fn default_end(
+    steps: &[Step],
+    places: &[Option<Rooted>],
+    untils: &[Option<Rooted>],
+    main: Root,
+) -> Option<Rooted> {
+    let after = i128::from(AFTER_LAST.as_nanos());
+    let mut proper = steps.iter().enumerate().filter(|(_, step)| step.phase == Phase::Main);
+    let Some((last, step)) = proper.clone().next_back() else {
+        return Some(Rooted { root: main, nanos: after });
     };
-    let Some(last) = steps.len().checked_sub(1) else {
-        return Some(Rooted { root: None, nanos: i128::from(AFTER_LAST.as_nanos()) });
-    };
-    let mut end = done(last)?;
-    for at in 0..last {
-        let other = done(at)?;
-        if other.root == end.root && other.nanos > end.nanos {
-            end = other;
-        }
-    }
-    Some(Rooted { nanos: end.nanos + i128::from(AFTER_LAST.as_nanos()), ..end })
+    let mut end = done(last, step, places, untils)?;
+    let first = proper.try_fold(end, |end: Rooted, (at, step)| {
+        let other = done(at, step, places, untils)?;
+        Some(if other.root == end.root && other.nanos > end.nanos { other } else { end })
+    });
+    end = first?;
+    Some(end.later(after))
 }
 
 /// Reports steps before what they hang on and behind the end.
@@ -247,19 +447,32 @@ fn check(
     ends_given: bool,
     out: &mut Findings,
 ) {
+    // The setup lasts this long at least.
+    let setup = steps.iter().zip(places).filter(|(step, _)| step.phase == Phase::Setup);
+    let setup = setup.filter_map(|(step, place)| {
+        let waits = matches!(step.when, StepTime::When { .. });
+        let place = (*place)?;
+        (place.root == Root::Start && !waits).then(|| place.nanos + i128::from(lasts(step).as_nanos()))
+    });
+    let setup = setup.max().unwrap_or(0);
     for (at, step) in steps.iter().enumerate() {
         let Some(place) = places[at] else { continue };
+        let waits = matches!(step.when, StepTime::When { .. });
+        let least = if step.phase == Phase::Main && place.root == Root::Start { setup } else { 0 };
         // Waiting may begin before anything happens.
-        if place.nanos < 0 && matches!(step.when, StepTime::At(_)) {
-            let root = place.root.map_or("start", |root| steps[root].id.as_str());
-            let early = Span::from_nanos(i64::try_from(-place.nanos).unwrap_or(i64::MAX));
+        if place.nanos < least && !waits {
+            let root = if least > 0 { "main".to_owned() } else { place.root.name(steps) };
+            let early = Span::from_nanos(i64::try_from(least - place.nanos).unwrap_or(i64::MAX));
             let message = format!("the step `{}` would come {early} before `{root}`", step.id);
             let help = match place.root {
-                None => "the case's stimuli begin at `start`",
-                Some(_) => "nobody knows beforehand when it happens: count forwards from it",
+                Root::Start if least > 0 => "the steps wait for the setup: count from `main`",
+                Root::Start => "the case's stimuli begin at `start`",
+                Root::Main | Root::Teardown => "count forwards",
+                _ => "nobody knows beforehand when it happens: count forwards from it",
             };
             out.bad(codes::STEP_BEFORE, written[at].node, message, help);
-        } else if ends_given && place.root == end.root && place.nanos > end.nanos {
+        } else if ends_given && step.phase == Phase::Main && place.root == end.root && place.nanos > end.nanos
+        {
             let late = Span::from_nanos(i64::try_from(place.nanos - end.nanos).unwrap_or(i64::MAX));
             let message = format!("the step `{}` comes {late} after the end of the case", step.id);
             out.bad(codes::STEP_AFTER_END, written[at].node, message, "let the case end later: see `ends`");
@@ -273,18 +486,26 @@ fn check(
 }
 
 fn to_anchor(place: Rooted, ids: &[String]) -> Anchor {
-    let base = place.root.map_or(Base::Start, |root| Base::Step(ids[root].clone()));
+    let base = place.root.base(&|at| ids[at].clone());
     // Held within 100 years above.
     Anchor { base, offset: Span::from_nanos(i64::try_from(place.nanos).unwrap_or(i64::MAX)) }
 }
 
-/// The longest that a case can take when every wait takes as long as it may.
-fn allowance(steps: &[Step], end: Rooted) -> Span {
-    let mut nanos = ALLOWANCE + end.nanos.max(0);
-    for step in steps {
-        nanos += i128::from(step.stimulus.duration().as_nanos());
-        if let StepTime::When { within, from, .. } = &step.when {
-            nanos += i128::from(within.as_nanos()) + i128::from(from.offset.as_nanos().max(0));
+/// The longest that the teardown can take when every wait takes as long as it may, or what stands before it apart from
+/// the end itself.
+fn allowance(steps: &[Step], places: &[Option<Rooted>], untils: &[Option<Rooted>], phase: Phase) -> Span {
+    let mut nanos = ALLOWANCE;
+    for (at, step) in steps.iter().enumerate() {
+        if (step.phase == Phase::Teardown) != (phase == Phase::Teardown) {
+            continue;
+        }
+        let place = places[at].map_or(0, |place| place.nanos.max(0));
+        nanos += i128::from(lasts(step).as_nanos());
+        nanos += untils[at].map_or(0, |until| until.nanos.max(0));
+        if let StepTime::When { within, .. } = &step.when {
+            nanos += i128::from(within.as_nanos()) + place;
+        } else if phase == Phase::Teardown || step.phase == Phase::Setup {
+            nanos += place;
         }
     }
     Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX))

@@ -26,12 +26,16 @@ const SWEEP_KEYS: &[KeySpec] = &[
 /// A sweep.
 pub(super) const SWEEP_TYPE: KeyType = KeyType::Table(SWEEP_KEYS);
 
+/// A default, which may be a list.
+const DEFAULT: KeyType = KeyType::Either(&[KeyType::Value, KeyType::List(&KeyType::Value)]);
+
 const PARAMETER_KEYS: &[KeySpec] = &[
-    KeySpec::required("default", KeyType::Value, "The value if the command line gives none."),
+    KeySpec::required("default", DEFAULT, "The value if the command line gives none."),
     KeySpec::optional("doc", KeyType::Text, "What it means."),
 ];
-/// A parameter.
-pub(super) const PARAMETER_TYPE: KeyType = KeyType::Table(PARAMETER_KEYS);
+/// A parameter: its default, alone or with what it means.
+pub(super) const PARAMETER_TYPE: KeyType =
+    KeyType::Either(&[KeyType::Table(PARAMETER_KEYS), KeyType::Value, KeyType::List(&KeyType::Value)]);
 
 /// Most names of a row, of all sweeps and of all parameters: bounds the search for each reference.
 const MAX_NAMES: usize = 200;

@@ -4,14 +4,20 @@
 //! [`Stimulus`] of a value that was held against the type.
 
 mod application;
+mod ask;
 mod control;
+mod cycle;
 mod debug;
 mod disturb;
 mod drive;
+mod encoder;
 mod fault;
 mod file;
 mod load;
+mod run;
+mod sequence;
 mod train;
+mod wave;
 
 use document::{Findings, KeyType, Node};
 use signal::{Address, Span};
@@ -19,7 +25,12 @@ use signal::{Address, Span};
 use crate::lang::Literal;
 use crate::plan::{ProgramRef, Scope};
 
+pub use ask::Question;
+pub use cycle::Cycle;
+pub use encoder::{Encoder, Motion};
+pub use sequence::Sequence;
 pub use train::{MAX_PULSES, Train};
+pub use wave::{Periodic, Shape, Wave};
 
 /// A verb of `steps`: `{ id = "busy", at = "start + 1 s", overload = { ... } }`.
 #[derive(Debug)]
@@ -38,11 +49,13 @@ pub struct Verb {
 
 /// Every verb of `steps`, in alphabetical order.
 pub static VERBS: &[Verb] = &[
+    ask::ASK,
     debug::BREAKPOINT,
     fault::CLEAR,
     debug::CLEAR_BREAKPOINTS,
     control::COMMAND,
     application::DOWNLOAD,
+    encoder::ENCODER,
     disturb::EXTERNAL_ERROR,
     fault::FAULT,
     file::FILE,
@@ -50,6 +63,7 @@ pub static VERBS: &[Verb] = &[
     drive::FORCE,
     control::MARK,
     application::MULTIPLE_DOWNLOAD,
+    wave::NOISE,
     debug::ONLINE_CHANGE,
     disturb::OVER_TEMPERATURE,
     load::OVERLOAD,
@@ -57,16 +71,22 @@ pub static VERBS: &[Verb] = &[
     control::POWER,
     control::POWER_CUT,
     drive::PULSE,
+    wave::RAMP,
     drive::RELEASE,
     application::RESET_ORIGIN_DEVICE,
     debug::RESUME,
+    run::RUN,
+    sequence::SEQUENCE,
     drive::SET,
     disturb::SHORT_CIRCUIT,
+    wave::SINE,
+    wave::SQUARE,
     debug::STEP_STATEMENT,
     disturb::SUPPLY_IO,
     load::SUSPEND,
     control::SWITCH,
     train::TRAIN,
+    wave::TRIANGLE,
     drive::WRITE,
 ];
 
@@ -264,6 +284,12 @@ pub enum Stimulus {
     },
     /// Emits a train of pulses.
     Train(Train),
+    /// Drives a line with values that change by a rule.
+    Wave(Wave),
+    /// Emits what an encoder emits as it turns.
+    Encoder(Encoder),
+    /// Drives lines with the values of a table.
+    Sequence(Sequence),
     /// Holds the tasks where one comes to the first statement of a line.
     Breakpoint {
         /// Line, from 1.
@@ -279,14 +305,21 @@ pub enum Stimulus {
     StepStatement,
     /// Another program takes over.
     OnlineChange(ProgramRef),
+    /// Runs a group: its steps are further steps of the case.
+    Run {
+        /// The group.
+        group: String,
+    },
+    /// Asks a person.
+    Ask(Question),
     /// Nothing: marks an instant.
     Mark,
 }
 
 impl Stimulus {
-    /// The powers that it needs of rig and subject.
-    pub fn needs(&self) -> &'static [&'static str] {
-        let name = match self {
+    /// The verb that it is written with.
+    pub fn verb(&self) -> &'static str {
+        match self {
             Stimulus::Set(_) => "set",
             Stimulus::Pulse { .. } => "pulse",
             Stimulus::Force { .. } => "force",
@@ -311,13 +344,23 @@ impl Stimulus {
             Stimulus::Disturb { what: Disturbance::NoIoSupply, .. } => "supply-io",
             Stimulus::Disturb { what: Disturbance::External(_), .. } => "external-error",
             Stimulus::Train(_) => "train",
+            Stimulus::Wave(wave) => wave.verb(),
+            Stimulus::Encoder(_) => "encoder",
+            Stimulus::Sequence(_) => "sequence",
             Stimulus::Breakpoint { .. } => "breakpoint",
             Stimulus::ClearBreakpoints => "clear-breakpoints",
             Stimulus::Resume => "resume",
             Stimulus::StepStatement => "step-statement",
             Stimulus::OnlineChange(_) => "online-change",
+            Stimulus::Run { .. } => "run",
+            Stimulus::Ask(_) => "ask",
             Stimulus::Mark => "mark",
-        };
+        }
+    }
+
+    /// The powers that it needs of rig and subject.
+    pub fn needs(&self) -> &'static [&'static str] {
+        let name = self.verb();
         VERBS.iter().find(|verb| verb.name == name).map_or(&[], |verb| verb.needs)
     }
 
@@ -353,7 +396,20 @@ impl Stimulus {
                 *lasts
             }
             Stimulus::Train(train) => train.length(),
+            Stimulus::Wave(wave) => wave.lasts.unwrap_or(Span::ZERO),
+            Stimulus::Encoder(encoder) => encoder.length(),
+            Stimulus::Sequence(sequence) => sequence.length(),
             _ => Span::ZERO,
+        }
+    }
+
+    /// Pulses per time that a line must be able to emit for it, in thousandths of a Hertz.
+    pub fn millihertz(&self) -> Option<u64> {
+        match self {
+            Stimulus::Train(train) => Some(train.millihertz()),
+            Stimulus::Wave(wave) => wave.millihertz(),
+            Stimulus::Encoder(encoder) => Some(encoder.millihertz()),
+            _ => None,
         }
     }
 
@@ -379,6 +435,11 @@ impl Stimulus {
             | Stimulus::Fault { signal, .. }
             | Stimulus::Clear { signal } => vec![signal],
             Stimulus::Train(train) => vec![&train.signal],
+            Stimulus::Wave(wave) => vec![&wave.signal],
+            Stimulus::Encoder(encoder) => encoder.lines().collect(),
+            Stimulus::Sequence(sequence) => {
+                sequence.columns.iter().map(|(_, signal)| signal.as_str()).collect()
+            }
             _ => Vec::new(),
         }
     }

@@ -1,23 +1,20 @@
 //! `train`: pulses at a frequency that need not have a period of whole nanoseconds.
 
-use document::{Fields, Findings, KeySpec, KeyType, Node};
-use signal::{Quantity, Span, Unit};
+use document::{Findings, KeySpec, KeyType, Node};
+use signal::Span;
 
+use super::cycle::{Cycle, FREQUENCY, PERIOD, part};
 use super::{Stimulus, Verb};
 use crate::codes;
-use crate::lang::millihertz;
 use crate::plan::Scope;
 
 /// Most pulses of one train.
 pub const MAX_PULSES: u32 = 10_000_000;
 
-/// One second in nanoseconds for a frequency in thousandths of a Hertz.
-const NANOS_MILLIHERTZ: u64 = 1_000_000_000_000;
-
 const KEYS: &[KeySpec] = &[
     KeySpec::required("signal", KeyType::SignalRef, "The line that the pulses are emitted on."),
-    KeySpec::optional("frequency", KeyType::Text, "Pulses per time, as in \"200 kHz\"."),
-    KeySpec::optional("period", KeyType::Duration, "Time from one rising edge to the next."),
+    FREQUENCY,
+    PERIOD,
     KeySpec::required("count", KeyType::Integer(1, MAX_PULSES as i64), "How many pulses."),
     KeySpec::optional(
         "duty",
@@ -47,9 +44,8 @@ pub struct Train {
     pub signal: String,
     /// How many pulses, 1 ..= [`MAX_PULSES`].
     pub count: u32,
-    /// The period is `numerator / denominator` nanoseconds, so that every frequency is exact over the train.
-    numerator: u64,
-    denominator: u64,
+    /// From one rising edge to the next.
+    cycle: Cycle,
     /// Millionths of the period that are high, above 0 and below 1 000 000.
     duty: u32,
     /// Each edge is moved by up to this to either side; less than half of the shorter part of a period.
@@ -74,31 +70,25 @@ impl Train {
 
     /// Pulses per time, in thousandths of a Hertz, rounded up: what the rig must be able to emit.
     pub fn millihertz(&self) -> u64 {
-        let exact = u128::from(NANOS_MILLIHERTZ) * u128::from(self.denominator);
-        u64::try_from(exact.div_ceil(u128::from(self.numerator))).unwrap_or(u64::MAX)
+        self.cycle.millihertz()
     }
 
     /// The instant after so many millionths of a period.
     fn edge(&self, millionths: u128) -> Span {
-        let divisor = u128::from(self.denominator) * 1_000_000;
-        // At most 10^13 millionths of at most 2^63 ns: within 128 bits.
-        let nanos = (millionths * u128::from(self.numerator) + divisor / 2) / divisor;
-        Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX))
+        self.cycle.after(millionths, 1_000_000)
     }
 }
 
 fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
     let fields = scope.fields(node, KEYS)?;
     let signal = scope.whole_signal(fields.get("signal")?, out);
-    let period = period(&fields, node, out);
-    let duty = duty(&fields, out);
+    let cycle = Cycle::read(&fields, node, "train", out);
+    let duty = part(&fields, "duty", out);
     let count = u32::try_from(fields.integer("count")?).unwrap_or(MAX_PULSES);
-    let (numerator, denominator) = period?;
     let train = Train {
         signal: signal?,
         count,
-        numerator,
-        denominator,
+        cycle: cycle?,
         duty: duty?,
         jitter: fields.duration("jitter").unwrap_or(Span::ZERO),
     };
@@ -123,44 +113,6 @@ fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> 
     Some(Stimulus::Train(train))
 }
 
-/// The period as a fraction of nanoseconds.
-fn period(fields: &Fields<'_>, node: &Node, out: &mut Findings) -> Option<(u64, u64)> {
-    match (fields.has("frequency"), fields.has("period")) {
-        (true, false) => {
-            let text = fields.get("frequency")?;
-            let Some(frequency) = millihertz(text.as_text()?) else {
-                let message = "`frequency` does not read as a frequency above 0";
-                out.bad(codes::UNIT, text, message, "write it in Hz, kHz or MHz, as in \"200 kHz\"");
-                return None;
-            };
-            Some((NANOS_MILLIHERTZ, frequency))
-        }
-        (false, true) => {
-            let nanos = u64::try_from(super::drive::above_zero(fields, "period", out)?.as_nanos()).ok()?;
-            Some((nanos, 1))
-        }
-        _ => {
-            let message = "a train has either a `frequency` or a `period`";
-            out.bad(codes::STIMULUS, node, message, "as in frequency = \"200 kHz\"");
-            None
-        }
-    }
-}
-
-/// The high part of the period in millionths.
-fn duty(fields: &Fields<'_>, out: &mut Findings) -> Option<u32> {
-    let Some(node) = fields.get("duty") else { return (!fields.has("duty")).then_some(500_000) };
-    let part = Quantity::parse(node.as_text()?).ok().and_then(|duty| duty.in_unit(&Unit::new("ppm")));
-    let read = part
-        .and_then(|millionths| u32::try_from(millionths.as_whole()?).ok())
-        .filter(|duty| (1..1_000_000).contains(duty));
-    if read.is_none() {
-        let message = "`duty` is not a part of the period";
-        out.bad(codes::UNIT, node, message, "write per cent above 0 and below 100, as in \"25 %\"");
-    }
-    read
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -171,8 +123,7 @@ mod tests {
         let train = Train {
             signal: "a".into(),
             count: 30_000,
-            numerator: NANOS_MILLIHERTZ,
-            denominator: 3_000_000,
+            cycle: Cycle::of_millihertz(3_000_000),
             duty: 500_000,
             jitter: Span::ZERO,
         };

@@ -1,5 +1,12 @@
 //! The command line of `rig`.
 
+use crate::diff::DiffArgs;
+use crate::history::HistoryCommand;
+use crate::judge::JudgeArgs;
+use crate::output::ColorChoice;
+use crate::report::ReportArgs;
+use crate::step::StepArgs;
+use crate::test::{LeaveArgs, LookArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -8,6 +15,9 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "rig", version, after_help = EXIT_CODES, disable_help_subcommand = true)]
 pub struct Cli {
+    /// Whether to dress text in colour. `auto` follows NO_COLOR, CLICOLOR and CLICOLOR_FORCE.
+    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
+    pub color: ColorChoice,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
@@ -25,13 +35,35 @@ pub enum Command {
     Test(TestArgs),
     /// Read plans, boards and programs and say what is wrong with them; nothing moves.
     Check(CheckArgs),
-    /// Judge a recorded trace again by its plan.
+    /// Judge a recorded trace again by its plan, or what another instrument recorded.
     Judge(JudgeArgs),
     /// What each requirement is proven by.
     Requirements(RequirementsArgs),
+    /// Draw the reports of a run again, or put the parts of a suite together.
+    Report(ReportArgs),
+    /// What changed between two runs: verdicts, margins that erode, what they were made from.
+    Diff(DiffArgs),
+    /// Verdicts, margins and measurements of past runs: what is flaky, and what drifts.
+    #[command(subcommand)]
+    History(HistoryCommand),
     /// Check, try, list and measure a Structured Text program alone.
     #[command(subcommand)]
     Program(ProgramCommand),
+    /// Make a project with a program, a board, plans and jobs for a CI server.
+    New(crate::new::NewArgs),
+    /// Go through one case step by step, with its signals and claims, in virtual time.
+    Step(StepArgs),
+    /// Say what the code of a finding means, with an example and the mend.
+    Explain(crate::explain::ExplainArgs),
+    /// Print the JSON Schema of a format, for editors.
+    Schema(crate::schema::SchemaArgs),
+    /// The plans that ship with the rig.
+    #[command(subcommand)]
+    Plans(crate::plans::PlansCommand),
+    /// Print what a shell needs to complete the command.
+    Completions(crate::completions::CompletionsArgs),
+    /// Write the pages for `man` into a folder.
+    Man(crate::completions::ManArgs),
 }
 
 /// Which clock a run keeps.
@@ -63,7 +95,7 @@ pub struct TestArgs {
     #[arg(long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,
     /// Run only the cases that this expression selects: words that the case's name holds, `title:WORD`,
-    /// `proves:ID`, `profile:NAME`, joined by `and`, `or`, `not`, with brackets.
+    /// `proves:ID`, `tag:WORD`, `profile:NAME`, joined by `and`, `or`, `not`, with brackets.
     #[arg(long, value_name = "EXPR")]
     pub only: Option<String>,
     /// Give a plan's parameter a value.
@@ -84,6 +116,12 @@ pub struct TestArgs {
     /// Note which statements and branches of the programs ran.
     #[arg(long)]
     pub coverage: bool,
+    /// How the run is shown.
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// What the run leaves.
+    #[command(flatten)]
+    pub leave: LeaveArgs,
 }
 
 /// `rig check`.
@@ -98,15 +136,6 @@ pub struct CheckArgs {
     /// Give a plan's parameter a value.
     #[arg(long = "param", value_name = "K=V")]
     pub params: Vec<String>,
-}
-
-/// `rig judge`.
-#[derive(Debug, Args)]
-pub struct JudgeArgs {
-    /// The plan.
-    pub plan: PathBuf,
-    /// The trace that a run recorded (`--report DIR` writes it to `DIR/traces`).
-    pub trace: PathBuf,
 }
 
 /// `rig requirements`.

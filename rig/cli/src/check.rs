@@ -10,7 +10,7 @@ use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
 use profile::Profile;
 use runtime::suite::{self, Disk, Files};
-use runtime::tasks;
+use runtime::{suites, tasks};
 use std::path::Path;
 
 /// Reads files and says what is wrong with them.
@@ -23,9 +23,9 @@ pub fn run(args: &CheckArgs) -> Exit {
         Ok(paths) => paths,
         Err(exit) => return exit,
     };
-    let mut wrong = false;
+    let (mut wrong, mut told) = (false, Vec::new());
     let mut report = |path: &str, found: &[Diagnostic], sources: &[SourceFile]| {
-        output::findings(found, sources);
+        output::new_findings(found, &mut told, sources);
         if found.iter().any(Diagnostic::is_error) {
             wrong = true;
         } else {
@@ -80,12 +80,16 @@ fn check(
             }
         };
     }
+    if suites::is_suite(path) {
+        let read = suites::load_suite(&Disk, path, sources);
+        return read.map_or_else(|found| found, |suite| suite.warnings);
+    }
     // What cannot be read is reported by the loading.
     let text = Disk.read(path).unwrap_or_default();
-    if kind::of(&text) == Kind::Board {
-        suite::load_board(&Disk, path, sources).map_or_else(|found| found, |_| Vec::new())
-    } else {
-        check_plan(path, board, &parameters.of_plan(&text), sources)
+    match kind::of(&text) {
+        Kind::Board => suite::load_board(&Disk, path, sources).map_or_else(|found| found, |_| Vec::new()),
+        Kind::Included => suite::check_included(&Disk, path, sources),
+        _ => check_plan(path, board, &parameters.of_plan(&Disk, path), sources),
     }
 }
 
@@ -101,6 +105,7 @@ fn check_plan(
         Err(found) => return found,
     };
     let mut found = loaded.plan.warnings.clone();
+    found.extend(loaded.suite_warnings().cloned());
     for job in loaded.jobs(0, 1, 1) {
         let Some(case) = loaded.plan.case(job.case) else { continue };
         let checked = loaded.files(&case, &job).and_then(|files| runtime::case::check_case(&case, &files));

@@ -3,6 +3,7 @@
 use crate::exit::Exit;
 use crate::kind::{self, Kind};
 use crate::output;
+use runtime::suites::is_suite;
 use std::path::{Component, Path, PathBuf};
 
 /// Files of paths: files as given, folders searched for plans in the order of names.
@@ -34,7 +35,7 @@ fn search(folder: &Path, depth: usize, found: &mut Vec<String>) {
     for path in paths {
         if path.is_dir() {
             search(&path, depth + 1, found);
-        } else if is_plan(&path) {
+        } else if !is_suite(&path.to_string_lossy()) && is_plan(&path) {
             found.push(tidy(&path));
         }
     }

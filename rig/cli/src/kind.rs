@@ -1,7 +1,7 @@
 //! What a TOML file is: plans and board files stand in the same folders, among TOML files of other programs.
 
 use drivers::file::KEYS as BOARD_KEYS;
-use plans::plan::PLAN_KEYS;
+use plans::plan::{INCLUDED_KEYS, PLAN_KEYS};
 
 /// What the keys of a TOML text speak for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,7 +10,9 @@ pub enum Kind {
     Plan,
     /// A board file.
     Board,
-    /// One of the two, for it says its format, and nothing more yet.
+    /// What plans include: it has what they share, and neither does nor claims anything itself.
+    Included,
+    /// A plan or a board file, for it says its format, and nothing more yet.
     Unclear,
     /// Neither: empty, or of another program.
     Neither,
@@ -54,6 +56,8 @@ fn first_word(text: &str) -> Option<&str> {
 struct Marks {
     format: bool,
     plan: usize,
+    /// Those of a plan that what plans include can have, too.
+    included: usize,
     board: usize,
 }
 
@@ -65,20 +69,24 @@ impl Marks {
             // A board file describes the board; a text is a plan's, or what somebody took for a description.
             (true, true) if key == "board" => self.board += usize::from(!value.starts_with(['"', '\''])),
             (true, true) => self.format |= key == "format" && value.starts_with(|c: char| c.is_ascii_digit()),
-            (true, false) => self.plan += 1,
+            (true, false) => {
+                self.plan += 1;
+                self.included += usize::from(INCLUDED_KEYS.iter().any(|known| known.name == key));
+            }
             (false, true) => self.board += 1,
             (false, false) => {}
         }
     }
 
     fn kind(self) -> Kind {
-        let Marks { format, plan, board } = self;
+        let Marks { format, plan, included, board } = self;
         // One word may be of any file; with `format`, or a second one, it is no chance.
         match plan.max(board) {
             0 if format => Kind::Unclear,
             1 if !format => Kind::Neither,
             0 => Kind::Neither,
             _ if board > plan => Kind::Board,
+            _ if format && plan == included => Kind::Included,
             _ => Kind::Plan,
         }
     }
@@ -108,6 +116,13 @@ mod tests {
         );
         assert_eq!(of("format = 1\nprogram = \"a.st\"\nexpect = []\nwires = []\n"), Kind::Plan);
         assert_eq!(of("format = 1\nboard = \"simulated\"\nwires = []\n"), Kind::Board);
+    }
+
+    #[test]
+    fn what_is_included_does_nothing_itself() {
+        assert_eq!(of("format = 1\nsignals = { a = \"%IX0.0\" }\n[group.x]\nsteps = []\n"), Kind::Included);
+        assert_eq!(of("format = 1\nsignals = { a = \"%IX0.0\" }\nexpect = []\n"), Kind::Plan);
+        assert_eq!(of("signals = {}\nsettings = {}\n"), Kind::Plan);
     }
 
     #[test]

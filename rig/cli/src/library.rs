@@ -3,6 +3,7 @@
 use crate::kind::{self, Kind};
 use include_dir::{Dir, include_dir};
 use runtime::suite::Files;
+use runtime::suites::is_suite;
 use std::path::{Component, Path, PathBuf};
 
 static LIBRARY: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../plans/library");
@@ -36,6 +37,18 @@ fn plain(path: &str) -> PathBuf {
     plain
 }
 
+/// All files of the library with their paths, sorted by path.
+pub fn files() -> Vec<(&'static Path, &'static [u8])> {
+    let mut files = Vec::new();
+    let mut folders = vec![&LIBRARY];
+    while let Some(folder) = folders.pop() {
+        files.extend(folder.files().map(|file| (file.path(), file.contents())));
+        folders.extend(folder.dirs());
+    }
+    files.sort_unstable();
+    files
+}
+
 /// Paths of all shipped plans, sorted.
 pub fn plans() -> Vec<String> {
     let mut paths = Vec::new();
@@ -48,7 +61,7 @@ fn collect(folder: &Dir<'_>, paths: &mut Vec<String>) {
     for file in folder.files() {
         let text = file.contents_utf8().unwrap_or_default();
         let toml = file.path().extension().is_some_and(|ending| ending == "toml");
-        if toml && kind::of(text) == Kind::Plan {
+        if toml && !is_suite(&file.path().to_string_lossy()) && kind::of(text) == Kind::Plan {
             paths.push(file.path().to_string_lossy().into_owned());
         }
     }

@@ -2,17 +2,30 @@
 
 mod args;
 mod check;
+mod completions;
+mod diff;
 mod exit;
+mod explain;
+mod files;
 mod find;
+mod history;
 mod judge;
 mod kind;
 mod library;
+mod new;
 mod output;
 mod parameters;
+mod person;
+mod plans;
 mod program;
 mod provenance;
+mod report;
 mod requirements;
+mod runs;
+mod schema;
 mod select;
+mod shard;
+mod step;
 mod store;
 mod test;
 
@@ -31,15 +44,26 @@ fn main() -> ExitCode {
             return code.into();
         }
     };
+    output::choose_color(cli.color);
     let exit = match cli.command {
         Command::Test(args) => test::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Judge(args) => judge::run(&args),
         Command::Requirements(args) => requirements::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Diff(args) => diff::run(&args),
+        Command::History(command) => history::run(&command),
         Command::Program(ProgramCommand::Check { files }) => program::check(&files),
         Command::Program(ProgramCommand::Run(args)) => program::run(&args),
         Command::Program(ProgramCommand::Dump { files }) => program::dump(&files),
         Command::Program(ProgramCommand::Bench(args)) => program::bench(&args),
+        Command::New(args) => new::run(&args),
+        Command::Step(args) => step::run(&args),
+        Command::Explain(args) => explain::run(&args),
+        Command::Schema(args) => schema::run(&args),
+        Command::Plans(command) => plans::run(&command),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => completions::man(&args),
     };
     exit.into()
 }

@@ -1,16 +1,59 @@
 //! What goes to the terminal.
 
+use clap::ValueEnum;
 use document::{Diagnostic, SourceFile};
 use std::io::{IsTerminal, Write};
+use std::sync::OnceLock;
 
-/// Whether standard error takes colour: a terminal, and the user did not forbid it.
+/// Whether to dress text in colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ColorChoice {
+    /// On a terminal, unless NO_COLOR, CLICOLOR=0 or TERM=dumb forbid it; CLICOLOR_FORCE=1 wants it everywhere.
+    #[default]
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// What the command line says; set once, before anything is printed.
+static CHOICE: OnceLock<ColorChoice> = OnceLock::new();
+
+/// Keeps what the command line says about colour.
+pub fn choose_color(choice: ColorChoice) {
+    // A second call could only come from a second command line, which there is none of.
+    let _ = CHOICE.set(choice);
+}
+
+/// Whether standard error takes colour.
 pub fn color() -> bool {
-    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && std::io::stderr().is_terminal()
+    takes_color(std::io::stderr().is_terminal())
 }
 
 /// Whether standard output takes colour.
 pub fn color_out() -> bool {
-    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && std::io::stdout().is_terminal()
+    takes_color(std::io::stdout().is_terminal())
+}
+
+fn takes_color(terminal: bool) -> bool {
+    let said = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
+    decide(CHOICE.get().copied().unwrap_or_default(), terminal, &said)
+}
+
+/// The rule: what the command line says, then <https://no-color.org>, then <https://bixense.com/clicolors>.
+fn decide(choice: ColorChoice, terminal: bool, said: &dyn Fn(&str) -> Option<String>) -> bool {
+    match choice {
+        ColorChoice::Always => true,
+        ColorChoice::Never => false,
+        ColorChoice::Auto if said("NO_COLOR").is_some() => false,
+        ColorChoice::Auto if said("CLICOLOR_FORCE").is_some_and(|value| value != "0") => true,
+        ColorChoice::Auto => {
+            terminal
+                && said("CLICOLOR").is_none_or(|value| value != "0")
+                && said("TERM").is_none_or(|value| value != "dumb")
+        }
+    }
 }
 
 /// Prints findings with the lines that they point into, on standard error.
@@ -19,6 +62,13 @@ pub fn findings(found: &[Diagnostic], sources: &[SourceFile]) {
         let text = document::render(found, sources, color());
         let _ = writeln!(std::io::stderr(), "{}", text.trim_end());
     }
+}
+
+/// Prints findings that were not printed before: what is wrong with a suite is wrong for each of its plans.
+pub fn new_findings(found: &[Diagnostic], told: &mut Vec<Diagnostic>, sources: &[SourceFile]) {
+    let new: Vec<Diagnostic> = found.iter().filter(|one| !told.contains(one)).cloned().collect();
+    findings(&new, sources);
+    told.extend(new);
 }
 
 /// Prints one line on standard error.
@@ -31,7 +81,34 @@ pub fn note(text: &str) {
     let _ = writeln!(std::io::stderr(), "note: {text}");
 }
 
+/// Prints one line on standard error.
+pub fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
 /// Prints on standard output; a closed pipe is no fault.
 pub fn print(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn colored(choice: ColorChoice, terminal: bool, set: &[(&str, &str)]) -> bool {
+        let said = |name: &str| set.iter().find(|(known, _)| *known == name).map(|(_, v)| (*v).to_owned());
+        decide(choice, terminal, &said)
+    }
+
+    #[test]
+    fn the_user_decides_about_colour() {
+        use ColorChoice::{Always, Auto, Never};
+        assert!(colored(Auto, true, &[]) && !colored(Auto, false, &[]));
+        assert!(!colored(Auto, true, &[("NO_COLOR", "1")]) && !colored(Auto, true, &[("CLICOLOR", "0")]));
+        assert!(!colored(Auto, true, &[("TERM", "dumb")]) && colored(Auto, true, &[("TERM", "xterm")]));
+        assert!(colored(Auto, false, &[("CLICOLOR_FORCE", "1")]));
+        assert!(!colored(Auto, false, &[("CLICOLOR_FORCE", "0")]));
+        assert!(!colored(Auto, false, &[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]));
+        assert!(colored(Always, false, &[("NO_COLOR", "1")]) && !colored(Never, true, &[]));
+    }
 }

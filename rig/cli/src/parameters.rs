@@ -2,7 +2,8 @@
 
 use crate::exit::Exit;
 use crate::output;
-use document::{Data, SourceFile, suggest};
+use document::suggest;
+use runtime::suite::{self, Files};
 
 /// What the command line gives.
 #[derive(Debug)]
@@ -32,19 +33,17 @@ impl Parameters {
         Ok(Parameters { given: read, known: Vec::new(), unread: false })
     }
 
-    /// Those of the given ones that this plan has. None of a text that does not read, whose findings are reported anyway.
-    pub fn of_plan(&mut self, text: &str) -> Vec<(String, String)> {
+    /// Those of the given ones that this plan or what it includes has. None of a plan that does not read, whose findings
+    /// are reported anyway.
+    pub fn of_plan(&mut self, files: &dyn Files, path: &str) -> Vec<(String, String)> {
         if self.given.is_empty() {
             return Vec::new();
         }
-        let Ok(root) = document::toml::parse(&SourceFile::new("", text), plans::TOML) else {
+        let Ok(text) = suite::gather(files, path, &mut Vec::new()) else {
             self.unread = true;
             return Vec::new();
         };
-        let names: Vec<String> = match root.get("parameters").map(|node| &node.data) {
-            Some(Data::Table(table)) => table.entries.iter().map(|entry| entry.key.clone()).collect(),
-            _ => Vec::new(),
-        };
+        let names = text.parameters();
         let own = self.given.iter().filter(|(name, _)| names.contains(name)).cloned().collect();
         self.known.extend(names);
         own

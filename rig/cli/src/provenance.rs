@@ -15,7 +15,50 @@ pub fn now(seed: u64, clock: Clock) -> Provenance {
         clock,
         arguments: std::env::args().skip(1).collect(),
         started: SystemTime::now().duration_since(UNIX_EPOCH).ok().map(|since| rfc3339(since.as_secs())),
+        environment: environment(),
     }
+}
+
+/// What else of the host the figures of a run depend on.
+fn environment() -> Vec<(String, String)> {
+    let named = |name: &str, text: Option<String>| text.map(|text| (name.to_owned(), text));
+    let cores = std::thread::available_parallelism().ok().map(|cores| cores.to_string());
+    let governor = read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+    // Where the run happened, as the CI says it itself; GitLab and GitHub name themselves.
+    let ci = ["GITLAB_CI", "GITHUB_ACTIONS", "JENKINS_URL", "CI"]
+        .into_iter()
+        .find(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
+        .map(|name| match name {
+            "GITLAB_CI" => String::from("GitLab"),
+            "GITHUB_ACTIONS" => String::from("GitHub"),
+            "JENKINS_URL" => String::from("Jenkins"),
+            _ => String::from("yes"),
+        });
+    let all = [
+        named("Real-time kernel", Some(real_time().to_owned())),
+        named("Cores", cores),
+        named("Governor", governor),
+        named("CI", ci),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+/// Which kind of kernel this is, as far as it tells.
+fn real_time() -> &'static str {
+    let says = |path: &str, word: &str| read(path).is_some_and(|text| text.contains(word));
+    if says("/sys/kernel/realtime", "1") || says("/proc/sys/kernel/version", "PREEMPT_RT") {
+        "PREEMPT_RT"
+    } else if std::path::Path::new("/proc/xenomai").exists() {
+        "Xenomai"
+    } else if says("/proc/sys/kernel/version", "PREEMPT") {
+        "no: preemptible, without PREEMPT_RT"
+    } else {
+        "no"
+    }
+}
+
+fn read(path: &str) -> Option<String> {
+    Some(std::fs::read_to_string(path).ok()?.trim().to_owned()).filter(|text| !text.is_empty())
 }
 
 fn binary_sha256() -> Option<String> {
@@ -27,11 +70,7 @@ fn binary_sha256() -> Option<String> {
 
 /// Release, version and architecture of the kernel: the version tells a real-time kernel from another.
 fn kernel() -> String {
-    let part = |name: &str| {
-        std::fs::read_to_string(format!("/proc/sys/kernel/{name}"))
-            .map(|text| text.trim().to_owned())
-            .unwrap_or_default()
-    };
+    let part = |name: &str| read(&format!("/proc/sys/kernel/{name}")).unwrap_or_default();
     [part("ostype"), part("osrelease"), part("version"), std::env::consts::ARCH.to_owned()]
         .join(" ")
         .trim()

@@ -3,14 +3,15 @@
 use crate::args::{Format, RequirementsArgs};
 use crate::exit::Exit;
 use crate::library::{self, Embedded, REGISTER};
-use crate::output;
+use crate::{output, runs};
+use document::Diagnostic;
 use plans::register::{Class, Entry, Register};
 use profile::Profile;
-use record::{RunRecord, Verdict};
+use record::{RequirementFact, RunRecord, Verdict};
 use runtime::suite::{self, Done};
 use runtime::{ClockKind, RunOptions};
 use serde_json::json;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::AtomicBool;
 
 /// What a requirement or a clause came to under one profile, and by which cases.
@@ -73,13 +74,13 @@ pub fn run(args: &RequirementsArgs) -> Exit {
         }
     };
     let record = match &args.report {
-        Some(folder) => read(folder),
+        Some(folder) => runs::load(folder).map(|run| run.record),
         None => run_library(),
     };
     let record = match record {
         Ok(record) => record,
-        Err(error) => {
-            output::complain(&error);
+        Err(found) => {
+            output::findings(&[found], &[]);
             return Exit::UserFiles;
         }
     };
@@ -215,19 +216,30 @@ fn table(rows: &[Row<'_>]) {
     }
 }
 
-fn read(folder: &std::path::Path) -> Result<RunRecord, String> {
-    let path = folder.join("record.json");
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
-    RunRecord::from_json(&text).map_err(|error| format!("{}: {error}", path.display()))
+/// What the register says of the requirements that the cases of a run prove, in its order; for reports, which read
+/// nothing but the record.
+pub fn facts(run: &RunRecord) -> Vec<RequirementFact> {
+    let requirement = |cited: &str| cited.split('#').next().unwrap_or_default().to_owned();
+    let cited: BTreeSet<String> =
+        run.cases.iter().flat_map(|case| case.proves.iter().map(|id| requirement(id))).collect();
+    // A register that cannot be read is no trouble of the run: the command that prints it says so.
+    let register = Register::read(REGISTER).unwrap_or_default();
+    let fact = |entry: Entry| RequirementFact {
+        id: entry.id,
+        asks: entry.asks,
+        clauses: entry.clauses.into_iter().map(|clause| (clause.id, clause.asks)).collect(),
+    };
+    register.entries.into_iter().filter(|entry| cited.contains(&entry.id)).map(fact).collect()
 }
 
 /// Runs the shipped library for its verdicts.
-fn run_library() -> Result<RunRecord, String> {
+fn run_library() -> Result<RunRecord, Diagnostic> {
     let (mut loaded, mut jobs, mut sources) = (Vec::new(), Vec::new(), Vec::new());
     for (place, path) in library::plans().iter().enumerate() {
-        let plan = suite::load_plan(&Embedded, path, None, &[], 1, &mut sources)
-            .map_err(|_| format!("the shipped plan {path} does not read: run `rig test`"))?;
+        let plan = suite::load_plan(&Embedded, path, None, &[], 1, &mut sources).map_err(|found| {
+            let lost = || Diagnostic::error("R0201", format!("the shipped plan {path} does not read"));
+            found.into_iter().next().unwrap_or_else(lost)
+        })?;
         jobs.extend(plan.jobs(place, 1, 1));
         loaded.push(plan);
     }

@@ -4,11 +4,12 @@
 //! expr   = term { "or" term }
 //! term   = factor { ["and"] factor }
 //! factor = "not" factor | "(" expr ")" | word
-//! word   = text | ("name" | "title" | "proves" | "profile") ":" text
+//! word   = text | ("name" | "title" | "proves" | "tag" | "profile") ":" text
 //! ```
 //! A bare text means `name:`. Names and titles match where they hold the text, in any case; requirements match
-//! whole, or up to a `*`; words with blanks stand in double quotes.
+//! whole, or up to a `*`; tags whole; words with blanks stand in double quotes.
 
+use runtime::suite::Job;
 use std::fmt;
 
 /// What a case is selected by.
@@ -20,8 +21,23 @@ pub struct Facts<'a> {
     pub title: &'a str,
     /// Requirements that it proves.
     pub proves: &'a [String],
+    /// Tags of its plan.
+    pub tags: &'a [String],
     /// Profile that it runs with.
     pub profile: &'a str,
+}
+
+impl<'a> Facts<'a> {
+    /// The facts of a case that is to run.
+    pub fn of(job: &'a Job) -> Facts<'a> {
+        Facts {
+            name: &job.name,
+            title: &job.title,
+            proves: &job.proves,
+            tags: &job.tags,
+            profile: job.profile.name(),
+        }
+    }
 }
 
 /// A parsed expression.
@@ -35,6 +51,8 @@ pub enum Selection {
     Title(String),
     /// It proves this requirement.
     Proves(String),
+    /// It has this tag.
+    Tag(String),
     /// It runs with this profile.
     Profile(String),
     /// Not this.
@@ -89,6 +107,7 @@ impl Selection {
                 Some(start) => proven.starts_with(start),
                 None => proven == id,
             }),
+            Selection::Tag(tag) => case.tags.iter().any(|known| known == tag),
             Selection::Profile(name) => case.profile == name,
             Selection::Not(inner) => !inner.matches(case),
             Selection::And(a, b) => a.matches(case) && b.matches(case),
@@ -230,9 +249,10 @@ impl<'a> Reader<'a> {
                 Some(("name", part)) => Selection::Name(part.to_owned()),
                 Some(("title", part)) => Selection::Title(part.to_owned()),
                 Some(("proves", part)) => Selection::Proves(part.to_owned()),
+                Some(("tag", part)) => Selection::Tag(part.to_owned()),
                 Some(("profile", part)) => Selection::Profile(part.to_owned()),
                 Some(_) => {
-                    let message = "unknown kind: use name:, title:, proves: or profile:";
+                    let message = "unknown kind: use name:, title:, proves:, tag: or profile:";
                     return Err(SelectionError { at: token.at, message });
                 }
             },
@@ -248,7 +268,9 @@ mod tests {
 
     fn selects(expression: &str, name: &str) -> bool {
         let proves = [String::from("controller:WD-04")];
-        let case = Facts { name, title: "The watchdog trips", proves: &proves, profile: "m241-2019" };
+        let tags = [String::from("slow")];
+        let case =
+            Facts { name, title: "The watchdog trips", proves: &proves, tags: &tags, profile: "m241-2019" };
         Selection::parse(expression).unwrap().matches(&case)
     }
 
@@ -261,6 +283,7 @@ mod tests {
         assert!(!selects("fallback (under or exactly)", "watchdog/fallback[over]"));
         assert!(selects("proves:controller:WD-*", "x"));
         assert!(!selects("proves:controller:WD-0", "x"));
+        assert!(selects("tag:slow", "x") && !selects("tag:slo", "x"));
         assert!(selects("title:\"watchdog trips\"", "x"));
         assert!(selects("profile:m241-2019 x", "x"));
         assert!(selects("\"or\"", "for"));

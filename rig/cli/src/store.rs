@@ -1,5 +1,6 @@
 //! The folder of a run's reports.
 
+use clap::ValueEnum;
 use record::{CaseRecord, RunRecord};
 use signal::Trace;
 use std::collections::BTreeSet;
@@ -7,6 +8,23 @@ use std::path::{Path, PathBuf};
 
 /// Longest name of a trace file without its ending; file systems take 255 bytes.
 const LONGEST_NAME: usize = 180;
+
+/// A report that is drawn from the record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Form {
+    /// `index.html`: the page for a person.
+    Html,
+    /// `junit.xml`: for a CI server.
+    Junit,
+    /// `ctrf.json`: the Common Test Report Format.
+    Ctrf,
+    /// `summary.md`: Markdown for a merge request.
+    Md,
+    /// `measurements.csv` and `claims.csv`: for a spreadsheet.
+    Csv,
+    /// `traces/*.vcd`: waves of the recorded traces.
+    Vcd,
+}
 
 /// The folder.
 #[derive(Debug)]
@@ -17,62 +35,176 @@ pub struct Store {
 }
 
 impl Store {
-    /// Makes the folder.
+    /// Makes the folder with a place for traces.
+    ///
+    /// # Errors
+    /// Why it cannot be made.
     pub fn new(folder: &Path) -> Result<Store, String> {
-        let traces = folder.join("traces");
-        std::fs::create_dir_all(&traces)
-            .map_err(|error| format!("{} cannot be made: {error}", traces.display()))?;
+        let store = Store::without_traces(folder)?;
+        store.traces()?;
+        Ok(store)
+    }
+
+    /// Makes the folder.
+    ///
+    /// # Errors
+    /// Why it cannot be made.
+    pub fn without_traces(folder: &Path) -> Result<Store, String> {
+        make(folder)?;
         Ok(Store { folder: folder.to_owned(), names: BTreeSet::new() })
     }
 
+    /// Makes the place for traces.
+    ///
+    /// # Errors
+    /// Why it cannot be made.
+    pub fn traces(&self) -> Result<(), String> {
+        make(&self.folder.join("traces"))
+    }
+
     /// Keeps a trace, as the rig's own file and as VCD; returns its path relative to the record.
+    ///
+    /// # Errors
+    /// Which file cannot be written, and why.
     pub fn trace(&mut self, record: &CaseRecord, trace: &Trace) -> Result<String, String> {
-        let mut name = file_name(&record.name);
-        if !self.names.insert(name.clone()) {
-            name = distinct(&name, &record.name);
-            self.names.insert(name.clone());
-        }
-        let path = format!("traces/{name}.trace");
-        let fail = |error: &dyn std::fmt::Display| format!("{path} cannot be written: {error}");
-        self.write(&path, &mut |out| trace.save(out).map_err(|error| fail(&error)))?;
-        let waves = format!("traces/{name}.vcd");
-        self.write(&waves, &mut |out| {
-            reports::vcd::write_trace(trace, env!("CARGO_PKG_VERSION"), out).map_err(|error| fail(&error))
+        let path = self.trace_path(&record.name);
+        self.write(&path, &mut |out| {
+            trace.save(out).map_err(|error| format!("{path} cannot be written: {error}"))
         })?;
+        self.waves(&path, trace)?;
         Ok(path)
     }
 
-    /// Writes record and reports; returns the path of the page.
-    pub fn reports(&self, run: &RunRecord) -> Result<String, String> {
-        let text = |path: &str, text: &str| {
-            self.write(path, &mut |out| {
-                out.write_all(text.as_bytes()).map_err(|error| format!("{path} cannot be written: {error}"))
-            })
-        };
-        text("record.json", &run.to_json())?;
-        text("junit.xml", &reports::junit::render(run))?;
-        let page =
-            reports::html::render(run).map_err(|error| format!("the page cannot be drawn: {error}"))?;
-        text("index.html", &page)?;
-        Ok(self.folder.join("index.html").display().to_string())
+    /// Keeps a copy of a trace that another run left, and of the waves beside it; returns its path relative to the
+    /// record.
+    ///
+    /// # Errors
+    /// Which file cannot be read or written, and why.
+    pub fn adopt(&mut self, record: &CaseRecord, from: &Path) -> Result<String, String> {
+        let path = self.trace_path(&record.name);
+        self.copy(from, &path)?;
+        let waves = from.with_extension("vcd");
+        if waves.is_file() {
+            self.copy(&waves, &format!("{}.vcd", path.strip_suffix(".trace").unwrap_or(&path)))?;
+        }
+        Ok(path)
     }
 
-    /// Writes a file whole or not at all: a report half written is never found.
+    fn copy(&self, from: &Path, to: &str) -> Result<(), String> {
+        let fail = |error: std::io::Error| format!("{} cannot be copied: {error}", from.display());
+        let mut file = std::fs::File::open(from).map_err(fail)?;
+        self.write(to, &mut |out| std::io::copy(&mut file, out).map(drop).map_err(fail))
+    }
+
+    /// Writes the waves of a trace beside it.
+    ///
+    /// # Errors
+    /// Which file cannot be written, and why.
+    pub fn waves(&self, path: &str, trace: &Trace) -> Result<(), String> {
+        let waves = format!("{}.vcd", path.strip_suffix(".trace").unwrap_or(path));
+        self.write(&waves, &mut |out| {
+            reports::vcd::write_trace(trace, env!("CARGO_PKG_VERSION"), out)
+                .map_err(|error| format!("{waves} cannot be written: {error}"))
+        })
+    }
+
+    /// The path that the trace of a case gets, which no other case has.
+    fn trace_path(&mut self, case: &str) -> String {
+        let mut name = file_name(case);
+        if !self.names.insert(name.clone()) {
+            name = distinct(&name, case);
+            self.names.insert(name.clone());
+        }
+        format!("traces/{name}.trace")
+    }
+
+    /// Writes the record.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    pub fn record(&self, run: &RunRecord) -> Result<(), String> {
+        self.text("record.json", &run.to_json())
+    }
+
+    /// Draws reports of these forms; waves are [`Store::waves`].
+    ///
+    /// # Errors
+    /// Which file cannot be written, and why.
+    pub fn reports(&self, run: &RunRecord, forms: &[Form]) -> Result<(), String> {
+        for form in forms {
+            match form {
+                Form::Html => {
+                    let page = reports::html::render(run)
+                        .map_err(|error| format!("the page cannot be drawn: {error}"))?;
+                    self.text("index.html", &page)?;
+                }
+                Form::Junit => {
+                    self.text("junit.xml", &reports::junit::render(run, &self.folder.to_string_lossy()))?;
+                }
+                Form::Ctrf => self.text("ctrf.json", &reports::ctrf::render(run))?,
+                Form::Md => self.text("summary.md", &reports::markdown::render(run))?,
+                Form::Csv => {
+                    self.text("measurements.csv", &reports::csv::measurements(run))?;
+                    self.text("claims.csv", &reports::csv::claims(run))?;
+                }
+                Form::Vcd => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// A file of the folder, as the user names it.
+    pub fn path(&self, name: &str) -> String {
+        self.folder.join(name).display().to_string()
+    }
+
+    fn text(&self, path: &str, text: &str) -> Result<(), String> {
+        self.write(path, &mut |out| {
+            out.write_all(text.as_bytes()).map_err(|error| format!("{path} cannot be written: {error}"))
+        })
+    }
+
     fn write(
         &self,
         path: &str,
         fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
     ) -> Result<(), String> {
-        let path = self.folder.join(path);
-        let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
-        let mut file = atomic_write_file::AtomicWriteFile::open(&path).map_err(fail)?;
-        {
-            let mut buffered = std::io::BufWriter::new(&mut file);
-            fill(&mut buffered)?;
-            std::io::Write::flush(&mut buffered).map_err(fail)?;
-        }
-        file.commit().map_err(fail)
+        write_whole(&self.folder.join(path), fill)
     }
+}
+
+fn make(folder: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{} cannot be made: {error}", folder.display()))
+}
+
+/// Writes a file whole or not at all: a report half written is never found.
+///
+/// # Errors
+/// Why it cannot be written.
+pub fn write_whole(
+    path: &Path,
+    fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
+) -> Result<(), String> {
+    let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
+    let mut file = atomic_write_file::AtomicWriteFile::open(path).map_err(fail)?;
+    {
+        let mut buffered = std::io::BufWriter::new(&mut file);
+        fill(&mut buffered)?;
+        std::io::Write::flush(&mut buffered).map_err(fail)?;
+    }
+    file.commit().map_err(fail)
+}
+
+/// Writes a text as a file, whole or not at all; into what is no file, such as a pipe, as it comes.
+///
+/// # Errors
+/// Why it cannot be written.
+pub fn write_text(path: &Path, text: &str) -> Result<(), String> {
+    let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
+    if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        return std::fs::write(path, text).map_err(fail);
+    }
+    write_whole(path, &mut |out| out.write_all(text.as_bytes()).map_err(fail))
 }
 
 /// A case's name as the name of a file.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{Diagnostic, Node, SourceFile};
+use crate::{Diagnostic, Label, Node, SourceFile};
 
 /// Most findings that one reading keeps; what comes later is counted only.
 pub const MAX_FINDINGS: usize = 50;
@@ -33,12 +33,20 @@ pub struct Findings {
     codes: Codes,
     list: Vec<Diagnostic>,
     errors: usize,
+    /// What is added to every finding: whose part is looked at.
+    context: Vec<Label>,
 }
 
 impl Findings {
     /// None yet for this file.
     pub fn new(file: &SourceFile, codes: Codes) -> Self {
-        Findings { file: file.name.clone(), codes, list: Vec::new(), errors: 0 }
+        Findings { file: file.name.clone(), codes, list: Vec::new(), errors: 0, context: Vec::new() }
+    }
+
+    /// From now on adds these places to every finding: what led to what is looked at. None ends that.
+    pub fn set_context(&mut self, places: impl IntoIterator<Item = (Range<usize>, String)>) {
+        let label = |(span, text)| Label { file: self.file.clone(), span, text };
+        self.context = places.into_iter().map(label).collect();
     }
 
     /// The codes of this reader.
@@ -53,7 +61,8 @@ impl Findings {
 
     /// Keeps a finding. One that says the same about the same place as an earlier one is dropped: the cases
     /// of a plan often fail alike.
-    pub fn push(&mut self, found: Diagnostic) {
+    pub fn push(&mut self, mut found: Diagnostic) {
+        found.labels.extend(self.context.iter().cloned());
         self.errors += usize::from(found.is_error());
         if self.list.len() < MAX_FINDINGS && !self.list.contains(&found) {
             self.list.push(found);

@@ -1,5 +1,5 @@
 //! The user's text files: diagnostics with a code and a place, TOML whose every value knows its place, and
-//! the tables of keys that the readers (and later the schemas) are made from.
+//! the tables of keys that the readers and the schemas are made from.
 //!
 //! The way through: [`toml::parse`] makes a tree of [`Node`]s, [`Fields::check`] holds a table of it against a
 //! list of [`KeySpec`]s and gives typed access, [`Findings`] collects what is wrong, [`render`] shows it.
@@ -10,9 +10,12 @@
 mod diagnostic;
 mod fields;
 mod findings;
+mod joined;
 pub mod keys;
+mod patterns;
 mod place;
 mod render;
+pub mod schema;
 mod strict;
 mod suggest;
 pub mod toml;
@@ -21,7 +24,9 @@ mod tree;
 pub use diagnostic::{Diagnostic, Label, Severity, SourceFile};
 pub use fields::{Fields, check_value};
 pub use findings::{Codes, Findings, MAX_FINDINGS};
+pub use joined::Joined;
 pub use keys::{KeySpec, KeyType};
+pub use patterns::DURATION;
 pub use place::line_col;
 pub use render::render;
 pub use suggest::suggest;

@@ -71,6 +71,15 @@ impl Table {
         self.entry(key).map(|entry| &entry.node)
     }
 
+    /// Moves every place in it by this many bytes: the table of a file that is read behind others.
+    pub fn shift(&mut self, by: usize) {
+        let moved = |span: &Range<usize>| span.start + by..span.end + by;
+        for entry in &mut self.entries {
+            entry.key_span = moved(&entry.key_span);
+            entry.node.shift(by);
+        }
+    }
+
     /// A key with its value.
     pub fn entry(&self, key: &str) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.key == key)
@@ -81,6 +90,17 @@ impl Node {
     /// A value of the given place.
     pub fn new(span: Range<usize>, data: Data) -> Self {
         Node { span, data, content: None, origin: None }
+    }
+
+    /// Moves every place in it by this many bytes.
+    pub fn shift(&mut self, by: usize) {
+        self.span = self.span.start + by..self.span.end + by;
+        self.content = self.content.map(|start| start + by);
+        match &mut self.data {
+            Data::Array(list) => list.iter_mut().for_each(|one| one.shift(by)),
+            Data::Table(table) => table.shift(by),
+            _ => {}
+        }
     }
 
     /// The text, if it is one.

@@ -27,6 +27,7 @@ pub enum CaseStatus {
 
 /// A parameter of a row, a sweep or the command line, as the user wrote its value.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Parameter {
     /// Its name.
     pub name: String,
@@ -36,6 +37,7 @@ pub struct Parameter {
 
 /// SHA-256 of the files that a case was made from, 64 hexadecimal digits each; empty where there is none.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Hashes {
     /// The plan file.
     pub plan: String,
@@ -47,6 +49,7 @@ pub struct Hashes {
 
 /// A step of the plan as it happened.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct StepRecord {
     /// Its id in the plan, or `start` and `end` for those anchors.
     pub id: String,
@@ -54,10 +57,19 @@ pub struct StepRecord {
     pub at_ns: Option<[i64; 2]>,
     /// What it did: `overload MAST by 101 ms, once`.
     pub what: String,
+    /// The part of the case that it belongs to: `setup`, `main` or `teardown`.
+    #[serde(default = "main_phase")]
+    pub phase: String,
+}
+
+/// The part that the steps of older records belong to.
+fn main_phase() -> String {
+    String::from("main")
 }
 
 /// How well the rig itself kept time. All zero in virtual time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct RigTiming {
     /// The latest that the rig was behind its own schedule, nanoseconds.
     pub late_max_ns: i64,
@@ -71,6 +83,7 @@ pub struct RigTiming {
 
 /// What a task of the controller did, in modelled time.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct TaskFigures {
     /// Its name.
     pub name: String,
@@ -92,6 +105,7 @@ pub struct TaskFigures {
 
 /// A line of the case's log.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct LogLine {
     /// When, nanoseconds.
     pub at_ns: i64,
@@ -101,6 +115,7 @@ pub struct LogLine {
 
 /// The record of one case.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct CaseRecord {
     /// Its name: `watchdog/fallback[over]`; unique in the run.
     pub name: String,
@@ -118,16 +133,28 @@ pub struct CaseRecord {
     pub verdict: Verdict,
     /// Why the verdict, in one sentence; empty for a plain pass.
     pub reason: String,
+    /// Why the case ended before its end; empty for one that did not.
+    #[serde(default)]
+    pub ended: String,
     /// Requirements that the plan proves: `controller:WD-04`.
     pub proves: Vec<String>,
+    /// Words of the plan that cases are chosen and filtered by.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tags: Vec<String>,
     /// Profile of the controller: `m241-2019`.
     pub profile: String,
     /// Reference of the controller: `TM241CE24T`.
     pub reference: String,
+    /// The board as the user named it; empty for the default board.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub board: String,
     /// What it was made from.
     pub hashes: Hashes,
     /// Seed of everything random in it.
     pub seed: u64,
+    /// Which turn of the case it is, from 1, where it runs several times.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turn: Option<u32>,
     /// The plan's anchor `start`, nanoseconds of the trace; 0 when the case never got there.
     pub start_ns: i64,
     /// The plan's anchor `end`, nanoseconds of the trace; the last instant when the case was cut short.
@@ -195,6 +222,12 @@ impl CaseRecord {
     /// Whether the case was judged, so that its verdict counts.
     pub fn is_judged(&self) -> bool {
         self.status == CaseStatus::Judged
+    }
+
+    /// Its name without the turn: `watchdog/fallback[over]` of `watchdog/fallback[over]#2`.
+    pub fn base_name(&self) -> &str {
+        let turn = self.turn.filter(|turn| *turn > 1).map(|turn| format!("#{turn}"));
+        turn.and_then(|turn| self.name.strip_suffix(&turn)).unwrap_or(&self.name)
     }
 
     /// Folder of the plan, as reports group by it: `watchdog` of `watchdog/fallback[over]`; empty for none.

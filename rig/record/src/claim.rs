@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 /// When a claim looks at its signal. Each end is itself known to within an interval where it hangs on an
 /// event; `limit_...` is the allowed part of the window where the claim has one (`within = "a .. b"`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Window {
     /// `[earliest, latest]` of the beginning, nanoseconds.
     pub from_ns: [i64; 2],
@@ -17,8 +18,20 @@ pub struct Window {
     pub limit_until_ns: Option<i64>,
 }
 
+/// The values that a claim allows, in the unit of its signal, both ends included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Bounds {
+    /// The least value allowed.
+    #[serde(default, with = "crate::number::option")]
+    pub min: Option<f64>,
+    /// The greatest value allowed.
+    #[serde(default, with = "crate::number::option")]
+    pub max: Option<f64>,
+}
+
 /// One expectation, judged.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct ClaimRecord {
     /// The expectation's own name, or what it says in short; unique in its case is not required.
     pub name: String,
@@ -38,6 +51,9 @@ pub struct ClaimRecord {
     pub uncertainty: Option<Figure>,
     /// When the claim looks.
     pub window: Option<Window>,
+    /// The values that it allows, where it has limits for them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<Bounds>,
     /// `[earliest, latest]` of the instant that decided, nanoseconds.
     pub deciding_ns: Option<[i64; 2]>,
     /// The signal that is the evidence.
@@ -46,15 +62,47 @@ pub struct ClaimRecord {
     pub last_writer: Option<String>,
     /// On failure, what came closest to what was wanted.
     pub nearest_miss: Option<String>,
-    /// Line of the plan, from 1; 0 where it is not in the plan (an invariant of the board).
+    /// Line of the file that it stands in, from 1; 0 where it stands in none.
     pub line: u32,
+    /// The file that it stands in, where that is not the plan.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place_file: Option<String>,
+    /// The kind of that file.
+    #[serde(default, skip_serializing_if = "Origin::is_plan")]
+    pub origin: Origin,
+    /// It is an invariant or an alarm: it is claimed of every case and not of this one alone.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub guard: bool,
+}
+
+/// The kind of file that a claim stands in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Origin {
+    /// The plan, or a file that it includes.
+    #[default]
+    Plan,
+    /// A suite file.
+    Suite,
+    /// A board file.
+    Board,
+}
+
+impl Origin {
+    fn is_plan(&self) -> bool {
+        *self == Origin::Plan
+    }
 }
 
 /// One measurement, judged against its limits if it has any.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct MeasurementRecord {
     /// Name in the plan.
     pub name: String,
+    /// What is measured, in words: `mean of `pressure` from press until end`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub what: String,
     /// The value lies within `[low, high]`, in `unit`; nothing when it was never taken.
     #[serde(with = "crate::number::interval")]
     pub value: Option<[f64; 2]>,

@@ -10,6 +10,7 @@ pub const MAX_LINE_RANGES: usize = 10_000;
 
 /// What of a source file ran, over all cases that ran it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct FileCoverage {
     /// The file as the plan or the command line names it.
     pub file: String,
@@ -26,6 +27,10 @@ pub struct FileCoverage {
     pub lines_missed: Vec<[u32; 2]>,
     /// Lines that ran with a condition that went one way only, in the same form.
     pub lines_one_way: Vec<[u32; 2]>,
+    /// In a part of a suite, so that parts add up: the line of every statement, and whether it ran.
+    pub statements_at: Vec<(u32, bool)>,
+    /// In a part of a suite: the line of every condition, and which of its two ways were gone.
+    pub branches_at: Vec<(u32, bool, bool)>,
 }
 
 impl FileCoverage {

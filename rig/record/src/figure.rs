@@ -8,7 +8,8 @@ use std::fmt;
 ///
 /// Durations have the unit `ns` and are then exact up to 2^53 ns (104 days); they are shown in the unit
 /// that reads best.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Figure {
     /// The number, in `unit`.
     #[serde(with = "crate::number::real")]

@@ -2,10 +2,11 @@
 
 use crate::{
     CaseRecord, FORMAT, FileCoverage, MAX_COVERED_FILES, MAX_LANE_POINTS, MAX_LINE_RANGES, MAX_LOG_LINES,
-    RunRecord, Totals,
+    OLDEST_FORMAT, RunRecord, Totals, compact::Compact,
 };
-use serde::Deserialize;
-use std::fmt;
+use serde::{Deserialize, Serialize};
+use serde_json::ser::Formatter;
+use std::{fmt, io};
 
 /// The longest JSON text that is read.
 pub const MAX_JSON_BYTES: usize = 256 << 20;
@@ -62,6 +63,8 @@ pub enum RecordError {
         /// Place of the file, from 0.
         file: usize,
     },
+    /// R0411: a part of a suite that cannot be: the third of two.
+    Shard,
 }
 
 impl RecordError {
@@ -77,6 +80,7 @@ impl RecordError {
             Self::Totals => "R0407",
             Self::Backwards { .. } => "R0408",
             Self::Coverage { .. } => "R0409",
+            Self::Shard => "R0411",
         }
     }
 }
@@ -92,7 +96,10 @@ impl fmt::Display for RecordError {
                 write!(f, "not the record of a run: wrong field or type at line {line}, column {column}")
             }
             Self::Format { found } => {
-                write!(f, "the record has format {found}; this version of rig reads format {FORMAT}")
+                write!(
+                    f,
+                    "the record has format {found}; this version of rig reads formats {OLDEST_FORMAT} to {FORMAT}"
+                )
             }
             Self::TooMany { case } => write!(f, "more data than a record may hold, at case {case}"),
             Self::DuplicateCase { case } => {
@@ -103,6 +110,7 @@ impl fmt::Display for RecordError {
             Self::Coverage { file } => {
                 write!(f, "the coverage of source file {file} cannot be: the record was edited")
             }
+            Self::Shard => f.write_str("its part of the suite cannot be: the record was edited"),
         }
     }
 }
@@ -110,12 +118,15 @@ impl fmt::Display for RecordError {
 impl std::error::Error for RecordError {}
 
 impl RunRecord {
-    /// The record as JSON: fields in the order of their declaration, a final newline.
+    /// The record as JSON: fields in the order of their declaration without the empty ones, a line for each case, a
+    /// final newline.
     pub fn to_json(&self) -> String {
+        let mut out = Vec::new();
+        let mut writer = serde_json::Serializer::with_formatter(&mut out, Lines { depth: 0 });
         // Every map key is a string and every number finite or written as a word, so this cannot fail.
-        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
-        text.push('\n');
-        text
+        let _ = Compact(self).serialize(&mut writer);
+        out.push(b'\n');
+        String::from_utf8(out).unwrap_or_default()
     }
 
     /// Reads what [`RunRecord::to_json`] writes.
@@ -132,7 +143,7 @@ impl RunRecord {
             format: u64,
         }
         let versioned: Versioned = serde_json::from_str(text).map_err(located)?;
-        if versioned.format != u64::from(FORMAT) {
+        if !(u64::from(OLDEST_FORMAT)..=u64::from(FORMAT)).contains(&versioned.format) {
             return Err(RecordError::Format { found: versioned.format });
         }
         let record: RunRecord = serde_json::from_str(text).map_err(located)?;
@@ -162,7 +173,10 @@ impl RunRecord {
         }
         let impossible = |file: &FileCoverage| {
             let lines = [&file.lines_missed, &file.lines_one_way];
+            let detailed = !file.statements_at.is_empty();
             file.statements_run > file.statements
+                || detailed && file.statements_at.len() as u64 != file.statements
+                || detailed && 2 * file.branches_at.len() as u64 != file.branches
                 || file.branches_run > file.branches
                 || lines.iter().any(|list| list.len() > MAX_LINE_RANGES)
                 || lines.into_iter().flatten().any(|[first, last]| first > last)
@@ -173,7 +187,44 @@ impl RunRecord {
         if let Some(file) = self.coverage.iter().position(impossible) {
             return Err(RecordError::Coverage { file });
         }
+        if self.shard.is_some_and(|[part, of]| part == 0 || part > of) {
+            return Err(RecordError::Shard);
+        }
         if self.totals == Totals::of(&self.cases) { Ok(()) } else { Err(RecordError::Totals) }
+    }
+}
+
+/// JSON without blanks, but for a line end before each element of the outermost lists: tools for text then find and
+/// compare cases.
+struct Lines {
+    /// Brackets that are open.
+    depth: usize,
+}
+
+impl Formatter for Lines {
+    fn begin_array<W: io::Write + ?Sized>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.depth += 1;
+        writer.write_all(b"[")
+    }
+    fn end_array<W: io::Write + ?Sized>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.depth -= 1;
+        writer.write_all(b"]")
+    }
+    fn begin_array_value<W: io::Write + ?Sized>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
+        writer.write_all(match (self.depth, first) {
+            (2, true) => b"\n",
+            (2, false) => b",\n",
+            (_, true) => b"",
+            (_, false) => b",",
+        })
+    }
+    fn begin_object<W: io::Write + ?Sized>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.depth += 1;
+        writer.write_all(b"{")
+    }
+    fn end_object<W: io::Write + ?Sized>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.depth -= 1;
+        writer.write_all(b"}")
     }
 }
 

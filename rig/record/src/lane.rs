@@ -30,7 +30,8 @@ pub enum LaneValue {
     Unknown,
 }
 
-/// A change of a signal. In JSON `[earliest, latest, value]`, instants in nanoseconds.
+/// A change of a signal. In JSON `[instant, value]`, or `[earliest, latest, value]` where the instant is not known
+/// exactly; in nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LanePoint {
     /// `[earliest, latest]` of the change, nanoseconds of the trace.
@@ -41,6 +42,7 @@ pub struct LanePoint {
 
 /// A bounded excerpt of one signal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Lane {
     /// Name of the signal.
     pub signal: String,
@@ -57,7 +59,6 @@ pub struct Lane {
     pub truncated: bool,
     /// The excerpt ends at this instant, nanoseconds: nothing is said of the signal after it. Without it the
     /// last point's value holds to the end of the case.
-    #[serde(default)]
     pub until_ns: Option<i64>,
 }
 
@@ -144,14 +145,28 @@ impl<'de> Deserialize<'de> for LaneValue {
 
 impl Serialize for LanePoint {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        (self.at[0], self.at[1], self.value).serialize(serializer)
+        let [earliest, latest] = self.at;
+        // In virtual time every instant is exact, and points are most of a record.
+        if earliest == latest {
+            (earliest, self.value).serialize(serializer)
+        } else {
+            (earliest, latest, self.value).serialize(serializer)
+        }
     }
 }
 
 impl<'de> Deserialize<'de> for LanePoint {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let (earliest, latest, value) = Deserialize::deserialize(deserializer)?;
-        Ok(LanePoint { at: [earliest, latest], value })
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Within(i64, i64, LaneValue),
+            Exactly(i64, LaneValue),
+        }
+        Ok(match Written::deserialize(deserializer)? {
+            Written::Within(earliest, latest, value) => LanePoint { at: [earliest, latest], value },
+            Written::Exactly(at, value) => LanePoint { at: [at; 2], value },
+        })
     }
 }
 

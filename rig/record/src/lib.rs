@@ -10,21 +10,28 @@
 
 mod case;
 mod claim;
+mod compact;
+mod compare;
 mod coverage;
 mod figure;
 mod json;
 mod lane;
 mod number;
 mod run;
+mod statistics;
 mod verdict;
 
 pub use case::{
     CaseRecord, CaseStatus, Hashes, LogLine, MAX_LOG_LINES, Parameter, RigTiming, StepRecord, TaskFigures,
 };
-pub use claim::{ClaimRecord, MeasurementRecord, Window};
+pub use claim::{Bounds, ClaimRecord, MeasurementRecord, Origin, Window};
+pub use compare::{
+    COMPARISON_FORMAT, CaseChange, Change, ClaimChange, Comparison, Erosion, Move, Thresholds, compare,
+};
 pub use coverage::{FileCoverage, MAX_COVERED_FILES, MAX_LINE_RANGES};
 pub use figure::Figure;
 pub use json::{MAX_CASES, MAX_JSON_BYTES, RecordError};
 pub use lane::{Lane, LaneKind, LanePoint, LaneValue, MAX_LANE_POINTS};
-pub use run::{Clock, FORMAT, Provenance, RunRecord, Totals};
+pub use run::{Clock, FORMAT, OLDEST_FORMAT, Provenance, RequirementFact, RunRecord, Totals};
+pub use statistics::{FigureOf, Repeated, RepeatedFigure, Statistics};
 pub use verdict::Verdict;

@@ -3,8 +3,11 @@
 use crate::{CaseRecord, CaseStatus, FileCoverage, Verdict};
 use serde::{Deserialize, Serialize};
 
-/// Version of the record's shape that this crate writes and reads.
-pub const FORMAT: u32 = 1;
+/// Version of the record's shape that this crate writes. Format 1, in which every field was written, is read, too.
+pub const FORMAT: u32 = 2;
+
+/// The oldest version that is read.
+pub const OLDEST_FORMAT: u32 = 1;
 
 /// On which clock the cases ran.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -46,6 +49,9 @@ pub struct Provenance {
     pub arguments: Vec<String>,
     /// When the run began, RFC 3339; nothing where a reproducible record was asked for.
     pub started: Option<String>,
+    /// Further facts of the host that figures depend on, name and text: kind of real-time kernel, cores, governor.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub environment: Vec<(String, String)>,
 }
 
 /// How many cases came to what.
@@ -107,11 +113,43 @@ pub struct RunRecord {
     pub provenance: Provenance,
     /// How many cases came to what; kept by [`RunRecord::push`].
     pub totals: Totals,
+    /// How many cases the run was to have; 0 in a record of a rig that did not say.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub planned: u64,
     /// The cases, in the order in which the plans were given.
     pub cases: Vec<CaseRecord>,
+    /// Which part of a suite it is: `[K, N]`, part K of N from 1; nothing where it is the whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<[u32; 2]>,
+    /// SHA-256 of what was selected before it was spread over shards: the cases in their order, with their plans and
+    /// seeds. Parts of one suite have it in common. 64 hexadecimal digits; empty where it was not made.
+    #[serde(default)]
+    pub selection_sha256: String,
+    /// How long the whole run took on the host, milliseconds.
+    #[serde(default)]
+    pub host_ms: u64,
     /// What of the programs ran, where it was asked for: file by file, in the order of their first case.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub coverage: Vec<FileCoverage>,
+    /// The requirements that the cases prove, as the register has them, in its order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub requirements: Vec<RequirementFact>,
+}
+
+/// A requirement as the register has it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RequirementFact {
+    /// Its ID: `controller:WD-04`.
+    pub id: String,
+    /// What it asks, one line.
+    pub asks: String,
+    /// Its clauses: what stands behind the `#`, and what each asks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clauses: Vec<(String, String)>,
+}
+
+fn is_zero(n: &u64) -> bool {
+    *n == 0
 }
 
 impl RunRecord {
@@ -142,6 +180,8 @@ impl RunRecord {
         self.provenance.host_cpu = None;
         self.provenance.started = None;
         self.provenance.arguments.clear();
+        self.host_ms = 0;
+        self.provenance.environment.clear();
         for case in &mut self.cases {
             case.host_ms = 0;
         }

@@ -62,12 +62,12 @@ fn what_cannot_be_trusted_is_refused() {
     let text = sample().to_json();
     let code = |text: &str| RunRecord::from_json(text).unwrap_err().code();
     assert_eq!(code("{\n \"format\": 1,\n"), "R0402");
-    assert_eq!(code("{\"format\": 1}"), "R0403");
-    assert_eq!(code("{\"format\": 2}"), "R0404");
+    assert_eq!(code("{\"format\": 2}"), "R0403");
+    assert_eq!(code("{\"format\": 3}"), "R0404");
     assert_eq!(code("[]"), "R0403");
     assert_eq!(code(&text.replace("watchdog/late", "watchdog/pulse")), "R0406");
     // A failure edited away leaves totals that do not add up.
-    assert_eq!(code(&text.replacen("\"verdict\": \"fail\"", "\"verdict\": \"pass\"", 1)), "R0407");
+    assert_eq!(code(&text.replacen("\"verdict\":\"fail\"", "\"verdict\":\"pass\"", 1)), "R0407");
     let mut run = sample();
     run.cases[0].claims[0].deciding_ns = Some([6, 5]);
     assert_eq!(code(&run.to_json()), "R0408");
@@ -81,6 +81,43 @@ fn what_cannot_be_trusted_is_refused() {
     assert_eq!(code(&run.to_json()), "R0409");
     run.coverage[0] = FileCoverage { statements_run: 1, ..FileCoverage::default() };
     assert_eq!(code(&run.to_json()), "R0409");
+    run.coverage[0] =
+        FileCoverage { statements: 2, statements_at: vec![(1, true)], ..FileCoverage::default() };
+    assert_eq!(code(&run.to_json()), "R0409");
+    run.coverage.clear();
+    run.shard = Some([3, 2]);
+    assert_eq!(code(&run.to_json()), "R0411");
+}
+
+/// What the first version of this crate wrote of [`sample`] but for its shape of JSON: every field, points of three.
+#[test]
+fn a_record_of_format_1_reads_as_it_did() {
+    let text = r#"{ "format": 1, "rig_version": "0.1.0", "provenance": {
+        "binary_sha256": "", "kernel": "6.12.0", "host_cpu": null, "profiles": ["m241-2019"], "seed": 7,
+        "clock": "virtual", "arguments": [], "started": null },
+      "totals": { "passed": 0, "none": 1, "inconclusive": 0, "failed": 0, "errors": 0, "not_applicable": 0,
+        "skipped": 0 },
+      "cases": [ { "name": "a", "plan": "", "row": null, "parameters": [], "title": "", "status": { "is": "judged" },
+        "verdict": "none", "reason": "", "proves": [], "profile": "m241-2019", "reference": "",
+        "hashes": { "plan": "", "board": "", "program": "" }, "seed": 0, "start_ns": 0, "end_ns": 0,
+        "duration_ns": 0, "host_ms": 0, "trace_sha256": "", "trace_file": null, "claims": [], "measurements": [],
+        "steps": [], "timing": { "late_max_ns": 0, "overruns": 0, "dropped": 0, "horizon_ns": 0 }, "tasks": [],
+        "log": [], "log_dropped": 0, "lanes": [ { "signal": "lamp", "kind": "digital", "unit": "", "labels": [],
+          "points": [[0, 0, "x"], [10, 12, 1]], "truncated": false, "until_ns": null } ] } ] }"#;
+    let run = RunRecord::from_json(text).unwrap();
+    let point = |at, value| LanePoint { at, value };
+    let points = [point([0, 0], LaneValue::Unknown), point([10, 12], LaneValue::Number(1.0))];
+    assert_eq!(run.cases[0].lanes[0].points, points);
+    let compact = run.to_json();
+    assert!(compact.contains(r#""points":[[0,"x"],[10,12,1]]"#), "{compact}");
+    assert_eq!(RunRecord::from_json(&compact).unwrap(), run);
+}
+
+#[test]
+fn every_case_has_a_line() {
+    let text = sample().to_json();
+    let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("{\"name\":")).collect();
+    assert_eq!(lines.len(), 3, "{text}");
 }
 
 #[test]

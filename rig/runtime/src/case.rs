@@ -2,27 +2,33 @@
 
 use crate::application::{assign, compile};
 use crate::bundle::Bundle;
+use crate::check::{self, Looked};
 use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
 use crate::configure::{configuration, initial_state};
 use crate::coverage::{Collector, Covered};
 use crate::executor::{Executor, Limits, Parts, Ran};
 use crate::needs::{Unmet, unmet};
+use crate::operator::Operator;
 use crate::prepare::{Bench, Prepared, prepare};
 use crate::recorder::Recorder;
+
 use crate::schedule::Schedule;
+use crate::stepping::Stepper;
 use crate::store::MemoryStore;
 use crate::subject::{Model, Subject};
+use crate::suite::nobody;
 use crate::tasks::Tasks;
 use crate::{describe, inputs, lanes, refusal, spill};
 use controller::{Command, Config, Effects, LoadError, Part, State};
-use document::{Diagnostic, SourceFile};
+use document::{Diagnostic, Joined, SourceFile};
 use drivers::file::{BoardFile, build};
 use plans::Case;
 use plans::judge::{Judge, Outcome};
-use plans::plan::ProgramRef;
+use plans::plan::{Guards, ProgramRef};
 use profile::{Profile, Reference};
-use record::{CaseRecord, CaseStatus, Hashes, Parameter, RigTiming, StepRecord, TaskFigures, Verdict};
+use record::{CaseRecord, CaseStatus, RigTiming, StepRecord, TaskFigures, Verdict};
 use signal::{SignalId, Span, Time, Trace, Value, When};
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -59,6 +65,8 @@ pub struct RunOptions<'a> {
     pub coverage: bool,
     /// Becomes TRUE when the user wants the run to end.
     pub interrupt: &'a AtomicBool,
+    /// Who can be asked, if somebody is there.
+    pub operator: Option<&'a dyn Operator>,
 }
 
 /// The least that a rig without real-time priority can be asked to keep on the host's clock.
@@ -75,6 +83,7 @@ impl<'a> RunOptions<'a> {
             trace_memory: DEFAULT_TRACE_MEMORY,
             coverage: false,
             interrupt,
+            operator: None,
         }
     }
 }
@@ -88,6 +97,8 @@ pub struct CaseFiles {
     pub given: Vec<(String, String)>,
     /// The plan.
     pub plan: SourceFile,
+    /// The plan and what it includes: the places of the case count through all of them.
+    pub joined: Joined,
     /// The sources of the program.
     pub sources: Vec<SourceFile>,
     /// The programs that steps bring to the controller, each once.
@@ -96,12 +107,28 @@ pub struct CaseFiles {
     pub board: BoardFile,
     /// Text of the board file, empty for the default board.
     pub board_text: String,
+    /// What suites and the board claim of every case.
+    pub guards: Vec<Arc<Guards>>,
     /// The controller.
     pub profile: Profile,
     /// Its reference.
     pub reference: &'static Reference,
     /// The seed of everything that is left to chance.
     pub seed: u64,
+}
+
+impl CaseFiles {
+    /// The case with what suites and the board claim of it.
+    ///
+    /// # Errors
+    /// Two alarms of one name.
+    pub fn guarded<'c>(&self, case: &'c Case) -> Result<Cow<'c, Case>, Vec<Diagnostic>> {
+        let mut case = Cow::Borrowed(case);
+        for guards in &self.guards {
+            guards.attach(case.to_mut())?;
+        }
+        Ok(case)
+    }
 }
 
 /// A program that a step brings to the controller.
@@ -136,10 +163,17 @@ impl CaseResult {
 /// # Errors
 /// What [`run_case`] would find in the user's files.
 pub fn check_case(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
+    let mut checked = check_here(case, files);
+    let (Ok(found) | Err(found)) = &mut checked;
+    files.joined.locate(found);
+    checked
+}
+
+fn check_here(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
     if (!case.profiles.is_empty() && !case.profiles.contains(&files.profile))
         || !files.profile.accepts(files.reference)
     {
-        return Ok(Vec::new());
+        return Ok(check::profile(case, files).into_iter().collect());
     }
     match &case.refusal {
         Some(refusal) => refusal::check(case, files, refusal).map(|()| Vec::new()),
@@ -147,13 +181,28 @@ pub fn check_case(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec
     }
 }
 
+/// Builds subject and board of a case and looks up its names: signals and steps as a run would have them.
+pub(crate) fn lay_out(case: &Case, files: &CaseFiles) -> Result<Prepared, Vec<Diagnostic>> {
+    let case = &*files.guarded(case)?;
+    stage(case, files, None)?.prepare(case, files, Trace::new(), true)
+}
+
 /// Builds subject and board of a case and looks up its names.
 pub(crate) fn look_up(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
+    let case = &*files.guarded(case)?;
     let mut stage = stage(case, files, None)?;
     let prepared = stage.prepare(case, files, Trace::new(), true)?;
     Judge::new(case.scenario(), prepared.trace.signals())?;
+    let looked = stage.looked(case, files, &prepared);
+    let found = check::claims(&looked);
+    if found.iter().any(Diagnostic::is_error) {
+        return Err(found);
+    }
+    let needs = check::needs(&looked);
     let mut warnings = stage.warnings;
     warnings.extend(prepared.warnings);
+    warnings.extend(found);
+    warnings.extend(needs);
     Ok(warnings)
 }
 
@@ -185,9 +234,15 @@ impl Stage {
             reference: files.reference,
             bundle: &self.bundle,
             others: &self.others,
+            seed: files.seed,
             exact,
         };
         prepare(case, &files.plan, trace, &mut bench)
+    }
+
+    /// What is looked at before anything moves.
+    fn looked<'a>(&'a self, case: &'a Case, files: &'a CaseFiles, prepared: &'a Prepared) -> Looked<'a> {
+        Looked { case, files, model: &self.model, board: &*self.board, prepared }
     }
 }
 
@@ -283,6 +338,31 @@ pub fn run_case(
     files: &CaseFiles,
     options: &RunOptions<'_>,
 ) -> Result<CaseResult, Vec<Diagnostic>> {
+    step_case(case, files, options, None)
+}
+
+/// As [`run_case`], and `stepper` is asked before each step of the plan.
+///
+/// # Errors
+/// Those of [`run_case`].
+pub fn step_case(
+    case: &Case,
+    files: &CaseFiles,
+    options: &RunOptions<'_>,
+    stepper: Option<&mut dyn Stepper>,
+) -> Result<CaseResult, Vec<Diagnostic>> {
+    run_here(case, files, options, stepper).map_err(|mut found| {
+        files.joined.locate(&mut found);
+        found
+    })
+}
+
+fn run_here(
+    case: &Case,
+    files: &CaseFiles,
+    options: &RunOptions<'_>,
+    stepper: Option<&mut dyn Stepper>,
+) -> Result<CaseResult, Vec<Diagnostic>> {
     let began = Instant::now();
     let mut record = describe::record_of(case, files);
     if !case.profiles.is_empty() && !case.profiles.contains(&files.profile) {
@@ -301,6 +381,10 @@ pub fn run_case(
         record.host_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
         return Ok(CaseResult::not_run(record));
     }
+    if let Some(found) = nobody(case, &files.plan.name).filter(|_| options.operator.is_none()) {
+        return Err(vec![found]);
+    }
+    let case = &*files.guarded(case)?;
     let collector = options.coverage.then(Collector::default);
     let mut stage = stage(case, files, collector.clone())?;
     if let Some(unmet) = unmet(case, &stage.model, &*stage.board, Span::ZERO) {
@@ -316,9 +400,14 @@ pub fn run_case(
     let mut clock = clock(options.clock, files.seed);
     let trace = Trace::with_spill(options.trace_memory, spill::temporary());
     let prepared = stage.prepare(case, files, trace, clock.is_exact())?;
+    let mut found = check::claims(&stage.looked(case, files, &prepared));
+    found.retain(Diagnostic::is_error);
+    if !found.is_empty() {
+        return Err(found);
+    }
     let Stage { mut model, mut board, program, .. } = stage;
     let initial = initial_state(case.settings.initial);
-    let Prepared { mut trace, mut wiring, steps, probes, .. } = prepared;
+    let Prepared { mut trace, mut wiring, steps, probes, mut alarms, .. } = prepared;
     describe::annotate(&mut trace, case, files, &model, clock.name());
     let mut judge = Judge::new(case.scenario(), trace.signals())?;
     if !options.fail_fast {
@@ -328,13 +417,14 @@ pub fn run_case(
     for (probe, signal) in &probes {
         show(&mut recorder, *signal, model.read(probe));
     }
-    let mut schedule = Schedule::new(steps, case.ends.clone(), files.seed);
+    let mut schedule = Schedule::new(steps, case.ends.clone());
     let limits = Limits {
         initial,
         late: options.late,
         slice: options.slice,
         fail_fast: options.fail_fast,
         timeout: case.timeout,
+        teardown: case.teardown,
     };
     let parts = Parts {
         clock: &mut *clock,
@@ -343,11 +433,20 @@ pub fn run_case(
         recorder: &mut recorder,
         schedule: &mut schedule,
         wiring: &mut wiring,
+        alarms: &mut alarms,
         interrupt: options.interrupt,
+        operator: options.operator,
     };
-    let ran = Executor::new(parts, limits).run();
+    let executor = Executor::new(parts, limits);
+    let ran = match stepper {
+        Some(stepper) => executor.stepping(stepper).run(),
+        None => executor.run(),
+    };
     let late = recorder.late();
     let (mut trace, judge) = recorder.into_parts();
+    if let Some(ended) = schedule.ended_words() {
+        trace.set_note("ended", ended);
+    }
     if let Some(trouble) = &ran.trouble {
         trace.set_note("trouble", trouble.show(board.channels()).to_string());
     }
@@ -387,6 +486,7 @@ pub fn verdict(record: &mut CaseRecord, outcome: Result<Outcome, String>, trace:
             record.reason = format!("the trace cannot be read: {fault}");
         }
     }
+    record.ended = trace.note("ended").unwrap_or_default().to_owned();
     let obeyed = trace.notes().find_map(|(key, note)| Some((key.strip_prefix("refused:")?, note)));
     if let Some((step, note)) = obeyed {
         record.verdict = record.verdict.max(Verdict::Fail);
@@ -407,7 +507,7 @@ pub fn verdict(record: &mut CaseRecord, outcome: Result<Outcome, String>, trace:
 fn finish(record: &mut CaseRecord, ran: &Ran, late: Span, schedule: &Schedule, model: &Model, trace: &Trace) {
     record.start_ns = ran.start.unwrap_or(ran.end).as_nanos();
     record.end_ns = ran.end.as_nanos();
-    record.duration_ns = ran.end.as_nanos();
+    record.duration_ns = ran.closed.as_nanos();
     record.trace_sha256 = describe::hex(&trace.digest());
     record.timing = RigTiming {
         late_max_ns: late.as_nanos(),
@@ -418,7 +518,8 @@ fn finish(record: &mut CaseRecord, ran: &Ran, late: Span, schedule: &Schedule, m
     for (step, planned) in schedule.steps().iter().enumerate() {
         let at = schedule.begun(step).map(|at| [at.as_nanos(), at.saturating_add(late).as_nanos()]);
         let what = record.steps.get(step).map_or_else(String::new, |known| known.what.clone());
-        let came = StepRecord { id: planned.id.clone(), at_ns: at, what };
+        let phase = planned.phase.word().to_owned();
+        let came = StepRecord { id: planned.id.clone(), at_ns: at, what, phase };
         match record.steps.get_mut(step) {
             Some(known) => *known = came,
             None => record.steps.push(came),
@@ -469,25 +570,4 @@ fn no_such_program(
     Diagnostic::error("R0114", message)
         .at(&plan.name, 0..0, "")
         .help(format!("the program has {}", known.join(", ")))
-}
-
-/// Hashes of what a case is made of.
-pub fn hashes(files: &CaseFiles) -> Hashes {
-    let all = files.sources.iter().chain(files.others.iter().flat_map(|other| &other.sources));
-    let sources: String = all.map(|source| format!("{}\0{}\0", source.name, source.text)).collect();
-    Hashes {
-        plan: describe::sha256(files.plan.text.as_bytes()),
-        board: if files.board_text.is_empty() {
-            String::new()
-        } else {
-            describe::sha256(files.board_text.as_bytes())
-        },
-        program: if sources.is_empty() { String::new() } else { describe::sha256(sources.as_bytes()) },
-    }
-}
-
-/// What `$` names had which value.
-pub fn parameters(case: &Case) -> Vec<Parameter> {
-    let parameter = |(name, value): &(String, String)| Parameter { name: name.clone(), value: value.clone() };
-    case.parameters.iter().map(parameter).collect()
 }

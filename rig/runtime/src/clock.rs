@@ -11,6 +11,9 @@ pub trait Clock: Send {
     /// The instant now, where asking matters: after a call that takes host time.
     fn now(&mut self) -> Time;
 
+    /// Time stood still for a while: it goes on from `at`.
+    fn stood_still(&mut self, _at: Time) {}
+
     /// Whether waits end exactly when they are due, so that events are known to the nanosecond.
     fn is_exact(&self) -> bool;
 
@@ -107,6 +110,11 @@ impl Clock for HostClock {
 
     fn now(&mut self) -> Time {
         Time::from_nanos(i64::try_from(self.origin.elapsed().as_nanos()).unwrap_or(i64::MAX))
+    }
+
+    fn stood_still(&mut self, at: Time) {
+        let passed = u64::try_from((self.now() - at).as_nanos()).unwrap_or(0);
+        self.origin += std::time::Duration::from_nanos(passed);
     }
 
     fn is_exact(&self) -> bool {

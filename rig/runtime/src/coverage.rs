@@ -90,6 +90,20 @@ impl Total {
     pub fn record(&self) -> Vec<FileCoverage> {
         self.files.iter().map(Covered::record).collect()
     }
+
+    /// As the record of a part of a suite has it: with every statement, so that parts add up.
+    pub fn part(&self) -> Vec<FileCoverage> {
+        self.files.iter().map(Covered::part).collect()
+    }
+
+    /// Adds what [`Total::part`] gave; false when it lacks the statements.
+    #[must_use]
+    pub fn add_part(&mut self, files: &[FileCoverage]) -> bool {
+        let parts: Option<Vec<Covered>> = files.iter().map(Covered::of_part).collect();
+        let whole = parts.is_some();
+        self.add(parts.unwrap_or_default());
+        whole
+    }
 }
 
 fn same_lines(left: &[Ran], right: &[Ran]) -> bool {
@@ -108,6 +122,24 @@ impl Covered {
         for (sum, more) in lists.into_iter().flat_map(|(sum, more)| sum.iter_mut().zip(more)) {
             sum.ways = [sum.ways[0] | more.ways[0], sum.ways[1] | more.ways[1]];
         }
+    }
+
+    fn part(&self) -> FileCoverage {
+        FileCoverage {
+            statements_at: self.statements.iter().map(|ran| (ran.line, ran.ways[0])).collect(),
+            branches_at: self.branches.iter().map(|ran| (ran.line, ran.ways[0], ran.ways[1])).collect(),
+            ..self.record()
+        }
+    }
+
+    fn of_part(file: &FileCoverage) -> Option<Covered> {
+        let statement = |(line, ran): &(u32, bool)| Ran { line: *line, ways: [*ran; 2] };
+        let branch = |(line, one, other): &(u32, bool, bool)| Ran { line: *line, ways: [*one, *other] };
+        (file.statements_at.len() as u64 == file.statements).then(|| Covered {
+            file: file.file.clone(),
+            statements: file.statements_at.iter().map(statement).collect(),
+            branches: file.branches_at.iter().map(branch).collect(),
+        })
     }
 
     /// As the record has it.
@@ -136,6 +168,7 @@ impl Covered {
             branches_run: ways as u64,
             lines_missed: ranges(&missing, between),
             lines_one_way: one_way,
+            ..FileCoverage::default()
         }
     }
 }

@@ -1,11 +1,12 @@
 //! What a record and a trace say of where they come from.
 
-use crate::case::{CaseFiles, hashes, parameters};
+use crate::case::CaseFiles;
 use crate::subject::{Model, Subject};
+use document::Joined;
 use plans::Case;
 use plans::plan::ProgramRef;
-use plans::steps::{Command, Disturbance, FaultKind, FileDeed, Stimulus};
-use record::{CaseRecord, StepRecord};
+use plans::steps::{Command, Disturbance, FaultKind, FileDeed, Shape, Stimulus};
+use record::{CaseRecord, Hashes, Origin, Parameter, StepRecord};
 use sha2::{Digest, Sha256};
 use signal::Trace;
 
@@ -19,6 +20,33 @@ pub fn sha256(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
 }
 
+/// The hash of a plan with all that it includes.
+pub fn plan_hash(joined: &Joined) -> String {
+    let mut text = joined.first().text.clone();
+    for file in joined.others() {
+        text.push('\0');
+        text.push_str(&file.text);
+    }
+    sha256(text.as_bytes())
+}
+
+/// Hashes of what a case is made of.
+pub fn hashes(files: &CaseFiles) -> Hashes {
+    let all = files.sources.iter().chain(files.others.iter().flat_map(|other| &other.sources));
+    let sources: String = all.map(|source| format!("{}\0{}\0", source.name, source.text)).collect();
+    Hashes {
+        plan: plan_hash(&files.joined),
+        board: if files.board_text.is_empty() { String::new() } else { sha256(files.board_text.as_bytes()) },
+        program: if sources.is_empty() { String::new() } else { sha256(sources.as_bytes()) },
+    }
+}
+
+/// What `$` names had which value.
+pub fn parameters(case: &Case) -> Vec<Parameter> {
+    let parameter = |(name, value): &(String, String)| Parameter { name: name.clone(), value: value.clone() };
+    case.parameters.iter().map(parameter).collect()
+}
+
 /// The record of a case before it runs.
 pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
     CaseRecord {
@@ -28,14 +56,21 @@ pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
         parameters: parameters(case),
         title: case.title.clone(),
         proves: case.proves.clone(),
+        tags: case.tags.clone(),
         profile: files.profile.name().to_owned(),
         reference: files.reference.name.to_owned(),
+        board: files.board.name.clone(),
         hashes: hashes(files),
         seed: files.seed,
         steps: case
             .steps
             .iter()
-            .map(|step| StepRecord { id: step.id.clone(), at_ns: None, what: what(&step.stimulus) })
+            .map(|step| StepRecord {
+                id: step.id.clone(),
+                at_ns: None,
+                what: what(&step.stimulus),
+                phase: step.phase.word().to_owned(),
+            })
             .collect(),
         ..CaseRecord::default()
     }
@@ -43,10 +78,18 @@ pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
 
 /// Writes into the trace what judging it again needs, and whose names stand behind its numbers.
 pub fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, model: &Model, clock: &str) {
+    annotate_files(trace, case, files, clock);
+    for (place, (task, ..)) in model.figures().iter().enumerate() {
+        trace.set_note(&format!("task:{place}"), task.clone());
+    }
+}
+
+/// What of it follows from the files alone.
+pub(crate) fn annotate_files(trace: &mut Trace, case: &Case, files: &CaseFiles, clock: &str) {
     trace.set_note("case", files.name.clone());
     trace.set_note("plan-case", case.name.clone());
     trace.set_note("plan", files.plan.name.clone());
-    trace.set_note("plan-sha256", sha256(files.plan.text.as_bytes()));
+    trace.set_note("plan-sha256", plan_hash(&files.joined));
     trace.set_note("profile", files.profile.name().to_owned());
     trace.set_note("reference", files.reference.name.to_owned());
     trace.set_note("seed", files.seed.to_string());
@@ -57,8 +100,11 @@ pub fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, model: &Model
     for (name, value) in &files.given {
         trace.set_note(&format!("given:{name}"), value.clone());
     }
-    for (place, (task, ..)) in model.figures().iter().enumerate() {
-        trace.set_note(&format!("task:{place}"), task.clone());
+    // Whole, so that a trace can be judged again without the files.
+    for (place, guards) in files.guards.iter().enumerate() {
+        let kind = if guards.origin() == Origin::Board { "board" } else { "suite" };
+        let file = guards.file();
+        trace.set_note(&format!("guards:{place:03}:{kind}:{}", file.name), file.text.clone());
     }
     for (place, source) in files.sources.iter().enumerate() {
         trace.set_note(&format!("file:{place}"), source.name.clone());
@@ -179,6 +225,26 @@ pub fn what(stimulus: &Stimulus) -> String {
             }
         }
         Stimulus::Train(train) => format!("{} pulses on {}", train.count, train.signal),
+        Stimulus::Wave(wave) => {
+            let lasts = wave.lasts.map_or_else(String::new, |lasts| format!(" for {lasts}"));
+            match &wave.shape {
+                Shape::Ramp { from: Some(from), to } => format!("{} from {from} to {to}{lasts}", wave.signal),
+                Shape::Ramp { from: None, to } => format!("{} to {to}{lasts}", wave.signal),
+                _ => format!("{} on {}{lasts}", wave.verb(), wave.signal),
+            }
+        }
+        Stimulus::Sequence(sequence) => {
+            let rows = sequence.table.times.len();
+            let times =
+                if sequence.times > 1 { format!(", {} times", sequence.times) } else { String::new() };
+            format!("{rows} rows of {}{times}", sequence.table.path)
+        }
+        Stimulus::Encoder(encoder) => {
+            let lines: Vec<&str> = encoder.lines().collect();
+            format!("{} counts of an encoder on {}", encoder.counts(), lines.join(", "))
+        }
+        Stimulus::Run { group } => format!("run {group}"),
+        Stimulus::Ask(question) => format!("ask: {}", question.text),
         Stimulus::Mark => String::from("nothing"),
     }
 }

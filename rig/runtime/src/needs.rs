@@ -49,7 +49,8 @@ fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board, late: Span
                 _ => None,
             }
         }
-        ("settings", _) => None,
+        // Of the run, not of the subject: a run that nobody looks after does not begin.
+        ("operator" | "settings", _) => None,
         (word, _) => match Capability::find(word) {
             Some(capability) if model.capabilities().contains(&capability) => None,
             _ => Some(Unmet::Power(format!("the subject does not have the power `{word}`"))),

@@ -4,14 +4,24 @@ use crate::case::verdict;
 use crate::describe;
 use document::{Diagnostic, SourceFile};
 use plans::judge::Judge;
+use plans::plan::{Guards, PlanText};
 use record::CaseRecord;
 use signal::{Time, Trace, When};
 
-/// Judges a trace by its plan: the same verdicts as in the run that recorded it.
+/// Judges a trace by its plan, which names no tables: the same verdicts as in the run that recorded it.
 ///
 /// # Errors
 /// Findings in the plan; a trace that is of no case of this plan.
 pub fn judge(plan: &SourceFile, trace: &Trace) -> Result<CaseRecord, Vec<Diagnostic>> {
+    judge_gathered(&plans::gather(plan, &mut |_| Err(String::from("no files can be included here")))?, trace)
+}
+
+/// Judges a trace by its plan with what it includes: the same verdicts as in the run that recorded it.
+///
+/// # Errors
+/// Findings in the plan; a trace that is of no case of this plan.
+pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<Diagnostic>> {
+    let plan = text.file();
     let note = |key: &str| trace.note(key).unwrap_or_default();
     let seed = note("seed").parse().unwrap_or(1);
     let parameters: Vec<(String, String)> = trace
@@ -19,25 +29,30 @@ pub fn judge(plan: &SourceFile, trace: &Trace) -> Result<CaseRecord, Vec<Diagnos
         .filter_map(|(key, value)| Some((key.strip_prefix("given:")?.to_owned(), value.to_owned())))
         .collect();
     // The cases are named by the plan's path, which may be another here than where the trace was recorded.
-    let same = SourceFile::new(note("plan"), plan.text.clone());
-    let read = plans::read(&same, &parameters, seed).map_err(|mut found| {
-        for label in found.iter_mut().flat_map(|one| &mut one.labels) {
+    let same = text.clone().named(note("plan"));
+    let read = plans::read_gathered(&same, &parameters, seed).map_err(|mut found| {
+        let labels = found.iter_mut().flat_map(|one| &mut one.labels);
+        for label in labels.filter(|label| label.file == same.file().name) {
             label.file.clone_from(&plan.name);
         }
         found
     })?;
     let name = note("plan-case");
-    let Some(case) = read.cases().find(|case| case.name == name) else {
+    let Some(mut case) = read.cases().find(|case| case.name == name) else {
         let message = format!("the trace is of the case `{name}`, which {} does not have", plan.name);
         return Err(vec![
             Diagnostic::error("R0203", message).help("judge it by the plan that it was recorded with"),
         ]);
     };
+    for guards in guards_of(trace)? {
+        guards.attach(&mut case)?;
+    }
     let mut record = CaseRecord {
         name: note("case").to_owned(),
         plan: plan.name.clone(),
         title: case.title.clone(),
         proves: case.proves.clone(),
+        tags: case.tags.clone(),
         profile: note("profile").to_owned(),
         reference: note("reference").to_owned(),
         seed,
@@ -45,25 +60,40 @@ pub fn judge(plan: &SourceFile, trace: &Trace) -> Result<CaseRecord, Vec<Diagnos
         ..CaseRecord::default()
     };
     let mut end = Time::ZERO;
-    for (mark, place) in [("step:start", 0), ("step:end", 1)] {
+    let mut closed = Time::ZERO;
+    for (mark, place) in [("step:start", 0), ("step:end", 1), ("step:teardown.done", 2)] {
         let last = trace.find(mark).and_then(|signal| trace.last(signal));
         let Some(event) = last else { continue };
         let at = event.at.earliest;
-        if place == 0 {
-            record.start_ns = at.as_nanos();
-        } else {
-            end = at;
+        match place {
+            0 => record.start_ns = at.as_nanos(),
+            1 => end = at,
+            _ => closed = at,
         }
     }
     record.end_ns = end.as_nanos();
-    record.duration_ns = record.end_ns;
+    record.duration_ns = end.max(closed).as_nanos();
     let judge = Judge::new(case.scenario(), trace.signals())?;
     let outcome = judge.replay(When::exactly(end), trace).map_err(|error| error.to_string());
     verdict(&mut record, outcome, trace);
-    let changed = trace.note("plan-sha256") != Some(describe::sha256(plan.text.as_bytes()).as_str());
+    let changed = trace.note("plan-sha256") != Some(describe::plan_hash(read.joined()).as_str());
     if changed {
         let reason = format!("{} (the plan has changed since the trace was recorded)", record.reason);
         record.reason = reason.trim().to_owned();
     }
     Ok(record)
+}
+
+/// The invariants and alarms of suites and the board that the run held against its cases.
+fn guards_of(trace: &Trace) -> Result<Vec<Guards>, Vec<Diagnostic>> {
+    let mut list = Vec::new();
+    for (key, text) in trace.notes() {
+        let Some((_, named)) = key.strip_prefix("guards:").and_then(|key| key.split_once(':')) else {
+            continue;
+        };
+        let Some((kind, name)) = named.split_once(':') else { continue };
+        let file = SourceFile::new(name, text);
+        list.push(if kind == "board" { Guards::of_board(&file)? } else { Guards::of_suite(&file)? });
+    }
+    Ok(list)
 }

@@ -1,13 +1,21 @@
 //! The steps of a case on their way to their instants. Prepared before the start: nothing is allocated while the
 //! case runs.
 
+mod course;
+
+use crate::generator::Generator;
 use controller::{Command, Disturbance, FileUser, Probe};
 use drivers::{ChannelId, Fault};
 use plans::lang::{Anchor, Base};
-use plans::steps::{FileDeed, Train};
-use signal::{Random, SignalId, Span, Time, Value};
+use plans::plan::{Phase, Repeat};
+use plans::steps::{FileDeed, Question};
+use signal::{SignalId, Span, Time, Value};
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeMap, BinaryHeap};
+use std::sync::Arc;
+
+use course::Course;
+pub use course::EndReason;
 
 /// One thing that a step does, with every name resolved.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +54,8 @@ pub enum Act {
     Write(Probe, Value, Expected),
     /// Does something to a file.
     File(FileAct, Expected),
+    /// Asks a person; the answer is recorded as this signal.
+    Ask(Arc<Question>, SignalId),
 }
 
 /// What is done to a file of the subject.
@@ -127,15 +137,6 @@ pub enum Timing {
     },
 }
 
-/// A train of pulses under way.
-#[derive(Clone, Debug)]
-pub struct TrainWork {
-    /// Where it is emitted.
-    pub channel: ChannelId,
-    /// The pulses.
-    pub train: Train,
-}
-
 /// A step with everything resolved.
 #[derive(Clone, Debug)]
 pub struct Planned {
@@ -145,12 +146,18 @@ pub struct Planned {
     pub mark: SignalId,
     /// The mark of its end.
     pub done: SignalId,
+    /// The part of the case that it belongs to.
+    pub phase: Phase,
     /// When it comes.
     pub timing: Timing,
+    /// How it comes more than once.
+    pub repeat: Option<Repeat>,
+    /// Place of the step that runs its group.
+    pub parent: Option<usize>,
     /// What it does, by the time since its beginning, in order.
     pub acts: Vec<(Span, Act)>,
-    /// Its train, if any.
-    pub train: Option<TrainWork>,
+    /// What goes on from its beginning, if anything.
+    pub generator: Option<Generator>,
     /// How long after its beginning it is done.
     pub lasts: Span,
 }
@@ -164,19 +171,27 @@ pub enum Due {
     Begin,
     /// One of its acts.
     Act(u32),
-    /// An edge of its train: number of the pulse from 1, TRUE for the rising one.
-    Edge(u32, bool),
+    /// The next act of its generator, of the time that it came with this ticket.
+    Emit(u64),
     /// It is done.
     Done,
     /// What it waits for did not come.
     Missed,
+    /// It comes no more.
+    Stop,
+    /// All of the setup is done. Of no step.
+    Main,
 }
 
 /// What a step or the end of the case hangs on, with the step's place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Root {
     Start,
+    Main,
+    Teardown,
     Begin(usize),
+    /// The step comes this time, from 1.
+    Time(usize, u64),
     Done(usize),
     Pulse(usize, u32),
     /// Nothing that comes.
@@ -184,11 +199,14 @@ enum Root {
 }
 
 impl Root {
-    fn of(base: &Base, steps: &[Planned]) -> Root {
-        let place = |id: &str| steps.iter().position(|step| step.id == id);
+    fn of(base: &Base, steps: &BTreeMap<&str, usize>) -> Root {
+        let place = |id: &str| steps.get(id).copied();
         let found = match base {
             Base::Start => Some(Root::Start),
+            Base::Main => Some(Root::Main),
+            Base::Teardown => Some(Root::Teardown),
             Base::End => None,
+            Base::Occurrence { step, n } => place(step).map(|place| Root::Time(place, *n)),
             Base::Step(id) => place(id).map(Root::Begin),
             Base::StepDone(id) => place(id).map(Root::Done),
             Base::Pulse { step, n } => {
@@ -199,42 +217,68 @@ impl Root {
     }
 }
 
+/// How far the generator of a step has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Running {
+    /// Which time of the step this is.
+    ticket: u64,
+    /// The number of its next act, from 0.
+    act: u64,
+    /// Something else drives one of its lines: it does nothing more.
+    stopped: bool,
+    /// The end of its step is known, and waits.
+    ends: bool,
+}
+
 /// The steps and what of them is due next.
 #[derive(Debug)]
 pub struct Schedule {
     steps: Vec<Planned>,
     /// What each step hangs on, and behind them the end of the case.
     roots: Vec<Root>,
+    /// When each began last.
     begun: Vec<Option<Time>>,
     armed: Vec<bool>,
+    /// How each step's generator goes on.
+    running: Vec<Running>,
+    /// By channel: the step whose generator drives it.
+    drivers: Vec<Option<usize>>,
+    course: Course,
     queue: BinaryHeap<Reverse<(Time, u64, usize, Due)>>,
     order: u64,
     ends: Anchor,
     end: Option<Time>,
     start: Option<Time>,
-    seed: u64,
 }
 
 impl Schedule {
     /// A schedule that waits for its start. `ends` is the end of the case.
-    pub fn new(steps: Vec<Planned>, ends: Anchor, seed: u64) -> Schedule {
+    pub fn new(steps: Vec<Planned>, ends: Anchor) -> Schedule {
         let count = steps.len();
+        let places: BTreeMap<&str, usize> =
+            steps.iter().enumerate().map(|(place, step)| (step.id.as_str(), place)).collect();
         let anchors = steps.iter().map(|step| match &step.timing {
             Timing::At(anchor) | Timing::When { from: anchor, .. } => anchor,
         });
-        let roots = anchors.chain([&ends]).map(|anchor| Root::of(&anchor.base, &steps)).collect();
+        let roots = anchors.chain([&ends]).map(|anchor| Root::of(&anchor.base, &places)).collect();
+        let course = Course::new(&steps, &places);
+        let generators = steps.iter().filter_map(|step| step.generator.as_ref());
+        let channels =
+            generators.flat_map(Generator::channels).map(|channel| usize::from(channel.0) + 1).max();
         Schedule {
+            course,
             steps,
             roots,
             begun: vec![None; count],
             armed: vec![false; count],
-            // Of each step at most its beginning or miss, its acts, one edge and its end wait at once.
+            running: vec![Running::default(); count],
+            drivers: vec![None; channels.unwrap_or(0)],
+            // Of each step at most its beginning or miss, its acts, one of its generator's and its end wait at once.
             queue: BinaryHeap::with_capacity(count * 8 + 8),
             order: 0,
             ends,
             end: None,
             start: None,
-            seed,
         }
     }
 
@@ -243,14 +287,15 @@ impl Schedule {
         &self.steps
     }
 
-    /// When a step began.
+    /// When a step began, for the first time.
     pub fn begun(&self, step: usize) -> Option<Time> {
-        self.begun[step]
+        self.course.first[step]
     }
 
-    /// The end of the case, once it is known.
+    /// The end of the case, once it is known. It does not end before its setup is done, unless that fails.
     pub fn end(&self) -> Option<Time> {
-        self.end
+        let comes = self.course.phase == Phase::Main || self.course.ended.is_some();
+        self.end.filter(|_| comes)
     }
 
     /// When something is due.
@@ -262,12 +307,16 @@ impl Schedule {
     /// Takes what is due up to `now`, oldest first.
     #[inline]
     pub fn take(&mut self, now: Time) -> Option<(Time, usize, Due)> {
-        let Reverse((at, _, step, due)) = *self.queue.peek()?;
-        if at > now {
-            return None;
+        loop {
+            let Reverse((at, _, step, due)) = *self.queue.peek()?;
+            if at > now {
+                return None;
+            }
+            self.queue.pop();
+            if !self.is_held(step, due) {
+                return Some((at, step, due));
+            }
         }
-        self.queue.pop();
-        Some((at, step, due))
     }
 
     fn put(&mut self, at: Time, step: usize, due: Due) {
@@ -278,6 +327,7 @@ impl Schedule {
     /// The case starts.
     pub fn start(&mut self, at: Time) {
         self.start = Some(at);
+        self.open_course();
         self.came(Root::Start, at);
     }
 
@@ -288,6 +338,7 @@ impl Schedule {
                 self.hang(place, now, now);
             }
         }
+        self.stops(root, now);
     }
 
     /// What the step at `place`, or the end behind the last one, hangs on comes at `base_at`.
@@ -300,7 +351,7 @@ impl Schedule {
         let at = base_at.saturating_add(anchor.offset).max(now);
         match due {
             None => self.end = Some(at),
-            Some(due) if self.begun[place].is_none() => self.put(at, place, due),
+            Some(due) if self.begun[place].is_none() && self.may_come(place) => self.put(at, place, due),
             Some(_) => {}
         }
     }
@@ -314,8 +365,9 @@ impl Schedule {
     }
 
     /// The step has waited long enough. FALSE where it has come already.
-    pub fn miss(&mut self, step: usize) -> bool {
-        std::mem::take(&mut self.armed[step])
+    pub fn miss(&mut self, step: usize, now: Time) -> bool {
+        let armed = std::mem::take(&mut self.armed[step]);
+        armed && !self.has_come(step, now)
     }
 
     /// Whether nothing is left that could come, the end of the case included.
@@ -335,26 +387,34 @@ impl Schedule {
         for step in 0..self.steps.len() {
             let Timing::When { signal: awaited, event, .. } = &self.steps[step].timing else { continue };
             let (awaited, event) = (*awaited, *event);
-            if self.armed[step] && awaited == signal && event.met(before, value) {
-                self.armed[step] = false;
+            if self.armed[step] && awaited == signal && event.met(before, value) && self.reacts(step) {
                 self.put(now, step, Due::Begin);
             }
         }
     }
 
-    /// A step begins: what it does is queued, what hangs on it learns its instant.
-    pub fn begin(&mut self, step: usize, now: Time) {
+    /// A step begins: what it does is queued, what hangs on it learns its instant. `driven` is what each channel is
+    /// driven to.
+    pub fn begin(&mut self, step: usize, now: Time, driven: &[Value]) {
         self.begun[step] = Some(now);
-        self.armed[step] = false;
+        let n = self.count(step, now);
         for act in 0..self.steps[step].acts.len() {
             let after = self.steps[step].acts[act].0;
             self.put(now.saturating_add(after), step, Due::Act(act as u32));
         }
-        if self.steps[step].train.is_some() {
-            self.edge(step, 1, true);
+        if let Some(mut generator) = self.steps[step].generator.take() {
+            generator.begin(driven);
+            for channel in generator.channels() {
+                self.take_over(channel, Some(step));
+            }
+            self.steps[step].generator = Some(generator);
         }
-        let lasts = self.steps[step].lasts;
-        self.put(now.saturating_add(lasts), step, Due::Done);
+        let ticket = self.running[step].ticket + 1;
+        self.running[step] = Running { ticket, ..Running::default() };
+        if !self.runs(step) {
+            self.emit(step);
+        }
+        self.again(step, n, now);
         for place in 0..self.roots.len() {
             if let Root::Pulse(train, n) = self.roots[place]
                 && train == step
@@ -363,46 +423,69 @@ impl Schedule {
                 self.hang(place, rises, now);
             }
         }
-        self.came(Root::Begin(step), now);
+        if n == 1 {
+            self.came(Root::Begin(step), now);
+        }
+        self.came(Root::Time(step, n), now);
     }
 
-    /// A step is done.
+    /// A step is done, with every time that it comes.
     pub fn finish(&mut self, step: usize, now: Time) {
         self.came(Root::Done(step), now);
+        self.close(step, now);
     }
 
     /// When pulse `n` of a train rises, jitter included.
     fn rises(&self, step: usize, n: u32) -> Option<Time> {
-        Some(self.begun[step]? + self.edge_after(step, n, true)?)
+        let rises = self.steps[step].generator.as_ref()?.rises(n)?;
+        Some(self.begun[step]?.saturating_add(rises))
     }
 
-    fn edge_after(&self, step: usize, n: u32, rising: bool) -> Option<Span> {
-        let train = &self.steps[step].train.as_ref()?.train;
-        let nominal = if rising { train.rises(n) } else { train.falls(n) };
-        if train.jitter == Span::ZERO {
-            return Some(nominal);
+    /// Queues the next act of a generator. Behind the last one that comes within the step's time the step is done.
+    fn emit(&mut self, step: usize) {
+        let Some(begun) = self.begun[step] else { return };
+        let Running { ticket, act, .. } = self.running[step];
+        let after = self.steps[step].generator.as_ref().and_then(|generator| generator.after(act));
+        if after.is_none_or(|after| after > self.steps[step].lasts) {
+            self.done_later(step, begun);
         }
-        // The jitter of an edge depends on its number alone, so that an edge can be asked for ahead of its turn.
-        let mut random =
-            Random::new(self.seed ^ (u64::from(n) << 1 | u64::from(rising)).wrapping_mul(0x9e37_79b9));
-        let width = train.jitter.as_nanos() as u64 * 2 + 1;
-        let moved = Span::from_nanos(random.below(width) as i64) - train.jitter;
-        Some((nominal + moved).max(Span::ZERO))
+        if let Some(after) = after {
+            self.put(begun.saturating_add(after), step, Due::Emit(ticket));
+        }
     }
 
-    /// Queues an edge of a train.
-    fn edge(&mut self, step: usize, n: u32, rising: bool) {
-        let (Some(begun), Some(after)) = (self.begun[step], self.edge_after(step, n, rising)) else { return };
-        self.put(begun.saturating_add(after), step, Due::Edge(n, rising));
+    /// Queues the end of a step, once.
+    fn done_later(&mut self, step: usize, begun: Time) {
+        if !std::mem::replace(&mut self.running[step].ends, true) {
+            self.put(begun.saturating_add(self.steps[step].lasts), step, Due::Done);
+        }
     }
 
-    /// An edge was emitted: queues the next one.
-    pub fn emitted(&mut self, step: usize, n: u32, rising: bool) {
-        let count = self.steps[step].train.as_ref().map_or(0, |work| work.train.count);
-        if rising {
-            self.edge(step, n, false);
-        } else if n < count {
-            self.edge(step, n + 1, true);
+    /// What the next act of a step's generator writes is appended to `out`, and the one behind it queued. Nothing where
+    /// the generator was stopped, or has begun again since the act was queued.
+    pub fn emitted(&mut self, step: usize, ticket: u64, out: &mut Vec<(ChannelId, Value)>) {
+        let running = &mut self.running[step];
+        if running.stopped || running.ticket != ticket {
+            return;
+        }
+        let act = running.act;
+        running.act += 1;
+        if let Some(generator) = &self.steps[step].generator {
+            generator.writes(act, out);
+        }
+        self.emit(step);
+    }
+
+    /// A step drives a channel, with its generator or without one: what drove it before goes no further.
+    pub fn take_over(&mut self, channel: ChannelId, by: Option<usize>) {
+        let Some(driver) = self.drivers.get_mut(usize::from(channel.0)) else { return };
+        if let Some(before) = std::mem::replace(driver, by)
+            && by != Some(before)
+        {
+            self.running[before].stopped = true;
+            if let Some(begun) = self.begun[before] {
+                self.done_later(before, begun);
+            }
         }
     }
 }

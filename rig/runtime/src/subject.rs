@@ -236,6 +236,50 @@ impl Model {
         })
     }
 
+    /// The least and the greatest value that a whole number inside can have; `None` for times, real numbers and what
+    /// is not known.
+    pub fn bounds(&self, name: &str) -> Option<(i128, i128)> {
+        if let Some(variable) = SystemVariable::find(name) {
+            let bits = match variable.ty() {
+                SystemType::Bool => 1,
+                SystemType::Word | SystemType::Uint => 16,
+                SystemType::Dword => 32,
+                SystemType::Lword => 64,
+            };
+            return Some((0, (1 << bits) - 1));
+        }
+        if indicator(name, self.controller.reference().output_count()).is_some()
+            || inputs::observable(name, self.controller.reference().input_count()).is_some()
+        {
+            return None;
+        }
+        // Of several programs the value may be of any.
+        let mut variables = self.programs.iter().filter_map(|program| program.find(name));
+        let first = variables.next()?;
+        if variables.any(|other| other.ty != first.ty) {
+            return None;
+        }
+        match first.storage {
+            Storage::Located(address) => Some((0, (1i128 << address.size().bits()) - 1)),
+            Storage::Cell(_) => match first.ty {
+                Elementary::Bool
+                | Elementary::Sint
+                | Elementary::Usint
+                | Elementary::Int
+                | Elementary::Uint
+                | Elementary::Dint
+                | Elementary::Udint
+                | Elementary::Lint
+                | Elementary::Ulint
+                | Elementary::Byte
+                | Elementary::Word
+                | Elementary::Dword
+                | Elementary::Lword => Some(first.ty.range()),
+                _ => None,
+            },
+        }
+    }
+
     /// Names of further programs mean something too, behind those that it knows.
     pub fn know(&mut self, programs: Vec<Arc<Program>>) {
         self.programs.extend(programs);

@@ -1,15 +1,17 @@
 //! Many plans: their files, their cases, and several cases at once.
 
-use crate::case::{CaseFiles, CaseResult, OtherProgram, RunOptions, run_case};
+use crate::case::{CaseFiles, OtherProgram};
+pub use crate::queue::{Done, Happened, run, watch};
+use crate::suites;
 use document::{Diagnostic, SourceFile};
 use drivers::file::{BoardFile, Subject as BoardSubject, Terminals, UnknownSubject, read as read_board};
-use plans::plan::ProgramRef;
+use plans::plan::{Guards, PlanText, ProgramRef};
+use plans::steps::Stimulus;
 use plans::{Case, Plan};
 use profile::{Profile, Reference};
-use record::CaseRecord;
 use signal::{Address, Area};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::path::Path;
+use std::sync::Arc;
 
 /// Where plans, programs and board files come from: a disk, or what is built into the binary.
 pub trait Files: Sync {
@@ -25,6 +27,17 @@ pub trait Files: Sync {
     /// Why it cannot be read.
     fn bytes(&self, path: &str) -> Result<Vec<u8>, String> {
         self.read(path).map(String::into_bytes)
+    }
+
+    /// Whether there is such a file.
+    fn has(&self, path: &str) -> bool {
+        self.read(path).is_ok()
+    }
+
+    /// The folders that a file is in and whose suites it is of, the innermost first; empty for where paths are
+    /// written from.
+    fn folders(&self, path: &str) -> Vec<String> {
+        suites::written(path)
     }
 }
 
@@ -47,6 +60,14 @@ impl Files for Disk {
             return Err(format!("it has {length} bytes, {LARGEST_FILE} is the most"));
         }
         std::fs::read(path).map_err(|error| error.to_string())
+    }
+
+    fn has(&self, path: &str) -> bool {
+        Path::new(path).is_file()
+    }
+
+    fn folders(&self, path: &str) -> Vec<String> {
+        suites::on_disk(path)
     }
 }
 
@@ -122,10 +143,16 @@ pub struct LoadedPlan {
     /// Texts of the files that it names, by path.
     programs: Vec<SourceFile>,
     boards: Vec<(String, BoardFile, String)>,
+    /// The files that it includes, and the tables of values that it names.
+    others: Vec<SourceFile>,
     /// What the command line gives for the plan's parameters.
     given: Vec<(String, String)>,
     /// The board that the command line gives in place of the plan's own.
     board: Option<(BoardFile, String)>,
+    /// What the suites that the plan is of claim of its cases, the outermost first.
+    suites: Vec<Arc<Guards>>,
+    /// What its boards claim, by the names of their files.
+    board_guards: Vec<Arc<Guards>>,
 }
 
 /// Reads a plan and everything that it names.
@@ -140,18 +167,29 @@ pub fn load_plan(
     seed: u64,
     sources: &mut Vec<SourceFile>,
 ) -> Result<LoadedPlan, Vec<Diagnostic>> {
-    let file = load(files, path).map_err(|found| vec![found])?;
-    sources.push(file.clone());
-    let plan = plans::read(&file, parameters, seed)?;
+    let before = sources.len();
+    let text = gather(files, path, sources)?;
+    // The plan itself is the first of them.
+    let others = sources.iter().skip(before + 1).cloned().collect();
+    let plan = plans::read_gathered(&text, parameters, seed)?;
+    let file = plan.source().clone();
     let mut loaded = LoadedPlan {
         plan,
+        others,
         programs: Vec::new(),
         boards: Vec::new(),
         given: parameters.to_vec(),
         board: board.cloned(),
+        suites: suites::suites_of(files, path, sources)?,
+        board_guards: Vec::new(),
     };
+    if let Some((board, text)) = board {
+        loaded.board_guards.extend(guards_of(&board.name, text)?);
+    }
     let mut found = Vec::new();
+    let mut board_guards = Vec::new();
     for case in loaded.plan.cases() {
+        found.extend(missing_photos(files, path, &case));
         let brought =
             case.steps.iter().filter_map(|step| Some((step.stimulus.program()?, step.span.clone())));
         for (program, at) in std::iter::once((&case.program, 0..0)).chain(brought) {
@@ -176,15 +214,93 @@ pub fn load_plan(
                 continue;
             }
             match load_board(files, &path, sources) {
-                Ok((board, text)) => loaded.boards.push((path, board, text)),
+                Ok((board, text)) => {
+                    board_guards.extend(guards_of(&board.name, &text)?);
+                    loaded.boards.push((path, board, text));
+                }
                 Err(more) => found.extend(more),
             }
         }
         if !found.is_empty() {
+            loaded.plan.joined().locate(&mut found);
             return Err(found);
         }
     }
+    loaded.board_guards.extend(board_guards);
     Ok(loaded)
+}
+
+/// Reads a plan with the files that it includes. Their texts go to `sources`.
+///
+/// # Errors
+/// Findings in them.
+pub fn gather(
+    files: &dyn Files,
+    path: &str,
+    sources: &mut Vec<SourceFile>,
+) -> Result<PlanText, Vec<Diagnostic>> {
+    let file = load(files, path).map_err(|found| vec![found])?;
+    sources.push(file.clone());
+    plans::gather(&file, &mut |path| {
+        let text = files.read(path)?;
+        sources.push(SourceFile::new(path, text.clone()));
+        Ok(text)
+    })
+}
+
+/// What is wrong with a file that is there to be included.
+pub fn check_included(files: &dyn Files, path: &str, sources: &mut Vec<SourceFile>) -> Vec<Diagnostic> {
+    let file = match load(files, path) {
+        Ok(file) => file,
+        Err(found) => return vec![found],
+    };
+    sources.push(file.clone());
+    plans::check_included(&file, &mut |path| {
+        let text = files.read(path)?;
+        sources.push(SourceFile::new(path, text.clone()));
+        Ok(text)
+    })
+}
+
+/// The pictures of questions that are not there.
+fn missing_photos(files: &dyn Files, plan: &str, case: &Case) -> Vec<Diagnostic> {
+    let photos = case.steps.iter().filter_map(|step| match &step.stimulus {
+        Stimulus::Ask(question) => Some((question.photo.as_deref()?, step)),
+        _ => None,
+    });
+    let missing = photos.filter_map(|(photo, step)| {
+        let why = files.bytes(&beside(plan, photo)).err()?;
+        let message = format!("the picture `{photo}` of the question cannot be read: {why}");
+        Some(
+            Diagnostic::error("R0141", message)
+                .at(plan, step.span.clone(), "")
+                .help("it is relative to the plan"),
+        )
+    });
+    missing.collect()
+}
+
+/// The first question of these jobs, as what is wrong where nobody can be asked.
+pub fn unanswerable(plans: &[LoadedPlan], jobs: &[Job]) -> Option<Diagnostic> {
+    let job = jobs.iter().find(|job| job.asks)?;
+    let loaded = plans.get(job.plan)?;
+    let mut found = nobody(&loaded.plan.case(job.case)?, &loaded.plan.source().name)?;
+    loaded.plan.joined().locate(std::slice::from_mut(&mut found));
+    Some(found)
+}
+
+/// What is wrong with a case that asks where nobody can be asked.
+pub(crate) fn nobody(case: &Case, plan: &str) -> Option<Diagnostic> {
+    let step = case.steps.iter().find(|step| matches!(step.stimulus, Stimulus::Ask(_)))?;
+    let message = format!("the step `{}` asks a person, and nobody can be asked", step.id);
+    let help = "run it on a terminal, or leave the case out with --only";
+    Some(Diagnostic::error("R0140", message).at(plan, step.span.clone(), "").help(help))
+}
+
+/// What a board claims of the cases that run on it, if anything.
+fn guards_of(name: &str, text: &str) -> Result<Option<Arc<Guards>>, Vec<Diagnostic>> {
+    let guards = Guards::of_board(&SourceFile::new(name, text))?;
+    Ok((!guards.is_empty()).then(|| Arc::new(guards)))
 }
 
 /// Reads a board file.
@@ -199,6 +315,7 @@ pub fn load_board(
     let file = load(files, path).map_err(|found| vec![found])?;
     sources.push(file.clone());
     let board = read_board(&file, &terminals)?;
+    Guards::of_board(&file)?;
     Ok((board, file.text))
 }
 
@@ -217,11 +334,40 @@ pub struct Job {
     pub title: String,
     /// The requirements that it proves, of which a row may have its own.
     pub proves: Vec<String>,
+    /// The words that it can be chosen by.
+    pub tags: Vec<String>,
     /// Its seed.
     pub seed: u64,
+    /// Which turn it is, from 1, of a case that runs several times.
+    pub turn: Option<u32>,
+    /// Whether it asks a person.
+    pub asks: bool,
 }
 
 impl LoadedPlan {
+    /// SHA-256 of the plan with all that it is given and names, 64 hexadecimal digits: two machines that have it in
+    /// common run the same cases.
+    pub fn sha256(&self) -> String {
+        let mut text = String::new();
+        let mut add = |name: &str, part: &str| {
+            // Lengths keep two parts from being read as two others.
+            text.push_str(&format!("{} {} {name} {part}\n", name.len(), part.len()));
+        };
+        add(&self.plan.path, &self.plan.source().text);
+        self.programs.iter().for_each(|source| add(&source.name, &source.text));
+        self.boards.iter().for_each(|(name, _, text)| add(name, text));
+        self.others.iter().for_each(|file| add(&file.name, &file.text));
+        self.suites.iter().for_each(|suite| add(&suite.file().name, &suite.file().text));
+        self.given.iter().for_each(|(name, value)| add(name, value));
+        self.board.iter().for_each(|(_, text)| add("", text));
+        crate::describe::sha256(text.as_bytes())
+    }
+
+    /// What is worth knowing about the suites.
+    pub fn suite_warnings(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.suites.iter().flat_map(|suite| &suite.warnings)
+    }
+
     /// The jobs of this plan. A case without a board file of its own runs with every profile that the plan holds
     /// for; any other with the profile of its board.
     pub fn jobs(&self, place: usize, seed: u64, repeat: u32) -> Vec<Job> {
@@ -230,7 +376,8 @@ impl LoadedPlan {
             let profiles = self.profiles(&case);
             let usual = profiles.first().copied().unwrap_or_default();
             for profile in profiles.iter().copied() {
-                for turn in 0..repeat {
+                let turns = repeat.saturating_mul(case.repeat);
+                for turn in 0..turns {
                     let mut name = case.name.clone();
                     if profile != usual && profiles.len() > 1 {
                         name.push_str(&format!("@{}", profile.name()));
@@ -246,7 +393,10 @@ impl LoadedPlan {
                         name,
                         title: case.title.clone(),
                         proves: case.proves.clone(),
+                        tags: case.tags.clone(),
                         seed,
+                        turn: (turns > 1).then_some(turn + 1),
+                        asks: case.steps.iter().any(|step| matches!(step.stimulus, Stimulus::Ask(_))),
                     });
                 }
             }
@@ -313,14 +463,18 @@ impl LoadedPlan {
                 (BoardFile::default_for(&terminals.inputs, &terminals.outputs), String::new(), reference)
             }
         };
+        let of_board = self.board_guards.iter().filter(|guards| guards.file().name == board.name);
+        let guards = self.suites.iter().chain(of_board).cloned().collect();
         Ok(CaseFiles {
             name: job.name.clone(),
             given: self.given.clone(),
             plan: self.plan.source().clone(),
+            joined: self.plan.joined().clone(),
             sources: self.sources(&case.program),
             others,
             board,
             board_text,
+            guards,
             profile: job.profile,
             reference,
             seed: job.seed,
@@ -339,93 +493,5 @@ fn inside(plan: &SourceFile, text: &str, at: Option<usize>) -> SourceFile {
             SourceFile::new(plan.name.clone(), before.chain(text.chars()).collect::<String>())
         }
         _ => SourceFile::new(format!("{} (program-text)", plan.name), text.to_owned()),
-    }
-}
-
-/// What became of a job.
-#[derive(Debug)]
-pub enum Done {
-    /// It ran, or was found not to apply.
-    Case(Box<CaseResult>),
-    /// Something is wrong with the user's files.
-    Findings(Vec<Diagnostic>),
-    /// It was left out because the run ended before it.
-    Skipped(Box<CaseRecord>),
-}
-
-/// Runs jobs, several at once, and hands each result to `each` in the order of the jobs.
-pub fn run(
-    plans: &[LoadedPlan],
-    jobs: &[Job],
-    at_once: usize,
-    fail_fast: bool,
-    options: &RunOptions<'_>,
-    each: &mut dyn FnMut(usize, Done),
-) {
-    let next = AtomicUsize::new(0);
-    let stop = AtomicBool::new(false);
-    let (send, receive) = mpsc::sync_channel::<(usize, Done)>(at_once * 2);
-    std::thread::scope(|scope| {
-        for _ in 0..at_once.clamp(1, jobs.len().max(1)) {
-            let send = send.clone();
-            let (next, stop) = (&next, &stop);
-            scope.spawn(move || {
-                loop {
-                    let place = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(job) = jobs.get(place) else { return };
-                    let ended = stop.load(Ordering::Relaxed) || options.interrupt.load(Ordering::Relaxed);
-                    let done = if ended { skipped(plans, job) } else { run_job(plans, job, options) };
-                    // Here and not where the results are taken, or else the next job would have begun.
-                    if fail_fast && !passed(&done) {
-                        stop.store(true, Ordering::Relaxed);
-                    }
-                    if send.send((place, done)).is_err() {
-                        return;
-                    }
-                }
-            });
-        }
-        drop(send);
-        // Results come in any order and are handed on in the order of the jobs.
-        let mut waiting: Vec<Option<Done>> = Vec::new();
-        waiting.resize_with(jobs.len(), || None);
-        let mut handed = 0;
-        for (place, done) in receive {
-            waiting[place] = Some(done);
-            while let Some(done) = waiting.get_mut(handed).and_then(Option::take) {
-                each(handed, done);
-                handed += 1;
-            }
-        }
-    });
-}
-
-fn passed(done: &Done) -> bool {
-    match done {
-        Done::Case(result) => !result.record.is_judged() || result.record.verdict == record::Verdict::Pass,
-        Done::Findings(_) => false,
-        Done::Skipped(_) => true,
-    }
-}
-
-fn skipped(plans: &[LoadedPlan], job: &Job) -> Done {
-    let mut record = CaseRecord::skipped(&job.name, "the run ended before it");
-    if let Some(loaded) = plans.get(job.plan) {
-        record.plan.clone_from(&loaded.plan.path);
-        record.title.clone_from(&loaded.plan.title);
-    }
-    Done::Skipped(Box::new(record))
-}
-
-fn run_job(plans: &[LoadedPlan], job: &Job, options: &RunOptions<'_>) -> Done {
-    let Some(loaded) = plans.get(job.plan) else { return Done::Findings(Vec::new()) };
-    let Some(case) = loaded.plan.case(job.case) else { return Done::Findings(Vec::new()) };
-    let files = match loaded.files(&case, job) {
-        Ok(files) => files,
-        Err(found) => return Done::Findings(found),
-    };
-    match run_case(&case, &files, options) {
-        Ok(result) => Done::Case(Box::new(result)),
-        Err(found) => Done::Findings(found),
     }
 }

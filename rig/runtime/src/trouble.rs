@@ -1,5 +1,6 @@
 //! Trouble of the rig itself: the verdict is then `error`, whatever the controller did.
 
+use crate::operator::AskError;
 use controller::{FileError, Refusal, State, WriteError};
 use drivers::{BoardError, Channel, ChannelId, Health, LossReason};
 use signal::{Span, Time, TraceError};
@@ -94,6 +95,13 @@ pub enum Trouble {
     },
     /// The trace could not be written.
     Trace(TraceError),
+    /// A step asked and got no answer.
+    Unanswered {
+        /// The step.
+        step: String,
+        /// Why.
+        error: AskError,
+    },
     /// The user stopped the run.
     Interrupted,
 }
@@ -194,6 +202,9 @@ impl fmt::Display for Shown<'_> {
                 write!(f, "step `{step}` could not reach its file: {error}; `refused = true` expects that")
             }
             Trouble::Trace(error) => write!(f, "the trace could not be written: {error}"),
+            Trouble::Unanswered { step, error } => {
+                write!(f, "step `{step}` asked and got no answer: {error}")
+            }
             Trouble::Interrupted => f.write_str("interrupted"),
         }
     }

@@ -23,6 +23,12 @@ pub struct Wiring {
     pub start: Option<SignalId>,
     /// The mark of the case's end.
     pub end: Option<SignalId>,
+    /// The mark of the end of the setup, where there is one.
+    pub main: Option<SignalId>,
+    /// The mark of the beginning of the teardown, where there is one.
+    pub teardown: Option<SignalId>,
+    /// The mark of its end.
+    pub closed: Option<SignalId>,
 }
 
 impl Wiring {

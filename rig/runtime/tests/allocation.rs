@@ -107,6 +107,11 @@ expect = [
   { edges = { signal = \"back\", rising = \"100 ..\" } },
   { state = { stays = \"RUNNING\", from = \"start\", until = \"end\" } },
 ]
+invariants = [{ never = { signal = \"word\", min = 60_000 } }]
+alarms = [
+  { name = \"stuck\", when = { signal = \"slow\", is = true }, delay = \"150 ms\" },
+  { name = \"often\", when = { signal = \"back\", is = true }, delay = \"5 ms\", ends = false },
+]
 ";
 
 /// Virtual time that notes the allocations up to each of its instants.
@@ -140,11 +145,50 @@ impl Clock for Noting {
     }
 }
 
+/// Stimuli that go on for the whole case.
+const WAVES: &str = "format = 1
+title = \"Waves without end\"
+program = \"cycles.st\"
+board = \"board.toml\"
+signals = { level = \"level\", noise = \"noise\", played = \"played\", line = \"%IX0.2\", a = \"%IX0.3\", b = \"%IX0.4\" }
+ends = \"start + 230 s\"
+steps = [
+  { id = \"sine\", at = \"start\", sine = { signal = \"level\", range = \"-5 .. 5 V\", frequency = \"3 Hz\", sample = \"20 ms\" } },
+  { id = \"noise\", at = \"start\", noise = { signal = \"noise\", range = \"0 .. 1 V\", deviation = \"0.1 V\", sample = \"20 ms\" } },
+  { id = \"square\", at = \"start\", square = { signal = \"line\", frequency = \"7 Hz\", duty = \"10 %\" } },
+  { id = \"encoder\", at = \"start\", encoder = { a = \"a\", b = \"b\", moves = { by = 23_000, speed = \"100 Hz\", ramp = \"1 s\" } } },
+  { id = \"table\", at = \"start\", sequence = { file = \"table.csv\", columns = { p = \"played\" }, times = 500, interpolate = true, sample = \"20 ms\" } },
+]
+expect = [
+  { stays = { signal = \"noise\", is = \"0 .. 1 V\" } },
+  { edges = { signal = \"line\", rising = \"1_600 ..\" } },
+  { edges = { signal = \"a\", rising = \"5_000 ..\" } },
+]
+";
+
+const CHANNELS: &str = "[channels]
+level = { kind = \"analog\", unit = \"V\" }
+noise = { kind = \"analog\", unit = \"V\" }
+played = { kind = \"analog\", unit = \"bar\" }
+";
+
 #[test]
 fn cycles_allocate_nothing() {
+    allocates_nothing(&[("plan.toml", PLAN), ("cycles.st", PROGRAM), ("board.toml", BOARD)]);
+}
+
+#[test]
+fn waves_allocate_nothing() {
+    let board = BOARD.replace("[[wires]]\nfrom = \"Q0\"", &format!("{CHANNELS}[[wires]]\nfrom = \"Q0\""));
+    let table = "t [ms],p [bar]\n0,1\n300,2.5\n500,1\n";
+    let files =
+        [("plan.toml", WAVES), ("cycles.st", PROGRAM), ("board.toml", board.as_str()), ("table.csv", table)];
+    allocates_nothing(&files);
+}
+
+fn allocates_nothing(files: &[(&str, &str)]) {
     let second = |n: i64| Time::from_nanos(n * 1_000_000_000);
-    let (mut model, mut parts) =
-        Texts(&[("plan.toml", PLAN), ("cycles.st", PROGRAM), ("board.toml", BOARD)]).parts(1);
+    let (mut model, mut parts) = Texts(files).parts(1);
     // 1 000 cycles of 20 ms, then 10 000.
     let mut clock =
         Noting { now: Time::ZERO, at: [second(10), second(30), second(230)], allocations: [None; 3] };

@@ -67,7 +67,7 @@ fn lateness_widens_intervals_and_nothing_else() {
         passed += usize::from(late.record.verdict == Verdict::Pass);
         // What was recorded gives the same verdicts again, also where instants are intervals.
         if let Some(trace) = &late.trace {
-            let again = rejudge::judge(library.plans[job.plan].plan.source(), trace).unwrap();
+            let again = rejudge::judge_gathered(library.plans[job.plan].plan.text(), trace).unwrap();
             if (&again.claims, again.verdict, again.end_ns)
                 != (&late.record.claims, late.record.verdict, late.record.end_ns)
             {

@@ -14,7 +14,7 @@ fn again(plan: &LoadedPlan, trace: &Trace) -> CaseRecord {
     let mut bytes = Vec::new();
     trace.save(&mut bytes).unwrap();
     let loaded = Trace::load(&mut bytes.as_slice(), LoadLimits::default()).unwrap();
-    rejudge::judge(plan.plan.source(), &loaded).unwrap()
+    rejudge::judge_gathered(plan.plan.text(), &loaded).unwrap()
 }
 
 #[test]

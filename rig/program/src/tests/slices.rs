@@ -115,7 +115,7 @@ fn watches_are_exact_by_the_byte() {
         };
         assert_eq!(touches(&mut machine, &mut Board::default()), expected, "byte {watched}");
         machine.unwatch(VarRef::new(to + watched, Byte));
-        assert_eq!(touches(&mut machine, &mut Board::default()), [], "byte {watched}");
+        assert_eq!(touches(&mut machine, &mut Board::default()), [0i64; 0], "byte {watched}");
     }
 }
 

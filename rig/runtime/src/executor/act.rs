@@ -1,10 +1,14 @@
 //! The steps that are due, and what they do to subject and board.
 
 use super::Executor;
-use crate::schedule::{Act, Due, Expected};
+use crate::operator::AskError;
+use crate::schedule::{Act, Due, EndReason, Expected};
+use crate::stepping::Pause;
 use crate::trouble::Trouble;
 use drivers::ChannelId;
-use signal::{Cause, Time, Value};
+use plans::plan::Phase;
+use plans::steps::Question;
+use signal::{Cause, SignalId, Time, Value};
 
 impl Executor<'_> {
     /// The steps that are due.
@@ -12,19 +16,16 @@ impl Executor<'_> {
         while let Some((_, step, due)) = self.schedule.take(now) {
             match due {
                 Due::Arm => self.schedule.arm(step, now),
+                Due::Begin if !self.schedule.begins(step, now) => {}
                 Due::Begin => {
+                    self.pause(Some(step))?;
                     let mark = self.schedule.steps()[step].mark;
                     self.recorder.mark(mark, self.seen(self.now));
-                    self.schedule.begin(step, now);
+                    self.schedule.begin(step, now, &self.driven);
                 }
                 Due::Act(act) => self.act(step, act as usize)?,
-                Due::Edge(n, rising) => {
-                    if let Some(work) = &self.schedule.steps()[step].train {
-                        let channel = work.channel;
-                        self.drive(channel, Value::Bool(rising), step)?;
-                    }
-                    self.schedule.emitted(step, n, rising);
-                }
+                Due::Emit(n) => self.emit(step, n)?,
+                Due::Done if !self.schedule.is_done(step) => {}
                 Due::Done => {
                     let done = self.schedule.steps()[step].done;
                     self.recorder.mark(done, self.seen(self.now));
@@ -33,20 +34,64 @@ impl Executor<'_> {
                 // The step's own claim fails with what was waited for. The case goes on without the step, unless
                 // its end hangs on it.
                 Due::Missed => {
-                    let missed = self.schedule.miss(step);
-                    self.over |= missed && self.schedule.is_exhausted();
+                    let missed = self.schedule.miss(step, now);
+                    match self.schedule.steps()[step].phase {
+                        // What the setup prepares is not there: nothing of the steps proper would mean anything.
+                        Phase::Setup if missed => self.schedule.end_early(EndReason::Missed(step), now),
+                        Phase::Main => self.over |= missed && self.schedule.is_exhausted(),
+                        _ => {}
+                    }
+                }
+                Due::Stop => self.schedule.stop(step, now),
+                Due::Main if self.ran.trouble.is_some() => self.schedule.end_early(EndReason::Trouble, now),
+                Due::Main => {
+                    if let Some(mark) = self.wiring.main {
+                        self.recorder.mark(mark, self.seen(self.now));
+                    }
+                    self.schedule.begin_main(now);
                 }
             }
         }
         Ok(())
     }
 
+    /// Asks whoever goes through the case step by step, before this step or at the instant that was asked for.
+    pub(super) fn pause(&mut self, step: Option<usize>) -> Result<(), Trouble> {
+        let Some(stepping) = &mut self.stepping else { return Ok(()) };
+        let pause = Pause {
+            now: self.now,
+            start: self.ran.start.unwrap_or(self.now),
+            step: step.map(|step| self.schedule.steps()[step].id.as_str()),
+            trace: self.recorder.trace(),
+        };
+        if stepping.ask(&pause) { Ok(()) } else { Err(Trouble::Interrupted) }
+    }
+
+    /// A step drives a line from now on: whatever went on there is over.
     fn drive(&mut self, channel: ChannelId, value: Value, step: usize) -> Result<(), Trouble> {
-        self.wiring.writers[usize::from(channel.0)] = Cause::Step(step as u16);
-        self.restore[usize::from(channel.0)] = self.driven[usize::from(channel.0)];
-        self.driven[usize::from(channel.0)] = value;
+        self.schedule.take_over(channel, None);
+        self.writes.clear();
+        self.writes.push((channel, value));
+        self.write(step)
+    }
+
+    /// The next act of a step's generator, all of its lines at once.
+    fn emit(&mut self, step: usize, n: u64) -> Result<(), Trouble> {
+        self.writes.clear();
+        self.schedule.emitted(step, n, &mut self.writes);
+        if self.writes.is_empty() { Ok(()) } else { self.write(step) }
+    }
+
+    /// Hands what a step drives to the board.
+    fn write(&mut self, step: usize) -> Result<(), Trouble> {
+        for (channel, value) in &self.writes {
+            let place = usize::from(channel.0);
+            self.wiring.writers[place] = Cause::Step(step as u16);
+            self.restore[place] = self.driven[place];
+            self.driven[place] = *value;
+        }
         let at = self.board_time();
-        let written = self.board.write(at, &[(channel, value)]);
+        let written = self.board.write(at, &self.writes);
         written.map_err(|error| Trouble::Board { at, error })?;
         self.poll()
     }
@@ -57,6 +102,25 @@ impl Executor<'_> {
             let note = format!("refused:{}", self.schedule.steps()[step].id);
             self.recorder.trace_mut().set_note(&note, what.into());
         }
+    }
+
+    /// Asks a person. The modelled time stands still meanwhile, on the host's clock too.
+    fn ask(&mut self, step: usize, question: &Question, signal: SignalId) -> Result<(), Trouble> {
+        let id = self.schedule.steps()[step].id.clone();
+        let answer = match self.operator {
+            Some(operator) => operator.ask(&id, question, self.interrupt),
+            None => Err(AskError::Nobody),
+        };
+        self.clock.stood_still(self.actual);
+        let answer = match answer {
+            Ok(answer) if answer < question.answers.len() => answer,
+            Ok(_) => return Err(Trouble::Unanswered { step: id, error: AskError::Nobody }),
+            Err(AskError::Interrupted) => return Err(Trouble::Interrupted),
+            Err(error) => return Err(Trouble::Unanswered { step: id, error }),
+        };
+        let at = self.seen(self.now);
+        self.record(signal, at, Value::Int(answer as i64), Cause::Step(step as u16));
+        Ok(())
     }
 
     fn act(&mut self, step: usize, place: usize) -> Result<(), Trouble> {
@@ -103,6 +167,7 @@ impl Executor<'_> {
                     self.ran.trouble.get_or_insert(Trouble::NotWritten { step: id, error });
                 }
             }
+            Act::Ask(question, signal) => self.ask(step, &question, signal)?,
             Act::File(act, expected) => {
                 let done = self.subject.file(now, &act, &mut self.effects);
                 self.answered(done.is_ok(), step, expected, "the file was reached");

@@ -4,15 +4,21 @@
 //! timers of the controller (docs/decisions/0003-time-of-an-operation.md).
 
 mod act;
+mod alarms;
+mod teardown;
 
 use crate::clock::Clock;
+use crate::operator::Operator;
+use crate::prepare::Armed;
 use crate::recorder::Recorder;
-use crate::schedule::Schedule;
+use crate::schedule::{EndReason, Schedule};
+use crate::stepping::{Stepper, Stepping};
 use crate::subject::Subject;
 use crate::trouble::Trouble;
 use crate::wiring::Wiring;
 use controller::{Command, Effect, Effects, Probe, State};
 use drivers::{Board, BoardEvent, ChannelId, LossReason, Origin, TimestampSource};
+use plans::plan::Phase;
 use signal::{Cause, Level, Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -39,6 +45,8 @@ pub struct Limits {
     pub fail_fast: bool,
     /// Most modelled time from power-on to the end.
     pub timeout: Span,
+    /// Most modelled time of the teardown.
+    pub teardown: Span,
 }
 
 /// What a case's run leaves besides its trace.
@@ -46,8 +54,10 @@ pub struct Limits {
 pub struct Ran {
     /// When the case's own time began.
     pub start: Option<Time>,
-    /// The last instant.
+    /// The end of the case: its teardown comes behind.
     pub end: Time,
+    /// The last instant.
+    pub closed: Time,
     /// Trouble of the rig: the verdict is then `error`.
     pub trouble: Option<Trouble>,
     /// Deadlines of the rig that it missed.
@@ -68,8 +78,10 @@ pub struct Executor<'a> {
     recorder: &'a mut Recorder,
     schedule: &'a mut Schedule,
     wiring: &'a mut Wiring,
+    alarms: &'a mut Vec<Armed>,
     limits: Limits,
     interrupt: &'a AtomicBool,
+    operator: Option<&'a dyn Operator>,
     effects: Effects,
     spare: Vec<Effect>,
     writes: Vec<(ChannelId, Value)>,
@@ -88,6 +100,8 @@ pub struct Executor<'a> {
     /// The outputs were driven to their safe values.
     safe: bool,
     ran: Ran,
+    /// Somebody who goes through the case step by step.
+    stepping: Option<Stepping<'a>>,
 }
 
 impl std::fmt::Debug for Executor<'_> {
@@ -121,8 +135,12 @@ pub struct Parts<'a> {
     pub schedule: &'a mut Schedule,
     /// Says who is behind whom.
     pub wiring: &'a mut Wiring,
+    /// The alarms.
+    pub alarms: &'a mut Vec<Armed>,
     /// Ends the case early when it becomes TRUE.
     pub interrupt: &'a AtomicBool,
+    /// Can be asked.
+    pub operator: Option<&'a dyn Operator>,
 }
 
 impl std::fmt::Debug for Parts<'_> {
@@ -150,7 +168,9 @@ impl<'a> Executor<'a> {
             recorder: parts.recorder,
             schedule: parts.schedule,
             wiring: parts.wiring,
+            alarms: parts.alarms,
             interrupt: parts.interrupt,
+            operator: parts.operator,
             limits,
             now: Time::ZERO,
             actual: Time::ZERO,
@@ -159,19 +179,33 @@ impl<'a> Executor<'a> {
             over: false,
             safe: false,
             ran: Ran { log: Vec::with_capacity(64), ..Ran::default() },
+            stepping: None,
         }
     }
 
-    /// Runs the case from power-on to its end, then drives every output to its safe value.
+    /// The same, and `stepper` is asked before each step of the plan.
+    #[must_use]
+    pub fn stepping(mut self, stepper: &'a mut dyn Stepper) -> Executor<'a> {
+        self.stepping = Some(Stepping::new(stepper));
+        self
+    }
+
+    /// Runs the case from power-on to its end and its teardown, then drives every output to its safe value.
     pub fn run(mut self) -> Ran {
         let outcome = self.prelude().and_then(|()| self.main());
         if let Err(trouble) = outcome {
             self.ran.trouble.get_or_insert(trouble);
         }
         self.ran.end = self.now;
+        // What comes behind the end raises no alarm.
+        self.alarms.clear();
         if let Some(mark) = self.wiring.end {
             self.recorder.mark(mark, self.seen(self.now));
         }
+        if self.ran.start.is_some() {
+            self.tear_down();
+        }
+        self.ran.closed = self.now;
         self.safe = true;
         let at = self.board_time();
         if let Err(error) = self.board.safe(at) {
@@ -223,6 +257,7 @@ impl<'a> Executor<'a> {
             self.recorder.mark(mark, self.seen(self.now));
         }
         self.schedule.start(self.now);
+        self.arm();
         Ok(())
     }
 
@@ -265,7 +300,10 @@ impl<'a> Executor<'a> {
         let timer = self.subject.next_timer().unwrap_or(Time::MAX);
         let board = self.board.next_event().unwrap_or(Time::MAX);
         let step = self.schedule.next_due().unwrap_or(Time::MAX);
-        let due = timer.min(board).min(step).min(end).min(self.now.saturating_add(self.limits.slice));
+        let alarm = self.next_alarm().unwrap_or(Time::MAX);
+        let wake = self.stepping.as_ref().map_or(Time::MAX, |stepping| stepping.wake(self.now));
+        let slice = self.now.saturating_add(self.limits.slice);
+        let due = timer.min(board).min(step).min(alarm).min(end).min(slice).min(wake);
         if due == Time::MAX {
             return Err(Trouble::Stuck { at: self.now });
         }
@@ -285,16 +323,29 @@ impl<'a> Executor<'a> {
         if step <= due {
             self.steps(due)?;
         }
-        if self.over || due >= end {
+        if alarm <= due {
+            self.raise_due();
+        }
+        if self.over
+            || self.schedule.ended().is_some() && self.schedule.phase() != Phase::Teardown
+            || due >= end
+        {
             // Whatever is due at the end itself still belongs to the case, but no step comes after it.
             self.fire(due)?;
             return Ok(false);
         }
         self.fire(due)?;
+        if wake <= due {
+            self.pause(None)?;
+        }
+        if self.schedule.phase() == Phase::Teardown {
+            return Ok(true);
+        }
         if self.interrupt.load(Ordering::Relaxed) {
             return Err(Trouble::Interrupted);
         }
         if self.limits.fail_fast && self.recorder.failed_early() {
+            self.schedule.end_early(EndReason::Claim, self.now);
             return Ok(false);
         }
         Ok(true)
@@ -402,8 +453,11 @@ impl<'a> Executor<'a> {
 
     fn record(&mut self, signal: signal::SignalId, at: When, value: Value, cause: Cause) {
         let before = if self.schedule.awaits(signal) { self.recorder.trace().last(signal) } else { None };
-        if self.recorder.record(signal, at, value, cause) && self.schedule.awaits(signal) {
-            self.schedule.changed(signal, before.map(|event| event.value), value, self.now);
+        if self.recorder.record(signal, at, value, cause) {
+            if self.schedule.awaits(signal) {
+                self.schedule.changed(signal, before.map(|event| event.value), value, self.now);
+            }
+            self.alarmed(signal, at, value);
         }
     }
 

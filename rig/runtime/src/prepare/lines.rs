@@ -140,10 +140,10 @@ pub(super) fn fault_kind(
     Some(kind)
 }
 
-/// Reports a train that is faster than a regular input can follow (io:REF-03).
+/// Reports pulses that are faster than a regular input can follow (io:REF-03).
 pub(super) fn warn_if_too_fast(
     channel: ChannelId,
-    train: &plans::steps::Train,
+    millihertz: u64,
     bench: &Bench<'_>,
     step: &Step,
     out: &mut Findings,
@@ -154,8 +154,8 @@ pub(super) fn warn_if_too_fast(
         Some(Terminal::Input(input)) => input >= bench.reference.fast_inputs,
         _ => false,
     });
-    if let Some(binding) = regular.filter(|_| train.millihertz() > u64::from(hertz) * 1_000) {
-        let message = format!("the train is out of specification for the regular input {}", binding.address);
+    if let Some(binding) = regular.filter(|_| millihertz > u64::from(hertz) * 1_000) {
+        let message = format!("the step is out of specification for the regular input {}", binding.address);
         let help = format!("{} allows it up to {hertz} Hz", bench.profile.name());
         out.warn("R0134", step.span.clone(), message, help);
     }

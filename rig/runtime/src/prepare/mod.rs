@@ -1,24 +1,31 @@
 //! From the names of a plan to terminals, channels, probes and signals.
 
+mod alarms;
 mod lines;
 mod meaning;
 mod signals;
 mod steps;
+mod waves;
 
 use crate::facts;
-use crate::schedule::Planned;
+use crate::schedule::{Act, Planned};
 use crate::subject::Subject;
+use crate::suite::beside;
 use crate::wiring::Wiring;
 use controller::{Channel as Terminal, Probe, State};
 use document::{Diagnostic, Findings};
 use drivers::{Board, BoardFile};
 use meaning::{Meaning, Names, meaning};
 use plans::Case;
-use plans::plan::ProgramRef;
+use plans::plan::{Phase, ProgramRef, SignalBinding};
+use plans::steps::{Question, Stimulus};
 use profile::{Profile, Reference};
-use signal::{Kind, SignalId, SignalInfo, Trace};
+use signal::{Kind, SignalId, SignalInfo, Span, Trace};
 use signals::{channel_info, clocked, define, policy};
+use std::sync::Arc;
 use steps::plan_step;
+
+pub use alarms::Armed;
 
 /// What the names of a case are looked up in.
 pub struct Bench<'a> {
@@ -36,6 +43,8 @@ pub struct Bench<'a> {
     pub bundle: &'a [u8],
     /// The programs that steps bring, as bundles.
     pub others: &'a [(ProgramRef, Vec<u8>)],
+    /// The seed of what stimuli leave to chance.
+    pub seed: u64,
     /// Whether the clock is exact.
     pub exact: bool,
 }
@@ -57,6 +66,8 @@ pub struct Prepared {
     pub steps: Vec<Planned>,
     /// Observed probes with their signals, to be read once at the start.
     pub probes: Vec<(Probe, SignalId)>,
+    /// The alarms.
+    pub alarms: Vec<Armed>,
     /// What is wrong with the plan and does not keep it from running.
     pub warnings: Vec<Diagnostic>,
 }
@@ -64,6 +75,12 @@ pub struct Prepared {
 /// The labels of the signal `state`.
 pub fn state_labels() -> Vec<(i64, String)> {
     State::ALL.iter().map(|state| (state.number(), state.name().to_owned())).collect()
+}
+
+/// The signal that shows what was answered.
+fn answers(step: &str, question: &Question) -> SignalInfo {
+    let labels = question.answers.iter().enumerate().map(|(place, answer)| (place as i64, answer.clone()));
+    SignalInfo { labels: labels.collect(), ..SignalInfo::exact(format!("answer:{step}"), Kind::State) }
 }
 
 /// Resolves the names of a case and defines its signals in `trace`.
@@ -88,12 +105,83 @@ pub fn prepare(
     let mut state = SignalInfo::exact("state", Kind::State);
     state.labels = state_labels();
     wiring.state = define(&mut trace, state, &mut out);
-    let mut names = Vec::new();
-    let mut probes = Vec::new();
+    let mut signals = Signals::default();
+    let mut foreign = Vec::new();
     for binding in &case.signals {
-        let found = facts::observable(binding, case, bench, &mut out);
+        // What is wrong with a name is shown in the file that gives it.
+        let Some(file) = &binding.file else {
+            signals.add(binding, case, &mut trace, &mut wiring, bench, &mut out);
+            continue;
+        };
+        let mut own = Findings::new(&document::SourceFile::new(&**file, ""), plans::TOML);
+        signals.add(binding, case, &mut trace, &mut wiring, bench, &mut own);
+        foreign.extend(own.into_vec());
+    }
+    let Signals { names, probes } = signals;
+    for (mark, place) in [("step:start", &mut wiring.start), ("step:end", &mut wiring.end)] {
+        *place = define(&mut trace, SignalInfo::exact(mark, Kind::Mark), &mut out);
+    }
+    for (phase, mark, place) in [
+        (Phase::Setup, "step:main", &mut wiring.main),
+        (Phase::Teardown, "step:teardown", &mut wiring.teardown),
+        (Phase::Teardown, "step:teardown.done", &mut wiring.closed),
+    ] {
+        if case.steps.iter().any(|step| step.phase == phase) {
+            *place = define(&mut trace, SignalInfo::exact(mark, Kind::Mark), &mut out);
+        }
+    }
+    let mut steps = Vec::new();
+    for step in &case.steps {
+        let mark = define(&mut trace, SignalInfo::exact(format!("step:{}", step.id), Kind::Mark), &mut out);
+        let done =
+            define(&mut trace, SignalInfo::exact(format!("step:{}.done", step.id), Kind::Mark), &mut out);
+        let (Some(mark), Some(done)) = (mark, done) else { continue };
+        let answer = match &step.stimulus {
+            Stimulus::Ask(question) => define(&mut trace, answers(&step.id, question), &mut out),
+            _ => None,
+        };
+        let names = Names { list: &names, state: wiring.state };
+        let planned = plan_step(step, mark, done, &names, &trace, bench, &mut out);
+        steps.extend(planned.map(|mut planned| {
+            if let (Stimulus::Ask(question), Some(signal)) = (&step.stimulus, answer) {
+                let photo = question.photo.as_deref().map(|photo| beside(&plan.name, photo));
+                let question = Question { photo, ..question.clone() };
+                planned.acts.push((Span::ZERO, Act::Ask(Arc::new(question), signal)));
+            }
+            planned
+        }));
+    }
+    let mut found = out.into_vec();
+    found.extend(foreign);
+    let names = Names { list: &names, state: wiring.state };
+    let alarms = alarms::alarms(case, &names, &mut trace, &mut found);
+    if found.iter().any(Diagnostic::is_error) {
+        return Err(found);
+    }
+    Ok(Prepared { trace, wiring, steps, probes, alarms, warnings: found })
+}
+
+/// The signals of a case as they are defined.
+#[derive(Default)]
+struct Signals {
+    names: Vec<(String, Meaning, SignalId)>,
+    probes: Vec<(Probe, SignalId)>,
+}
+
+impl Signals {
+    /// Defines the signal of a bound name. Reports a name that means nothing on this bench.
+    fn add(
+        &mut self,
+        binding: &SignalBinding,
+        case: &Case,
+        trace: &mut Trace,
+        wiring: &mut Wiring,
+        bench: &mut Bench<'_>,
+        out: &mut Findings,
+    ) {
+        let found = facts::observable(binding, case, bench, out);
         let found = found.map(|found| found.map(Meaning::Inside));
-        let Some(meaning) = found.unwrap_or_else(|| meaning(binding, bench, &mut out)) else { continue };
+        let Some(meaning) = found.unwrap_or_else(|| meaning(binding, bench, out)) else { return };
         let info = match meaning {
             Meaning::Channel(channel, _) => {
                 channel_info(&binding.name, &bench.board.channels()[usize::from(channel.0)])
@@ -103,35 +191,17 @@ pub fn prepare(
                 ..SignalInfo::exact(&binding.name, observable.kind)
             },
         };
-        let Some(policy) = policy(binding, &info, &mut out) else { continue };
+        let Some(policy) = policy(binding, &info, out) else { return };
         let info = clocked(SignalInfo { policy, ..info }, bench.exact);
-        let Some(signal) = define(&mut trace, info, &mut out) else { continue };
+        let Some(signal) = define(trace, info, out) else { return };
         match meaning {
             Meaning::Channel(channel, _) => wiring.channels[usize::from(channel.0)].push(signal),
             Meaning::Inside(observable) => {
                 let probe = bench.subject.watch(observable.probe);
                 wiring.show_probe(probe, signal);
-                probes.push((observable.probe, signal));
+                self.probes.push((observable.probe, signal));
             }
         }
-        names.push((binding.name.clone(), meaning, signal));
+        self.names.push((binding.name.clone(), meaning, signal));
     }
-    for (mark, place) in [("step:start", &mut wiring.start), ("step:end", &mut wiring.end)] {
-        *place = define(&mut trace, SignalInfo::exact(mark, Kind::Mark), &mut out);
-    }
-    let mut steps = Vec::new();
-    for step in &case.steps {
-        let mark = define(&mut trace, SignalInfo::exact(format!("step:{}", step.id), Kind::Mark), &mut out);
-        let done =
-            define(&mut trace, SignalInfo::exact(format!("step:{}.done", step.id), Kind::Mark), &mut out);
-        let (Some(mark), Some(done)) = (mark, done) else { continue };
-        let names = Names { list: &names, state: wiring.state };
-        let planned = plan_step(step, mark, done, &names, &trace, bench, &mut out);
-        steps.extend(planned);
-    }
-    let found = out.into_vec();
-    if found.iter().any(Diagnostic::is_error) {
-        return Err(found);
-    }
-    Ok(Prepared { trace, wiring, steps, probes, warnings: found })
 }

@@ -1,9 +1,10 @@
 //! From the steps of a plan to what is done on a bench.
 
 use super::Bench;
-use super::lines::{driven, fault_kind, line, of_controller, terminal, value_for, warn_if_too_fast};
+use super::lines::{driven, fault_kind, line, of_controller, terminal, value_for};
 use super::meaning::{Meaning, Names, known_tasks, suggestion};
-use crate::schedule::{Act, Awaited, Expected, FileAct, Planned, Timing, TrainWork};
+use super::waves::generator;
+use crate::schedule::{Act, Awaited, Expected, FileAct, Planned, Timing};
 use controller::{Channel as Terminal, Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
 use document::Findings;
 use drivers::Fault;
@@ -31,7 +32,7 @@ pub(super) fn plan_step(
             Timing::When { signal, event, from: from.clone(), within: *within }
         }
     };
-    let mut train = None;
+    let mut generates = None;
     let acts = match &step.stimulus {
         Stimulus::Set(list) => {
             let acts: Option<Vec<_>> = list
@@ -48,10 +49,8 @@ pub(super) fn plan_step(
             let value = value_for(value, channel, bench, step, out)?;
             vec![(Span::ZERO, Act::Drive(channel, value)), (*width, Act::Restore(channel))]
         }
-        Stimulus::Train(planned) => {
-            let channel = driven(&planned.signal, names, bench, step, out)?;
-            warn_if_too_fast(channel, planned, bench, step, out);
-            train = Some(TrainWork { channel, train: planned.clone() });
+        Stimulus::Train(_) | Stimulus::Wave(_) | Stimulus::Encoder(_) | Stimulus::Sequence(_) => {
+            generates = Some(generator(step, names, bench, out)?);
             Vec::new()
         }
         Stimulus::Force { signal, value } => {
@@ -182,10 +181,12 @@ pub(super) fn plan_step(
             acts.map(|(after, what)| (after, Act::Disturb(what))).collect()
         }
         Stimulus::Clear { signal } => vec![(Span::ZERO, Act::Clear(line(signal, names, step, out)?))],
-        Stimulus::Mark => Vec::new(),
+        // What a question does is added where its answer is recorded.
+        Stimulus::Mark | Stimulus::Run { .. } | Stimulus::Ask(_) => Vec::new(),
     };
     let lasts = step.stimulus.duration();
-    Some(Planned { id: step.id.clone(), mark, done, timing, acts, train, lasts })
+    let (id, phase, repeat, parent) = (step.id.clone(), step.phase, step.repeat.clone(), step.parent);
+    Some(Planned { id, mark, done, phase, timing, repeat, parent, acts, generator: generates, lasts })
 }
 
 /// The place of a source in its application: as a step names it, relative to the plan; the first one where it names

@@ -19,8 +19,9 @@ fn collect(folder: &Path, found: &mut Vec<String>) {
             collect(&path, found);
         } else if path.extension().is_some_and(|ending| ending == "toml") {
             let text = std::fs::read_to_string(&path).unwrap();
-            // A board file stands beside its plans.
-            if !text.contains("[board]") {
+            // Board files, suite files and what plans include stand beside them.
+            let beside = ["common.toml", "suite.toml"].iter().any(|name| path.ends_with(name));
+            if !text.contains("[board]") && !beside {
                 found.push(path.to_string_lossy().into_owned());
             }
         }

@@ -12,7 +12,7 @@ use scanrig_runtime::application::compile;
 use scanrig_runtime::bundle::Bundle;
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::{Executor, Limits, Parts, Ran};
-use scanrig_runtime::prepare::{Bench, Prepared, prepare};
+use scanrig_runtime::prepare::{Armed, Bench, Prepared, prepare};
 use scanrig_runtime::recorder::Recorder;
 use scanrig_runtime::schedule::Schedule;
 use scanrig_runtime::store::MemoryStore;
@@ -83,14 +83,16 @@ impl Texts<'_> {
             reference: files.reference,
             bundle: &bundle,
             others: &[],
+            seed,
             exact: true,
         };
         let prepared = prepare(&case, &files.plan, Trace::new(), &mut bench).unwrap();
-        let Prepared { trace, wiring, steps, .. } = prepared;
+        let Prepared { trace, wiring, steps, alarms, .. } = prepared;
         let judge = Judge::new(case.scenario(), trace.signals()).unwrap();
-        let schedule = Schedule::new(steps, case.ends.clone(), seed);
+        let schedule = Schedule::new(steps, case.ends.clone());
         let recorder = Recorder::new(trace, judge);
-        (model, Parted { board, recorder, schedule, wiring, timeout: case.timeout })
+        let (timeout, teardown) = (case.timeout, case.teardown);
+        (model, Parted { board, recorder, schedule, wiring, alarms, timeout, teardown })
     }
 }
 
@@ -101,7 +103,9 @@ pub struct Parted {
     pub recorder: Recorder,
     pub schedule: Schedule,
     pub wiring: Wiring,
+    alarms: Vec<Armed>,
     timeout: Span,
+    teardown: Span,
 }
 
 impl Parted {
@@ -114,6 +118,7 @@ impl Parted {
             slice: Span::MAX,
             fail_fast: false,
             timeout: self.timeout,
+            teardown: self.teardown,
         };
         let parts = Parts {
             clock,
@@ -122,7 +127,9 @@ impl Parted {
             recorder: &mut self.recorder,
             schedule: &mut self.schedule,
             wiring: &mut self.wiring,
+            alarms: &mut self.alarms,
             interrupt: &interrupt,
+            operator: None,
         };
         Executor::new(parts, limits).run()
     }

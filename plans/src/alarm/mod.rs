@@ -1,0 +1,151 @@
+//! Alarms: a condition that lasted too long ends the case, or fails it at its end.
+//!
+//! ```toml
+//! alarms = [{ name = "over-pressure", when = { signal = "pressure", above = "6 bar" }, delay = "100 ms", hysteresis = "0.2 bar" }]
+//! ```
+//! A [`Rule`] says of each value whether the condition holds; a [`Watch`] follows it while the case runs; the claim
+//! of the alarm follows it again in the recorded trace, and decides. What counts is the time from `start` to `end`.
+
+mod judge;
+mod rule;
+mod watch;
+
+use std::sync::Arc;
+
+use document::Diagnostic;
+use record::Origin;
+use signal::{SignalInfo, Span};
+
+use crate::expect::{Claim, Expectation, Place, condition, known, meant};
+use crate::judge::{Guard, Monitor, NotJudged, Number, Scene, Window, Wiring, blind, slack};
+use crate::lang::{Anchor, Literal};
+
+pub use rule::{Phase, Rule};
+pub use watch::Watch;
+
+/// The verb under which an alarm stands in the record.
+pub(crate) const VERB: &str = "alarm";
+
+/// What the value of an alarm's signal is held against, as written.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Condition {
+    /// It is above this.
+    Above(Literal),
+    /// It is below this.
+    Below(Literal),
+    /// It is this.
+    Is(Literal),
+}
+
+/// An alarm of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alarm {
+    /// Its name; `alarm:<name>` is its signal in the trace.
+    pub name: String,
+    /// The signal that it watches, all of whose changes are recorded.
+    pub signal: String,
+    /// What must not last.
+    pub condition: Condition,
+    /// How long it may last: an alarm is raised when it lasted that long.
+    pub delay: Span,
+    /// How far behind the limit the value has to come back before the condition is over.
+    pub hysteresis: Option<Literal>,
+    /// Whether the case ends when it is raised.
+    pub ends: bool,
+    /// Where it stands.
+    pub place: Place,
+    /// Which kind of file that is.
+    pub origin: Origin,
+}
+
+impl Alarm {
+    /// The condition in the terms of its signal.
+    ///
+    /// # Errors
+    /// Why it means nothing for this signal, one sentence.
+    pub fn rule(&self, info: &SignalInfo) -> Result<Rule, String> {
+        let (limit, above) = match &self.condition {
+            Condition::Is(literal) => {
+                let wanted = condition::Condition::OneOf(vec![literal.clone()]);
+                return Ok(Rule::is(wanted.bind(info)?, slack(info)));
+            }
+            Condition::Above(limit) => (limit, true),
+            Condition::Below(limit) => (limit, false),
+        };
+        let on = condition::exact(limit, info)?;
+        let band = match &self.hysteresis {
+            Some(band) => condition::exact(band, info)?,
+            None => return Ok(Rule::limit(above, Number::from(on), Number::from(on), slack(info))),
+        };
+        let off = if above { on.minus(band) } else { on.plus(band) };
+        let off = off.ok_or("the hysteresis has too many digits")?;
+        Ok(Rule::limit(above, Number::from(on), Number::from(off), slack(info)))
+    }
+
+    /// What is looked at while the case runs.
+    ///
+    /// # Errors
+    /// As [`Alarm::rule`].
+    pub fn watch(&self, info: &SignalInfo) -> Result<Watch, String> {
+        Ok(Watch::new(self.rule(info)?, self.delay))
+    }
+
+    /// The condition in words: `pressure above 6 bar`.
+    fn words(&self) -> String {
+        match &self.condition {
+            Condition::Above(limit) => format!("above {limit}"),
+            Condition::Below(limit) => format!("below {limit}"),
+            Condition::Is(value) => value.to_string(),
+        }
+    }
+
+    /// The claim that the alarm is not raised.
+    pub(crate) fn guard(self: &Arc<Alarm>) -> Guard {
+        let expectation = Expectation {
+            name: self.name.clone(),
+            verb: VERB,
+            claim: Arc::clone(self) as Arc<dyn Claim>,
+            place: Some(self.place.clone()),
+        };
+        Guard { expectation, origin: self.origin }
+    }
+}
+
+impl Claim for Alarm {
+    fn expected(&self) -> String {
+        let lasts = match self.delay {
+            Span::ZERO => String::new(),
+            delay => format!(" for {delay}"),
+        };
+        format!("`{}` is not {}{lasts}", self.signal, self.words())
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        vec![&Anchor::START, &Anchor::END]
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        if let Some(info) = known(&self.signal, wiring, out) {
+            meant(self.rule(info).map(drop), out);
+        }
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        let window = match scene.window(&Anchor::START, &Anchor::END) {
+            // An alarm without a delay can end a case where it begins.
+            Err(NotJudged::EmptyWindow(_)) => {
+                let (from, until) = (scene.point(&Anchor::START)?, scene.point(&Anchor::END)?);
+                Window { from, until, link: None }
+            }
+            window => window?,
+        };
+        let rule = self.rule(info).map_err(NotJudged::NoMeaning)?;
+        let missed = blind(info, Some(self.delay));
+        Ok(Box::new(judge::Follow::new(self, rule, info, window, missed, scene.is_open(&Anchor::END))))
+    }
+}

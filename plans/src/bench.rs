@@ -1,0 +1,208 @@
+//! What a bench tells of claims before anything moves: which values its signals can have, and how exactly they are
+//! known there.
+
+use signal::{Kind, Policy, Sampling, SignalInfo, Span};
+
+use crate::expect::{Claim, Demand};
+use crate::judge::{Number, Test, slack};
+
+/// The values that a signal of whole numbers can have. FALSE is 0, TRUE is 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounds {
+    /// The least.
+    pub least: i128,
+    /// The greatest.
+    pub most: i128,
+    /// It is a line, which nobody may drive.
+    pub line: bool,
+}
+
+impl Bounds {
+    /// From the least to the greatest, both included.
+    pub const fn new(least: i128, most: i128) -> Bounds {
+        Bounds { least, most, line: false }
+    }
+
+    /// A bit.
+    pub const BIT: Bounds = Bounds::new(0, 1);
+
+    /// A line that carries a level.
+    pub const LINE: Bounds = Bounds { least: 0, most: 1, line: true };
+
+    /// A number of so many bits without a sign.
+    pub const fn bits(bits: u32) -> Bounds {
+        Bounds::new(0, if bits >= 127 { i128::MAX } else { (1 << bits) - 1 })
+    }
+
+    /// A count.
+    pub const COUNT: Bounds = Bounds::new(0, i64::MAX as i128);
+}
+
+/// Why a claim says nothing on a bench, one sentence each.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Doubt {
+    /// It can never be met.
+    Never(String),
+    /// It can never fail.
+    Always(String),
+    /// The signals are not known exactly enough for a pass.
+    Blind(String),
+}
+
+/// What is wrong with a claim on a bench with these signals. `bounds` tells which values one can have, where that is
+/// known.
+pub fn doubt(
+    claim: &dyn Claim,
+    signals: &[SignalInfo],
+    bounds: &dyn Fn(&str) -> Option<Bounds>,
+) -> Option<Doubt> {
+    let demands = claim.demands();
+    let find = |name: &str| signals.iter().find(|info| info.name == name);
+    let enters =
+        |name: &str| demands.iter().any(|one| matches!(one, Demand::Change(signal) if *signal == name));
+    let wants =
+        |name: &str| demands.iter().any(|one| matches!(one, Demand::Value { signal, .. } if *signal == name));
+    demands.iter().find_map(|demand| match demand {
+        Demand::Value { signal, condition, forbidden } => {
+            let info = find(signal)?;
+            let test = condition.bind(info).ok()?;
+            let possible = bounds(signal).and_then(|bounds| {
+                let (some, all) = reach(&test, &bounds);
+                let has = format!("`{signal}` is {}", shown(&bounds, info));
+                match (some, all, forbidden) {
+                    (false, _, false) => Some(Doubt::Never(format!("{has} and never {condition}"))),
+                    (false, _, true) => Some(Doubt::Always(format!("{has} and never {condition}"))),
+                    (_, true, true) => Some(Doubt::Never(format!("{has}, always {condition}"))),
+                    (_, true, false) if enters(signal) => {
+                        Some(Doubt::Never(format!("{has}, always {condition}: it never comes to be so")))
+                    }
+                    (_, true, false) => Some(Doubt::Always(format!("{has}, always {condition}"))),
+                    _ => None,
+                }
+            });
+            if possible.is_some() {
+                return possible;
+            }
+            (!forbidden && is_too_narrow(&test, slack(info))).then(|| {
+                Doubt::Blind(format!(
+                    "`{signal}` is recorded to within {}, too coarsely for {condition}",
+                    slack(info)
+                ))
+            })
+        }
+        Demand::Change(signal) => {
+            let info = find(signal)?;
+            let coarse = matches!(info.policy, Policy::Deadband(_)) && !wants(signal);
+            coarse.then(|| {
+                Doubt::Blind(format!(
+                    "`{signal}` is recorded with a deadband: whether it changes is not known"
+                ))
+            })
+        }
+        Demand::Delay { limits, signal, .. } => {
+            let known = match find(signal)?.sampling {
+                Sampling::Edges { resolution } => resolution,
+                Sampling::Sampled { period } => period,
+            };
+            let apart = Span::from_nanos(limits.1.saturating_sub(limits.0.max(0)));
+            (apart < known).then(|| {
+                Doubt::Blind(format!(
+                    "`{signal}` is known to within {known}, and the limits lie {apart} apart"
+                ))
+            })
+        }
+        Demand::Window { .. } | Demand::At(_) => None,
+    })
+}
+
+/// Whether some value meets the test, and whether all do.
+fn reach(test: &Test, bounds: &Bounds) -> (bool, bool) {
+    match test {
+        Test::Not(inner) => {
+            let (some, all) = reach(inner, bounds);
+            (!all, !some)
+        }
+        Test::HighZ => (bounds.line, false),
+        Test::OneOf(wanted) => {
+            let mut met: Vec<i128> = wanted.iter().filter_map(whole).collect();
+            met.retain(|number| (bounds.least..=bounds.most).contains(number));
+            met.sort_unstable();
+            met.dedup();
+            let count = bounds.most.saturating_sub(bounds.least).saturating_add(1);
+            (!met.is_empty(), !bounds.line && i128::try_from(met.len()).is_ok_and(|met| met == count))
+        }
+        Test::Range { min, max } => {
+            let least = min.map_or(bounds.least, |min| up(min).max(bounds.least));
+            let most = max.map_or(bounds.most, |max| down(max).min(bounds.most));
+            (least <= most, !bounds.line && (least, most) == (bounds.least, bounds.most))
+        }
+    }
+}
+
+fn whole(number: &Number) -> Option<i128> {
+    match number {
+        Number::Int(number) => Some(*number),
+        Number::Real(real) => (real.fract() == 0.0).then_some(*real as i128),
+    }
+}
+
+/// The least whole number that is not below.
+fn up(number: Number) -> i128 {
+    match number {
+        Number::Int(number) => number,
+        Number::Real(real) => real as i128 + i128::from((real as i128 as f64) < real),
+    }
+}
+
+/// The greatest whole number that is not above.
+fn down(number: Number) -> i128 {
+    match number {
+        Number::Int(number) => number,
+        Number::Real(real) => real as i128 - i128::from((real as i128 as f64) > real),
+    }
+}
+
+/// Whether a value that is known to within `slack` can never be seen to meet the test.
+fn is_too_narrow(test: &Test, slack: f64) -> bool {
+    slack > 0.0
+        && match test {
+            Test::OneOf(_) => true,
+            Test::Range { min: Some(min), max: Some(max) } => max.as_real() - min.as_real() < 2.0 * slack,
+            Test::Range { .. } | Test::HighZ | Test::Not(_) => false,
+        }
+}
+
+/// The values in words.
+fn shown(bounds: &Bounds, info: &SignalInfo) -> String {
+    match (info.kind, bounds.most) {
+        (Kind::Bool, _) => String::from("TRUE or FALSE"),
+        (_, most) if most >= i128::from(i64::MAX) => format!("at least {}", bounds.least),
+        (_, most) => format!("{} .. {most}", bounds.least),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_a_signal_can_have_meet_a_test_or_not() {
+        let range = |min: Option<f64>, max: Option<f64>| Test::Range {
+            min: min.map(Number::Real),
+            max: max.map(Number::Real),
+        };
+        let one_of = |list: &[i128]| Test::OneOf(list.iter().map(|one| Number::Int(*one)).collect());
+        let byte = Bounds::bits(8);
+        assert_eq!(reach(&one_of(&[256]), &byte), (false, false));
+        assert_eq!(reach(&one_of(&[255, 255]), &byte), (true, false));
+        assert_eq!(reach(&range(Some(0.0), None), &byte), (true, true));
+        assert_eq!(reach(&range(Some(-5.0), Some(255.5)), &byte), (true, true));
+        assert_eq!(reach(&range(Some(0.5), None), &byte), (true, false));
+        assert_eq!(reach(&range(Some(254.2), Some(254.8)), &byte), (false, false));
+        assert_eq!(reach(&one_of(&[0, 1]), &Bounds::BIT), (true, true));
+        // A line may be driven by nobody.
+        assert_eq!(reach(&one_of(&[0, 1]), &Bounds::LINE), (true, false));
+        assert_eq!(reach(&Test::HighZ, &Bounds::BIT), (false, false));
+        assert_eq!(reach(&Test::Not(Box::new(one_of(&[2]))), &Bounds::BIT), (true, true));
+    }
+}

@@ -1,0 +1,325 @@
+//! `follows`: one value keeps close to another for the whole of a window.
+//!
+//! ```toml
+//! { follows = { signal = "speed", leader = "set-point", tolerance = "10 rpm", from = "run", within = "50 ms" } }
+//! ```
+//! `within` is how long the value may lag behind: they may be farther apart for so long at a time. The two signals
+//! have clocks and channels of their own, so that changes of both that overlap may have come in any order: between
+//! them the distance is not known.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{Kind, SignalInfo, Span, Value};
+
+use super::common::{Between, FROM, SIGNAL, UNTIL, blind_words, signal};
+use super::condition::{Condition, literal, number};
+use super::{Claim, Context, Demand, Verb, keeps};
+use crate::codes;
+use crate::judge::{Finding, Monitor, NotJudged, Number, Scene, Seen, Truth, Window, Wiring, blind, slack};
+use crate::lang::{Anchor, Literal};
+
+/// `follows`.
+pub(super) const FOLLOWS: Verb = Verb {
+    name: "follows",
+    doc: "One value keeps within a tolerance of another for the whole of a window",
+    keys: &[
+        SIGNAL,
+        KeySpec::required("leader", KeyType::SignalRef, "The signal that it follows"),
+        KeySpec::optional("tolerance", KeyType::Value, "How far apart they may be; 0 if left out"),
+        KeySpec::optional(
+            "within",
+            KeyType::Duration,
+            "For how long at a time they may be farther apart; 0 if left out",
+        ),
+        FROM,
+        UNTIL,
+    ],
+    read,
+};
+
+/// Most changes that wait for those of the other signal. Beyond it the answer is left open.
+const MOST: usize = 256;
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Follows {
+    signal: String,
+    leader: String,
+    tolerance: Option<Literal>,
+    between: Between,
+    within: Option<Span>,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let (signal, leader) = (signal(fields, "signal", cx), signal(fields, "leader", cx));
+    let between = Between::read(fields, cx);
+    let tolerance = match fields.get("tolerance") {
+        Some(node) => Some(literal(node, cx)?),
+        None => None,
+    };
+    let (signal, leader) = (signal?, leader?);
+    if signal == leader {
+        let node = fields.get("leader")?;
+        let message = format!("`{signal}` follows itself: the claim can never fail");
+        cx.out.bad(codes::CLAIM, node, message, "name another signal");
+        return None;
+    }
+    let within = fields.duration("within").filter(|span| *span != Span::ZERO);
+    Some(Arc::new(Follows { signal, leader, tolerance, between: between?, within }))
+}
+
+impl Follows {
+    fn limit(&self, info: &SignalInfo) -> Result<Number, String> {
+        let Some(tolerance) = &self.tolerance else { return Ok(Number::Int(0)) };
+        match number(tolerance, info)? {
+            negative if negative.as_real() < 0.0 => {
+                Err(format!("a tolerance of {tolerance} can never be met"))
+            }
+            limit => Ok(limit),
+        }
+    }
+
+    fn apart(&self) -> String {
+        match &self.tolerance {
+            Some(tolerance) => format!("more than {tolerance} apart"),
+            None => String::from("apart"),
+        }
+    }
+}
+
+impl Claim for Follows {
+    fn expected(&self) -> String {
+        let how = match &self.tolerance {
+            Some(tolerance) => format!(" within {tolerance}"),
+            None => String::new(),
+        };
+        let lag = match self.within {
+            Some(lag) => format!(", at most {lag} behind"),
+            None => String::new(),
+        };
+        format!("`{}` follows `{}`{how}{lag}{}", self.signal, self.leader, self.between.words())
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone(), self.leader.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        let pair = (super::known(&self.signal, wiring, out), super::known(&self.leader, wiring, out));
+        let (Some(info), Some(leader)) = pair else { return };
+        super::meant(self.limit(info).map(drop), out);
+        if !info.unit.is_empty() && !leader.unit.is_empty() && info.unit != leader.unit {
+            let why = format!("`{}` is in {} and `{}` in {}", info.name, info.unit, leader.name, leader.unit);
+            super::meant(Err(why), out);
+        }
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        vec![self.between.demand()]
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        let leader = scene.signal(&self.leader)?;
+        let limit = self.limit(info).map_err(NotJudged::NoMeaning)?;
+        let missed = [info, leader]
+            .into_iter()
+            .find_map(|info| blind(info, self.within).map(|span| blind_words(info, span)));
+        // The distance as a signal of its own, which must never be too large.
+        let mut distance = SignalInfo::exact("distance", Kind::State);
+        distance.labels = vec![(0, String::from("close")), (1, self.apart())];
+        let claim = keeps::Keeps {
+            signals: vec![distance.name.clone()],
+            condition: Condition::label(&self.apart()),
+            forbidden: true,
+            between: self.between.clone(),
+            longer_than: self.within,
+        };
+        let inner = claim.start_with(&distance, scene)?;
+        Ok(Box::new(Compare {
+            unit: info.unit.clone(),
+            slack: slack(info) + slack(leader),
+            limit,
+            window: scene.window(&self.between.from, &self.between.until)?,
+            sides: [scene.lag(&self.signal), scene.lag(&self.leader)].map(Side::new),
+            waiting: VecDeque::new(),
+            inner,
+            end: scene.end(),
+            within: self.within,
+            last: None,
+            greatest: None,
+            longest: 0,
+            missed,
+        }))
+    }
+}
+
+/// What is known of one of the signals.
+struct Side {
+    /// How far behind the newest event of the trace one of this signal can begin, nanoseconds.
+    lag: i64,
+    /// No later event of the signal begins before this.
+    reached: i64,
+    value: Value,
+}
+
+impl Side {
+    fn new(lag: i64) -> Side {
+        Side { lag, reached: i64::MIN, value: Value::Unknown }
+    }
+}
+
+/// The judge.
+struct Compare {
+    unit: String,
+    slack: f64,
+    limit: Number,
+    window: Window,
+    sides: [Side; 2],
+    /// Changes of both signals by their earliest instants.
+    waiting: VecDeque<(usize, Seen)>,
+    /// Judges the distance.
+    inner: Box<dyn Monitor>,
+    end: i64,
+    within: Option<Span>,
+    /// How far apart they are since the last change, whether that is close enough, and its earliest instant.
+    last: Option<(Option<f64>, Truth, i64)>,
+    /// The greatest distance that can lie in the window.
+    greatest: Option<f64>,
+    /// The longest time at a stretch, nanoseconds, that they can be too far apart in the window.
+    longest: i64,
+    missed: Option<String>,
+}
+
+impl Compare {
+    /// Whether two values are close enough, and how far apart.
+    fn close(&self, pair: [Value; 2]) -> (Truth, Option<f64>) {
+        if pair.iter().any(|value| matches!(value, Value::Unknown)) {
+            return (Truth::Unknown, None);
+        }
+        match (Number::of(pair[0]), Number::of(pair[1])) {
+            (Some(a), Some(b)) => {
+                let (apart, truth) = super::equal::close(a, b, self.limit, self.slack);
+                (truth, Some(apart))
+            }
+            _ => (Truth::of(pair[0] == pair[1]), None),
+        }
+    }
+
+    /// Judges the changes that nothing new can come among.
+    fn advance(&mut self, over: bool) {
+        while let Some((_, first)) = self.waiting.front() {
+            // Changes whose intervals overlap belong together.
+            let (start, mut latest, mut count) = (first.a, first.b, 1);
+            while let Some((_, next)) = self.waiting.get(count)
+                && next.a <= latest
+            {
+                latest = latest.max(next.b);
+                count += 1;
+            }
+            let reached = self.sides.iter().map(|side| side.reached).min().unwrap_or(i64::MAX);
+            if !over && reached <= latest && self.waiting.len() < MOST {
+                return;
+            }
+            self.group(count, (start, latest));
+        }
+    }
+
+    /// Changes that may have come in any order.
+    fn group(&mut self, count: usize, (start, latest): (i64, i64)) {
+        let group: Vec<(usize, Seen)> = self.waiting.drain(..count).collect();
+        let Some((_, last)) = group.last().copied() else { return };
+        let mut values = self.sides.each_ref().map(|side| vec![side.value]);
+        for (slot, seen) in &group {
+            values[*slot].push(seen.value);
+            self.sides[*slot].value = seen.value;
+        }
+        // One change is as exact as it is; several at one instant leave no time in between.
+        if count > 1 && start < latest {
+            let pairs = values[0].iter().flat_map(|a| values[1].iter().map(move |b| [*a, *b]));
+            let all: Vec<(Truth, Option<f64>)> = pairs.map(|pair| self.close(pair)).collect();
+            if all.iter().any(|(truth, _)| *truth != Truth::True) {
+                let apart = all.iter().filter_map(|(_, apart)| *apart).reduce(f64::max);
+                self.tell((Truth::Unknown, apart), &Seen { a: start, b: start, ..last });
+            }
+        }
+        let close = self.close(self.sides.each_ref().map(|side| side.value));
+        let at = if count > 1 { Seen { a: latest, b: latest, ..last } } else { last };
+        self.tell(close, &at);
+    }
+
+    /// Hands on how close they are from here on.
+    fn tell(&mut self, (close, apart): (Truth, Option<f64>), at: &Seen) {
+        self.until(at.b);
+        let value = match close {
+            Truth::True => Value::Int(0),
+            Truth::False => Value::Int(1),
+            Truth::Unknown => Value::Unknown,
+        };
+        let since = self.last.filter(|(_, before, _)| (*before == Truth::True) == (close == Truth::True));
+        self.last = Some((apart, close, since.map_or(at.a, |(.., since)| since)));
+        self.inner.feed(0, &Seen { value, ..*at });
+    }
+
+    /// What they were since the last change lasted until here.
+    fn until(&mut self, end: i64) {
+        let Some((apart, close, since)) = self.last else { return };
+        if !self.window.can_meet(since, end) {
+            return;
+        }
+        if let Some(apart) = apart {
+            self.greatest = Some(self.greatest.map_or(apart, |old| old.max(apart)));
+        }
+        if close != Truth::True {
+            self.longest = self.longest.max(end.saturating_sub(since));
+        }
+    }
+}
+
+impl Monitor for Compare {
+    fn feed(&mut self, slot: usize, seen: &Seen) {
+        for side in &mut self.sides {
+            side.reached = side.reached.max(seen.a.saturating_sub(side.lag));
+        }
+        self.sides[slot].reached = self.sides[slot].reached.max(seen.a);
+        let at = self.waiting.partition_point(|(_, other)| other.a <= seen.a);
+        self.waiting.insert(at, (slot, *seen));
+        self.advance(false);
+    }
+
+    fn finish(mut self: Box<Self>) -> Finding {
+        self.advance(true);
+        self.until(self.end);
+        let Compare { inner, missed, greatest, longest, within, limit, slack, unit, .. } = *self;
+        let mut finding = inner.finish();
+        if let Some(missed) = missed {
+            if !finding.can_break {
+                finding.reason = missed;
+            }
+            finding.can_break = true;
+        }
+        // The words are of a signal that the plan does not have.
+        finding.reason = finding.reason.replacen("it was", "they were", 1);
+        if let (false, Some(apart)) = (finding.can_break, greatest) {
+            let apart = Figure::new(apart, unit.clone());
+            finding.observed = match within {
+                Some(_) if longest > 0 => {
+                    format!("at most {apart} apart, too far for at most {}", Span::from_nanos(longest))
+                }
+                _ => format!("at most {apart} apart"),
+            };
+        }
+        finding.margin = match within {
+            Some(within) => Some(Figure::span(Span::from_nanos(within.as_nanos().saturating_sub(longest)))),
+            None => greatest.map(|apart| Figure::new(limit.as_real() - apart - slack, unit)),
+        };
+        finding
+    }
+}

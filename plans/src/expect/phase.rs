@@ -1,0 +1,322 @@
+//! `phase`: how far one periodic signal comes behind another, as an angle of the other's cycle.
+//!
+//! ```toml
+//! { phase = { of = "b", behind = "a", is = "90 deg ± 10 deg", from = "run" } }
+//! ```
+//! Every whole cycle of `behind` in the window is judged: the first edge of `of` at or after its beginning comes at
+//! the angle. -10 deg and 350 deg are one. A cycle in which `of` has no edge fails the claim, and so does a window
+//! without a whole cycle.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Span};
+
+use super::band::{Band, IS_RANGE, shown};
+use super::common::{Between, FROM, LONGER, UNTIL, blind_words, delay_words, signal};
+use super::condition::{MAX, MIN};
+use super::{Claim, Context, Demand, Verb};
+use crate::codes;
+use crate::judge::edges::{Edge, Finder, LAST};
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::lang::Anchor;
+
+/// `phase`.
+pub(super) const PHASE: Verb = Verb {
+    name: "phase",
+    doc: "One periodic signal comes behind another by an angle of the other's cycle, in every cycle of a window",
+    keys: &[
+        KeySpec::required("of", KeyType::SignalRef, "The signal whose edges are looked for"),
+        KeySpec::required("behind", KeyType::SignalRef, "The signal whose cycles they are looked for in"),
+        IS_RANGE,
+        MIN,
+        MAX,
+        KeySpec::optional(
+            "edge",
+            KeyType::Choice(&["rises", "falls"]),
+            "Which edges of both; `rises` if left out",
+        ),
+        FROM,
+        UNTIL,
+        LONGER,
+    ],
+    read,
+};
+
+/// Most edges that wait for those of the other signal. Beyond it the answer is left open.
+const MOST: usize = 256;
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Phase {
+    of: String,
+    behind: String,
+    by_falls: bool,
+    band: Band,
+    between: Between,
+    longer_than: Option<Span>,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let (of, behind) = (signal(fields, "of", cx), signal(fields, "behind", cx));
+    let between = Between::read(fields, cx);
+    let band = Band::read(fields, "phase", "deg", cx)?;
+    let (of, behind) = (of?, behind?);
+    if of == behind {
+        let node = fields.get("behind")?;
+        cx.out.bad(codes::CLAIM, node, format!("`{of}` is compared with itself"), "name another signal");
+        return None;
+    }
+    if !(band.min >= -360.0 && band.max <= 360.0) || band.max - band.min >= 360.0 {
+        let node = ["is", "min", "max"].into_iter().find_map(|key| fields.get(key))?;
+        let message =
+            "an angle of a cycle lies between -360 deg and 360 deg, and less than a turn is allowed";
+        cx.out.bad(codes::CLAIM, node, message, "give both limits, as in is = \"90 deg ± 10 deg\"");
+        return None;
+    }
+    let by_falls = fields.text("edge") == Some("falls");
+    let longer_than = fields.duration("pulses-longer-than");
+    Some(Arc::new(Phase { of, behind, by_falls, band, between: between?, longer_than }))
+}
+
+impl Claim for Phase {
+    fn expected(&self) -> String {
+        let Phase { of, behind, band, between, .. } = self;
+        format!("`{of}` comes {band} behind `{behind}` in every cycle{}", between.words())
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.of.clone(), self.behind.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        super::known(&self.of, wiring, out);
+        super::known(&self.behind, wiring, out);
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        vec![Demand::Change(&self.of), Demand::Change(&self.behind), self.between.demand()]
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let window = scene.window(&self.between.from, &self.between.until)?;
+        let side = |name: &String| {
+            let info = scene.signal(name)?.clone();
+            let edge = if self.by_falls { Edge::Falls } else { Edge::Rises };
+            let finder = Finder::new(edge, slack(&info));
+            Ok(Side { info, finder, lag: scene.lag(name), edges: VecDeque::new(), reached: i64::MIN })
+        };
+        let (of, behind) = (side(&self.of)?, side(&self.behind)?);
+        let missed = [&of, &behind]
+            .into_iter()
+            .find_map(|side| blind(&side.info, self.longer_than).map(|span| blind_words(&side.info, span)));
+        let answer = Answer::default();
+        Ok(Box::new(Follow { claim: self.clone(), window, of, behind, missed, answer }))
+    }
+}
+
+/// One of the signals.
+struct Side {
+    info: SignalInfo,
+    finder: Finder,
+    /// How far behind the newest event of the trace one of this signal can begin, nanoseconds.
+    lag: i64,
+    edges: VecDeque<Seen>,
+    /// No later event of the signal begins before this.
+    reached: i64,
+}
+
+/// What the cycles came to so far.
+#[derive(Default)]
+struct Answer {
+    cycles: u64,
+    wrong: bool,
+    open: bool,
+    doubtful: bool,
+    /// Least and greatest angle.
+    extent: Option<(f64, f64)>,
+    /// The cycle farthest outside, or nearest to a limit.
+    deciding: Option<(f64, (f64, f64), Seen)>,
+    /// The beginning of a cycle in which nothing came.
+    empty: Option<Seen>,
+}
+
+/// The judge.
+struct Follow {
+    claim: Phase,
+    window: Window,
+    of: Side,
+    behind: Side,
+    missed: Option<String>,
+    answer: Answer,
+}
+
+/// The turn in which the edge of a cycle is looked for: half a turn to either side of the middle of the limits, so
+/// that one that comes a little early is not taken for that of the cycle before.
+struct Turn {
+    /// Earliest and latest beginning and end, nanoseconds.
+    begin: (i64, i64),
+    end: (i64, i64),
+    /// Least and greatest length of the cycle.
+    length: (i64, i64),
+}
+
+impl Turn {
+    fn of(start: &Seen, end: &Seen, band: &Band) -> Turn {
+        let length = (end.a.saturating_sub(start.b).max(1), end.b.saturating_sub(start.a).max(1));
+        let shift = (band.min + band.max) / 720.0 - 0.5;
+        let shifts = [shift * length.0 as f64, shift * length.1 as f64];
+        // Whole nanoseconds, to the safe side.
+        let least = libm::floor(shifts[0].min(shifts[1])) as i64;
+        let most = libm::ceil(shifts[0].max(shifts[1])) as i64;
+        let begin = (start.a.saturating_add(least), start.b.saturating_add(most));
+        let end = (begin.0.saturating_add(length.0), begin.1.saturating_add(length.1));
+        Turn { begin, end, length }
+    }
+
+    /// Least and greatest angle of an edge behind the beginning of the cycle.
+    fn angle(&self, start: &Seen, edge: &Seen) -> (f64, f64) {
+        let delay = (edge.a.saturating_sub(start.b), edge.b.saturating_sub(start.a));
+        let angle = |delay: i64, length: i64| delay as f64 * 360.0 / length as f64;
+        let both = |delay: i64| (angle(delay, self.length.0), angle(delay, self.length.1));
+        let (low, high) = (both(delay.0), both(delay.1));
+        (low.0.min(low.1), high.0.max(high.1))
+    }
+}
+
+impl Follow {
+    /// Judges the cycles that nothing new can come into.
+    fn advance(&mut self, over: bool) {
+        while let (Some(start), Some(end)) = (self.behind.edges.front(), self.behind.edges.get(1)) {
+            let (start, end) = (*start, *end);
+            let turn = Turn::of(&start, &end, &self.claim.band);
+            if !over && self.of.reached <= turn.end.1 {
+                break;
+            }
+            self.cycle(&start, &end, &turn);
+            self.behind.edges.pop_front();
+        }
+    }
+
+    fn cycle(&mut self, start: &Seen, end: &Seen, turn: &Turn) {
+        if !self.window.can_hold(start) || !self.window.can_hold(end) {
+            return;
+        }
+        let certain = self.window.must_hold(start) && self.window.must_hold(end);
+        // Each edge that can be the first one of the turn.
+        let mut left = turn.begin.0;
+        let (mut can_hold, mut can_break, mut is_there) = (false, false, false);
+        let mut some = false;
+        for edge in &self.of.edges {
+            if edge.a >= turn.end.1 {
+                break;
+            }
+            if left > turn.begin.1.min(edge.b) {
+                continue;
+            }
+            some = true;
+            let extent = turn.angle(start, edge);
+            let (holds, breaks) = self.claim.band.hold(extent);
+            can_hold |= holds;
+            can_break |= breaks;
+            let all = self.answer.extent;
+            self.answer.extent = Some(all.map_or(extent, |old| (old.0.min(extent.0), old.1.max(extent.1))));
+            let margin = self.claim.band.margin(extent);
+            if self.answer.deciding.is_none_or(|(least, ..)| margin < least) {
+                self.answer.deciding = Some((margin, extent, *edge));
+            }
+            left = edge.a.saturating_add(1);
+            if edge.a >= turn.begin.1 {
+                is_there = edge.b < turn.end.0;
+                break;
+            }
+        }
+        if !some {
+            self.answer.empty.get_or_insert(*start);
+        }
+        self.answer.cycles += u64::from(certain);
+        self.answer.open |= can_break || !is_there;
+        self.answer.wrong |= certain && !can_hold;
+    }
+
+    fn unknown(&mut self, seen: &Seen) {
+        self.answer.doubtful |= self.window.can_hold(seen);
+    }
+}
+
+impl Monitor for Follow {
+    fn feed(&mut self, slot: usize, seen: &Seen) {
+        for side in [&mut self.of, &mut self.behind] {
+            side.reached = side.reached.max(seen.a.saturating_sub(side.lag));
+        }
+        let side = if slot == 0 { &mut self.of } else { &mut self.behind };
+        side.reached = side.reached.max(seen.a);
+        match side.finder.see(seen) {
+            Some(found) if found.certain => {
+                side.edges.push_back(*seen);
+                if side.edges.len() > MOST {
+                    let oldest = side.edges.pop_front().map_or(i64::MIN, |edge| edge.b);
+                    let waiting = self.behind.edges.front().map_or(i64::MAX, |start| start.a);
+                    // An edge that lies well before every cycle that waits is none of theirs.
+                    self.answer.doubtful |= slot == 1 || waiting <= oldest;
+                }
+                self.advance(false);
+            }
+            Some(found) => self.unknown(&found.seen),
+            None => {}
+        }
+    }
+
+    fn finish(mut self: Box<Self>) -> Finding {
+        for rest in [self.of.finder.rest(), self.behind.finder.rest()].into_iter().flatten() {
+            self.unknown(&Seen { place: LAST, ..rest.seen });
+        }
+        self.advance(true);
+        let Follow { claim, window, of, missed, answer, .. } = *self;
+        let open = answer.doubtful || missed.is_some();
+        let none = answer.cycles == 0;
+        let mut finding = Finding {
+            can_hold: open || !answer.wrong && answer.extent.is_some(),
+            can_break: open || answer.open || none,
+            window: Some(window.shown()),
+            ..Finding::default()
+        };
+        let unclear = match (&missed, answer.doubtful) {
+            (_, true) => String::from("a signal is not known for a part of the window"),
+            (Some(missed), false) => missed.clone(),
+            (None, false) => String::from("the uncertainty of the instants reaches over a limit"),
+        };
+        finding.observed = match answer.extent {
+            Some(extent) => format!("{} over {} cycles", shown(extent, "deg"), answer.cycles),
+            None if none => format!("no whole cycle of `{}`{}", claim.behind, claim.between.words()),
+            None => format!("`{}` came in no cycle", claim.of),
+        };
+        let words = |seen: &Seen| {
+            let from = &window.from;
+            delay_words((seen.a.saturating_sub(from.b), seen.b.saturating_sub(from.a)), &claim.between.from)
+        };
+        finding.reason = match (finding.can_hold, answer.empty, answer.deciding) {
+            (true, ..) => unclear,
+            (false, Some(start), _) => {
+                format!("`{}` did not come in the cycle that began {}", of.info.name, words(&start))
+            }
+            (false, None, Some((_, extent, seen))) => {
+                format!("it came {} behind, {}", shown(extent, "deg"), words(&seen))
+            }
+            (false, None, None) => String::from("there is no cycle to judge"),
+        };
+        if let Some((margin, extent, seen)) = answer.deciding.filter(|_| answer.empty.is_none()) {
+            finding.margin = Some(Figure::new(margin, "deg"));
+            let spread = extent.1 - extent.0;
+            finding.uncertainty = (spread > 0.0).then(|| Figure::new(spread, "deg"));
+            finding = finding.decided_by(&seen);
+        }
+        finding
+    }
+}

@@ -1,0 +1,204 @@
+//! `frequency` and `duty`: how often a signal comes, and how much of the time it is TRUE, over the whole cycles of a
+//! window.
+//!
+//! ```toml
+//! { frequency = { signal = "pulses", is = "50 Hz ± 0.5 %", from = "run" } }
+//! { duty = { signal = "pulses", is = "25 % ± 1 %", from = "run", until = "run + 10 s" } }
+//! ```
+//! Both are means from the first to the last edge in the window; each cycle for itself is judged by `period` and
+//! `pulse`. With fewer than two edges the claim fails.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Span};
+
+use super::band::{Band, IS_RANGE, shown};
+use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, signal};
+use super::condition::{MAX, MIN};
+use super::{Claim, Context, Demand, Verb};
+use crate::judge::cycles::{Cycles, Found, Stretch};
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::lang::Anchor;
+
+/// Which edges begin a cycle.
+const EDGE: KeySpec = KeySpec::optional(
+    "edge",
+    KeyType::Choice(&["rises", "falls"]),
+    "Which edges begin a cycle; `rises` if left out",
+);
+
+const KEYS: &[KeySpec] = &[SIGNAL, IS_RANGE, MIN, MAX, EDGE, FROM, UNTIL, LONGER];
+
+/// `frequency`.
+pub(super) const FREQUENCY: Verb = Verb {
+    name: "frequency",
+    doc: "The mean frequency of a signal over a window is within limits",
+    keys: KEYS,
+    read: |fields, cx| read(fields, Kind::Frequency, cx),
+};
+
+/// `duty`.
+pub(super) const DUTY: Verb = Verb {
+    name: "duty",
+    doc: "The part of the time in which a signal is TRUE, over the whole cycles of a window, is within limits",
+    keys: KEYS,
+    read: |fields, cx| read(fields, Kind::Duty, cx),
+};
+
+/// What is asked of the cycles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Frequency,
+    Duty,
+}
+
+impl Kind {
+    fn noun(self) -> &'static str {
+        match self {
+            Kind::Frequency => "frequency",
+            Kind::Duty => "duty",
+        }
+    }
+
+    fn unit(self) -> &'static str {
+        match self {
+            Kind::Frequency => "Hz",
+            Kind::Duty => "%",
+        }
+    }
+
+    fn of(self, stretch: &Stretch) -> (f64, f64) {
+        match self {
+            Kind::Frequency => stretch.rate(),
+            Kind::Duty => stretch.duty(),
+        }
+    }
+}
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Rate {
+    signal: String,
+    kind: Kind,
+    by_falls: bool,
+    band: Band,
+    between: Between,
+    longer_than: Option<Span>,
+}
+
+fn read(fields: &Fields<'_>, kind: Kind, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let signal = signal(fields, "signal", cx);
+    let between = Between::read(fields, cx);
+    let band = Band::read(fields, kind.noun(), kind.unit(), cx)?;
+    let by_falls = fields.text("edge") == Some("falls");
+    let longer_than = fields.duration("pulses-longer-than");
+    Some(Arc::new(Rate { signal: signal?, kind, by_falls, band, between: between?, longer_than }))
+}
+
+impl Claim for Rate {
+    fn expected(&self) -> String {
+        format!("the {} of `{}` is {}{}", self.kind.noun(), self.signal, self.band, self.between.words())
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        super::known(&self.signal, wiring, out);
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        vec![Demand::Change(&self.signal), self.between.demand()]
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        let window = scene.window(&self.between.from, &self.between.until)?;
+        Ok(Box::new(Follow {
+            claim: self.clone(),
+            info: info.clone(),
+            window,
+            cycles: Cycles::new(window, self.by_falls, slack(info)),
+            missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
+        }))
+    }
+}
+
+/// The judge.
+struct Follow {
+    claim: Rate,
+    info: SignalInfo,
+    window: Window,
+    cycles: Cycles,
+    missed: Option<String>,
+}
+
+impl Monitor for Follow {
+    #[inline]
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        self.cycles.see(seen);
+    }
+
+    fn finish(self: Box<Self>) -> Finding {
+        let Follow { claim, info, window, cycles, missed } = *self;
+        finding(&claim, &info, &window, cycles.finish(), missed)
+    }
+}
+
+fn finding(
+    claim: &Rate,
+    info: &SignalInfo,
+    window: &Window,
+    found: Found,
+    missed: Option<String>,
+) -> Finding {
+    // Edges that are hidden can make any figure.
+    let open = found.doubtful || missed.is_some();
+    let mut finding = Finding {
+        can_hold: open,
+        can_break: open || found.can_be_missing,
+        window: Some(window.shown()),
+        ..Finding::default()
+    };
+    let mut extent: Option<(f64, f64)> = None;
+    let mut cycles = (u64::MAX, 0);
+    for stretch in &found.stretches {
+        let figure = claim.kind.of(stretch);
+        let (can_hold, can_break) = claim.band.hold(figure);
+        finding.can_hold |= can_hold;
+        finding.can_break |= can_break;
+        cycles = (cycles.0.min(stretch.cycles), cycles.1.max(stretch.cycles));
+        extent = Some(extent.map_or(figure, |old| (old.0.min(figure.0), old.1.max(figure.1))));
+    }
+    let unclear = || match (&missed, found.doubtful) {
+        (_, true) => format!("`{}` is not known for a part of the window", info.name),
+        (Some(missed), false) => missed.clone(),
+        (None, false) => String::from("the uncertainty of the instants reaches over a limit"),
+    };
+    let Some(extent) = extent else {
+        finding.observed = format!("no whole cycle{}", claim.between.words());
+        finding.reason = match finding.can_hold {
+            true => unclear(),
+            false => format!("`{}` has fewer than two edges in the window", info.name),
+        };
+        return finding;
+    };
+    let count = super::common::count_range(cycles);
+    let noun = if cycles.1 == 1 { "cycle" } else { "cycles" };
+    finding.observed = format!("{} over {count} {noun}", shown(extent, claim.band.unit));
+    finding.margin = Some(Figure::new(claim.band.margin(extent), claim.band.unit));
+    let spread = extent.1 - extent.0;
+    finding.uncertainty = (spread > 0.0).then(|| Figure::new(spread, claim.band.unit));
+    finding.reason = if finding.can_hold { unclear() } else { claim.band.miss(extent) };
+    match found.last {
+        Some(seen) => finding.decided_by(&seen),
+        None => finding,
+    }
+}

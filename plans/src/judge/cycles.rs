@@ -1,0 +1,206 @@
+//! Whole cycles of a signal in a window: how many there are, how long they last together, how much of that the
+//! signal is TRUE.
+//!
+//! A cycle lasts from one edge to the next of its kind. The cycles of a window lie between the first and the last
+//! edge in it. Which edges these are depends on where an uncertain end of the window lies, so that a few may be:
+//! each pair of them is a [`Stretch`]. With exact instants there is one pair.
+
+use super::edges::{Edge, Finder};
+use super::{Seen, Window};
+
+/// Most edges that may be the first one, or the last one, of a window. Beyond it the answer is left open.
+const MOST: usize = 64;
+
+/// An edge with all that lies before it.
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    /// Edges of its kind before it.
+    number: u64,
+    seen: Seen,
+    /// Least and greatest time that the signal was TRUE from the first edge of all up to this one, nanoseconds.
+    high: (i64, i64),
+}
+
+/// The cycles between two edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// How many.
+    pub cycles: u64,
+    /// Least and greatest length of all together, nanoseconds; the least may be 0 where edges are uncertain.
+    pub length: (i64, i64),
+    /// Least and greatest time of it in which the signal is TRUE, nanoseconds.
+    pub high: (i64, i64),
+}
+
+impl Stretch {
+    /// Least and greatest mean frequency, in hertz.
+    pub fn rate(&self) -> (f64, f64) {
+        let rate = |length: i64| match length {
+            ..=0 => f64::INFINITY,
+            length => self.cycles as f64 * 1e9 / length as f64,
+        };
+        (rate(self.length.1), rate(self.length.0))
+    }
+
+    /// Least and greatest mean length of a cycle, in nanoseconds.
+    pub fn period(&self) -> (f64, f64) {
+        let mean = |length: i64| length.max(0) as f64 / self.cycles as f64;
+        (mean(self.length.0), mean(self.length.1))
+    }
+
+    /// Least and greatest part of the time in which the signal is TRUE, in per cent.
+    pub fn duty(&self) -> (f64, f64) {
+        let part = |high: i64, length: i64| match length {
+            ..=0 => 100.0,
+            length => (high.max(0) as f64 * 100.0 / length as f64).min(100.0),
+        };
+        let least = if self.length.1 > 0 { part(self.high.0, self.length.1) } else { 0.0 };
+        (least, part(self.high.1, self.length.0))
+    }
+}
+
+/// What lies in a window.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Found {
+    /// Every pair of a first and a last edge that some placement has, in order.
+    pub stretches: Vec<Stretch>,
+    /// Some placement has fewer than two edges in the window.
+    pub can_be_missing: bool,
+    /// More edges may be hidden where nothing is known, or there were too many to look at each.
+    pub doubtful: bool,
+    /// The last edge of the window.
+    pub last: Option<Seen>,
+}
+
+/// Follows the edges of one kind.
+#[derive(Clone, Debug)]
+pub struct Cycles {
+    window: Window,
+    rises: Finder,
+    falls: Finder,
+    /// Edges that begin a cycle are falling ones.
+    by_falls: bool,
+    number: u64,
+    high: (i64, i64),
+    /// Since when the signal is TRUE.
+    high_since: Option<(i64, i64)>,
+    /// The earliest placement of the window's beginning with all edges so far before it.
+    left: i64,
+    firsts: Vec<Mark>,
+    lasts: Vec<Mark>,
+    before: Option<Mark>,
+    doubtful: bool,
+}
+
+impl Cycles {
+    /// Nothing seen yet; cycles begin with rising edges, or with falling ones.
+    pub fn new(window: Window, by_falls: bool, slack: f64) -> Cycles {
+        Cycles {
+            window,
+            rises: Finder::new(Edge::Rises, slack),
+            falls: Finder::new(Edge::Falls, slack),
+            by_falls,
+            number: 0,
+            high: (0, 0),
+            high_since: None,
+            left: i64::MIN,
+            firsts: Vec::new(),
+            lasts: Vec::new(),
+            before: None,
+            doubtful: false,
+        }
+    }
+
+    /// The next event.
+    #[inline]
+    pub fn see(&mut self, seen: &Seen) {
+        let (rose, fell) = (self.rises.see(seen), self.falls.see(seen));
+        if let Some(found) = rose.or(fell).filter(|found| !found.certain) {
+            self.unknown(&found.seen);
+            return;
+        }
+        // The time that ends here belongs to the cycles before this edge.
+        if fell.is_some()
+            && let Some(since) = self.high_since.take()
+        {
+            self.high.0 = self.high.0.saturating_add(seen.a.saturating_sub(since.1).max(0));
+            self.high.1 = self.high.1.saturating_add(seen.b.saturating_sub(since.0));
+        }
+        if rose.is_some() {
+            self.high_since = Some((seen.a, seen.b));
+        }
+        if if self.by_falls { fell.is_some() } else { rose.is_some() } {
+            self.edge(seen);
+        }
+    }
+
+    fn edge(&mut self, seen: &Seen) {
+        let mark = Mark { number: self.number, seen: *seen, high: self.high };
+        self.number += 1;
+        let low = self.window.from.a.max(self.left);
+        if low <= self.window.from.b.min(seen.after(&self.window.from)) {
+            self.keep(mark, true);
+        }
+        self.left = self.left.max(seen.before(&self.window.from));
+        self.end_before(seen.after(&self.window.until));
+        self.before = Some(mark);
+    }
+
+    /// The edge before this instant is the last one of those windows that end up to then.
+    fn end_before(&mut self, right: i64) {
+        let Some(mark) = self.before else { return };
+        let low = mark.seen.before(&self.window.until).max(self.window.until.a);
+        if low <= self.window.until.b.min(right) {
+            self.keep(mark, false);
+        }
+    }
+
+    fn keep(&mut self, mark: Mark, first: bool) {
+        let list = if first { &mut self.firsts } else { &mut self.lasts };
+        if list.len() < MOST {
+            list.push(mark);
+        } else {
+            self.doubtful = true;
+        }
+    }
+
+    fn unknown(&mut self, seen: &Seen) {
+        self.doubtful |= self.window.can_hold(seen);
+        self.high_since = None;
+    }
+
+    /// What lies in the window when nothing comes any more.
+    pub fn finish(mut self) -> Found {
+        if let Some(rest) = self.rises.rest() {
+            self.unknown(&rest.seen);
+        }
+        self.end_before(i64::MAX);
+        let none_behind = self.window.from.a.max(self.left) <= self.window.from.b;
+        let mut found = Found {
+            can_be_missing: none_behind || self.firsts.is_empty() || self.lasts.is_empty(),
+            doubtful: self.doubtful,
+            last: self.lasts.last().map(|mark| mark.seen),
+            ..Found::default()
+        };
+        for first in &self.firsts {
+            for last in &self.lasts {
+                if last.number <= first.number {
+                    found.can_be_missing = true;
+                    continue;
+                }
+                found.stretches.push(Stretch {
+                    cycles: last.number - first.number,
+                    length: (
+                        last.seen.a.saturating_sub(first.seen.b),
+                        last.seen.b.saturating_sub(first.seen.a),
+                    ),
+                    high: (
+                        last.high.0.saturating_sub(first.high.0),
+                        last.high.1.saturating_sub(first.high.1),
+                    ),
+                });
+            }
+        }
+        found
+    }
+}

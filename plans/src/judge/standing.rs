@@ -1,0 +1,49 @@
+//! How far the claims of a case are while its trace still grows: for a person who watches.
+
+use record::Verdict;
+use signal::{Time, Trace, When};
+
+use super::{Judge, JudgeError, Scenario};
+use crate::lang::Anchor;
+
+/// How far a claim is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Standing {
+    /// The claim's own name, or what it expects.
+    pub name: String,
+    /// What it came to, if nothing that comes can change that.
+    pub verdict: Option<Verdict>,
+}
+
+impl Standing {
+    /// The claims by what the trace tells up to `now`. Reads the whole trace.
+    ///
+    /// # Errors
+    /// [`JudgeError`] if the trace cannot be read, or lacks a signal that the claims look at.
+    pub fn of(scenario: &Scenario, trace: &Trace, now: Time) -> Result<Vec<Standing>, JudgeError> {
+        let unfit = |_| JudgeError { fault: String::from("it lacks a signal of the plan") };
+        let mut judge = Judge::new(scenario.clone(), trace.signals()).map_err(unfit)?;
+        for event in trace.events() {
+            judge.feed(&event.map_err(|error| JudgeError { fault: error.to_string() })?);
+        }
+        let lost = judge.lost();
+        // What is awaited stands behind the claims of the plan; its window is that of its wait.
+        let at_end: Vec<bool> =
+            scenario.expectations.iter().map(|each| each.claim.anchors().contains(&&Anchor::END)).collect();
+        let outcome = judge.finish(When::exactly(now), trace)?;
+        let standings = outcome.claims.into_iter().enumerate().map(|(place, claim)| {
+            let over = claim.window.is_some_and(|window| {
+                let until = window.limit_until_ns.unwrap_or(window.until_ns[1]);
+                until <= now.as_nanos()
+            });
+            let hangs = at_end.get(place).copied().unwrap_or(false);
+            let verdict = match lost.get(place) {
+                Some(true) => Some(Verdict::Fail),
+                _ if over && !hangs => Some(claim.verdict),
+                _ => None,
+            };
+            Standing { name: claim.name, verdict }
+        });
+        Ok(standings.collect())
+    }
+}

@@ -1,0 +1,260 @@
+//! Measurements over a window: frequency, duty, periods, widths of pulses, and what the values came to.
+
+use record::MeasurementRecord;
+use signal::SignalInfo;
+
+use super::gauge::{Bounds, failed, judge, open};
+use super::{Figure, Take};
+use crate::judge::cycles::Cycles;
+use crate::judge::edges::{Edge, Finder};
+use crate::judge::extremes::Extremes;
+use crate::judge::levels::Levels;
+use crate::judge::pulses::{FirstPulse, Pulse};
+use crate::judge::{Seen, Window, slack};
+
+/// What follows the signal.
+#[derive(Debug)]
+pub(super) enum Follow {
+    /// Whole cycles together.
+    Cycles(Box<Cycles>),
+    /// The first pulse.
+    First(Levels, FirstPulse),
+    /// The pulses one by one.
+    Pulses(Levels, Many),
+    /// The distances of edges one by one.
+    Edges { finder: Finder, before: Option<Seen>, many: Many },
+    /// The values.
+    Values(Box<Extremes>),
+}
+
+/// What is measured over a window.
+#[derive(Debug)]
+pub(super) struct Over {
+    window: Window,
+    figure: Figure,
+    follow: Follow,
+    /// The end of the case: what lasts until then has no known width.
+    end: i64,
+    slack: f64,
+}
+
+/// The least, the greatest and the mean of many lengths of time, each known to within an interval.
+#[derive(Debug, Default)]
+pub(super) struct Many {
+    /// Of those that lie in the window in every placement: how many, and the sums of their least and greatest lengths.
+    count: u64,
+    sum: (f64, f64),
+    least: Option<(i64, i64)>,
+    most: Option<(i64, i64)>,
+    /// Least and greatest length of those that may lie in it.
+    possible: Option<(i64, i64)>,
+    doubtful: bool,
+}
+
+impl Many {
+    fn see(&mut self, length: (i64, i64), certain: bool) {
+        let pair = |old: Option<(i64, i64)>, pick: fn(i64, i64) -> i64| {
+            Some(old.map_or(length, |old| (pick(old.0, length.0), pick(old.1, length.1))))
+        };
+        if certain {
+            self.count += 1;
+            self.sum = (self.sum.0 + length.0 as f64, self.sum.1 + length.1 as f64);
+            self.least = pair(self.least, i64::min);
+            self.most = pair(self.most, i64::max);
+        } else {
+            self.possible =
+                Some(self.possible.map_or(length, |old| (old.0.min(length.0), old.1.max(length.1))));
+        }
+    }
+
+    /// Least and greatest figure of all placements; `None` if there may be nothing in the window.
+    fn finish(&self, take: Take) -> Option<(f64, f64)> {
+        let (least, most) = (self.least?, self.most?);
+        let count = self.count as f64;
+        let (low, high) = match take {
+            Take::Min => (least.0 as f64, least.1 as f64),
+            Take::Max => (most.0 as f64, most.1 as f64),
+            Take::Span => ((most.0.saturating_sub(least.1)).max(0) as f64, (most.1 - least.0) as f64),
+            _ => (self.sum.0 / count, self.sum.1 / count),
+        };
+        let Some(possible) = self.possible else { return Some((low, high)) };
+        let possible = (possible.0 as f64, possible.1 as f64);
+        Some(match take {
+            Take::Min => (low.min(possible.0), high),
+            Take::Max => (low, high.max(possible.1)),
+            Take::Span => {
+                let whole = (most.1 as f64).max(possible.1) - (least.0 as f64).min(possible.0);
+                (low, high.max(whole))
+            }
+            _ => (low.min(possible.0), high.max(possible.1)),
+        })
+    }
+}
+
+impl Over {
+    pub(super) fn new(window: Window, figure: Figure, info: &SignalInfo, end: i64) -> Over {
+        let slack = slack(info);
+        let follow = match figure {
+            Figure::Frequency | Figure::Duty | Figure::Period(Take::Mean) => {
+                Follow::Cycles(Box::new(Cycles::new(window, false, slack)))
+            }
+            Figure::Period(_) => {
+                let finder = Finder::new(Edge::Rises, slack);
+                Follow::Edges { finder, before: None, many: Many::default() }
+            }
+            Figure::Width { high, take: Take::First } => {
+                Follow::First(Levels::new(high, slack), FirstPulse::new(window, (0, i64::MAX)))
+            }
+            Figure::Width { high, .. } => Follow::Pulses(Levels::new(high, slack), Many::default()),
+            Figure::Value(_) => Follow::Values(Box::new(Extremes::new(window))),
+        };
+        Over { window, figure, follow, end, slack }
+    }
+
+    #[inline]
+    pub(super) fn feed(&mut self, seen: &Seen) {
+        let window = &self.window;
+        match &mut self.follow {
+            Follow::Cycles(cycles) => cycles.see(seen),
+            Follow::First(levels, first) => {
+                if let Some(pulse) = levels.see(seen) {
+                    first.see(&pulse);
+                }
+            }
+            Follow::Pulses(levels, many) => {
+                if let Some(pulse) = levels.see(seen) {
+                    one_of_many(many, &pulse, window);
+                }
+            }
+            Follow::Edges { finder, before, many } => match finder.see(seen) {
+                Some(found) if found.certain => {
+                    if let Some(before) = before.replace(*seen)
+                        && window.can_hold(&before)
+                        && window.can_hold(seen)
+                    {
+                        let length =
+                            (seen.a.saturating_sub(before.b).max(0), seen.b.saturating_sub(before.a));
+                        many.see(length, window.must_hold(&before) && window.must_hold(seen));
+                    }
+                }
+                Some(found) => {
+                    *before = None;
+                    many.doubtful |= window.can_hold(&found.seen);
+                }
+                None => {}
+            },
+            Follow::Values(extremes) => extremes.see(seen),
+        }
+    }
+
+    pub(super) fn finish(self, mut record: MeasurementRecord, bounds: &Bounds) -> MeasurementRecord {
+        let Over { window, figure, follow, end, slack } = self;
+        record.from_ns = Some([window.from.a, window.from.b]);
+        record.to_ns = Some([window.until.a, window.until.b]);
+        const NOT_KNOWN: &str = "the signal is not known for a part of the window";
+        match follow {
+            Follow::Cycles(cycles) => {
+                let found = cycles.finish();
+                let figures = found.stretches.iter().map(|stretch| match figure {
+                    Figure::Frequency => stretch.rate(),
+                    Figure::Duty => stretch.duty(),
+                    _ => stretch.period(),
+                });
+                let Some(extent) = figures.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+                    return missing(record, found.doubtful, "fewer than two edges lie in the window");
+                };
+                let record = judge(record, bounds, extent.0, extent.1);
+                match (found.doubtful, found.can_be_missing) {
+                    (true, _) => open(record, NOT_KNOWN),
+                    (_, true) => open(record, "it is open whether two edges lie in the window"),
+                    _ => record,
+                }
+            }
+            Follow::First(mut levels, mut first) => {
+                if let Some(pulse) = levels.rest(end) {
+                    first.see(&pulse);
+                }
+                let spread = first.finish();
+                let Some((low, high)) = spread.extent else {
+                    return missing(record, spread.doubtful, "no pulse began in the window");
+                };
+                if high >= i64::MAX.saturating_sub(end.max(0)) {
+                    record.value = Some([low as f64, f64::INFINITY]);
+                    return open(record, "the case ended within the pulse");
+                }
+                let record = judge(record, bounds, low as f64, high as f64);
+                match (spread.doubtful, spread.can_be_missing) {
+                    (true, _) => open(record, NOT_KNOWN),
+                    (_, true) => open(record, "it is open whether the pulse began in the window"),
+                    _ => record,
+                }
+            }
+            Follow::Pulses(mut levels, mut many) => {
+                if let Some(pulse) = levels.rest(end) {
+                    // What still lasts has no width: it does not count, unless it may be over.
+                    many.doubtful |= !pulse.certain && window.can_hold(&pulse.start);
+                }
+                many_judged(record, bounds, &many, figure, "no whole pulse began in the window")
+            }
+            Follow::Edges { finder, mut many, .. } => {
+                many.doubtful |= finder.rest().is_some_and(|rest| window.can_hold(&rest.seen));
+                many_judged(record, bounds, &many, figure, "fewer than two edges lie in the window")
+            }
+            Follow::Values(extremes) => {
+                let Some(found) = extremes.finish() else {
+                    return open(record, NOT_KNOWN);
+                };
+                let Figure::Value(take) = figure else { return record };
+                let (low, high) = match take {
+                    Take::Min => found.least,
+                    Take::Max => found.most,
+                    Take::Rms => found.rms,
+                    Take::Span => ((found.most.0 - found.least.1).max(0.0), found.most.1 - found.least.0),
+                    Take::First | Take::Mean => found.mean,
+                };
+                let slack = if take == Take::Span { 2.0 * slack } else { slack };
+                let record = judge(record, bounds, low - slack, high + slack);
+                if found.unknown { open(record, NOT_KNOWN) } else { record }
+            }
+        }
+    }
+}
+
+fn one_of_many(many: &mut Many, pulse: &Pulse, window: &Window) {
+    if !window.can_hold(&pulse.start) {
+        return;
+    }
+    if !pulse.certain {
+        many.doubtful = true;
+        return;
+    }
+    let (start, end) = (&pulse.start, pulse.end);
+    many.see((end.0.saturating_sub(start.b).max(0), end.1.saturating_sub(start.a)), window.must_hold(start));
+}
+
+fn many_judged(
+    record: MeasurementRecord,
+    bounds: &Bounds,
+    many: &Many,
+    figure: Figure,
+    none: &str,
+) -> MeasurementRecord {
+    let take = match figure {
+        Figure::Period(take) | Figure::Width { take, .. } | Figure::Value(take) => take,
+        Figure::Frequency | Figure::Duty => Take::Mean,
+    };
+    let Some((low, high)) = many.finish(take) else {
+        return missing(record, many.doubtful || many.possible.is_some(), none);
+    };
+    let record = judge(record, bounds, low, high);
+    if many.doubtful { open(record, "the signal is not known for a part of the window") } else { record }
+}
+
+/// A measurement of which there was nothing to take.
+fn missing(record: MeasurementRecord, doubtful: bool, why: &str) -> MeasurementRecord {
+    if doubtful {
+        open(record, "the signal is not known for a part of the window")
+    } else {
+        failed(record, why)
+    }
+}

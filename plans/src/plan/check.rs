@@ -1,0 +1,272 @@
+//! What can be said of a case before anything moves, beyond what its entries say of themselves: claims that look
+//! where nothing can be seen, steps that are cut off, watchdogs that never watch, names that nobody speaks of.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use document::Findings;
+use signal::{Kind, SignalInfo, Span, Value};
+
+use super::times::part;
+use super::{Settings, SignalBinding, Source, Step, StepTime, TaskFigure};
+use crate::codes;
+use crate::expect::{Demand, Expectation, condition::Condition};
+use crate::judge::Truth;
+use crate::lang::{Anchor, Base, Literal};
+use crate::measure::Measurement;
+use crate::steps::Stimulus;
+
+/// The parts of a case that are held against each other.
+pub(super) struct Parts<'a> {
+    pub(super) steps: &'a [Step],
+    pub(super) ends: &'a Anchor,
+    /// Whether the plan says where the case ends.
+    pub(super) ends_given: bool,
+    pub(super) expectations: &'a [Expectation],
+    pub(super) measurements: &'a [Measurement],
+    pub(super) signals: &'a [SignalBinding],
+    pub(super) settings: &'a Settings,
+}
+
+/// A place in time: what it hangs on that is not known before the case runs, and the distance from it.
+#[derive(Clone, Debug, PartialEq)]
+struct Place<'a> {
+    /// The id of an awaited step; `None`: `start`.
+    root: Option<&'a str>,
+    nanos: i128,
+}
+
+impl Place<'_> {
+    /// How long after `other`, where both hang on the same.
+    fn behind(&self, other: &Place<'_>) -> Option<i128> {
+        (self.root == other.root).then(|| self.nanos - other.nanos)
+    }
+}
+
+/// Looks at a case whose parts were found right.
+pub(super) fn case(parts: &Parts<'_>, out: &mut Findings) {
+    let end = parts.place(parts.ends);
+    for expectation in parts.expectations {
+        let Some(place) = &expectation.place else { continue };
+        for demand in expectation.claim.demands() {
+            if let Some((message, help)) = parts.beyond(&demand, end.as_ref()) {
+                out.error(codes::BEYOND_CASE, place.span.clone(), message, help);
+                // One is enough: the others say the same of another key.
+                break;
+            }
+        }
+        parts.unarmed(expectation, place.span.clone(), out);
+    }
+    for measurement in parts.measurements {
+        let late = measurement.anchors().into_iter().find(|anchor| parts.is_behind(anchor, end.as_ref()));
+        if let (Some(anchor), Some(place)) = (late, &measurement.place) {
+            let message = format!("`{anchor}` lies after the end of the case: it is never measured");
+            out.error(codes::BEYOND_CASE, place.span.clone(), message, LATER);
+        }
+    }
+    if let (true, Some(end)) = (parts.ends_given, &end) {
+        parts.cut_off(end, out);
+    }
+}
+
+/// Says of a name that nothing speaks of it, unless it is there for the trace.
+pub(super) fn unused(binding: &SignalBinding, out: &mut Findings) {
+    if binding.record {
+        return;
+    }
+    let message = format!("`{}` is bound and never used", binding.name);
+    out.warn(
+        codes::UNUSED,
+        binding.span.clone(),
+        message,
+        "use it, remove it, or bind it by a table with `record = true` for the trace alone",
+    );
+}
+
+/// How long the processor is taken before the system watchdogs act (controller:WD-00, WD-01).
+const SYSTEM_WATCHDOG: Span = Span::from_secs(3);
+
+/// What mends a claim that looks too late.
+const LATER: &str = "let the case end later with `ends`, or count from an earlier instant";
+
+impl Parts<'_> {
+    /// Where an instant lies, as far as that is known before the case runs.
+    fn place(&self, anchor: &Anchor) -> Option<Place<'_>> {
+        let base = match &anchor.base {
+            Base::Start => Place { root: None, nanos: 0 },
+            Base::End => return self.place(self.ends).map(|end| end.later(anchor.offset)),
+            base => {
+                let step = self.steps.iter().find(|step| Some(step.id.as_str()) == base.step())?;
+                let begins = match &step.when {
+                    StepTime::When { .. } => Place { root: Some(&step.id), nanos: 0 },
+                    StepTime::At(at) => match &at.base {
+                        Base::Start => Place { root: None, nanos: i128::from(at.offset.as_nanos()) },
+                        Base::Step(root) => {
+                            Place { root: Some(root), nanos: i128::from(at.offset.as_nanos()) }
+                        }
+                        _ => return None,
+                    },
+                };
+                // Of what comes again, or runs a group, only the beginning is known.
+                let known = matches!(base, Base::Step(_) | Base::Pulse { .. })
+                    || step.repeat.is_none() && !matches!(step.stimulus, Stimulus::Run { .. });
+                begins.later(known.then(|| part(step, base))?)
+            }
+        };
+        Some(base.later(anchor.offset))
+    }
+
+    /// Whether an instant lies behind the end of the case whatever happens.
+    fn is_behind(&self, anchor: &Anchor, end: Option<&Place<'_>>) -> bool {
+        self.place(anchor).zip(end).and_then(|(at, end)| at.behind(end)).is_some_and(|late| late > 0)
+    }
+
+    /// Why a claim looks where the case is over.
+    fn beyond(&self, demand: &Demand<'_>, end: Option<&Place<'_>>) -> Option<(String, &'static str)> {
+        let late = |anchor: &Anchor| self.place(anchor)?.behind(end?);
+        let span = |nanos: i128| Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX));
+        match demand {
+            Demand::At(anchor) => late(anchor)
+                .filter(|late| *late > 0)
+                .map(|by| (format!("`{anchor}` lies {} after the end of the case", span(by)), LATER)),
+            Demand::Delay { from, limits, .. } => {
+                let least = late(from)? + i128::from(limits.0.max(0));
+                (least > 0).then(|| {
+                    let by = span(least);
+                    (format!("the case ends {by} before this can happen: the claim can never be met"), LATER)
+                })
+            }
+            Demand::Window { from, until } => {
+                if late(from).is_some_and(|late| late >= 0) {
+                    return Some((
+                        format!("`{from}` is not before the end of the case: nothing is looked at"),
+                        LATER,
+                    ));
+                }
+                if let Some(by) = late(until).filter(|late| *late > 0) {
+                    let message = format!(
+                        "`{until}` lies {} after the end of the case: what comes then is not seen",
+                        span(by)
+                    );
+                    return Some((message, LATER));
+                }
+                let length = self.place(until)?.behind(&self.place(from)?)?;
+                (length <= 0).then(|| {
+                    let message =
+                        format!("nothing lies between `{from}` and `{until}`: the claim can never fail");
+                    (message, "let `until` be later than `from`")
+                })
+            }
+            Demand::Value { .. } | Demand::Change(_) => None,
+        }
+    }
+
+    /// Reports steps that are not done when the case ends.
+    fn cut_off(&self, end: &Place<'_>, out: &mut Findings) {
+        // A fault may well last to the end; what is to come back, or to be emitted whole, is cut off.
+        let whole = |step: &&Step| {
+            matches!(
+                step.stimulus,
+                Stimulus::Pulse { .. }
+                    | Stimulus::Train(_)
+                    | Stimulus::Encoder(_)
+                    | Stimulus::Sequence(_)
+                    | Stimulus::PowerCut(_)
+            )
+        };
+        for step in self.steps.iter().filter(whole) {
+            let done = Anchor { base: Base::StepDone(step.id.clone()), offset: Span::ZERO };
+            let late = self.place(&done).and_then(|done| done.behind(end)).unwrap_or(0);
+            if late > 0 {
+                let late = Span::from_nanos(i64::try_from(late).unwrap_or(i64::MAX));
+                let message = format!("the step `{}` is done {late} after the end of the case", step.id);
+                let help = "let the case end later with `ends`, or make the step shorter";
+                out.warn(codes::CUT_OFF, step.span.clone(), message, help);
+            }
+        }
+    }
+
+    /// Reports a claim that counts on a watchdog which the settings switch off.
+    fn unarmed(&self, expectation: &Expectation, place: Range<usize>, out: &mut Findings) {
+        let off = |task: &str| {
+            let known = self.settings.tasks.iter().find(|known| known.name.eq_ignore_ascii_case(task));
+            known.is_some_and(|task| task.enabled == Some(false))
+        };
+        let demands = expectation.claim.demands();
+        // Behind that the system watchdog may be it, which nobody switches off.
+        let soon = demands.iter().any(|demand| match demand {
+            Demand::Delay { limits, .. } => limits.1 < SYSTEM_WATCHDOG.as_nanos(),
+            _ => false,
+        });
+        for demand in demands {
+            let Demand::Value { signal, condition, forbidden: false } = demand else { continue };
+            let bound = self.signals.iter().find(|known| known.name == *signal).map(|known| &known.source);
+            let task = match bound {
+                Some(Source::Task { task, figure: TaskFigure::Exceptions }) if off(task) => {
+                    excludes(condition, signal).then_some(task.as_str())
+                }
+                None if soon && signal == "state" && is_halt(condition) => self.stalled(&off),
+                _ => None,
+            };
+            if let Some(task) = task {
+                let message = format!("this counts on the watchdog of {task}, which is switched off");
+                let help = "remove `enabled = false` of the task, or claim that nothing happens";
+                out.warn(codes::NEVER_ARMED, place.clone(), message, help);
+                return;
+            }
+        }
+    }
+
+    /// The task that the steps keep busy, where all that they keep busy have no watchdog.
+    fn stalled(&self, off: &dyn Fn(&str) -> bool) -> Option<&str> {
+        let mut busy = self.steps.iter().filter_map(|step| match &step.stimulus {
+            Stimulus::Overload { task, .. } | Stimulus::Suspend { task, .. } => Some(task.as_str()),
+            _ => None,
+        });
+        let first = busy.next()?;
+        (off(first) && busy.all(off)).then_some(first)
+    }
+}
+
+impl Place<'_> {
+    fn later(mut self, by: Span) -> Self {
+        self.nanos += i128::from(by.as_nanos());
+        self
+    }
+}
+
+/// Whether the condition wants something else than 0.
+fn excludes(condition: &Condition, name: &str) -> bool {
+    let info = SignalInfo::exact(name, Kind::Int);
+    condition.bind(&info).is_ok_and(|test| test.holds(Value::Int(0), 0.0) == Truth::False)
+}
+
+fn is_halt(condition: &Condition) -> bool {
+    let Condition::OneOf(list) = condition else { return false };
+    matches!(list.as_slice(), [Literal::Label(label)] if label.eq_ignore_ascii_case("HALT"))
+}
+
+/// The names that no case speaks of, once every case told which ones it does not.
+#[derive(Debug, Default)]
+pub(super) struct Unspoken {
+    names: Option<BTreeSet<String>>,
+}
+
+impl Unspoken {
+    /// A case that leaves these aside.
+    pub(super) fn case(&mut self, names: &[String]) {
+        match &mut self.names {
+            Some(known) => known.retain(|name| names.contains(name)),
+            None => self.names = Some(names.iter().cloned().collect()),
+        }
+    }
+
+    /// Reports what is left.
+    pub(super) fn report(&self, signals: &[SignalBinding], out: &mut Findings) {
+        let Some(names) = &self.names else { return };
+        signals
+            .iter()
+            .filter(|binding| names.contains(&binding.name))
+            .for_each(|binding| unused(binding, out));
+    }
+}

@@ -1,0 +1,252 @@
+//! Value change dumps.
+//!
+//! A change at a timestamp lies within the timescale before it; within the time between two samples where the file
+//! (sigrok's comment) or the user says it. A dump of the rig itself says in comments what its trace knew.
+
+use crate::builder::{Builder, FEWER, too_many_changes, too_many_channels};
+use crate::time::{hertz, period as period_of, ticks};
+use crate::{Capture, CaptureError, Knowledge, Shape};
+use signal::{Span, Time, Value, When};
+use std::collections::BTreeMap;
+use std::io::Read;
+use vcd::{Command, IdCode, Parser, TimescaleUnit, VarType};
+
+/// What a dump of the rig's own begins its version with.
+const OWN: &str = "rig ";
+
+/// Reads a dump.
+///
+/// # Errors
+/// [`CaptureError`] with the line.
+pub fn read(bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError> {
+    let mut reader = Reader {
+        period,
+        femtoseconds: 1_000_000,
+        codes: BTreeMap::new(),
+        builder: Builder::default(),
+        first: None,
+        now: (Time::ZERO, Time::ZERO),
+        ticks: 0,
+        sampled: None,
+        own: false,
+        notes: Vec::new(),
+        widest: BTreeMap::new(),
+        defined: false,
+    };
+    // The last word ends with the file, too.
+    let mut parser = Parser::new(bytes.chain(&b"\n"[..]));
+    loop {
+        match parser.next() {
+            None => break,
+            Some(Ok(command)) => {
+                reader.take(command).map_err(|(what, mend)| CaptureError::line(parser.line(), what, mend))?
+            }
+            Some(Err(error)) => {
+                let what = format!("no value change dump: {}", plain(&error));
+                return Err(CaptureError::line(parser.line(), what, "write it again with the instrument"));
+            }
+        }
+    }
+    reader.finish()
+}
+
+/// The reason without the line, which the place says.
+fn plain(error: &std::io::Error) -> String {
+    match error.get_ref().and_then(|inner| inner.downcast_ref::<vcd::ParseError>()) {
+        Some(parse) => parse.kind().to_string(),
+        None => error.to_string(),
+    }
+}
+
+struct Reader {
+    period: Option<Span>,
+    femtoseconds: u64,
+    /// The channels of a code: one code may stand for several names.
+    codes: BTreeMap<IdCode, Vec<u32>>,
+    builder: Builder,
+    first: Option<Time>,
+    /// The instant, as the nanoseconds at or before and at or after it.
+    now: (Time, Time),
+    ticks: u64,
+    sampled: Option<Span>,
+    own: bool,
+    notes: Vec<(String, String)>,
+    /// How wide the changes of a channel are at most, by name.
+    widest: BTreeMap<String, i64>,
+    defined: bool,
+}
+
+type Wrong = (String, &'static str);
+
+impl Reader {
+    fn take(&mut self, command: Command) -> Result<(), Wrong> {
+        match command {
+            Command::Comment(text) => self.comment(&text),
+            Command::Version(text) => self.own = text.starts_with(OWN),
+            Command::Timescale(number, unit) => {
+                let wrong = || (String::from("a timescale of 0"), "write 1, 10 or 100 and a unit");
+                self.femtoseconds = u64::from(number).checked_mul(femtoseconds(unit)).ok_or_else(wrong)?;
+                if self.femtoseconds == 0 {
+                    return Err(wrong());
+                }
+            }
+            Command::VarDef(kind, width, code, name, index) => {
+                let name = index.map_or_else(|| name.clone(), |index| format!("{name}{index}"));
+                let shape = match (kind, width) {
+                    (VarType::Real, _) => Shape::Real,
+                    (_, 1) => Shape::Bit,
+                    _ => Shape::Whole,
+                };
+                let channel = self.builder.channel(&name, "", shape);
+                let channel = channel.ok_or_else(|| (too_many_channels(), "dump fewer"))?;
+                self.codes.entry(code).or_default().push(channel);
+            }
+            Command::Enddefinitions => self.defined = true,
+            Command::Timestamp(at) => {
+                if at < self.ticks {
+                    return Err((
+                        format!("time runs backwards to #{at}"),
+                        "put the changes in order of time",
+                    ));
+                }
+                self.ticks = at;
+                let wrong = || (format!("#{at} is beyond 292 years"), "check the timescale");
+                self.now = ticks(at, self.femtoseconds).ok_or_else(wrong)?;
+                self.first.get_or_insert(self.now.0);
+            }
+            Command::ChangeScalar(code, value) => self.change(code, scalar(value))?,
+            Command::ChangeVector(code, bits) => self.change(code, vector(&bits)?)?,
+            Command::ChangeReal(code, real) => {
+                let value = if real.is_finite() { Value::Real(real) } else { Value::Unknown };
+                self.change(code, value)?;
+            }
+            // Texts have no meaning for a plan; scopes and dates need none.
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn comment(&mut self, text: &str) {
+        if let Some(rest) = text.strip_prefix("Acquisition with ") {
+            self.sampled = rest.rsplit_once(" at ").and_then(|(_, rate)| hertz(rate)).map(period_of);
+        }
+        let mut words = text.splitn(3, ' ');
+        match (words.next(), words.next(), words.next()) {
+            (Some("note"), Some(key), value) => {
+                self.notes.push((key.to_owned(), unescaped(value.unwrap_or_default())));
+            }
+            (Some("widest"), Some(name), Some(width)) => {
+                let width = width.strip_suffix(" ns").and_then(|width| width.parse().ok());
+                // A width that cannot be read is as wide as can be, lest a claim passes by it.
+                self.widest.insert(name.to_owned(), width.filter(|ns| *ns >= 0).unwrap_or(i64::MAX));
+            }
+            _ => {}
+        }
+    }
+
+    fn change(&mut self, code: IdCode, value: Value) -> Result<(), Wrong> {
+        let channels = self.codes.get(&code).cloned();
+        let channels = channels.ok_or_else(|| {
+            (format!("`{code}` is declared nowhere"), "declare it with $var before $enddefinitions")
+        })?;
+        for channel in channels {
+            // The width of what came before is known only at the end; see `finish`.
+            if !self.builder.change(channel, When::within(self.now.0, self.now.1), value) {
+                return Err((too_many_changes(), FEWER));
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<Capture, CaptureError> {
+        if !self.defined {
+            let mend = "a value change dump has declarations and `$enddefinitions $end`";
+            return Err(CaptureError::whole("no value change dump: its header does not end", mend));
+        }
+        let unit = Span::from_nanos(i64::try_from(self.femtoseconds.div_ceil(1_000_000)).unwrap_or(i64::MAX));
+        let knowledge = match self.period.or(self.sampled) {
+            Some(period) => Knowledge::Sampled(period),
+            None if self.own => Knowledge::Own,
+            None => Knowledge::Edges(unit),
+        };
+        let Builder { channels, mut changes, .. } = self.builder;
+        let first = self.first.unwrap_or_default();
+        let widths: Vec<i64> = channels
+            .iter()
+            .map(|channel| match knowledge {
+                Knowledge::Own => self.widest.get(&channel.name).copied().unwrap_or(0),
+                Knowledge::Edges(width) | Knowledge::Sampled(width) => width.as_nanos(),
+            })
+            .collect();
+        for change in &mut changes {
+            // At the first instant nothing is known of what was before.
+            if change.at.latest > first {
+                let earliest = change.at.earliest.as_nanos().saturating_sub(widths[change.channel as usize]);
+                change.at.earliest = Time::from_nanos(earliest.max(first.as_nanos()));
+            }
+        }
+        Ok(Capture { channels, changes, knowledge, span: [first, self.now.1], notes: self.notes })
+    }
+}
+
+/// A text of a comment as it was before the rig wrote it.
+fn unescaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text.chars();
+    while let Some(c) = rest.next() {
+        match c {
+            '\\' => match rest.next() {
+                Some('n') => out.push('\n'),
+                Some('r') => out.push('\r'),
+                Some('t') => out.push('\t'),
+                Some('d') => out.push('$'),
+                Some(c) => out.push(c),
+                None => {}
+            },
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn scalar(value: vcd::Value) -> Value {
+    match value {
+        vcd::Value::V0 => Value::Bool(false),
+        vcd::Value::V1 => Value::Bool(true),
+        vcd::Value::Z => Value::HighZ,
+        vcd::Value::X => Value::Unknown,
+    }
+}
+
+/// A vector as a number of at most 64 bits; one that is not known in every bit is not known.
+fn vector(bits: &vcd::Vector) -> Result<Value, Wrong> {
+    let mut number = 0u64;
+    let mut high = bits.iter();
+    if bits.len() > 64 {
+        // What is beyond 64 bits may only be 0.
+        let beyond = bits.len() - 64;
+        if high.by_ref().take(beyond).any(|bit| bit == vcd::Value::V1) {
+            let what = format!("a value of {} bits", bits.len());
+            return Err((what, "numbers have at most 64 bits: dump the parts that matter"));
+        }
+    }
+    for bit in high {
+        match bit {
+            vcd::Value::V0 => number <<= 1,
+            vcd::Value::V1 => number = number << 1 | 1,
+            vcd::Value::X | vcd::Value::Z => return Ok(Value::Unknown),
+        }
+    }
+    Ok(Value::Word(number))
+}
+
+const fn femtoseconds(unit: TimescaleUnit) -> u64 {
+    match unit {
+        TimescaleUnit::FS => 1,
+        TimescaleUnit::PS => 1_000,
+        TimescaleUnit::NS => 1_000_000,
+        TimescaleUnit::US => 1_000_000_000,
+        TimescaleUnit::MS => 1_000_000_000_000,
+        TimescaleUnit::S => 1_000_000_000_000_000,
+    }
+}

@@ -1,0 +1,46 @@
+//! `rig completions` and `rig man`: what shells and `man` know of the command, made of its arguments.
+
+use crate::args::Cli;
+use crate::exit::Exit;
+use crate::{files, output};
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+use std::path::PathBuf;
+
+/// `rig completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+/// `rig man`.
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// The folder; it is made if it is not there. Pages of the same names are replaced.
+    dir: PathBuf,
+}
+
+/// Prints the completions of a shell.
+pub fn run(args: &CompletionsArgs) -> Exit {
+    let mut command = Cli::command();
+    let name = command.get_name().to_owned();
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut command, name, &mut text);
+    output::print(&String::from_utf8_lossy(&text));
+    Exit::Passed
+}
+
+/// Writes a page for the command and one for each of its subcommands.
+pub fn man(args: &ManArgs) -> Exit {
+    let written =
+        std::fs::create_dir_all(&args.dir).and_then(|()| clap_mangen::generate_to(Cli::command(), &args.dir));
+    match written {
+        Ok(()) => Exit::Passed,
+        Err(error) => {
+            output::findings(&[files::failed(&args.dir, &error)], &[]);
+            Exit::UserFiles
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! `rig explain`: what a code means, an example and the mend.
+
+mod page;
+
+use crate::exit::Exit;
+use crate::output;
+use clap::Args;
+use document::{Diagnostic, suggest};
+use page::{Page, Role};
+use std::fmt::Write;
+
+/// A code that no register has.
+const UNKNOWN: &str = "R0152";
+
+/// Width of the text in columns.
+const WIDTH: usize = 80;
+
+/// `rig explain`.
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    /// The code of a finding, as in P0102; all codes with their titles if left out.
+    code: Option<String>,
+}
+
+/// Prints the page of a code, or the list of all.
+pub fn run(args: &ExplainArgs) -> Exit {
+    let pages = page::all();
+    let Some(given) = &args.code else {
+        pages.iter().for_each(|page| output::print(&format!("{}  {}\n", page.code, page.title)));
+        return Exit::Passed;
+    };
+    let code = given.trim().to_ascii_uppercase();
+    match pages.iter().find(|page| page.code == code) {
+        Some(page) => {
+            output::print(&show(page));
+            Exit::Passed
+        }
+        None => {
+            output::findings(&[unknown(given, &code, &pages)], &[]);
+            Exit::UserFiles
+        }
+    }
+}
+
+fn unknown(given: &str, code: &str, pages: &[Page<'_>]) -> Diagnostic {
+    let found = Diagnostic::error(UNKNOWN, format!("there is no code `{given}`"));
+    match suggest(code, pages.iter().map(|page| page.code)) {
+        Some(near) => found.help(format!("did you mean `{near}`? `rig explain` lists all codes")),
+        None => found.help("a code is a letter and four digits, as in P0102; `rig explain` lists all codes"),
+    }
+}
+
+/// The page as a person reads it.
+fn show(page: &Page<'_>) -> String {
+    let mut text = format!("{}: {}\n", page.code, page.title);
+    for paragraph in page.meaning.split("\n\n").filter(|paragraph| !paragraph.is_empty()) {
+        let _ = write!(text, "\n{}", wrap(paragraph));
+    }
+    let refused = if page.is_warning() { "A warning comes of" } else { "Refused is" };
+    for block in &page.blocks {
+        let words = match block.role {
+            Role::With => "With",
+            Role::Wrong => refused,
+            Role::Right => "Right is",
+        };
+        let _ = write!(text, "\n{words}:\n\n");
+        for line in block.text.lines() {
+            let _ = writeln!(text, "    {line}");
+        }
+    }
+    let _ = write!(text, "\n{}", wrap(&format!("Mend: {}", plain(page.mend))));
+    text
+}
+
+/// Links of Markdown as words with the file behind them: `[needs](plans.md#needs)` is `needs (docs/plans.md#needs)`.
+fn plain(text: &str) -> String {
+    let mut plain = String::new();
+    let mut rest = text;
+    while let Some((before, words, target, behind)) = link(rest) {
+        let _ = write!(plain, "{before}{words} (docs/{target})");
+        rest = behind;
+    }
+    plain + rest
+}
+
+/// What stands before a link, its words, its target, and what stands behind it.
+fn link(text: &str) -> Option<(&str, &str, &str, &str)> {
+    let middle = text.find("](")?;
+    let start = text[..middle].rfind('[')?;
+    let end = middle + text[middle..].find(')')?;
+    Some((&text[..start], &text[start + 1..middle], &text[middle + 2..end], &text[end + 1..]))
+}
+
+/// Words in lines of at most [`WIDTH`] columns.
+fn wrap(text: &str) -> String {
+    let mut wrapped = String::new();
+    let mut column = 0;
+    for word in text.split_whitespace() {
+        let length = word.chars().count();
+        if column > 0 && column + 1 + length > WIDTH {
+            wrapped.push('\n');
+            column = 0;
+        } else if column > 0 {
+            wrapped.push(' ');
+            column += 1;
+        }
+        wrapped.push_str(word);
+        column += length;
+    }
+    wrapped.push('\n');
+    wrapped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_name_their_file() {
+        assert_eq!(
+            plain("Use [needs](plans.md#needs); `a[1]` stays."),
+            "Use needs (docs/plans.md#needs); `a[1]` stays."
+        );
+        assert_eq!(plain("an `x](` alone"), "an `x](` alone");
+    }
+
+    #[test]
+    fn lines_are_not_too_long() {
+        let wrapped = wrap(&"twelve chars ".repeat(30));
+        assert!(wrapped.lines().count() > 4 && wrapped.lines().all(|line| line.len() <= WIDTH), "{wrapped}");
+    }
+}

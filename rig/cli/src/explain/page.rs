@@ -1,0 +1,117 @@
+//! The pages of the codes, made of the documents that are built in: title and mend stand in the list of codes, meaning
+//! and examples in one file for each letter. A code that only the list has, has a page without an example.
+
+/// The list of codes.
+const LIST: &str = include_str!("../../../../docs/codes.md");
+/// What the codes mean, a file for each letter.
+const MEANINGS: [&str; 4] = [
+    include_str!("../../../../docs/codes/P.md"),
+    include_str!("../../../../docs/codes/B.md"),
+    include_str!("../../../../docs/codes/S.md"),
+    include_str!("../../../../docs/codes/R.md"),
+];
+
+/// What the list says of the mend where the finding is no error.
+const WARNING: &str = "warning";
+
+/// All that is to be said of a code.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Page<'a> {
+    pub code: &'a str,
+    pub title: &'a str,
+    pub mend: &'a str,
+    /// Paragraphs; empty where nothing is to be said beyond the title.
+    pub meaning: &'a str,
+    pub blocks: Vec<Block<'a>>,
+}
+
+/// An example, or a part of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Block<'a> {
+    pub role: Role,
+    pub text: &'a str,
+}
+
+/// What an example is there for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// What the next block works with.
+    With,
+    /// It provokes the code.
+    Wrong,
+    /// The same without the fault.
+    Right,
+}
+
+impl Page<'_> {
+    /// Whether the finding refuses nothing.
+    pub fn is_warning(&self) -> bool {
+        self.mend.split_whitespace().take(3).any(|word| word.trim_end_matches([':', ',']) == WARNING)
+    }
+}
+
+/// The pages in the order of the list.
+pub fn all() -> Vec<Page<'static>> {
+    LIST.lines()
+        .filter_map(row)
+        .map(|(code, title, mend)| {
+            let (meaning, blocks) = MEANINGS.iter().find_map(|text| section(text, code)).unwrap_or_default();
+            Page { code, title, mend, meaning, blocks }
+        })
+        .collect()
+}
+
+/// `| P0102 | A key is missing | Add the key. |`
+fn row(line: &str) -> Option<(&str, &str, &str)> {
+    let (code, rest) = line.strip_prefix("| ")?.split_once(" | ")?;
+    let (title, mend) = rest.strip_suffix(" |")?.split_once(" | ")?;
+    is_code(code).then_some((code, title, mend))
+}
+
+fn is_code(text: &str) -> bool {
+    let bytes = text.as_bytes();
+    bytes.len() == 5 && bytes[0].is_ascii_uppercase() && bytes[1..].iter().all(u8::is_ascii_digit)
+}
+
+/// The paragraphs and the examples below the heading of a code.
+fn section<'t>(text: &'t str, code: &str) -> Option<(&'t str, Vec<Block<'t>>)> {
+    let heading = format!("\n## {code}\n");
+    let start = text.find(&heading)? + heading.len();
+    let body = &text[start..];
+    let body = &body[..body.find("\n## ").unwrap_or(body.len())];
+    let examples = body.find("```").unwrap_or(body.len());
+    let mut blocks = Vec::new();
+    let mut rest = &body[examples..];
+    while let Some((_, behind)) = rest.split_once("```") {
+        let (info, behind) = behind.split_once('\n')?;
+        let (text, behind) = behind.split_once("\n```")?;
+        let role = match info.rsplit(' ').next() {
+            Some("with") => Role::With,
+            Some("right") => Role::Right,
+            _ => Role::Wrong,
+        };
+        blocks.push(Block { role, text });
+        rest = behind;
+    }
+    Some((body[..examples].trim(), blocks))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_is_joined_of_list_and_examples() {
+        assert_eq!(row("| P0102 | A key | Add `a | b`. |"), Some(("P0102", "A key", "Add `a | b`.")));
+        assert_eq!(row("| code | title | mend |"), None);
+        let text = "# T\n\n## P0101\n\nOne.\n\n## P0102\n\nIt means\nthis.\n\n```toml wrong\na = 1\n```\n\n```toml right\nb = 1\n```\n";
+        let (meaning, blocks) = section(text, "P0102").unwrap();
+        assert_eq!(meaning, "It means\nthis.");
+        assert_eq!(
+            blocks,
+            [Block { role: Role::Wrong, text: "a = 1" }, Block { role: Role::Right, text: "b = 1" }]
+        );
+        assert_eq!(section(text, "P0101"), Some(("One.", Vec::new())));
+        assert_eq!(section(text, "P0103"), None);
+    }
+}

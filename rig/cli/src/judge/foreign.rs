@@ -1,0 +1,209 @@
+//! Judging what another instrument recorded.
+
+use super::instant::{self, Names};
+use super::{JudgeArgs, mapping};
+use crate::output;
+use crate::parameters::Parameters;
+use capture::{Capture, CaptureError, Format, MAX_FILE};
+use document::{Diagnostic, SourceFile};
+use plans::Case;
+use record::CaseRecord;
+use runtime::foreign::{self, Instants, Layout, Wire};
+use runtime::rejudge;
+use runtime::suite::{self, Disk, Job, LoadedPlan};
+use signal::{Span, When};
+
+/// Reads the capture and judges it by the plan.
+pub fn judge(
+    args: &JudgeArgs,
+    format: Format,
+    sources: &mut Vec<SourceFile>,
+) -> Result<CaseRecord, Vec<Diagnostic>> {
+    let capture = read(args, format).map_err(|found| vec![found])?;
+    let (loaded, seed) = load(args, &capture, sources)?;
+    let (case, job) = choose(args, &capture, &loaded, seed).map_err(|found| vec![found])?;
+    let files = loaded.files(&case, &job)?;
+    let layout = foreign::lay(&case, &files)?;
+    let spelled = reports::vcd::names(layout.signals());
+    let wires = mapping::wires(&args.foreign.map, &capture, layout.signals(), &spelled)?;
+    say_what_is_missing(&case, &layout, &wires);
+    let marked = wires.iter().any(|wire| layout.signals()[wire.signal].name == "step:start");
+    let instants = if marked && args.foreign.start.is_none() && args.foreign.at.is_empty() {
+        None
+    } else {
+        // What the user says of instants goes before what the file says of them.
+        Some(instants(args, &capture, &layout, &wires)?)
+    };
+    let marks = |wire: &Wire| layout.signals()[wire.signal].name.starts_with("step:");
+    let wires: Vec<Wire> = wires.iter().copied().filter(|wire| instants.is_none() || !marks(wire)).collect();
+    let trace = foreign::trace(layout, &case, &files, &capture, &wires, instants.as_ref());
+    let trace = trace
+        .map_err(|error| vec![Diagnostic::error("R0170", format!("the capture makes no trace: {error}"))])?;
+    rejudge::judge_gathered(loaded.plan.text(), &trace)
+}
+
+fn read(args: &JudgeArgs, format: Format) -> Result<Capture, Diagnostic> {
+    let path = args.trace.display();
+    let wrong = |what: String| Diagnostic::error("R0170", format!("{path}: {what}"));
+    let period = match &args.foreign.period {
+        None => None,
+        Some(text) => match Span::parse(text) {
+            Ok(span) if span > Span::ZERO => Some(span),
+            _ => {
+                let message = format!("--period: `{text}` is no time between two samples");
+                return Err(
+                    Diagnostic::error("R0177", message).help("write a time above 0, such as \"10 us\"")
+                );
+            }
+        },
+    };
+    let length = std::fs::metadata(&args.trace).map_err(|error| wrong(error.to_string()))?.len();
+    if length > MAX_FILE {
+        let found = wrong(format!("it has {length} bytes, and {MAX_FILE} is the most"));
+        return Err(found.help("capture for a shorter time, or fewer channels"));
+    }
+    let bytes = std::fs::read(&args.trace).map_err(|error| wrong(error.to_string()))?;
+    capture::read(format, &bytes, period).map_err(|error: CaptureError| {
+        let found = wrong(error.to_string());
+        if error.mend.is_empty() { found } else { found.help(error.mend) }
+    })
+}
+
+/// The plan with what the command line, or a file of the rig's own, gives for its parameters; and the seed.
+fn load(
+    args: &JudgeArgs,
+    capture: &Capture,
+    sources: &mut Vec<SourceFile>,
+) -> Result<(LoadedPlan, u64), Vec<Diagnostic>> {
+    let note =
+        |key: &str| capture.notes.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str());
+    let seed = note("seed").and_then(|seed| seed.parse().ok()).unwrap_or(1);
+    let path = args.plan.to_string_lossy();
+    // Its own messages are printed: what comes back is how the command ends.
+    let mut parameters = Parameters::read(&args.foreign.params).map_err(|_| Vec::new())?;
+    let mut given = parameters.of_plan(&Disk, &path);
+    parameters.finish().map_err(|_| Vec::new())?;
+    for (key, value) in &capture.notes {
+        if let Some(name) = key.strip_prefix("given:")
+            && given.iter().all(|(known, _)| known != name)
+        {
+            given.push((name.to_owned(), value.clone()));
+        }
+    }
+    let board = match &args.foreign.board {
+        Some(board) => Some(suite::load_board(&Disk, &board.to_string_lossy(), sources)?),
+        None => None,
+    };
+    let loaded = suite::load_plan(&Disk, &path, board.as_ref(), &given, seed, sources)?;
+    Ok((loaded, seed))
+}
+
+/// What tells a case from the others of its plan: `[row]` of `folder/plan[row]`.
+fn own_part(name: &str) -> &str {
+    name.find('[').map_or("", |at| &name[at..])
+}
+
+/// The case: named by the user, by a file of the rig's own, or the only one.
+fn choose(
+    args: &JudgeArgs,
+    capture: &Capture,
+    loaded: &LoadedPlan,
+    seed: u64,
+) -> Result<(Case, Job), Diagnostic> {
+    let note =
+        |key: &str| capture.notes.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str());
+    let cases: Vec<Case> = loaded.plan.cases().collect();
+    let wanted = args.foreign.case.as_deref();
+    let told = note("plan-case").map(own_part);
+    let chosen = cases.iter().position(|case| match (wanted, told) {
+        (Some(wanted), _) => {
+            let part = own_part(&case.name);
+            case.name == wanted || part == wanted || part == format!("[{wanted}]")
+        }
+        (None, Some(told)) => own_part(&case.name) == told,
+        (None, None) => cases.len() == 1,
+    });
+    let Some(number) = chosen else {
+        let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+        let message = match wanted {
+            Some(wanted) => format!("{} has no case `{wanted}`", loaded.plan.path),
+            None => format!("{} has {} cases", loaded.plan.path, cases.len()),
+        };
+        let help = format!("say which with --case; {}", mapping::known(wanted.unwrap_or_default(), &names));
+        return Err(Diagnostic::error("R0175", message).help(help));
+    };
+    let profile = note("profile");
+    let jobs: Vec<Job> =
+        loaded.jobs(0, seed, 1).into_iter().filter(|job| job.case == number as u64).collect();
+    let job = jobs.iter().find(|job| profile == Some(job.profile.name())).or(jobs.first());
+    match (cases.into_iter().nth(number), job) {
+        (Some(case), Some(job)) => Ok((case, job.clone())),
+        _ => Err(Diagnostic::error("R0175", format!("{} has no case to judge", loaded.plan.path))),
+    }
+}
+
+/// Claims on what the capture does not have come out inconclusive; the user is told why.
+fn say_what_is_missing(case: &Case, layout: &Layout, wires: &[Wire]) {
+    let has = |name: &str| wires.iter().any(|wire| layout.signals()[wire.signal].name == name);
+    let missing: Vec<String> = case.scenario().signals().into_iter().filter(|name| !has(name)).collect();
+    if !missing.is_empty() {
+        let names = missing.join(", ");
+        output::note(&format!(
+            "the capture has no channel for {names}: claims on it are inconclusive (--map)"
+        ));
+    }
+}
+
+/// Where the instants of the plan lie.
+fn instants(
+    args: &JudgeArgs,
+    capture: &Capture,
+    layout: &Layout,
+    wires: &[Wire],
+) -> Result<Instants, Vec<Diagnostic>> {
+    let names = Names { capture, wires, signals: layout.signals() };
+    let mut found = Vec::new();
+    let mut steps: Vec<(String, When)> = Vec::new();
+    for text in &args.foreign.at {
+        match step(text, layout, &names) {
+            Ok(step) => steps.push(step),
+            Err(wrong) => found.push(wrong),
+        }
+    }
+    let start = match &args.foreign.start {
+        Some(text) => instant::find("--start", text, &names).map(Some),
+        None => Ok(steps.iter().find_map(|(id, at)| Some(before(*at, layout.due(id)?)))),
+    };
+    match start {
+        Ok(Some(start)) if found.is_empty() => Ok(Instants { start, steps }),
+        Ok(None) if found.is_empty() => {
+            let message = String::from("nothing says where the plan's `start` lies in the capture");
+            let help = "say it with --start \"0 s\" or --start \"button rises\", or say where a step lies with \
+                        --at press=\"button rises\"";
+            Err(vec![Diagnostic::error("R0176", message).help(help)])
+        }
+        Ok(_) => Err(found),
+        Err(wrong) => {
+            found.push(wrong);
+            Err(found)
+        }
+    }
+}
+
+/// The instant so much earlier.
+fn before(at: When, span: Span) -> When {
+    When::within(at.earliest.saturating_add(-span), at.latest.saturating_add(-span))
+}
+
+fn step(text: &str, layout: &Layout, names: &Names<'_>) -> Result<(String, When), Diagnostic> {
+    let Some((id, when)) = text.split_once('=') else {
+        let message = format!("--at {text}: it says no instant");
+        return Err(Diagnostic::error("R0178", message).help("write --at STEP=\"button rises\""));
+    };
+    let id = id.trim();
+    if !layout.has_step(id) {
+        let message = format!("--at {text}: the case has no step `{id}`");
+        return Err(Diagnostic::error("R0178", message).help("name a step of the plan by its id"));
+    }
+    Ok((id.to_owned(), instant::find(&format!("--at {id}"), when.trim(), names)?))
+}

@@ -1,0 +1,117 @@
+//! Instants of a capture as the user names them: `1.5 s`, `button rises`, `lamp falls 2`.
+
+use capture::Capture;
+use document::Diagnostic;
+use runtime::foreign::Wire;
+use signal::{SignalInfo, Span, Time, Value, When};
+
+/// Which change of a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Edge {
+    Rises,
+    Falls,
+    Changes,
+}
+
+/// Where names of channels and signals are looked up.
+#[derive(Clone, Copy, Debug)]
+pub struct Names<'a> {
+    /// The capture.
+    pub capture: &'a Capture,
+    /// Its channels that are signals.
+    pub wires: &'a [Wire],
+    /// The signals.
+    pub signals: &'a [SignalInfo],
+}
+
+/// The instant that `text`, said with `option`, names.
+///
+/// # Errors
+/// R0177 for words that are none, R0171 for an unknown name, R0173 for what never came.
+pub fn find(option: &str, text: &str, names: &Names<'_>) -> Result<When, Diagnostic> {
+    if let Ok(span) = Span::parse(text) {
+        let [first, last] = names.capture.span;
+        let at = Time::ZERO.saturating_add(span);
+        // Before the first instant the case may have begun unseen.
+        if at > last {
+            let message = format!("{option}: {span} is behind the end of the capture");
+            return Err(Diagnostic::error("R0173", message).help(range(first, last)));
+        }
+        return Ok(When::exactly(at));
+    }
+    let (channel, threshold, edge, count) = parse(option, text, names)?;
+    let mut before = None;
+    let mut left = count;
+    for change in names.capture.changes.iter().filter(|change| change.channel as usize == channel) {
+        let now = truth(change.value, threshold);
+        let met = match edge {
+            Edge::Rises => now == Some(true) && before == Some(false),
+            Edge::Falls => now == Some(false) && before == Some(true),
+            Edge::Changes => now.is_some() && before.is_some() && now != before,
+        };
+        before = now.or(before);
+        left -= u64::from(met);
+        if left == 0 {
+            return Ok(change.at);
+        }
+    }
+    let message = format!("{option}: `{text}` never comes");
+    let [first, last] = names.capture.span;
+    Err(Diagnostic::error("R0173", message).help(range(first, last)))
+}
+
+fn range(first: Time, last: Time) -> String {
+    format!("the capture tells of {first} to {last}")
+}
+
+fn truth(value: Value, threshold: Option<f64>) -> Option<bool> {
+    match threshold {
+        Some(threshold) => value.as_real().map(|number| number > threshold),
+        None => value.as_bool(),
+    }
+}
+
+/// The channel, its threshold, the edge, and the how manieth it is.
+fn parse(option: &str, text: &str, names: &Names<'_>) -> Result<(usize, Option<f64>, Edge, u64), Diagnostic> {
+    let wrong = || {
+        let message = format!("{option}: `{text}` is no instant");
+        let help =
+            "write a time of the capture such as \"1.5 s\", or an edge: \"button rises\", \"lamp falls 2\"";
+        Diagnostic::error("R0177", message).help(help)
+    };
+    let mut words = text.split_whitespace().rev().peekable();
+    let count = match words.peek().and_then(|word| word.parse::<u64>().ok()) {
+        Some(0) => return Err(wrong()),
+        Some(count) => {
+            words.next();
+            count
+        }
+        None => 1,
+    };
+    let edge = match words.next() {
+        Some("rises") => Edge::Rises,
+        Some("falls") => Edge::Falls,
+        Some("changes") => Edge::Changes,
+        _ => return Err(wrong()),
+    };
+    let mut name: Vec<&str> = words.collect();
+    name.reverse();
+    let name = name.join(" ");
+    if name.is_empty() {
+        return Err(wrong());
+    }
+    let wire = names.wires.iter().find(|wire| {
+        names.signals.get(wire.signal).is_some_and(|info| info.name == name)
+            || names.capture.channels[wire.channel].name == name
+    });
+    let channel = match wire {
+        Some(wire) => Some((wire.channel, wire.threshold)),
+        None => names.capture.channels.iter().position(|channel| channel.name == name).map(|at| (at, None)),
+    };
+    let Some((channel, threshold)) = channel else {
+        let known: Vec<&str> = names.capture.channels.iter().map(|channel| channel.name.as_str()).collect();
+        let message = format!("{option}: the capture has no channel `{name}`");
+        return Err(Diagnostic::error("R0171", message).help(super::mapping::known(&name, &known)));
+    };
+    Ok((channel, threshold, edge, count))
+}

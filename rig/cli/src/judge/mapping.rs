@@ -1,0 +1,92 @@
+//! Which channel of a capture is which signal of the case.
+
+use capture::Capture;
+use document::{Diagnostic, suggest};
+use runtime::foreign::{Wire, misfit};
+use signal::SignalInfo;
+
+/// Channels that a message names at most.
+const NAMED: usize = 16;
+
+/// What there is in place of an unknown name.
+pub fn known(name: &str, names: &[&str]) -> String {
+    if let Some(near) = suggest(name, names.iter().copied()) {
+        return format!("there is `{near}`");
+    }
+    let more = if names.len() > NAMED { ", ..." } else { "" };
+    format!("there is {}{more}", names[..names.len().min(NAMED)].join(", "))
+}
+
+/// The wires: as the user says, and by equal names. `spelled` are the signals' names as a dump has them.
+///
+/// # Errors
+/// A mapping that is none, names that do not exist, channels that do not fit.
+pub fn wires(
+    given: &[String],
+    capture: &Capture,
+    signals: &[SignalInfo],
+    spelled: &[String],
+) -> Result<Vec<Wire>, Vec<Diagnostic>> {
+    let mut wires: Vec<Wire> = Vec::new();
+    let mut found = Vec::new();
+    for text in given {
+        match mapping(text, capture, signals) {
+            Ok(wire) if wires.iter().any(|known| known.signal == wire.signal) => {
+                let name = &signals[wire.signal].name;
+                let message = format!("--map {text}: `{name}` is mapped twice");
+                found.push(Diagnostic::error("R0178", message).help("remove one of the two"));
+            }
+            Ok(wire) => wires.push(wire),
+            Err(wrong) => found.push(wrong),
+        }
+    }
+    for (signal, (info, spelled)) in signals.iter().zip(spelled).enumerate() {
+        if wires.iter().any(|wire| wire.signal == signal) {
+            continue;
+        }
+        let named = |name: &str| capture.channels.iter().position(|channel| channel.name == name);
+        if let Some(channel) = named(&info.name).or_else(|| named(spelled)) {
+            wires.push(Wire { channel, signal, threshold: None });
+        }
+    }
+    for wire in &wires {
+        let (channel, info) = (&capture.channels[wire.channel], &signals[wire.signal]);
+        // A column of zeros and ones may be numbers as well.
+        if let Some((message, help)) = misfit(channel, info, wire.threshold) {
+            found.push(Diagnostic::error("R0174", message).help(help));
+        }
+    }
+    if found.is_empty() { Ok(wires) } else { Err(found) }
+}
+
+/// `CHANNEL=SIGNAL`, `CHANNEL=SIGNAL@THRESHOLD`.
+fn mapping(text: &str, capture: &Capture, signals: &[SignalInfo]) -> Result<Wire, Diagnostic> {
+    // A channel's name may hold a `=`, a signal's does not.
+    let Some((channel, signal)) = text.rsplit_once('=') else {
+        let message = format!("--map {text}: it says no signal");
+        return Err(Diagnostic::error("R0178", message).help("write --map CHANNEL=SIGNAL"));
+    };
+    let (signal, threshold) = match signal.rsplit_once('@') {
+        None => (signal, None),
+        Some((signal, number)) => match number.trim().parse::<f64>() {
+            Ok(number) if number.is_finite() => (signal, Some(number)),
+            _ => {
+                let message = format!("--map {text}: `{number}` is no number");
+                return Err(Diagnostic::error("R0178", message).help("write the threshold as in lamp@2.5"));
+            }
+        },
+    };
+    let (channel, signal) = (channel.trim(), signal.trim());
+    let Some(channel_at) = capture.channels.iter().position(|one| one.name == channel) else {
+        let names: Vec<&str> = capture.channels.iter().map(|one| one.name.as_str()).collect();
+        let message = format!("--map {text}: the capture has no channel `{channel}`");
+        return Err(Diagnostic::error("R0171", message).help(known(channel, &names)));
+    };
+    let Some(signal_at) = signals.iter().position(|info| info.name == signal) else {
+        let names: Vec<&str> = signals.iter().map(|info| info.name.as_str()).collect();
+        let names: Vec<&str> = names.into_iter().filter(|name| !name.starts_with("step:")).collect();
+        let message = format!("--map {text}: the case has no signal `{signal}`");
+        return Err(Diagnostic::error("R0172", message).help(known(signal, &names)));
+    };
+    Ok(Wire { channel: channel_at, signal: signal_at, threshold })
+}

@@ -1,0 +1,123 @@
+//! `rig judge`: a trace of the rig's own, or what another instrument recorded.
+
+mod foreign;
+mod instant;
+mod mapping;
+
+use crate::exit::Exit;
+use crate::output;
+use clap::Args;
+use document::{Diagnostic, SourceFile};
+use record::CaseRecord;
+use reports::text::{Style, case_line, details};
+use runtime::suite::{self, Disk};
+use signal::{LoadLimits, Trace};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
+
+/// `rig judge`.
+#[derive(Debug, Args)]
+pub struct JudgeArgs {
+    /// The plan.
+    pub plan: PathBuf,
+    /// The trace that a run recorded (`--report DIR` writes it to `DIR/traces`), or a capture of another instrument:
+    /// a value change dump, a table (`.csv`, `.tsv`) or a sigrok session (`.sr`).
+    pub trace: PathBuf,
+    /// How to read a capture.
+    #[command(flatten)]
+    pub foreign: ForeignArgs,
+}
+
+/// What has to be said of a capture.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "For captures of other instruments")]
+pub struct ForeignArgs {
+    /// The case of a plan with several: its name, or its row alone.
+    #[arg(long, value_name = "NAME")]
+    pub case: Option<String>,
+    /// A channel of the capture is a signal of the plan; `CHANNEL=SIGNAL@2.5` where it is TRUE above 2.5. Channels
+    /// with the name of a signal need no word.
+    #[arg(long, value_name = "CHANNEL=SIGNAL")]
+    pub map: Vec<String>,
+    /// Where the plan's `start` lies: a time of the capture (`1.5 s`), or an edge (`button rises`, `lamp falls 2` for
+    /// the second).
+    #[arg(long, value_name = "TIME|EDGE", allow_hyphen_values = true)]
+    pub start: Option<String>,
+    /// Where a step of the plan lies, if not where the plan has it. Without --start the start is counted back from it.
+    #[arg(long, value_name = "STEP=TIME|EDGE")]
+    pub at: Vec<String>,
+    /// The time between two samples, where the capture does not say it or says it wrongly.
+    #[arg(long, value_name = "TIME")]
+    pub period: Option<String>,
+    /// The board file that says what the signals are, in place of the plan's own.
+    #[arg(long, value_name = "FILE")]
+    pub board: Option<PathBuf>,
+    /// Give a plan's parameter a value.
+    #[arg(long = "param", value_name = "K=V")]
+    pub params: Vec<String>,
+}
+
+impl ForeignArgs {
+    /// Whether something is said that a trace of the rig's own says itself.
+    fn is_given(&self) -> bool {
+        let words = [&self.case, &self.start, &self.period];
+        let lists = [&self.map, &self.at, &self.params];
+        words.iter().any(|word| word.is_some())
+            || lists.iter().any(|list| !list.is_empty())
+            || self.board.is_some()
+    }
+}
+
+/// Judges a recorded trace again.
+pub fn run(args: &JudgeArgs) -> Exit {
+    try_run(args).unwrap_or_else(|exit| exit)
+}
+
+fn try_run(args: &JudgeArgs) -> Result<Exit, Exit> {
+    let path = args.trace.display();
+    let refuse = |what: String| {
+        output::complain(&what);
+        Exit::UserFiles
+    };
+    let unreadable = |error: std::io::Error| refuse(format!("{path} cannot be read: {error}"));
+    let mut file = File::open(&args.trace).map_err(unreadable)?;
+    let mut head = Vec::new();
+    (&mut file).take(64).read_to_end(&mut head).map_err(unreadable)?;
+    let mut sources = Vec::new();
+    let judged = match capture::Format::of(&head, &args.trace.to_string_lossy()) {
+        Some(format) => foreign::judge(args, format, &mut sources),
+        None => {
+            file.rewind().map_err(unreadable)?;
+            let trace = load(file).map_err(|why| refuse(format!("{path} is no whole trace: {why}")))?;
+            if args.foreign.is_given() {
+                let what =
+                    format!("{path} is a trace of the rig's own, which says its case, signals and instants");
+                return Err(refuse(what));
+            }
+            own(&args.plan, &trace, &mut sources)
+        }
+    };
+    let record = judged.map_err(|found| {
+        output::findings(&found, &sources);
+        Exit::UserFiles
+    })?;
+    let style = Style { color: output::color_out(), quiet: false };
+    let (line, details) = (case_line(&record, style), details(&record, style));
+    output::print(&format!("{}\n{details}  trace  {}\n", line.trim_end(), record.trace_sha256));
+    Ok(Exit::of(record.verdict))
+}
+
+fn load(file: File) -> Result<Trace, String> {
+    let mut file = BufReader::new(file);
+    let trace = Trace::load(&mut file, LoadLimits::default()).map_err(|error| error.to_string())?;
+    // A trace says where it ends; what stands behind it is of no trace.
+    match file.fill_buf().is_ok_and(<[u8]>::is_empty) {
+        true => Ok(trace),
+        false => Err("something stands behind its end".to_owned()),
+    }
+}
+
+fn own(plan: &Path, trace: &Trace, sources: &mut Vec<SourceFile>) -> Result<CaseRecord, Vec<Diagnostic>> {
+    runtime::rejudge::judge_gathered(&suite::gather(&Disk, &plan.to_string_lossy(), sources)?, trace)
+}

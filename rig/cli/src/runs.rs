@@ -1,0 +1,47 @@
+//! Runs that lie on disk.
+
+use document::Diagnostic;
+use record::{MAX_JSON_BYTES, RunRecord};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// A run, with the folder that its traces are beside.
+#[derive(Debug)]
+pub struct Run {
+    /// As the user named it.
+    pub name: String,
+    /// Where its record is.
+    pub folder: PathBuf,
+    /// Its record.
+    pub record: RunRecord,
+}
+
+/// Reads a run by its folder or its record.
+///
+/// # Errors
+/// A finding with the path and the reason.
+pub fn load(path: &Path) -> Result<Run, Diagnostic> {
+    let (file, folder) = if path.is_file() {
+        (path.to_owned(), path.parent().unwrap_or(Path::new("")).to_owned())
+    } else {
+        (path.join("record.json"), path.to_owned())
+    };
+    let text = text(&file).map_err(|why| {
+        Diagnostic::error("R0160", format!("`{}` cannot be read: {why}", file.display()))
+            .help("name the folder that `rig test --report` wrote")
+    })?;
+    let record = RunRecord::from_json(&text)
+        .map_err(|error| Diagnostic::error(error.code(), format!("`{}`: {error}", file.display())))?;
+    Ok(Run { name: path.display().to_string(), folder, record })
+}
+
+/// The text of a file, no more of it than a record may have.
+fn text(path: &Path) -> Result<String, String> {
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let mut bytes = Vec::new();
+    // One byte more, so that a longer one is refused for its length.
+    let most = MAX_JSON_BYTES as u64 + 1;
+    file.take(most).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    String::from_utf8(bytes).map_err(|_| String::from("it is no UTF-8 text"))
+}

@@ -1,0 +1,45 @@
+//! `rig schema`: what editors complete and check by.
+
+use crate::exit::Exit;
+use crate::output;
+use clap::{Args, ValueEnum};
+use drivers::file::KEYS as BOARD_KEYS;
+use serde_json::Value as Json;
+
+/// `rig schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// The kind of file.
+    #[arg(value_enum)]
+    of: Format,
+}
+
+/// The formats that have a schema.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A plan.
+    Plan,
+    /// A board file.
+    Board,
+    /// A suite file: what holds in every case of the plans below it.
+    Suite,
+}
+
+/// Prints a schema.
+pub fn run(args: &SchemaArgs) -> Exit {
+    output::print(&text(args.of));
+    Exit::Passed
+}
+
+/// The schema of a format as the text of a file.
+pub fn text(of: Format) -> String {
+    format!("{}\n", serde_json::to_string_pretty(&json(of)).unwrap_or_default())
+}
+
+fn json(of: Format) -> Json {
+    match of {
+        Format::Plan => plans::schema::plan(),
+        Format::Suite => plans::schema::suite(),
+        Format::Board => plans::schema::board(BOARD_KEYS),
+    }
+}

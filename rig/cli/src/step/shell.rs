@@ -1,0 +1,231 @@
+//! What is shown where a case stands still, and the commands that are read there.
+
+use crate::output;
+use plans::Case;
+use plans::judge::{Scenario, Standing};
+use record::Verdict;
+use reports::text::clean;
+use runtime::describe;
+use runtime::stepping::{Go, Pause, Stepper};
+use signal::{Kind, SignalInfo, Span, Time, Trace};
+use std::io::{BufRead, IsTerminal};
+
+/// The commands, as `--help` and `help` list them.
+pub const HELP: &str = "\
+Commands, also from a script on standard input:
+  next, n, an empty line  to the next step of the plan
+  until TIME              to an instant, counted from start: until 1.5 s
+  run, r                  to the end of the case; the end of the input does the same
+  values, v               the values of all signals
+  claims, c               what is expected, and how far it is
+  quit, q                 end here, with the outputs safe
+  help, h                 these commands";
+
+/// The longest command that is read.
+const LONGEST: usize = 4_096;
+
+/// What a command asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Command {
+    Next,
+    Until(Span),
+    Run,
+    Values,
+    Claims,
+    Quit,
+    Help,
+}
+
+impl Command {
+    fn parse(line: &str) -> Result<Command, String> {
+        let line = line.trim();
+        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let command = match word {
+            "" | "n" | "next" => Command::Next,
+            "u" | "until" => {
+                let time = rest.trim();
+                let time =
+                    time.strip_prefix("start").map_or(time, |after| after.trim_start_matches([' ', '+']));
+                return match Span::parse(time) {
+                    Ok(span) => Ok(Command::Until(span)),
+                    Err(_) => Err(format!("`{rest}` is no time: write until 1.5 s, counted from start")),
+                };
+            }
+            "r" | "run" => Command::Run,
+            "v" | "values" => Command::Values,
+            "c" | "claims" => Command::Claims,
+            "q" | "quit" => Command::Quit,
+            "h" | "help" | "?" => Command::Help,
+            other => {
+                let words = ["next", "until", "run", "values", "claims", "quit", "help"];
+                let near = document::suggest(other, words).map(|near| format!(": did you mean `{near}`?"));
+                return Err(format!("there is no command `{other}`{}", near.unwrap_or_default()));
+            }
+        };
+        if rest.trim().is_empty() { Ok(command) } else { Err(format!("`{word}` takes nothing behind it")) }
+    }
+}
+
+/// Shows where the case stands and reads commands.
+pub struct Shell<'a> {
+    case: &'a Case,
+    scenario: Scenario,
+    /// Verdicts that were shown, in the order of the claims.
+    shown: Vec<bool>,
+    quit: bool,
+}
+
+impl<'a> Shell<'a> {
+    /// For this case.
+    pub fn new(case: &'a Case) -> Shell<'a> {
+        Shell { case, scenario: case.scenario(), shown: Vec::new(), quit: false }
+    }
+
+    /// Whether the user had enough.
+    pub fn has_quit(&self) -> bool {
+        self.quit
+    }
+
+    /// Where the case stands, what comes, what changed.
+    fn show(&mut self, pause: &Pause<'_>) {
+        let at = anchor(pause.now, pause.start);
+        let what = match pause.step.map(|id| (id, self.case.steps.iter().find(|step| step.id == id))) {
+            Some((id, Some(step))) => format!("  before {id}: {}", describe::what(&step.stimulus)),
+            Some((id, None)) => format!("  before {id}"),
+            None => String::new(),
+        };
+        output::print(&format!("{}\n", clean(&format!("{at}{what}"))));
+        self.values(pause);
+        let standings = self.standings(pause);
+        self.shown.resize(standings.len(), false);
+        for (standing, shown) in standings.iter().zip(&mut self.shown) {
+            if let (Some(verdict), false) =
+                (standing.verdict, std::mem::replace(shown, standing.verdict.is_some()))
+            {
+                output::print(&format!("  decided: {}\n", line(&standing.name, Some(verdict))));
+            }
+        }
+        let decided = standings.iter().filter(|standing| standing.verdict.is_some()).count();
+        output::print(&format!("  {decided} of {} claims decided\n", standings.len()));
+    }
+
+    /// The signals of the plan, and since when they are what they are.
+    fn values(&self, pause: &Pause<'_>) {
+        let signals: Vec<&SignalInfo> =
+            pause.trace.signals().iter().filter(|info| info.kind != Kind::Mark).collect();
+        let width = signals.iter().map(|info| info.name.chars().count()).max().unwrap_or(0);
+        for info in signals {
+            output::print(&format!("  {:<width$}  {}\n", clean(&info.name), value(info, pause)));
+        }
+    }
+
+    fn standings(&self, pause: &Pause<'_>) -> Vec<Standing> {
+        Standing::of(&self.scenario, pause.trace, pause.now).unwrap_or_else(|error| {
+            output::complain(&error.to_string());
+            Vec::new()
+        })
+    }
+
+    fn claims(&self, pause: &Pause<'_>) {
+        for standing in self.standings(pause) {
+            output::print(&format!("  {}\n", line(&standing.name, standing.verdict)));
+        }
+    }
+}
+
+/// What a signal is, and since when.
+fn value(info: &SignalInfo, pause: &Pause<'_>) -> String {
+    let last = last_of(pause.trace, &info.name);
+    let Some(event) = last else { return String::from("not known") };
+    let since = anchor(event.at.latest, pause.start);
+    format!("{} since {since}", clean(&info.show(event.value)))
+}
+
+fn last_of(trace: &Trace, name: &str) -> Option<signal::Event> {
+    trace.last(trace.find(name)?)
+}
+
+/// A claim with what it came to.
+fn line(name: &str, verdict: Option<Verdict>) -> String {
+    let word = verdict.map_or("open", Verdict::word);
+    format!("{word:>12}  {}", clean(name))
+}
+
+/// An instant as plans write it.
+fn anchor(at: Time, start: Time) -> String {
+    match at - start {
+        Span::ZERO => String::from("start"),
+        before if before.is_negative() => format!("start - {}", -before),
+        after => format!("start + {after}"),
+    }
+}
+
+impl Stepper for Shell<'_> {
+    fn pause(&mut self, pause: &Pause<'_>) -> Go {
+        self.show(pause);
+        let mut input = std::io::stdin().lock();
+        loop {
+            if input.is_terminal() {
+                output::print("> ");
+            }
+            let mut bytes = Vec::new();
+            let read = std::io::Read::take(&mut input, LONGEST as u64).read_until(b'\n', &mut bytes);
+            match read {
+                Ok(1..) => {}
+                // The script is over.
+                Ok(0) => return Go::On,
+                Err(error) => {
+                    output::complain(&format!("standard input cannot be read: {error}"));
+                    self.quit = true;
+                    return Go::Quit;
+                }
+            }
+            match Command::parse(&String::from_utf8_lossy(&bytes)) {
+                Ok(Command::Next) => return Go::Next,
+                Ok(Command::Until(span)) => match pause.start.saturating_add(span) {
+                    at if at > pause.now => return Go::Until(at),
+                    _ => output::complain(&format!(
+                        "the case is at {} already",
+                        anchor(pause.now, pause.start)
+                    )),
+                },
+                Ok(Command::Run) => return Go::On,
+                Ok(Command::Values) => self.values(pause),
+                Ok(Command::Claims) => self.claims(pause),
+                Ok(Command::Quit) => {
+                    self.quit = true;
+                    return Go::Quit;
+                }
+                Ok(Command::Help) => output::print(&format!("{HELP}\n")),
+                Err(why) => output::complain(&why),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_are_read() {
+        for (line, command) in [
+            ("", Command::Next),
+            ("n\n", Command::Next),
+            (" until 1.5 s \r\n", Command::Until(Span::from_millis(1_500))),
+            ("until start + 2 s", Command::Until(Span::from_secs(2))),
+            ("q", Command::Quit),
+        ] {
+            assert_eq!(Command::parse(line), Ok(command), "{line}");
+        }
+        assert!(Command::parse("vlaues").unwrap_err().contains("did you mean `values`?"));
+        assert!(Command::parse("next 2").unwrap_err().contains("takes nothing"));
+        assert!(Command::parse("until noon").unwrap_err().contains("no time"));
+    }
+
+    #[test]
+    fn instants_are_written_as_in_plans() {
+        let at = |ns| anchor(Time::from_nanos(ns), Time::from_nanos(1_000));
+        assert_eq!([at(1_000), at(3_000), at(0)], ["start", "start + 2 us", "start - 1 us"]);
+    }
+}

@@ -1,0 +1,56 @@
+//! The cases that run, out of all that the plans have.
+
+use crate::args::TestArgs;
+use crate::exit::Exit;
+use crate::output;
+use crate::select::{Facts, Selection};
+use runtime::suite::{Job, LoadedPlan};
+
+/// Cases that a selection is made from.
+const MOST_CASES: u64 = 10 * record::MAX_CASES as u64;
+
+/// The jobs that the command line selects, at least one.
+///
+/// # Errors
+/// How the command ends; why is printed.
+pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> {
+    let selection = match &args.only {
+        None => Selection::All,
+        Some(expression) => Selection::parse(expression).map_err(|error| {
+            output::complain(&format!("--only {expression}: {error}"));
+            Exit::UserFiles
+        })?,
+    };
+    // Those that are looked through, and those that run: each within what the memory and a record hold.
+    let all: u64 = loaded.iter().map(|plan| plan.plan.turns()).sum();
+    if all.saturating_mul(u64::from(args.repeat.get())) > MOST_CASES {
+        return Err(too_many());
+    }
+    let mut jobs = Vec::new();
+    for (place, plan) in loaded.iter().enumerate() {
+        let all = plan.jobs(place, args.seed, args.repeat.get()).into_iter();
+        jobs.extend(all.filter(|job| selection.matches(&Facts::of(job))));
+    }
+    if jobs.is_empty() {
+        output::complain("no case is selected");
+        return Err(Exit::UserFiles);
+    }
+    if jobs.len() > record::MAX_CASES {
+        return Err(too_many());
+    }
+    let mut names: Vec<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        output::complain(&format!("two cases have the name {}: a plan is given twice", twice[0]));
+        return Err(Exit::UserFiles);
+    }
+    Ok(jobs)
+}
+
+fn too_many() -> Exit {
+    output::complain(&format!(
+        "more than {} cases: select fewer, or repeat them less often",
+        record::MAX_CASES
+    ));
+    Exit::UserFiles
+}

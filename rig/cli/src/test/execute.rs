@@ -1,0 +1,187 @@
+//! Runs the chosen cases, keeps their record, and tells an observer.
+
+use super::INTERRUPT;
+use super::leave::{LeaveArgs, Part};
+use super::look::TraceOn;
+use super::observe::Observer;
+use crate::args::{ClockChoice, TestArgs};
+use crate::exit::Exit;
+use crate::person::Person;
+use crate::store::Store;
+use crate::{output, provenance, requirements};
+use document::{Diagnostic, SourceFile};
+use record::{CaseRecord, RunRecord, Verdict};
+use runtime::coverage::Total;
+use runtime::suite::{self, Done, Happened, Job, LoadedPlan};
+use runtime::{ClockKind, Operator, RunOptions};
+use signal::{Span, Trace};
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+/// How long a run on the host's clock takes at most to see an interrupt.
+const REAL_SLICE: Span = Span::from_millis(50);
+
+/// Runs jobs and writes the reports.
+///
+/// # Errors
+/// How the command ends where the run could not begin; why is printed.
+pub fn execute(
+    args: &TestArgs,
+    loaded: &[LoadedPlan],
+    jobs: &[Job],
+    part: Part,
+    sources: &[SourceFile],
+    observer: &mut dyn Observer,
+) -> Result<Exit, Exit> {
+    let asks = jobs.iter().any(|job| job.asks);
+    let person = Person::here();
+    if let Some(found) = suite::unanswerable(loaded, jobs).filter(|_| person.is_none()) {
+        output::findings(&[found], sources);
+        return Err(Exit::UserFiles);
+    }
+    let clock = match args.clock {
+        ClockChoice::Virtual => record::Clock::Virtual,
+        ClockChoice::Real => record::Clock::Real,
+    };
+    let store = args.report.as_deref().map(Store::new).transpose().map_err(|error| {
+        output::complain(&error);
+        Exit::UserFiles
+    })?;
+    // One question at a time.
+    let at_once = if asks { 1 } else { at_once(args).min(jobs.len()) };
+    let mut keeper = Keeper {
+        run: RunRecord::new(env!("CARGO_PKG_VERSION"), provenance::now(args.seed, clock)),
+        store,
+        trace_on: args.look.trace_on,
+        coverage: Total::default(),
+        leave: args.leave.clone(),
+        began: Instant::now(),
+        wrong_files: false,
+        trouble: None,
+    };
+    keeper.run.planned = jobs.len() as u64;
+    keeper.run.shard = part.shard;
+    keeper.run.selection_sha256 = part.selection_sha256;
+    observer.run_started(&keeper.run, at_once);
+    let operator = person.as_ref().map(|person| person as &dyn Operator);
+    let options = RunOptions { operator, ..options(args) };
+    suite::watch(loaded, jobs, at_once, args.fail_fast, &options, &mut |happened| match happened {
+        Happened::Begun(place) => observer.case_started(place, &jobs[place]),
+        Happened::Ended(place) => observer.case_ended(place),
+        Happened::Idle => observer.time_passes(),
+        Happened::Done(place, done) => {
+            if let Done::Findings(found) = &done {
+                observer.found(found, sources);
+            }
+            let record = keeper.keep(done, &jobs[place], loaded);
+            observer.case_finished(place, record);
+        }
+    });
+    Ok(keeper.finish(observer))
+}
+
+fn options(args: &TestArgs) -> RunOptions<'static> {
+    let kind = match args.clock {
+        ClockChoice::Virtual => ClockKind::Virtual,
+        ClockChoice::Real => ClockKind::Real,
+    };
+    let mut options = RunOptions {
+        fail_fast: args.fail_fast,
+        coverage: args.coverage,
+        ..RunOptions::new(kind, &INTERRUPT)
+    };
+    if args.clock == ClockChoice::Real {
+        // Nothing may happen for minutes; an interrupt is not to wait for it.
+        options.slice = REAL_SLICE;
+    }
+    options
+}
+
+/// How many cases run at a time. On the host's clock they would make each other late.
+fn at_once(args: &TestArgs) -> usize {
+    match args.clock {
+        ClockChoice::Real => 1,
+        ClockChoice::Virtual => {
+            args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
+        }
+    }
+}
+
+/// What comes of a run.
+struct Keeper {
+    run: RunRecord,
+    store: Option<Store>,
+    trace_on: TraceOn,
+    coverage: Total,
+    leave: LeaveArgs,
+    began: Instant,
+    wrong_files: bool,
+    trouble: Option<Diagnostic>,
+}
+
+impl Keeper {
+    /// Keeps what became of a job, and hands back its record.
+    fn keep(&mut self, done: Done, job: &Job, loaded: &[LoadedPlan]) -> &CaseRecord {
+        let (mut record, trace) = match done {
+            Done::Case(result) => {
+                self.coverage.add(result.coverage);
+                (result.record, result.trace)
+            }
+            Done::Skipped(record) => (*record, None),
+            Done::Findings(found) => {
+                self.wrong_files = true;
+                (refused(&found, job, loaded), None)
+            }
+        };
+        if let Some(trace) = &trace {
+            self.keep_trace(&mut record, trace);
+        }
+        self.run.push(record);
+        &self.run.cases[self.run.cases.len() - 1]
+    }
+
+    fn keep_trace(&mut self, record: &mut CaseRecord, trace: &Trace) {
+        let Some(store) = &mut self.store else { return };
+        if !self.trace_on.keeps(record) {
+            return;
+        }
+        match store.trace(record, trace) {
+            Ok(path) => record.trace_file = Some(path),
+            Err(error) => self.trouble = Some(Diagnostic::error("R0167", error)),
+        }
+    }
+
+    /// Tells the end, writes the reports, and says how the command ends.
+    fn finish(mut self, observer: &mut dyn Observer) -> Exit {
+        self.run.coverage =
+            if self.run.shard.is_some() { self.coverage.part() } else { self.coverage.record() };
+        self.run.host_ms = u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX);
+        self.run.requirements = requirements::facts(&self.run);
+        let page = self.leave.everything(&self.run, self.store.as_ref()).unwrap_or_else(|found| {
+            self.trouble = Some(found);
+            None
+        });
+        observer.run_finished(&self.run, page.as_deref());
+        if let Some(found) = self.trouble {
+            output::findings(&[found], &[]);
+            return Exit::Error;
+        }
+        if INTERRUPT.load(Ordering::Relaxed) {
+            return Exit::Interrupted;
+        }
+        if self.wrong_files { Exit::UserFiles } else { Exit::of(self.run.verdict()) }
+    }
+}
+
+/// The record of a case that the user's files keep from running.
+fn refused(found: &[Diagnostic], job: &Job, loaded: &[LoadedPlan]) -> CaseRecord {
+    CaseRecord {
+        name: job.name.clone(),
+        plan: loaded[job.plan].plan.path.clone(),
+        title: job.title.clone(),
+        turn: job.turn,
+        verdict: Verdict::Error,
+        reason: found.first().map_or_else(String::new, |first| first.message.clone()),
+        ..CaseRecord::default()
+    }
+}

@@ -1,0 +1,68 @@
+//! Plans with everything that they name.
+
+use crate::exit::Exit;
+use crate::find::find;
+use crate::library::{self, Embedded};
+use crate::output;
+use crate::parameters::Parameters;
+use document::{Diagnostic, SourceFile};
+use drivers::file::BoardFile;
+use runtime::suite::{self, Disk, Files, LoadedPlan};
+use std::path::{Path, PathBuf};
+
+/// What the command line names.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'a> {
+    /// Plans and folders of plans; none for the plans that ship.
+    pub plans: &'a [PathBuf],
+    /// The board file in place of each plan's own.
+    pub board: Option<&'a Path>,
+    /// Values of parameters, `name=value`.
+    pub params: &'a [String],
+    /// The seed.
+    pub seed: u64,
+}
+
+/// Reads plans, and prints what is wrong with them.
+///
+/// # Errors
+/// How the command ends: all findings are printed.
+pub fn load(wanted: &Wanted<'_>, sources: &mut Vec<SourceFile>) -> Result<Vec<LoadedPlan>, Exit> {
+    let mut parameters = Parameters::read(wanted.params)?;
+    let board: Option<(BoardFile, String)> = match wanted.board {
+        None => None,
+        Some(path) => match suite::load_board(&Disk, &path.to_string_lossy(), sources) {
+            Ok(board) => Some(board),
+            Err(found) => {
+                output::findings(&found, sources);
+                return Err(Exit::UserFiles);
+            }
+        },
+    };
+    let shipped = wanted.plans.is_empty();
+    let files: &dyn Files = if shipped { &Embedded } else { &Disk };
+    let paths = if shipped { library::plans() } else { find(wanted.plans)? };
+    let mut loaded = Vec::new();
+    let (mut wrong, mut told) = (false, Vec::new());
+    for path in &paths {
+        // What cannot be read is reported by the loading.
+        let own = parameters.of_plan(files, path);
+        match suite::load_plan(files, path, board.as_ref(), &own, wanted.seed, sources) {
+            Ok(plan) => {
+                output::findings(&plan.plan.warnings, sources);
+                let of_suites: Vec<Diagnostic> = plan.suite_warnings().cloned().collect();
+                output::new_findings(&of_suites, &mut told, sources);
+                loaded.push(plan);
+            }
+            Err(found) => {
+                output::new_findings(&found, &mut told, sources);
+                wrong = true;
+            }
+        }
+    }
+    if wrong {
+        return Err(Exit::UserFiles);
+    }
+    parameters.finish()?;
+    Ok(loaded)
+}

@@ -1,0 +1,130 @@
+//! How a run is shown, and which traces are kept: the arguments.
+
+use clap::{Args, ValueEnum};
+use record::{CaseRecord, Verdict};
+use signal::Span;
+use std::time::Duration;
+
+/// The part of `rig test`'s arguments that is about showing.
+#[derive(Clone, Debug, Args)]
+pub struct LookArgs {
+    /// What to print on standard output: text for a person, or an event a line for a program.
+    #[arg(long, value_enum, value_name = "FORMAT", default_value_t)]
+    pub format: Output,
+    /// Which cases get a line; each level has those before it, too [default: slow beside a progress bar, else all].
+    #[arg(long, value_enum, value_name = "LEVEL")]
+    pub status_level: Option<Level>,
+    /// Whether to draw a progress bar on standard error.
+    #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
+    pub progress: Progress,
+    /// A case that takes longer than this on the host is said to be slow.
+    #[arg(long, value_name = "TIME", default_value = "10 s", value_parser = duration)]
+    pub slow: Duration,
+    /// Which traces the report keeps.
+    #[arg(long, value_enum, value_name = "CASES", default_value_t, requires = "report")]
+    pub trace_on: TraceOn,
+}
+
+fn duration(text: &str) -> Result<Duration, String> {
+    let span = Span::parse(text).map_err(|error| error.to_string())?;
+    match u64::try_from(span.as_nanos()) {
+        Ok(nanos) if nanos > 0 => Ok(Duration::from_nanos(nanos)),
+        _ => Err("the time must be above 0".to_owned()),
+    }
+}
+
+/// What goes to standard output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Output {
+    /// Lines for a person.
+    #[default]
+    Text,
+    /// One JSON object a line for each event.
+    Json,
+}
+
+/// Which cases get a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum Level {
+    /// None.
+    None,
+    /// Those that failed, are inconclusive or had trouble.
+    Fail,
+    /// And those that took long on the host.
+    Slow,
+    /// And those that passed.
+    Pass,
+    /// And those that do not apply or were skipped.
+    All,
+}
+
+impl Level {
+    /// The level from which a case has a line.
+    pub fn of(record: &CaseRecord, slow: bool) -> Level {
+        match (record.is_judged(), record.verdict > Verdict::Pass) {
+            (true, true) => Level::Fail,
+            (true, false) if slow => Level::Slow,
+            (true, false) => Level::Pass,
+            (false, _) => Level::All,
+        }
+    }
+}
+
+/// When to draw a progress bar.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Progress {
+    /// On a terminal, unless the variable CI is set.
+    #[default]
+    Auto,
+    /// On every terminal.
+    Bar,
+    /// Never.
+    None,
+}
+
+/// Which traces a report keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TraceOn {
+    /// Those of cases that did not pass.
+    Fail,
+    /// Those of all cases.
+    #[default]
+    All,
+    /// None.
+    None,
+}
+
+impl TraceOn {
+    /// Whether the trace of this case is kept.
+    pub fn keeps(self, record: &CaseRecord) -> bool {
+        match self {
+            TraceOn::All => true,
+            TraceOn::Fail => record.verdict > Verdict::Pass,
+            TraceOn::None => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_case_has_its_level() {
+        let case = |verdict| CaseRecord { verdict, ..CaseRecord::default() };
+        assert_eq!(Level::of(&case(Verdict::Pass), false), Level::Pass);
+        assert_eq!(Level::of(&case(Verdict::Pass), true), Level::Slow);
+        for verdict in [Verdict::Inconclusive, Verdict::Fail, Verdict::Error] {
+            assert_eq!(Level::of(&case(verdict), true), Level::Fail);
+            assert!(TraceOn::Fail.keeps(&case(verdict)) && !TraceOn::None.keeps(&case(verdict)));
+        }
+        assert_eq!(Level::of(&CaseRecord::skipped("a", ""), false), Level::All);
+        assert!(!TraceOn::Fail.keeps(&case(Verdict::Pass)) && TraceOn::All.keeps(&case(Verdict::Pass)));
+    }
+
+    #[test]
+    fn a_slow_case_takes_some_time() {
+        assert_eq!(duration("2.5 s"), Ok(Duration::from_millis(2_500)));
+        assert!(duration("0 s").is_err() && duration("-1 s").is_err() && duration("soon").is_err());
+    }
+}

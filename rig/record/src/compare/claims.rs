@@ -1,0 +1,112 @@
+//! Claims and measurements of one case in two runs.
+
+use super::{ClaimChange, Comparison, Erosion, Move, Thresholds};
+use crate::{CaseRecord, Figure, Verdict};
+use std::collections::BTreeMap;
+
+/// A claim or measurement, as far as it is compared.
+struct Entry<'a> {
+    verdict: Verdict,
+    margin: Option<&'a Figure>,
+    /// How much of the margin is not known, in its unit.
+    unknown: f64,
+    value: Option<[f64; 2]>,
+    unit: &'a str,
+}
+
+/// Entries by kind, name and turn: names need not be unique in a case.
+type Entries<'a> = BTreeMap<(bool, &'a str, usize), Entry<'a>>;
+
+/// Adds what changed in a case that is in both runs.
+pub(super) fn compare(was: &CaseRecord, is: &CaseRecord, thresholds: &Thresholds, found: &mut Comparison) {
+    if !was.is_judged() || !is.is_judged() {
+        // Without a verdict nothing was claimed; the case itself tells.
+        return;
+    }
+    let (before, after) = (entries(was), entries(is));
+    for (key @ (_, name, _), old) in &before {
+        let Some(new) = after.get(key) else {
+            found.claims.push(ClaimChange {
+                case: was.name.clone(),
+                name: (*name).to_owned(),
+                missing: true,
+            });
+            continue;
+        };
+        found.eroded.extend(eroded(was, name, old, new, thresholds));
+        found.moved.extend(moved(was, name, old, new));
+    }
+    for (_, name, _) in after.keys().filter(|key| !before.contains_key(*key)) {
+        found.claims.push(ClaimChange { case: was.name.clone(), name: (*name).to_owned(), missing: false });
+    }
+}
+
+fn entries(case: &CaseRecord) -> Entries<'_> {
+    let mut all = Entries::new();
+    let mut turns: BTreeMap<(bool, &str), usize> = BTreeMap::new();
+    let mut turn = |measured, name| {
+        let turn = turns.entry((measured, name)).or_default();
+        *turn += 1;
+        *turn
+    };
+    for claim in &case.claims {
+        let unknown = claim.uncertainty.as_ref();
+        let unknown = unknown.filter(|u| claim.margin.as_ref().is_some_and(|m| m.unit == u.unit));
+        let entry = Entry {
+            verdict: claim.verdict,
+            margin: claim.margin.as_ref(),
+            unknown: unknown.map_or(0.0, |u| u.value.abs()),
+            value: None,
+            unit: "",
+        };
+        all.insert((false, claim.name.as_str(), turn(false, claim.name.as_str())), entry);
+    }
+    for m in &case.measurements {
+        let entry = Entry {
+            verdict: m.verdict,
+            margin: m.margin.as_ref(),
+            unknown: m.value.map_or(0.0, |[low, high]| high - low),
+            value: m.value,
+            unit: &m.unit,
+        };
+        all.insert((true, m.name.as_str(), turn(true, m.name.as_str())), entry);
+    }
+    all
+}
+
+/// A margin that lost more than the threshold, and more than what is not known of it. Where the verdict changed, that
+/// tells more.
+fn eroded(
+    case: &CaseRecord,
+    name: &str,
+    old: &Entry<'_>,
+    new: &Entry<'_>,
+    thresholds: &Thresholds,
+) -> Option<Erosion> {
+    let (was, is) = (old.margin?, new.margin?);
+    if old.verdict != Verdict::Pass || new.verdict != Verdict::Pass || was.unit != is.unit {
+        return None;
+    }
+    let lost = was.value - is.value;
+    let lost_percent = 100.0 * lost / was.value;
+    let known = lost > old.unknown.max(new.unknown);
+    (known && lost_percent > thresholds.erosion_percent).then(|| Erosion {
+        case: case.name.clone(),
+        name: name.to_owned(),
+        old: was.clone(),
+        new: is.clone(),
+        lost_percent,
+    })
+}
+
+fn moved(case: &CaseRecord, name: &str, old: &Entry<'_>, new: &Entry<'_>) -> Option<Move> {
+    let (was, is) = (old.value?, new.value?);
+    let apart = was[1] < is[0] || is[1] < was[0];
+    (apart && old.unit == new.unit).then(|| Move {
+        case: case.name.clone(),
+        name: name.to_owned(),
+        old: was,
+        new: is,
+        unit: old.unit.to_owned(),
+    })
+}

@@ -1,0 +1,213 @@
+//! What a bench tells of a case before anything moves: values that its signals cannot have, signals that nothing can
+//! move, needs that it does not meet.
+
+use crate::case::CaseFiles;
+use crate::generator::Generator;
+use crate::needs::{Unmet, unmet};
+use crate::prepare::Prepared;
+use crate::schedule::{Act, Planned, Timing};
+use crate::subject::Model;
+use document::Diagnostic;
+use drivers::circuit::PlantSpec;
+use drivers::{Board, BoardFile, ChannelId};
+use plans::Case;
+use plans::bench::{Bounds, Doubt, doubt};
+use plans::expect::{Demand, Expectation};
+use plans::plan::{FileFigure, RowFigure, SignalBinding, Source, TaskFigure};
+use signal::{SignalId, Span};
+
+/// What is looked at.
+pub(crate) struct Looked<'a> {
+    pub(crate) case: &'a Case,
+    pub(crate) files: &'a CaseFiles,
+    pub(crate) model: &'a Model,
+    pub(crate) board: &'a dyn Board,
+    pub(crate) prepared: &'a Prepared,
+}
+
+/// Errors in the claims of a case, and what is worth knowing about them.
+pub(crate) fn claims(looked: &Looked<'_>) -> Vec<Diagnostic> {
+    let case = looked.case;
+    let signals = looked.prepared.trace.signals();
+    let bounds = |name: &str| looked.bounds(name);
+    let moved = Moved::new(looked.board, &looked.files.board, &looked.prepared.steps);
+    let guards = case.invariants.iter().map(|guard| &guard.expectation);
+    let mut found = Vec::new();
+    for expectation in case.expectations.iter().chain(guards) {
+        let one = match doubt(&*expectation.claim, signals, &bounds) {
+            Some(Doubt::Never(why)) => {
+                let help = "claim a value that it can have";
+                Diagnostic::error("R0145", format!("the claim can never be met: {why}")).help(help)
+            }
+            Some(Doubt::Always(why)) => {
+                let help = "narrow the limits, or remove the claim";
+                Diagnostic::error("R0145", format!("the claim can never fail: {why}")).help(help)
+            }
+            Some(Doubt::Blind(why)) => {
+                let help = "widen the limits, or record the signal more finely";
+                Diagnostic::warning("R0148", format!("the claim can never pass: {why}")).help(help)
+            }
+            None => match looked.unmoved(expectation, &moved) {
+                Some(found) => found,
+                None => continue,
+            },
+        };
+        found.push(at(one, looked, expectation));
+    }
+    for (step, planned) in case.steps.iter().zip(&looked.prepared.steps) {
+        let Timing::When { signal, .. } = &planned.timing else { continue };
+        if let Some(channel) = looked.channel_of(*signal).filter(|channel| moved.is_still(*channel)) {
+            let name = &looked.board.channels()[usize::from(channel.0)].name;
+            let message = format!("the step `{}` waits for `{name}`, which nothing moves", step.id);
+            let found_one = Diagnostic::warning("R0146", message).help(STILL);
+            found.push(found_one.at(&looked.files.plan.name, step.span.clone(), ""));
+        }
+    }
+    found
+}
+
+const STILL: &str = "drive it in a step, or let a wire or plant of the board reach it";
+
+/// What the bench lacks for the case to get a verdict at all.
+pub(crate) fn needs(looked: &Looked<'_>) -> Option<Diagnostic> {
+    let (Unmet::Power(reason) | Unmet::Instrument(reason)) =
+        unmet(looked.case, looked.model, looked.board, Span::ZERO)?;
+    let message = format!("the case gets no verdict here: {reason}");
+    let found = Diagnostic::warning("R0147", message).at(&looked.files.plan.name, 0..0, "");
+    Some(found.help("ask for less in `needs`, slow the train down, or name another board"))
+}
+
+/// A case that runs nowhere: its plan names one profile, its own board has another.
+pub(crate) fn profile(case: &Case, files: &CaseFiles) -> Option<Diagnostic> {
+    let own = case.board.as_ref()?;
+    let only: Vec<&str> = case.profiles.iter().map(|profile| profile.name()).collect();
+    if !files.board.name.ends_with(own.trim_start_matches("./")) {
+        return None;
+    }
+    let message = format!(
+        "no case of the plan ever runs: it holds for {}, and its board is of {}",
+        only.join(", "),
+        files.profile.name()
+    );
+    let found = Diagnostic::warning("R0149", message).at(&files.plan.name, 0..0, "");
+    Some(found.help(format!("add \"{}\" to `profiles`, or name another board", files.profile.name())))
+}
+
+/// Adds where a claim stands.
+fn at(found: Diagnostic, looked: &Looked<'_>, expectation: &Expectation) -> Diagnostic {
+    match &expectation.place {
+        Some(place) if !place.file.is_empty() => found.at(&*place.file, place.span.clone(), ""),
+        _ => found.at(&looked.files.plan.name, 0..0, ""),
+    }
+}
+
+impl Looked<'_> {
+    fn binding(&self, name: &str) -> Option<&SignalBinding> {
+        self.case.signals.iter().find(|binding| binding.name == name)
+    }
+
+    /// The values that a signal can have, where that is known.
+    fn bounds(&self, name: &str) -> Option<Bounds> {
+        Some(match &self.binding(name)?.source {
+            Source::Line(_) | Source::Channel(_) => {
+                let channel = self.channel(name)?;
+                self.board.channels()[usize::from(channel.0)].is_digital().then_some(Bounds::LINE)?
+            }
+            Source::Image(address) | Source::Memory(address) => Bounds::bits(address.size().bits()),
+            // A name inside the subject goes before a channel of the same name, as where it is looked up.
+            Source::Path(path) => match self.model.bounds(path) {
+                Some((least, most)) => Bounds::new(least, most),
+                None if self
+                    .channel(name)
+                    .is_some_and(|channel| self.board.channels()[usize::from(channel.0)].is_digital()) =>
+                {
+                    Bounds::LINE
+                }
+                None => return None,
+            },
+            Source::Task { figure: TaskFigure::Load, .. } => return None,
+            Source::Task { .. } | Source::Log(_) => Bounds::COUNT,
+            Source::File { asks: FileFigure::Exists | FileFigure::Holds(_), .. } => Bounds::BIT,
+            Source::File { .. } => Bounds::COUNT,
+            Source::Register { exception: false, .. } => Bounds::bits(16),
+            Source::Register { exception: true, .. } => Bounds::bits(8),
+            Source::Relocation { figure: RowFigure::Valid, .. } => Bounds::BIT,
+            Source::Relocation { .. } => Bounds::new(-1, 65_535),
+        })
+    }
+
+    /// The channel that a signal shows.
+    fn channel(&self, name: &str) -> Option<ChannelId> {
+        let signal = self.prepared.trace.find(name)?;
+        self.channel_of(signal)
+    }
+
+    fn channel_of(&self, signal: SignalId) -> Option<ChannelId> {
+        let channels = &self.prepared.wiring.channels;
+        let place = channels.iter().position(|signals| signals.contains(&signal))?;
+        u16::try_from(place).ok().map(ChannelId)
+    }
+
+    /// A claim that needs a change of a line that nothing moves, or a look at one that the rig cannot see.
+    fn unmoved(&self, expectation: &Expectation, moved: &Moved) -> Option<Diagnostic> {
+        for name in expectation.claim.signals() {
+            let Some(channel) = self.channel(&name) else { continue };
+            if !self.board.channels()[usize::from(channel.0)].senses {
+                let message = format!("the rig cannot see `{name}`: its channel has `senses = false`");
+                return Some(Diagnostic::warning("R0146", message).help("look at another signal"));
+            }
+        }
+        let still = expectation.claim.demands().into_iter().find_map(|demand| match demand {
+            Demand::Change(signal) => {
+                let channel = self.channel(signal)?;
+                moved.is_still(channel).then(|| signal.to_owned())
+            }
+            _ => None,
+        })?;
+        let message = format!("the claim can never be met: nothing moves `{still}`");
+        Some(Diagnostic::warning("R0146", message).help(STILL))
+    }
+}
+
+/// Which channels of a board something can move.
+struct Moved {
+    channels: Vec<bool>,
+}
+
+impl Moved {
+    fn new(board: &dyn Board, file: &BoardFile, steps: &[Planned]) -> Moved {
+        let mut moved = Moved { channels: vec![false; board.channels().len()] };
+        // What an output is bound to the controller drives.
+        for binding in file.bind.iter().filter(|binding| binding.address.area() == signal::Area::Output) {
+            moved.mark(binding.channel);
+        }
+        file.circuit.wires.iter().for_each(|wire| moved.mark(wire.to));
+        for PlantSpec::Lag(lag) in &file.circuit.plants {
+            moved.mark(lag.output);
+            lag.switches.iter().for_each(|switch| moved.mark(switch.channel));
+        }
+        for step in steps {
+            for (_, act) in &step.acts {
+                match act {
+                    Act::Drive(channel, _) | Act::Restore(channel) | Act::Clear(channel) => {
+                        moved.mark(*channel)
+                    }
+                    Act::Fault(fault) => moved.mark(fault.channel),
+                    _ => {}
+                }
+            }
+            step.generator.iter().flat_map(Generator::channels).for_each(|channel| moved.mark(channel));
+        }
+        moved
+    }
+
+    fn mark(&mut self, channel: ChannelId) {
+        if let Some(moved) = self.channels.get_mut(usize::from(channel.0)) {
+            *moved = true;
+        }
+    }
+
+    fn is_still(&self, channel: ChannelId) -> bool {
+        self.channels.get(usize::from(channel.0)) == Some(&false)
+    }
+}

@@ -1,0 +1,46 @@
+//! What comes behind a case, however it ended.
+
+use super::Executor;
+use crate::trouble::Trouble;
+
+/// Calls of the board that fail at one instant of a teardown before it is given up.
+const MOST_FAILURES: usize = 1_000;
+
+impl Executor<'_> {
+    /// The teardown: every step of it that can come does, whatever ended the case. Trouble does not keep the steps behind
+    /// it from coming, as far as the board answers.
+    pub(super) fn tear_down(&mut self) {
+        // Nothing of the case comes any more, an interrupt apart: that has been obeyed.
+        (self.over, self.same) = (false, 0);
+        if !self.schedule.begin_teardown(self.now) {
+            return;
+        }
+        if let Some(mark) = self.wiring.teardown {
+            self.recorder.mark(mark, self.seen(self.now));
+        }
+        let limit = self.now.saturating_add(self.limits.teardown);
+        let (mut failures, mut since) = (0, self.now);
+        while !self.schedule.is_torn_down() {
+            let trouble = match self.turn(limit) {
+                Ok(true) => continue,
+                Ok(false) if self.schedule.is_torn_down() => break,
+                Ok(false) => Trouble::Timeout { limit: self.limits.teardown },
+                Err(trouble) => trouble,
+            };
+            let last = matches!(
+                trouble,
+                Trouble::Timeout { .. } | Trouble::Stuck { .. } | Trouble::Simultaneous { .. }
+            );
+            self.ran.trouble.get_or_insert(trouble);
+            failures = if self.now > since { 1 } else { failures + 1 };
+            since = self.now;
+            // A board that answers no call would keep the time from moving for ever.
+            if last || failures > MOST_FAILURES {
+                break;
+            }
+        }
+        if let Some(mark) = self.wiring.closed {
+            self.recorder.mark(mark, self.seen(self.now));
+        }
+    }
+}

@@ -1,0 +1,338 @@
+//! A trace of a case out of what another instrument recorded, so that the same judge judges it.
+//!
+//! The case is laid out on its bench as for a run, which says what its signals are. The channels of the capture become
+//! its signals. Its steps come when they are due, counted from the start that the user names, and where a step waits
+//! for something, when the capture has it. Behind the end of the capture nothing is known.
+
+use crate::case::{CaseFiles, lay_out};
+use crate::describe;
+use crate::prepare::Prepared;
+use crate::schedule::{Act, Due, EndReason, Schedule, Timing};
+use capture::{Capture, Channel, Knowledge, Shape};
+use document::Diagnostic;
+use plans::Case;
+use plans::lang::{Anchor, Base};
+use plans::plan::Phase;
+use signal::{
+    Cause, ClockDomain, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, TraceError,
+    Value, When,
+};
+
+/// The signals and steps of a case, as a run would have them.
+#[derive(Debug)]
+pub struct Layout {
+    prepared: Prepared,
+}
+
+/// Lays out a case.
+///
+/// # Errors
+/// What a run would find in the user's files.
+pub fn lay(case: &Case, files: &CaseFiles) -> Result<Layout, Vec<Diagnostic>> {
+    Ok(Layout { prepared: lay_out(case, files)? })
+}
+
+impl Layout {
+    /// The signals, the marks of the steps among them.
+    pub fn signals(&self) -> &[SignalInfo] {
+        self.prepared.trace.signals()
+    }
+
+    /// How long after `start` a step is due, where that is known before the case.
+    pub fn due(&self, step: &str) -> Option<Span> {
+        match &self.prepared.steps.iter().find(|known| known.id == step)?.timing {
+            Timing::At(Anchor { base: Base::Start, offset }) => Some(*offset),
+            _ => None,
+        }
+    }
+
+    /// Whether the case has this step.
+    pub fn has_step(&self, step: &str) -> bool {
+        self.prepared.steps.iter().any(|known| known.id == step)
+    }
+}
+
+/// A channel of the capture that is a signal of the case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wire {
+    /// Place of the channel.
+    pub channel: usize,
+    /// Place of the signal.
+    pub signal: usize,
+    /// Above this the signal is TRUE.
+    pub threshold: Option<f64>,
+}
+
+/// Why a channel cannot be a signal: what is wrong, and what to do.
+pub fn misfit(channel: &Channel, info: &SignalInfo, threshold: Option<f64>) -> Option<(String, String)> {
+    let (name, signal) = (&channel.name, &info.name);
+    let shape = match channel.shape {
+        Shape::Bit => "bits",
+        Shape::Whole => "whole numbers",
+        Shape::Real => "real numbers",
+    };
+    let numbers = channel.shape != Shape::Bit;
+    match (info.kind, threshold) {
+        (Kind::Bool, None) if numbers => Some((
+            format!("`{signal}` is TRUE or FALSE, and `{name}` has {shape}"),
+            format!("say above which value it is TRUE: --map \"{name}={signal}@2.5\""),
+        )),
+        (Kind::Bool, _) => None,
+        (_, Some(_)) => Some((
+            format!("`{signal}` is a number and has no threshold"),
+            format!("write --map \"{name}={signal}\""),
+        )),
+        (Kind::Real, None) if !channel.unit.is_empty() && channel.unit != info.unit => Some((
+            format!("`{name}` is in {}, and `{signal}` in {}", channel.unit, or_none(&info.unit)),
+            format!("write the column in {}", or_none(&info.unit)),
+        )),
+        (Kind::Real, None) => None,
+        (Kind::Int | Kind::Word | Kind::State | Kind::Mark, None) if channel.shape == Shape::Real => Some((
+            format!("`{signal}` has whole numbers, and `{name}` has {shape}"),
+            String::from("map a channel of whole numbers"),
+        )),
+        _ => None,
+    }
+}
+
+fn or_none(unit: &str) -> &str {
+    if unit.is_empty() { "no unit" } else { unit }
+}
+
+/// Where the instants of the plan lie in the capture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Instants {
+    /// The start of the case.
+    pub start: When,
+    /// Steps that did not come when the plan has them, but here.
+    pub steps: Vec<(String, When)>,
+}
+
+/// A value of the capture as the signal has it.
+fn fit(value: Value, kind: Kind, threshold: Option<f64>) -> Value {
+    let number = value.as_real();
+    match (kind, threshold) {
+        _ if matches!(value, Value::HighZ | Value::Unknown) => value,
+        (Kind::Bool, Some(threshold)) => {
+            number.map_or(Value::Unknown, |number| Value::Bool(number > threshold))
+        }
+        (Kind::Bool, None) => value.as_bool().map_or(Value::Unknown, Value::Bool),
+        (Kind::Real, _) => number.map_or(Value::Unknown, Value::Real),
+        (Kind::Word, _) => value.as_int().map_or(Value::Unknown, |n| Value::Word(n as u64)),
+        // The low 64 bits: two's complement, as dumps have them.
+        (Kind::Int | Kind::State | Kind::Mark, _) => {
+            value.as_int().map_or(Value::Unknown, |n| Value::Int(n as i64))
+        }
+    }
+}
+
+/// Makes the trace. Without `instants` the capture itself has the marks of the steps, as a dump of the rig's own has.
+///
+/// # Errors
+/// The trace cannot hold it.
+pub fn trace(
+    layout: Layout,
+    case: &Case,
+    files: &CaseFiles,
+    capture: &Capture,
+    wires: &[Wire],
+    instants: Option<&Instants>,
+) -> Result<Trace, TraceError> {
+    let Prepared { trace: model, mut steps, .. } = layout.prepared;
+    let mut trace = Trace::new();
+    for (place, info) in model.signals().iter().enumerate() {
+        let wired = wires.iter().any(|wire| wire.signal == place);
+        trace.define(if wired { seen_by(info.clone(), capture.knowledge) } else { info.clone() })?;
+    }
+    annotate(&mut trace, case, files, capture);
+    let mut widths = vec![0; steps.len()];
+    if let Some(instants) = instants {
+        for (step, own) in steps.iter_mut().zip(&mut widths) {
+            if let Some((_, at)) = instants.steps.iter().find(|(id, _)| *id == step.id) {
+                let offset = at.latest - instants.start.latest;
+                step.timing = Timing::At(Anchor { base: Base::Start, offset });
+                *own = width(*at);
+            }
+        }
+    }
+    let mut replay = Replay {
+        start_mark: trace.find("step:start"),
+        main_mark: trace.find("step:main"),
+        end_mark: trace.find("step:end"),
+        schedule: Schedule::new(steps, case.ends.clone()),
+        trace,
+        width: instants.map_or(0, |instants| width(instants.start)),
+        widths,
+        emitted: Vec::new(),
+    };
+    replay.run(capture, wires, instants.map(|instants| instants.start))?;
+    if let Some(ended) = replay.schedule.ended_words() {
+        replay.trace.set_note("ended", ended);
+    }
+    Ok(replay.trace)
+}
+
+/// What the trace knows of a signal that this instrument saw.
+fn seen_by(info: SignalInfo, knowledge: Knowledge) -> SignalInfo {
+    let (sampling, shortest) = match knowledge {
+        // The rig's own file has what the policy kept, which was never more than this.
+        Knowledge::Own if matches!(info.policy, Policy::AtMostEvery(_)) => {
+            return SignalInfo { policy: Policy::Changes, ..info };
+        }
+        Knowledge::Own => return info,
+        Knowledge::Edges(resolution) => (Sampling::Edges { resolution }, Span::ZERO),
+        Knowledge::Sampled(period) => (Sampling::Sampled { period }, period),
+    };
+    SignalInfo {
+        sampling,
+        shortest_pulse: shortest,
+        clock: ClockDomain::Device,
+        policy: Policy::Changes,
+        ..info
+    }
+}
+
+/// Notes for judging, those of a file of the rig's own first, but for what names the case here.
+fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, capture: &Capture) {
+    const HERE: [&str; 6] = ["clock", "plan", "plan-case", "profile", "reference", "seed"];
+    describe::annotate_files(trace, case, files, "capture");
+    for (key, value) in &capture.notes {
+        if !HERE.contains(&key.as_str()) && !key.starts_with("given:") {
+            trace.set_note(key, value.clone());
+        }
+    }
+}
+
+fn width(at: When) -> i64 {
+    (at.latest - at.earliest).as_nanos()
+}
+
+/// The case once more, with the capture in place of the controller.
+struct Replay {
+    schedule: Schedule,
+    trace: Trace,
+    start_mark: Option<SignalId>,
+    main_mark: Option<SignalId>,
+    end_mark: Option<SignalId>,
+    /// How well the instants are known that steps hang on: the widest so far, as nanoseconds.
+    width: i64,
+    /// The same of each step that the user says an instant of, else 0.
+    widths: Vec<i64>,
+    /// What a generator would have written, which somebody else did.
+    emitted: Vec<(drivers::ChannelId, Value)>,
+}
+
+impl Replay {
+    fn run(&mut self, capture: &Capture, wires: &[Wire], start: Option<When>) -> Result<(), TraceError> {
+        let mut waiting = start;
+        for change in &capture.changes {
+            if let Some(start) = waiting.filter(|start| start.latest <= change.at.latest) {
+                self.start(start)?;
+                waiting = None;
+            }
+            self.settle(change.at.latest)?;
+            if self.schedule.end().is_some_and(|end| end < change.at.latest) {
+                break;
+            }
+            for wire in wires.iter().filter(|wire| wire.channel == change.channel as usize) {
+                self.change(wire, change.at, change.value)?;
+            }
+        }
+        let Some(all) = start else { return Ok(()) };
+        if waiting.is_some() {
+            self.start(all)?;
+        }
+        let last = capture.span[1];
+        self.settle(last)?;
+        let end = self.schedule.end().unwrap_or(last);
+        if end > last {
+            for wire in wires {
+                let signal = SignalId(wire.signal as u32);
+                self.put(signal, When::exactly(last), Value::Unknown)?;
+            }
+            self.settle(end)?;
+        }
+        self.mark(self.end_mark, end)
+    }
+
+    fn start(&mut self, at: When) -> Result<(), TraceError> {
+        self.mark(self.start_mark, at.latest)?;
+        self.schedule.start(at.latest);
+        self.settle(at.latest)
+    }
+
+    fn change(&mut self, wire: &Wire, at: When, value: Value) -> Result<(), TraceError> {
+        let signal = SignalId(wire.signal as u32);
+        let Some(info) = self.trace.signals().get(wire.signal) else { return Ok(()) };
+        let value = fit(value, info.kind, wire.threshold);
+        let before = self.trace.last(signal).map(|event| event.value);
+        if self.put(signal, at, value)? && self.schedule.awaits(signal) {
+            self.width = self.width.max(width(at));
+            self.schedule.changed(signal, before, value, at.latest);
+            self.settle(at.latest)?;
+        }
+        Ok(())
+    }
+
+    fn put(&mut self, signal: SignalId, at: When, value: Value) -> Result<bool, TraceError> {
+        Ok(self.trace.push(Event { signal, at, value, cause: Cause::Unknown })?.is_some())
+    }
+
+    /// The mark of something that happened by `at`, and as much earlier as the instants are known.
+    fn mark(&mut self, mark: Option<SignalId>, at: Time) -> Result<(), TraceError> {
+        let Some(mark) = mark else { return Ok(()) };
+        let times = match self.trace.last(mark) {
+            Some(Event { value: Value::Int(times), .. }) => times + 1,
+            _ => 1,
+        };
+        let at = When::within(at.saturating_add(Span::from_nanos(-self.width)), at);
+        self.put(mark, at, Value::Int(times)).map(|_| ())
+    }
+
+    /// The steps that are due.
+    fn settle(&mut self, until: Time) -> Result<(), TraceError> {
+        while let Some((at, step, due)) = self.schedule.take(until) {
+            match due {
+                Due::Arm => self.schedule.arm(step, at),
+                Due::Begin if !self.schedule.begins(step, at) => {}
+                Due::Begin => {
+                    self.width = self.width.max(self.widths[step]);
+                    self.mark(Some(self.schedule.steps()[step].mark), at)?;
+                    // What a channel is driven to is not known; no instant hangs on it.
+                    self.schedule.begin(step, at, &[]);
+                }
+                Due::Emit(n) => {
+                    self.schedule.emitted(step, n, &mut self.emitted);
+                    self.emitted.clear();
+                }
+                Due::Done if !self.schedule.is_done(step) => {}
+                Due::Done => {
+                    self.mark(Some(self.schedule.steps()[step].done), at)?;
+                    self.schedule.finish(step, at);
+                }
+                Due::Missed => {
+                    let missed = self.schedule.miss(step, at);
+                    if missed && self.schedule.steps()[step].phase == Phase::Setup {
+                        self.schedule.end_early(EndReason::Missed(step), at);
+                    }
+                }
+                Due::Stop => self.schedule.stop(step, at),
+                Due::Main => {
+                    self.mark(self.main_mark, at)?;
+                    self.schedule.begin_main(at);
+                }
+                // What the rig would do, somebody else did; a train that it would stop ends there.
+                Due::Act(act) => {
+                    let taken = match self.schedule.steps()[step].acts.get(act as usize) {
+                        Some((_, Act::Drive(channel, _) | Act::Restore(channel))) => Some(*channel),
+                        _ => None,
+                    };
+                    if let Some(channel) = taken {
+                        self.schedule.take_over(channel, None);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

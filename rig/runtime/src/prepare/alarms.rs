@@ -1,0 +1,55 @@
+//! The alarms of a case with their signals.
+
+use super::meaning::Names;
+use document::Diagnostic;
+use plans::Case;
+use plans::alarm::Watch;
+use signal::{Kind, SignalId, SignalInfo, Trace};
+
+/// An alarm that is watched while its case runs.
+#[derive(Clone, Debug)]
+pub struct Armed {
+    /// Its name.
+    pub name: String,
+    /// The signal that it watches.
+    pub signal: SignalId,
+    /// The mark of its being raised.
+    pub mark: SignalId,
+    /// Follows its condition.
+    pub watch: Watch,
+    /// Whether the case ends when it is raised.
+    pub ends: bool,
+}
+
+/// Defines the marks of the alarms. Reports values that mean nothing for their signals.
+pub(super) fn alarms(
+    case: &Case,
+    names: &Names<'_>,
+    trace: &mut Trace,
+    found: &mut Vec<Diagnostic>,
+) -> Vec<Armed> {
+    let mut armed = Vec::new();
+    for alarm in &case.alarms {
+        let mut wrong = |code, message: String, help: &str| {
+            let place = &alarm.place;
+            found.push(Diagnostic::error(code, message).at(&*place.file, place.span.clone(), "").help(help));
+        };
+        // A signal that is not there was reported where it is bound.
+        let Some(signal) = names.signal(&alarm.signal) else { continue };
+        let Some(info) = trace.signals().get(signal.0 as usize) else { continue };
+        let watch = match alarm.watch(info) {
+            Ok(watch) => watch,
+            Err(why) => {
+                wrong("R0107", why, "write a value of the signal");
+                continue;
+            }
+        };
+        match trace.define(SignalInfo::exact(format!("alarm:{}", alarm.name), Kind::Mark)) {
+            Ok(mark) => {
+                armed.push(Armed { name: alarm.name.clone(), signal, mark, watch, ends: alarm.ends });
+            }
+            Err(error) => wrong("R0101", format!("`{}` cannot be recorded: {error}", alarm.name), ""),
+        }
+    }
+    armed
+}

@@ -1,0 +1,270 @@
+//! How a case comes through its parts, and steps that come more than once.
+//!
+//! Setup, main, teardown: main waits until every step of the setup is done; the teardown waits for the end, however that
+//! came about. Steps of a group are steps like others; the one that runs the group is done when all of them are.
+
+use super::{Due, Planned, Root, Schedule};
+use plans::plan::{Phase, Repeat};
+use signal::{Span, Time};
+use std::collections::BTreeMap;
+
+/// Why a case ends before its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EndReason {
+    /// What a step of the setup waits for did not come.
+    Missed(usize),
+    /// The rig has trouble.
+    Trouble,
+    /// A claim is lost, and nobody wants to know more.
+    Claim,
+    /// An alarm was raised that ends the case.
+    Alarm,
+}
+
+/// Where the case is, and where its steps are.
+#[derive(Debug)]
+pub(super) struct Course {
+    pub(super) phase: Phase,
+    pub(super) ended: Option<EndReason>,
+    /// When each step began first.
+    pub(super) first: Vec<Option<Time>>,
+    /// How many times each came.
+    times: Vec<u64>,
+    /// It has begun, or is about to, and is not done.
+    working: Vec<bool>,
+    /// It comes no more.
+    stopped: Vec<bool>,
+    /// From when on it comes no more, where that is known.
+    until: Vec<Option<Time>>,
+    /// It is done, with every time that it comes.
+    done: Vec<bool>,
+    /// The steps of its group that are not done.
+    open: Vec<usize>,
+    /// The steps of the setup that are not done.
+    setup: usize,
+    /// What steps of main would do if main had begun.
+    held: Vec<(usize, Due)>,
+    /// What the steps hang on that come up to an instant, with the distance from it.
+    untils: Vec<(Root, usize, Span)>,
+}
+
+impl Course {
+    pub(super) fn new(steps: &[Planned], places: &BTreeMap<&str, usize>) -> Course {
+        let count = steps.len();
+        let mut open = vec![0; count];
+        for parent in steps.iter().filter_map(|step| step.parent) {
+            open[parent] += 1;
+        }
+        let untils = steps.iter().enumerate().filter_map(|(step, planned)| match &planned.repeat {
+            Some(Repeat::Every { until: Some(until), .. }) => {
+                Some((Root::of(&until.base, places), step, until.offset))
+            }
+            _ => None,
+        });
+        Course {
+            phase: Phase::Setup,
+            ended: None,
+            first: vec![None; count],
+            times: vec![0; count],
+            working: vec![false; count],
+            stopped: vec![false; count],
+            until: vec![None; count],
+            done: vec![false; count],
+            setup: steps.iter().filter(|step| step.phase == Phase::Setup).count(),
+            held: Vec::with_capacity(count),
+            untils: untils.collect(),
+            open,
+        }
+    }
+}
+
+impl Schedule {
+    /// The part of the case that is under way.
+    pub fn phase(&self) -> Phase {
+        self.course.phase
+    }
+
+    /// Why the case ends early, if it does.
+    pub fn ended(&self) -> Option<EndReason> {
+        self.course.ended
+    }
+
+    /// The same in words, for the record.
+    pub fn ended_words(&self) -> Option<String> {
+        Some(match self.ended()? {
+            EndReason::Missed(step) => format!("step `{}` of the setup never came", self.steps[step].id),
+            EndReason::Trouble => String::from("the rig had trouble in the setup"),
+            EndReason::Claim => String::from("a claim was lost"),
+            EndReason::Alarm => String::from("an alarm was raised"),
+        })
+    }
+
+    /// The case ends now, whatever of it is left: no further step of it comes, and the teardown is next. Where it has
+    /// ended already this says nothing new.
+    pub fn end_early(&mut self, reason: EndReason, now: Time) {
+        if self.course.phase == Phase::Teardown || self.course.ended.is_some() {
+            return;
+        }
+        self.course.ended = Some(reason);
+        self.end = Some(now);
+        self.clear();
+    }
+
+    /// The case is over and its teardown begins. FALSE where it has none.
+    pub fn begin_teardown(&mut self, now: Time) -> bool {
+        self.clear();
+        self.course.phase = Phase::Teardown;
+        self.came(Root::Teardown, now);
+        self.steps.iter().any(|step| step.phase == Phase::Teardown)
+    }
+
+    /// Whether nothing of the teardown is left that could come.
+    pub fn is_torn_down(&self) -> bool {
+        // What a step waited for is over when it came, whatever is still queued of it.
+        self.queue
+            .iter()
+            .all(|std::cmp::Reverse((_, _, step, due))| *due == Due::Missed && !self.armed[*step])
+    }
+
+    /// The setup is done and main begins.
+    pub fn begin_main(&mut self, now: Time) {
+        self.course.phase = Phase::Main;
+        self.end = self.end.map(|end| end.max(now));
+        for place in 0..self.course.held.len() {
+            let (step, due) = self.course.held[place];
+            self.put(now, step, due);
+        }
+        self.course.held.clear();
+        self.came(Root::Main, now);
+    }
+
+    /// Nothing that was to come comes any more.
+    fn clear(&mut self) {
+        self.queue.clear();
+        self.drivers.fill(None);
+        self.armed.fill(false);
+        self.course.held.clear();
+    }
+
+    /// The first part of the case begins.
+    pub(super) fn open_course(&mut self) {
+        self.course.phase = if self.course.setup > 0 { Phase::Setup } else { Phase::Main };
+    }
+
+    /// Whether a step belongs to a part of the case that can still come.
+    pub(super) fn may_come(&self, step: usize) -> bool {
+        self.steps[step].phase >= self.course.phase
+    }
+
+    /// Keeps what a step of main would do while the setup is under way.
+    pub(super) fn is_held(&mut self, step: usize, due: Due) -> bool {
+        let early = self.course.phase == Phase::Setup
+            && matches!(due, Due::Arm | Due::Begin)
+            && self.steps[step].phase == Phase::Main;
+        if early {
+            self.course.held.push((step, due));
+        }
+        early
+    }
+
+    /// Whether a step that is due begins: one that comes again may have come for the last time.
+    pub fn begins(&self, step: usize, now: Time) -> bool {
+        !self.course.stopped[step] && self.course.until[step].is_none_or(|until| now < until)
+    }
+
+    /// What this step waits for happened. TRUE where it is to begin.
+    pub(super) fn reacts(&mut self, step: usize) -> bool {
+        match &self.steps[step].repeat {
+            Some(Repeat::Each { .. }) if self.course.working[step] => return false,
+            Some(Repeat::Each { .. }) => {}
+            _ => self.armed[step] = false,
+        }
+        self.course.working[step] = true;
+        true
+    }
+
+    /// A step that was missed: TRUE where it came before, and only listens no longer.
+    pub(super) fn has_come(&mut self, step: usize, now: Time) -> bool {
+        let come = self.course.times[step] > 0 || self.course.working[step];
+        if come {
+            self.stop(step, now);
+        }
+        come
+    }
+
+    /// A step comes no more.
+    pub fn stop(&mut self, step: usize, now: Time) {
+        if !std::mem::replace(&mut self.course.stopped[step], true)
+            && !self.course.working[step]
+            && self.course.times[step] > 0
+        {
+            self.put(now, step, Due::Done);
+        }
+    }
+
+    /// Counts that a step comes.
+    pub(super) fn count(&mut self, step: usize, now: Time) -> u64 {
+        self.course.first[step].get_or_insert(now);
+        self.course.working[step] = true;
+        self.course.times[step] += 1;
+        let n = self.course.times[step];
+        match &self.steps[step].repeat {
+            Some(Repeat::Each { times }) if n < *times => {}
+            _ => self.armed[step] = false,
+        }
+        n
+    }
+
+    /// Queues the next time of a step that comes every so often.
+    pub(super) fn again(&mut self, step: usize, n: u64, now: Time) {
+        if let Some(Repeat::Every { period, times, .. }) = self.steps[step].repeat
+            && n < times
+        {
+            self.put(now.saturating_add(period), step, Due::Begin);
+        }
+    }
+
+    /// Whether the step runs a group that has steps: it is done when these are.
+    pub(super) fn runs(&self, step: usize) -> bool {
+        self.course.open[step] > 0
+    }
+
+    /// One time of a step is done. TRUE where that was the last one.
+    pub fn is_done(&mut self, step: usize) -> bool {
+        self.course.working[step] = false;
+        let last = match &self.steps[step].repeat {
+            None => true,
+            Some(repeat) => self.course.stopped[step] || self.course.times[step] >= repeat.times(),
+        };
+        // Of two times that touch each other the end of the first may come behind the beginning of the last.
+        last && !std::mem::replace(&mut self.course.done[step], true)
+    }
+
+    /// Tells those who wait for it that a step is done.
+    pub(super) fn close(&mut self, step: usize, now: Time) {
+        if let Some(parent) = self.steps[step].parent {
+            self.course.open[parent] -= 1;
+            if self.course.open[parent] == 0 {
+                self.put(now, parent, Due::Done);
+            }
+        }
+        if self.steps[step].phase == Phase::Setup {
+            self.course.setup -= 1;
+            if self.course.setup == 0 {
+                self.put(now, step, Due::Main);
+            }
+        }
+    }
+
+    /// An instant came up to which steps come.
+    pub(super) fn stops(&mut self, root: Root, now: Time) {
+        for place in 0..self.course.untils.len() {
+            let (of, step, offset) = self.course.untils[place];
+            if of == root && self.may_come(step) {
+                let at = now.saturating_add(offset).max(now);
+                self.course.until[step] = Some(at);
+                self.put(at, step, Due::Stop);
+            }
+        }
+    }
+}

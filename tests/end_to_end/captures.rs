@@ -1,0 +1,229 @@
+//! `rig judge` on what other instruments recorded: dumps, tables, sigrok sessions.
+
+use crate::bench::{Bench, LAMP, root};
+
+/// The lamp's plan for instruments that sample: pulses that they can miss are told not to matter.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    let blind = "until = \"press + 500 ms\"";
+    bench.write_lamp("lamp.toml", blind, &format!("{blind}, pulses-longer-than = \"20 ms\""));
+    for file in ["lamp.sr", "sigrok.vcd", "scope.csv", "edges.csv"] {
+        std::fs::copy(root().join("rig/capture/tests/files").join(file), bench.path(file)).unwrap();
+    }
+    bench
+}
+
+const LINES: [&str; 4] = ["--map", "0=button", "--map", "1=lamp"];
+
+fn judge<'a>(file: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    ["judge", "lamp.toml", file].into_iter().chain(more.iter().copied()).collect()
+}
+
+fn mapped<'a>(file: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    judge(file, &LINES).into_iter().chain(more.iter().copied()).collect()
+}
+
+#[test]
+fn sessions_and_dumps_of_sigrok_are_judged_alike() {
+    let bench = bench();
+    for instants in [["--start", "1.5 s"], ["--at", "press=button rises"], ["--at", "press = 2.5 s"]] {
+        let outs: Vec<String> = ["lamp.sr", "sigrok.vcd"]
+            .into_iter()
+            .map(|file| bench.expect(0, &mapped(file, &instants)).out)
+            .collect();
+        // The same trace, down to its hash.
+        assert_eq!(outs[0], outs[1]);
+        assert!(outs[0].contains("PASS"), "{}", outs[0]);
+    }
+}
+
+#[test]
+fn a_table_of_volts_has_thresholds() {
+    let bench = bench();
+    let map = [
+        "--map",
+        "Taster=button@12",
+        "--map",
+        "Lampe=lamp@12",
+        "--start",
+        "0 s",
+        "--at",
+        "press=button rises",
+    ];
+    bench.expect(0, &judge("scope.csv", &map));
+    bench.refused(&judge("scope.csv", &["--map", "Lampe=lamp", "--start", "0 s"]), &["R0174", "lamp@2.5"]);
+    // A level that the voltage never reaches.
+    let ran = bench.expect(1, &judge("scope.csv", &["--map", "Lampe=lamp@30", "--start", "0 s"]));
+    assert!(ran.out.contains("did not rise"), "{}", ran.out);
+}
+
+#[test]
+fn what_lies_between_two_rows_is_not_known() {
+    let bench = bench();
+    let start = ["--at", "press=1 s"];
+    let ran = bench.expect(3, &judge("edges.csv", &start));
+    assert!(ran.out.contains("uncertainty"), "{}", ran.out);
+    // These rows are edges: the user knows it.
+    let known = ["--at", "press=1 s", "--period", "1 us"];
+    bench.expect(0, &judge("edges.csv", &known));
+}
+
+#[test]
+fn behind_the_end_of_a_capture_nothing_is_known() {
+    let bench = bench();
+    // The lamp would have to light after the capture ends.
+    let short = bench.read("scope.csv").lines().take(250).collect::<Vec<_>>().join("\n");
+    bench.write("short.csv", &short);
+    let volts = [
+        "--map",
+        "Taster=button@12",
+        "--map",
+        "Lampe=lamp@12",
+        "--start",
+        "0 s",
+        "--at",
+        "press=button rises",
+    ];
+    let ran = bench.expect(3, &judge("short.csv", &volts));
+    assert!(ran.out.contains("not known at a time when it may rise"), "{}", ran.out);
+    // What broke before its end stays broken.
+    bench.write_lamp("lamp.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
+    let ran = bench.expect(1, &mapped("lamp.sr", &["--at", "press=button rises"]));
+    assert!(ran.out.contains("too late"), "{}", ran.out);
+}
+
+#[test]
+fn a_signal_without_a_channel_is_inconclusive_and_said() {
+    let bench = bench();
+    let ran = bench.expect(3, &judge("lamp.sr", &["--start", "1.5 s", "--map", "0=button"]));
+    assert!(
+        ran.err.contains("no channel for lamp") && ran.out.contains("never observed"),
+        "{}{}",
+        ran.err,
+        ran.out
+    );
+    assert!(!ran.out.contains("-9223372036"), "{}", ran.out);
+}
+
+#[test]
+fn a_step_that_waits_comes_when_the_capture_has_it() {
+    let bench = bench();
+    bench.write(
+        "lamp.toml",
+        &LAMP.replace(
+            "{ id = \"press\", at = \"start + 1 s\", set = { signal = \"button\", value = true } }",
+            "{ id = \"press\", when = { signal = \"button\", becomes = true, within = \"2 s\" } }",
+        )
+        .replace("  { stays = { signal = \"lamp\", is = false, from = \"start\", until = \"press + 500 ms\" } },\n", ""),
+    );
+    bench.expect(0, &mapped("lamp.sr", &["--start", "1.5 s"]));
+    // It waits until 1.9 s only.
+    let ran = bench.expect(1, &mapped("lamp.sr", &["--start", "-0.1 s"]));
+    assert!(ran.out.contains("press"), "{}", ran.out);
+}
+
+#[test]
+fn what_is_said_wrongly_is_refused_with_a_code() {
+    let bench = bench();
+    for (more, words) in [
+        (&["--map", "1=lapm"][..], &["R0172", "there is `lamp`"][..]),
+        (&["--map", "7=lamp"], &["R0171", "there is `0`"]),
+        (&["--map", "lamp"], &["R0178", "CHANNEL=SIGNAL"]),
+        (&["--map", "1=lamp@high"], &["R0178", "no number"]),
+        (&["--map", "1=lamp", "--map", "0=lamp"], &["R0178", "twice"]),
+        (&["--start", "soon"], &["R0177", "soon"]),
+        (&["--start", "button climbs"], &["R0177"]),
+        (&["--start", "2 rises 0"], &["R0177"]),
+        (&["--start", "2 rises"], &["R0171"]),
+        (&["--start", "0 rises 2"], &["R0173", "never comes"]),
+        (&["--start", "1 h"], &["R0173", "0.000000000 s to 3.600000000 s"]),
+        (&["--at", "pres=1 s"], &["R0178", "no step `pres`"]),
+        (&["--at", "press"], &["R0178"]),
+        (&["--start", "0 s", "--period", "0 s"], &["R0177"]),
+        (&["--case", "other"], &["R0175", "no case `other`"]),
+        (&[], &["R0176", "--start"]),
+    ] {
+        bench.refused(&judge("lamp.sr", more), words);
+    }
+    bench.write("broken.csv", "time,lamp\n0,1\n");
+    bench.refused(&judge("broken.csv", &[]), &["R0170", "broken.csv: line 1", "time [s]"]);
+    bench.write("rows.toml", &LAMP.replace("500 ms .. 550 ms", "$w").replace("]\n\"#", "]\n"));
+    bench.write(
+        "rows.toml",
+        &format!(
+            "{}[rows]\na = {{ w = \"1 ms .. 2 ms\" }}\nb = {{ w = \"500 ms .. 550 ms\" }}\n",
+            bench.read("rows.toml")
+        ),
+    );
+    bench.refused(&["judge", "rows.toml", "lamp.sr", "--start", "0 s"], &["R0175", "2 cases", "--case"]);
+    let of_row = [
+        "judge",
+        "rows.toml",
+        "lamp.sr",
+        "--case",
+        "a",
+        "--map",
+        "1=lamp",
+        "--map",
+        "0=button",
+        "--at",
+        "press=button rises",
+    ];
+    assert!(bench.expect(1, &of_row).out.contains("rows[a]"));
+}
+
+#[test]
+fn dumps_of_the_rig_give_the_verdicts_of_the_run() {
+    let bench = Bench::new();
+    bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
+    for (name, fault) in
+        [("drop", "dropped = { chance = 1.0 }"), ("late", "late = { chance = 1.0, by = \"40 ms\" }")]
+    {
+        bench.write(
+            &format!("{name}.toml"),
+            &format!("format = 1\n[board]\nkind = \"simulated\"\n[faults]\n{fault}\n"),
+        );
+        bench.write_lamp(
+            &format!("of-{name}.toml"),
+            "program =",
+            &format!("board = \"{name}.toml\"\nprogram ="),
+        );
+    }
+    bench.write(
+        "rows.toml",
+        &format!(
+            "{}[rows]\nwide = {{ limit = \"400 ms .. 600 ms\" }}\nearly = {{ limit = \"1 ms .. 2 ms\" }}\n",
+            LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"")
+        ),
+    );
+    let plans = ["lamp.toml", "slow.toml", "of-drop.toml", "of-late.toml", "rows.toml"];
+    let args: Vec<&str> = ["test"].into_iter().chain(plans).chain(["--report", "out"]).collect();
+    bench.expect(4, &args);
+    let record = bench.json("out/record.json");
+    for case in record["cases"].as_array().unwrap() {
+        let dump = format!("out/{}", case["trace_file"].as_str().unwrap().replace(".trace", ".vcd"));
+        let judged = bench.rig(&["judge", case["plan"].as_str().unwrap(), &dump]);
+        let code = match case["verdict"].as_str().unwrap() {
+            "pass" => 0,
+            "fail" => 1,
+            "inconclusive" => 3,
+            _ => 4,
+        };
+        assert_eq!(judged.code, Some(code), "{dump}\n{}{}", judged.out, judged.err);
+        assert!(
+            judged.out.lines().next().unwrap().ends_with(case["name"].as_str().unwrap()),
+            "{}",
+            judged.out
+        );
+    }
+}
+
+#[test]
+fn a_trace_of_the_rig_says_everything_itself() {
+    let bench = Bench::new();
+    bench.expect(0, &["test", "lamp.toml", "--report", "out"]);
+    bench.refused(&["judge", "lamp.toml", "out/traces/lamp.trace", "--start", "0 s"], &["rig's own"]);
+    // A dump's instants can be said anew: then the press is half a second later than it was.
+    let moved = ["judge", "lamp.toml", "out/traces/lamp.vcd", "--start", "2 s"];
+    assert!(bench.expect(1, &moved).out.contains("too early"));
+}

@@ -1,0 +1,73 @@
+//! `rig diff`: what changed between two runs.
+
+use crate::bench::{Bench, LAMP_ST};
+
+/// Runs the lamp with this delay into a folder.
+fn ran(bench: &Bench, delay: &str, folder: &str) {
+    bench.write("lamp.st", &LAMP_ST.replace("T#500ms", delay));
+    bench.rig(&["test", "lamp.toml", "--report", folder]);
+}
+
+#[test]
+fn a_run_differs_from_itself_in_nothing() {
+    let bench = Bench::new();
+    ran(&bench, "T#500ms", "one");
+    ran(&bench, "T#500ms", "two");
+    let ran = bench.expect(0, &["diff", "one", "two"]);
+    assert!(ran.out.ends_with(
+        "Summary: not worse; 1 cases the same, 0 worse, 0 better, 0 missing, 0 new, 0 margins eroded\n"
+    ));
+    // But for what the user wrote: the folder.
+    assert!(ran.out.starts_with("Facts that changed\n  arguments\n"), "{}", ran.out);
+}
+
+#[test]
+fn margins_erode_before_a_claim_fails() {
+    let bench = Bench::new();
+    bench.write_lamp("lamp.toml", "500 ms .. 550 ms", "400 ms .. 600 ms");
+    ran(&bench, "T#500ms", "good");
+    ran(&bench, "T#525ms", "late");
+    ran(&bench, "T#600ms", "bad");
+    let eroded = bench.expect(1, &["diff", "good", "late"]);
+    assert!(
+        eroded.out.starts_with(
+            "Margins that eroded\n  lamp: `lamp` rises 400 ms .. 600 ms after press\n      \
+             79.965 ms became 39.965 ms, 50.0 % lost\n"
+        ),
+        "{}",
+        eroded.out
+    );
+    assert!(eroded.out.contains("Files that changed\n  program of lamp.toml\n"), "{}", eroded.out);
+    bench.expect(0, &["diff", "good", "late", "--erosion", "60%"]);
+    // The other way the lamp is nearer to the instant before which it must not light.
+    bench.expect(1, &["diff", "late", "good"]);
+    bench.expect(0, &["diff", "late", "good", "--erosion", "70"]);
+    let failed = bench.expect(1, &["diff", "late", "bad"]);
+    assert!(failed.out.starts_with("Worse\n  lamp: pass became fail\n"), "{}", failed.out);
+    let better = bench.expect(0, &["diff", "bad", "late", "--erosion", "70"]);
+    assert!(better.out.contains("Other changes of cases\n  lamp: fail became pass\n"), "{}", better.out);
+}
+
+#[test]
+fn a_program_reads_it_as_json() {
+    let bench = Bench::new();
+    ran(&bench, "T#500ms", "old");
+    bench.write_lamp("other.toml", "half a second", "soon");
+    bench.expect(0, &["test", "other.toml", "--report", "new"]);
+    let found = bench.expect(1, &["diff", "old", "new/record.json", "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_str(&found.out).unwrap();
+    assert_eq!((&json["format"], &json["worse"]), (&1.into(), &true.into()));
+    let cases = json["cases"].as_array().unwrap();
+    assert_eq!((&cases[0]["name"], &cases[0]["new"]), (&"lamp".into(), &serde_json::Value::Null));
+    assert_eq!((&cases[1]["name"], &cases[1]["old"]), (&"other".into(), &serde_json::Value::Null));
+    bench.expect(0, &["diff", "old", "new", "--allow-missing"]);
+}
+
+#[test]
+fn what_is_no_run_is_refused() {
+    let bench = Bench::new();
+    ran(&bench, "T#500ms", "old");
+    bench.refused(&["diff", "old", "nowhere"], &["error[R0160]", "nowhere"]);
+    bench.refused(&["diff", "old", "old", "--erosion", "x"], &["from 0 to 100"]);
+    bench.refused(&["diff", "old"], &["<NEW>"]);
+}

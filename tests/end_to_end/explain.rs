@@ -1,0 +1,224 @@
+//! Every code has a page, and every example of a page provokes its code.
+
+use crate::bench::{Bench, LAMP, root};
+
+/// Codes without an example, and why.
+const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
+    ("P0003", "a file of over 1 MiB"),
+    ("P0208", "over 10 000 steps"),
+    ("P0505", "a trace of another plan"),
+    ("B0003", "a file of over 1 MiB"),
+    ("B0204", "over 4 096 parts"),
+    ("S0107", "64 brackets"),
+    ("S0501", "4 MiB of sources"),
+    ("S0504", "a chain of 64 blocks"),
+    ("S0505", "1 000 000 operations"),
+    ("S0506", "50 errors"),
+    ("R0101", "two names that differ only in a trace"),
+    ("R0111", "an analog channel of a board"),
+    ("R0121", "a second program with other tasks"),
+    ("R0203", "a trace of another plan"),
+    ("R04", "records that somebody edited"),
+];
+
+/// Codes that come with what is new in the language and the reports: examples are welcome, none is owed.
+const YOUNG: &[&str] = &["P06", "B015", "R014", "R016", "R017"];
+
+/// A block of a page.
+#[derive(Debug)]
+struct Block {
+    code: String,
+    language: String,
+    role: String,
+    text: String,
+}
+
+/// The examples of all pages, in order.
+fn blocks() -> Vec<Block> {
+    let mut blocks = Vec::new();
+    for letter in ["P", "B", "S", "R"] {
+        let path = root().join(format!("docs/codes/{letter}.md"));
+        let text = std::fs::read_to_string(path).unwrap();
+        let (mut code, mut open): (String, Option<Block>) = (String::new(), None);
+        for line in text.lines() {
+            match (&mut open, line.strip_prefix("```")) {
+                (Some(_), Some(_)) => blocks.extend(open.take()),
+                (Some(block), None) => block.text += &format!("{line}\n"),
+                (None, Some(info)) => {
+                    let (language, role) = info.split_once(' ').unwrap();
+                    let (code, language, role) = (code.clone(), language.to_owned(), role.to_owned());
+                    open = Some(Block { code, language, role, text: String::new() });
+                }
+                (None, None) => {
+                    if let Some(heading) = line.strip_prefix("## ") {
+                        heading.clone_into(&mut code);
+                    }
+                }
+            }
+        }
+    }
+    blocks
+}
+
+/// The plan of the lamp with these keys in place of its own; a part of several lines that says its format is whole.
+fn plan(part: &str) -> String {
+    if part.starts_with("format") && part.lines().count() > 1 {
+        return part.to_owned();
+    }
+    let key =
+        |line: &str| line.split([' ', ']']).next().unwrap_or_default().trim_start_matches('[').to_owned();
+    let given: Vec<String> = part.lines().map(key).collect();
+    let mut plan = String::new();
+    let mut kept = true;
+    for line in LAMP.lines() {
+        if !line.starts_with([' ', ']']) {
+            let key = key(line);
+            let program = key == "program" && given.iter().any(|key| key == "program-text");
+            kept = !program && !given.contains(&key);
+        }
+        if kept {
+            plan += &format!("{line}\n");
+        }
+    }
+    plan + part
+}
+
+/// A board file with what every one has.
+fn board(part: &str) -> String {
+    let format = if part.starts_with("format") { "" } else { "format = 1\n" };
+    let board = part.starts_with("board") || part.contains("[board]");
+    format!("{format}{part}{}", if board { "" } else { "[board]\nkind = \"simulated\"\n" })
+}
+
+/// A program with what every one has.
+fn program(part: &str, complete: bool) -> String {
+    let unit = ["PROGRAM", "FUNCTION", "CONFIGURATION"].iter().any(|word| part.starts_with(word));
+    let main = part.replace("END_PROGRAM", "").contains("PROGRAM ");
+    match (unit, main || complete) {
+        (false, _) => format!("PROGRAM MAIN\n{part}END_PROGRAM\n"),
+        (true, false) => format!("{part}PROGRAM MAIN END_PROGRAM\n"),
+        (true, true) => part.to_owned(),
+    }
+}
+
+/// The codes that the command finds in an example, and whether it is content.
+fn found(bench: &Bench, block: &Block) -> (Vec<String>, bool) {
+    let ran = match block.language.as_str() {
+        "console" => {
+            let words = block.text.trim().trim_start_matches("rig ");
+            let mut quoted = false;
+            let words = words.split(|c| {
+                quoted ^= c == '"';
+                c == ' ' && !quoted
+            });
+            let args: Vec<&str> = words.map(|word| word.trim_matches('"')).collect();
+            bench.rig(&args)
+        }
+        "iecst" => {
+            bench.write("example.st", &program(&block.text, block.code == "S0211"));
+            bench.rig(&["check", "example.st"])
+        }
+        _ if block.code.starts_with('B') => {
+            bench.write("example.toml", &board(&block.text));
+            bench.rig(&["check", "example.toml"])
+        }
+        _ => {
+            bench.write("example.toml", &plan(&block.text));
+            bench.rig(&["check", "example.toml"])
+        }
+    };
+    let codes = ran.err.lines().filter_map(|line| {
+        let rest = line.strip_prefix("error[").or_else(|| line.strip_prefix("warning["))?;
+        Some(rest.split_once(']')?.0.to_owned())
+    });
+    // An example has the signals of the lamp and need not speak of all.
+    let leftover = |code: &String| code == "P0623" && block.code != *code;
+    (codes.filter(|code| !leftover(code)).collect(), ran.code == Some(0))
+}
+
+#[test]
+fn every_example_provokes_its_code_and_its_mend_does_not() {
+    let bench = Bench::new();
+    let mut wrong = Vec::new();
+    for block in blocks() {
+        match block.role.as_str() {
+            // What the command of the next block works with.
+            "with" if block.language == "csv" => bench.write("lamp.csv", &block.text),
+            "with" => bench.write("lamp.toml", &plan(&block.text)),
+            "wrong" => {
+                let (codes, _) = found(&bench, &block);
+                if !codes.contains(&block.code) {
+                    wrong.push(format!("{} is not provoked, but {codes:?}", block.code));
+                }
+            }
+            "right" => {
+                let (codes, content) = found(&bench, &block);
+                // Other warnings may come of what the example leaves out.
+                if codes.contains(&block.code) || !content {
+                    wrong.push(format!("the mend of {} has {codes:?}", block.code));
+                }
+            }
+            role => wrong.push(format!("{}: `{role}`", block.code)),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_code_has_a_page_and_all_but_a_few_an_example() {
+    let blocks = blocks();
+    let mut wrong = Vec::new();
+    let known = [plans::CODES, drivers::CODES, program::CODES, runtime::CODES].concat();
+    let bench = Bench::new();
+    let listed = bench.expect(0, &["explain"]).out;
+    for (code, title) in &known {
+        if !listed.contains(&format!("{code}  {title}\n")) {
+            wrong.push(format!("{code} has no page: docs/codes.md has no row for it"));
+        }
+    }
+    for line in listed.lines() {
+        let code = &line[..5];
+        let page = bench.expect(0, &["explain", code]).out;
+        if !page.starts_with(&format!("{code}: ")) || !page.contains("\nMend: ") {
+            wrong.push(format!("the page of {code} lacks title or mend"));
+        }
+        let has = blocks.iter().any(|block| block.code == code && block.role == "wrong");
+        let excused = WITHOUT_EXAMPLE.iter().any(|(prefix, _)| code.starts_with(prefix));
+        if has && excused {
+            wrong.push(format!("{code} has an example and is excused from one"));
+        }
+        let young = YOUNG.iter().any(|prefix| code.starts_with(prefix));
+        if !has && !excused && !young {
+            wrong.push(format!("{code} has no example in docs/codes, and no reason in {}", file!()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn a_page_is_read_by_a_person() {
+    let page = Bench::new().expect(0, &["explain", " p0302"]).out;
+    let shown = "P0302: An instant of an unknown step
+
+An instant counts from `start`, from `end` or from a step of the same case.
+
+Refused is:
+
+    expect = [{ rises = { signal = \"lamp\", from = \"pres\", within = \"500 ms .. 550 ms\" } }]
+
+Right is:
+
+    expect = [{ rises = { signal = \"lamp\", from = \"press\", within = \"500 ms .. 550 ms\" } }]
+
+Mend: Name a step that the case has (steps of other rows do not count), or a
+pulse that the train has.
+";
+    assert_eq!(page, shown);
+}
+
+#[test]
+fn a_code_that_does_not_exist_is_refused() {
+    let bench = Bench::new();
+    bench.refused(&["explain", "P0199"], &["R0152", "there is no code `P0199`", "did you mean `P0109`"]);
+    bench.refused(&["explain", "nothing"], &["R0152", "`rig explain` lists all codes"]);
+}
