@@ -57,6 +57,15 @@ def is_plan(document):
     return not isinstance(document.get("board"), dict) and bool({"expect", "measure", "refused", "warned"} & set(document))
 
 
+def kind_of(path, document):
+    """Plans claim something, boards bind or wire; what has neither is there to be included."""
+    if path.name == "suite.toml":
+        return "suite"
+    if is_plan(document):
+        return "plan"
+    return "included" if "group" in document else "board"
+
+
 def faults(validator, document):
     """What the validator says, as `place: message`."""
     found = []
@@ -76,13 +85,13 @@ def library(schemas):
     counts = dict.fromkeys(schemas, 0)
     for path in sorted((ROOT / "plans/library").rglob("*.toml")):
         document = tomllib.loads(path.read_text())
-        kind = "suite" if path.name == "suite.toml" else "plan" if is_plan(document) else "board"
+        kind = kind_of(path, document)
         if "format" not in document or refused_for_its_form(document):
             continue
         counts[kind] += 1
         found = faults(schemas[kind], document)
         check(f"{path.relative_to(ROOT)} is valid", not found, found[:2])
-    check("the library has plans and boards", counts["plan"] > 300 and counts["board"] > 4 and counts["suite"] > 0, counts)
+    check("the library has plans and boards", counts["plan"] > 300 and counts["board"] > 4 and min(counts["suite"], counts["included"]) > 0, counts)
     print(f"valid: {counts}")
 
 
@@ -187,7 +196,7 @@ def taplo(rig, folder):
     check("taplo is installed", tool is not None)
     if tool is None:
         return
-    for kind in ("plan", "board", "suite"):
+    for kind in ("plan", "board", "suite", "included"):
         (folder / f"{kind}.schema.json").write_text(subprocess.run([rig, "schema", kind], capture_output=True, text=True, check=True).stdout)
 
     def lint(*names):
@@ -259,7 +268,7 @@ def shells(rig, folder):
 def main():
     rig = str(pathlib.Path(sys.argv[1]).resolve())
     schemas = {}
-    for kind in ("plan", "board", "suite"):
+    for kind in ("plan", "board", "suite", "included"):
         text = subprocess.run([rig, "schema", kind], capture_output=True, text=True, check=True).stdout
         schema = json.loads(text)
         jsonschema.Draft7Validator.check_schema(schema)

@@ -4,7 +4,7 @@ use document::schema::{Grammar, Verbs, schema};
 use document::{KeySpec, KeyType};
 use serde_json::Value as Json;
 
-use crate::plan::{EXPECT_KEYS, PLAN_KEYS, SOURCE_KEYS, STEP_KEYS, SUITE_KEYS};
+use crate::plan::{EXPECT_KEYS, INCLUDED_KEYS, PLAN_KEYS, SOURCE_KEYS, STEP_KEYS, SUITE_KEYS};
 use crate::{expect, lang, steps};
 
 /// The schema of a plan.
@@ -21,6 +21,19 @@ pub fn plan() -> Json {
 pub fn suite() -> Json {
     let description = "What holds in every case of the plans in its folder and below.";
     schema("Scanrig suite file", description, SUITE_KEYS, &Grammar { references: false, ..grammar() })
+}
+
+/// The schema of a file that plans include. What stands in it as in a plan is held against the tables of plans when it
+/// is there.
+pub fn included() -> Json {
+    let known = |key: &KeySpec| match key.ty {
+        KeyType::Any | KeyType::List(KeyType::Any) => {
+            PLAN_KEYS.iter().find(|known| known.name == key.name).copied()
+        }
+        _ => None,
+    };
+    let keys: Vec<KeySpec> = INCLUDED_KEYS.iter().map(|key| known(key).unwrap_or(*key)).collect();
+    schema("Scanrig included file", "What several plans share.", &keys, &grammar())
 }
 
 /// The schema of a board file with these keys. What stands in a board file as in a plan, its reader knows by name

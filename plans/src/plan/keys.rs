@@ -120,7 +120,7 @@ pub const GROUP_KEYS: &[KeySpec] = &[
     ),
     KeySpec::optional("steps", STEPS, "What is done; instants count from `begin`."),
     KeySpec::optional("expect", KeyType::List(&KeyType::Table(EXPECT_KEYS)), "What every call claims."),
-    KeySpec::optional("measure", KeyType::List(&KeyType::Any), "What every call measures."),
+    KeySpec::optional("measure", KeyType::List(&KeyType::Table(measure::KEYS)), "What every call measures."),
 ];
 
 /// The keys of an argument that is written as a table.

@@ -23,6 +23,8 @@ pub enum Format {
     Board,
     /// A suite file: what holds in every case of the plans below it.
     Suite,
+    /// A file that plans include.
+    Included,
 }
 
 /// Prints a schema.
@@ -40,6 +42,7 @@ fn json(of: Format) -> Json {
     match of {
         Format::Plan => plans::schema::plan(),
         Format::Suite => plans::schema::suite(),
+        Format::Included => plans::schema::included(),
         Format::Board => plans::schema::board(BOARD_KEYS),
     }
 }
