@@ -22,20 +22,10 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
+from tally import check, finish
+
 LARGEST = 2_000_000
 SECONDS = 20
-
-passed = failed = 0
-
-
-def check(what, holds, found=""):
-    """Counts one comparison, and prints it if it does not hold."""
-    global passed, failed
-    if holds:
-        passed += 1
-    else:
-        failed += 1
-        print(f"FAILED: {what}{f': {found}' if found != '' else ''}")
 
 
 def same(what, found, wanted):
@@ -551,8 +541,7 @@ def main():
             wide = browser.run("return document.documentElement.scrollWidth - innerWidth")
             check(f"{name}: nothing sticks out", wide <= 0, wide)
             browser.quiet(name)
-    print(f"{passed} passed, {failed} failed")
-    sys.exit(1 if failed else 0)
+    finish()
 
 
 if __name__ == "__main__":

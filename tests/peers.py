@@ -19,6 +19,8 @@ import junitparser
 from lxml import etree
 from vcdvcd import VCDVCD
 
+from tally import check, finish
+
 # Reading value by value is slow in Python: larger files are left out, never all of them.
 LARGEST = 2_000_000
 LEAST_TRACES = 10
@@ -30,18 +32,6 @@ LARGEST_JUNIT = 30_000_000
 LONGEST_SUMMARY = 65_536
 
 SCHEMAS = pathlib.Path(__file__).parent / "schemas"
-
-passed = failed = 0
-
-
-def check(what, holds, found=""):
-    """Counts one comparison, and prints it if it does not hold."""
-    global passed, failed
-    if holds:
-        passed += 1
-    else:
-        failed += 1
-        print(f"FAILED: {what}{f': {found}' if found != '' else ''}")
 
 
 def load(folder):
@@ -305,8 +295,7 @@ def main():
     if small:
         with tempfile.TemporaryDirectory() as work:
             read_with_sigrok(max(small, key=edges_of_lines), pathlib.Path(work))
-    print(f"{passed} passed, {failed} failed")
-    sys.exit(1 if failed else 0)
+    finish()
 
 
 if __name__ == "__main__":

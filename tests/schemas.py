@@ -20,6 +20,8 @@ import tomllib
 
 import jsonschema
 
+from tally import check, finish
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # What the tables of keys decide. All else hangs on other keys, other files or the rules of the language.
@@ -38,18 +40,6 @@ FORM = {
 
 # What JSON cannot say: it has no NaN, and 100.0 is a whole number to it.
 BEYOND_JSON = {"float-count", "nan"}
-
-passed = failed = 0
-
-
-def check(what, holds, found=""):
-    """Counts one comparison, and prints it if it does not hold."""
-    global passed, failed
-    if holds:
-        passed += 1
-    else:
-        failed += 1
-        print(f"FAILED: {what}{f': {found}' if found != '' else ''}")
 
 
 def is_plan(document):
@@ -282,9 +272,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         project(rig, pathlib.Path(folder))
         shells(rig, pathlib.Path(folder))
-    print(f"{passed} passed, {failed} failed")
-    return failed > 0
+    finish()
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -19,6 +19,7 @@ mod interrupt;
 mod judge;
 mod program;
 mod project;
+mod question;
 mod redraw;
 mod report;
 mod requirements;

@@ -4,6 +4,7 @@ use crate::bench::{Bench, LAMP_ST, drain, run};
 use nix::pty::{Winsize, openpty};
 use serde_json::Value as Json;
 use std::fs::File;
+use std::io::Write;
 use std::process::{Command, Stdio};
 
 /// Three cases: one passes, one fails, one does not apply.
@@ -25,7 +26,12 @@ fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
 }
 
 /// Runs a command on a terminal of its own and returns all that it wrote there.
-fn on_terminal(mut command: Command) -> (Option<i32>, String) {
+fn on_terminal(command: Command) -> (Option<i32>, String) {
+    talk(command, &[])
+}
+
+/// The same with somebody there who types the next of the lines whenever the command waits behind `> `.
+pub fn talk(mut command: Command, typed: &[&str]) -> (Option<i32>, String) {
     let size = Winsize { ws_row: 24, ws_col: 80, ws_xpixel: 0, ws_ypixel: 0 };
     let pty = openpty(&size, None).unwrap();
     let side = || Stdio::from(pty.slave.try_clone().unwrap());
@@ -34,18 +40,20 @@ fn on_terminal(mut command: Command) -> (Option<i32>, String) {
     drop(command);
     drop(pty.slave);
     let mut terminal = File::from(pty.master);
-    let reader = std::thread::spawn(move || {
-        let (mut all, mut some) = (Vec::new(), [0; 4096]);
-        while let Ok(n @ 1..) = std::io::Read::read(&mut terminal, &mut some) {
-            all.extend_from_slice(&some[..n]);
+    let (mut all, mut some, mut typed) = (Vec::new(), [0; 4096], typed.iter());
+    while let Ok(n @ 1..) = std::io::Read::read(&mut terminal, &mut some) {
+        all.extend_from_slice(&some[..n]);
+        if all.ends_with(b"> ")
+            && let Some(line) = typed.next()
+        {
+            terminal.write_all(format!("{line}\n").as_bytes()).unwrap();
         }
-        String::from_utf8_lossy(&all).into_owned()
-    });
-    let code = child.wait().unwrap().code();
-    (code, reader.join().unwrap())
+    }
+    (child.wait().unwrap().code(), String::from_utf8_lossy(&all).into_owned())
 }
 
-fn terminal(bench: &Bench, args: &[&str]) -> Command {
+/// The command as somebody at a terminal starts it.
+pub fn terminal(bench: &Bench, args: &[&str]) -> Command {
     let mut command = bench.command(args);
     command.env("TERM", "xterm-256color").env_remove("CI").env_remove("CLICOLOR");
     command
@@ -194,6 +202,18 @@ fn events_tell_the_whole_run() {
     let last = &events[events.len() - 1];
     assert_eq!((last["verdict"].as_str(), last["totals"]["failed"].as_u64()), (Some("fail"), Some(1)));
     assert!(bench.path(last["page"].as_str().unwrap()).is_file());
+}
+
+#[test]
+fn the_last_event_has_the_statistics_of_what_was_repeated() {
+    let bench = Bench::new();
+    let ran = bench.expect(0, &["test", "lamp.toml", "--repeat", "3", "--format", "json"]);
+    let events = events(&ran.out);
+    let repeated = &events[events.len() - 1]["repeated"][0];
+    assert_eq!((repeated["case"].as_str(), repeated["turns"].as_u64()), (Some("lamp"), Some(3)));
+    // In virtual time each turn is the same.
+    let margin = &repeated["figures"][0]["statistics"];
+    assert_eq!((margin["count"].as_u64(), margin["spread"].as_f64()), (Some(3), Some(0.0)), "{margin}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The provenance of a run that begins now.
 pub fn now(seed: u64, clock: Clock) -> Provenance {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).ok();
     Provenance {
         binary_sha256: binary_sha256().unwrap_or_default(),
         kernel: kernel(),
@@ -14,7 +15,8 @@ pub fn now(seed: u64, clock: Clock) -> Provenance {
         seed,
         clock,
         arguments: std::env::args().skip(1).collect(),
-        started: SystemTime::now().duration_since(UNIX_EPOCH).ok().map(|since| rfc3339(since.as_secs())),
+        started: since.map(|since| rfc3339(since.as_secs())),
+        started_nanos: since.map_or(0, |since| since.subsec_nanos()),
         environment: environment(),
     }
 }

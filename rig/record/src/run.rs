@@ -49,6 +49,9 @@ pub struct Provenance {
     pub arguments: Vec<String>,
     /// When the run began, RFC 3339; nothing where a reproducible record was asked for.
     pub started: Option<String>,
+    /// Nanoseconds of the second in which it began: tells two runs of one second apart.
+    #[serde(default)]
+    pub started_nanos: u32,
     /// Further facts of the host that figures depend on, name and text: kind of real-time kernel, cores, governor.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub environment: Vec<(String, String)>,
@@ -179,6 +182,7 @@ impl RunRecord {
         self.provenance.kernel.clear();
         self.provenance.host_cpu = None;
         self.provenance.started = None;
+        self.provenance.started_nanos = 0;
         self.provenance.arguments.clear();
         self.host_ms = 0;
         self.provenance.environment.clear();

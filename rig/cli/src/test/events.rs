@@ -82,6 +82,7 @@ impl Observer for Events {
             "totals": run.totals,
             "verdict": run.verdict(),
             "coverage": run.coverage,
+            "repeated": run.repeated(),
             "page": page,
         }));
     }
