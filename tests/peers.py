@@ -266,10 +266,12 @@ def sigrok(path, *arguments):
 
 
 def edges_of_lines(path):
-    """How many changes the least busy line of a file has."""
+    """How many changes the least busy line of a file has; none where samples of a millisecond would miss some."""
     signals = signals_of(VCDVCD(str(path))).values()
-    lines = [signal for signal in signals if signal.size == "1"]
-    return min((len([1 for _, raw in signal.tv if raw in "01"]) for signal in lines), default=0)
+    lines = [[at for at, raw in signal.tv if raw in "01"] for signal in signals if signal.size == "1"]
+    if any(later - sooner < 2 * MILLISECOND for line in lines for sooner, later in zip(line, line[1:])):
+        return 0
+    return min(map(len, lines), default=0)
 
 
 def main():
