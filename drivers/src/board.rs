@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::HeldLines;
 use signal::{Span, Time, Value, When};
 
 /// The place of a channel in [`Board::channels`].
@@ -422,6 +423,15 @@ pub trait Board: Send + fmt::Debug {
     /// What went wrong since the start.
     fn health(&self) -> Health;
 
+    /// A claim of their own on the output lines, for whoever makes them safe when the rig cannot any more. Empty for a
+    /// board without real lines.
+    ///
+    /// # Errors
+    /// [`BoardError::Os`] where the claim cannot be shared.
+    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+        Ok(Vec::new())
+    }
+
     /// The channel of this name.
     fn find(&self, name: &str) -> Option<ChannelId> {
         let place = self.channels().iter().position(|channel| channel.name == name)?;
@@ -456,5 +466,8 @@ impl<B: Board + ?Sized> Board for Box<B> {
     }
     fn health(&self) -> Health {
         (**self).health()
+    }
+    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+        (**self).held()
     }
 }

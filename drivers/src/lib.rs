@@ -7,14 +7,28 @@
 mod board;
 pub mod circuit;
 pub mod file;
+pub mod gpio;
+mod held;
+pub mod inventory;
+mod looped;
 pub mod plant;
+mod realtime;
 pub mod sim;
+mod surroundings;
 pub mod wrap;
 
 pub use board::{
     Board, BoardError, BoardEvent, Call, Channel, ChannelId, ChannelKind, Fault, FaultKind, FaultSet, Health,
     LossReason, Origin, TimestampSource,
 };
-pub use file::{Binding, BoardFile, CODES, Subject, Terminals, UnknownSubject, build, read};
+pub use file::{
+    Binding, Bite, BoardFile, BoardKind, CODES, External, GuardSettings, Subject, SubjectLines, Terminals,
+    UnknownSubject, WatchdogSettings, build, open, read,
+};
+pub use gpio::GpioBoard;
+pub use held::{HeldLines, LineApi};
+pub use looped::Loop;
+pub use realtime::RealtimeSettings;
 pub use sim::SimulatedBoard;
+pub use surroundings::Surroundings;
 pub use wrap::{Disturbance, Faulty, Traced};

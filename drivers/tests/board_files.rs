@@ -11,7 +11,8 @@ use proptest::prelude::*;
 use scanrig_drivers::circuit::{Bounce, LagTarget, PlantSpec, Pull, Spacing};
 use scanrig_drivers::file::KEYS;
 use scanrig_drivers::{
-    Board, BoardFile, CODES, Disturbance, Subject, Terminals, UnknownSubject, build, read,
+    Bite, Board, BoardFile, CODES, Disturbance, GuardSettings, Subject, Terminals, UnknownSubject,
+    WatchdogSettings, build, read,
 };
 use signal::{Address, Area, Span, Value};
 
@@ -150,10 +151,24 @@ fn broken_files_are_refused_where_they_are_broken() {
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
-    // Sizes have no file of their own.
-    for (code, title) in CODES.iter().filter(|(code, _)| !["B0003", "B0204"].contains(code)) {
+    // Sizes have no file of their own, and what a machine lacks shows only when the board is opened.
+    let elsewhere = |code: &str| ["B0003", "B0204"].contains(&code) || code.starts_with("B017");
+    for (code, title) in CODES.iter().filter(|(code, _)| !elsewhere(code)) {
         assert!(seen.contains(code), "no broken file shows {code}: {title}");
     }
+}
+
+#[test]
+fn the_guard_is_read() {
+    let text = "format = 1\n[guard]\nlimit = \"50 ms\"\nwatchdog = \"/dev/watchdog1\"\nbite = \"rig-lost\"\n";
+    let file = read(&SourceFile::new("b.toml", text), &terminals).unwrap();
+    let watchdog =
+        WatchdogSettings { path: "/dev/watchdog1".into(), after: Span::from_secs(10), bite: Bite::RigLost };
+    assert_eq!(
+        file.guard,
+        GuardSettings { limit: Span::from_millis(50), watchdog: Some(watchdog), ..GuardSettings::default() }
+    );
+    assert_eq!(good().guard, GuardSettings::default());
 }
 
 #[test]
@@ -221,4 +236,24 @@ proptest! {
 
 fn at_zero() -> signal::Time {
     at(0)
+}
+
+#[test]
+fn a_real_controller_turns_the_directions_round() {
+    let text = |kind: &str| {
+        format!(
+            "format = 1\nboard = {{ kind = \"simulated\" }}\n[subject]\nkind = \"{kind}\"\npower = \"supply\"\n\
+             alarm = \"Q3\"\n[channels]\nsupply = {{ kind = \"digital\" }}\nspare = {{ kind = \"digital\" }}\n"
+        )
+    };
+    for (kind, external) in [("external", true), ("model", false)] {
+        let file = read(&SourceFile::new("board.toml", text(kind)), &levels).unwrap();
+        assert_eq!(file.subject.is_external(), external);
+        let driven = |name: &str| file.is_driven(file.find(name).unwrap());
+        assert_eq!(driven("I0"), Some(external));
+        assert_eq!(driven("Q0"), Some(!external));
+        assert_eq!(driven("supply"), Some(external));
+        assert_eq!(driven("spare"), None);
+        assert_eq!((file.lines.power, file.lines.alarm), (file.find("supply"), file.find("Q3")));
+    }
 }

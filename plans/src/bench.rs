@@ -1,7 +1,7 @@
 //! What a bench tells of claims before anything moves: which values its signals can have, and how exactly they are
 //! known there.
 
-use signal::{Kind, Policy, Sampling, SignalInfo, Span};
+use signal::{Kind, Policy, Sampling, SignalInfo, Span, Value};
 
 use crate::expect::{Claim, Demand};
 use crate::judge::{Number, Test, slack};
@@ -113,6 +113,29 @@ pub fn doubt(
         }
         Demand::Window { .. } | Demand::At(_) => None,
     })
+}
+
+/// Whether a claim is the same for all of these values of a signal: whether it matters to it which of them it has.
+pub fn is_same_for(claim: &dyn Claim, info: &SignalInfo, values: &[Value]) -> bool {
+    if !claim.signals().contains(&info.name) {
+        return true;
+    }
+    let mut conditions = 0;
+    for demand in claim.demands() {
+        let Demand::Value { signal, condition, .. } = demand else { continue };
+        if signal != info.name {
+            continue;
+        }
+        conditions += 1;
+        let Ok(test) = condition.bind(info) else { return false };
+        let mut truths = values.iter().map(|value| test.holds(*value, 0.0));
+        let first = truths.next();
+        if truths.any(|truth| Some(truth) != first) {
+            return false;
+        }
+    }
+    // One that looks at the signal in another way is not known to be.
+    conditions > 0
 }
 
 /// Whether some value meets the test, and whether all do.

@@ -11,6 +11,8 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("P0644", "a table with a fault in its rows"),
     ("P0645", "a table with columns of another plan"),
     ("B0003", "a file of over 1 MiB"),
+    ("B0166", "over 64 lines"),
+    ("B017", "a machine that lacks something"),
     ("B0204", "over 4 096 parts"),
     ("S0107", "64 brackets"),
     ("S0501", "4 MiB of sources"),
@@ -28,7 +30,22 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0166", "a run whose traces are lost"),
     ("R0167", "a folder that nobody may write to"),
     ("R0169", "a history that another command uses"),
+    ("R019", "real lines"),
+    ("R018", "a machine that refuses something, or one with real lines"),
     ("R0203", "a trace of another plan"),
+    ("R0220", "a temporary folder without room"),
+    ("R0221", "a second board"),
+    ("R0223", "a board file beside the plan"),
+    ("R0224", "real lines"),
+    ("R0240", "a machine without lines"),
+    ("R0241", "a chip that may not be opened"),
+    ("R0242", "a machine with lines"),
+    ("R0244", "a device that fails"),
+    ("R0251", "a home that nobody may write to"),
+    ("R0252", "figures of another machine"),
+    ("R0253", "the file of a board"),
+    ("R0254", "a machine with real lines"),
+    ("R0255", "a machine with real lines"),
     ("R04", "records that somebody edited"),
 ];
 
@@ -176,7 +193,7 @@ fn every_example_provokes_its_code_and_its_mend_does_not() {
 fn every_code_has_a_page_and_all_but_a_few_an_example() {
     let blocks = blocks();
     let mut wrong = Vec::new();
-    let known = [plans::CODES, drivers::CODES, program::CODES, runtime::CODES].concat();
+    let known = [plans::CODES, drivers::CODES, program::CODES, runtime::CODES, guard::CODES].concat();
     let bench = Bench::new();
     let listed = bench.expect(0, &["explain"]).out;
     for (code, title) in &known {

@@ -5,7 +5,7 @@
 use crate::bench::{Bench, Ran, root};
 
 /// Compares with `tests/end_to_end/goldens/NAME`.
-fn golden(name: &str, command: &str, ran: &Ran) {
+pub fn golden(name: &str, command: &str, ran: &Ran) {
     let path = root().join("tests/end_to_end/goldens").join(name);
     let text = format!("$ {command}\n{}{}exit {}\n", ran.out, ran.err, ran.code.unwrap());
     if std::env::var_os("SCANRIG_BLESS").is_some() {

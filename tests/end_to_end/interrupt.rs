@@ -131,3 +131,12 @@ fn a_run_in_virtual_time_stops_cleanly() {
     assert!(out.contains("hours") && out.contains("too") && !out.contains("PASS"), "{out}");
     assert_eq!(bench.json("out/record.json")["cases"].as_array().unwrap().len(), 2);
 }
+
+#[test]
+fn a_measurement_of_hours_shows_what_it_has() {
+    let bench = Bench::new();
+    let child = start(bench.command(&["bench", "latency", "--interval", "1 ms", "--count", "100000000"]));
+    wait_for_handler(&child, Signal::SIGINT);
+    interrupt(&child, Signal::SIGINT);
+    assert_eq!(end(child), Some(130));
+}

@@ -62,6 +62,19 @@ impl<'t> Bench<'t> {
         }
     }
 
+    /// Binds the terminals whose default channel the file describes: `I0` is the first input.
+    pub(super) fn bind_by_name(&mut self) {
+        let Terminals { inputs, outputs } = self.terminals;
+        for (letter, addresses) in [('I', inputs), ('Q', outputs)] {
+            for (number, address) in addresses.iter().enumerate() {
+                if let Some(channel) = self.file.find(&format!("{letter}{number}")) {
+                    self.file.bind.push(Binding { address: *address, channel });
+                }
+            }
+        }
+        self.file.bind.sort_by_key(|binding| binding.address);
+    }
+
     /// Binds terminals as the file says.
     pub(super) fn bind(&mut self, entries: &[Entry], out: &mut Findings) {
         let mut bound: Vec<(Address, Range<usize>)> = Vec::new();
@@ -83,10 +96,12 @@ impl<'t> Bench<'t> {
                 continue;
             }
             places.push((address, entry.node.span.clone()));
-            if let Some(binding) = self.file.bind.iter_mut().find(|binding| binding.address == address) {
-                *binding = Binding { address, channel };
+            match self.file.bind.iter_mut().find(|binding| binding.address == address) {
+                Some(binding) => *binding = Binding { address, channel },
+                None => self.file.bind.push(Binding { address, channel }),
             }
         }
+        self.file.bind.sort_by_key(|binding| binding.address);
         self.check_defaults(&bound, out);
         self.check_outputs(&places, out);
         for Binding { address, channel } in &self.file.bind {
@@ -124,6 +139,7 @@ impl<'t> Bench<'t> {
     /// Whether a terminal can be wired to a channel.
     fn suits(&self, address: Address, channel: ChannelId, node: &Node, out: &mut Findings) -> bool {
         let spec = &self.file.circuit.channels[usize::from(channel.0)];
+        let external = self.file.subject.is_external();
         let (message, help) = match (address.size(), &spec.kind, address.area()) {
             // The terminal makes a level of a voltage; nothing else has one to make it of (io:STD-IN-02).
             (Size::Bit, ChannelKind::Analog { unit }, area) if area != Area::Input || unit != "V" => (
@@ -134,11 +150,14 @@ impl<'t> Bench<'t> {
                 format!("{address} is a number, `{}` a digital channel", spec.name),
                 "bind it to an analog channel",
             ),
-            (_, _, Area::Output) if !spec.drives => {
-                (format!("the output {address} needs a channel that is driven"), "remove `drives = false`")
+            // Of a real controller the rig drives the inputs and sees the outputs.
+            (_, _, area) if (area == Area::Output) != external && !spec.drives => {
+                let what = if external { "input" } else { "output" };
+                (format!("the {what} {address} needs a channel that is driven"), "remove `drives = false`")
             }
-            (_, _, Area::Input) if !spec.senses => {
-                (format!("the input {address} needs a channel that is sensed"), "remove `senses = false`")
+            (_, _, area) if (area == Area::Input) != external && !spec.senses => {
+                let what = if external { "output" } else { "input" };
+                (format!("the {what} {address} needs a channel that is sensed"), "remove `senses = false`")
             }
             _ => return true,
         };

@@ -1,6 +1,7 @@
 //! The tables of keys of a board file.
 
 use document::{KeySpec, KeyType};
+use host::Processors;
 
 const NAME: KeyType = KeyType::Text;
 
@@ -10,6 +11,7 @@ pub const KEYS: &[KeySpec] = &[
     KeySpec::optional("title", KeyType::Text, "What the board is, in a line"),
     KeySpec::optional("subject", KeyType::Table(SUBJECT), "The controller under test"),
     KeySpec::optional("board", KeyType::Table(BOARD), "The board itself"),
+    KeySpec::optional("chips", KeyType::Map(&KeyType::Table(CHIP)), "GPIO chips, by a name of your own"),
     KeySpec::optional(
         "channels",
         KeyType::Map(&KeyType::Table(CHANNEL)),
@@ -18,7 +20,13 @@ pub const KEYS: &[KeySpec] = &[
     KeySpec::optional("bind", KeyType::Map(&NAME), "Terminals of the controller and their channels"),
     KeySpec::optional("wires", KeyType::List(&KeyType::Table(WIRE)), "Wires between channels"),
     KeySpec::optional("plants", KeyType::List(&KeyType::Table(PLANT)), "Processes between channels"),
+    KeySpec::optional(
+        "guard",
+        KeyType::Table(GUARD),
+        "The process that makes outputs safe when the rig cannot",
+    ),
     KeySpec::optional("faults", KeyType::Table(FAULTS), "Trouble that the board makes by itself"),
+    KeySpec::optional("realtime", KeyType::Table(REALTIME), "How punctual a run on real lines has to be"),
     KeySpec::optional(
         "invariants",
         KeyType::List(&KeyType::Any),
@@ -28,13 +36,85 @@ pub const KEYS: &[KeySpec] = &[
 ];
 
 pub(super) const SUBJECT: &[KeySpec] = &[
-    KeySpec::optional("kind", KeyType::Text, "\"model\": the rig's own controller"),
+    KeySpec::optional(
+        "kind",
+        KeyType::Text,
+        "\"model\": the rig's own controller; \"external\": a real one on the board's lines",
+    ),
     KeySpec::optional("profile", KeyType::Text, "Profile of the controller, as in \"m241-2019\""),
     KeySpec::optional("reference", KeyType::Text, "Its reference, as in \"TM241CEC24T\""),
+    KeySpec::optional("power", NAME, "The channel of its supply: 1 is on"),
+    KeySpec::optional("run-stop", NAME, "The channel of its Run/Stop switch: 1 is Run"),
+    KeySpec::optional("alarm", NAME, "The channel that is 1 while it is in RUNNING"),
+    KeySpec::optional(
+        "load",
+        KeyType::List(&KeyType::Text),
+        "The command that brings a case's program into a real controller",
+    ),
+    KeySpec::optional("unload", KeyType::List(&KeyType::Text), "The command behind a case"),
+    KeySpec::optional(
+        "load-within",
+        KeyType::Duration,
+        "The longest that each command may take; 60 s if left out",
+    ),
+    KeySpec::optional(
+        "cycle",
+        KeyType::Bool,
+        "Whether a case begins with the supply off and on again; true if left out",
+    ),
+    KeySpec::optional("off", KeyType::Duration, "How long the supply is off then; 1 s if left out"),
+    KeySpec::optional(
+        "boot",
+        KeyType::Duration,
+        "The longest from the supply to the program; 60 s if left out",
+    ),
+    KeySpec::optional(
+        "jitter",
+        KeyType::Duration,
+        "How late its outputs may come for reasons that are not its own; 0 if left out",
+    ),
 ];
 
-pub(super) const BOARD: &[KeySpec] =
-    &[KeySpec::required("kind", KeyType::Text, "\"simulated\": modelled lines in virtual time")];
+pub(super) const CHECK: &[KeySpec] = &[
+    KeySpec::required("out", NAME, "The channel that the rig drives; nothing else hangs on it"),
+    KeySpec::required("in", NAME, "The channel that follows; the same where it has a `readback`"),
+];
+
+pub(super) const BOARD: &[KeySpec] = &[
+    KeySpec::required(
+        "kind",
+        KeyType::Text,
+        "\"simulated\": modelled lines in virtual time; \"gpio\": lines of GPIO chips",
+    ),
+    KeySpec::optional(
+        "backend",
+        KeyType::Choice(&["auto", "v2", "v1"]),
+        "The kernel's interface to GPIO lines; \"auto\", the best there is, if left out",
+    ),
+    KeySpec::optional(
+        "consumer",
+        KeyType::Text,
+        "What `gpioinfo` shows as the holder of GPIO lines; \"rig\"",
+    ),
+    KeySpec::optional(
+        "silent-after",
+        KeyType::Duration,
+        "How long a call on a device may last before the device counts as lost; 100 ms",
+    ),
+    KeySpec::optional(
+        "check",
+        KeyType::Table(CHECK),
+        "A wire from an output to an input by which the rig checks itself before each run",
+    ),
+];
+
+pub(super) const CHIP: &[KeySpec] = &[
+    KeySpec::optional("label", KeyType::Text, "What its driver calls it, as in \"pinctrl-bcm2711\""),
+    KeySpec::optional("name", KeyType::Text, "Its name in the kernel, as in \"gpiochip0\""),
+    KeySpec::optional("path", KeyType::Text, "Its device, as in \"/dev/gpiochip0\""),
+];
+
+const LINE: KeyType = KeyType::Either(&[KeyType::Integer(0, 65_535), KeyType::Text]);
 
 pub(super) const CHANNEL: &[KeySpec] = &[
     KeySpec::required(
@@ -51,6 +131,21 @@ pub(super) const CHANNEL: &[KeySpec] = &[
         KeyType::Choice(&["none", "up", "down"]),
         "What an undriven digital channel reads: \"none\" for high impedance; \"down\" if left out",
     ),
+    KeySpec::optional("chip", KeyType::Text, "The GPIO chip of its line; the only one if left out"),
+    KeySpec::optional("line", LINE, "Its GPIO line: the number on the chip, or the name"),
+    KeySpec::optional(
+        "bias",
+        KeyType::Choice(&["pull-up", "pull-down", "disabled"]),
+        "The pull of its GPIO line; as it is if left out",
+    ),
+    KeySpec::optional("active-low", KeyType::Bool, "Whether a low level of its GPIO line is 1"),
+    KeySpec::optional("debounce", KeyType::Duration, "How long its GPIO line keeps a level before it counts"),
+    KeySpec::optional(
+        "drive",
+        KeyType::Choice(&["push-pull", "open-drain", "open-source"]),
+        "How its GPIO line is driven; \"push-pull\" if left out",
+    ),
+    KeySpec::optional("readback", LINE, "A GPIO line of the same chip, wired to it, that tells its level"),
 ];
 
 pub(super) const WIRE: &[KeySpec] = &[
@@ -92,11 +187,54 @@ pub(super) const SWITCH: &[KeySpec] = &[
     KeySpec::required("off-below", KeyType::Quantity, "It goes off where the value comes down to this"),
 ];
 
+pub(super) const GUARD: &[KeySpec] = &[
+    KeySpec::optional(
+        "limit",
+        KeyType::Duration,
+        "How long the rig may give no sign of life; 200 ms if left out",
+    ),
+    KeySpec::optional(
+        "hold",
+        KeyType::Duration,
+        "How long the lines of a rig that is gone are held safe before they are let go; 2 s if left out",
+    ),
+    KeySpec::optional("watchdog", KeyType::Text, "A watchdog that the guard feeds, as in \"/dev/watchdog\""),
+    KeySpec::optional(
+        "bites-after",
+        KeyType::Duration,
+        "How long it goes unfed before it bites; 10 s if left out",
+    ),
+    KeySpec::optional(
+        "bite",
+        KeyType::Choice(&["guard-lost", "rig-lost"]),
+        "When it is left to bite: when nobody keeps the outputs safe (if left out), or whenever the rig is lost",
+    ),
+];
+
 pub(super) const FAULTS: &[KeySpec] = &[
     KeySpec::optional("late", KeyType::Table(LATE), "Changes that become known late"),
     KeySpec::optional("dropped", KeyType::Table(CHANCE), "Changes that are lost"),
     KeySpec::optional("failed-calls", KeyType::Table(CHANCE), "Calls that fail"),
     KeySpec::optional("lost", KeyType::Table(LOST), "Devices that go and come back"),
+];
+
+pub(super) const REALTIME: &[KeySpec] = &[
+    KeySpec::optional(
+        "priority",
+        KeyType::Integer(0, 97),
+        "Real-time priority of the scan loop, from 2; 80 if left out, 0 for none",
+    ),
+    KeySpec::optional(
+        "cpus",
+        KeyType::List(&KeyType::Integer(0, Processors::MOST as i64)),
+        "The processors that the run's threads stay on; any if left out",
+    ),
+    KeySpec::optional(
+        "horizon",
+        KeyType::Duration,
+        "The longest that the application runs ahead of the clock; \"100 us\" if left out",
+    ),
+    KeySpec::optional("late", KeyType::Duration, "How late the rig may be before its verdict is `error`"),
 ];
 
 pub(super) const CHANCE: &[KeySpec] =

@@ -1,37 +1,30 @@
 //! The board file: which controller is tested, on which board, bound how.
 
 mod bench;
-mod codes;
+mod check;
+pub(crate) mod codes;
+mod guard;
 mod keys;
+mod lines;
 mod number;
 mod parts;
 mod read;
+mod realtime;
+mod subject;
 
-use signal::{Address, Size};
+use document::Diagnostic;
+use signal::{Address, Area, Size};
 
 use crate::circuit::{ChannelSpec, Circuit, CircuitError, Pull};
+use crate::gpio::{GpioBoard, GpioSpec, Outline};
 use crate::wrap::{Disturbance, Faulty};
-use crate::{Board, ChannelId, SimulatedBoard};
+use crate::{Board, ChannelId, Loop, RealtimeSettings, SimulatedBoard, Surroundings};
 
 pub use codes::CODES;
+pub use guard::{Bite, GuardSettings, WatchdogSettings};
 pub use keys::KEYS;
 pub use read::read;
-
-/// The controller under test: the rig's own model.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Subject {
-    /// Name of its profile, as in `m241-2019`.
-    pub profile: String,
-    /// Its reference, as in `TM241CEC24T`; `None` for the profile's usual one.
-    pub reference: Option<String>,
-}
-
-impl Default for Subject {
-    /// `m241-2019`, `TM241CEC24T`.
-    fn default() -> Self {
-        Subject { profile: "m241-2019".into(), reference: Some("TM241CEC24T".into()) }
-    }
-}
+pub use subject::{External, Subject, SubjectLines};
 
 /// The terminals of a controller that a board can be bound to, in the order of their numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -66,6 +59,16 @@ pub struct Binding {
     pub channel: ChannelId,
 }
 
+/// What is behind the channels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum BoardKind {
+    /// Modelled lines: the circuit.
+    #[default]
+    Simulated,
+    /// Lines of GPIO chips.
+    Gpio(GpioSpec),
+}
+
 /// A board file that was read and is sound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardFile {
@@ -75,12 +78,22 @@ pub struct BoardFile {
     pub title: String,
     /// The controller under test.
     pub subject: Subject,
-    /// What the simulated board is made of.
+    /// Its lines beside its terminals.
+    pub lines: SubjectLines,
+    /// What kind of board it is.
+    pub kind: BoardKind,
+    /// The loop by which the rig checks itself before a run on real lines.
+    pub check: Option<Loop>,
+    /// The channels, and what else the simulated board is made of.
     pub circuit: Circuit,
     /// Terminals and channels, by address; inputs first. Each address once.
     pub bind: Vec<Binding>,
     /// Trouble that the board is to make by itself, if any.
     pub disturbance: Option<Disturbance>,
+    /// How the outputs of a real board are guarded.
+    pub guard: GuardSettings,
+    /// How punctual a run on real lines has to be.
+    pub realtime: RealtimeSettings,
 }
 
 impl BoardFile {
@@ -105,15 +118,37 @@ impl BoardFile {
             name: "default board".into(),
             title: String::new(),
             subject: Subject::default(),
+            lines: SubjectLines::default(),
+            kind: BoardKind::Simulated,
+            check: None,
             circuit,
             bind,
             disturbance: None,
+            guard: GuardSettings::default(),
+            realtime: RealtimeSettings::default(),
         }
+    }
+
+    /// Whether its lines are real ones, which live in the host's time alone.
+    pub fn is_real(&self) -> bool {
+        self.kind != BoardKind::Simulated
     }
 
     /// The channel that a terminal is wired to.
     pub fn channel_of(&self, address: Address) -> Option<ChannelId> {
         self.bind.iter().find(|binding| binding.address == address).map(|binding| binding.channel)
+    }
+
+    /// Whether it follows from what a channel is bound to that the rig drives it: with the model as subject the
+    /// controller's outputs, with a real controller its inputs. `None` where nothing is bound to it.
+    pub fn is_driven(&self, channel: ChannelId) -> Option<bool> {
+        let external = self.subject.is_external();
+        let bound = |binding: &&Binding| binding.channel == channel;
+        let output = |binding: &Binding| (binding.address.area() == Area::Output) != external;
+        let SubjectLines { power, run_stop, alarm } = self.lines;
+        let lines = [(power, external), (run_stop, external), (alarm, !external)];
+        let lines = lines.into_iter().filter(|(line, _)| *line == Some(channel)).map(|(_, driven)| driven);
+        lines.chain(self.bind.iter().filter(bound).map(output)).reduce(|one, other| one | other)
     }
 
     /// The channel of this name.
@@ -123,14 +158,33 @@ impl BoardFile {
     }
 }
 
-/// Builds the board of a file; all that is random on it follows from `seed`.
+/// Builds the board of a file; all that is random on it follows from `seed`. Of real lines it is the [`Outline`],
+/// which touches no device: what a plan can be checked against on any machine.
 ///
 /// # Errors
 /// The first of [`Circuit::check`]: none for a file that [`read`] let through.
 pub fn build(file: &BoardFile, seed: u64) -> Result<Box<dyn Board>, CircuitError> {
+    if let BoardKind::Gpio(spec) = &file.kind {
+        return Ok(Box::new(Outline::new(file, spec)));
+    }
     let board = SimulatedBoard::new(&file.circuit, seed)?;
     Ok(match file.disturbance {
         Some(disturbance) => Box::new(Faulty::new(board, disturbance, seed)),
         None => Box::new(board),
     })
+}
+
+/// Opens the real board of a file: finds and claims its lines, outputs at their safe values. `None` where the file's
+/// board is one that [`build`] makes.
+///
+/// # Errors
+/// All that is not there, not free, not permitted or cannot be done, at its place in the file, under [`CODES`].
+pub fn open(
+    file: &BoardFile,
+    surroundings: &Surroundings,
+) -> Result<Option<Box<dyn Board>>, Vec<Diagnostic>> {
+    match &file.kind {
+        BoardKind::Simulated => Ok(None),
+        BoardKind::Gpio(spec) => Ok(Some(Box::new(GpioBoard::open(file, spec, surroundings)?))),
+    }
 }

@@ -3,7 +3,11 @@
 use document::{Diagnostic, Fields, Findings, Node, SourceFile, suggest, toml};
 
 use super::bench::Bench;
-use super::{BoardFile, Subject, Terminals, UnknownSubject, codes, keys, parts};
+use super::realtime::realtime;
+use super::subject::{subject, subject_lines};
+use super::{
+    BoardFile, BoardKind, Subject, Terminals, UnknownSubject, check, codes, guard, keys, lines, parts,
+};
 
 /// Reads a board file. `terminals` tells which terminals a subject has.
 ///
@@ -22,16 +26,11 @@ pub fn read(
         out.error(codes::FORMAT, place, message, "this version of the rig reads format 1");
     }
     let board = fields.inner("board");
-    if let Some(node) =
-        board.and_then(|board| board.get("kind")).filter(|node| node.as_text() != Some("simulated"))
-    {
+    let kind = board.and_then(|board| board.get("kind"));
+    let real = kind.and_then(Node::as_text) == Some("gpio");
+    if let Some(node) = kind.filter(|node| !real && node.as_text() != Some("simulated")) {
         let message = format!("boards of kind \"{}\" are not available", node.as_text().unwrap_or_default());
-        out.bad(
-            codes::BOARD_KIND,
-            node,
-            message,
-            "write kind = \"simulated\"; real boards come with a later version",
-        );
+        out.bad(codes::BOARD_KIND, node, message, "write kind = \"simulated\" or kind = \"gpio\"");
     }
     let subject = subject(fields.inner("subject"), &mut out);
     // What follows would only repeat what a wrong key or subject brings about.
@@ -45,12 +44,34 @@ pub fn read(
             return Err(out.into_vec());
         }
     };
-    let default = BoardFile::default_for(&terminals.inputs, &terminals.outputs);
+    let default = match real {
+        true => BoardFile::default_for(&[], &[]),
+        false => BoardFile::default_for(&terminals.inputs, &terminals.outputs),
+    };
     let title = fields.text("title").unwrap_or_default().to_owned();
-    let mut bench = Bench::new(BoardFile { name: file.name.clone(), title, subject, ..default }, &terminals);
+    let punctual = fields.inner("realtime").map(|table| realtime(&table, &mut out)).unwrap_or_default();
+    let mut bench = Bench::new(
+        BoardFile { name: file.name.clone(), title, subject, realtime: punctual, ..default },
+        &terminals,
+    );
     let entries = |key| fields.get(key).and_then(Node::as_table).map_or(&[][..], |table| &table.entries);
     bench.channels(entries("channels"), &mut out);
+    if real {
+        bench.bind_by_name();
+    }
     bench.bind(entries("bind"), &mut out);
+    if let Some(fields) = fields.inner("subject") {
+        bench.file.lines = subject_lines(&fields, &bench, &mut out);
+    }
+    bench.file.guard = guard::read(fields.inner("guard"), &mut out);
+    if real {
+        if let Some(spec) = lines::gpio(&fields, &mut bench, &mut out) {
+            bench.file.kind = BoardKind::Gpio(spec);
+        }
+        bench.file.check = board.and_then(|board| check::looped(&board, &bench, &mut out));
+        return if out.has_errors() { Err(out.into_vec()) } else { Ok(bench.file) };
+    }
+    lines::strangers(&fields, &mut out);
     let wires = parts::wires(fields.each("wires"), &mut bench, &mut out);
     let plants = parts::plants(fields.each("plants"), &mut bench, &mut out);
     parts::circuit(&bench, &wires, &plants, &mut out);
@@ -58,30 +79,6 @@ pub fn read(
         bench.file.disturbance = Some(parts::disturbance(&faults, &mut out));
     }
     if out.has_errors() { Err(out.into_vec()) } else { Ok(bench.file) }
-}
-
-fn subject(fields: Option<Fields>, out: &mut Findings) -> Subject {
-    let Some(fields) = fields else { return Subject::default() };
-    match fields.text("kind") {
-        None | Some("model") => {}
-        Some(kind) => {
-            let message = format!("subjects of kind \"{kind}\" are not available");
-            let help = if kind == "external" {
-                "an external controller needs a real board; both come with a later version"
-            } else {
-                "write kind = \"model\""
-            };
-            if let Some(node) = fields.get("kind") {
-                out.bad(codes::SUBJECT_KIND, node, message, help);
-            }
-        }
-    }
-    let default = Subject::default();
-    let reference = fields.text("reference").map(str::to_owned);
-    match fields.text("profile") {
-        None => Subject { profile: default.profile, reference: reference.or(default.reference) },
-        Some(profile) => Subject { profile: profile.to_owned(), reference },
-    }
 }
 
 fn unknown_subject(subject: &Subject, unknown: &UnknownSubject, fields: Option<Fields>, out: &mut Findings) {

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use signal::{Span, Time, Value, When};
 
+use crate::HeldLines;
 use crate::board::{
     Board, BoardError, BoardEvent, Call, Channel, ChannelId, Fault, Health, LossReason, Origin,
 };
@@ -269,6 +270,10 @@ impl<B: Board> Board for Faulty<B> {
 
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.inner.safe(now)
+    }
+
+    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+        self.inner.held()
     }
 
     fn health(&self) -> Health {

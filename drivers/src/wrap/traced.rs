@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use signal::{Time, Value};
 
+use crate::HeldLines;
 use crate::board::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health};
 
 /// Something that passed through a traced board.
@@ -153,6 +154,10 @@ impl<B: Board> Board for Traced<B> {
         self.note(now, Entry::Safe);
         let outcome = self.inner.safe(now);
         self.outcome(now, outcome)
+    }
+
+    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+        self.inner.held()
     }
 
     fn health(&self) -> Health {

@@ -49,6 +49,7 @@ pub const CAPABILITIES: &[Capability] = &[
     capability("power", Measure::None, "the supply can be switched"),
     capability("pulse", Measure::Frequency, "trains of pulses up to a frequency can be emitted"),
     capability("registers", Measure::None, "registers can be read and written as over the network"),
+    capability("run-stop", Measure::None, "the Run/Stop switch can be moved"),
     capability("system-variables", Measure::None, "PLC_R and PLC_W can be read"),
     capability("task-load", Measure::None, "the cycles of a task can be made longer"),
     capability("timestamp", Measure::Time, "edges are stamped to within a duration"),

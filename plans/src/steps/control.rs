@@ -50,7 +50,7 @@ pub(super) const SWITCH: Verb = Verb {
     name: "switch",
     doc: "Moves the Run/Stop switch.",
     value: KeyType::Choice(&["run", "stop"]),
-    needs: &["commands"],
+    needs: &["run-stop"],
     read: |node, _, _| Some(Stimulus::Switch(node.as_text()? == "run")),
 };
 

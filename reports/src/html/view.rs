@@ -190,7 +190,7 @@ fn quality(run: &RunRecord) -> String {
     if run.provenance.clock == Clock::Virtual {
         return String::new();
     }
-    let timing = run.cases.iter().map(|case| case.timing);
+    let timing = run.cases.iter().map(|case| &case.timing);
     let (late, overruns, dropped) = timing.fold((0, 0u64, 0u64), |(late, overruns, dropped), t| {
         (t.late_max_ns.max(late), overruns.saturating_add(t.overruns), dropped.saturating_add(t.dropped))
     });

@@ -46,11 +46,21 @@ pub enum Command {
     /// Verdicts, margins and measurements of past runs: what is flaky, and what drifts.
     #[command(subcommand)]
     History(HistoryCommand),
+    /// Real boards: find lines, look whether they can be had, watch them, try outputs.
+    #[command(subcommand)]
+    Board(crate::board::BoardCommand),
     /// Check, try, list and measure a Structured Text program alone.
     #[command(subcommand)]
     Program(ProgramCommand),
+    /// Say what this machine can do on real lines, and the line to type that mends what it cannot.
+    Doctor(crate::doctor::DoctorArgs),
+    /// Measure what this machine and its board can do, for the runs that follow.
+    #[command(subcommand)]
+    Bench(crate::bench::BenchCommand),
     /// Make a project with a program, a board, plans and jobs for a CI server.
     New(crate::new::NewArgs),
+    /// Keep the modelled controller running on a board, until it is interrupted.
+    Run(crate::run::RunArgs),
     /// Go through one case step by step, with its signals and claims, in virtual time.
     Step(StepArgs),
     /// Say what the code of a finding means, with an example and the mend.
@@ -67,10 +77,9 @@ pub enum Command {
 }
 
 /// Which clock a run keeps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ClockChoice {
     /// Jump from event to event: a day of scans in seconds, the same every time.
-    #[default]
     Virtual,
     /// The host's clock.
     Real,
@@ -85,9 +94,9 @@ pub struct TestArgs {
     /// The board file to use in place of each plan's own.
     #[arg(long, value_name = "FILE")]
     pub board: Option<PathBuf>,
-    /// The clock to run on.
-    #[arg(long, value_enum, default_value_t)]
-    pub clock: ClockChoice,
+    /// The clock to run on [default: virtual; real on a board with real lines].
+    #[arg(long, value_enum)]
+    pub clock: Option<ClockChoice>,
     /// Write the record, the reports and the traces into this folder.
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,

@@ -1,9 +1,12 @@
 //! The `rig` command: a thin layer that reads arguments and files, calls the crates, prints and sets the exit code.
 
 mod args;
+mod bench;
+mod board;
 mod check;
 mod completions;
 mod diff;
+mod doctor;
 mod exit;
 mod explain;
 mod files;
@@ -21,6 +24,7 @@ mod program;
 mod provenance;
 mod report;
 mod requirements;
+mod run;
 mod runs;
 mod schema;
 mod select;
@@ -35,6 +39,11 @@ use exit::Exit;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // The guard's process is this program, started by the rig itself: no command of a user's, and nothing is done
+    // before it.
+    if std::env::args_os().nth(1).is_some_and(|word| word == "guard") {
+        return guard::serve();
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -53,11 +62,15 @@ fn main() -> ExitCode {
         Command::Report(args) => report::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::History(command) => history::run(&command),
+        Command::Board(command) => board::run(&command),
         Command::Program(ProgramCommand::Check { files }) => program::check(&files),
         Command::Program(ProgramCommand::Run(args)) => program::run(&args),
         Command::Program(ProgramCommand::Dump { files }) => program::dump(&files),
         Command::Program(ProgramCommand::Bench(args)) => program::bench(&args),
+        Command::Doctor(args) => doctor::run(&args),
+        Command::Bench(command) => bench::run(&command),
         Command::New(args) => new::run(&args),
+        Command::Run(args) => run::run(&args),
         Command::Step(args) => step::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Schema(args) => schema::run(&args),

@@ -1,31 +1,34 @@
 //! Where a run came from.
 
+use host::{Machine, Preemption};
 use record::{Clock, Provenance};
 use sha2::{Digest, Sha256};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The provenance of a run that begins now.
 pub fn now(seed: u64, clock: Clock) -> Provenance {
+    let machine = Machine::here();
     let since = SystemTime::now().duration_since(UNIX_EPOCH).ok();
     Provenance {
         binary_sha256: binary_sha256().unwrap_or_default(),
-        kernel: kernel(),
-        host_cpu: processor(),
+        kernel: machine.kernel(),
+        host_cpu: machine.processor(),
         profiles: Vec::new(),
         seed,
         clock,
         arguments: std::env::args().skip(1).collect(),
         started: since.map(|since| rfc3339(since.as_secs())),
         started_nanos: since.map_or(0, |since| since.subsec_nanos()),
-        environment: environment(),
+        environment: environment(&machine),
     }
 }
 
 /// What else of the host the figures of a run depend on.
-fn environment() -> Vec<(String, String)> {
-    let named = |name: &str, text: Option<String>| text.map(|text| (name.to_owned(), text));
+fn environment(machine: &Machine) -> Vec<(String, String)> {
+    let named = |name: &str, text: Option<String>| {
+        text.filter(|text| !text.is_empty()).map(|text| (name.to_owned(), text))
+    };
     let cores = std::thread::available_parallelism().ok().map(|cores| cores.to_string());
-    let governor = read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
     // Where the run happened, as the CI says it itself; GitLab and GitHub name themselves.
     let ci = ["GITLAB_CI", "GITHUB_ACTIONS", "JENKINS_URL", "CI"]
         .into_iter()
@@ -37,30 +40,26 @@ fn environment() -> Vec<(String, String)> {
             _ => String::from("yes"),
         });
     let all = [
-        named("Real-time kernel", Some(real_time().to_owned())),
+        named("Real-time kernel", Some(real_time(machine).to_owned())),
         named("Cores", cores),
-        named("Governor", governor),
+        named("Governor", Some(machine.governors().join(" "))),
+        named("Clock source", machine.clocksource()),
+        named("Isolated processors", machine.read("/sys/devices/system/cpu/isolated")),
+        named("Real-time share", machine.read("/proc/sys/kernel/sched_rt_runtime_us")),
+        named("Kernel parameters", Some(machine.parameters().join(" "))),
         named("CI", ci),
     ];
     all.into_iter().flatten().collect()
 }
 
 /// Which kind of kernel this is, as far as it tells.
-fn real_time() -> &'static str {
-    let says = |path: &str, word: &str| read(path).is_some_and(|text| text.contains(word));
-    if says("/sys/kernel/realtime", "1") || says("/proc/sys/kernel/version", "PREEMPT_RT") {
-        "PREEMPT_RT"
-    } else if std::path::Path::new("/proc/xenomai").exists() {
-        "Xenomai"
-    } else if says("/proc/sys/kernel/version", "PREEMPT") {
-        "no: preemptible, without PREEMPT_RT"
-    } else {
-        "no"
+fn real_time(machine: &Machine) -> &'static str {
+    match machine.preemption() {
+        Preemption::Realtime => "PREEMPT_RT",
+        Preemption::Xenomai => "Xenomai",
+        Preemption::Preemptible => "no: preemptible, without PREEMPT_RT",
+        Preemption::Ordinary => "no",
     }
-}
-
-fn read(path: &str) -> Option<String> {
-    Some(std::fs::read_to_string(path).ok()?.trim().to_owned()).filter(|text| !text.is_empty())
 }
 
 fn binary_sha256() -> Option<String> {
@@ -68,21 +67,6 @@ fn binary_sha256() -> Option<String> {
     let mut hasher = Sha256::new();
     std::io::copy(&mut file, &mut hasher).ok()?;
     Some(runtime::describe::hex(&hasher.finalize()))
-}
-
-/// Release, version and architecture of the kernel: the version tells a real-time kernel from another.
-fn kernel() -> String {
-    let part = |name: &str| read(&format!("/proc/sys/kernel/{name}")).unwrap_or_default();
-    [part("ostype"), part("osrelease"), part("version"), std::env::consts::ARCH.to_owned()]
-        .join(" ")
-        .trim()
-        .to_owned()
-}
-
-fn processor() -> Option<String> {
-    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("model name") || line.starts_with("Model"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
 }
 
 /// Seconds since 1970 as a date and time in UTC.

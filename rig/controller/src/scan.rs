@@ -41,6 +41,13 @@ impl Controller {
         }
     }
 
+    /// Whether application code wants the processor now: without it, nothing but [`Controller::next_timer`] brings
+    /// anything about.
+    #[inline]
+    pub fn is_computing(&self) -> bool {
+        self.state == State::Running && (self.runnable() != 0 || self.cpu.in_flight.is_some())
+    }
+
     /// Ranks that want the processor.
     #[inline]
     pub(crate) fn runnable(&self) -> u32 {

@@ -1,6 +1,6 @@
 //! The record of one case: one plan with one row or one point of a sweep.
 
-use crate::{ClaimRecord, Lane, MeasurementRecord, Verdict};
+use crate::{ClaimRecord, Lane, MeasurementRecord, RigTiming, Verdict};
 use serde::{Deserialize, Serialize};
 
 /// The most lines that a case's log keeps; further ones are counted only.
@@ -65,20 +65,6 @@ pub struct StepRecord {
 /// The part that the steps of older records belong to.
 fn main_phase() -> String {
     String::from("main")
-}
-
-/// How well the rig itself kept time. All zero in virtual time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct RigTiming {
-    /// The latest that the rig was behind its own schedule, nanoseconds.
-    pub late_max_ns: i64,
-    /// How often it missed a deadline of its own.
-    pub overruns: u64,
-    /// Events lost between the board and the trace.
-    pub dropped: u64,
-    /// How far the application may run ahead of the wall clock, nanoseconds.
-    pub horizon_ns: i64,
 }
 
 /// What a task of the controller did, in modelled time.

@@ -1,27 +1,26 @@
 //! One case from its plan to its record.
 
-use crate::application::{assign, compile};
-use crate::bundle::Bundle;
-use crate::check::{self, Looked};
+use crate::check;
 use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
-use crate::configure::{configuration, initial_state};
+use crate::configure::initial_state;
 use crate::coverage::{Collector, Covered};
 use crate::executor::{Executor, Limits, Parts, Ran};
+use crate::hardware::{Hardware, in_virtual_time};
 use crate::needs::{Unmet, unmet};
 use crate::operator::Operator;
-use crate::prepare::{Bench, Prepared, prepare};
+use crate::prepare::Prepared;
 use crate::recorder::Recorder;
 
 use crate::schedule::Schedule;
+use crate::stage::{Stage, stage};
 use crate::stepping::Stepper;
-use crate::store::MemoryStore;
-use crate::subject::{Model, Subject};
+use crate::subject::Subject;
 use crate::suite::nobody;
-use crate::tasks::Tasks;
-use crate::{describe, inputs, lanes, refusal, spill};
-use controller::{Command, Config, Effects, LoadError, Part, State};
+use crate::trouble::Trouble;
+use crate::{describe, lanes, reach, refusal, spill};
 use document::{Diagnostic, Joined, SourceFile};
-use drivers::file::{BoardFile, build};
+use drivers::BoardFile;
+use drivers::RealtimeSettings;
 use plans::Case;
 use plans::judge::{Judge, Outcome};
 use plans::plan::{Guards, ProgramRef};
@@ -67,6 +66,8 @@ pub struct RunOptions<'a> {
     pub interrupt: &'a AtomicBool,
     /// Who can be asked, if somebody is there.
     pub operator: Option<&'a dyn Operator>,
+    /// The real lines of the cases whose board file is theirs, if there are any.
+    pub hardware: Option<&'a Hardware>,
 }
 
 /// The least that a rig without real-time priority can be asked to keep on the host's clock.
@@ -84,6 +85,7 @@ impl<'a> RunOptions<'a> {
             coverage: false,
             interrupt,
             operator: None,
+            hardware: None,
         }
     }
 }
@@ -176,8 +178,10 @@ fn check_here(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Dia
         return Ok(check::profile(case, files).into_iter().collect());
     }
     match &case.refusal {
-        Some(refusal) => refusal::check(case, files, refusal).map(|()| Vec::new()),
-        None => look_up(case, files),
+        Some(refusal) if !files.board.subject.is_external() => {
+            refusal::check(case, files, refusal).map(|()| Vec::new())
+        }
+        _ => look_up(case, files),
     }
 }
 
@@ -189,8 +193,18 @@ pub(crate) fn lay_out(case: &Case, files: &CaseFiles) -> Result<Prepared, Vec<Di
 
 /// Builds subject and board of a case and looks up its names.
 pub(crate) fn look_up(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
-    let case = &*files.guarded(case)?;
-    let mut stage = stage(case, files, None)?;
+    let mut case = files.guarded(case)?;
+    let mut stage = stage(&case, files, None)?;
+    if let Some(reason) = reach::beyond(&case, files, &*stage.board) {
+        return Ok(vec![check::no_verdict(files, &reason)]);
+    }
+    if files.board.subject.is_external() {
+        if let Some(Unmet::Power(reason)) = unmet(&case, &*stage.subject, &*stage.board, Span::ZERO) {
+            return Ok(vec![check::no_verdict(files, &reason)]);
+        }
+        reach::leave_out(case.to_mut(), files, &*stage.board);
+    }
+    let case = &*case;
     let prepared = stage.prepare(case, files, Trace::new(), true)?;
     Judge::new(case.scenario(), prepared.trace.signals())?;
     let looked = stage.looked(case, files, &prepared);
@@ -204,128 +218,6 @@ pub(crate) fn look_up(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>,
     warnings.extend(found);
     warnings.extend(needs);
     Ok(warnings)
-}
-
-/// Subject and board of a case, before power-on.
-struct Stage {
-    model: Model,
-    board: Box<dyn drivers::Board>,
-    bundle: Vec<u8>,
-    /// Those of the programs that steps bring.
-    others: Vec<(ProgramRef, Vec<u8>)>,
-    program: Option<Arc<program::Program>>,
-    /// What the controller accepts with a warning.
-    warnings: Vec<Diagnostic>,
-}
-
-impl Stage {
-    fn prepare(
-        &mut self,
-        case: &Case,
-        files: &CaseFiles,
-        trace: Trace,
-        exact: bool,
-    ) -> Result<Prepared, Vec<Diagnostic>> {
-        let mut bench = Bench {
-            subject: &mut self.model,
-            board: &*self.board,
-            file: &files.board,
-            profile: files.profile,
-            reference: files.reference,
-            bundle: &self.bundle,
-            others: &self.others,
-            seed: files.seed,
-            exact,
-        };
-        prepare(case, &files.plan, trace, &mut bench)
-    }
-
-    /// What is looked at before anything moves.
-    fn looked<'a>(&'a self, case: &'a Case, files: &'a CaseFiles, prepared: &'a Prepared) -> Looked<'a> {
-        Looked { case, files, model: &self.model, board: &*self.board, prepared }
-    }
-}
-
-/// Compiles the program and builds subject and board. A controller that is empty at the start needs no program.
-fn stage(case: &Case, files: &CaseFiles, collector: Option<Collector>) -> Result<Stage, Vec<Diagnostic>> {
-    let initial = initial_state(case.settings.initial);
-    let none = files.sources.is_empty() && initial == State::Empty;
-    let program = if none { None } else { Some(Arc::new(compile(&files.sources, files.profile)?)) };
-    let mut config = configuration(&case.settings, files)?;
-    let tasks = Tasks::new(program.as_deref(), &case.settings, files.profile, &files.plan)?;
-    tasks.configure(&mut config, &case.settings, program.as_deref(), &files.plan)?;
-    let warnings = crate::tasks::warnings(&config, &files.plan);
-    let tasks = tasks.programs;
-    if let Some(program) = &program {
-        let Some(places) = assign(program, &tasks) else {
-            return Err(vec![no_such_program(program, &tasks, &files.plan)]);
-        };
-        let readers = tasks.iter().map(|(task, _)| task.as_str()).zip(&places);
-        inputs::latched_for_mast(program, readers, &case.settings, &files.plan.name)?;
-    }
-    let mut others = Vec::new();
-    let mut known = Vec::new();
-    for other in &files.others {
-        let program = Arc::new(compile(&other.sources, files.profile)?);
-        let tasks = tasks_of_another(&program, case, &config, files)?;
-        others.push((other.program.clone(), Bundle { sources: other.sources.clone(), tasks }.to_bytes()));
-        known.push(program);
-    }
-    let bundle = match &program {
-        Some(_) => Bundle { sources: files.sources.clone(), tasks }.to_bytes(),
-        None => Vec::new(),
-    };
-    let refused = |error: &dyn std::fmt::Display| {
-        vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")]
-    };
-    let board = build(&files.board, files.seed).map_err(|error| refused(&error))?;
-    let mut model = Model::new(config, program.clone(), Box::new(MemoryStore::default()), collector)
-        .map_err(|error| refused(&error))?;
-    model.know(known);
-    if case.settings.firmware_invalid {
-        model.damage_firmware();
-    }
-    if case.settings.switch_at_run == Some(false) {
-        let moved = model.command(Time::ZERO, &Command::Switch(false), &mut Effects::new());
-        moved.map_err(|error| refused(&error))?;
-    }
-    if initial != State::Empty {
-        let left = if initial == State::Booting { State::Running } else { initial };
-        model.commission(&bundle, left).map_err(|error| match error {
-            LoadError::Relocation { part, row } => vec![beyond_table(part, row, case, files)],
-            error => refused(&error),
-        })?;
-    }
-    Ok(Stage { model, board, bundle, others, program, warnings })
-}
-
-/// The PROGRAMs that each task of the controller runs of another program. The controller's tasks stay those of the
-/// case.
-fn tasks_of_another(
-    program: &program::Program,
-    case: &Case,
-    config: &Config,
-    files: &CaseFiles,
-) -> Result<Vec<(String, Vec<String>)>, Vec<Diagnostic>> {
-    let tasks = Tasks::new(Some(program), &case.settings, files.profile, &files.plan)?;
-    if tasks.configured != config.tasks {
-        let name = program.files().first().map_or("", String::as_str);
-        let message = format!("`{name}` configures other tasks than the case's own program");
-        let found = Diagnostic::error("R0121", message).at(name, 0..0, "");
-        return Err(vec![found.help("give it the same tasks: a controller of a case keeps its tasks")]);
-    }
-    if assign(program, &tasks.programs).is_none() {
-        return Err(vec![no_such_program(program, &tasks.programs, &files.plan)]);
-    }
-    Ok(tasks.programs)
-}
-
-/// The first row of the relocation table that does not fit (controller:REL-02).
-fn beyond_table(part: Part, row: usize, case: &Case, files: &CaseFiles) -> Diagnostic {
-    let name = case.settings.relocation[part as usize].get(row).map_or("?", String::as_str);
-    let message = format!("`{name}` does not fit into the relocation table");
-    let help = format!("row {}: each part has {} words", row + 1, profile::TABLE_WORDS);
-    Diagnostic::error("R0113", message).at(&files.plan.name, 0..0, "").help(help)
 }
 
 /// Runs a case. Cases that do not apply here, and cases that this instrument cannot judge, come back with the
@@ -376,7 +268,7 @@ fn run_here(
         record.status = CaseStatus::NotApplicable { reason };
         return Ok(CaseResult::not_run(record));
     }
-    if let Some(refusal) = &case.refusal {
+    if let Some(refusal) = case.refusal.as_ref().filter(|_| !files.board.subject.is_external()) {
         refusal::run(case, files, refusal, &mut record);
         record.host_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
         return Ok(CaseResult::not_run(record));
@@ -384,10 +276,18 @@ fn run_here(
     if let Some(found) = nobody(case, &files.plan.name).filter(|_| options.operator.is_none()) {
         return Err(vec![found]);
     }
-    let case = &*files.guarded(case)?;
+    let mut case = files.guarded(case)?;
     let collector = options.coverage.then(Collector::default);
-    let mut stage = stage(case, files, collector.clone())?;
-    if let Some(unmet) = unmet(case, &stage.model, &*stage.board, Span::ZERO) {
+    let mut stage = stage(&case, files, collector.clone())?;
+    let hardware = options.hardware.filter(|hardware| hardware.name() == files.board.name);
+    if let Some(hardware) = hardware {
+        stage.board = Box::new(hardware.lend());
+    } else if files.board.is_real() {
+        return Err(vec![in_virtual_time(&files.board)]);
+    }
+    let lacks = unmet(&case, &*stage.subject, &*stage.board, Span::ZERO)
+        .or_else(|| reach::beyond(&case, files, &*stage.board).map(Unmet::Power));
+    if let Some(unmet) = lacks {
         match unmet {
             Unmet::Power(reason) => record.status = CaseStatus::NotApplicable { reason },
             Unmet::Instrument(reason) => {
@@ -397,7 +297,11 @@ fn run_here(
         }
         return Ok(CaseResult::not_run(record));
     }
-    let mut clock = clock(options.clock, files.seed);
+    if files.board.subject.is_external() {
+        reach::leave_out(case.to_mut(), files, &*stage.board);
+    }
+    let case = &*case;
+    let mut clock = clock(options.clock, files.seed, hardware);
     let trace = Trace::with_spill(options.trace_memory, spill::temporary());
     let prepared = stage.prepare(case, files, trace, clock.is_exact())?;
     let mut found = check::claims(&stage.looked(case, files, &prepared));
@@ -405,30 +309,31 @@ fn run_here(
     if !found.is_empty() {
         return Err(found);
     }
-    let Stage { mut model, mut board, program, .. } = stage;
+    let Stage { mut subject, mut board, program, .. } = stage;
     let initial = initial_state(case.settings.initial);
     let Prepared { mut trace, mut wiring, steps, probes, mut alarms, .. } = prepared;
-    describe::annotate(&mut trace, case, files, &model, clock.name());
+    describe::annotate(&mut trace, case, files, &*subject, clock.name());
     let mut judge = Judge::new(case.scenario(), trace.signals())?;
     if !options.fail_fast {
         judge = judge.unhurried();
     }
     let mut recorder = Recorder::new(trace, judge);
     for (probe, signal) in &probes {
-        show(&mut recorder, *signal, model.read(probe));
+        show(&mut recorder, *signal, subject.read(probe));
     }
     let mut schedule = Schedule::new(steps, case.ends.clone());
     let limits = Limits {
         initial,
-        late: options.late,
+        late: hardware.and_then(Hardware::late).unwrap_or(options.late),
         slice: options.slice,
+        horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,
         fail_fast: options.fail_fast,
         timeout: case.timeout,
         teardown: case.teardown,
     };
     let parts = Parts {
         clock: &mut *clock,
-        subject: &mut model,
+        subject: &mut *subject,
         board: &mut *board,
         recorder: &mut recorder,
         schedule: &mut schedule,
@@ -436,12 +341,18 @@ fn run_here(
         alarms: &mut alarms,
         interrupt: options.interrupt,
         operator: options.operator,
+        heart: hardware.and_then(Hardware::heart),
     };
     let executor = Executor::new(parts, limits);
-    let ran = match stepper {
+    let entered = hardware.map(Hardware::enter);
+    let mut ran = match stepper {
         Some(stepper) => executor.stepping(stepper).run(),
         None => executor.run(),
     };
+    drop(entered);
+    if let Err(error) = subject.unload(options.interrupt) {
+        ran.trouble.get_or_insert(Trouble::Hook(error));
+    }
     let late = recorder.late();
     let (mut trace, judge) = recorder.into_parts();
     if let Some(ended) = schedule.ended_words() {
@@ -451,15 +362,15 @@ fn run_here(
         trace.set_note("trouble", trouble.show(board.channels()).to_string());
     }
     // How late the rig was shows only now. Steps that came later than the plan needs may have tested something else.
-    if let Some(Unmet::Instrument(reason)) = unmet(case, &model, &*board, late) {
+    if let Some(Unmet::Instrument(reason)) = unmet(case, &*subject, &*board, late) {
         trace.set_note("unmet", reason);
     }
     let outcome = judge.finish(When::exactly(ran.end), &trace);
     verdict(&mut record, outcome.map_err(|error| error.to_string()), &trace);
-    finish(&mut record, &ran, late, &schedule, &model, &trace);
+    finish(&mut record, &ran, late, &schedule, &*subject, &trace);
     record.host_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
     // The applications leave what of them ran when they go.
-    drop(model);
+    drop(subject);
     let coverage = match (&collector, &program) {
         (Some(collector), Some(program)) => collector.take(program),
         _ => Vec::new(),
@@ -504,7 +415,14 @@ pub fn verdict(record: &mut CaseRecord, outcome: Result<Outcome, String>, trace:
     }
 }
 
-fn finish(record: &mut CaseRecord, ran: &Ran, late: Span, schedule: &Schedule, model: &Model, trace: &Trace) {
+fn finish(
+    record: &mut CaseRecord,
+    ran: &Ran,
+    late: Span,
+    schedule: &Schedule,
+    subject: &dyn Subject,
+    trace: &Trace,
+) {
     record.start_ns = ran.start.unwrap_or(ran.end).as_nanos();
     record.end_ns = ran.end.as_nanos();
     record.duration_ns = ran.closed.as_nanos();
@@ -513,7 +431,8 @@ fn finish(record: &mut CaseRecord, ran: &Ran, late: Span, schedule: &Schedule, m
         late_max_ns: late.as_nanos(),
         overruns: ran.overruns,
         dropped: ran.dropped,
-        horizon_ns: 0,
+        horizon_ns: ran.horizon.as_nanos(),
+        wakes: ran.wakes.clone(),
     };
     for (step, planned) in schedule.steps().iter().enumerate() {
         let at = schedule.begun(step).map(|at| [at.as_nanos(), at.saturating_add(late).as_nanos()]);
@@ -529,7 +448,7 @@ fn finish(record: &mut CaseRecord, ran: &Ran, late: Span, schedule: &Schedule, m
         record.log_line(at.as_nanos(), text.clone());
     }
     record.log_dropped += ran.log_dropped;
-    record.tasks = model
+    record.tasks = subject
         .figures()
         .into_iter()
         .map(|(name, interval, figures)| TaskFigures {
@@ -546,28 +465,13 @@ fn finish(record: &mut CaseRecord, ran: &Ran, late: Span, schedule: &Schedule, m
     record.lanes = lanes::excerpts(record, trace);
 }
 
-fn clock(kind: ClockKind, seed: u64) -> Box<dyn Clock> {
+pub(crate) fn clock(kind: ClockKind, seed: u64, hardware: Option<&Hardware>) -> Box<dyn Clock> {
+    if let Some(hardware) = hardware {
+        return Box::new(hardware.clock());
+    }
     match kind {
         ClockKind::Virtual => Box::new(VirtualClock::default()),
         ClockKind::Real => Box::new(HostClock::start()),
         ClockKind::Late(worst) => Box::new(LateClock::new(seed, worst)),
     }
-}
-
-fn no_such_program(
-    program: &program::Program,
-    tasks: &[(String, Vec<String>)],
-    plan: &SourceFile,
-) -> Diagnostic {
-    let known = program.programs();
-    let missing = tasks.iter().flat_map(|(task, programs)| programs.iter().map(move |name| (task, name)));
-    let missing =
-        missing.into_iter().find(|(_, name)| !known.iter().any(|one| one.eq_ignore_ascii_case(name)));
-    let message = match missing {
-        Some((task, name)) => format!("task {task} runs `{name}`, which the program does not have"),
-        None => String::from("a task runs a PROGRAM that the program does not have"),
-    };
-    Diagnostic::error("R0114", message)
-        .at(&plan.name, 0..0, "")
-        .help(format!("the program has {}", known.join(", ")))
 }

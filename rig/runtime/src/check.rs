@@ -6,7 +6,7 @@ use crate::generator::Generator;
 use crate::needs::{Unmet, unmet};
 use crate::prepare::Prepared;
 use crate::schedule::{Act, Planned, Timing};
-use crate::subject::Model;
+use crate::subject::Subject;
 use document::Diagnostic;
 use drivers::circuit::PlantSpec;
 use drivers::{Board, BoardFile, ChannelId};
@@ -20,7 +20,7 @@ use signal::{SignalId, Span};
 pub(crate) struct Looked<'a> {
     pub(crate) case: &'a Case,
     pub(crate) files: &'a CaseFiles,
-    pub(crate) model: &'a Model,
+    pub(crate) subject: &'a dyn Subject,
     pub(crate) board: &'a dyn Board,
     pub(crate) prepared: &'a Prepared,
 }
@@ -71,10 +71,15 @@ const STILL: &str = "drive it in a step, or let a wire or plant of the board rea
 /// What the bench lacks for the case to get a verdict at all.
 pub(crate) fn needs(looked: &Looked<'_>) -> Option<Diagnostic> {
     let (Unmet::Power(reason) | Unmet::Instrument(reason)) =
-        unmet(looked.case, looked.model, looked.board, Span::ZERO)?;
+        unmet(looked.case, looked.subject, looked.board, Span::ZERO)?;
+    Some(no_verdict(looked.files, &reason))
+}
+
+/// What the bench lacks, in words.
+pub(crate) fn no_verdict(files: &CaseFiles, reason: &str) -> Diagnostic {
     let message = format!("the case gets no verdict here: {reason}");
-    let found = Diagnostic::warning("R0147", message).at(&looked.files.plan.name, 0..0, "");
-    Some(found.help("ask for less in `needs`, slow the train down, or name another board"))
+    let found = Diagnostic::warning("R0147", message).at(&files.plan.name, 0..0, "");
+    found.help("ask for less in `needs`, slow the train down, or name another board")
 }
 
 /// A case that runs nowhere: its plan names one profile, its own board has another.
@@ -115,7 +120,7 @@ impl Looked<'_> {
             }
             Source::Image(address) | Source::Memory(address) => Bounds::bits(address.size().bits()),
             // A name inside the subject goes before a channel of the same name, as where it is looked up.
-            Source::Path(path) => match self.model.bounds(path) {
+            Source::Path(path) => match self.subject.bounds(path) {
                 Some((least, most)) => Bounds::new(least, most),
                 None if self
                     .channel(name)
@@ -176,7 +181,8 @@ struct Moved {
 
 impl Moved {
     fn new(board: &dyn Board, file: &BoardFile, steps: &[Planned]) -> Moved {
-        let mut moved = Moved { channels: vec![false; board.channels().len()] };
+        // What is outside of the rig may move any real line.
+        let mut moved = Moved { channels: vec![file.is_real(); board.channels().len()] };
         // What an output is bound to the controller drives.
         for binding in file.bind.iter().filter(|binding| binding.address.area() == signal::Area::Output) {
             moved.mark(binding.channel);

@@ -1,12 +1,27 @@
 //! The clocks that an executor can run on: virtual, virtual with seeded lateness, and the host's.
 
+use drivers::Surroundings;
+use host::{Bell, TimeBase, Woken};
 use signal::{Random, Span, Time};
-use std::time::Instant;
+use std::sync::Arc;
 
 /// What wakes the executor. Time only moves forward.
 pub trait Clock: Send {
+    /// Time 0 is now: a case begins.
+    fn begin(&mut self) {}
+
     /// Waits until `due` and returns the instant at which the wait really ended, never before `due`.
     fn wait_until(&mut self, due: Time) -> Time;
+
+    /// As [`Clock::wait_until`], and ends early when the board has something to report.
+    fn wait(&mut self, due: Time) -> Time {
+        self.wait_until(due)
+    }
+
+    /// Whether the board said that it has something to report, since this was last asked.
+    fn rung(&mut self) -> bool {
+        false
+    }
 
     /// The instant now, where asking matters: after a call that takes host time.
     fn now(&mut self) -> Time;
@@ -84,37 +99,63 @@ impl Clock for LateClock {
     }
 }
 
-/// The host's monotonic clock, without real-time priority: waits sleep and end late by what the host is late.
-#[derive(Clone, Copy, Debug)]
+/// The host's monotonic clock. A wait ends late by what the host is late.
+#[derive(Clone, Debug)]
 pub struct HostClock {
-    origin: Instant,
+    base: TimeBase,
+    bell: Arc<Bell>,
+    rung: bool,
 }
 
 impl HostClock {
-    /// Trace time 0 is the moment of this call.
+    /// A clock of its own; time 0 is the moment of this call.
     pub fn start() -> Self {
-        HostClock { origin: Instant::now() }
+        HostClock { base: TimeBase::start(), bell: Arc::default(), rung: false }
+    }
+
+    /// The clock of a board: its time, and whoever rings its bell ends a wait.
+    pub fn of(surroundings: &Surroundings) -> Self {
+        HostClock { base: surroundings.time.clone(), bell: surroundings.bell.clone(), rung: false }
     }
 }
 
 impl Clock for HostClock {
+    fn begin(&mut self) {
+        self.base.restart();
+        // Whoever rang did so for what was before.
+        self.rung();
+    }
+
     fn wait_until(&mut self, due: Time) -> Time {
         loop {
             let now = self.now();
             if now >= due {
                 return now;
             }
-            std::thread::sleep(std::time::Duration::from_nanos((due - now).as_nanos() as u64));
+            self.rung |= self.bell.wait_until(self.base.stamp(due)) == Woken::Rung;
         }
     }
 
+    fn wait(&mut self, due: Time) -> Time {
+        if !self.rung {
+            self.rung = self.bell.wait_until(self.base.stamp(due)) == Woken::Rung;
+        }
+        self.now()
+    }
+
+    fn rung(&mut self) -> bool {
+        std::mem::take(&mut self.rung) | self.bell.has_rung()
+    }
+
     fn now(&mut self) -> Time {
-        Time::from_nanos(i64::try_from(self.origin.elapsed().as_nanos()).unwrap_or(i64::MAX))
+        self.base.now()
     }
 
     fn stood_still(&mut self, at: Time) {
-        let passed = u64::try_from((self.now() - at).as_nanos()).unwrap_or(0);
-        self.origin += std::time::Duration::from_nanos(passed);
+        let passed = self.now() - at;
+        if !passed.is_negative() {
+            self.base.stood_still(passed);
+        }
     }
 
     fn is_exact(&self) -> bool {
@@ -146,5 +187,31 @@ mod tests {
         };
         assert_eq!(walk(7), walk(7));
         assert_ne!(walk(7), walk(8));
+    }
+
+    #[test]
+    fn a_ring_ends_a_wait_early_and_is_told_once() {
+        let lives = Surroundings::new(host::Realtime::default());
+        let mut clock = HostClock::of(&lives);
+        let far = clock.now() + Span::from_secs(3600);
+        lives.bell.ring();
+        assert!(clock.wait(far) < far);
+        assert!(clock.rung() && !clock.rung());
+        // One that must last lasts, and what rang meanwhile is not forgotten.
+        lives.bell.ring();
+        let soon = clock.now() + Span::from_millis(1);
+        assert!(clock.wait_until(soon) >= soon);
+        assert!(clock.rung());
+    }
+
+    #[test]
+    fn time_that_stood_still_does_not_count() {
+        let mut clock = HostClock::start();
+        let at = clock.now();
+        clock.wait_until(at + Span::from_millis(20));
+        clock.stood_still(at);
+        assert!(clock.now() < at + Span::from_millis(20));
+        clock.begin();
+        assert!(clock.now() < at + Span::from_millis(20));
     }
 }

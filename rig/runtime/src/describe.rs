@@ -1,7 +1,7 @@
 //! What a record and a trace say of where they come from.
 
 use crate::case::CaseFiles;
-use crate::subject::{Model, Subject};
+use crate::subject::Subject;
 use document::Joined;
 use plans::Case;
 use plans::plan::ProgramRef;
@@ -77,9 +77,9 @@ pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
 }
 
 /// Writes into the trace what judging it again needs, and whose names stand behind its numbers.
-pub fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, model: &Model, clock: &str) {
+pub fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, subject: &dyn Subject, clock: &str) {
     annotate_files(trace, case, files, clock);
-    for (place, (task, ..)) in model.figures().iter().enumerate() {
+    for (place, (task, ..)) in subject.figures().iter().enumerate() {
         trace.set_note(&format!("task:{place}"), task.clone());
     }
 }

@@ -1,6 +1,6 @@
 //! What a plan needs of subject, board and rig.
 
-use crate::subject::{Capability, Model, Subject};
+use crate::subject::{Capability, Subject};
 use plans::Case;
 use plans::lang::{Amount, Need, Relation};
 use signal::Span;
@@ -14,11 +14,11 @@ pub enum Unmet {
 }
 
 /// The first need that is not met on a rig that is `late` by so much.
-pub fn unmet(case: &Case, model: &Model, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
-    case.needs.iter().find_map(|need| unmet_need(need, model, board, late))
+pub fn unmet(case: &Case, subject: &dyn Subject, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
+    case.needs.iter().find_map(|need| unmet_need(need, subject, board, late))
 }
 
-fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
+fn unmet_need(need: &Need, subject: &dyn Subject, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
     let lines = || board.channels().iter().filter(|channel| channel.is_digital());
     match (need.word, need.bound) {
         ("pulse", bound) => {
@@ -52,7 +52,7 @@ fn unmet_need(need: &Need, model: &Model, board: &dyn drivers::Board, late: Span
         // Of the run, not of the subject: a run that nobody looks after does not begin.
         ("operator" | "settings", _) => None,
         (word, _) => match Capability::find(word) {
-            Some(capability) if model.capabilities().contains(&capability) => None,
+            Some(capability) if subject.capabilities().contains(&capability) => None,
             _ => Some(Unmet::Power(format!("the subject does not have the power `{word}`"))),
         },
     }

@@ -1,7 +1,9 @@
-//! What is under test: the model, and later a real controller on the same wires.
+//! What is under test: the model, or a real controller on the same wires (`external.rs`).
 
 use crate::application::BundleLoader;
+pub use crate::capability::Capability;
 use crate::coverage::Collector;
+use crate::hook::HookError;
 use crate::inputs;
 use crate::names::Names;
 use crate::schedule::FileAct;
@@ -12,78 +14,9 @@ use controller::{
 };
 use plans::steps::FileDeed;
 use program::{Elementary, Program, Storage};
-use signal::{Address, Cause, Kind, Level, Span, Time, Value};
+use signal::{Address, Cause, Kind, Level, Span, Time, Value, When};
 use std::sync::Arc;
-
-/// A power that a subject or a board may have and a plan may need.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Capability {
-    /// Modelled load can be put on a task.
-    TaskLoad,
-    /// System variables can be read.
-    SystemVariables,
-    /// Variables, %M and the images can be read and written.
-    MemoryAccess,
-    /// Run, stop and resets can be commanded.
-    Commands,
-    /// The firmware can be damaged and restored.
-    Firmware,
-    /// Inputs and outputs can be forced.
-    Force,
-    /// The supply can be switched.
-    Power,
-    /// An application can be downloaded.
-    Download,
-    /// Electrical faults can be put on lines.
-    Faults,
-    /// Files and the log can be seen and changed.
-    Files,
-    /// Registers can be read and written as over the network.
-    Registers,
-    /// LEDs and the states of output stages can be read.
-    Indicators,
-}
-
-impl Capability {
-    /// Every capability.
-    pub const ALL: [Capability; 12] = [
-        Capability::TaskLoad,
-        Capability::SystemVariables,
-        Capability::MemoryAccess,
-        Capability::Commands,
-        Capability::Firmware,
-        Capability::Force,
-        Capability::Power,
-        Capability::Download,
-        Capability::Faults,
-        Capability::Files,
-        Capability::Registers,
-        Capability::Indicators,
-    ];
-
-    /// The word in a plan's `needs`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Capability::TaskLoad => "task-load",
-            Capability::SystemVariables => "system-variables",
-            Capability::MemoryAccess => "memory-access",
-            Capability::Commands => "commands",
-            Capability::Firmware => "firmware",
-            Capability::Force => "force",
-            Capability::Power => "power",
-            Capability::Download => "download",
-            Capability::Faults => "faults",
-            Capability::Files => "files",
-            Capability::Registers => "registers",
-            Capability::Indicators => "indicators",
-        }
-    }
-
-    /// The capability of this word.
-    pub fn find(word: &str) -> Option<Capability> {
-        Capability::ALL.into_iter().find(|capability| capability.word() == word)
-    }
-}
+use std::sync::atomic::AtomicBool;
 
 /// Something inside the subject that a plan may look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,9 +53,54 @@ pub trait Subject: Send {
     /// Switches its supply.
     fn power(&mut self, now: Time, on: bool, effects: &mut Effects);
 
+    /// Brings the case's program into it, which takes as long as it takes on the host.
+    ///
+    /// # Errors
+    /// [`HookError`] with what the command said.
+    fn load(&mut self, _interrupt: &AtomicBool) -> Result<(), HookError> {
+        Ok(())
+    }
+
+    /// The program is there, by `now`.
+    fn loaded(&mut self, _now: Time, _effects: &mut Effects) {}
+
+    /// Takes the case's program away, behind the case.
+    ///
+    /// # Errors
+    /// [`HookError`] with what the command said.
+    fn unload(&mut self, _interrupt: &AtomicBool) -> Result<(), HookError> {
+        Ok(())
+    }
+
+    /// The longest that it takes from its supply into the state in which a case begins.
+    fn patience(&self) -> Span {
+        Span::from_secs(60)
+    }
+
+    /// The case begins. The earliest instant at which the subject can have come into the state that it begins in, and
+    /// what shows of it, where that is not what the executor sees.
+    fn begin(&mut self) -> Option<(Time, Value)> {
+        None
+    }
+
+    /// What reports its state, where [`Effect::State`] does not.
+    fn state_probe(&self) -> Option<ProbeId> {
+        None
+    }
+
     /// Lets application code run up to and including `limit`; returns the instant that it reached: earlier when
     /// something happened that the rest of the rig must see first.
     fn run(&mut self, limit: Time, effects: &mut Effects) -> Time;
+
+    /// Whether its program has something to compute now: time that passes brings outputs, not only timers.
+    fn is_computing(&self) -> bool {
+        false
+    }
+
+    /// Whether the rig itself plays it: what the rig does late, it does late.
+    fn is_played(&self) -> bool {
+        false
+    }
 
     /// When it will next do something by itself.
     fn next_timer(&self) -> Option<Time>;
@@ -130,8 +108,8 @@ pub trait Subject: Send {
     /// Lets everything act that is due at `now`.
     fn fire(&mut self, now: Time, effects: &mut Effects);
 
-    /// An input terminal has this level from `now` on.
-    fn input(&mut self, now: Time, input: usize, level: Level);
+    /// An input terminal has this level from `now` on; its line changed `at` the instant before.
+    fn input(&mut self, now: Time, at: When, input: usize, level: Level, effects: &mut Effects);
 
     /// Obeys a command.
     ///
@@ -174,6 +152,12 @@ pub trait Subject: Send {
 
     /// What a name means inside the subject: a system variable, an address, or a variable's path.
     fn observable(&self, name: &str) -> Option<Observable>;
+
+    /// The least and the greatest value that a whole number inside can have; `None` for times, real numbers and what
+    /// is not known.
+    fn bounds(&self, _name: &str) -> Option<(i128, i128)> {
+        None
+    }
 
     /// From now on changes of this are reported as effects.
     fn watch(&mut self, probe: Probe) -> ProbeId;
@@ -236,50 +220,6 @@ impl Model {
         })
     }
 
-    /// The least and the greatest value that a whole number inside can have; `None` for times, real numbers and what
-    /// is not known.
-    pub fn bounds(&self, name: &str) -> Option<(i128, i128)> {
-        if let Some(variable) = SystemVariable::find(name) {
-            let bits = match variable.ty() {
-                SystemType::Bool => 1,
-                SystemType::Word | SystemType::Uint => 16,
-                SystemType::Dword => 32,
-                SystemType::Lword => 64,
-            };
-            return Some((0, (1 << bits) - 1));
-        }
-        if indicator(name, self.controller.reference().output_count()).is_some()
-            || inputs::observable(name, self.controller.reference().input_count()).is_some()
-        {
-            return None;
-        }
-        // Of several programs the value may be of any.
-        let mut variables = self.programs.iter().filter_map(|program| program.find(name));
-        let first = variables.next()?;
-        if variables.any(|other| other.ty != first.ty) {
-            return None;
-        }
-        match first.storage {
-            Storage::Located(address) => Some((0, (1i128 << address.size().bits()) - 1)),
-            Storage::Cell(_) => match first.ty {
-                Elementary::Bool
-                | Elementary::Sint
-                | Elementary::Usint
-                | Elementary::Int
-                | Elementary::Uint
-                | Elementary::Dint
-                | Elementary::Udint
-                | Elementary::Lint
-                | Elementary::Ulint
-                | Elementary::Byte
-                | Elementary::Word
-                | Elementary::Dword
-                | Elementary::Lword => Some(first.ty.range()),
-                _ => None,
-            },
-        }
-    }
-
     /// Names of further programs mean something too, behind those that it knows.
     pub fn know(&mut self, programs: Vec<Arc<Program>>) {
         self.programs.extend(programs);
@@ -336,6 +276,14 @@ impl Subject for Model {
         reached
     }
 
+    fn is_computing(&self) -> bool {
+        self.controller.is_computing()
+    }
+
+    fn is_played(&self) -> bool {
+        true
+    }
+
     fn next_timer(&self) -> Option<Time> {
         self.controller.next_timer()
     }
@@ -346,7 +294,7 @@ impl Subject for Model {
         self.log(before, effects);
     }
 
-    fn input(&mut self, now: Time, input: usize, level: Level) {
+    fn input(&mut self, now: Time, _at: When, input: usize, level: Level, _effects: &mut Effects) {
         self.controller.input(now, input, level);
     }
 
@@ -435,6 +383,48 @@ impl Subject for Model {
                 kind: kind_of(variable.ty),
             },
         })
+    }
+
+    fn bounds(&self, name: &str) -> Option<(i128, i128)> {
+        if let Some(variable) = SystemVariable::find(name) {
+            let bits = match variable.ty() {
+                SystemType::Bool => 1,
+                SystemType::Word | SystemType::Uint => 16,
+                SystemType::Dword => 32,
+                SystemType::Lword => 64,
+            };
+            return Some((0, (1 << bits) - 1));
+        }
+        if indicator(name, self.controller.reference().output_count()).is_some()
+            || inputs::observable(name, self.controller.reference().input_count()).is_some()
+        {
+            return None;
+        }
+        // Of several programs the value may be of any.
+        let mut variables = self.programs.iter().filter_map(|program| program.find(name));
+        let first = variables.next()?;
+        if variables.any(|other| other.ty != first.ty) {
+            return None;
+        }
+        match first.storage {
+            Storage::Located(address) => Some((0, (1i128 << address.size().bits()) - 1)),
+            Storage::Cell(_) => match first.ty {
+                Elementary::Bool
+                | Elementary::Sint
+                | Elementary::Usint
+                | Elementary::Int
+                | Elementary::Uint
+                | Elementary::Dint
+                | Elementary::Udint
+                | Elementary::Lint
+                | Elementary::Ulint
+                | Elementary::Byte
+                | Elementary::Word
+                | Elementary::Dword
+                | Elementary::Lword => Some(first.ty.range()),
+                _ => None,
+            },
+        }
     }
 
     fn watch(&mut self, probe: Probe) -> ProbeId {

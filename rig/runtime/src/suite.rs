@@ -1,6 +1,7 @@
 //! Many plans: their files, their cases, and several cases at once.
 
 use crate::case::{CaseFiles, OtherProgram};
+pub use crate::lines::{real_board, taken_for_granted};
 pub use crate::queue::{Done, Happened, run, watch};
 use crate::suites;
 use document::{Diagnostic, SourceFile};
@@ -142,13 +143,13 @@ pub struct LoadedPlan {
     pub plan: Plan,
     /// Texts of the files that it names, by path.
     programs: Vec<SourceFile>,
-    boards: Vec<(String, BoardFile, String)>,
+    pub(crate) boards: Vec<(String, BoardFile, String)>,
     /// The files that it includes, and the tables of values that it names.
     others: Vec<SourceFile>,
     /// What the command line gives for the plan's parameters.
     given: Vec<(String, String)>,
     /// The board that the command line gives in place of the plan's own.
-    board: Option<(BoardFile, String)>,
+    pub(crate) board: Option<(BoardFile, String)>,
     /// What the suites that the plan is of claim of its cases, the outermost first.
     suites: Vec<Arc<Guards>>,
     /// What its boards claim, by the names of their files.

@@ -1,5 +1,6 @@
 //! Trouble of the rig itself: the verdict is then `error`, whatever the controller did.
 
+use crate::hook::HookError;
 use crate::operator::AskError;
 use controller::{FileError, Refusal, State, WriteError};
 use drivers::{BoardError, Channel, ChannelId, Health, LossReason};
@@ -40,6 +41,13 @@ pub enum Trouble {
         channel: ChannelId,
         /// How many, at least.
         count: u32,
+    },
+    /// The outputs are not guarded any more.
+    Guard {
+        /// When it was noticed.
+        at: Time,
+        /// What the guard says.
+        why: String,
     },
     /// The rig missed a deadline of its own.
     Late {
@@ -102,6 +110,8 @@ pub enum Trouble {
         /// Why.
         error: AskError,
     },
+    /// A command that brings the program into the subject, or takes it away, did not end well.
+    Hook(HookError),
     /// The user stopped the run.
     Interrupted,
 }
@@ -169,6 +179,7 @@ impl fmt::Display for Shown<'_> {
             Trouble::Dropped { at, channel, count } => {
                 write!(f, "at least {count} events of channel {} were lost by {at}", self.name(*channel))
             }
+            Trouble::Guard { at, why } => write!(f, "at {at}: {why}"),
             Trouble::Late { at, late, limit } => {
                 write!(f, "the rig was {late} late at {at}, where {limit} is the limit")
             }
@@ -205,6 +216,7 @@ impl fmt::Display for Shown<'_> {
             Trouble::Unanswered { step, error } => {
                 write!(f, "step `{step}` asked and got no answer: {error}")
             }
+            Trouble::Hook(error) => write!(f, "{error}"),
             Trouble::Interrupted => f.write_str("interrupted"),
         }
     }

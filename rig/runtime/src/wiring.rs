@@ -1,8 +1,10 @@
 //! Who is behind whom: terminals of the subject, channels of the board, signals of the trace.
 
-use controller::ProbeId;
-use drivers::ChannelId;
-use signal::{Cause, SignalId};
+use crate::external;
+use controller::{Channel as Terminal, ProbeId};
+use drivers::{BoardFile, ChannelId};
+use profile::Reference;
+use signal::{Area, Cause, SignalId, Span};
 
 /// The tables that the executor looks up in its loop.
 #[derive(Debug, Default)]
@@ -13,6 +15,8 @@ pub struct Wiring {
     pub inputs: Vec<Vec<usize>>,
     /// Signals that show each channel.
     pub channels: Vec<Vec<SignalId>>,
+    /// How much earlier than it was seen a change of each channel may have happened, by what the subject is.
+    pub early: Vec<Span>,
     /// Signals that show each observed probe, by its number.
     pub probes: Vec<Vec<SignalId>>,
     /// Last writer of each channel, as the subject told it.
@@ -38,9 +42,37 @@ impl Wiring {
             outputs: vec![None; outputs],
             inputs: vec![Vec::new(); channels],
             channels: vec![Vec::new(); channels],
+            early: vec![Span::ZERO; channels],
             writers: vec![Cause::Unknown; channels],
             ..Wiring::default()
         }
+    }
+
+    /// Tables for the controller of a board file, whose terminals are bound to their channels. Those of a real controller
+    /// are the board's alone: it has the lines that the rig switches it by as outputs, and its alarm line as input.
+    pub fn of(file: &BoardFile, reference: &Reference, channels: usize) -> Wiring {
+        let Some(settings) = &file.subject.external else {
+            let mut wiring = Wiring::new(reference.output_count(), channels);
+            for binding in &file.bind {
+                match Terminal::at(binding.address, reference) {
+                    Some(Terminal::Input(input)) => wiring.inputs[usize::from(binding.channel.0)].push(input),
+                    Some(Terminal::Output(output)) => wiring.outputs[output] = Some(binding.channel),
+                    None => {}
+                }
+            }
+            return wiring;
+        };
+        let mut wiring = Wiring::new(2, channels);
+        wiring.outputs[external::POWER] = file.lines.power;
+        wiring.outputs[external::RUN_STOP] = file.lines.run_stop;
+        if let Some(alarm) = file.lines.alarm {
+            wiring.inputs[usize::from(alarm.0)].push(external::ALARM);
+        }
+        let of_controller = file.bind.iter().filter(|binding| binding.address.area() == Area::Output);
+        for channel in of_controller.map(|binding| binding.channel).chain(file.lines.alarm) {
+            wiring.early[usize::from(channel.0)] = settings.jitter;
+        }
+        wiring
     }
 
     /// A signal shows an observed probe.

@@ -12,7 +12,7 @@ use scanrig_runtime::clock::VirtualClock;
 use scanrig_runtime::schedule::FileAct;
 use scanrig_runtime::subject::{Capability, Model, Observable, Subject};
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
-use signal::{Cause, Level, Span, Time, Value};
+use signal::{Cause, Level, Span, Time, Value, When};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::AtomicBool;
 use texts::Texts;
@@ -128,8 +128,8 @@ impl Subject for Panics {
         self.model.fire(now, effects);
     }
 
-    fn input(&mut self, now: Time, input: usize, level: Level) {
-        self.model.input(now, input, level);
+    fn input(&mut self, now: Time, at: When, input: usize, level: Level, effects: &mut Effects) {
+        self.model.input(now, at, input, level, effects);
     }
 
     fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {

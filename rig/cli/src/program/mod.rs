@@ -22,7 +22,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Reads and compiles the files of one application for the default controller, and shows what is found in them.
-fn compile(files: &[PathBuf]) -> Result<(Arc<Program>, Vec<SourceFile>), Exit> {
+pub fn compile(files: &[PathBuf]) -> Result<(Arc<Program>, Vec<SourceFile>), Exit> {
     compile_with(files, runtime::application::compile)
 }
 
@@ -70,7 +70,7 @@ fn duration(option: &str, text: &str) -> Result<Span, Exit> {
 }
 
 /// How a run alone ended, said where that was not well.
-fn ended(ended: &Ended) -> Exit {
+pub fn ended(ended: &Ended) -> Exit {
     match ended {
         Ended::InTime { .. } => Exit::Passed,
         Ended::Fault { at, text } => {

@@ -13,7 +13,7 @@ use document::{Diagnostic, SourceFile};
 use record::{CaseRecord, RunRecord, Verdict};
 use runtime::coverage::Total;
 use runtime::suite::{self, Done, Happened, Job, LoadedPlan};
-use runtime::{ClockKind, Operator, RunOptions};
+use runtime::{ClockKind, Hardware, Operator, RunOptions};
 use signal::{Span, Trace};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -39,16 +39,16 @@ pub fn execute(
         output::findings(&[found], sources);
         return Err(Exit::UserFiles);
     }
-    let clock = match args.clock {
-        ClockChoice::Virtual => record::Clock::Virtual,
-        ClockChoice::Real => record::Clock::Real,
-    };
+    output::findings(suite::taken_for_granted(loaded).as_slice(), sources);
+    let hardware = hardware(args, loaded, jobs, sources)?;
+    let real = hardware.is_some() || args.clock == Some(ClockChoice::Real);
+    let clock = if real { record::Clock::Real } else { record::Clock::Virtual };
     let store = args.report.as_deref().map(Store::new).transpose().map_err(|error| {
         output::complain(&error);
         Exit::UserFiles
     })?;
     // One question at a time.
-    let at_once = if asks { 1 } else { at_once(args).min(jobs.len()) };
+    let at_once = if asks { 1 } else { at_once(args, real).min(jobs.len()) };
     let mut keeper = Keeper {
         run: RunRecord::new(env!("CARGO_PKG_VERSION"), provenance::now(args.seed, clock)),
         store,
@@ -59,12 +59,13 @@ pub fn execute(
         wrong_files: false,
         trouble: None,
     };
+    keeper.run.provenance.environment.extend(hardware.iter().flat_map(Hardware::facts));
     keeper.run.planned = jobs.len() as u64;
     keeper.run.shard = part.shard;
     keeper.run.selection_sha256 = part.selection_sha256;
     observer.run_started(&keeper.run, at_once);
     let operator = person.as_ref().map(|person| person as &dyn Operator);
-    let options = RunOptions { operator, ..options(args) };
+    let options = RunOptions { operator, hardware: hardware.as_ref(), ..options(args, real) };
     suite::watch(loaded, jobs, at_once, args.fail_fast, &options, &mut |happened| match happened {
         Happened::Begun(place) => observer.case_started(place, &jobs[place]),
         Happened::Ended(place) => observer.case_ended(place),
@@ -80,17 +81,41 @@ pub fn execute(
     Ok(keeper.finish(observer))
 }
 
-fn options(args: &TestArgs) -> RunOptions<'static> {
-    let kind = match args.clock {
-        ClockChoice::Virtual => ClockKind::Virtual,
-        ClockChoice::Real => ClockKind::Real,
+/// Opens the real lines that the jobs run on, if they do, and says what the machine refuses them.
+fn hardware(
+    args: &TestArgs,
+    loaded: &[LoadedPlan],
+    jobs: &[Job],
+    sources: &[SourceFile],
+) -> Result<Option<Hardware>, Exit> {
+    let refused = |found: &[Diagnostic]| {
+        output::findings(found, sources);
+        Exit::UserFiles
     };
+    let Some(board) = suite::real_board(loaded, jobs).map_err(|found| refused(&[found]))? else {
+        return Ok(None);
+    };
+    if args.clock == Some(ClockChoice::Virtual) {
+        return Err(refused(&[runtime::hardware::in_virtual_time(board)]));
+    }
+    let hardware = Hardware::open(board).map_err(|found| refused(&found))?;
+    let Some(mut hardware) = hardware else { return Ok(None) };
+    output::findings(&hardware.warnings(), sources);
+    if let Err(found) = hardware.check(board.check, &INTERRUPT) {
+        output::findings(found.as_slice(), sources);
+        return Err(if found.is_some() { Exit::Error } else { Exit::Interrupted });
+    }
+    Ok(Some(hardware))
+}
+
+fn options(args: &TestArgs, real: bool) -> RunOptions<'static> {
+    let kind = if real { ClockKind::Real } else { ClockKind::Virtual };
     let mut options = RunOptions {
         fail_fast: args.fail_fast,
         coverage: args.coverage,
         ..RunOptions::new(kind, &INTERRUPT)
     };
-    if args.clock == ClockChoice::Real {
+    if real {
         // Nothing may happen for minutes; an interrupt is not to wait for it.
         options.slice = REAL_SLICE;
     }
@@ -98,12 +123,11 @@ fn options(args: &TestArgs) -> RunOptions<'static> {
 }
 
 /// How many cases run at a time. On the host's clock they would make each other late.
-fn at_once(args: &TestArgs) -> usize {
-    match args.clock {
-        ClockChoice::Real => 1,
-        ClockChoice::Virtual => {
-            args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
-        }
+fn at_once(args: &TestArgs, real: bool) -> usize {
+    match args.jobs {
+        _ if real => 1,
+        Some(jobs) => jobs.into(),
+        None => std::thread::available_parallelism().map_or(1, usize::from),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The steps that are due, and what they do to subject and board.
 
 use super::Executor;
-use crate::operator::AskError;
+use crate::operator::{AskError, Operator};
 use crate::schedule::{Act, Due, EndReason, Expected};
 use crate::stepping::Pause;
 use crate::trouble::Trouble;
@@ -19,8 +19,7 @@ impl Executor<'_> {
                 Due::Begin if !self.schedule.begins(step, now) => {}
                 Due::Begin => {
                     self.pause(Some(step))?;
-                    let mark = self.schedule.steps()[step].mark;
-                    self.recorder.mark(mark, self.seen(self.now));
+                    self.begin_mark(step);
                     self.schedule.begin(step, now, &self.driven);
                 }
                 Due::Act(act) => self.act(step, act as usize)?,
@@ -90,6 +89,7 @@ impl Executor<'_> {
             self.restore[place] = self.driven[place];
             self.driven[place] = *value;
         }
+        self.expect_writes();
         let at = self.board_time();
         let written = self.board.write(at, &self.writes);
         written.map_err(|error| Trouble::Board { at, error })?;
@@ -107,11 +107,15 @@ impl Executor<'_> {
     /// Asks a person. The modelled time stands still meanwhile, on the host's clock too.
     fn ask(&mut self, step: usize, question: &Question, signal: SignalId) -> Result<(), Trouble> {
         let id = self.schedule.steps()[step].id.clone();
-        let answer = match self.operator {
-            Some(operator) => operator.ask(&id, question, self.interrupt),
-            None => Err(AskError::Nobody),
+        let answer = match (self.operator, self.heart) {
+            (Some(operator), Some(_)) => self.ask_alive(operator, &id, question)?,
+            (Some(operator), None) => operator.ask(&id, question, self.interrupt),
+            (None, _) => Err(AskError::Nobody),
         };
-        self.clock.stood_still(self.actual);
+        // A real controller does not wait for the answer.
+        if self.modelled || self.subject.is_played() {
+            self.clock.stood_still(self.actual);
+        }
         let answer = match answer {
             Ok(answer) if answer < question.answers.len() => answer,
             Ok(_) => return Err(Trouble::Unanswered { step: id, error: AskError::Nobody }),
@@ -121,6 +125,28 @@ impl Executor<'_> {
         let at = self.seen(self.now);
         self.record(signal, at, Value::Int(answer as i64), Cause::Step(step as u16));
         Ok(())
+    }
+
+    /// Asks, and goes on giving signs of life until the answer comes.
+    fn ask_alive(
+        &mut self,
+        operator: &dyn Operator,
+        step: &str,
+        question: &Question,
+    ) -> Result<Result<usize, AskError>, Trouble> {
+        let interrupt = self.interrupt;
+        std::thread::scope(|scope| {
+            let asked = scope.spawn(|| operator.ask(step, question, interrupt));
+            while !asked.is_finished() {
+                let silent = self.beat().inspect_err(|_| {
+                    // The person may take long.
+                    let _ = self.board.safe(self.board_time());
+                })?;
+                let next = self.clock.now().saturating_add(silent);
+                self.clock.wait_until(next);
+            }
+            Ok(asked.join().unwrap_or(Err(AskError::Nobody)))
+        })
     }
 
     fn act(&mut self, step: usize, place: usize) -> Result<(), Trouble> {
@@ -177,6 +203,7 @@ impl Executor<'_> {
                 }
             }
         }
-        self.apply()
+        self.apply()?;
+        self.end_act(step, place)
     }
 }

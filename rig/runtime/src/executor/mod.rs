@@ -5,70 +5,38 @@
 
 mod act;
 mod alarms;
+mod confirm;
+mod lines;
+mod prelude;
 mod teardown;
+mod terms;
 
 use crate::clock::Clock;
 use crate::operator::Operator;
 use crate::prepare::Armed;
+use crate::punctuality::Punctuality;
 use crate::recorder::Recorder;
 use crate::schedule::{EndReason, Schedule};
 use crate::stepping::{Stepper, Stepping};
 use crate::subject::Subject;
 use crate::trouble::Trouble;
 use crate::wiring::Wiring;
-use controller::{Command, Effect, Effects, Probe, State};
+use confirm::Awaited;
+use controller::{Effect, Effects};
 use drivers::{Board, BoardEvent, ChannelId, LossReason, Origin, TimestampSource};
+use lines::Lines;
 use plans::plan::Phase;
 use signal::{Cause, Level, Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+pub use lines::Heart;
+pub use terms::{Limits, Ran};
+
 /// Turns of the loop without a moment of time passing: more is a circuit that oscillates for ever in no time.
 const MOST_SIMULTANEOUS: u32 = 1_000_000;
 
-/// How long the subject may take to reach the state that the case begins in, in modelled time.
-const PRELUDE: Span = Span::from_secs(60);
-
 /// Lines that a case's log keeps.
 const LOG_LINES: usize = 1_000;
-
-/// What the executor is told of a case.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// The state in which the case begins.
-    pub initial: State,
-    /// The longest that the rig may be late before its verdict is `error`.
-    pub late: Span,
-    /// The longest that the application may run on before the rest of the rig is looked after; `Span::MAX` leaves
-    /// it to the events. Never shows in the trace.
-    pub slice: Span,
-    /// The case ends when a claim is lost.
-    pub fail_fast: bool,
-    /// Most modelled time from power-on to the end.
-    pub timeout: Span,
-    /// Most modelled time of the teardown.
-    pub teardown: Span,
-}
-
-/// What a case's run leaves besides its trace.
-#[derive(Debug, Default)]
-pub struct Ran {
-    /// When the case's own time began.
-    pub start: Option<Time>,
-    /// The end of the case: its teardown comes behind.
-    pub end: Time,
-    /// The last instant.
-    pub closed: Time,
-    /// Trouble of the rig: the verdict is then `error`.
-    pub trouble: Option<Trouble>,
-    /// Deadlines of the rig that it missed.
-    pub overruns: u64,
-    /// Events that the board lost.
-    pub dropped: u64,
-    /// The log.
-    pub log: Vec<(Time, String)>,
-    /// Log lines that found no room.
-    pub log_dropped: u64,
-}
 
 /// Runs one case.
 pub struct Executor<'a> {
@@ -82,6 +50,9 @@ pub struct Executor<'a> {
     limits: Limits,
     interrupt: &'a AtomicBool,
     operator: Option<&'a dyn Operator>,
+    heart: Option<&'a dyn Heart>,
+    /// The guard counts on its beats.
+    beating: bool,
     effects: Effects,
     spare: Vec<Effect>,
     writes: Vec<(ChannelId, Value)>,
@@ -92,9 +63,15 @@ pub struct Executor<'a> {
     /// Instant that the rig has reached: modelled, and on the clock.
     now: Time,
     actual: Time,
+    /// Since when the subject has its program.
+    loaded: Time,
     /// The board's lines are modelled: they live in the controller's time, and a rig that is late only knows less
     /// exactly when things happened. Wires have the clock's time.
     modelled: bool,
+    /// What real lines need.
+    lines: Lines,
+    awaited: Awaited,
+    punctuality: Option<Punctuality>,
     same: u32,
     over: bool,
     /// The outputs were driven to their safe values.
@@ -141,6 +118,8 @@ pub struct Parts<'a> {
     pub interrupt: &'a AtomicBool,
     /// Can be asked.
     pub operator: Option<&'a dyn Operator>,
+    /// Is shown that the executor goes on turning.
+    pub heart: Option<&'a dyn Heart>,
 }
 
 impl std::fmt::Debug for Parts<'_> {
@@ -155,7 +134,11 @@ impl<'a> Executor<'a> {
         let channels = parts.board.channels();
         let driven: Vec<Value> = channels.iter().map(|channel| channel.safe).collect();
         let modelled = channels.iter().all(|channel| channel.timestamp == TimestampSource::Virtual);
+        let exact = parts.clock.is_exact();
         Executor {
+            awaited: Awaited::new(channels),
+            lines: if modelled { Lines::default() } else { Lines::new(channels.len()) },
+            punctuality: (!exact).then(|| Punctuality::new(limits.horizon)),
             effects: Effects::new(),
             spare: Vec::with_capacity(256),
             writes: Vec::with_capacity(channels.len()),
@@ -171,9 +154,12 @@ impl<'a> Executor<'a> {
             alarms: parts.alarms,
             interrupt: parts.interrupt,
             operator: parts.operator,
+            heart: parts.heart,
+            beating: false,
             limits,
             now: Time::ZERO,
             actual: Time::ZERO,
+            loaded: Time::ZERO,
             modelled,
             same: 0,
             over: false,
@@ -211,8 +197,18 @@ impl<'a> Executor<'a> {
         if let Err(error) = self.board.safe(at) {
             self.ran.trouble.get_or_insert(Trouble::Board { at, error });
         }
+        if let Some(heart) = self.heart.filter(|_| self.beating)
+            && let Err(error) = heart.end()
+        {
+            let trouble = self.unguarded(&error);
+            self.ran.trouble.get_or_insert(trouble);
+        }
         let health = self.board.health();
         self.ran.dropped = health.dropped;
+        // What it had not come to by now is late as well.
+        self.ran.late_outputs = self.lines.late_outputs().max(self.actual - self.now);
+        self.ran.horizon = if self.modelled { Span::ZERO } else { self.limits.horizon };
+        self.ran.wakes = self.punctuality.take().map(Punctuality::figures);
         if !health.is_sound() {
             self.ran.trouble.get_or_insert(Trouble::Unsound { at: self.now, health });
         }
@@ -222,67 +218,10 @@ impl<'a> Executor<'a> {
         std::mem::take(&mut self.ran)
     }
 
-    /// Brings the subject into the state in which the case begins.
-    fn prelude(&mut self) -> Result<(), Trouble> {
-        self.board.start(Time::ZERO).map_err(|error| Trouble::Board { at: Time::ZERO, error })?;
-        self.show_initial()?;
-        let initial = self.limits.initial;
-        if initial != State::Off {
-            self.subject.power(Time::ZERO, true, &mut self.effects);
-            self.apply()?;
-        }
-        let mut commanded = false;
-        loop {
-            let state = self.subject.state();
-            if state == initial {
-                break;
-            }
-            let settled = matches!(state, State::Stopped | State::Running | State::Empty);
-            if settled && !commanded {
-                commanded = true;
-                let command = if initial == State::Running { Command::Run } else { Command::Stop };
-                let at = self.now;
-                self.subject
-                    .command(at, &command, &mut self.effects)
-                    .map_err(|refusal| Trouble::Prelude { state, refusal: Some(refusal) })?;
-                self.apply()?;
-                continue;
-            }
-            if self.now > Time::ZERO + PRELUDE || !self.turn(Time::ZERO + PRELUDE + Span::from_secs(1))? {
-                return Err(Trouble::Prelude { state, refusal: None });
-            }
-        }
-        self.ran.start = Some(self.now);
-        if let Some(mark) = self.wiring.start {
-            self.recorder.mark(mark, self.seen(self.now));
-        }
-        self.schedule.start(self.now);
-        self.arm();
-        Ok(())
-    }
-
-    /// What every observed probe shows before anything happens.
-    fn show_initial(&mut self) -> Result<(), Trouble> {
-        if let Some(signal) = self.wiring.state {
-            let state = Value::Int(self.subject.state().number());
-            self.recorder.record(signal, When::exactly(Time::ZERO), state, Cause::Controller);
-        }
-        self.writes.clear();
-        for (output, channel) in self.wiring.outputs.iter().enumerate() {
-            if let Some(channel) = channel {
-                self.writes.push((*channel, self.subject.read(&Probe::Terminal(output))));
-                self.wiring.writers[usize::from(channel.0)] = Cause::Controller;
-            }
-        }
-        let written = self.board.write(Time::ZERO, &self.writes);
-        written.map_err(|error| Trouble::Board { at: Time::ZERO, error })?;
-        self.poll()
-    }
-
     fn main(&mut self) -> Result<(), Trouble> {
         // Steps at the start itself come before the first operation of the first cycle.
         while !self.over {
-            let timeout = Time::ZERO.saturating_add(self.limits.timeout);
+            let timeout = self.loaded.saturating_add(self.limits.timeout);
             let end = self.schedule.end().unwrap_or(Time::MAX);
             if !self.turn(end.min(timeout))? {
                 if self.now >= timeout && end > timeout {
@@ -303,12 +242,18 @@ impl<'a> Executor<'a> {
         let alarm = self.next_alarm().unwrap_or(Time::MAX);
         let wake = self.stepping.as_ref().map_or(Time::MAX, |stepping| stepping.wake(self.now));
         let slice = self.now.saturating_add(self.limits.slice);
-        let due = timer.min(board).min(step).min(alarm).min(end).min(slice).min(wake);
+        let input = self.lines.next().unwrap_or(Time::MAX);
+        let due = timer.min(board).min(step).min(alarm).min(end).min(slice).min(wake).min(input);
         if due == Time::MAX {
             return Err(Trouble::Stuck { at: self.now });
         }
         let due = due.max(self.now);
+        let next = due;
+        let due = if self.modelled { due } else { self.approach(due)? };
         let reached = self.subject.run(due, &mut self.effects);
+        if due < next && self.has_computed(reached) {
+            return Ok(true);
+        }
         self.pass(reached)?;
         if !self.effects.list.is_empty() {
             self.apply()?;
@@ -317,8 +262,12 @@ impl<'a> Executor<'a> {
         if reached < due {
             return Ok(true);
         }
-        if board <= due {
+        if board <= due || !self.modelled && self.clock.rung() {
             self.poll()?;
+        }
+        if input <= due {
+            self.feed();
+            self.apply()?;
         }
         if step <= due {
             self.steps(due)?;
@@ -359,30 +308,6 @@ impl<'a> Executor<'a> {
         Ok(())
     }
 
-    /// Time passes to `to`: waits for it, and takes note of how late the wait ended.
-    #[inline]
-    fn pass(&mut self, to: Time) -> Result<(), Trouble> {
-        if to > self.now {
-            self.same = 0;
-            self.now = to;
-        } else {
-            self.same += 1;
-            if self.same > MOST_SIMULTANEOUS {
-                return Err(Trouble::Simultaneous { at: self.now });
-            }
-        }
-        self.actual = self.clock.wait_until(to).max(self.actual);
-        let late = self.actual - to;
-        if late > Span::ZERO {
-            self.recorder.note_late(late);
-            if late > self.limits.late {
-                self.ran.overruns += 1;
-                self.ran.trouble.get_or_insert(Trouble::Late { at: to, late, limit: self.limits.late });
-            }
-        }
-        Ok(())
-    }
-
     /// Carries out what the subject did.
     fn apply(&mut self) -> Result<(), Trouble> {
         if self.effects.list.is_empty() {
@@ -393,9 +318,10 @@ impl<'a> Executor<'a> {
         for index in 0..self.spare.len() {
             let effect = self.spare[index];
             match effect {
-                Effect::Terminal { output, level, cause, .. } => {
+                Effect::Terminal { at, output, level, cause } => {
                     let Some(channel) = self.wiring.output(output) else { continue };
                     self.wiring.writers[usize::from(channel.0)] = cause;
+                    self.lines.wrote(channel, at, self.actual);
                     self.writes.push((channel, Value::from(level)));
                 }
                 Effect::State { at, state } => {
@@ -422,6 +348,7 @@ impl<'a> Executor<'a> {
         }
         self.spare.clear();
         if !self.writes.is_empty() {
+            self.expect_writes();
             let writes = std::mem::take(&mut self.writes);
             let at = self.board_time();
             let written = self.board.write(at, &writes);
@@ -435,15 +362,6 @@ impl<'a> Executor<'a> {
     /// When something that happened at a modelled instant was seen: exactly in virtual time, else up to now.
     fn seen(&self, at: Time) -> When {
         if self.clock.is_exact() { When::exactly(at) } else { When::within(at, self.actual) }
-    }
-
-    /// When something that the board saw happened. What a late rig did to a wire, it should have done earlier.
-    fn seen_by_board(&self, at: When) -> When {
-        match (self.clock.is_exact(), self.modelled) {
-            (true, _) => at,
-            (false, true) => When::within(at.earliest, at.latest.max(self.actual)),
-            (false, false) => When::within(at.earliest.saturating_add(-self.recorder.late()), at.latest),
-        }
     }
 
     /// The instant that the rig has reached in the board's time.
@@ -471,21 +389,26 @@ impl<'a> Executor<'a> {
             self.see(event);
         }
         self.polled = events;
-        polled.map_err(|error| Trouble::Board { at: now, error })
+        polled.map_err(|error| Trouble::Board { at: now, error })?;
+        // A line may have told the subject's state.
+        self.apply()
     }
 
     fn see(&mut self, event: &BoardEvent) {
-        let place = usize::from(event.channel().0);
-        let (at, value, cause) = match *event {
+        let channel = event.channel();
+        let place = usize::from(channel.0);
+        let (at, value, cause, origin) = match *event {
             BoardEvent::Changed { at, value, origin, .. } => {
                 let cause = if origin == Origin::Write { self.wiring.writers[place] } else { Cause::Board };
-                (at, value, cause)
+                self.awaited.seen(channel);
+                self.lines.reached(channel, at.latest, origin);
+                (at, value, cause, origin)
             }
             BoardEvent::Lost { at, reason, .. } => {
                 if reason != LossReason::Injected {
                     self.ran.trouble.get_or_insert(Trouble::Lost { at, channel: event.channel(), reason });
                 }
-                (When::exactly(at), Value::Unknown, Cause::Board)
+                (When::exactly(at), Value::Unknown, Cause::Board, Origin::Outside)
             }
             BoardEvent::Returned { .. } => return,
             BoardEvent::Dropped { at, count, channel } => {
@@ -495,10 +418,9 @@ impl<'a> Executor<'a> {
         };
         for index in 0..self.wiring.channels[place].len() {
             let signal = self.wiring.channels[place][index];
-            self.record(signal, self.seen_by_board(at), value, cause);
+            self.record(signal, self.seen_by_board(at, channel, origin), value, cause);
         }
-        let inputs = &self.wiring.inputs[place];
-        if !inputs.is_empty() {
+        if !self.wiring.inputs[place].is_empty() {
             let level = match value {
                 Value::Bool(high) => Level::from_bool(high),
                 // Between the two levels of a voltage an input keeps the one that it had.
@@ -508,8 +430,9 @@ impl<'a> Executor<'a> {
                 },
                 _ => Level::HighZ,
             };
-            for &input in inputs {
-                self.subject.input(self.now.max(at.latest), input, level);
+            for index in 0..self.wiring.inputs[place].len() {
+                let input = self.wiring.inputs[place][index];
+                self.input(channel, at, input, level);
             }
         }
     }

@@ -7,12 +7,13 @@ mod signals;
 mod steps;
 mod waves;
 
+use crate::external::NOT_RUNNING;
 use crate::facts;
 use crate::schedule::{Act, Planned};
 use crate::subject::Subject;
 use crate::suite::beside;
 use crate::wiring::Wiring;
-use controller::{Channel as Terminal, Probe, State};
+use controller::{Probe, State};
 use document::{Diagnostic, Findings};
 use drivers::{Board, BoardFile};
 use meaning::{Meaning, Names, meaning};
@@ -77,6 +78,16 @@ pub fn state_labels() -> Vec<(i64, String)> {
     State::ALL.iter().map(|state| (state.number(), state.name().to_owned())).collect()
 }
 
+/// The signal `state` of the controller of a board file.
+pub(crate) fn state_info(file: &BoardFile) -> SignalInfo {
+    let mut labels = state_labels();
+    if file.subject.is_external() {
+        let (number, name) = NOT_RUNNING;
+        labels.push((number, name.to_owned()));
+    }
+    SignalInfo { labels, ..SignalInfo::exact("state", Kind::State) }
+}
+
 /// The signal that shows what was answered.
 fn answers(step: &str, question: &Question) -> SignalInfo {
     let labels = question.answers.iter().enumerate().map(|(place, answer)| (place as i64, answer.clone()));
@@ -94,17 +105,11 @@ pub fn prepare(
     bench: &mut Bench<'_>,
 ) -> Result<Prepared, Vec<Diagnostic>> {
     let mut out = Findings::new(plan, plans::TOML);
-    let mut wiring = Wiring::new(bench.reference.output_count(), bench.board.channels().len());
-    for binding in &bench.file.bind {
-        match Terminal::at(binding.address, bench.reference) {
-            Some(Terminal::Input(input)) => wiring.inputs[usize::from(binding.channel.0)].push(input),
-            Some(Terminal::Output(output)) => wiring.outputs[output] = Some(binding.channel),
-            None => {}
-        }
+    let mut wiring = Wiring::of(bench.file, bench.reference, bench.board.channels().len());
+    wiring.state = define(&mut trace, state_info(bench.file), &mut out);
+    if let (Some(probe), Some(state)) = (bench.subject.state_probe(), wiring.state) {
+        wiring.show_probe(probe, state);
     }
-    let mut state = SignalInfo::exact("state", Kind::State);
-    state.labels = state_labels();
-    wiring.state = define(&mut trace, state, &mut out);
     let mut signals = Signals::default();
     let mut foreign = Vec::new();
     for binding in &case.signals {

@@ -64,12 +64,18 @@ impl Texts<'_> {
 
     /// The plan's only case in parts, with the usual configuration of the controller.
     pub fn parts(&self, seed: u64) -> (Model, Parted) {
+        self.parts_with(seed, |_| {})
+    }
+
+    /// The same with another configuration of the controller.
+    pub fn parts_with(&self, seed: u64, change: impl FnOnce(&mut Config)) -> (Model, Parted) {
         let (loaded, jobs) = self.load(seed);
         let case = loaded.plan.case(jobs[0].case).unwrap();
         let files = loaded.files(&case, &jobs[0]).unwrap();
         let program = Arc::new(compile(&files.sources, files.profile).unwrap());
         let mut config = Config::new(files.profile);
         config.reference = files.reference;
+        change(&mut config);
         let tasks = vec![("MAST".to_owned(), Vec::new())];
         let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
         let board = drivers::build(&files.board, seed).unwrap();
@@ -92,7 +98,8 @@ impl Texts<'_> {
         let schedule = Schedule::new(steps, case.ends.clone());
         let recorder = Recorder::new(trace, judge);
         let (timeout, teardown) = (case.timeout, case.teardown);
-        (model, Parted { board, recorder, schedule, wiring, alarms, timeout, teardown })
+        let late = Span::from_millis(20);
+        (model, Parted { board, recorder, schedule, wiring, alarms, timeout, teardown, late })
     }
 }
 
@@ -106,6 +113,8 @@ pub struct Parted {
     alarms: Vec<Armed>,
     timeout: Span,
     teardown: Span,
+    /// How late the rig may be.
+    pub late: Span,
 }
 
 impl Parted {
@@ -114,8 +123,9 @@ impl Parted {
         let interrupt = AtomicBool::new(false);
         let limits = Limits {
             initial: State::Running,
-            late: Span::from_millis(20),
+            late: self.late,
             slice: Span::MAX,
+            horizon: Span::from_micros(100),
             fail_fast: false,
             timeout: self.timeout,
             teardown: self.teardown,
@@ -130,6 +140,7 @@ impl Parted {
             alarms: &mut self.alarms,
             interrupt: &interrupt,
             operator: None,
+            heart: None,
         };
         Executor::new(parts, limits).run()
     }

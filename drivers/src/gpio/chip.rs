@@ -1,0 +1,190 @@
+//! What the two threads of a chip and the board share, and the threads.
+
+use std::os::fd::{BorrowedFd, OwnedFd};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicI64, AtomicU32, AtomicU64, Ordering};
+
+use host::{Bell, Realtime, monotonic};
+use rtrb::{Consumer, Producer};
+use rustix::event::{EventfdFlags, Timespec, eventfd};
+use rustix::io::Errno;
+
+use super::device::{Device, Report, device};
+use super::edges::{Edges, Note, edges};
+use super::port::Port;
+
+/// What board and threads of a chip share.
+#[derive(Debug)]
+pub(super) struct Shared {
+    /// Outputs stay safe, whatever is asked.
+    pub(super) latched: AtomicBool,
+    /// The latch that the device has carried out: none, or the number of it.
+    pub(super) made_safe: AtomicU64,
+    /// Number of latches asked for.
+    pub(super) wanted_safe: AtomicU64,
+    /// Number of starts asked for.
+    pub(super) starts: AtomicU64,
+    /// Images that the device has dealt with.
+    pub(super) taken: AtomicU64,
+    /// The stamp since when a call is under way; 0 for none.
+    pub(super) in_call: AtomicI64,
+    /// The error that ended the work with the chip; 0 for none.
+    pub(super) gone: AtomicI32,
+    /// Calls that failed.
+    pub(super) failed: AtomicU64,
+    /// The level behind the last edge of each input, and the inputs that had an edge since the device last asked.
+    pub(super) seen: AtomicU64,
+    pub(super) touched: AtomicU64,
+    /// Edges are being read, or were and are not handed on yet.
+    pub(super) reading: AtomicBool,
+    /// Edges that found no room on their way to the board, by input.
+    pub(super) spilled: [AtomicU32; 64],
+    /// Whether some did.
+    pub(super) spilt: AtomicBool,
+    /// Numbers of edges that have not come yet.
+    pub(super) open: AtomicU32,
+    /// Reports that found no room.
+    pub(super) unreported: AtomicU64,
+    stop: AtomicBool,
+    /// Threads that are at their end.
+    ended: AtomicU32,
+    /// Wakes the device thread.
+    pub(super) device: Bell,
+    /// Wakes whoever waits for the device.
+    pub(super) answer: Bell,
+}
+
+impl Shared {
+    pub(super) fn new() -> Shared {
+        Shared {
+            latched: AtomicBool::new(true),
+            made_safe: AtomicU64::new(0),
+            wanted_safe: AtomicU64::new(0),
+            starts: AtomicU64::new(0),
+            taken: AtomicU64::new(0),
+            in_call: AtomicI64::new(0),
+            gone: AtomicI32::new(0),
+            failed: AtomicU64::new(0),
+            seen: AtomicU64::new(0),
+            touched: AtomicU64::new(0),
+            reading: AtomicBool::new(false),
+            spilled: [const { AtomicU32::new(0) }; 64],
+            spilt: AtomicBool::new(false),
+            open: AtomicU32::new(0),
+            unreported: AtomicU64::new(0),
+            stop: AtomicBool::new(false),
+            ended: AtomicU32::new(0),
+            device: Bell::new(),
+            answer: Bell::new(),
+        }
+    }
+
+    /// Whether the threads are to end.
+    pub(super) fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Acquire)
+    }
+
+    /// A thread has nothing more to do.
+    fn end(&self) {
+        self.ended.fetch_add(1, Ordering::AcqRel);
+        self.answer.ring();
+    }
+
+    /// The chip answered with this error: it is gone if that is what the error says.
+    pub(super) fn refused(&self, error: &std::io::Error) {
+        self.failed.fetch_add(1, Ordering::Relaxed);
+        let code = error.raw_os_error().unwrap_or(0);
+        if [Errno::NODEV, Errno::NXIO, Errno::BADF].iter().any(|gone| gone.raw_os_error() == code) {
+            self.gone.store(code, Ordering::Release);
+        }
+    }
+}
+
+/// The board's side of a chip at work. Dropping it ends the threads; outputs are left safe.
+#[derive(Debug)]
+pub(super) struct Running {
+    pub(super) shared: Arc<Shared>,
+    pub(super) images: Producer<u64>,
+    pub(super) reports: Consumer<Report>,
+    pub(super) notes: Consumer<Note>,
+    end: Arc<OwnedFd>,
+    /// How long the end of a call is waited for.
+    patience: i64,
+    threads: Vec<std::thread::JoinHandle<()>>,
+}
+
+impl Running {
+    /// A chip whose threads are still to be started.
+    pub(super) fn new(
+        port: Arc<dyn Port>,
+        safe: u64,
+        bell: &Arc<Bell>,
+        silent_after: i64,
+    ) -> std::io::Result<(Running, Device, Edges)> {
+        let shared = Arc::new(Shared::new());
+        let (device, images, reports) =
+            device(port.clone(), shared.clone(), bell.clone(), safe, silent_after);
+        let end = Arc::new(eventfd(0, EventfdFlags::CLOEXEC)?);
+        let (edges, notes) = edges(port, shared.clone(), bell.clone(), end.clone());
+        let running =
+            Running { shared, images, reports, notes, end, patience: silent_after, threads: Vec::new() };
+        Ok((running, device, edges))
+    }
+
+    /// Starts its threads. What started before the other failed is ended by dropping.
+    pub(super) fn start(
+        &mut self,
+        name: &str,
+        device: Device,
+        edges: Edges,
+        realtime: Realtime,
+    ) -> std::io::Result<()> {
+        let named = |role: &str| std::thread::Builder::new().name(format!("{role} {name}"));
+        let ended = self.shared.clone();
+        let edges = move || {
+            edges.run(realtime);
+            ended.end();
+        };
+        self.threads.push(named("edges").spawn(edges)?);
+        let ended = self.shared.clone();
+        let device = move || {
+            device.run(realtime);
+            ended.end();
+        };
+        self.threads.push(named("lines").spawn(device)?);
+        Ok(())
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.shared.latched.store(true, Ordering::Release);
+        self.shared.stop.store(true, Ordering::Release);
+        self.shared.device.ring();
+        // A counter takes eight bytes; it cannot be full.
+        let _ = rustix::io::write(&*self.end, &1u64.to_ne_bytes());
+        let due = monotonic().saturating_add(self.patience);
+        let all = self.threads.len() as u32;
+        while self.shared.ended.load(Ordering::Acquire) < all {
+            // A thread inside a call that hangs is left to it: when the call ends, the latch is all that it finds.
+            if monotonic() >= due {
+                return;
+            }
+            self.shared.answer.wait_until(due);
+        }
+        for thread in self.threads.drain(..) {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What a port's edges come from.
+pub(super) fn sources(port: &dyn Port) -> impl Iterator<Item = BorrowedFd<'_>> {
+    (0..).map_while(|number| port.source(number))
+}
+
+/// A time to wait, in the kernel's terms.
+pub(super) fn timespec(nanos: i64) -> Timespec {
+    let nanos = nanos.max(0);
+    Timespec { tv_sec: nanos / 1_000_000_000, tv_nsec: nanos % 1_000_000_000 }
+}

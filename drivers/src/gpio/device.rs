@@ -1,0 +1,270 @@
+//! The thread that drives and reads a chip: the only one whose calls may last.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use host::{Bell, Realtime, Role, monotonic};
+use rtrb::{Consumer, Producer};
+use rustix::event::{PollFd, PollFlags, poll};
+
+use super::chip::{Shared, sources, timespec};
+use super::port::{Levels, Port};
+
+/// Images on their way to the device, and its reports on their way back.
+const TURNS: usize = 1_024;
+
+/// What the device did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Report {
+    /// It was driven: between these stamps all outputs took these levels.
+    Set { before: i64, after: i64, bits: u64 },
+    /// Changes of an output that were asked for and taken back before the device came to them.
+    Swallowed { output: u8, count: u32, at: i64 },
+    /// An input has had this level for a while, and no edge told of it.
+    Strayed { input: u8, high: bool, at: i64 },
+    /// It was driven safe and all its inputs were read, for this start.
+    Started { start: u64, before: i64, after: i64, bits: u64, levels: Levels },
+}
+
+/// The device thread's side of a chip: drives the newest image and reads the levels.
+#[derive(Debug)]
+pub(super) struct Device {
+    port: Arc<dyn Port>,
+    shared: Arc<Shared>,
+    images: Consumer<u64>,
+    reports: Producer<Report>,
+    /// Is rung when there is something to report.
+    bell: Arc<Bell>,
+    safe: u64,
+    /// What the outputs were driven to last; `None` where that is not known.
+    driven: Option<u64>,
+    /// The newest image that was asked for.
+    asked: u64,
+    started: u64,
+    /// How long it may be left alone, and how long an edge may take to arrive.
+    idle: i64,
+    /// The level of each input, by edges.
+    levels: u64,
+    /// Inputs that read otherwise, each since when.
+    astray: u64,
+    since: [i64; 64],
+    told: bool,
+}
+
+impl Device {
+    /// The thread.
+    pub(super) fn run(mut self, realtime: Realtime) {
+        // A refusal is told once for all threads, by whoever set up the run.
+        let _ = realtime.enter(Role::Devices);
+        loop {
+            // What is asked before the stop is seen after it.
+            let stop = self.shared.stopped();
+            self.turn();
+            if stop {
+                return;
+            }
+            self.shared.device.wait_until(monotonic().saturating_add(self.idle));
+        }
+    }
+
+    /// One look at what is asked: at most one call that drives and one that reads.
+    pub(super) fn turn(&mut self) {
+        if self.shared.gone.load(Ordering::Acquire) != 0 {
+            self.shared.answer.ring();
+            return;
+        }
+        // The order matters: whoever asks to be safe or started latches first, then counts.
+        let wanted_safe = self.shared.wanted_safe.load(Ordering::Acquire);
+        let starts = self.shared.starts.load(Ordering::Acquire);
+        if starts != self.started {
+            self.start(starts);
+        } else {
+            self.drive();
+            self.read();
+            self.shared.in_call.store(0, Ordering::Release);
+        }
+        if self.shared.latched.load(Ordering::Acquire) && self.driven == Some(self.safe) {
+            self.shared.made_safe.store(wanted_safe, Ordering::Release);
+            self.shared.answer.ring();
+        }
+        if std::mem::take(&mut self.told) {
+            self.bell.ring();
+        }
+    }
+
+    /// Drives the newest image, if it is another than the last, or the safe one.
+    fn drive(&mut self) {
+        let mut turned = 0u64;
+        let mut again = 0u64;
+        let mut taken = 0;
+        while let Ok(image) = self.images.pop() {
+            taken += 1;
+            let flips = image ^ self.asked;
+            again |= turned & flips;
+            turned |= flips;
+            self.asked = image;
+        }
+        if self.shared.latched.load(Ordering::Acquire) {
+            self.asked = self.safe;
+        } else if again != 0 {
+            self.swallowed(again);
+        }
+        if self.driven == Some(self.asked) {
+            self.took(taken);
+            return;
+        }
+        let bits = self.asked;
+        let before = monotonic();
+        self.shared.in_call.store(before, Ordering::Release);
+        // Now the call is what is waited for.
+        self.took(taken);
+        let outcome = self.port.set(bits);
+        let after = monotonic();
+        // The call that reads comes next.
+        self.shared.in_call.store(after, Ordering::Release);
+        match outcome {
+            Ok(()) => {
+                self.driven = Some(bits);
+                self.report(Report::Set { before, after, bits });
+            }
+            Err(error) => {
+                self.driven = None;
+                self.refused(&error);
+            }
+        }
+    }
+
+    /// So many images are dealt with.
+    fn took(&self, images: u64) {
+        if images > 0 {
+            self.shared.taken.fetch_add(images, Ordering::AcqRel);
+        }
+    }
+
+    /// Some lines went to and fro before the device came to it.
+    fn swallowed(&mut self, lines: u64) {
+        let at = monotonic();
+        for output in (0..64).filter(|output| lines >> output & 1 == 1) {
+            self.report(Report::Swallowed { output, count: 2, at });
+        }
+    }
+
+    fn read(&mut self) {
+        if self.shared.in_call.load(Ordering::Relaxed) == 0 {
+            self.shared.in_call.store(monotonic(), Ordering::Release);
+        }
+        match self.port.get() {
+            Ok(levels) => self.compare(levels),
+            Err(error) => self.refused(&error),
+        }
+    }
+
+    /// What the inputs read must be what their edges told, or an edge never came.
+    fn compare(&mut self, levels: Levels) {
+        let mut touched = 0;
+        if self.shared.touched.load(Ordering::Relaxed) != 0 {
+            touched = self.shared.touched.swap(0, Ordering::AcqRel);
+            let seen = self.shared.seen.load(Ordering::Acquire);
+            self.levels = self.levels & !touched | seen & touched;
+        }
+        let differ = (self.levels ^ levels.bits) & levels.known;
+        self.astray &= !touched & !(levels.known & !differ);
+        if differ == 0 {
+            return;
+        }
+        let now = monotonic();
+        for input in (0..64u8).filter(|input| differ >> input & 1 == 1) {
+            let (bit, place) = (1 << input, usize::from(input));
+            if self.astray & bit == 0 {
+                self.astray |= bit;
+                self.since[place] = now;
+            } else if now - self.since[place] >= self.idle && !self.coming() {
+                self.levels ^= bit;
+                self.astray &= !bit;
+                self.report(Report::Strayed { input, high: levels.bits & bit != 0, at: now });
+            }
+        }
+    }
+
+    /// Everything safe, everything read: what a run begins with.
+    fn start(&mut self, start: u64) {
+        while self.images.pop().is_ok() {
+            self.took(1);
+        }
+        self.asked = self.safe;
+        self.astray = 0;
+        self.shared.touched.store(0, Ordering::Release);
+        self.shared.in_call.store(monotonic(), Ordering::Release);
+        let driven = self.port.set(self.safe);
+        let before = monotonic();
+        let outcome = driven.and_then(|()| self.port.survey());
+        let after = monotonic();
+        match outcome {
+            Ok(levels) => {
+                self.driven = Some(self.safe);
+                self.levels = levels.bits;
+                let bits = self.safe;
+                self.report(Report::Started { start, before, after, bits, levels });
+            }
+            Err(error) => {
+                self.driven = None;
+                self.refused(&error);
+            }
+        }
+        self.started = start;
+        self.shared.in_call.store(0, Ordering::Release);
+        self.shared.answer.ring();
+    }
+
+    /// Whether edges are on their way: then the one that is missed may be among them.
+    fn coming(&self) -> bool {
+        let ready = |source| {
+            let mut wait = [PollFd::from_borrowed_fd(source, PollFlags::IN)];
+            poll(&mut wait, Some(&timespec(0))).is_ok_and(|count| count > 0)
+        };
+        sources(&*self.port).any(ready)
+            || self.shared.reading.load(Ordering::Acquire)
+            || self.shared.touched.load(Ordering::Acquire) != 0
+    }
+
+    fn report(&mut self, report: Report) {
+        self.told = true;
+        if self.reports.push(report).is_err() {
+            self.shared.unreported.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    fn refused(&mut self, error: &std::io::Error) {
+        self.told = true;
+        self.shared.refused(error);
+    }
+}
+
+/// The device's side of a chip, and the ends of the queues to and from it.
+pub(super) fn device(
+    port: Arc<dyn Port>,
+    shared: Arc<Shared>,
+    bell: Arc<Bell>,
+    safe: u64,
+    idle: i64,
+) -> (Device, Producer<u64>, Consumer<Report>) {
+    let (images, asked) = rtrb::RingBuffer::new(TURNS);
+    let (reports, reported) = rtrb::RingBuffer::new(TURNS);
+    let device = Device {
+        port,
+        shared,
+        images: asked,
+        reports,
+        bell,
+        safe,
+        driven: Some(safe),
+        asked: safe,
+        started: 0,
+        idle,
+        levels: 0,
+        astray: 0,
+        since: [0; 64],
+        told: false,
+    };
+    (device, images, reported)
+}

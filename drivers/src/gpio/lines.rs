@@ -1,0 +1,318 @@
+//! One chip as the board follows it: what its lines were driven to, what their edges told, whether it still answers.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use host::monotonic;
+use signal::{Time, When};
+
+use super::chip::{Running, Shared};
+use super::device::Report;
+use super::inputs::Inputs;
+use super::telling::Telling;
+use crate::{BoardEvent, ChannelId, LossReason, Origin};
+
+/// Images of the outputs of a chip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Masks {
+    /// Where they are safe.
+    pub(super) safe: u64,
+    /// Where each is left at when it lets go.
+    pub(super) released: u64,
+    /// Outputs whose channel has an input, too: that one tells.
+    pub(super) double: u64,
+    /// Outputs that nobody wants to see.
+    pub(super) unseen: u64,
+}
+
+/// A chip and what is known of its lines. Bits are places in its claim.
+#[derive(Debug)]
+pub(super) struct Lines {
+    pub(super) shared: Arc<Shared>,
+    pub(super) running: Running,
+    /// The channel of each output.
+    pub(super) drives: Vec<ChannelId>,
+    inputs: Inputs,
+    pub(super) masks: Masks,
+    /// How long a call may last.
+    limit: i64,
+    /// The image that was asked for last, and one to be asked for.
+    pub(super) wanted: u64,
+    pub(super) next: u64,
+    /// Images that were handed to the device, those that it was seen to have taken, and since when it owes the rest.
+    asked: u64,
+    taken: u64,
+    owes: i64,
+    /// The queue to the device was full: the newest image is still to be handed over.
+    behind: bool,
+    /// What the outputs were driven to last.
+    driven: u64,
+    pub(super) lost: Option<LossReason>,
+    /// Calls that had failed when the run began.
+    pub(super) failed: u64,
+}
+
+impl Lines {
+    pub(super) fn new(
+        running: Running,
+        drives: Vec<ChannelId>,
+        inputs: Inputs,
+        masks: Masks,
+        limit: i64,
+    ) -> Lines {
+        Lines {
+            shared: running.shared.clone(),
+            running,
+            drives,
+            inputs,
+            masks,
+            limit,
+            wanted: masks.safe,
+            next: masks.safe,
+            asked: 0,
+            taken: 0,
+            owes: 0,
+            behind: false,
+            driven: masks.safe,
+            lost: None,
+            failed: 0,
+        }
+    }
+
+    /// Asks the device to begin anew. The number of this beginning.
+    pub(super) fn ask_start(&mut self) -> u64 {
+        self.shared.latched.store(true, Ordering::Release);
+        let start = self.shared.starts.fetch_add(1, Ordering::AcqRel) + 1;
+        self.shared.device.ring();
+        start
+    }
+
+    /// Waits until the device has begun anew. FALSE where it does not in time.
+    pub(super) fn await_start(&mut self, start: u64, due: i64) -> bool {
+        loop {
+            while let Ok(report) = self.running.reports.pop() {
+                let Report::Started { start: done, before, after, bits, levels } = report else { continue };
+                if done != start {
+                    continue;
+                }
+                self.inputs.start(levels, before, after.saturating_add(self.limit));
+                (self.driven, self.wanted, self.next) = (bits, bits, bits);
+                (self.asked, self.behind, self.lost) =
+                    (self.shared.taken.load(Ordering::Acquire), false, None);
+                self.taken = self.asked;
+                self.failed = self.shared.failed.load(Ordering::Acquire);
+                for spilled in &self.shared.spilled {
+                    spilled.store(0, Ordering::Release);
+                }
+                self.shared.unreported.store(0, Ordering::Release);
+                self.shared.latched.store(false, Ordering::Release);
+                return true;
+            }
+            if self.gone() || monotonic() >= due {
+                return false;
+            }
+            self.shared.answer.wait_until(due);
+        }
+    }
+
+    /// Drives everything safe, for good.
+    pub(super) fn ask_safe(&mut self) -> u64 {
+        (self.wanted, self.next, self.behind) = (self.masks.safe, self.masks.safe, false);
+        self.shared.latched.store(true, Ordering::Release);
+        let wanted = self.shared.wanted_safe.fetch_add(1, Ordering::AcqRel) + 1;
+        self.shared.device.ring();
+        wanted
+    }
+
+    /// Waits until everything is safe, and until every number of an edge has come or is given up.
+    pub(super) fn await_safe(&self, wanted: u64, due: i64) -> bool {
+        loop {
+            let safe = self.shared.made_safe.load(Ordering::Acquire) >= wanted;
+            if safe && self.shared.open.load(Ordering::Acquire) == 0 {
+                return true;
+            }
+            if self.gone() || monotonic() >= due {
+                return safe;
+            }
+            self.shared.answer.wait_until(due);
+        }
+    }
+
+    pub(super) fn gone(&self) -> bool {
+        self.shared.gone.load(Ordering::Acquire) != 0
+    }
+
+    /// Hands the next image to the device, if it is another one.
+    pub(super) fn ask(&mut self, now: i64) {
+        if self.next == self.wanted && !self.behind {
+            return;
+        }
+        self.wanted = self.next;
+        self.look(now);
+        self.behind = self.running.images.push(self.next).is_err();
+        if !self.behind {
+            if self.taken == self.asked {
+                self.owes = now;
+            }
+            self.asked += 1;
+        }
+        self.shared.device.ring();
+    }
+
+    /// Looks at what the device has taken: whoever takes something is not silent.
+    fn look(&mut self, now: i64) {
+        let taken = self.shared.taken.load(Ordering::Acquire);
+        if taken != self.taken {
+            (self.taken, self.owes) = (taken, now);
+        }
+    }
+
+    /// When the chip counts as silent if it does not answer.
+    pub(super) fn overdue(&self) -> Option<i64> {
+        if self.lost.is_some() {
+            return None;
+        }
+        let owes = Some(self.owes).filter(|_| self.shared.taken.load(Ordering::Acquire) != self.asked);
+        let called = Some(self.shared.in_call.load(Ordering::Acquire)).filter(|since| *since != 0);
+        let since = match (owes, called) {
+            (Some(owes), Some(called)) => owes.min(called),
+            (owes, called) => owes.or(called)?,
+        };
+        Some(since.saturating_add(self.limit))
+    }
+
+    /// The levels of all sensed lines as they are.
+    pub(super) fn present(&self, at: Time, telling: &mut Telling<'_>) {
+        let at = When::exactly(at);
+        self.inputs.present(at, telling);
+        let silent = self.masks.double | self.masks.unseen;
+        for (place, channel) in self.drives.iter().enumerate().filter(|(place, _)| silent >> place & 1 == 0) {
+            telling.changed(*channel, at, self.driven >> place & 1 == 1, Origin::Write);
+        }
+    }
+
+    /// Tells what happened up to now.
+    pub(super) fn poll(&mut self, telling: &mut Telling<'_>) {
+        let now = telling.time.stamp(telling.now);
+        self.look(now);
+        if self.behind {
+            self.ask(now);
+        }
+        // Both queues are in the order of their stamps: what is older comes first.
+        loop {
+            let report = self.running.reports.peek().ok().copied();
+            self.edges(report.map_or(i64::MAX, |report| stamp_of(&report)).min(now), telling);
+            let Some(report) = report else { break };
+            if stamp_of(&report) > now {
+                telling.ahead(stamp_of(&report));
+                break;
+            }
+            // It is the one that was looked at.
+            let _ = self.running.reports.pop();
+            self.report(report, telling);
+        }
+        self.spilled(telling);
+        self.answers(telling);
+    }
+
+    /// Edges up to this stamp.
+    fn edges(&mut self, until: i64, telling: &mut Telling<'_>) {
+        let ready = self.running.notes.slots();
+        let Ok(chunk) = self.running.notes.read_chunk(ready) else { return };
+        let (first, second) = chunk.as_slices();
+        let mut taken = 0;
+        for note in first.iter().chain(second) {
+            if note.stamp > until {
+                telling.ahead(note.stamp);
+                break;
+            }
+            self.inputs.edge(note, self.wanted, telling);
+            taken += 1;
+        }
+        chunk.commit(taken);
+    }
+
+    fn report(&mut self, report: Report, telling: &mut Telling<'_>) {
+        match report {
+            Report::Set { before, after, bits } => {
+                let at = When::within(telling.time.at(before), telling.time.at(after));
+                let mut flips = (bits ^ self.driven) & !self.masks.double & !self.masks.unseen;
+                self.driven = bits;
+                while flips != 0 {
+                    let place = flips.trailing_zeros();
+                    flips &= flips - 1;
+                    if let Some(channel) = self.drives.get(place as usize) {
+                        telling.changed(*channel, at, bits >> place & 1 == 1, Origin::Write);
+                    }
+                }
+            }
+            Report::Swallowed { output, count, at } => {
+                if let Some(channel) = self.drives.get(usize::from(output)) {
+                    telling.dropped(*channel, telling.time.at(at), count);
+                }
+            }
+            Report::Strayed { input, high, at } => self.inputs.stray(input, high, at, telling),
+            // Was waited for.
+            Report::Started { .. } => {}
+        }
+    }
+
+    /// What found no room on its way.
+    fn spilled(&mut self, telling: &mut Telling<'_>) {
+        if self.shared.spilt.swap(false, Ordering::AcqRel) {
+            for (place, channel) in self.inputs.channels().enumerate() {
+                let count = self.shared.spilled[place].swap(0, Ordering::AcqRel);
+                telling.dropped(channel, telling.now, count);
+            }
+        }
+        if self.shared.unreported.load(Ordering::Relaxed) > 0 {
+            let count = u32::try_from(self.shared.unreported.swap(0, Ordering::AcqRel)).unwrap_or(u32::MAX);
+            for channel in &self.drives {
+                telling.dropped(*channel, telling.now, count);
+            }
+        }
+    }
+
+    /// Whether the chip still answers.
+    fn answers(&mut self, telling: &mut Telling<'_>) {
+        let now = telling.time.stamp(telling.now);
+        let reason = match (self.gone(), self.lost) {
+            (true, _) => Some(LossReason::Gone),
+            (false, Some(_)) => {
+                // It was silent. It answers again when no call is under way and nothing is owed.
+                let silent = self.taken != self.asked || self.shared.in_call.load(Ordering::Acquire) != 0;
+                silent.then_some(LossReason::Silent)
+            }
+            (false, None) => self.overdue().is_some_and(|due| due < now).then_some(LossReason::Silent),
+        };
+        if reason == self.lost {
+            return;
+        }
+        self.lost = reason;
+        let at = telling.now;
+        // A channel of two lines is told of once.
+        let outputs = self.drives.iter().enumerate().filter(|(place, _)| self.masks.double >> place & 1 == 0);
+        for channel in self.inputs.channels().chain(outputs.map(|(_, channel)| *channel)) {
+            match reason {
+                Some(reason) => telling.tell(BoardEvent::Lost { channel, at, reason }),
+                None => telling.tell(BoardEvent::Returned { channel, at }),
+            }
+        }
+        if reason.is_none() {
+            self.present(at, telling);
+        }
+    }
+
+    /// Channels that are lost with the chip.
+    pub(super) fn lost_channels(&self) -> u32 {
+        let outputs = self.drives.len() as u32 - self.masks.double.count_ones();
+        if self.lost.is_some() { self.inputs.len() as u32 + outputs } else { 0 }
+    }
+}
+
+fn stamp_of(report: &Report) -> i64 {
+    match *report {
+        Report::Set { after, .. } | Report::Started { after, .. } => after,
+        Report::Swallowed { at, .. } | Report::Strayed { at, .. } => at,
+    }
+}

@@ -1,0 +1,116 @@
+//! `rig bench loopback`.
+
+use super::{INTERRUPT, board, interrupted, keep, measured, refuse, show};
+use crate::args::Format;
+use crate::exit::Exit;
+use crate::output;
+use clap::Args;
+use drivers::{ChannelId, Loop};
+use record::Durations;
+use runtime::figures::{devices, durations};
+use runtime::instrument::{LoopFault, loopback, names};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// The most edges of one measurement.
+const MOST: u64 = 100_000_000;
+
+/// `rig bench loopback`.
+#[derive(Debug, Args)]
+pub struct LoopbackArgs {
+    /// The board file. Its `[board] check` names the loop.
+    #[arg(long, value_name = "FILE")]
+    board: PathBuf,
+    /// The output at which another loop begins. It is driven up and down as fast as the loop lets it.
+    #[arg(long, value_name = "CHANNEL", requires = "input")]
+    out: Option<String>,
+    /// The input to which that output is wired; the same channel where the board reads it back.
+    #[arg(long = "in", value_name = "CHANNEL", requires = "out")]
+    input: Option<String>,
+    /// How many edges to measure.
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    count: u64,
+    /// How to print.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Lets a loop drive itself and says how long its edges take.
+pub fn run(args: &LoopbackArgs) -> Exit {
+    try_run(args).unwrap_or_else(|exit| exit)
+}
+
+fn try_run(args: &LoopbackArgs) -> Result<Exit, Exit> {
+    if args.count == 0 || args.count > MOST {
+        let message = format!("--count {}: so many edges cannot be measured", args.count);
+        return Err(refuse("R0250", message, &format!("from 1 to {MOST}")));
+    }
+    let (file, hardware) = board::open(&args.board)?;
+    let mut board = hardware.lend();
+    let looped = match (&args.out, &args.input, file.check) {
+        (Some(out), Some(input), _) => {
+            let channel = |option: &str, name: &str| -> Result<ChannelId, Exit> {
+                file.find(name).ok_or_else(|| {
+                    let message = format!("{option} {name}: the board has no such channel");
+                    refuse("R0254", message, "name a channel of the board file")
+                })
+            };
+            Loop { out: channel("--out", out)?, input: channel("--in", input)? }
+        }
+        (_, _, Some(looped)) => looped,
+        _ => {
+            let message = format!("`{}` names no loop", args.board.display());
+            let help = "add `check = { out = ..., in = ... }` to its `[board]`, or give --out and --in";
+            return Err(refuse("R0254", message, help));
+        }
+    };
+    let names = names(&board, looped);
+    let mut settings = board::settings(&hardware);
+    settings.push((String::from("loop"), names.join(" to ")));
+    let entered = hardware.enter();
+    let found = loopback(hardware.instrument(&mut board), looped, args.count, &INTERRUPT);
+    drop(entered);
+    let found = found.map_err(|fault| failed(&fault, &names))?;
+    let histograms = [
+        ("call to stamp", &found.call_to_stamp),
+        ("stamp to seen", &found.stamp_to_seen),
+        ("asked to call", &found.asked_to_call),
+    ];
+    let figures: Vec<Durations> =
+        histograms.iter().filter_map(|(name, histogram)| durations(name, histogram)).collect();
+    let Some(turn) = found.turn() else {
+        output::note("interrupted before the first edge");
+        return Ok(Exit::Interrupted);
+    };
+    let kept = keep(&measured("loopback", &devices(&file), settings, figures.clone()));
+    match args.format {
+        Format::Table => {
+            let mut text = format!("{} edges from `{}` to `{}`\n", found.turns, names[0], names[1]);
+            figures.iter().for_each(|figure| text += &format!("{}\n", show::line(figure)));
+            text += &format!("a turn by counting alone, 1/(2f): {turn}\n");
+            kept.iter().for_each(|path| text += &format!("kept in {path}\n"));
+            output::print(&text);
+        }
+        Format::Json => {
+            let mut all = json!({ "loop": names, "turns": found.turns, "kept": kept });
+            all["devices"] = json!(devices(&file));
+            all["turn_us"] = json!(turn.as_nanos() as f64 / 1_000.0);
+            for (figure, (_, histogram)) in figures.iter().zip(&histograms) {
+                let mut one = show::figures(figure);
+                one["histogram"] = show::histogram(histogram);
+                all[figure.name.replace(' ', "_")] = one;
+            }
+            output::print(&format!("{all}\n"));
+        }
+    }
+    Ok(interrupted())
+}
+
+/// A board that is no instrument.
+pub fn failed(fault: &LoopFault, names: &[String; 2]) -> Exit {
+    if *fault == LoopFault::Interrupted {
+        return Exit::Interrupted;
+    }
+    output::findings(&[fault.finding(names)], &[]);
+    Exit::Error
+}

@@ -1,0 +1,118 @@
+//! The board file of `rig board check`, `watch` and `exercise`, and boards of some of its lines.
+
+use crate::exit::Exit;
+use crate::output;
+use document::{Diagnostic, SourceFile};
+use drivers::file::{BoardFile, BoardKind};
+use drivers::gpio::{Direction, GpioSpec, LineSpec};
+use drivers::{Board, BoardError, Surroundings};
+use runtime::suite::{self, Disk};
+use signal::Time;
+use std::path::Path;
+
+/// The board file has no real lines.
+const NO_REAL_LINES: &str = "R0243";
+/// A call on a device failed.
+const CALL_FAILED: &str = "R0244";
+
+/// A board file of real lines.
+#[derive(Debug)]
+pub struct Bench {
+    /// The file.
+    pub file: BoardFile,
+    /// Its lines.
+    pub spec: GpioSpec,
+    sources: Vec<SourceFile>,
+}
+
+impl Bench {
+    /// Reads a board file.
+    ///
+    /// # Errors
+    /// Something is wrong with it, which was said.
+    pub fn read(path: &Path) -> Result<Bench, Exit> {
+        let mut sources = Vec::new();
+        let wrong = |found: Vec<Diagnostic>, sources: &[SourceFile]| {
+            output::findings(&found, sources);
+            Exit::UserFiles
+        };
+        let (file, _) = suite::load_board(&Disk, &path.to_string_lossy(), &mut sources)
+            .map_err(|found| wrong(found, &sources))?;
+        match file.kind.clone() {
+            BoardKind::Gpio(spec) => Ok(Bench { file, spec, sources }),
+            BoardKind::Simulated => {
+                let message = format!("`{}` describes a simulated board", path.display());
+                let help =
+                    "it has no lines on this machine; `rig board scan` writes a file of those that it has";
+                Err(wrong(vec![Diagnostic::error(NO_REAL_LINES, message).help(help)], &sources))
+            }
+        }
+    }
+
+    /// The name of a channel.
+    pub fn name(&self, channel: usize) -> &str {
+        self.file.circuit.channels.get(channel).map_or("", |channel| channel.name.as_str())
+    }
+
+    /// The board of some of the channels: each as `keep` has its line, or not at all. Nothing is bound on it.
+    pub fn some(&self, keep: impl Fn(usize, &LineSpec) -> Option<LineSpec>) -> BoardFile {
+        let mut spec = GpioSpec { lines: Vec::new(), ..self.spec.clone() };
+        let mut file = BoardFile { bind: Vec::new(), ..self.file.clone() };
+        file.circuit.channels.clear();
+        for (at, (line, channel)) in self.spec.lines.iter().zip(&self.file.circuit.channels).enumerate() {
+            let Some(line) = keep(at, line) else { continue };
+            let drives = line.direction == Direction::Output;
+            let mut channel = channel.clone();
+            (channel.drives, channel.senses) = (drives, true);
+            file.circuit.channels.push(channel);
+            spec.lines.push(line);
+        }
+        file.kind = BoardKind::Gpio(spec);
+        file
+    }
+
+    /// Claims the lines of a board of this file.
+    ///
+    /// # Errors
+    /// They cannot be had, which was said.
+    pub fn open(&self, file: &BoardFile, surroundings: &Surroundings) -> Result<Box<dyn Board>, Exit> {
+        let opened = drivers::file::open(file, surroundings).map_err(|found| self.wrong(&found))?;
+        // Only a simulated board has nothing to open, and such files were refused.
+        let mut board = opened.ok_or(Exit::UserFiles)?;
+        // Finding lines takes a while, and what is shown counts from when they are watched.
+        surroundings.time.restart();
+        board.start(surroundings.time.now()).map_err(failed)?;
+        Ok(board)
+    }
+
+    /// Says what is wrong with the file on this machine.
+    pub fn wrong(&self, found: &[Diagnostic]) -> Exit {
+        output::findings(found, &self.sources);
+        Exit::UserFiles
+    }
+}
+
+/// The line of a channel as somebody sees it who drives nothing: `None` for an output that no other line tells of.
+pub fn listening(line: &LineSpec) -> Option<LineSpec> {
+    let listened = match (line.direction, &line.readback) {
+        (Direction::Input, _) => &line.line,
+        (Direction::Output, Some(readback)) => readback,
+        (Direction::Output, None) => return None,
+    };
+    Some(LineSpec { line: listened.clone(), direction: Direction::Input, readback: None, ..line.clone() })
+}
+
+/// Says that a call on a device failed.
+pub fn failed(error: BoardError) -> Exit {
+    let found = Diagnostic::error(CALL_FAILED, error.to_string()).help(
+        "`rig board check` looks whether the lines are there; `dmesg` tells what the device's driver says",
+    );
+    output::findings(&[found], &[]);
+    Exit::Error
+}
+
+/// An instant or a duration of so many nanoseconds, in seconds with the digits that a terminal has room for.
+pub fn seconds(at: Time) -> String {
+    let micros = at.as_nanos() / 1_000;
+    format!("{}.{:06} s", micros / 1_000_000, micros.rem_euclid(1_000_000))
+}

@@ -1,0 +1,97 @@
+//! `rig board check`: whether the lines of a board file can be had, without claiming any.
+
+use super::bench::Bench;
+use crate::exit::Exit;
+use crate::output;
+use clap::Args;
+use drivers::ChannelId;
+use drivers::file::BoardKind;
+use drivers::gpio::{self, Direction, FoundChip, LineInfo};
+use std::path::PathBuf;
+
+/// `rig board check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The board file.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+/// Looks for every line of the file.
+pub fn run(args: &CheckArgs) -> Exit {
+    let bench = match Bench::read(&args.file) {
+        Ok(bench) => bench,
+        Err(exit) => return exit,
+    };
+    let whole = gpio::find(&bench.file, &bench.spec);
+    let rows: Vec<Option<Found>> = (0..bench.spec.lines.len())
+        .map(|at| match &whole {
+            Ok(chips) => found(chips, ChannelId(u16::try_from(at).ok()?)),
+            Err(_) => alone(&bench, at),
+        })
+        .collect();
+    let mut shown = Vec::new();
+    for row in rows.iter().flatten() {
+        if !shown.contains(&&row.head) {
+            shown.push(&row.head);
+            output::print(&row.head);
+        }
+    }
+    let wide = (0..rows.len()).map(|at| bench.name(at).len()).max().unwrap_or(0);
+    for (at, row) in rows.iter().enumerate() {
+        let text = row.as_ref().map_or("cannot be had", |row| row.lines.as_str());
+        output::print(&format!("{:<wide$}  {text}\n", bench.name(at)));
+    }
+    match whole {
+        Ok(_) => {
+            output::print(&format!("{}: all {} channels can be had\n", args.file.display(), rows.len()));
+            Exit::Passed
+        }
+        Err(found) => bench.wrong(&found),
+    }
+}
+
+/// What is said of a channel that can be had.
+#[derive(Debug)]
+struct Found {
+    head: String,
+    lines: String,
+}
+
+/// A channel on its chip.
+fn found(chips: &[FoundChip], channel: ChannelId) -> Option<Found> {
+    let chip = chips.iter().find(|chip| chip.drives.contains(&channel) || chip.senses.contains(&channel))?;
+    Some(Found { head: head(chip), lines: lines(chip, channel) })
+}
+
+/// A channel that is looked for without the others, some of which cannot be had.
+fn alone(bench: &Bench, at: usize) -> Option<Found> {
+    let file = bench.some(|other, line| (other == at).then(|| line.clone()));
+    let BoardKind::Gpio(spec) = &file.kind else { return None };
+    found(&gpio::find(&file, spec).ok()?, ChannelId(0))
+}
+
+/// A chip in a line.
+fn head(chip: &FoundChip) -> String {
+    let (path, label) = (chip.info.path.display(), &chip.info.label);
+    format!("{path} ({label}): {} lines, interface {}\n", chip.info.lines.len(), chip.backend.name())
+}
+
+/// The lines of one channel.
+fn lines(chip: &FoundChip, channel: ChannelId) -> String {
+    let of = |number: u32| {
+        chip.info.lines.iter().find(|line| line.number == number).map_or_else(String::new, words)
+    };
+    let outputs = chip.claim.outputs.iter().zip(&chip.drives).map(|(line, of)| ("drives", line.number, of));
+    let inputs = chip.claim.inputs.iter().zip(&chip.senses).map(|(line, of)| ("reads", line.number, of));
+    let mine = outputs.chain(inputs).filter(|(_, _, owner)| **owner == channel);
+    let parts: Vec<String> = mine.map(|(what, number, _)| format!("{what} {}", of(number))).collect();
+    format!("{}, on {}, free", parts.join(", "), chip.info.name)
+}
+
+fn words(line: &LineInfo) -> String {
+    let name = line.name.as_ref().map(|name| format!(" ({name})")).unwrap_or_default();
+    // What a claim would change is worth knowing.
+    let now = if line.direction == Direction::Output { ", an output now" } else { "" };
+    format!("line {}{name}{now}", line.number)
+}

@@ -1,0 +1,41 @@
+//! `rig board`: what lines this machine has, whether those of a board file can be had, and what they do.
+
+mod bench;
+mod check;
+mod exercise;
+mod scan;
+mod tally;
+mod watch;
+
+use crate::exit::Exit;
+use clap::Subcommand;
+use signal::Span;
+
+/// `rig board`.
+#[derive(Debug, Subcommand)]
+pub enum BoardCommand {
+    /// Write a first board file from the devices of this machine. Nothing is claimed and nothing moves.
+    Scan(scan::ScanArgs),
+    /// Look whether every line of a board file is there and free. Nothing is claimed and nothing moves.
+    Check(check::CheckArgs),
+    /// Show the inputs of a board as they change, with counts and times. Outputs are left alone.
+    Watch(watch::WatchArgs),
+    /// Drive one output at a time, with consent for each, and tell what comes back.
+    Exercise(exercise::ExerciseArgs),
+}
+
+/// Carries out the command.
+pub fn run(command: &BoardCommand) -> Exit {
+    match command {
+        BoardCommand::Scan(args) => scan::run(args),
+        BoardCommand::Check(args) => check::run(args),
+        BoardCommand::Watch(args) => watch::run(args),
+        BoardCommand::Exercise(args) => exercise::run(args),
+    }
+}
+
+/// A duration of an argument.
+fn above_zero(text: &str) -> Result<Span, String> {
+    let span = Span::parse(text).map_err(|error| error.to_string())?;
+    if span > Span::ZERO { Ok(span) } else { Err("the time must be above 0".to_owned()) }
+}

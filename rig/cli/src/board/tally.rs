@@ -1,0 +1,139 @@
+//! What happens on channels, counted.
+
+use drivers::{BoardEvent, Channel, LossReason};
+use signal::{Value, When};
+
+/// What happened on a channel since it was looked at first.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// Its level; `None` before the first report and while its device is gone.
+    pub level: Option<bool>,
+    /// Changes from 0 to 1.
+    pub rises: u64,
+    /// Changes from 1 to 0.
+    pub falls: u64,
+    /// When it changed last.
+    pub last: Option<When>,
+    /// Changes that the board knows to have missed.
+    pub dropped: u64,
+    /// Why its device is gone, if it is.
+    pub lost: Option<LossReason>,
+    /// A first level was reported: what follows are changes.
+    known: bool,
+}
+
+/// What an event was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum News {
+    /// The first level of a channel.
+    First(bool),
+    /// Another level, at this instant.
+    Change(bool, When),
+    /// The device of the channel is gone.
+    Lost(LossReason),
+    /// It is back.
+    Returned,
+    /// So many changes were missed.
+    Dropped(u32),
+    /// Nothing that a level has.
+    Nothing,
+}
+
+impl Tally {
+    /// Takes an event of the channel.
+    pub fn take(&mut self, event: &BoardEvent) -> News {
+        match *event {
+            BoardEvent::Changed { at, value: Value::Bool(level), .. } => {
+                let before = self.level.replace(level);
+                if !std::mem::replace(&mut self.known, true) || before.is_none() {
+                    return News::First(level);
+                }
+                self.last = Some(at);
+                *(if level { &mut self.rises } else { &mut self.falls }) += 1;
+                News::Change(level, at)
+            }
+            BoardEvent::Changed { .. } => News::Nothing,
+            BoardEvent::Lost { reason, .. } => {
+                (self.level, self.lost) = (None, Some(reason));
+                News::Lost(reason)
+            }
+            BoardEvent::Returned { .. } => {
+                self.lost = None;
+                News::Returned
+            }
+            BoardEvent::Dropped { count, .. } => {
+                self.dropped = self.dropped.saturating_add(u64::from(count));
+                News::Dropped(count)
+            }
+        }
+    }
+
+    /// Its level as a word.
+    pub fn word(&self) -> &'static str {
+        match (self.level, self.lost) {
+            (_, Some(reason)) => loss(reason),
+            (Some(true), None) => "1",
+            (Some(false), None) => "0",
+            (None, None) => "-",
+        }
+    }
+}
+
+/// Why a device is gone, in a word.
+pub fn loss(reason: LossReason) -> &'static str {
+    match reason {
+        LossReason::Injected | LossReason::Gone => "gone",
+        LossReason::Silent => "silent",
+    }
+}
+
+/// A table of channels and what happened on them; times count from the first look.
+pub fn table(channels: &[Channel], tallies: &[Tally]) -> String {
+    let wide = channels.iter().map(|channel| channel.name.len()).max().unwrap_or(0).max("channel".len());
+    let mut text =
+        format!("{:<wide$}  {:>6} {:>9} {:>9}  {}\n", "channel", "level", "rises", "falls", "last change");
+    for (channel, tally) in channels.iter().zip(tallies) {
+        text.push_str(&format!("{}\n", row(channel, tally, wide)));
+    }
+    text
+}
+
+/// A row of the table whose first column is so wide.
+pub fn row(channel: &Channel, tally: &Tally, wide: usize) -> String {
+    let last = tally.last.map_or_else(|| "-".to_owned(), |last| super::bench::seconds(last.latest));
+    let missed = match tally.dropped {
+        0 => String::new(),
+        count => format!("  {count} missed"),
+    };
+    let (name, level, rises, falls) = (&channel.name, tally.word(), tally.rises, tally.falls);
+    format!("{name:<wide$}  {level:>6} {rises:>9} {falls:>9}  {last}{missed}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use drivers::{ChannelId, Origin};
+    use signal::Time;
+
+    #[test]
+    fn a_first_level_is_no_change_and_neither_is_one_after_a_loss() {
+        let channel = ChannelId(0);
+        let at = |ms: i64| Time::from_nanos(ms * 1_000_000);
+        let changed = |ms, level| BoardEvent::Changed {
+            channel,
+            at: When::exactly(at(ms)),
+            value: Value::Bool(level),
+            origin: Origin::Outside,
+        };
+        let mut tally = Tally::default();
+        assert_eq!((tally.word(), tally.take(&changed(0, true))), ("-", News::First(true)));
+        assert_eq!(tally.take(&changed(1, false)), News::Change(false, When::exactly(at(1))));
+        assert_eq!(tally.take(&BoardEvent::Dropped { channel, at: at(2), count: 3 }), News::Dropped(3));
+        let reason = LossReason::Silent;
+        assert_eq!(tally.take(&BoardEvent::Lost { channel, at: at(3), reason }), News::Lost(reason));
+        assert_eq!(tally.word(), "silent");
+        assert_eq!(tally.take(&BoardEvent::Returned { channel, at: at(4) }), News::Returned);
+        assert_eq!(tally.take(&changed(4, true)), News::First(true));
+        assert_eq!((tally.rises, tally.falls, tally.dropped, tally.word()), (0, 1, 3, "1"));
+    }
+}

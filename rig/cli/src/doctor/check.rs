@@ -1,0 +1,92 @@
+//! What was found of one thing, how good it is for real lines, and what mends it.
+
+/// How good a thing is for real lines, best first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum State {
+    /// As it should be.
+    Good,
+    /// Nothing that real lines need, or nothing that can be told.
+    Open,
+    /// Works, with a drawback.
+    Poor,
+    /// Real lines cannot be used, or not in time.
+    Bad,
+}
+
+impl State {
+    /// The word that everybody reads.
+    pub const fn word(self) -> &'static str {
+        match self {
+            State::Good => "good",
+            State::Open => "-",
+            State::Poor => "poor",
+            State::Bad => "bad",
+        }
+    }
+}
+
+/// One thing that was looked at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Check {
+    /// What it belongs to.
+    pub group: &'static str,
+    /// What it is.
+    pub name: &'static str,
+    /// How good it is.
+    pub state: State,
+    /// What was found.
+    pub found: String,
+    /// What follows from it, where it is not good.
+    pub means: &'static str,
+    /// The line to type.
+    pub mend: Option<String>,
+    /// What has to be done behind it, or what no line can do, as in `log in again`.
+    pub then: String,
+}
+
+impl Check {
+    fn new(state: State, group: &'static str, name: &'static str, found: String) -> Check {
+        Check { group, name, state, found, means: "", mend: None, then: String::new() }
+    }
+
+    /// A thing that is as it should be.
+    pub fn good(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
+        Check::new(State::Good, group, name, found.into())
+    }
+
+    /// A thing that is not there and need not be, or that cannot be told.
+    pub fn open(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
+        Check::new(State::Open, group, name, found.into())
+    }
+
+    /// A thing that works, with a drawback.
+    pub fn poor(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
+        Check::new(State::Poor, group, name, found.into())
+    }
+
+    /// A thing without which real lines cannot be used, or not in time.
+    pub fn bad(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
+        Check::new(State::Bad, group, name, found.into())
+    }
+
+    /// What follows from it.
+    #[must_use]
+    pub fn means(mut self, means: &'static str) -> Check {
+        self.means = means;
+        self
+    }
+
+    /// The line to type that mends it.
+    #[must_use]
+    pub fn mend(mut self, line: impl Into<String>) -> Check {
+        self.mend = Some(line.into());
+        self
+    }
+
+    /// What has to be done behind the mend, or in its place.
+    #[must_use]
+    pub fn then(mut self, then: impl Into<String>) -> Check {
+        self.then = then.into();
+        self
+    }
+}

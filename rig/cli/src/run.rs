@@ -1,0 +1,205 @@
+//! `rig run`: the modelled controller kept running on a board.
+
+use crate::exit::Exit;
+use crate::library::Embedded;
+use crate::output;
+use clap::Args;
+use document::{Diagnostic, SourceFile};
+use drivers::BoardFile;
+use runtime::hardware::Hardware;
+use runtime::play::{self, Course, Played, Told};
+use runtime::suite::{self, Disk, Files};
+use runtime::{CaseFiles, ClockKind, RunOptions};
+use serde_json::Value as Json;
+use signal::{Span, Time};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver};
+
+/// Set by the signal handler: the controller stops with its outputs safe.
+static INTERRUPT: AtomicBool = AtomicBool::new(false);
+
+/// How long an interrupt takes at most to be seen where nothing happens.
+const SLICE: Span = Span::from_millis(50);
+
+/// Lines that wait to be printed.
+const WAITING: usize = 1_024;
+
+/// What the case of a program without a plan is called.
+const NAME: &str = "rig-run";
+
+/// `rig run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// The board file that the controller runs on.
+    #[arg(long, value_name = "FILE")]
+    board: PathBuf,
+    /// Structured Text files of its application.
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "case", conflicts_with = "case")]
+    program: Vec<PathBuf>,
+    /// The program and the settings of this case, of a plan on disk or of one that ships, by its name as `rig test
+    /// --list` has it.
+    #[arg(long, value_name = "PLAN[CASE]")]
+    case: Option<String>,
+    /// How long to run; until it is interrupted if left out.
+    #[arg(long = "for", value_name = "TIME")]
+    duration: Option<String>,
+    /// Let its first boot take no time.
+    #[arg(long)]
+    booted: bool,
+    /// The seed of everything that is left to chance.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// Keeps a controller running.
+pub fn run(args: &RunArgs) -> Exit {
+    let mut sources = Vec::new();
+    match try_run(args, &mut sources) {
+        Ok(exit) => exit,
+        Err(found) => {
+            output::findings(&found, &sources);
+            Exit::UserFiles
+        }
+    }
+}
+
+fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Diagnostic>> {
+    let lasts = args.duration.as_deref().map(duration).transpose().map_err(|found| vec![found])?;
+    let board = suite::load_board(&Disk, &args.board.to_string_lossy(), sources)?;
+    if board.0.subject.is_external() {
+        let message = format!("the subject of `{}` is a real controller, which runs by itself", board.0.name);
+        let help = "run plans on it with `rig test`, or name a board with kind = \"model\"";
+        return Err(vec![Diagnostic::error("R0221", message).at(&board.0.name, 0..0, "").help(help)]);
+    }
+    let (case, files) = case(args, &board, sources)?;
+    if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
+        output::complain(&format!("interrupts cannot be caught: {error}"));
+        return Ok(Exit::Error);
+    }
+    let hardware = Hardware::open(&board.0)?;
+    output::findings(&hardware.as_ref().map(Hardware::warnings).unwrap_or_default(), sources);
+    let options = RunOptions {
+        slice: SLICE,
+        hardware: hardware.as_ref(),
+        ..RunOptions::new(ClockKind::Real, &INTERRUPT)
+    };
+    let course = Course { lasts, booted: args.booted };
+    let (tell, told) = mpsc::sync_channel(WAITING);
+    let played = std::thread::scope(|scope| {
+        let controller = scope.spawn(|| play::play(&case, &files, &options, course, tell));
+        show(&told);
+        controller.join()
+    });
+    match played {
+        Ok(played) => Ok(end(&played?)),
+        Err(_) => {
+            // The panic has printed its words.
+            Ok(Exit::Error)
+        }
+    }
+}
+
+fn duration(text: &str) -> Result<Span, Diagnostic> {
+    match Span::parse(text) {
+        Ok(span) if span > Span::ZERO => Ok(span),
+        _ => {
+            let found = Diagnostic::error("R0222", format!("`--for {text}` is no duration above 0"));
+            Err(found.help("write one such as \"--for 10s\" or \"--for '1 h 30 min'\""))
+        }
+    }
+}
+
+/// A plan that has nothing but a program.
+struct Alone(String);
+
+impl Files for Alone {
+    fn read(&self, path: &str) -> Result<String, String> {
+        if path == format!("{NAME}.toml") { Ok(self.0.clone()) } else { Disk.read(path) }
+    }
+
+    fn bytes(&self, path: &str) -> Result<Vec<u8>, String> {
+        if path == format!("{NAME}.toml") { Ok(self.0.clone().into_bytes()) } else { Disk.bytes(path) }
+    }
+}
+
+/// The case whose program and settings the controller gets.
+fn case(
+    args: &RunArgs,
+    board: &(BoardFile, String),
+    sources: &mut Vec<SourceFile>,
+) -> Result<(plans::Case, CaseFiles), Vec<Diagnostic>> {
+    let alone;
+    let (files, name): (&dyn Files, &str) = match &args.case {
+        Some(name) if Disk.has(&path(name)) => (&Disk, name),
+        Some(name) => (&Embedded, name),
+        None => {
+            // A text of JSON is one of TOML.
+            let names = args.program.iter().map(|path| Json::from(path.to_string_lossy()).to_string());
+            let names: Vec<String> = names.collect();
+            // A plan claims something; nobody judges it here.
+            let claim = "expect = [{ state = { stays = \"RUNNING\" } }]";
+            alone =
+                Alone(format!("format = 1\ntitle = \"{NAME}\"\nprogram = [{}]\n{claim}\n", names.join(", ")));
+            (&alone, NAME)
+        }
+    };
+    let loaded = suite::load_plan(files, &path(name), Some(board), &[], args.seed, sources)?;
+    let job = loaded.jobs(0, args.seed, 1).into_iter().find(|job| job.name == name);
+    let found = job.map(|job| (loaded.plan.case_with(job.case, job.seed), job));
+    let Some((case, job)) = found else {
+        let names = loaded.jobs(0, args.seed, 1).into_iter().map(|job| job.name).collect::<Vec<_>>();
+        let help = match document::suggest(name, names.iter().map(String::as_str)) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => format!("its cases are {}", names.iter().take(8).cloned().collect::<Vec<_>>().join(", ")),
+        };
+        let message = format!("the plan {} has no case `{name}`", path(name));
+        return Err(vec![Diagnostic::error("R0223", message).help(help)]);
+    };
+    let case = case?;
+    let files = loaded.files(&case, &job)?;
+    Ok((case, files))
+}
+
+/// The path of the plan of a case.
+fn path(case: &str) -> String {
+    let plan = case.split('[').next().unwrap_or(case);
+    format!("{}.toml", plan.strip_suffix(".toml").unwrap_or(plan))
+}
+
+/// An instant in seconds since the beginning.
+fn seconds(at: Time) -> f64 {
+    (at - Time::ZERO).as_nanos() as f64 / 1e9
+}
+
+/// Prints what the controller tells until it is gone.
+fn show(told: &Receiver<Told>) {
+    let line = |at: Time, text: &str| output::print(&format!("{:>12.3} s  {text}\n", seconds(at)));
+    for told in told {
+        match told {
+            Told::Ready => line(Time::ZERO, "ready"),
+            Told::State(at, state) => line(at, state.name()),
+            Told::Log(at, text) => line(at, &format!("  {text}")),
+        }
+    }
+}
+
+/// Says how it was, and how the command ends: an interrupt is how a controller that is kept running stops.
+fn end(played: &Played) -> Exit {
+    let lasted = seconds(played.ran.closed);
+    let milliseconds = |span: Span| span.as_nanos() as f64 / 1e6;
+    let (late, outputs) = (milliseconds(played.late), milliseconds(played.ran.late_outputs));
+    output::say(&format!(
+        "stopped after {lasted:.3} s, outputs safe; late by {late:.3} ms at worst, outputs by {outputs:.3} ms"
+    ));
+    for (name, _, figures) in &played.tasks {
+        output::say(&format!("{name}: {} cycles, the longest {}", figures.cycles, figures.max));
+    }
+    match &played.trouble {
+        Some(trouble) => {
+            output::complain(trouble);
+            Exit::Error
+        }
+        None => Exit::Passed,
+    }
+}

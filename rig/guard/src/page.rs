@@ -1,0 +1,158 @@
+//! The page of memory that rig and guard share: signs of life, and the latch.
+
+use crate::Reason;
+use rustix::fs::{MemfdFlags, SealFlags, fcntl_add_seals, fcntl_get_seals, fstat, ftruncate, memfd_create};
+use rustix::io;
+use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
+use std::os::fd::{AsFd, OwnedFd};
+use std::ptr::NonNull;
+use std::sync::atomic::{AtomicI64, AtomicU32, Ordering};
+
+/// What is in the page. All bit patterns are values, so that neither side has to trust the other.
+#[repr(C)]
+struct Shared {
+    /// When the rig last gave a sign of life, on the monotonic clock in nanoseconds.
+    rig: AtomicI64,
+    /// When the guard last did.
+    guard: AtomicI64,
+    /// When the outputs were found safe behind the latch; 0 before.
+    safe: AtomicI64,
+    /// When the latch closed; 0 before.
+    latched: AtomicI64,
+    /// Why the latch closed, as [`Reason::number`]; 0 while it is open. It never opens again.
+    latch: AtomicU32,
+}
+
+/// Bytes of the page.
+const LENGTH: usize = 4096;
+
+/// The shared page, mapped.
+#[derive(Debug)]
+pub(crate) struct Page {
+    shared: NonNull<Shared>,
+}
+
+// SAFETY: what the pointer leads to is only ever reached as shared atomics, and stays mapped while a `Page` lives.
+#[allow(unsafe_code)]
+unsafe impl Send for Page {}
+// SAFETY: as above.
+#[allow(unsafe_code)]
+unsafe impl Sync for Page {}
+
+impl Page {
+    /// A page of zeros, and the descriptor by which another process maps it too. Its size is sealed: nobody can
+    /// cut it off below a reader.
+    pub fn create() -> io::Result<(Page, OwnedFd)> {
+        let memory = memfd_create("rig guard", MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING)?;
+        ftruncate(&memory, LENGTH as u64)?;
+        fcntl_add_seals(&memory, SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL)?;
+        Ok((Page::map(&memory)?, memory))
+    }
+
+    /// Maps the page that another process made.
+    pub fn map(memory: impl AsFd) -> io::Result<Page> {
+        let (seals, length) = (fcntl_get_seals(&memory)?, fstat(&memory)?.st_size);
+        if !seals.contains(SealFlags::SHRINK) || length != LENGTH as i64 {
+            return Err(io::Errno::INVAL);
+        }
+        #[allow(unsafe_code)]
+        // SAFETY: a new mapping of a whole page, at a place of the kernel's choice, cannot touch what others use.
+        let place = unsafe {
+            let access = ProtFlags::READ | ProtFlags::WRITE;
+            mmap(std::ptr::null_mut(), LENGTH, access, MapFlags::SHARED, memory, 0)?
+        };
+        let shared = NonNull::new(place.cast()).ok_or(io::Errno::NOMEM)?;
+        Ok(Page { shared })
+    }
+
+    fn shared(&self) -> &Shared {
+        #[allow(unsafe_code)]
+        // SAFETY: the mapping is readable, writable, aligned to a page, larger than `Shared`, and lives as long as
+        // `self`; its size is sealed; every bit pattern is a `Shared`.
+        unsafe {
+            self.shared.as_ref()
+        }
+    }
+
+    /// The rig lives at this instant.
+    pub fn rig_lives(&self, now: i64) {
+        self.shared().rig.store(now, Ordering::Release);
+    }
+
+    /// When the rig last gave a sign of life.
+    pub fn rig(&self) -> i64 {
+        self.shared().rig.load(Ordering::Acquire)
+    }
+
+    /// The guard lives at this instant.
+    pub fn guard_lives(&self, now: i64) {
+        self.shared().guard.store(now, Ordering::Release);
+    }
+
+    /// When the guard last gave a sign of life.
+    pub fn guard(&self) -> i64 {
+        self.shared().guard.load(Ordering::Acquire)
+    }
+
+    /// Closes the latch, once: the first reason stays.
+    pub fn latch(&self, reason: Reason, now: i64) {
+        let shared = self.shared();
+        let first =
+            shared.latch.compare_exchange(0, reason.number(), Ordering::AcqRel, Ordering::Acquire).is_ok();
+        if first {
+            shared.latched.store(now, Ordering::Release);
+        }
+    }
+
+    /// Why the latch closed.
+    pub fn latched(&self) -> Option<Reason> {
+        Reason::from_number(self.shared().latch.load(Ordering::Acquire))
+    }
+
+    /// The outputs were found safe behind the latch.
+    pub fn is_safe(&self, now: i64) {
+        let _ = self.shared().safe.compare_exchange(0, now, Ordering::AcqRel, Ordering::Acquire);
+    }
+
+    /// When the latch closed and when the outputs were found safe behind it.
+    pub fn times(&self) -> (i64, i64) {
+        (self.shared().latched.load(Ordering::Acquire), self.shared().safe.load(Ordering::Acquire))
+    }
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        #[allow(unsafe_code)]
+        // SAFETY: the mapping is this value's own, and nothing borrows from it any more.
+        let _ = unsafe { munmap(self.shared.as_ptr().cast(), LENGTH) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::File;
+
+    #[test]
+    fn two_mappings_are_one_page_and_the_latch_never_opens_again() {
+        let (rig, memory) = Page::create().unwrap();
+        let guard = Page::map(&memory).unwrap();
+        rig.rig_lives(7);
+        assert_eq!((guard.rig(), guard.latched()), (7, None));
+        guard.latch(Reason::Silent, 9);
+        rig.latch(Reason::Exited, 11);
+        guard.is_safe(13);
+        guard.is_safe(15);
+        assert_eq!((rig.latched(), rig.times()), (Some(Reason::Silent), (9, 13)));
+    }
+
+    #[test]
+    fn a_page_can_neither_be_cut_off_nor_be_one_that_could_be() {
+        let (_page, memory) = Page::create().unwrap();
+        assert_eq!(ftruncate(&memory, 0), Err(io::Errno::PERM));
+        let loose = memfd_create("loose", MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING).unwrap();
+        ftruncate(&loose, LENGTH as u64).unwrap();
+        assert!(Page::map(&loose).is_err());
+        assert!(Page::map(File::open("/dev/null").unwrap()).is_err());
+    }
+}

@@ -1,0 +1,423 @@
+//! What the guard does: one loop that waits for messages, deaths and deadlines, and never for a device.
+
+mod goodbye;
+mod pending;
+mod say;
+
+use crate::Reason;
+use crate::driver::Driver;
+use crate::lines::Lines;
+use crate::page::Page;
+use crate::takeover::{Guest, Listener};
+use crate::wire::{Descriptors, Message, Tag};
+use drivers::{Bite, HeldLines, LineApi};
+use host::{Watchdog, monotonic};
+use nix::sys::signalfd::SignalFd;
+use pending::Pending;
+use rustix::event::{PollFd, PollFlags, poll};
+use rustix::io::{Errno, read};
+use rustix::process::{Signal, pidfd_send_signal};
+use rustix::time::Timespec;
+use std::os::fd::{AsFd, OwnedFd};
+use std::sync::Arc;
+
+/// How soon lines are driven again while a write that began before the latch may still come.
+const AGAIN: i64 = 2_000_000;
+
+/// How soon lines that could not be made safe are tried again once the rig is gone.
+const RETRY: i64 = 100_000_000;
+
+/// Parts of the limit between two signs of life of the guard.
+const SIGNS: i64 = 4;
+
+/// How the guard ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// The rig said goodbye.
+    Goodbye,
+    /// The rig is gone; the outputs were safe, and their lines were let go.
+    LetGo,
+    /// The rig is gone and the outputs could not be made safe.
+    Unsafe,
+}
+
+/// Where things stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Course {
+    /// The rig does not drive: nothing is expected of it but to live.
+    Idle,
+    /// The rig drives and gives signs of life.
+    Armed,
+    /// The latch closed at this instant, and the rig's process may still be there.
+    Latched(i64),
+    /// The rig's process is gone since this instant; its lines are held until they were safe for long enough.
+    Alone(i64),
+}
+
+/// The watchdog behind the guard.
+#[derive(Debug)]
+pub(crate) struct Dog {
+    dog: Watchdog,
+    bite: Bite,
+    /// When it is fed next.
+    due: i64,
+}
+
+impl Dog {
+    /// It is fed from now on.
+    pub fn new(dog: Watchdog, bite: Bite) -> Dog {
+        Dog { dog, bite, due: 0 }
+    }
+
+    /// Feeds it if it is due.
+    fn feed(&mut self, now: i64) {
+        if now >= self.due {
+            // A device that refuses bites: that is what it is there for.
+            let _ = self.dog.feed();
+            self.due = now + self.dog.timeout().as_nanos() / 4;
+        }
+    }
+}
+
+/// What ended a wait.
+#[derive(Clone, Copy)]
+enum Source {
+    Link,
+    Rig,
+    Lines,
+    End,
+    Listener,
+    Guest,
+}
+
+/// What the guard gets at its start.
+pub(crate) struct Post {
+    /// To the rig.
+    pub link: OwnedFd,
+    /// The rig's process.
+    pub rig: OwnedFd,
+    /// The page that it shares with the rig.
+    pub page: Page,
+    /// Where SIGTERM is heard.
+    pub ends: SignalFd,
+    /// A counter that lines report to.
+    pub finished: Arc<OwnedFd>,
+    /// The watchdog, if it has one.
+    pub dog: Option<Dog>,
+    /// The longest that the rig may give no sign of life, in nanoseconds.
+    pub limit: i64,
+    /// How long lines are held behind the death of the rig, in nanoseconds.
+    pub hold: i64,
+}
+
+/// Makes lines of a claim.
+pub(crate) type Open<'a> = &'a dyn Fn(HeldLines) -> Box<dyn Lines>;
+
+/// The guard at work.
+pub(crate) struct Watch<'a> {
+    link: Option<OwnedFd>,
+    rig: OwnedFd,
+    page: Page,
+    ends: SignalFd,
+    finished: Arc<OwnedFd>,
+    open: Open<'a>,
+    dog: Option<Dog>,
+    limit: i64,
+    hold: i64,
+    drivers: Vec<Driver>,
+    course: Course,
+    pending: Option<Pending>,
+    /// When lines are driven again.
+    again: i64,
+    /// When the last wait was to end.
+    wakes_at: i64,
+    /// The sign of life behind which the machine stood still, and until when the rig has another chance.
+    excused: i64,
+    chance: i64,
+    /// The lines may be let go: asked to end, or another rig needs them.
+    release: bool,
+    /// What became of the outputs was said.
+    said: bool,
+    listener: Option<Listener>,
+    guest: Option<Guest>,
+}
+
+impl<'a> Watch<'a> {
+    /// A guard that has been introduced to its rig.
+    pub fn new(post: Post, open: Open<'a>) -> Watch<'a> {
+        Watch {
+            link: Some(post.link),
+            rig: post.rig,
+            page: post.page,
+            ends: post.ends,
+            finished: post.finished,
+            open,
+            dog: post.dog,
+            limit: post.limit.max(1),
+            hold: post.hold.max(0),
+            drivers: Vec::new(),
+            course: Course::Idle,
+            pending: None,
+            again: i64::MAX,
+            wakes_at: i64::MAX,
+            excused: i64::MIN,
+            chance: i64::MIN,
+            release: false,
+            said: false,
+            listener: None,
+            guest: None,
+        }
+    }
+
+    /// Watches until the end.
+    pub fn run(mut self) -> Ending {
+        loop {
+            let now = monotonic();
+            self.page.guard_lives(now);
+            if let Some(ending) = self.look(now) {
+                return self.end(ending);
+            }
+            self.wait(now);
+        }
+    }
+
+    /// What the time demands.
+    fn look(&mut self, now: i64) -> Option<Ending> {
+        if self.course == Course::Armed && self.is_silent(now) {
+            self.latch(Reason::Silent, now);
+        }
+        if now >= self.again {
+            self.drive_again(now);
+        }
+        if self.answer(now) {
+            return Some(Ending::Goodbye);
+        }
+        if let Course::Latched(since) | Course::Alone(since) = self.course
+            && self.are_safe(since)
+        {
+            self.page.is_safe(now);
+        }
+        let starved = self.starves(now);
+        if let Some(dog) = self.dog.as_mut().filter(|_| !starved) {
+            dog.feed(now);
+        }
+        let Course::Alone(since) = self.course else { return None };
+        self.alone(since, now)
+    }
+
+    /// Whether the rig has given no sign of life for too long. A guard that wakes late itself has seen the machine stand
+    /// still, and the rig with it: then the rig has one more chance, once for each sign of life.
+    fn is_silent(&mut self, now: i64) -> bool {
+        let last = self.page.rig();
+        if now < last.saturating_add(self.limit) || self.excused == last && now < self.chance {
+            return false;
+        }
+        if now - self.wakes_at > self.limit / SIGNS && self.excused != last {
+            self.excused = last;
+            self.chance = now + self.limit / SIGNS;
+            return false;
+        }
+        true
+    }
+
+    /// Whether the watchdog is left to bite.
+    fn starves(&self, now: i64) -> bool {
+        let (Some(dog), Course::Latched(since) | Course::Alone(since)) = (&self.dog, self.course) else {
+            return false;
+        };
+        let lost = self.page.latched().is_some_and(Reason::loses_rig);
+        let rig_lost = dog.bite == Bite::RigLost && lost;
+        rig_lost || now >= since.saturating_add(self.limit) && !self.are_safe(since)
+    }
+
+    /// Waits for whatever comes first.
+    fn wait(&mut self, now: i64) {
+        let mut until = now + self.limit / SIGNS;
+        if self.course == Course::Armed {
+            let chance = if self.excused == self.page.rig() { self.chance } else { i64::MIN };
+            until = until.min(self.page.rig().saturating_add(self.limit).max(chance));
+        }
+        if let Some(dog) = self.dog.as_ref().filter(|_| !self.starves(now)) {
+            until = until.min(dog.due);
+        }
+        if let Some(pending) = &self.pending {
+            until = until.min(pending.until);
+        }
+        until = until.min(self.again).max(now);
+        self.wakes_at = until;
+        let patience = until - now;
+        let patience = Timespec { tv_sec: patience / 1_000_000_000, tv_nsec: patience % 1_000_000_000 };
+        let mut ready = [None; 6];
+        {
+            let mut set: [PollFd; 6] = std::array::from_fn(|_| PollFd::new(&self.finished, PollFlags::IN));
+            let mut who = [Source::Lines; 6];
+            let mut count = 1;
+            let mut add = |source, descriptor| {
+                set[count] = PollFd::from_borrowed_fd(descriptor, PollFlags::IN);
+                who[count] = source;
+                count += 1;
+            };
+            add(Source::End, self.ends.as_fd());
+            if let Some(link) = &self.link {
+                add(Source::Link, link.as_fd());
+            }
+            if !matches!(self.course, Course::Alone(_)) {
+                add(Source::Rig, self.rig.as_fd());
+            }
+            if let Some(listener) = &self.listener {
+                add(Source::Listener, listener.as_fd());
+            }
+            if let Some(guest) = &self.guest {
+                add(Source::Guest, guest.as_fd());
+            }
+            // Interrupted or refused: the next turn looks at the time and comes back.
+            if poll(&mut set[..count], Some(&patience)).is_ok() {
+                for (place, ready) in ready.iter_mut().enumerate().take(count) {
+                    *ready = (!set[place].revents().is_empty()).then_some(who[place]);
+                }
+            }
+        }
+        for source in ready.into_iter().flatten() {
+            self.take(source);
+        }
+    }
+
+    /// Takes what came from a source.
+    fn take(&mut self, source: Source) {
+        match source {
+            Source::Lines => {
+                let _ = read(&*self.finished, &mut [0; 8]);
+            }
+            Source::Rig => self.rig_is_gone(),
+            Source::Link => self.message(),
+            Source::End => {
+                // While the rig lives only the rig can dismiss its guard.
+                while let Ok(Some(_)) = self.ends.read_signal() {
+                    self.release |= matches!(self.course, Course::Alone(_));
+                }
+            }
+            Source::Listener => {
+                self.guest = self.listener.as_ref().and_then(Listener::accept);
+            }
+            Source::Guest => self.ask_of_guest(),
+        }
+    }
+
+    /// A message of the rig, or the end of its messages.
+    fn message(&mut self) {
+        let Some(link) = &self.link else { return };
+        match Message::receive(link) {
+            Ok(Some((message, descriptors))) => self.obey(&message, descriptors),
+            Err(Errno::AGAIN | Errno::INTR) => {}
+            Ok(None) | Err(Errno::CONNRESET) => {
+                // A process that ends closes this first, and is gone a moment later.
+                self.link = None;
+                self.latch(Reason::Exited, monotonic());
+            }
+            Err(_) => self.latch(Reason::Nonsense, monotonic()),
+        }
+    }
+
+    fn obey(&mut self, message: &Message, descriptors: Descriptors) {
+        let now = monotonic();
+        let latched = matches!(self.course, Course::Latched(_));
+        match (message.tag, self.course) {
+            (Tag::Forget, Course::Idle) => {
+                for driver in self.drivers.drain(..) {
+                    driver.let_go();
+                }
+                self.reply(Tag::Done, "");
+            }
+            (Tag::Hold, Course::Idle) => match self.hold(message, descriptors) {
+                Ok(()) => self.expect(Tag::Hold, now),
+                Err(why) => self.reply(Tag::Refused, &why),
+            },
+            (Tag::Arm, Course::Idle) => {
+                self.course = Course::Armed;
+                self.again = i64::MAX;
+                self.reply(Tag::Done, "");
+            }
+            (Tag::Disarm, Course::Armed | Course::Idle) => {
+                self.course = Course::Idle;
+                self.expect(Tag::Disarm, now);
+            }
+            (Tag::Trip, Course::Armed | Course::Idle) => {
+                self.latch(Reason::Asked, now);
+                self.expect(Tag::Trip, now);
+            }
+            (Tag::Close, _) => {
+                if !latched {
+                    self.course = Course::Idle;
+                }
+                self.expect(Tag::Close, now);
+            }
+            (Tag::Forget | Tag::Hold | Tag::Arm | Tag::Disarm | Tag::Trip, _) if latched => {
+                self.reply(Tag::Refused, "");
+            }
+            _ => self.latch(Reason::Nonsense, now),
+        }
+    }
+
+    /// Takes charge of lines.
+    fn hold(&mut self, message: &Message, mut descriptors: Descriptors) -> Result<(), String> {
+        let claim = descriptors.next().ok_or("no descriptor came with it")?;
+        let [lines, mask, safe, _] = message.numbers;
+        let api = match u8::try_from(lines) {
+            Ok(0) => LineApi::V2,
+            Ok(lines @ 1..=64) => LineApi::V1 { lines },
+            _ => return Err("a claim has at most 64 lines".into()),
+        };
+        let (mask, device) = (mask.cast_unsigned(), message.text().to_owned());
+        let safe = safe.cast_unsigned() & mask;
+        let lines = (self.open)(HeldLines { device: device.clone(), claim, api, mask, safe });
+        let driver = Driver::start(device, lines, safe, &self.finished).map_err(|error| error.to_string())?;
+        self.drivers.push(driver);
+        Ok(())
+    }
+
+    /// Closes the latch: from now on the lines are safe and stay so.
+    fn latch(&mut self, reason: Reason, now: i64) {
+        if matches!(self.course, Course::Latched(_) | Course::Alone(_)) {
+            return;
+        }
+        self.page.latch(reason, now);
+        self.course = Course::Latched(now);
+        self.pending = None;
+        if reason.loses_rig() {
+            // A process that is gone already needs no signal.
+            let _ = pidfd_send_signal(&self.rig, Signal::KILL);
+        }
+        self.drive(now);
+    }
+
+    /// Orders all lines to be driven safe from this instant on, and again before long.
+    fn drive(&mut self, now: i64) {
+        self.drivers.iter().for_each(Driver::order);
+        self.again = now + AGAIN;
+    }
+
+    /// The same for those that are not at it still.
+    fn drive_again(&mut self, now: i64) {
+        self.drivers.iter().filter(|driver| driver.is_idle()).for_each(Driver::order);
+        let hopeless = self.said && matches!(self.course, Course::Alone(_));
+        self.again = now + if hopeless { RETRY } else { AGAIN };
+    }
+
+    /// Whether all lines were found safe by a drive that began at this instant or later.
+    fn are_safe(&self, since: i64) -> bool {
+        self.drivers.iter().all(|driver| driver.is_safe(since))
+    }
+
+    /// The rig's process has ended: nothing of it can write any more. Nothing is allocated before the lines were driven.
+    fn rig_is_gone(&mut self) {
+        if matches!(self.course, Course::Alone(_)) {
+            return;
+        }
+        let now = monotonic();
+        self.latch(Reason::Exited, now);
+        self.course = Course::Alone(now);
+        self.pending = None;
+        self.link = None;
+        self.drive(now);
+    }
+}

@@ -1,0 +1,76 @@
+//! The guard alone, behind the death of its rig, and its end.
+
+use super::{Course, Ending, Watch, say};
+use crate::driver::Trouble;
+use crate::takeover::{Guest, Listener};
+
+impl Watch<'_> {
+    /// The rig is gone since then: the lines are held, and let go when it is time.
+    pub(super) fn alone(&mut self, since: i64, now: i64) -> Option<Ending> {
+        let safe = self.are_safe(since);
+        if !self.said && (safe || now >= since.saturating_add(self.limit)) {
+            self.said = true;
+            self.say(safe, since);
+            self.listener = Listener::open();
+        }
+        if safe {
+            self.again = i64::MAX;
+        }
+        let over = self.drivers.is_empty() || self.release || now >= since.saturating_add(self.hold);
+        // A call that has not come back may still come to a good end, however long it takes.
+        let hangs = self.drivers.iter().any(|driver| driver.trouble(since) == Some(Trouble::Hangs));
+        // Left to bite, the watchdog ends this process with the machine; until then the lines are held.
+        let bites = self.dog.is_some() && self.starves(now);
+        (over && !hangs && !bites && self.said).then_some(if safe { Ending::LetGo } else { Ending::Unsafe })
+    }
+
+    /// Tells the user, who sees of the rig only that it is gone.
+    fn say(&self, safe: bool, since: i64) {
+        let Some(reason) = self.page.latched() else { return };
+        if self.drivers.is_empty() {
+            return;
+        }
+        let (latched, found) = self.page.times();
+        let devices: Vec<&str> = self.drivers.iter().map(|driver| driver.device.as_str()).collect();
+        say::tell(&if safe {
+            say::safe(reason, &devices, found - latched)
+        } else {
+            say::not_safe(reason, &self.troubles(since), self.dog.is_some())
+        });
+    }
+
+    /// A request of another rig, or of somebody who is none.
+    pub(super) fn ask_of_guest(&mut self) {
+        let Some(guest) = self.guest.take() else { return };
+        let Course::Alone(since) = self.course else { return };
+        let devices = || self.drivers.iter().map(|driver| driver.device.as_str());
+        match guest.asks_for(devices()) {
+            Some(true) if self.are_safe(since) => {
+                for driver in self.drivers.drain(..) {
+                    driver.let_go();
+                }
+                self.release = true;
+                guest.answer(true);
+            }
+            Some(_) => guest.answer(false),
+            None => drop::<Guest>(guest),
+        }
+    }
+
+    /// Stops the watchdog: nobody has to be there any more.
+    pub(super) fn stop_dog(&mut self) {
+        if let Some(dog) = self.dog.take() {
+            // One that cannot be stopped was refused at the start; one that breaks now bites.
+            let _ = dog.dog.stop();
+        }
+    }
+
+    /// Ends.
+    pub(super) fn end(mut self, ending: Ending) -> Ending {
+        self.stop_dog();
+        for driver in self.drivers.drain(..) {
+            driver.let_go();
+        }
+        ending
+    }
+}

@@ -1,0 +1,76 @@
+//! Requests of the rig that are answered when the lines are safe, or not in time.
+
+use super::{Course, Watch};
+use crate::Reason;
+use crate::wire::{Message, Tag};
+
+/// How long lines may take to be found safe where the rig waits for it and does not drive, in nanoseconds: a busy
+/// machine is no fault of theirs.
+const PATIENCE: i64 = 1_000_000_000;
+
+/// A request that waits for the lines.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pending {
+    what: Tag,
+    /// Drives that began before do not count.
+    since: i64,
+    /// When it is answered in any case.
+    pub until: i64,
+}
+
+impl Watch<'_> {
+    /// Drives the lines safe, and answers when they are.
+    pub(super) fn expect(&mut self, what: Tag, now: i64) {
+        let until = now.saturating_add(self.limit.max(PATIENCE));
+        self.pending = Some(Pending { what, since: now, until });
+        self.drive(now);
+    }
+
+    /// Answers a request that can be answered. TRUE where it was the goodbye.
+    pub(super) fn answer(&mut self, now: i64) -> bool {
+        let Some(pending) = self.pending else { return false };
+        let safe = self.are_safe(pending.since);
+        if !safe && now < pending.until {
+            return false;
+        }
+        self.pending = None;
+        if !matches!(self.course, Course::Latched(_)) {
+            self.again = i64::MAX;
+        }
+        if safe {
+            // The watchdog is stopped before the rig hears that the guard is done.
+            if pending.what == Tag::Close {
+                self.stop_dog();
+            }
+            self.reply(Tag::Done, "");
+            return pending.what == Tag::Close;
+        }
+        let why = self.troubles(pending.since);
+        self.reply(Tag::Refused, &why);
+        match pending.what {
+            // The lines never came into the guard's charge.
+            Tag::Hold => {
+                if let Some(driver) = self.drivers.pop() {
+                    driver.let_go();
+                }
+            }
+            _ => self.latch(Reason::Unsafe, now),
+        }
+        false
+    }
+
+    /// Which devices are not known to be safe, and why.
+    pub(super) fn troubles(&self, since: i64) -> String {
+        let troubles = self.drivers.iter().filter_map(|driver| {
+            driver.trouble(since).map(|trouble| format!("{}: {trouble}", driver.device))
+        });
+        troubles.collect::<Vec<_>>().join("; ")
+    }
+
+    /// Answers the rig. One that does not listen is either gone or hangs, and both are noticed elsewhere.
+    pub(super) fn reply(&self, tag: Tag, text: &str) {
+        if let Some(link) = &self.link {
+            let _ = Message::new(tag, [0; 4]).with(text).send(link, &[]);
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! What the guard says of a rig that is gone, on the standard error that it shares with it.
+
+use crate::{GuardError, Reason};
+use rustix::event::{PollFd, PollFlags, poll};
+use rustix::io::write;
+use rustix::time::Timespec;
+use signal::Span;
+use std::os::fd::AsFd;
+
+/// All outputs are safe.
+pub(super) fn safe(reason: Reason, devices: &[&str], after: i64) -> String {
+    let error = GuardError::Latched(reason);
+    let after = Span::from_nanos(after.max(0));
+    let devices = devices.join(", ");
+    format!(
+        "error[{}]: {reason}; the guard drove all outputs safe\n  = {devices}: found safe {after} later\n  = help: {}\n",
+        error.code(),
+        error.help()
+    )
+}
+
+/// Some are not.
+pub(super) fn not_safe(reason: Reason, why: &str, dog: bool) -> String {
+    let error = GuardError::Unsafe { why: why.to_owned() };
+    let bites = if dog { "\n  = the watchdog resets the machine" } else { "" };
+    format!("error[{}]: {reason}; {error}{bites}\n  = help: {}\n", error.code(), error.help())
+}
+
+/// Says it, unless nobody can read it now: a full pipe or a stopped terminal must not hold the guard.
+pub(super) fn tell(text: &str) {
+    let (said, at_once) = (std::io::stderr(), Timespec::default());
+    let mut room = [PollFd::from_borrowed_fd(said.as_fd(), PollFlags::OUT)];
+    if poll(&mut room, Some(&at_once)).is_ok_and(|count| count > 0) {
+        let _ = write(&said, text.as_bytes());
+    }
+}

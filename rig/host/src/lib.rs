@@ -1,0 +1,29 @@
+//! The host: its clock, its waits, its threads. A thin safe layer over the kernel's calls that real lines need.
+//!
+//! Goals: one place for what is not portable; no call that allocates once it is set up; every failed call with its
+//! name. Not goals: devices (`drivers`), what runs when (`runtime`).
+
+mod bell;
+mod descriptor;
+mod histogram;
+mod latency;
+mod machine;
+mod process;
+mod refused;
+mod stop;
+mod thread;
+mod time;
+mod watchdog;
+
+pub use bell::{Bell, Woken};
+pub use descriptor::duplicate;
+pub use histogram::Histogram;
+pub use latency::{Wakeups, wakeups};
+pub use machine::{Machine, Preemption};
+pub use process::{Punctual, lock_memory};
+pub use refused::{Privilege, Refused};
+pub use rustix::io::Errno;
+pub use stop::Unstoppable;
+pub use thread::{Entered, Processors, Realtime, Role, go_before_all};
+pub use time::{TimeBase, monotonic, resolution};
+pub use watchdog::{Watchdog, never_stops};

@@ -1,0 +1,100 @@
+//! What a step drives on real lines, and when it was driven. Devices take their time, and what a real controller does
+//! about a line counts from the line: so the mark of a step that drives lines ends when they were seen driven.
+
+use super::Executor;
+use crate::schedule::Act;
+use crate::trouble::Trouble;
+use controller::Command;
+use drivers::{Channel, ChannelId};
+use signal::{Span, Value};
+
+/// The writes that were asked for and not seen yet.
+#[derive(Debug, Default)]
+pub(super) struct Awaited {
+    channels: Vec<ChannelId>,
+    /// What each channel was driven to last.
+    last: Vec<Value>,
+    /// The step whose mark waits for them.
+    step: Option<usize>,
+}
+
+impl Awaited {
+    /// For these channels, which are as safe has them.
+    pub(super) fn new(channels: &[Channel]) -> Awaited {
+        Awaited {
+            channels: Vec::with_capacity(channels.len()),
+            last: channels.iter().map(|channel| channel.safe).collect(),
+            step: None,
+        }
+    }
+
+    /// A change of this channel was seen.
+    pub(super) fn seen(&mut self, channel: ChannelId) {
+        self.channels.retain(|awaited| *awaited != channel);
+    }
+}
+
+impl Executor<'_> {
+    /// Whether what is driven is waited for: a controller that the rig plays is computed meanwhile.
+    fn awaits_lines(&self) -> bool {
+        !self.modelled && !self.subject.is_played()
+    }
+
+    /// These writes are about to be made.
+    pub(super) fn expect_writes(&mut self) {
+        if !self.awaits_lines() {
+            return;
+        }
+        for (channel, value) in &self.writes {
+            let place = usize::from(channel.0);
+            let Some(last) = self.awaited.last.get_mut(place) else { continue };
+            let seen = self.board.channels().get(place).is_some_and(|channel| channel.senses);
+            if std::mem::replace(last, *value) != *value && seen && !self.awaited.channels.contains(channel) {
+                self.awaited.channels.push(*channel);
+            }
+        }
+    }
+
+    /// A step begins: it is marked now, or where it drives lines, when they were driven.
+    pub(super) fn begin_mark(&mut self, step: usize) {
+        let drives = |(after, act): &(Span, Act)| {
+            *after == Span::ZERO
+                && matches!(act, Act::Drive(..) | Act::Power(_) | Act::Command(Command::Switch(_), _))
+        };
+        self.awaited.channels.clear();
+        if self.awaits_lines() && self.schedule.steps()[step].acts.iter().any(drives) {
+            self.awaited.step = Some(step);
+        } else {
+            self.mark_step(step);
+        }
+    }
+
+    fn mark_step(&mut self, step: usize) {
+        let mark = self.schedule.steps()[step].mark;
+        self.recorder.mark(mark, self.seen(self.now));
+    }
+
+    /// An act of a step is done: waits until its lines were driven.
+    pub(super) fn end_act(&mut self, step: usize, place: usize) -> Result<(), Trouble> {
+        if !self.awaits_lines() {
+            return Ok(());
+        }
+        let began = self.actual;
+        let limit = began.saturating_add(self.limits.late);
+        while !self.awaited.channels.is_empty() && self.ran.trouble.is_none() {
+            self.actual = self.clock.wait(limit).max(self.actual);
+            self.poll()?;
+            if self.actual >= limit && !self.awaited.channels.is_empty() {
+                let late = self.actual - began;
+                self.ran.trouble.get_or_insert(Trouble::Late { at: began, late, limit: self.limits.late });
+            }
+        }
+        let acts = &self.schedule.steps()[step].acts;
+        let last = acts.get(place + 1).is_none_or(|(after, _)| *after > Span::ZERO);
+        if self.awaited.step == Some(step) && last {
+            self.awaited.step = None;
+            self.mark_step(step);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,250 @@
+//! Real lines: time passes whether the executor is ready or not, and what it sees has happened already.
+//!
+//! While the application computes, it runs ahead of the clock by at most the horizon, so that its outputs can be
+//! released at their modelled instants. While it does not, one wait lasts until the next thing is due, or until the
+//! board rings.
+
+use super::{Executor, MOST_SIMULTANEOUS};
+use crate::trouble::Trouble;
+use drivers::{ChannelId, Origin};
+use guard::{Beat, GuardError, GuardHandle};
+use signal::{Level, Span, Time, When};
+use std::collections::VecDeque;
+
+/// Most changes of inputs that wait for the modelled time to reach them: those of one late wake-up.
+const MOST_PENDING: usize = 16_384;
+
+/// The longest that a wait lasts at a stretch, so that an interrupt is seen.
+const LONGEST_WAIT: Span = Span::from_millis(50);
+
+/// Shows that the executor goes on turning: whoever misses it makes the outputs safe.
+pub trait Heart: Sync + std::fmt::Debug {
+    /// From now on it beats.
+    ///
+    /// # Errors
+    /// Nobody watches.
+    fn begin(&self) -> Result<(), GuardError>;
+
+    /// It turns.
+    ///
+    /// # Errors
+    /// Nobody watches any more, or the outputs were made safe already.
+    fn beat(&self) -> Result<(), GuardError>;
+
+    /// The longest that it may be silent.
+    fn every(&self) -> Span;
+
+    /// The outputs are safe, and it beats no more.
+    ///
+    /// # Errors
+    /// They are not.
+    fn end(&self) -> Result<(), GuardError>;
+}
+
+impl Heart for GuardHandle {
+    fn begin(&self) -> Result<(), GuardError> {
+        self.arm()
+    }
+
+    fn beat(&self) -> Result<(), GuardError> {
+        match GuardHandle::beat(self) {
+            Beat::Kept => Ok(()),
+            Beat::Latched(reason) => Err(GuardError::Latched(reason)),
+            Beat::Unguarded => Err(GuardError::Gone),
+        }
+    }
+
+    fn every(&self) -> Span {
+        self.beat_every()
+    }
+
+    fn end(&self) -> Result<(), GuardError> {
+        self.disarm()
+    }
+}
+
+/// A change of an input terminal that the modelled time has not reached yet.
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    at: When,
+    input: usize,
+    level: Level,
+}
+
+/// What the executor keeps for real lines.
+#[derive(Debug, Default)]
+pub(super) struct Lines {
+    /// By their instants.
+    pending: VecDeque<Pending>,
+    /// When the wait for the next thing ended, while nothing has passed since.
+    woke: Option<Time>,
+    /// How late the subject's last write of each channel was.
+    lag: Vec<Span>,
+    /// The worst of them.
+    worst: Span,
+    /// The instant of the subject's last write of each channel.
+    wrote: Vec<Time>,
+    /// How late what it wrote reached its lines at worst.
+    late_outputs: Span,
+}
+
+impl Lines {
+    /// For so many channels.
+    pub(super) fn new(channels: usize) -> Lines {
+        Lines {
+            pending: VecDeque::with_capacity(MOST_PENDING),
+            lag: vec![Span::ZERO; channels],
+            wrote: vec![Time::MAX; channels],
+            ..Lines::default()
+        }
+    }
+
+    /// When the next change of an input is due.
+    #[inline]
+    pub(super) fn next(&self) -> Option<Time> {
+        self.pending.front().map(|pending| pending.at.latest)
+    }
+
+    /// The subject wrote a channel at this instant, and the rig was at the other one by then.
+    pub(super) fn wrote(&mut self, channel: ChannelId, at: Time, actual: Time) {
+        let place = usize::from(channel.0);
+        if let (Some(lag), Some(wrote)) = (self.lag.get_mut(place), self.wrote.get_mut(place)) {
+            *lag = actual - at;
+            *wrote = at;
+            self.worst = self.worst.max(*lag);
+        }
+    }
+
+    /// What was written to a channel last is on its line.
+    pub(super) fn reached(&mut self, channel: ChannelId, at: Time, origin: Origin) {
+        if let (Origin::Write, Some(wrote)) = (origin, self.wrote.get(usize::from(channel.0))) {
+            self.late_outputs = self.late_outputs.max(at - *wrote);
+        }
+    }
+
+    /// How late what the subject wrote reached its lines at worst.
+    pub(super) fn late_outputs(&self) -> Span {
+        self.late_outputs
+    }
+}
+
+impl Executor<'_> {
+    /// Waits for real time to bring what is due, where nothing is to be computed before; hands back up to where the
+    /// modelled time may go now.
+    pub(super) fn approach(&mut self, due: Time) -> Result<Time, Trouble> {
+        let silent = self.beat()?;
+        if self.subject.is_computing() {
+            return Ok(due.min(self.clock.now().max(self.now).saturating_add(self.limits.horizon)));
+        }
+        let due = due.min(self.actual.max(self.now).saturating_add(silent));
+        let woke = self.clock.wait(due);
+        self.lines.woke = Some(woke);
+        Ok(due.min(woke).max(self.now))
+    }
+
+    /// A sign of life; hands back how long the executor may wait until the next.
+    pub(super) fn beat(&mut self) -> Result<Span, Trouble> {
+        let Some(heart) = self.heart else { return Ok(LONGEST_WAIT) };
+        heart.beat().map_err(|error| self.unguarded(&error))?;
+        Ok(heart.every().min(LONGEST_WAIT))
+    }
+
+    /// The guard does not do its part.
+    pub(super) fn unguarded(&self, error: &GuardError) -> Trouble {
+        Trouble::Guard { at: self.now, why: error.to_string() }
+    }
+
+    /// Whether the application is through before anything is due, with nothing to be released: the next wait is for
+    /// what comes then, and not for the instant that it ran ahead to.
+    pub(super) fn has_computed(&mut self, reached: Time) -> bool {
+        let through =
+            self.lines.woke.is_none() && self.effects.list.is_empty() && !self.subject.is_computing();
+        if through && reached > self.now {
+            (self.now, self.same) = (reached, 0);
+            return true;
+        }
+        false
+    }
+
+    /// Time passes to `to`: waits for it, and takes note of how late the wait ended.
+    #[inline]
+    pub(super) fn pass(&mut self, to: Time) -> Result<(), Trouble> {
+        if to > self.now {
+            self.same = 0;
+            self.now = to;
+        } else {
+            self.same += 1;
+            if self.same > MOST_SIMULTANEOUS {
+                return Err(Trouble::Simultaneous { at: self.now });
+            }
+        }
+        let future = to > self.actual;
+        self.actual = self.reach(to).max(self.actual);
+        let late = self.actual - to;
+        if future && let Some(punctuality) = &mut self.punctuality {
+            punctuality.note(to, late);
+        }
+        if late > Span::ZERO {
+            self.recorder.note_late(late);
+            if late > self.limits.late {
+                self.ran.overruns += 1;
+                self.ran.trouble.get_or_insert(Trouble::Late { at: to, late, limit: self.limits.late });
+            }
+        }
+        Ok(())
+    }
+
+    /// When the wait for `to` ended, waiting for it if nobody did yet.
+    fn reach(&mut self, to: Time) -> Time {
+        match self.lines.woke.take() {
+            Some(woke) if woke >= to => woke,
+            _ => self.clock.wait_until(to),
+        }
+    }
+
+    /// An input terminal changes at `at`, which the modelled time may not have reached.
+    pub(super) fn input(&mut self, channel: ChannelId, at: When, input: usize, level: Level) {
+        if self.modelled || at.latest <= self.now {
+            self.subject.input(self.now.max(at.latest), at, input, level, &mut self.effects);
+            return;
+        }
+        if self.lines.pending.len() >= MOST_PENDING {
+            self.ran.trouble.get_or_insert(Trouble::Dropped { at: at.latest, channel, count: 1 });
+            return;
+        }
+        let place = self.lines.pending.partition_point(|pending| pending.at.latest <= at.latest);
+        self.lines.pending.insert(place, Pending { at, input, level });
+    }
+
+    /// The inputs that are due.
+    pub(super) fn feed(&mut self) {
+        while let Some(pending) =
+            self.lines.pending.front().copied().filter(|first| first.at.latest <= self.now)
+        {
+            self.lines.pending.pop_front();
+            self.subject.input(self.now, pending.at, pending.input, pending.level, &mut self.effects);
+        }
+    }
+
+    /// When something that the board saw happened. What a late rig did to a wire, it should have done earlier; what a
+    /// controller does on a wire may be late as well.
+    pub(super) fn seen_by_board(&self, at: When, channel: ChannelId, origin: Origin) -> When {
+        let early = self.wiring.early.get(usize::from(channel.0)).copied().unwrap_or(Span::ZERO);
+        let at = When { earliest: at.earliest.saturating_add(-early), ..at };
+        if self.clock.is_exact() {
+            return at;
+        }
+        if self.modelled {
+            return When::within(at.earliest, at.latest.max(self.actual));
+        }
+        // A controller that is not played by the rig was never late because of it.
+        if !self.subject.is_played() {
+            return at;
+        }
+        let late = match origin {
+            Origin::Write => self.lines.lag.get(usize::from(channel.0)).copied().unwrap_or(Span::ZERO),
+            _ => self.lines.worst,
+        };
+        When::within(at.earliest.saturating_add(-(late + self.limits.horizon)), at.latest)
+    }
+}

@@ -1,0 +1,104 @@
+//! What comes before a case: the subject gets its program and its supply, and comes into the state that the case begins
+//! in.
+
+use super::Executor;
+use crate::trouble::Trouble;
+use controller::{Command, Probe, State};
+use signal::{Cause, Span, Time, Value, When};
+
+impl Executor<'_> {
+    /// Brings the subject into the state in which the case begins.
+    pub(super) fn prelude(&mut self) -> Result<(), Trouble> {
+        self.clock.begin();
+        self.board.start(Time::ZERO).map_err(|error| Trouble::Board { at: Time::ZERO, error })?;
+        if !self.modelled {
+            // Devices take the time that they take.
+            self.actual = self.clock.now();
+            self.now = self.actual;
+        }
+        let power_on = self.now;
+        self.show_initial()?;
+        let initial = self.limits.initial;
+        if initial != State::Off {
+            self.subject.power(power_on, true, &mut self.effects);
+            self.apply()?;
+        }
+        if self.subject.is_played() {
+            // A controller that loads its program takes the host's time, and none of its own.
+            self.clock.stood_still(self.actual);
+        }
+        self.load()?;
+        if let Some(heart) = self.heart {
+            heart.begin().map_err(|error| self.unguarded(&error))?;
+            self.beating = true;
+        }
+        let limit = self.loaded + self.subject.patience();
+        let mut commanded = false;
+        loop {
+            let state = self.subject.state();
+            if state == initial {
+                break;
+            }
+            let settled = matches!(state, State::Stopped | State::Running | State::Empty);
+            if settled && !commanded {
+                commanded = true;
+                let command = if initial == State::Running { Command::Run } else { Command::Stop };
+                let at = self.now;
+                self.subject
+                    .command(at, &command, &mut self.effects)
+                    .map_err(|refusal| Trouble::Prelude { state, refusal: Some(refusal) })?;
+                self.apply()?;
+                continue;
+            }
+            if self.now > limit || !self.turn(limit + Span::from_secs(1))? {
+                return Err(Trouble::Prelude { state, refusal: None });
+            }
+        }
+        self.ran.start = Some(self.now);
+        let mut at = self.seen(self.now);
+        if let Some((earliest, state)) = self.subject.begin() {
+            // However uncertain the start is, the subject has this state by then.
+            at.earliest = earliest.min(at.earliest);
+            if let Some(signal) = self.wiring.state {
+                let before = When::exactly(at.earliest.saturating_add(Span::from_nanos(-1)));
+                self.recorder.record(signal, before, state, Cause::Controller);
+            }
+        }
+        if let Some(mark) = self.wiring.start {
+            self.recorder.mark(mark, at);
+        }
+        self.schedule.start(self.now);
+        self.arm();
+        Ok(())
+    }
+
+    /// The subject gets its program: on the host's clock time passes meanwhile, and it is not the case's.
+    fn load(&mut self) -> Result<(), Trouble> {
+        self.subject.load(self.interrupt).map_err(Trouble::Hook)?;
+        self.now = self.now.max(self.clock.now());
+        self.actual = self.actual.max(self.now);
+        self.loaded = self.now;
+        self.poll()?;
+        self.subject.loaded(self.now, &mut self.effects);
+        self.apply()
+    }
+
+    /// What every observed probe shows before anything happens.
+    fn show_initial(&mut self) -> Result<(), Trouble> {
+        if let Some(signal) = self.wiring.state {
+            let state = Value::Int(self.subject.state().number());
+            self.recorder.record(signal, When::exactly(self.now), state, Cause::Controller);
+        }
+        self.writes.clear();
+        for (output, channel) in self.wiring.outputs.iter().enumerate() {
+            if let Some(channel) = channel {
+                self.writes.push((*channel, self.subject.read(&Probe::Terminal(output))));
+                self.wiring.writers[usize::from(channel.0)] = Cause::Controller;
+            }
+        }
+        let at = self.board_time();
+        let written = self.board.write(at, &self.writes);
+        written.map_err(|error| Trouble::Board { at, error })?;
+        self.poll()
+    }
+}

@@ -1,0 +1,375 @@
+//! A real controller on the board's lines. It runs by itself: the rig switches its supply and its Run/Stop switch, sees
+//! what its alarm output says of its state, and drives and sees its terminals as channels of the board.
+
+use crate::capability::Capability;
+use crate::hook::{Hook, HookError};
+use crate::schedule::FileAct;
+use crate::subject::{Observable, Subject};
+use controller::{
+    Command, Disturbance, Effect, Effects, FileError, FileFact, Probe, ProbeId, Refusal, State, TaskFigures,
+    WriteError,
+};
+use drivers::{Board, BoardFile, ChannelId, External as Settings};
+use signal::{Cause, Level, Span, Time, Value, When};
+use std::sync::atomic::AtomicBool;
+
+/// The place of the supply among what it drives.
+pub const POWER: usize = 0;
+
+/// The place of the Run/Stop switch among what it drives.
+pub const RUN_STOP: usize = 1;
+
+/// The place of the alarm line among what it sees.
+pub const ALARM: usize = 0;
+
+/// The number of what shows its state.
+pub const STATE: ProbeId = ProbeId(0);
+
+/// The state of a controller that has its supply and does not show that it runs: which one it is nobody can see.
+pub const NOT_RUNNING: (i64, &str) = (-1, "not RUNNING");
+
+/// How far it is on its way into the state in which a case begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// Its supply is not asked for.
+    Off,
+    /// Its supply stays off until this instant, to be sure of what it begins with.
+    Cut(Time),
+    /// It boots since the first instant, and is there by the second where nothing shows it.
+    Boots(Time, Time),
+    /// It is there, not before this instant.
+    There(Time),
+}
+
+/// A line between 0 and 1, as far as it is known.
+fn level(level: Level) -> Option<bool> {
+    match level {
+        Level::Low => Some(false),
+        Level::High => Some(true),
+        Level::HighZ => None,
+    }
+}
+
+/// A real controller.
+#[derive(Debug)]
+pub struct External {
+    settings: Settings,
+    hook: Hook,
+    initial: State,
+    has_power: bool,
+    has_switch: bool,
+    has_alarm: bool,
+    /// Whether its supply is on, as far as the rig has to do with it.
+    supply: bool,
+    /// Where its Run/Stop switch stands.
+    run: bool,
+    /// What its alarm output says, and since when at the earliest.
+    alarm: Option<bool>,
+    since: Time,
+    way: Way,
+    /// The state as it was told last.
+    told: Value,
+    /// The case has begun.
+    begun: bool,
+    loaded: bool,
+}
+
+impl External {
+    /// A controller whose case begins in `initial`, with its switch at Run or not.
+    pub fn new(
+        file: &BoardFile,
+        settings: Settings,
+        board: &dyn Board,
+        initial: State,
+        run: bool,
+        hook: Hook,
+    ) -> External {
+        let safe = |channel: Option<ChannelId>| {
+            let channel = channel.and_then(|channel| board.channels().get(usize::from(channel.0)));
+            channel.is_some_and(|channel| channel.safe == Value::Bool(true))
+        };
+        External {
+            settings,
+            hook,
+            initial,
+            has_power: file.lines.power.is_some(),
+            has_switch: file.lines.run_stop.is_some(),
+            has_alarm: file.lines.alarm.is_some(),
+            // Before the case begins its lines are as safe has them.
+            supply: file.lines.power.is_none() || safe(file.lines.power),
+            run,
+            alarm: None,
+            since: Time::ZERO,
+            way: Way::Off,
+            told: Value::Unknown,
+            begun: false,
+            loaded: false,
+        }
+    }
+
+    /// What its lines show of its state.
+    fn shown(&self) -> Value {
+        match (self.alarm, self.supply) {
+            (Some(true), _) => Value::Int(State::Running.number()),
+            (Some(false), false) => Value::Int(State::Off.number()),
+            (Some(false), true) => Value::Int(NOT_RUNNING.0),
+            (None, _) => Value::Unknown,
+        }
+    }
+
+    /// Tells the state where it is another one, from `at` on.
+    fn tell(&mut self, at: Time, effects: &mut Effects) {
+        let shown = self.shown();
+        // The executor shows where the case begins: there the state and the start are one.
+        if self.told != shown && self.begun {
+            self.told = shown;
+            effects.list.push(Effect::Changed { at, probe: STATE, value: shown, cause: Cause::Controller });
+        }
+    }
+
+    /// Puts one of its lines to a level.
+    fn put(at: Time, output: usize, on: bool, effects: &mut Effects) {
+        let (level, cause) = (Level::from_bool(on), Cause::Controller);
+        effects.list.push(Effect::Terminal { at, output, level, cause });
+    }
+
+    fn switch_supply(&mut self, now: Time, on: bool, effects: &mut Effects) {
+        if self.has_power {
+            self.supply = on;
+            External::put(now, POWER, on, effects);
+        }
+    }
+
+    /// It has its supply from `now` on.
+    fn boots(&mut self, now: Time) {
+        let by = now.saturating_add(self.settings.boot);
+        self.way = match self.initial {
+            State::Booting => Way::There(now),
+            _ => Way::Boots(now, by),
+        };
+    }
+
+    /// Lets it come into the state in which the case begins: from its supply on where the rig can do that.
+    fn set_out(&mut self, now: Time, effects: &mut Effects) {
+        if self.has_power && (self.settings.cycle || self.initial == State::Booting) {
+            self.switch_supply(now, false, effects);
+            self.way = Way::Cut(now.saturating_add(self.settings.off));
+            return;
+        }
+        self.switch_supply(now, true, effects);
+        self.boots(now);
+        if let (Way::Boots(_, by), Some(true), State::Running) = (self.way, self.alarm, self.initial) {
+            self.way = Way::Boots(self.since, by);
+            self.arrive(self.since);
+        }
+    }
+
+    /// It reached the state in which the case begins, not before `earliest`.
+    fn arrive(&mut self, earliest: Time) {
+        if let Way::Boots(since, _) = self.way {
+            self.way = Way::There(earliest.max(since));
+        }
+    }
+}
+
+impl Subject for External {
+    fn capabilities(&self) -> &'static [Capability] {
+        match (self.has_power, self.has_switch) {
+            (true, true) => &[Capability::Power, Capability::RunStop],
+            (true, false) => &[Capability::Power],
+            (false, true) => &[Capability::RunStop],
+            (false, false) => &[],
+        }
+    }
+
+    fn power(&mut self, now: Time, on: bool, effects: &mut Effects) {
+        if self.way != Way::Off {
+            // A step of the plan.
+            self.switch_supply(now, on, effects);
+        } else if on {
+            if self.has_switch {
+                External::put(now, RUN_STOP, self.run, effects);
+            }
+            if self.settings.load.is_empty() {
+                self.set_out(now, effects);
+            } else {
+                // The command that loads it finds it switched on.
+                self.switch_supply(now, true, effects);
+            }
+        }
+        self.tell(now, effects);
+    }
+
+    fn load(&mut self, interrupt: &AtomicBool) -> Result<(), HookError> {
+        if self.settings.load.is_empty() {
+            return Ok(());
+        }
+        self.loaded = true;
+        self.hook.run("load", &self.settings.load, self.settings.load_within, interrupt)
+    }
+
+    fn loaded(&mut self, now: Time, effects: &mut Effects) {
+        if self.settings.load.is_empty() {
+            return;
+        }
+        self.set_out(now, effects);
+        self.tell(now, effects);
+    }
+
+    fn unload(&mut self, interrupt: &AtomicBool) -> Result<(), HookError> {
+        if self.settings.unload.is_empty() || !self.loaded && !self.settings.load.is_empty() {
+            return Ok(());
+        }
+        self.loaded = false;
+        self.hook.run("unload", &self.settings.unload, self.settings.load_within, interrupt)
+    }
+
+    fn patience(&self) -> Span {
+        let (boot, off) = (self.settings.boot, self.settings.off);
+        Span::from_nanos(boot.as_nanos().saturating_add(off.as_nanos())) + Span::from_secs(1)
+    }
+
+    fn begin(&mut self) -> Option<(Time, Value)> {
+        let Way::There(earliest) = self.way else { return None };
+        self.begun = true;
+        self.told = self.shown();
+        Some((earliest, self.told))
+    }
+
+    fn run(&mut self, limit: Time, _effects: &mut Effects) -> Time {
+        limit
+    }
+
+    fn next_timer(&self) -> Option<Time> {
+        match self.way {
+            Way::Cut(until) => Some(until),
+            Way::Boots(_, by) => Some(by),
+            Way::Off | Way::There(_) => None,
+        }
+    }
+
+    fn fire(&mut self, now: Time, effects: &mut Effects) {
+        match self.way {
+            Way::Cut(until) if until <= now => {
+                self.switch_supply(now, true, effects);
+                self.boots(now);
+            }
+            // Where its alarm output tells, silence means that it is not there.
+            Way::Boots(since, by) if by <= now => {
+                if self.has_alarm && self.initial == State::Running {
+                    self.way = Way::Boots(since, Time::MAX);
+                } else {
+                    self.arrive(since);
+                }
+            }
+            _ => {}
+        }
+        self.tell(now, effects);
+    }
+
+    fn input(&mut self, _now: Time, at: When, input: usize, level: Level, effects: &mut Effects) {
+        if input != ALARM {
+            return;
+        }
+        self.alarm = self::level(level);
+        // It may have changed its state earlier than its output shows.
+        let earliest = at.earliest.saturating_add(-self.settings.jitter).max(Time::ZERO);
+        self.since = earliest;
+        if self.alarm == Some(true) && self.initial == State::Running {
+            self.arrive(earliest);
+        }
+        self.tell(earliest, effects);
+    }
+
+    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {
+        match command {
+            Command::Switch(run) if self.has_switch => {
+                self.run = *run;
+                External::put(now, RUN_STOP, *run, effects);
+                Ok(())
+            }
+            _ => Err(Refusal::State(self.state())),
+        }
+    }
+
+    fn state(&self) -> State {
+        match self.way {
+            Way::Off | Way::Cut(_) => State::Off,
+            Way::Boots(..) => State::Booting,
+            Way::There(_) => self.initial,
+        }
+    }
+
+    fn state_probe(&self) -> Option<ProbeId> {
+        Some(STATE)
+    }
+
+    fn read(&self, probe: &Probe) -> Value {
+        match *probe {
+            Probe::Terminal(POWER) => Value::Bool(self.supply),
+            Probe::Terminal(RUN_STOP) => Value::Bool(self.run),
+            _ => Value::Unknown,
+        }
+    }
+
+    // What follows cannot be done from outside. A case that needs it does not run.
+
+    fn file(&mut self, _: Time, _: &FileAct, _: &mut Effects) -> Result<(), FileError> {
+        Err(FileError::State(self.state()))
+    }
+
+    fn file_probe(&mut self, _: FileFact) -> Probe {
+        Probe::State
+    }
+
+    fn disturb(&mut self, _: Time, _: Disturbance, _: &mut Effects) {}
+
+    fn overload(&mut self, _: usize, _: Span, _: u32) {}
+
+    fn suspend(&mut self, _: usize, _: Time) {}
+
+    fn task(&self, _: &str) -> Option<usize> {
+        None
+    }
+
+    fn task_name(&self, _: usize) -> Option<&str> {
+        None
+    }
+
+    fn file_name(&self, _: u16) -> Option<&str> {
+        None
+    }
+
+    fn source_files(&self) -> Vec<(u16, String)> {
+        Vec::new()
+    }
+
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn observable(&self, _: &str) -> Option<Observable> {
+        None
+    }
+
+    fn watch(&mut self, _: Probe) -> ProbeId {
+        STATE
+    }
+
+    fn write(&mut self, _: Time, _: &Probe, _: Value, _: Cause, _: &mut Effects) -> Result<(), WriteError> {
+        Err(WriteError::State(self.state()))
+    }
+
+    fn figures(&self) -> Vec<(String, Span, TaskFigures)> {
+        Vec::new()
+    }
+}
+
+/// Whatever ended the case, what was loaded is unloaded.
+impl Drop for External {
+    fn drop(&mut self) {
+        if self.loaded {
+            let _ = self.unload(&AtomicBool::new(false));
+        }
+    }
+}

@@ -1,0 +1,374 @@
+//! Real lines: a board that is opened once and lent to one case after the other, and what the machine gives a run to
+//! be on time.
+
+use crate::clock::HostClock;
+use crate::executor::Heart;
+use crate::figures::{self, Standing};
+use crate::instrument::{self, Instrument, LoopFault};
+use document::Diagnostic;
+use drivers::{
+    Board, BoardError, BoardEvent, BoardFile, BoardKind, Channel, ChannelId, Fault, Health, HeldLines, Loop,
+    RealtimeSettings, Surroundings,
+};
+use guard::{Guard, GuardError, Lacks};
+use host::{Entered, Privilege, Punctual, Refused, Role};
+use signal::{Span, Time, Value};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+/// A board with real lines, for as long as a run lasts. Between cases its lines stay claimed, and safe.
+#[derive(Debug)]
+pub struct Hardware {
+    place: Arc<Place>,
+    /// Name of the board file.
+    name: String,
+    surroundings: Surroundings,
+    settings: RealtimeSettings,
+    punctual: Punctual,
+    refused: Vec<Refused>,
+    heart: Option<Box<dyn Heart + Send>>,
+    /// What was measured of this machine and these devices.
+    standing: Standing,
+    /// What the guard could not get for itself.
+    lacks: Option<Lacks>,
+}
+
+/// Real lines where none were opened.
+pub fn in_virtual_time(board: &BoardFile) -> Diagnostic {
+    let message = format!("`{}` has real lines, which have no virtual time", board.name);
+    Diagnostic::error("R0180", message)
+        .at(&board.name, 0..0, "")
+        .help("run its cases by `rig test`, without `--clock virtual`")
+}
+
+/// Where the board is while no case has it.
+#[derive(Debug)]
+struct Place {
+    board: Mutex<Option<Box<dyn Board>>>,
+    back: Condvar,
+}
+
+impl Place {
+    fn lock(&self) -> MutexGuard<'_, Option<Box<dyn Board>>> {
+        // A panic elsewhere does not make the board another one.
+        self.board.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Hardware {
+    /// Takes a board that lives in these surroundings. `name` is that of its file. The process asks for what makes it
+    /// punctual, for as long as this lives.
+    pub fn new(
+        name: &str,
+        board: Box<dyn Board>,
+        surroundings: Surroundings,
+        settings: RealtimeSettings,
+    ) -> Hardware {
+        let punctual = Punctual::begin();
+        let mut refused = settings.threads().refused(Role::Edges);
+        refused.extend(&punctual.refused);
+        Hardware {
+            place: Arc::new(Place { board: Mutex::new(Some(board)), back: Condvar::new() }),
+            name: name.to_owned(),
+            surroundings,
+            settings,
+            punctual,
+            refused,
+            heart: None,
+            standing: Standing::default(),
+            lacks: None,
+        }
+    }
+
+    /// Starts the guard, opens the board of a file under its eyes, and takes what makes the process punctual. `None`
+    /// where the file's board is a simulated one.
+    ///
+    /// # Errors
+    /// What keeps the board from being opened, at its place in the file, or from being guarded.
+    pub fn open(file: &BoardFile) -> Result<Option<Hardware>, Vec<Diagnostic>> {
+        if !file.is_real() {
+            return Ok(None);
+        }
+        let refused = |error: GuardError| {
+            let found = Diagnostic::error(error.code(), error.to_string());
+            vec![found.at(&file.name, 0..0, "").help(error.help())]
+        };
+        // First of all: there are no threads yet, and no memory is locked.
+        let guard = Guard::spawn(&file.guard).map_err(refused)?;
+        let standing = figures::standing(file);
+        let mut surroundings = Surroundings::new(file.realtime.threads());
+        surroundings.resolution = standing.resolution;
+        let opened = drivers::file::open(file, &surroundings).or_else(|found| {
+            // The guard of a run that died may still hold the lines safe for it.
+            if took_over(file, &found) { drivers::file::open(file, &surroundings) } else { Err(found) }
+        });
+        let Some(board) = opened? else { return Ok(None) };
+        let held = board
+            .held()
+            .map_err(|error| GuardError::Lines { device: file.name.clone(), why: error.to_string() });
+        held.and_then(|held| guard.hold(held)).map_err(refused)?;
+        let lacks = guard.lacks();
+        let mut hardware = Hardware::new(&file.name, board, surroundings, file.realtime);
+        (hardware.lacks, hardware.standing) = (Some(lacks), standing);
+        Ok(Some(hardware.with_heart(Box::new(guard))))
+    }
+
+    /// The same, and every turn of the executor is shown to this.
+    #[must_use]
+    pub fn with_heart(mut self, heart: Box<dyn Heart + Send>) -> Hardware {
+        self.heart = Some(heart);
+        self
+    }
+
+    /// Name of the board file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The time, the bell and the priorities of the board.
+    pub fn surroundings(&self) -> &Surroundings {
+        &self.surroundings
+    }
+
+    /// How punctual the board file wants it.
+    pub fn settings(&self) -> &RealtimeSettings {
+        &self.settings
+    }
+
+    /// The clock of the board's time, which its bell wakes.
+    pub fn clock(&self) -> HostClock {
+        HostClock::of(&self.surroundings)
+    }
+
+    /// Who is shown every turn of the executor.
+    pub fn heart(&self) -> Option<&dyn Heart> {
+        self.heart.as_deref().map(|heart| heart as &dyn Heart)
+    }
+
+    /// The board, which comes back when what is lent is dropped. Waits while somebody else has it.
+    pub fn lend(&self) -> Lent {
+        let mut place = self.place.lock();
+        loop {
+            if let Some(board) = place.take() {
+                return Lent { board: Some(board), place: self.place.clone() };
+            }
+            place = self.place.back.wait(place).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// What was measured of this machine and these devices.
+    pub fn standing(&self) -> &Standing {
+        &self.standing
+    }
+
+    /// The board, lent, as something that is measured.
+    pub fn instrument<'a>(&'a self, lent: &'a mut Lent) -> Instrument<'a> {
+        Instrument { board: lent, lives: &self.surroundings, heart: self.heart() }
+    }
+
+    /// Drives a known square wave through the loop that the board file names, if it names one, and compares what comes
+    /// back: an instrument that does not see what it does itself judges nothing.
+    ///
+    /// # Errors
+    /// Why the board is no instrument, as a finding to be shown; nothing of it where the user interrupted.
+    pub fn check(&mut self, looped: Option<Loop>, interrupt: &AtomicBool) -> Result<(), Option<Diagnostic>> {
+        let Some(looped) = looped else { return Ok(()) };
+        let mut board = self.lend();
+        let names = instrument::names(&board, looped);
+        let entered = self.enter();
+        let found = instrument::square(self.instrument(&mut board), looped, interrupt);
+        drop(entered);
+        match found {
+            Ok(found) => {
+                self.standing.facts.push((String::from("Instrument checked"), found.to_string()));
+                Ok(())
+            }
+            Err(LoopFault::Interrupted) => Err(None),
+            Err(fault) => Err(Some(fault.finding(&names))),
+        }
+    }
+
+    /// The calling thread becomes one that runs the scan loop, until what comes back is dropped.
+    pub fn enter(&self) -> Entered {
+        self.settings.threads().enter_for_now(Role::Scan)
+    }
+
+    /// What the kernel refuses the run, each with its mend: warnings, to be shown once.
+    pub fn warnings(&self) -> Vec<Diagnostic> {
+        let warning = |refused: &Refused| {
+            let code = match refused.what {
+                Privilege::Priority => "R0181",
+                Privilege::Processors => "R0182",
+                Privilege::Memory => "R0183",
+                Privilege::Awake => "R0184",
+            };
+            Diagnostic::warning(code, refused.to_string()).help(refused.mend())
+        };
+        self.refused.iter().map(warning).chain(self.standing.warnings.iter().cloned()).collect()
+    }
+
+    /// How punctual the run can be, for its record: name and text.
+    pub fn facts(&self) -> Vec<(String, String)> {
+        let fact = |what: Privilege| {
+            let text = match self.refused.iter().find(|refused| refused.what == what) {
+                Some(refused) => format!("refused: {}", std::io::Error::from(refused.error)),
+                None => match what {
+                    Privilege::Priority => match self.settings.priority {
+                        Some(priority) => priority.to_string(),
+                        None => String::from("none"),
+                    },
+                    Privilege::Processors => self.settings.processors.to_string(),
+                    Privilege::Memory | Privilege::Awake => String::from("yes"),
+                },
+            };
+            (what.name().to_owned(), text)
+        };
+        let mut facts: Vec<_> = Privilege::ALL.into_iter().map(fact).collect();
+        if let Some(lacks) = self.lacks {
+            facts.push((String::from("Guard"), guarded(lacks)));
+        }
+        facts.extend(self.standing.facts.iter().cloned());
+        facts
+    }
+
+    /// Whether the memory of the process stays in place.
+    pub fn is_locked(&self) -> bool {
+        self.punctual.is_locked()
+    }
+
+    /// How late the rig may be, where the board file says it.
+    pub fn late(&self) -> Option<Span> {
+        self.settings.late
+    }
+}
+
+/// The code of a line that somebody holds.
+const BUSY: &str = "B0174";
+
+/// Whether a guard that outlived its rig let go of lines that were found to be held.
+fn took_over(file: &BoardFile, found: &[Diagnostic]) -> bool {
+    let BoardKind::Gpio(spec) = &file.kind else { return false };
+    let busy = found.iter().any(|found| found.code == BUSY);
+    busy && drivers::gpio::devices(spec).iter().map(|device| guard::take_over(device)).sum::<usize>() > 0
+}
+
+/// How far the guard can do what it is for, in words.
+fn guarded(lacks: Lacks) -> String {
+    let without = [
+        (lacks.priority, "real-time priority"),
+        (lacks.memory, "locked memory"),
+        (lacks.sparing, "being spared when memory runs out"),
+    ];
+    let without: Vec<&str> = without.into_iter().filter(|(lacks, _)| *lacks).map(|(_, what)| what).collect();
+    if without.is_empty() { String::from("yes") } else { format!("without {}", without.join(", ")) }
+}
+
+impl Drop for Hardware {
+    fn drop(&mut self) {
+        let board = self.place.lock().take();
+        if let Some(mut board) = board {
+            // Lines that cannot be reached any more are the guard's, to which the goodbye comes last.
+            let _ = board.safe(self.surroundings.time.now());
+        }
+    }
+}
+
+/// A board on loan.
+#[derive(Debug)]
+pub struct Lent {
+    /// There until it goes back.
+    board: Option<Box<dyn Board>>,
+    place: Arc<Place>,
+}
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        *self.place.lock() = self.board.take();
+        self.place.back.notify_one();
+    }
+}
+
+impl Lent {
+    fn board(&mut self) -> Result<&mut Box<dyn Board>, BoardError> {
+        self.board.as_mut().ok_or(BoardError::NotStarted)
+    }
+}
+
+impl Board for Lent {
+    fn channels(&self) -> &[Channel] {
+        self.board.as_ref().map_or(&[], |board| board.channels())
+    }
+
+    fn start(&mut self, now: Time) -> Result<(), BoardError> {
+        self.board()?.start(now)
+    }
+
+    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
+        self.board()?.write(now, writes)
+    }
+
+    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        self.board()?.poll(now, out)
+    }
+
+    fn next_event(&self) -> Option<Time> {
+        self.board.as_ref()?.next_event()
+    }
+
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        self.board()?.inject(now, fault)
+    }
+
+    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        self.board()?.clear(now, channel)
+    }
+
+    fn safe(&mut self, now: Time) -> Result<(), BoardError> {
+        self.board()?.safe(now)
+    }
+
+    fn health(&self) -> Health {
+        self.board.as_ref().map_or_else(Health::default, |board| board.health())
+    }
+
+    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+        self.board.as_ref().map_or(Ok(Vec::new()), |board| board.held())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use drivers::SimulatedBoard;
+    use drivers::circuit::Circuit;
+    use host::Realtime;
+
+    fn hardware() -> Hardware {
+        let board = SimulatedBoard::new(&Circuit::default(), 1).unwrap();
+        let settings = RealtimeSettings { priority: None, ..RealtimeSettings::default() };
+        Hardware::new("bench.toml", Box::new(board), Surroundings::new(Realtime::default()), settings)
+    }
+
+    #[test]
+    fn whoever_wants_the_board_waits_until_it_is_back() {
+        let hardware = hardware();
+        let lent = hardware.lend();
+        std::thread::scope(|scope| {
+            let next = scope.spawn(|| drop(hardware.lend()));
+            drop(lent);
+            next.join().unwrap();
+        });
+        assert!(hardware.place.lock().is_some());
+    }
+
+    #[test]
+    fn the_record_says_what_was_refused_and_a_warning_says_why() {
+        let mut hardware = hardware();
+        hardware.refused = vec![Refused { what: Privilege::Memory, error: host::Errno::PERM }];
+        let facts = hardware.facts();
+        assert_eq!(facts[0], ("Real-time priority".to_owned(), "none".to_owned()));
+        assert!(facts[2].1.starts_with("refused:"), "{facts:?}");
+        let warnings = hardware.warnings();
+        assert!(warnings[0].code == "R0183" && !warnings[0].is_error());
+    }
+}

@@ -1,0 +1,118 @@
+//! What a plan asks for that no line of the board reaches: such a case does not apply.
+
+use crate::case::CaseFiles;
+use crate::external::NOT_RUNNING;
+use crate::prepare::state_info;
+use controller::{Channel as Terminal, State};
+use drivers::Board;
+use plans::bench::is_same_for;
+use plans::plan::{Await, Initial, SignalBinding, Source};
+use plans::{Case, StepTime, value_of};
+use signal::{SignalInfo, Value};
+
+/// Why a case does not apply to this controller on this board, if it does not.
+pub fn beyond(case: &Case, files: &CaseFiles, board: &dyn Board) -> Option<String> {
+    if let Some(reason) = case
+        .signals
+        .iter()
+        .filter(|binding| !case.unspoken.contains(&binding.name))
+        .find_map(|binding| unreached(binding, files, board))
+    {
+        return Some(reason);
+    }
+    let external = files.board.subject.external.as_ref()?;
+    if case.refusal.is_some() {
+        return Some(String::from("what its check finds concerns the rig's own model"));
+    }
+    let settings = &case.settings;
+    let lines = files.board.lines;
+    if settings.firmware_invalid {
+        return Some(String::from("a real controller has its firmware"));
+    }
+    if settings.switch_at_run == Some(false) && lines.run_stop.is_none() {
+        return Some(String::from("the board names no `run-stop` line of the controller"));
+    }
+    match settings.initial {
+        Initial::Running => {}
+        Initial::Booting if lines.power.is_some() => {}
+        Initial::Booting => return Some(String::from("the board names no `power` line of the controller")),
+        Initial::Stopped | Initial::Empty if !external.load.is_empty() => {}
+        Initial::Stopped => return Some(String::from("nothing stops a real controller before the case")),
+        Initial::Empty => return Some(String::from("nothing empties a real controller before the case")),
+    }
+    let state = state_info(&files.board);
+    match (lines.alarm, needed(case, &state)) {
+        (None, Some(_)) => {
+            Some(String::from("the board names no `alarm` line that shows the controller's state"))
+        }
+        (Some(_), Some(Needed::Apart)) => Some(String::from(
+            "an alarm line shows RUNNING and OFF, and does not tell the other states apart",
+        )),
+        (_, None) | (Some(_), Some(Needed::Running)) => None,
+    }
+}
+
+/// Leaves out the signals that the plan does not speak of and that nothing reaches: they would only be recorded.
+pub fn leave_out(case: &mut Case, files: &CaseFiles, board: &dyn Board) {
+    let unspoken = std::mem::take(&mut case.unspoken);
+    case.signals.retain(|one| !unspoken.contains(&one.name) || unreached(one, files, board).is_none());
+    case.unspoken = unspoken;
+}
+
+/// Why a name is nothing that the rig can see, if that is so.
+fn unreached(binding: &SignalBinding, files: &CaseFiles, board: &dyn Board) -> Option<String> {
+    let external = files.board.subject.is_external();
+    let has = |channel: &str| board.find(channel).is_some();
+    match &binding.source {
+        Source::Line(address) if Terminal::at(*address, files.reference).is_some() => {
+            let bound = files.board.channel_of(*address).is_some();
+            (!bound).then(|| format!("the board binds no channel to {address}"))
+        }
+        Source::Line(_) => None,
+        Source::Channel(name) if external && !has(name) => Some(format!("the board has no channel `{name}`")),
+        Source::Path(name) if external && !has(name) => {
+            Some(format!("`{name}` cannot be seen from outside the controller"))
+        }
+        Source::Channel(_) | Source::Path(_) => None,
+        // The others need powers of their own; where they are memory the plan may have said so in another way.
+        Source::Memory(_) | Source::Image(_) if external => {
+            Some(format!("`{}` cannot be seen from outside the controller", binding.name))
+        }
+        _ => None,
+    }
+}
+
+/// What a case has to see of the controller's state.
+enum Needed {
+    /// Whether it runs.
+    Running,
+    /// Which of the states it has in which it does not run.
+    Apart,
+}
+
+/// What the claims and steps of a case have to see of the controller's state, if anything.
+fn needed(case: &Case, state: &SignalInfo) -> Option<Needed> {
+    let numbers = State::ALL.iter().filter(|state| !matches!(state, State::Running | State::Off));
+    let mut values: Vec<Value> = numbers.map(|state| Value::Int(state.number())).collect();
+    values.push(Value::Int(NOT_RUNNING.0));
+    let mut seen = false;
+    let claims = case.expectations.iter().chain(case.invariants.iter().map(|guard| &guard.expectation));
+    for expectation in claims {
+        seen |= expectation.claim.signals().contains(&state.name);
+        if !is_same_for(&*expectation.claim, state, &values) {
+            return Some(Needed::Apart);
+        }
+    }
+    for step in &case.steps {
+        let StepTime::When { signal, awaits, .. } = &step.when else { continue };
+        if *signal != state.name {
+            continue;
+        }
+        seen = true;
+        match awaits {
+            Await::Becomes(literal) if value_of(literal, state).is_ok_and(|one| !values.contains(&one)) => {}
+            _ => return Some(Needed::Apart),
+        }
+    }
+    seen.then_some(Needed::Running)
+}

@@ -1,0 +1,202 @@
+//! Subject and board of a case, made of its files.
+
+use crate::application::{assign, compile};
+use crate::bundle::Bundle;
+use crate::case::CaseFiles;
+use crate::check::Looked;
+use crate::configure::{configuration, initial_state};
+use crate::coverage::Collector;
+use crate::external::External;
+use crate::hand;
+use crate::hook::Hook;
+use crate::inputs;
+use crate::prepare::{Bench, Prepared, prepare};
+use crate::store::MemoryStore;
+use crate::subject::{Model, Subject};
+use crate::tasks::Tasks;
+use controller::{Command, Config, Effects, LoadError, Part, State};
+use document::{Diagnostic, SourceFile};
+use drivers::External as Settings;
+use drivers::file::build;
+use plans::Case;
+use plans::plan::ProgramRef;
+use signal::{Time, Trace};
+use std::sync::Arc;
+
+/// Subject and board of a case, before power-on.
+pub(crate) struct Stage {
+    pub(crate) subject: Box<dyn Subject>,
+    pub(crate) board: Box<dyn drivers::Board>,
+    bundle: Vec<u8>,
+    /// Those of the programs that steps bring.
+    others: Vec<(ProgramRef, Vec<u8>)>,
+    pub(crate) program: Option<Arc<program::Program>>,
+    /// What the controller accepts with a warning.
+    pub(crate) warnings: Vec<Diagnostic>,
+}
+
+impl Stage {
+    pub(crate) fn prepare(
+        &mut self,
+        case: &Case,
+        files: &CaseFiles,
+        trace: Trace,
+        exact: bool,
+    ) -> Result<Prepared, Vec<Diagnostic>> {
+        let mut bench = Bench {
+            subject: &mut *self.subject,
+            board: &*self.board,
+            file: &files.board,
+            profile: files.profile,
+            reference: files.reference,
+            bundle: &self.bundle,
+            others: &self.others,
+            seed: files.seed,
+            exact,
+        };
+        prepare(case, &files.plan, trace, &mut bench)
+    }
+
+    /// What is looked at before anything moves.
+    pub(crate) fn looked<'a>(
+        &'a self,
+        case: &'a Case,
+        files: &'a CaseFiles,
+        prepared: &'a Prepared,
+    ) -> Looked<'a> {
+        Looked { case, files, subject: &*self.subject, board: &*self.board, prepared }
+    }
+}
+
+/// Compiles the program and builds subject and board. A controller that is empty at the start needs no program.
+pub(crate) fn stage(
+    case: &Case,
+    files: &CaseFiles,
+    collector: Option<Collector>,
+) -> Result<Stage, Vec<Diagnostic>> {
+    if let Some(settings) = &files.board.subject.external {
+        return outside(case, files, settings);
+    }
+    let initial = initial_state(case.settings.initial);
+    let none = files.sources.is_empty() && initial == State::Empty;
+    let program = if none { None } else { Some(Arc::new(compile(&files.sources, files.profile)?)) };
+    let mut config = configuration(&case.settings, files)?;
+    let tasks = Tasks::new(program.as_deref(), &case.settings, files.profile, &files.plan)?;
+    tasks.configure(&mut config, &case.settings, program.as_deref(), &files.plan)?;
+    let warnings = crate::tasks::warnings(&config, &files.plan);
+    let tasks = tasks.programs;
+    if let Some(program) = &program {
+        let Some(places) = assign(program, &tasks) else {
+            return Err(vec![no_such_program(program, &tasks, &files.plan)]);
+        };
+        let readers = tasks.iter().map(|(task, _)| task.as_str()).zip(&places);
+        inputs::latched_for_mast(program, readers, &case.settings, &files.plan.name)?;
+    }
+    let mut others = Vec::new();
+    let mut known = Vec::new();
+    for other in &files.others {
+        let program = Arc::new(compile(&other.sources, files.profile)?);
+        let tasks = tasks_of_another(&program, case, &config, files)?;
+        others.push((other.program.clone(), Bundle { sources: other.sources.clone(), tasks }.to_bytes()));
+        known.push(program);
+    }
+    let bundle = match &program {
+        Some(_) => Bundle { sources: files.sources.clone(), tasks }.to_bytes(),
+        None => Vec::new(),
+    };
+    let refused = |error: &dyn std::fmt::Display| refused(files, error);
+    let board = build(&files.board, files.seed).map_err(|error| refused(&error))?;
+    let mut model = Model::new(config, program.clone(), Box::new(MemoryStore::default()), collector)
+        .map_err(|error| refused(&error))?;
+    model.know(known);
+    if case.settings.firmware_invalid {
+        model.damage_firmware();
+    }
+    if case.settings.switch_at_run == Some(false) {
+        let moved = model.command(Time::ZERO, &Command::Switch(false), &mut Effects::new());
+        moved.map_err(|error| refused(&error))?;
+    }
+    if initial != State::Empty {
+        let left = if initial == State::Booting { State::Running } else { initial };
+        model.commission(&bundle, left).map_err(|error| match error {
+            LoadError::Relocation { part, row } => vec![beyond_table(part, row, case, files)],
+            error => refused(&error),
+        })?;
+    }
+    Ok(Stage { subject: Box::new(model), board, bundle, others, program, warnings })
+}
+
+fn refused(files: &CaseFiles, error: &dyn std::fmt::Display) -> Vec<Diagnostic> {
+    vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")]
+}
+
+/// A real controller on the board. Its program is what is in it, or what the user's command brings; the rig does not
+/// read it.
+fn outside(case: &Case, files: &CaseFiles, settings: &Settings) -> Result<Stage, Vec<Diagnostic>> {
+    let board = build(&files.board, files.seed).map_err(|error| refused(files, &error))?;
+    let hook = if settings.load.is_empty() && settings.unload.is_empty() {
+        Hook::default()
+    } else {
+        hand::over(case, files).map_err(|error| {
+            let message = format!("what `load` is given cannot be written: {error}");
+            vec![Diagnostic::error("R0220", message).help("give the temporary folder room")]
+        })?
+    };
+    let (initial, run) = (initial_state(case.settings.initial), case.settings.switch_at_run != Some(false));
+    let subject = External::new(&files.board, settings.clone(), &*board, initial, run, hook);
+    Ok(Stage {
+        subject: Box::new(subject),
+        board,
+        bundle: Vec::new(),
+        others: Vec::new(),
+        program: None,
+        warnings: Vec::new(),
+    })
+}
+
+/// The PROGRAMs that each task of the controller runs of another program. The controller's tasks stay those of the
+/// case.
+fn tasks_of_another(
+    program: &program::Program,
+    case: &Case,
+    config: &Config,
+    files: &CaseFiles,
+) -> Result<Vec<(String, Vec<String>)>, Vec<Diagnostic>> {
+    let tasks = Tasks::new(Some(program), &case.settings, files.profile, &files.plan)?;
+    if tasks.configured != config.tasks {
+        let name = program.files().first().map_or("", String::as_str);
+        let message = format!("`{name}` configures other tasks than the case's own program");
+        let found = Diagnostic::error("R0121", message).at(name, 0..0, "");
+        return Err(vec![found.help("give it the same tasks: a controller of a case keeps its tasks")]);
+    }
+    if assign(program, &tasks.programs).is_none() {
+        return Err(vec![no_such_program(program, &tasks.programs, &files.plan)]);
+    }
+    Ok(tasks.programs)
+}
+
+/// The first row of the relocation table that does not fit (controller:REL-02).
+fn beyond_table(part: Part, row: usize, case: &Case, files: &CaseFiles) -> Diagnostic {
+    let name = case.settings.relocation[part as usize].get(row).map_or("?", String::as_str);
+    let message = format!("`{name}` does not fit into the relocation table");
+    let help = format!("row {}: each part has {} words", row + 1, profile::TABLE_WORDS);
+    Diagnostic::error("R0113", message).at(&files.plan.name, 0..0, "").help(help)
+}
+
+fn no_such_program(
+    program: &program::Program,
+    tasks: &[(String, Vec<String>)],
+    plan: &SourceFile,
+) -> Diagnostic {
+    let known = program.programs();
+    let missing = tasks.iter().flat_map(|(task, programs)| programs.iter().map(move |name| (task, name)));
+    let missing =
+        missing.into_iter().find(|(_, name)| !known.iter().any(|one| one.eq_ignore_ascii_case(name)));
+    let message = match missing {
+        Some((task, name)) => format!("task {task} runs `{name}`, which the program does not have"),
+        None => String::from("a task runs a PROGRAM that the program does not have"),
+    };
+    Diagnostic::error("R0114", message)
+        .at(&plan.name, 0..0, "")
+        .help(format!("the program has {}", known.join(", ")))
+}

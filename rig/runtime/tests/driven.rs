@@ -1,0 +1,162 @@
+//! Lines that a device drives a while after it was told: the mark of a step ends when its lines were seen driven.
+
+#[path = "common/texts.rs"]
+mod texts;
+
+use document::SourceFile;
+use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, Origin, TimestampSource};
+use scanrig_runtime::clock::Clock;
+use scanrig_runtime::executor::Ran;
+use scanrig_runtime::external::External;
+use scanrig_runtime::hook::Hook;
+use scanrig_runtime::suite;
+use scanrig_runtime::trouble::Trouble;
+use signal::{Span, Time, Value, When};
+use texts::{Parted, Texts};
+
+const MILLISECOND: Span = Span::from_millis(1);
+
+/// A clock whose waits for a bell end after a millisecond.
+#[derive(Debug, Default)]
+struct Ticks(Time);
+
+impl Clock for Ticks {
+    fn wait_until(&mut self, due: Time) -> Time {
+        self.0 = self.0.max(due);
+        self.0
+    }
+
+    fn wait(&mut self, due: Time) -> Time {
+        self.0 = self.0.max(due.min(self.0 + MILLISECOND));
+        self.0
+    }
+
+    fn rung(&mut self) -> bool {
+        true
+    }
+
+    fn now(&mut self) -> Time {
+        self.0
+    }
+
+    fn is_exact(&self) -> bool {
+        false
+    }
+
+    fn name(&self) -> &'static str {
+        "ticks"
+    }
+}
+
+/// A board that drives its lines so long after it was told.
+#[derive(Debug)]
+struct Slow {
+    channels: Vec<Channel>,
+    by: Span,
+    told: Vec<(Time, ChannelId, Value)>,
+}
+
+impl Board for Slow {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn start(&mut self, _now: Time) -> Result<(), BoardError> {
+        Ok(())
+    }
+
+    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
+        self.told.extend(writes.iter().map(|(channel, value)| (now + self.by, *channel, *value)));
+        Ok(())
+    }
+
+    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        self.told.retain(|(at, channel, value)| {
+            let driven = *at <= now;
+            if driven {
+                let (channel, value, at) = (*channel, *value, When::exactly(*at));
+                out.push(BoardEvent::Changed { channel, at, value, origin: Origin::Write });
+            }
+            !driven
+        });
+        Ok(())
+    }
+
+    fn next_event(&self) -> Option<Time> {
+        None
+    }
+
+    fn inject(&mut self, _now: Time, fault: Fault) -> Result<(), BoardError> {
+        Err(BoardError::NoSuchFault(fault.channel))
+    }
+
+    fn clear(&mut self, _now: Time, _channel: ChannelId) -> Result<(), BoardError> {
+        Ok(())
+    }
+
+    fn safe(&mut self, _now: Time) -> Result<(), BoardError> {
+        Ok(())
+    }
+
+    fn health(&self) -> Health {
+        Health::default()
+    }
+}
+
+const BOARD: &str = "\
+format = 1
+[board]
+kind = \"simulated\"
+[subject]
+kind = \"external\"
+boot = \"100 ms\"
+";
+
+const PLAN: &str = "\
+format = 1
+title = \"t\"
+program-text = \"PROGRAM MAIN END_PROGRAM\"
+board = \"board.toml\"
+signals = { button = \"%IX0.0\", lamp = \"%QX0.4\" }
+steps = [{ id = \"press\", at = \"start + 50 ms\", set = { signal = \"button\", value = true } }]
+ends = \"press + 100 ms\"
+expect = [{ stays = { signal = \"lamp\", is = false } }]
+";
+
+/// A case on a board that is so slow.
+fn run(by: Span) -> (Ran, Parted) {
+    let (_, mut parts) = Texts(&[("plan.toml", PLAN), ("board.toml", BOARD)]).parts(1);
+    let real = |channel: &Channel| Channel { timestamp: TimestampSource::Kernel, ..channel.clone() };
+    let channels = parts.board.channels().iter().map(real).collect();
+    parts.board = Box::new(Slow { channels, by, told: Vec::new() });
+    let file = drivers::read(&SourceFile::new("board.toml", BOARD), &suite::terminals).unwrap();
+    let settings = file.subject.external.clone().unwrap();
+    let running = controller::State::Running;
+    let mut subject = External::new(&file, settings, &*parts.board, running, true, Hook::default());
+    let ran = parts.run(&mut Ticks::default(), &mut subject);
+    (ran, parts)
+}
+
+fn event(parts: &Parted, name: &str, value: Value) -> When {
+    let trace = parts.recorder.trace();
+    let signal = trace.find(name).unwrap();
+    let mut events = trace.events().map(Result::unwrap);
+    events.find(|event| event.signal == signal && event.value == value).unwrap().at
+}
+
+#[test]
+fn the_mark_of_a_step_ends_when_its_lines_were_driven() {
+    let (ran, parts) = run(Span::from_millis(7));
+    assert_eq!(ran.trouble, None);
+    let (mark, line) =
+        (event(&parts, "step:press", Value::Int(1)), event(&parts, "button", Value::Bool(true)));
+    let start = ran.start.unwrap();
+    assert_eq!(mark.earliest, start + Span::from_millis(50));
+    assert!(mark.latest >= line.latest && mark.latest <= line.latest + MILLISECOND, "{mark:?} {line:?}");
+}
+
+#[test]
+fn a_line_that_is_driven_too_late_is_the_rigs_trouble() {
+    let (ran, _) = run(Span::from_millis(40));
+    assert!(matches!(ran.trouble, Some(Trouble::Late { .. })), "{:?}", ran.trouble);
+}

@@ -1,0 +1,207 @@
+//! The executor on real lines, with time and edges out of a script: what it waits for, when inputs count, when outputs
+//! leave, and what lateness does to all this.
+
+#[path = "common/scripted.rs"]
+mod scripted;
+#[path = "common/texts.rs"]
+mod texts;
+
+use controller::{Config, InputConfig};
+use drivers::{Board, ChannelId};
+use profile::Filter;
+use scanrig_runtime::executor::Ran;
+use scripted::{ScriptBoard, ScriptClock, Shared};
+use signal::{Span, Time, Value};
+use texts::{Parted, Texts};
+
+/// The bench has a controller of the usual configuration, but inputs without a filter: a cycle each 20 ms.
+const CYCLE: i64 = 20;
+
+/// Counts the cycles in which it sees I0 high, and shows on Q4 whether it does.
+const PROGRAM: &str = "PROGRAM MAIN
+VAR
+    seen AT %IX0.0 : BOOL;
+    shown AT %QX0.4 : BOOL;
+    n : DINT;
+END_VAR
+shown := seen;
+IF seen THEN n := n + 1; END_IF;
+END_PROGRAM
+";
+
+fn plan(rest: &str) -> String {
+    format!(
+        "format = 1
+title = \"A lamp that follows a switch\"
+program = \"follow.st\"
+signals = {{ shown = \"%QX0.4\", n = \"MAIN.n\" }}
+expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }} }}]
+{rest}
+"
+    )
+}
+
+/// A case with its world.
+struct Bench {
+    world: Shared,
+    model: scanrig_runtime::subject::Model,
+    parts: Parted,
+}
+
+impl Bench {
+    fn new(rest: &str) -> Bench {
+        let text = plan(rest);
+        let files = [("plan.toml", text.as_str()), ("follow.st", PROGRAM)];
+        let plain = |config: &mut Config| config.inputs = vec![InputConfig::filtered(Filter::None)];
+        let (model, mut parts) = Texts(&files).parts_with(1, plain);
+        let world = Shared::default();
+        parts.board = Box::new(ScriptBoard::like(&*parts.board, &world));
+        Bench { world, model, parts }
+    }
+
+    fn channel(&self, name: &str) -> ChannelId {
+        self.parts.board.find(name).unwrap()
+    }
+
+    fn edge(&self, at: Time, high: bool) {
+        self.world.lock().unwrap().edges.push_back((at, self.channel("I0"), high));
+    }
+
+    fn late(&self, at: Time, late: Span) {
+        self.world.lock().unwrap().late.push_back((at, late));
+    }
+
+    fn run(&mut self) -> Ran {
+        self.parts.run(&mut ScriptClock(self.world.clone()), &mut self.model)
+    }
+
+    /// When the lamp's channel was written to what.
+    fn lamp(&self) -> Vec<(Time, Value)> {
+        let lamp = self.channel("Q4");
+        let world = self.world.lock().unwrap();
+        let writes = world.writes.iter().filter(|write| write.1 == lamp);
+        writes.map(|(at, _, value)| (*at, *value)).collect()
+    }
+}
+
+/// Where the boot ends and the cycles begin, on this bench.
+fn started() -> Time {
+    let ran = Bench::new("ends = \"start + 1 ms\"").run();
+    assert_eq!(ran.trouble, None);
+    ran.start.unwrap()
+}
+
+fn ms(n: i64) -> Span {
+    Span::from_millis(n)
+}
+
+/// The start of a cycle that is well behind the beginning.
+fn cycle(start: Time) -> Time {
+    // Found out from the bench: an output that changes does so a few us behind its cycle's start.
+    let mut bench = Bench::new("ends = \"start + 200 ms\"");
+    bench.edge(start + ms(101), true);
+    assert_eq!(bench.run().trouble, None);
+    let lamp = bench.lamp();
+    let changed = lamp.iter().find(|(_, value)| *value == Value::Bool(true)).unwrap().0;
+    let waits = &bench.world.lock().unwrap().waits;
+    let releases = waits.iter().map(|wait| wait.0).filter(|due| due.as_nanos() % 1_000_000 == 0);
+    releases.filter(|due| *due < changed).max().unwrap()
+}
+
+#[test]
+fn an_edge_counts_for_the_next_cycle_and_not_for_one_that_was_due_before_it() {
+    let start = started();
+    let at = cycle(start);
+    // 5 ms before a cycle, and 5 ms behind its start while the rig is 15 ms late for it.
+    for (edge, late, cycles_later) in [(at - ms(5), Span::ZERO, 0), (at + ms(5), ms(15), 1)] {
+        let mut bench = Bench::new("ends = \"start + 200 ms\"");
+        bench.edge(edge, true);
+        bench.late(at, late);
+        let ran = bench.run();
+        assert_eq!(ran.trouble, None);
+        let lit = bench.lamp().into_iter().find(|(_, value)| *value == Value::Bool(true)).unwrap().0;
+        let expected = at + ms(CYCLE * cycles_later);
+        assert!(lit >= expected && lit < expected + ms(1), "lit at {lit}, the cycle is at {expected}");
+    }
+}
+
+#[test]
+fn a_pulse_between_two_scans_is_seen_by_neither_however_late_the_rig_is() {
+    let start = started();
+    let at = cycle(start);
+    let mut bench = Bench::new("ends = \"start + 200 ms\"");
+    bench.edge(at + ms(5), true);
+    bench.edge(at + ms(8), false);
+    bench.late(at, ms(15));
+    assert_eq!(bench.run().trouble, None);
+    let lit = bench.lamp().into_iter().find(|(_, value)| *value == Value::Bool(true));
+    assert_eq!(lit, None);
+}
+
+#[test]
+fn nothing_ticks_while_nothing_is_to_be_done() {
+    let mut bench = Bench::new("ends = \"start + 2 s\"");
+    assert_eq!(bench.run().trouble, None);
+    let start = started();
+    let world = bench.world.lock().unwrap();
+    let waits = world.waits.iter().filter(|wait| wait.0 > start + ms(500) && wait.0 <= start + ms(1_500));
+    let waits = waits.count();
+    // 50 cycles: the release, the end of the cycle, what the controller does besides.
+    assert!((50..=200).contains(&waits), "{waits} waits in 50 cycles");
+}
+
+#[test]
+fn lateness_does_not_add_up() {
+    let start = started();
+    let at = cycle(start);
+    let mut bench = Bench::new("ends = \"start + 1 s\"");
+    for n in 0..20 {
+        bench.late(at + ms(CYCLE * n), ms(n % 9));
+    }
+    // Seen by the cycle 400 ms later.
+    bench.edge(at + ms(395), true);
+    let ran = bench.run();
+    assert_eq!(ran.trouble, None);
+    let lit = bench.lamp().into_iter().find(|(_, value)| *value == Value::Bool(true)).unwrap().0;
+    assert!(lit >= at + ms(400) && lit < at + ms(401), "{lit}");
+    let wakes = ran.wakes.unwrap();
+    assert!(wakes.late >= 17 && wakes.max_ns == 8_000_000, "{wakes:?}");
+    assert!(
+        wakes.latest.iter().any(|wake| wake.at_ns == (at + ms(160)).as_nanos() && wake.late_ns == 8_000_000)
+    );
+}
+
+#[test]
+fn what_leaves_late_may_have_been_meant_earlier() {
+    let start = started();
+    let at = cycle(start);
+    let mut bench = Bench::new("ends = \"start + 200 ms\"");
+    bench.edge(at - ms(5), true);
+    bench.late(at, ms(7));
+    assert_eq!(bench.run().trouble, None);
+    let trace = bench.parts.recorder.trace();
+    let shown = trace.find("shown").unwrap();
+    let lit = trace.last(shown).unwrap();
+    assert_eq!(lit.value, Value::Bool(true));
+    // Written 7 ms late; the controller would have done so at its instant.
+    assert!(lit.at.latest >= at + ms(7) && lit.at.earliest <= at + ms(1), "{:?}", lit.at);
+    assert!(lit.at.earliest >= at - ms(1), "{:?}", lit.at);
+}
+
+#[test]
+fn an_application_that_computes_stays_near_the_clock() {
+    let rest = "ends = \"start + 300 ms\"
+steps = [{ id = \"long\", at = \"start + 100 ms\", overload = { task = \"MAST\", cycle = \"8 ms\", times = 3 } }]";
+    let start = started();
+    let mut bench = Bench::new(rest);
+    assert_eq!(bench.run().trouble, None);
+    // It waits at least once in each horizon of 100 us while a cycle of 8 ms computes, and not as often when none does.
+    let world = bench.world.lock().unwrap();
+    let due: Vec<Time> = world.waits.iter().map(|wait| wait.0).collect();
+    let within = |from: Span, to: Span| {
+        let all = due.windows(2).filter(move |pair| pair[0] >= start + from && pair[1] < start + to);
+        all.map(|pair| pair[1] - pair[0]).filter(|gap| *gap <= Span::from_micros(100)).count()
+    };
+    assert!(within(ms(100), ms(180)) >= 3 * 75, "{}", within(ms(100), ms(180)));
+    assert!(within(ms(200), ms(250)) < 40, "{}", within(ms(200), ms(250)));
+}
