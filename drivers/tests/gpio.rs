@@ -149,6 +149,10 @@ fn what_finds_no_room_on_its_way_is_told_as_lost() {
     for edge in 0..made {
         bench.chip.edge(edge % 2 == 0, monotonic());
     }
+    // Nobody looks before all of them were on their way.
+    while !bench.chip.is_drained() {
+        std::thread::yield_now();
+    }
     bench.until("all edges are accounted for", |bench| {
         let (seen, lost) = bench.count("i0");
         assert!(seen + lost <= made);

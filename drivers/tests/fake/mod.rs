@@ -82,6 +82,11 @@ impl Fake {
         rustix::io::write(&self.ready, &1u64.to_ne_bytes()).unwrap();
     }
 
+    /// Whether no edge waits in the kernel any more.
+    pub fn is_drained(&self) -> bool {
+        self.edges.lock().unwrap().is_empty()
+    }
+
     fn answer(&self) -> io::Result<()> {
         match self.error.load(Ordering::Acquire) {
             0 => Ok(()),
