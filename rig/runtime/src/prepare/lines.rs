@@ -6,7 +6,7 @@ use super::signals::channel_info;
 use crate::subject::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
-use drivers::{ChannelId, FaultKind};
+use drivers::{BoardKind, ChannelId, FaultKind};
 use plans::Step;
 use plans::lang::Literal;
 use plans::steps::FaultKind as PlannedFault;
@@ -45,7 +45,13 @@ pub(super) fn driven(
         return None;
     }
     if !bench.board.channels()[usize::from(channel.0)].drives {
-        out.error("R0110", step.span.clone(), format!("the board cannot drive `{name}`"), "");
+        let help = match bench.file.kind {
+            BoardKind::Gpio(_) => {
+                "name the line that drives it as `line` of its channel, and the one wired to it as `readback`"
+            }
+            BoardKind::Simulated => "",
+        };
+        out.error("R0110", step.span.clone(), format!("the board cannot drive `{name}`"), help);
         return None;
     }
     Some(channel)
