@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::HeldLines;
+use crate::{Bus, BusEvent, BusId, Frame, HeldLines};
 use signal::{Span, Time, Value, When};
 
 /// The place of a channel in [`Board::channels`].
@@ -261,6 +261,19 @@ pub struct Health {
 }
 
 impl Health {
+    /// What two parts of a board have to say together.
+    #[must_use]
+    pub fn and(self, other: Health) -> Health {
+        Health {
+            lost_on_purpose: self.lost_on_purpose + other.lost_on_purpose,
+            lost: self.lost + other.lost,
+            dropped: self.dropped + other.dropped,
+            contentions: self.contentions + other.contentions,
+            failed_calls: self.failed_calls + other.failed_calls,
+            latched_safe: self.latched_safe || other.latched_safe,
+        }
+    }
+
     /// Whether verdicts can rest on this board: nothing missed, nothing lost but on purpose, no call failed.
     pub fn is_sound(&self) -> bool {
         self.lost == 0 && self.dropped == 0 && self.failed_calls == 0
@@ -319,6 +332,12 @@ pub enum BoardError {
         /// The limit.
         limit: u32,
     },
+    /// The board has no such bus.
+    NoBus(BusId),
+    /// The frame does not fit the bus: too long, or CAN FD on a bus without it.
+    BadFrame(BusId),
+    /// The queue of the bus is full: it takes no frame before others are on the bus.
+    BusFull(BusId),
     /// A call of the operating system failed.
     Os {
         /// Which one.
@@ -347,6 +366,9 @@ impl fmt::Display for BoardError {
             Self::Storm { at, limit } => {
                 write!(f, "more than {limit} changes at once at {at}: look for wires that oscillate")
             }
+            Self::NoBus(id) => write!(f, "the board has no bus {}", id.0),
+            Self::BadFrame(id) => write!(f, "the frame does not fit bus {}", id.0),
+            Self::BusFull(id) => write!(f, "the queue of bus {} is full", id.0),
             Self::Os { call, code } => {
                 let call = match call {
                     Call::Open => "claiming the lines",
@@ -423,6 +445,30 @@ pub trait Board: Send + fmt::Debug {
     /// What went wrong since the start.
     fn health(&self) -> Health;
 
+    /// The board's buses; a [`BusId`] is a place in this slice. Fixed from the making of the board.
+    fn buses(&self) -> &[Bus] {
+        &[]
+    }
+
+    /// Puts a frame into the queue of a bus. It is on the bus when [`Board::poll_buses`] tells it as its own.
+    ///
+    /// # Errors
+    /// [`BoardError::NoBus`], [`BoardError::BadFrame`], [`BoardError::BusFull`], [`BoardError::Latched`],
+    /// [`BoardError::NotStarted`], [`BoardError::Backwards`], [`BoardError::Os`].
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        let _ = (now, frame);
+        Err(BoardError::NoBus(bus))
+    }
+
+    /// As [`Board::poll`], of what the buses have to tell. [`Board::next_event`] speaks for both.
+    ///
+    /// # Errors
+    /// As [`Board::poll`].
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        let _ = (now, out);
+        Ok(())
+    }
+
     /// A claim of their own on the output lines, for whoever makes them safe when the rig cannot any more. Empty for a
     /// board without real lines.
     ///
@@ -469,5 +515,14 @@ impl<B: Board + ?Sized> Board for Box<B> {
     }
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
         (**self).held()
+    }
+    fn buses(&self) -> &[Bus] {
+        (**self).buses()
+    }
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        (**self).send(now, bus, frame)
+    }
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        (**self).poll_buses(now, out)
     }
 }

@@ -5,13 +5,16 @@
 //! left driven. Not goals: addresses of the controller beyond their binding to channels, plans, the controller.
 
 mod board;
+mod bus;
 pub mod circuit;
+pub mod convert;
 pub mod file;
 pub mod gpio;
 mod held;
 pub mod inventory;
 mod looped;
 pub mod plant;
+pub mod real;
 mod realtime;
 pub mod sim;
 mod surroundings;
@@ -21,6 +24,7 @@ pub use board::{
     Board, BoardError, BoardEvent, Call, Channel, ChannelId, ChannelKind, Fault, FaultKind, FaultSet, Health,
     LossReason, Origin, TimestampSource,
 };
+pub use bus::{Bus, BusError, BusEvent, BusId, BusKind, BusState, Frame, MAX_DATA};
 pub use file::{
     Binding, Bite, BoardFile, BoardKind, CODES, External, GuardSettings, Subject, SubjectLines, Terminals,
     UnknownSubject, WatchdogSettings, build, open, read,

@@ -7,7 +7,7 @@ use crate::terminal::{talk, terminal};
 
 const LINES: &str = r#"format = 1
 [board]
-kind = "gpio"
+kind = "real"
 [chips]
 main = { label = "no-machine-has-this" }
 [channels]

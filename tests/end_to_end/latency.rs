@@ -82,7 +82,7 @@ fn without_the_devices_of_a_board_nothing_is_measured() {
     state.write("simulated.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
     state.write(
         "gpio.toml",
-        "format = 1\n[board]\nkind = \"gpio\"\ncheck = { out = \"a\", in = \"b\" }\n[chips]\nmain = { label = \"no such chip\" }\n\
+        "format = 1\n[board]\nkind = \"real\"\ncheck = { out = \"a\", in = \"b\" }\n[chips]\nmain = { label = \"no such chip\" }\n\
          [channels]\na = { kind = \"digital\", line = 0, drives = true }\nb = { kind = \"digital\", line = 1 }\n",
     );
     for what in ["scan", "loopback"] {

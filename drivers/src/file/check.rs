@@ -21,8 +21,8 @@ pub(super) fn looped(board: &Fields, bench: &Bench, out: &mut Findings) -> Optio
     let (driven, sensed) = (&channels[usize::from(found.out.0)], &channels[usize::from(found.input.0)]);
     // An output tells of the world outside only where another line reads it back.
     let reads_back = |channel: ChannelId| match &bench.file.kind {
-        BoardKind::Gpio(spec) => {
-            spec.lines.get(usize::from(channel.0)).is_some_and(|line| line.readback.is_some())
+        BoardKind::Real(spec) => {
+            spec.gpio.lines.iter().any(|line| line.channel == channel && line.readback.is_some())
         }
         BoardKind::Simulated => false,
     };

@@ -17,6 +17,21 @@ pub const KEYS: &[KeySpec] = &[
         KeyType::Map(&KeyType::Table(CHANNEL)),
         "Channels beyond those of the terminals",
     ),
+    KeySpec::optional(
+        "converters",
+        KeyType::Map(&KeyType::Table(CONVERTER)),
+        "Converters of voltages, by a name of your own",
+    ),
+    KeySpec::optional(
+        "buses",
+        KeyType::Map(&KeyType::Table(BUS)),
+        "CAN buses and serial lines, by a name of your own",
+    ),
+    KeySpec::optional(
+        "fault-relays",
+        KeyType::Map(&KeyType::Table(FAULT_RELAYS)),
+        "Relays that open and short the wires of real channels, by channel",
+    ),
     KeySpec::optional("bind", KeyType::Map(&NAME), "Terminals of the controller and their channels"),
     KeySpec::optional("wires", KeyType::List(&KeyType::Table(WIRE)), "Wires between channels"),
     KeySpec::optional("plants", KeyType::List(&KeyType::Table(PLANT)), "Processes between channels"),
@@ -84,7 +99,7 @@ pub(super) const BOARD: &[KeySpec] = &[
     KeySpec::required(
         "kind",
         KeyType::Text,
-        "\"simulated\": modelled lines in virtual time; \"gpio\": lines of GPIO chips",
+        "\"simulated\": modelled lines in virtual time; \"real\": devices of this machine",
     ),
     KeySpec::optional(
         "backend",
@@ -100,6 +115,11 @@ pub(super) const BOARD: &[KeySpec] = &[
         "silent-after",
         KeyType::Duration,
         "How long a call on a device may last before the device counts as lost; 100 ms",
+    ),
+    KeySpec::optional(
+        "retake",
+        KeyType::Bool,
+        "Whether a device that went away is taken back when it is there again; false if left out",
     ),
     KeySpec::optional(
         "check",
@@ -145,7 +165,31 @@ pub(super) const CHANNEL: &[KeySpec] = &[
         KeyType::Choice(&["push-pull", "open-drain", "open-source"]),
         "How its GPIO line is driven; \"push-pull\" if left out",
     ),
+    KeySpec::optional("converter", NAME, "The converter that measures it; the only one if left out"),
+    KeySpec::optional("input", LINE, "Its input of a converter: the number, or the name"),
     KeySpec::optional("readback", LINE, "A GPIO line of the same chip, wired to it, that tells its level"),
+];
+
+pub(super) const CONVERTER: &[KeySpec] = &[KeySpec::required(
+    "kind",
+    KeyType::Choice(&["spi", "iio"]),
+    "\"spi\": a converter on an SPI bus, read by the rig; \"iio\": one that the kernel has a driver for",
+)];
+
+pub(super) const BUS: &[KeySpec] = &[
+    KeySpec::required(
+        "kind",
+        KeyType::Choice(&["can", "serial"]),
+        "\"can\": a CAN bus; \"serial\": a serial line, RS-485 or RS-232",
+    ),
+    KeySpec::optional("interface", KeyType::Text, "The interface of a CAN bus, as in \"can0\""),
+    KeySpec::optional("path", KeyType::Text, "The device of a serial line, as in \"/dev/serial/by-id/...\""),
+];
+
+pub(super) const FAULT_RELAYS: &[KeySpec] = &[
+    KeySpec::optional("open", NAME, "The channel of the relay that opens the wire"),
+    KeySpec::optional("short-to-ground", NAME, "The channel of the relay that joins it to 0 V"),
+    KeySpec::optional("short-to-supply", NAME, "The channel of the relay that joins it to the supply"),
 ];
 
 pub(super) const WIRE: &[KeySpec] = &[

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use document::{Data, Entry, Fields, Findings, Node, suggest};
-use signal::Value;
+use signal::{Span, Value};
 
 use super::bench::Bench;
+use super::real::channels;
 use super::{codes, keys};
 use crate::ChannelId;
 use crate::gpio::{
@@ -16,34 +17,13 @@ use crate::gpio::{
 /// What the kernel is told of a debounce time: microseconds in 32 bits.
 const MICROSECOND: i64 = 1_000;
 
-/// The keys of a channel that only a GPIO line has.
-const OF_LINES: &[&str] = &["chip", "line", "bias", "active-low", "debounce", "drive", "readback"];
-
-/// Reports keys of GPIO boards on a simulated one.
-pub(super) fn strangers(fields: &Fields, out: &mut Findings) {
-    let help = "remove it, or make the board one of kind = \"gpio\"";
-    let mut strange = |fields: &Fields, keys: &[&str]| {
-        for entry in keys.iter().filter_map(|key| fields.entry(key)) {
-            let message = format!("a simulated board has no `{}`", entry.key);
-            out.error(codes::OTHER_BOARD, entry.key_span.clone(), message, help);
-        }
-    };
-    strange(fields, &["chips"]);
-    if let Some(board) = fields.inner("board") {
-        strange(&board, &["backend", "check", "consumer", "silent-after"]);
-    }
-    for (_, fields) in channels(fields) {
-        strange(&fields, OF_LINES);
-    }
-}
-
-/// The GPIO board of a file whose channels and bindings were read. `None` where something is wrong with it.
-pub(super) fn gpio(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Option<GpioSpec> {
-    for entry in ["wires", "plants", "faults"].iter().filter_map(|key| fields.entry(key)) {
-        let message = format!("a board of real lines has no `{}`", entry.key);
-        let help = "remove it, and wire the lines themselves";
-        out.error(codes::OTHER_BOARD, entry.key_span.clone(), message, help);
-    }
+/// The GPIO lines of a file whose channels and bindings were read. `None` where something is wrong with them.
+pub(super) fn gpio(
+    fields: &Fields,
+    silent_after: Span,
+    bench: &mut Bench,
+    out: &mut Findings,
+) -> Option<GpioSpec> {
     let board = fields.inner("board")?;
     let backend = match board.text("backend") {
         Some("v2") => Some(Backend::V2),
@@ -51,32 +31,20 @@ pub(super) fn gpio(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
         _ => None,
     };
     let consumer = consumer(&board, out)?;
-    let silent_after = board.duration("silent-after").unwrap_or(crate::gpio::SILENT_AFTER);
-    if let Some(node) = board.get("silent-after").filter(|_| silent_after.as_nanos() == 0) {
-        out.bad(codes::TIME, node, "every call on a device lasts longer than 0", "write a duration above 0");
-    }
     let chips = chips(fields, out);
     let mut lines = Vec::new();
     for (entry, fields) in channels(fields) {
         // A channel that is no channel was reported where it was read.
         let Some(ChannelId(at)) = bench.file.find(&entry.key) else { continue };
-        if let Some(line) = line(entry, &fields, usize::from(at), &chips, bench, out) {
-            lines.push((at, line));
+        if fields.text("kind") != Some("digital") {
+            continue;
         }
+        lines.extend(line(entry, &fields, usize::from(at), &chips, bench, out));
     }
-    lines.sort_by_key(|(at, _)| *at);
-    let lines: Vec<LineSpec> = lines.into_iter().map(|(_, line)| line).collect();
+    lines.sort_by_key(|line: &LineSpec| line.channel);
     crowded(&chips, &lines, out);
     twice(&lines, out);
-    let whole = !out.has_errors() && lines.len() == bench.file.circuit.channels.len();
-    whole.then_some(GpioSpec { backend, consumer, silent_after, chips, lines })
-}
-
-/// The channels that the file describes.
-fn channels<'a>(fields: &Fields<'a>) -> impl Iterator<Item = (&'a Entry, Fields<'a>)> {
-    let table = fields.get("channels").and_then(Node::as_table);
-    let entries = table.map_or(&[][..], |table| &table.entries);
-    entries.iter().filter_map(|entry| Some((entry, Fields::checked(entry.node.as_table()?, keys::CHANNEL))))
+    (!out.has_errors()).then_some(GpioSpec { backend, consumer, silent_after, chips, lines })
 }
 
 fn consumer(board: &Fields, out: &mut Findings) -> Option<String> {
@@ -121,11 +89,6 @@ fn line(
     bench: &mut Bench,
     out: &mut Findings,
 ) -> Option<LineSpec> {
-    if fields.text("kind") != Some("digital") {
-        let message = format!("`{}` is an analog channel, and a GPIO line has two levels", entry.key);
-        out.error(codes::CHANNEL_PROPERTY, entry.key_span.clone(), message, "make it digital, or remove it");
-        return None;
-    }
     if let Some(pull) = fields.entry("pull") {
         let help = "the pull of a real line is its `bias`";
         out.error(codes::OTHER_BOARD, pull.key_span.clone(), "a GPIO line has no `pull`", help);
@@ -147,6 +110,7 @@ fn line(
         Direction::Output => channel.safe = Value::Bool(safe),
     }
     Some(LineSpec {
+        channel: ChannelId(u16::try_from(at).ok()?),
         chip,
         line,
         direction,

@@ -1,6 +1,7 @@
 //! The board file: which controller is tested, on which board, bound how.
 
 mod bench;
+mod buses;
 mod check;
 pub(crate) mod codes;
 mod guard;
@@ -9,6 +10,7 @@ mod lines;
 mod number;
 mod parts;
 mod read;
+mod real;
 mod realtime;
 mod subject;
 
@@ -16,7 +18,7 @@ use document::Diagnostic;
 use signal::{Address, Area, Size};
 
 use crate::circuit::{ChannelSpec, Circuit, CircuitError, Pull};
-use crate::gpio::{GpioBoard, GpioSpec, Outline};
+use crate::real::{self as devices, Outline, RealSpec};
 use crate::wrap::{Disturbance, Faulty};
 use crate::{Board, ChannelId, Loop, RealtimeSettings, SimulatedBoard, Surroundings};
 
@@ -65,8 +67,8 @@ pub enum BoardKind {
     /// Modelled lines: the circuit.
     #[default]
     Simulated,
-    /// Lines of GPIO chips.
-    Gpio(GpioSpec),
+    /// Devices of this machine.
+    Real(Box<RealSpec>),
 }
 
 /// A board file that was read and is sound.
@@ -164,7 +166,7 @@ impl BoardFile {
 /// # Errors
 /// The first of [`Circuit::check`]: none for a file that [`read`] let through.
 pub fn build(file: &BoardFile, seed: u64) -> Result<Box<dyn Board>, CircuitError> {
-    if let BoardKind::Gpio(spec) = &file.kind {
+    if let BoardKind::Real(spec) = &file.kind {
         return Ok(Box::new(Outline::new(file, spec)));
     }
     let board = SimulatedBoard::new(&file.circuit, seed)?;
@@ -185,6 +187,6 @@ pub fn open(
 ) -> Result<Option<Box<dyn Board>>, Vec<Diagnostic>> {
     match &file.kind {
         BoardKind::Simulated => Ok(None),
-        BoardKind::Gpio(spec) => Ok(Some(Box::new(GpioBoard::open(file, spec, surroundings)?))),
+        BoardKind::Real(spec) => Ok(Some(devices::open(file, spec, surroundings)?)),
     }
 }

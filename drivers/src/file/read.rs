@@ -6,7 +6,7 @@ use super::bench::Bench;
 use super::realtime::realtime;
 use super::subject::{subject, subject_lines};
 use super::{
-    BoardFile, BoardKind, Subject, Terminals, UnknownSubject, check, codes, guard, keys, lines, parts,
+    BoardFile, BoardKind, Subject, Terminals, UnknownSubject, check, codes, guard, keys, parts, real,
 };
 
 /// Reads a board file. `terminals` tells which terminals a subject has.
@@ -27,10 +27,10 @@ pub fn read(
     }
     let board = fields.inner("board");
     let kind = board.and_then(|board| board.get("kind"));
-    let real = kind.and_then(Node::as_text) == Some("gpio");
+    let real = kind.and_then(Node::as_text) == Some("real");
     if let Some(node) = kind.filter(|node| !real && node.as_text() != Some("simulated")) {
         let message = format!("boards of kind \"{}\" are not available", node.as_text().unwrap_or_default());
-        out.bad(codes::BOARD_KIND, node, message, "write kind = \"simulated\" or kind = \"gpio\"");
+        out.bad(codes::BOARD_KIND, node, message, "write kind = \"simulated\" or kind = \"real\"");
     }
     let subject = subject(fields.inner("subject"), &mut out);
     // What follows would only repeat what a wrong key or subject brings about.
@@ -65,13 +65,13 @@ pub fn read(
     }
     bench.file.guard = guard::read(fields.inner("guard"), &mut out);
     if real {
-        if let Some(spec) = lines::gpio(&fields, &mut bench, &mut out) {
-            bench.file.kind = BoardKind::Gpio(spec);
+        if let Some(spec) = real::real(&fields, &mut bench, &mut out) {
+            bench.file.kind = BoardKind::Real(Box::new(spec));
         }
         bench.file.check = board.and_then(|board| check::looped(&board, &bench, &mut out));
         return if out.has_errors() { Err(out.into_vec()) } else { Ok(bench.file) };
     }
-    lines::strangers(&fields, &mut out);
+    real::strangers(&fields, &mut out);
     let wires = parts::wires(fields.each("wires"), &mut bench, &mut out);
     let plants = parts::plants(fields.each("plants"), &mut bench, &mut out);
     parts::circuit(&bench, &wires, &plants, &mut out);

@@ -1,4 +1,4 @@
-//! The board of GPIO lines.
+//! The GPIO lines of a board.
 
 use std::sync::Arc;
 
@@ -13,7 +13,6 @@ use super::edges::Edges;
 use super::find::{device, find, find_again, why};
 use super::inputs::{Input, Inputs};
 use super::lines::{Lines, Masks};
-use super::outline::channels;
 use super::port::Port;
 use super::telling::Telling;
 use super::v1::PortV1;
@@ -139,12 +138,14 @@ impl GpioBoard {
     }
 
     fn without_chips(file: &BoardFile, spec: &GpioSpec, surroundings: &Surroundings) -> GpioBoard {
+        let mut channels = crate::real::blank(file);
+        super::describe(file, spec, &mut channels);
         GpioBoard {
             file: file.clone(),
             spec: spec.clone(),
             surroundings: surroundings.clone(),
-            channels: channels(file, spec),
-            drives: vec![None; spec.lines.len()],
+            channels,
+            drives: vec![None; file.circuit.channels.len()],
             chips: Vec::new(),
             started: false,
             latched: false,

@@ -174,8 +174,7 @@ impl Search<'_> {
         let mut outputs = Vec::new();
         let mut inputs = Vec::new();
         let mut used: Vec<u32> = Vec::new();
-        for (channel, line) in self.spec.lines.iter().enumerate().filter(|(_, line)| line.chip == at) {
-            let id = ChannelId(channel as u16);
+        for line in self.spec.lines.iter().filter(|line| line.chip == at) {
             for (named, output) in
                 [(Some(&line.line), line.direction == Direction::Output), (line.readback.as_ref(), false)]
             {
@@ -193,7 +192,7 @@ impl Search<'_> {
                 }
                 used.push(number);
                 let wanted = wanted(line, number, output);
-                if output { &mut outputs } else { &mut inputs }.push((wanted, id));
+                if output { &mut outputs } else { &mut inputs }.push((wanted, line.channel));
             }
         }
         if self.found.len() > before {

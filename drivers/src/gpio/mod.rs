@@ -10,7 +10,6 @@ mod find;
 mod info;
 mod inputs;
 mod lines;
-mod outline;
 mod port;
 mod spec;
 mod telling;
@@ -22,11 +21,35 @@ pub use board::{GpioBoard, Served};
 pub use error::{GpioCall, GpioError};
 pub use find::{FoundChip, devices, find};
 pub use info::{Backend, Bias, ChipInfo, Direction, Drive, LineInfo, list, look};
-pub use outline::Outline;
 pub use port::{Claim, Edge, Levels, Port, Wanted};
 pub use spec::{ChipSpec, FindChip, FindLine, GpioSpec, LineSpec, MAX_CONSUMER, MAX_LINES, NamedLine};
 
-use signal::Span;
+use crate::file::BoardFile;
+use crate::{Channel, FaultSet, TimestampSource};
+use signal::{Span, Value};
 
-/// How long a call on a chip may last, where the board file does not say.
-pub const SILENT_AFTER: Span = Span::from_millis(100);
+/// Describes the channels that have lines, before anything is known of their chips.
+pub(crate) fn describe(file: &BoardFile, spec: &GpioSpec, channels: &mut [Channel]) {
+    for line in &spec.lines {
+        let at = usize::from(line.channel.0);
+        let (Some(channel), Some(known)) = (channels.get_mut(at), file.circuit.channels.get(at)) else {
+            continue;
+        };
+        let debounce = Span::from_micros(i64::from(line.debounce_us));
+        let sensed = line.direction == Direction::Input || line.readback.is_some();
+        *channel = Channel {
+            name: known.name.clone(),
+            kind: known.kind.clone(),
+            drives: known.drives,
+            senses: known.senses,
+            timestamp: TimestampSource::Kernel,
+            resolution: Span::ZERO,
+            // What a debounced line keeps is long enough to be seen. Of others nobody can tell: a pulse may be over
+            // before the kernel looks.
+            shortest_pulse: if sensed && debounce > Span::ZERO { debounce } else { Span::MAX },
+            max_pulse_hz: 0,
+            faults: FaultSet::NONE,
+            safe: if line.direction == Direction::Output { Value::Bool(line.safe) } else { Value::HighZ },
+        };
+    }
+}

@@ -1,9 +1,10 @@
-//! What a board file says of a GPIO board: chips to be found, and the line behind each channel.
+//! What a board file says of GPIO lines: chips to be found, and the line behind each channel.
 
 use std::ops::Range;
 use std::path::PathBuf;
 
 use super::{Backend, Bias, Direction, Drive};
+use crate::ChannelId;
 use signal::Span;
 
 /// The most lines of a chip that one claim takes, in either interface of the kernel: inputs and outputs each.
@@ -12,7 +13,7 @@ pub const MAX_LINES: usize = 64;
 /// The longest name of a holder that the kernel keeps, in bytes.
 pub const MAX_CONSUMER: usize = 31;
 
-/// A GPIO board as a board file describes it.
+/// The GPIO lines of a board as a board file describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GpioSpec {
     /// The interface to be used; `None` for the best that the kernel offers.
@@ -23,7 +24,7 @@ pub struct GpioSpec {
     pub silent_after: Span,
     /// The chips.
     pub chips: Vec<ChipSpec>,
-    /// The line behind each channel of the board, in the order of the channels.
+    /// The lines behind channels of the board, in the order of the channels.
     pub lines: Vec<LineSpec>,
 }
 
@@ -70,6 +71,8 @@ pub struct NamedLine {
 /// The line behind a channel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineSpec {
+    /// The channel.
+    pub channel: ChannelId,
     /// Place of its chip in [`GpioSpec::chips`].
     pub chip: usize,
     /// The line.

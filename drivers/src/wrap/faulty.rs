@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 
 use signal::{Span, Time, Value, When};
 
-use crate::HeldLines;
 use crate::board::{
     Board, BoardError, BoardEvent, Call, Channel, ChannelId, Fault, Health, LossReason, Origin,
 };
+use crate::{Bus, BusEvent, BusId, Frame, HeldLines};
 use signal::Random;
 
 /// The most events that are held back at once; what comes on top is dropped and reported as such.
@@ -274,6 +274,18 @@ impl<B: Board> Board for Faulty<B> {
 
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
         self.inner.held()
+    }
+
+    fn buses(&self) -> &[Bus] {
+        self.inner.buses()
+    }
+
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        self.inner.send(now, bus, frame)
+    }
+
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        self.inner.poll_buses(now, out)
     }
 
     fn health(&self) -> Health {

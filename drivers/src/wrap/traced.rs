@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use signal::{Time, Value};
 
-use crate::HeldLines;
 use crate::board::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health};
+use crate::{Bus, BusEvent, BusId, Frame, HeldLines};
 
 /// Something that passed through a traced board.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,6 +158,18 @@ impl<B: Board> Board for Traced<B> {
 
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
         self.inner.held()
+    }
+
+    fn buses(&self) -> &[Bus] {
+        self.inner.buses()
+    }
+
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        self.inner.send(now, bus, frame)
+    }
+
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        self.inner.poll_buses(now, out)
     }
 
     fn health(&self) -> Health {

@@ -149,7 +149,7 @@ impl Port for Fake {
 /// The board file of the chip: outputs `o0` ..., inputs `i0` ..., a chip that is lost after so long.
 pub fn file(silent_after: &str) -> BoardFile {
     let mut text = format!(
-        "format = 1\n[board]\nkind = \"gpio\"\nsilent-after = \"{silent_after}\"\n[chips]\nmain = {{ label = \"fake\" }}\n\
+        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{silent_after}\"\n[chips]\nmain = {{ label = \"fake\" }}\n\
          [channels]\n",
     );
     for line in 0..LINES {
@@ -167,8 +167,8 @@ pub fn board(port: Arc<dyn Port>, silent_after: &str) -> (GpioBoard, Surrounding
 
 /// What the board file says of lines.
 pub fn spec(file: &BoardFile) -> &GpioSpec {
-    let BoardKind::Gpio(spec) = &file.kind else { panic!("{:?}", file.kind) };
-    spec
+    let BoardKind::Real(spec) = &file.kind else { panic!("{:?}", file.kind) };
+    &spec.gpio
 }
 
 /// What a board of the chip is made of.

@@ -186,11 +186,12 @@ impl<'a> Watch<'a> {
         if self.course == Course::Armed && self.is_silent(now) {
             self.latch(Reason::Silent, now);
         }
-        if now >= self.again {
-            self.drive_again(now);
-        }
+        // First, or lines that are safe by now would be driven once more, and the answer would have to wait for that.
         if self.answer(now) {
             return Some(Ending::Goodbye);
+        }
+        if now >= self.again {
+            self.drive_again(now);
         }
         if let Course::Latched(since) | Course::Alone(since) = self.course
             && self.are_safe(since)

@@ -85,7 +85,8 @@ pub fn kept(folder: &Path, kind: &str, board_sha256: &str) -> Result<Option<Mach
 /// What tells the devices of a board from those of another, 64 hexadecimal digits; empty for a board without real
 /// lines. Channels, names and terminals do not matter: the times of a chip are those of its chip.
 pub fn devices(file: &BoardFile) -> String {
-    let BoardKind::Gpio(spec) = &file.kind else { return String::new() };
+    let BoardKind::Real(spec) = &file.kind else { return String::new() };
+    let spec = &spec.gpio;
     let mut text = format!("gpio {:?}\n", spec.backend);
     for chip in &spec.chips {
         let _ = writeln!(text, "{:?}", chip.find);

@@ -7,8 +7,8 @@ use crate::figures::{self, Standing};
 use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
 use drivers::{
-    Board, BoardError, BoardEvent, BoardFile, BoardKind, Channel, ChannelId, Fault, Health, HeldLines, Loop,
-    RealtimeSettings, Surroundings,
+    Board, BoardError, BoardEvent, BoardFile, BoardKind, Bus, BusEvent, BusId, Channel, ChannelId, Fault,
+    Frame, Health, HeldLines, Loop, RealtimeSettings, Surroundings,
 };
 use guard::{Guard, GuardError, Lacks};
 use host::{Entered, Privilege, Punctual, Refused, Role};
@@ -247,9 +247,10 @@ const BUSY: &str = "B0174";
 
 /// Whether a guard that outlived its rig let go of lines that were found to be held.
 fn took_over(file: &BoardFile, found: &[Diagnostic]) -> bool {
-    let BoardKind::Gpio(spec) = &file.kind else { return false };
+    let BoardKind::Real(spec) = &file.kind else { return false };
     let busy = found.iter().any(|found| found.code == BUSY);
-    busy && drivers::gpio::devices(spec).iter().map(|device| guard::take_over(device)).sum::<usize>() > 0
+    busy && drivers::gpio::devices(&spec.gpio).iter().map(|device| guard::take_over(device)).sum::<usize>()
+        > 0
 }
 
 /// How far the guard can do what it is for, in words.
@@ -333,6 +334,18 @@ impl Board for Lent {
 
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
         self.board.as_ref().map_or(Ok(Vec::new()), |board| board.held())
+    }
+
+    fn buses(&self) -> &[Bus] {
+        self.board.as_ref().map_or(&[], |board| board.buses())
+    }
+
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        self.board()?.send(now, bus, frame)
+    }
+
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        self.board()?.poll_buses(now, out)
     }
 }
 

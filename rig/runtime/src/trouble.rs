@@ -42,6 +42,24 @@ pub enum Trouble {
         /// How many, at least.
         count: u32,
     },
+    /// The device of a bus went away.
+    BusLost {
+        /// When.
+        at: Time,
+        /// The bus.
+        bus: String,
+        /// Why.
+        reason: LossReason,
+    },
+    /// Frames were lost.
+    FramesDropped {
+        /// When.
+        at: Time,
+        /// The bus.
+        bus: String,
+        /// How many, at least.
+        count: u32,
+    },
     /// The outputs are not guarded any more.
     Guard {
         /// When it was noticed.
@@ -156,6 +174,15 @@ impl Shown<'_> {
     }
 }
 
+/// Why a device went away, in words.
+fn why(reason: LossReason) -> &'static str {
+    match reason {
+        LossReason::Injected => "as asked",
+        LossReason::Gone => "its device is gone",
+        LossReason::Silent => "its device does not answer",
+    }
+}
+
 impl fmt::Display for Shown<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.trouble {
@@ -169,12 +196,13 @@ impl fmt::Display for Shown<'_> {
                 health.lost, health.dropped, health.failed_calls
             ),
             Trouble::Lost { at, channel, reason } => {
-                let reason = match reason {
-                    LossReason::Injected => "as asked",
-                    LossReason::Gone => "its device is gone",
-                    LossReason::Silent => "its device does not answer",
-                };
-                write!(f, "channel {} was lost at {at}: {reason}", self.name(*channel))
+                write!(f, "channel {} was lost at {at}: {}", self.name(*channel), why(*reason))
+            }
+            Trouble::BusLost { at, bus, reason } => {
+                write!(f, "bus {bus} was lost at {at}: {}", why(*reason))
+            }
+            Trouble::FramesDropped { at, bus, count } => {
+                write!(f, "at least {count} frames of bus {bus} were lost by {at}")
             }
             Trouble::Dropped { at, channel, count } => {
                 write!(f, "at least {count} events of channel {} were lost by {at}", self.name(*channel))

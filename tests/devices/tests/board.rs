@@ -101,7 +101,7 @@ fn a_scan_writes_its_file_once_and_touches_no_line() {
 /// Two inputs that a test pulls, and two outputs.
 const BENCH: &str = r#"format = 1
 [board]
-kind = "gpio"
+kind = "real"
 [chips]
 main = { label = "rig-gpio" }
 [channels]

@@ -12,8 +12,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 const DOG: &str = "/dev/watchdog";
-/// The limit of the guards, in milliseconds.
-const LIMIT: u64 = 200;
+/// The limit of the guards, in milliseconds: longer than an emulated machine stands still while others compile, or the
+/// guard would be right to act before the test has done anything.
+const LIMIT: u64 = 1_000;
 /// How long the guard of a dead rig holds the lines where a test looks at them, in milliseconds. The lines go back to
 /// their pulls when they are let go, and some of those pulls are not the safe levels.
 const HOLD: u64 = 60_000;
@@ -226,7 +227,7 @@ fn a_scan_stuck_in_a_device_call() {
     for api in BOTH {
         let mut rig = Rig::start(api, HOLD, "-", "hold arm drive live get");
         rig.until("lives");
-        lab.stall(MAIN, Call::Get, Duration::from_secs(2), 1);
+        lab.stall(MAIN, Call::Get, Duration::from_secs(4), 1);
         let since = Instant::now();
         rig.go_on();
         rig.until("calls");
@@ -398,7 +399,7 @@ fn bites(bite: &str, end: impl FnOnce(&Lab, &Rig)) {
     let lab = Lab::enter();
     if lab.boot() == 1 {
         // A machine that has just come up may stand still for longer than the usual limit.
-        let rig = Rig::with_limit(10 * LIMIT, "v2", 0, &format!("{DOG},3,{bite}"), "hold arm drive live");
+        let rig = Rig::with_limit(2 * LIMIT, "v2", 0, &format!("{DOG},3,{bite}"), "hold arm drive live");
         let rig = rig.lives();
         end(&lab, &rig);
         wait_for("the watchdog resets the machine", PATIENCE, || false);

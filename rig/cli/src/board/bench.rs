@@ -4,8 +4,9 @@ use crate::exit::Exit;
 use crate::output;
 use document::{Diagnostic, SourceFile};
 use drivers::file::{BoardFile, BoardKind};
-use drivers::gpio::{Direction, GpioSpec, LineSpec};
-use drivers::{Board, BoardError, Surroundings};
+use drivers::gpio::{Direction, LineSpec};
+use drivers::real::RealSpec;
+use drivers::{Board, BoardError, ChannelId, Surroundings};
 use runtime::suite::{self, Disk};
 use signal::Time;
 use std::path::Path;
@@ -20,8 +21,8 @@ const CALL_FAILED: &str = "R0244";
 pub struct Bench {
     /// The file.
     pub file: BoardFile,
-    /// Its lines.
-    pub spec: GpioSpec,
+    /// Its devices.
+    pub spec: RealSpec,
     sources: Vec<SourceFile>,
 }
 
@@ -39,7 +40,7 @@ impl Bench {
         let (file, _) = suite::load_board(&Disk, &path.to_string_lossy(), &mut sources)
             .map_err(|found| wrong(found, &sources))?;
         match file.kind.clone() {
-            BoardKind::Gpio(spec) => Ok(Bench { file, spec, sources }),
+            BoardKind::Real(spec) => Ok(Bench { file, spec: *spec, sources }),
             BoardKind::Simulated => {
                 let message = format!("`{}` describes a simulated board", path.display());
                 let help =
@@ -54,20 +55,27 @@ impl Bench {
         self.file.circuit.channels.get(channel).map_or("", |channel| channel.name.as_str())
     }
 
-    /// The board of some of the channels: each as `keep` has its line, or not at all. Nothing is bound on it.
+    /// The GPIO line of a channel.
+    pub fn line(&self, channel: usize) -> Option<&LineSpec> {
+        self.spec.gpio.lines.iter().find(|line| usize::from(line.channel.0) == channel)
+    }
+
+    /// The board of some of the lines: each as `keep` has it, or not at all. Nothing is bound on it.
     pub fn some(&self, keep: impl Fn(usize, &LineSpec) -> Option<LineSpec>) -> BoardFile {
-        let mut spec = GpioSpec { lines: Vec::new(), ..self.spec.clone() };
+        let mut spec = self.spec.clone();
+        spec.gpio.lines.clear();
         let mut file = BoardFile { bind: Vec::new(), ..self.file.clone() };
         file.circuit.channels.clear();
-        for (at, (line, channel)) in self.spec.lines.iter().zip(&self.file.circuit.channels).enumerate() {
-            let Some(line) = keep(at, line) else { continue };
-            let drives = line.direction == Direction::Output;
+        let kept = self.spec.gpio.lines.iter().filter_map(|line| keep(usize::from(line.channel.0), line));
+        for line in kept {
+            let Some(channel) = self.file.circuit.channels.get(usize::from(line.channel.0)) else { continue };
+            let Ok(place) = u16::try_from(file.circuit.channels.len()) else { break };
             let mut channel = channel.clone();
-            (channel.drives, channel.senses) = (drives, true);
+            (channel.drives, channel.senses) = (line.direction == Direction::Output, true);
             file.circuit.channels.push(channel);
-            spec.lines.push(line);
+            spec.gpio.lines.push(LineSpec { channel: ChannelId(place), ..line });
         }
-        file.kind = BoardKind::Gpio(spec);
+        file.kind = BoardKind::Real(Box::new(spec));
         file
     }
 

@@ -23,8 +23,8 @@ pub fn run(args: &CheckArgs) -> Exit {
         Ok(bench) => bench,
         Err(exit) => return exit,
     };
-    let whole = gpio::find(&bench.file, &bench.spec);
-    let rows: Vec<Option<Found>> = (0..bench.spec.lines.len())
+    let whole = gpio::find(&bench.file, &bench.spec.gpio);
+    let rows: Vec<Option<Found>> = (0..bench.file.circuit.channels.len())
         .map(|at| match &whole {
             Ok(chips) => found(chips, ChannelId(u16::try_from(at).ok()?)),
             Err(_) => alone(&bench, at),
@@ -67,8 +67,8 @@ fn found(chips: &[FoundChip], channel: ChannelId) -> Option<Found> {
 /// A channel that is looked for without the others, some of which cannot be had.
 fn alone(bench: &Bench, at: usize) -> Option<Found> {
     let file = bench.some(|other, line| (other == at).then(|| line.clone()));
-    let BoardKind::Gpio(spec) = &file.kind else { return None };
-    found(&gpio::find(&file, spec).ok()?, ChannelId(0))
+    let BoardKind::Real(spec) = &file.kind else { return None };
+    found(&gpio::find(&file, &spec.gpio).ok()?, ChannelId(0))
 }
 
 /// A chip in a line.

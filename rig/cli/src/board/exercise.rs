@@ -49,8 +49,8 @@ pub fn run(args: &ExerciseArgs) -> Exit {
 
 fn try_run(args: &ExerciseArgs) -> Result<Exit, Exit> {
     let bench = Bench::read(&args.file)?;
-    let outputs: Vec<usize> = (0..bench.spec.lines.len())
-        .filter(|at| bench.spec.lines[*at].direction == Direction::Output)
+    let outputs: Vec<usize> = (0..bench.file.circuit.channels.len())
+        .filter(|at| bench.line(*at).is_some_and(|line| line.direction == Direction::Output))
         .collect();
     let person = consent(args, &bench, &outputs)?;
     let handled = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed));
@@ -118,7 +118,7 @@ fn nobody() -> Exit {
 }
 
 fn ask(person: &Person, bench: &Bench, at: usize, hold: Span) -> Result<bool, AskError> {
-    let safe = bench.spec.lines.get(at).is_some_and(|line| line.safe);
+    let safe = bench.line(at).is_some_and(|line| line.safe);
     let text = format!("drive it from {} to {} for {hold}, and back?", u8::from(safe), u8::from(!safe));
     let answers = ["no", "yes"].map(str::to_owned).to_vec();
     let question = Question { text, photo: None, answers, pass: 1 };
@@ -139,7 +139,7 @@ fn turn(bench: &Bench, at: usize, hold: Span) -> Result<bool, Exit> {
     board.start(time.now()).map_err(failed)?;
     let name = bench.name(at);
     let driven = board.find(name).ok_or(Exit::Error)?;
-    let safe = bench.spec.lines.get(at).is_some_and(|line| line.safe);
+    let safe = bench.line(at).is_some_and(|line| line.safe);
     let mut ear = Ear::new(board.channels());
     if let Some(heart) = hardware.heart() {
         heart.begin().map_err(unguarded)?;

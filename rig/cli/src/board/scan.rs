@@ -112,7 +112,7 @@ format = 1
 title = \"As scanned\"
 
 [board]
-kind = \"gpio\"
+kind = \"real\"
 ";
 
 /// The board file of these devices. Equal devices give an equal text.

@@ -37,7 +37,7 @@ pub fn run(args: &WatchArgs) -> Exit {
 fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
     let bench = Bench::read(&args.file)?;
     let watched = bench.some(|_, line| listening(line));
-    let left: Vec<&str> = (0..bench.spec.lines.len())
+    let left: Vec<&str> = (0..bench.file.circuit.channels.len())
         .map(|at| bench.name(at))
         .filter(|name| watched.find(name).is_none())
         .collect();

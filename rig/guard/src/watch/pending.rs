@@ -2,6 +2,7 @@
 
 use super::{Course, Watch};
 use crate::Reason;
+use crate::driver::{Driver, Trouble};
 use crate::wire::{Message, Tag};
 
 /// How long lines may take to be found safe where the rig waits for it and does not drive, in nanoseconds: a busy
@@ -29,7 +30,8 @@ impl Watch<'_> {
     /// Answers a request that can be answered. TRUE where it was the goodbye.
     pub(super) fn answer(&mut self, now: i64) -> bool {
         let Some(pending) = self.pending else { return false };
-        let safe = self.are_safe(pending.since);
+        // An order that is still under way would undo what the rig does with the answer.
+        let safe = self.are_safe(pending.since) && self.drivers.iter().all(Driver::is_idle);
         if !safe && now < pending.until {
             return false;
         }
@@ -45,7 +47,10 @@ impl Watch<'_> {
             self.reply(Tag::Done, "");
             return pending.what == Tag::Close;
         }
-        let why = self.troubles(pending.since);
+        let mut why = self.troubles(pending.since);
+        if why.is_empty() {
+            why = Trouble::Hangs.to_string();
+        }
         self.reply(Tag::Refused, &why);
         match pending.what {
             // The lines never came into the guard's charge.

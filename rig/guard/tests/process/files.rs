@@ -66,7 +66,8 @@ struct FileLines {
     device: String,
 }
 
-/// Lines of a file. `slow` ones take a second from the second drive on; `broken` ones fail; `stubborn` ones read
+/// Lines of a file. `slow` ones take a second from the second drive on; `tardy` ones about as long as the guard waits
+/// until it drives again; `broken` ones fail; `stubborn` ones read
 /// otherwise from the second drive on.
 pub fn open(held: HeldLines) -> Box<dyn Lines> {
     let file = File::from(held.claim);
@@ -85,6 +86,9 @@ impl Lines for FileLines {
         }
         if self.device.starts_with("slow") && self.drives > 1 {
             std::thread::sleep(Duration::from_secs(1));
+        }
+        if self.device.starts_with("tardy") {
+            std::thread::sleep(Duration::from_millis(2));
         }
         write(&self.file, levels)
     }

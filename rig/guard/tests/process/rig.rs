@@ -1,6 +1,6 @@
 //! The part of the rig: does what its words say, one after the other, and says what became of each.
 
-use crate::files::{MASK, held, write};
+use crate::files::{MASK, held, levels, write};
 use drivers::GuardSettings;
 use scanrig_guard::{Beat, Guard, GuardError, GuardHandle};
 use signal::Span;
@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// `rig FOLDER LIMIT_MS HOLD_MS WORD...`
 pub fn run(words: &[String]) -> ExitCode {
@@ -54,6 +55,7 @@ pub fn run(words: &[String]) -> ExitCode {
                 }
                 "safe".into()
             }
+            "stays" => stays(folder, &devices),
             "disarm" => outcome(guard.unwrap().disarm()),
             "trip" => outcome(guard.unwrap().trip()),
             "close" => outcome(handle.take().unwrap().close()),
@@ -80,6 +82,17 @@ fn drive(folder: &Path, devices: &[String]) {
     }
 }
 
+/// Whether everything stays as it was driven for a while.
+fn stays(folder: &Path, devices: &[String]) -> String {
+    let until = Instant::now() + Duration::from_millis(8);
+    while Instant::now() < until {
+        if devices.iter().any(|device| levels(folder, device) == crate::files::SAFE) {
+            return "undone".into();
+        }
+    }
+    "stayed".into()
+}
+
 fn live(guard: &GuardHandle) -> String {
     let over = Arc::new(AtomicBool::new(false));
     let told = over.clone();
@@ -88,7 +101,7 @@ fn live(guard: &GuardHandle) -> String {
         told.store(true, Ordering::Release);
     });
     say("lives");
-    let every = std::time::Duration::from_nanos(guard.beat_every().as_nanos().unsigned_abs());
+    let every = Duration::from_nanos(guard.beat_every().as_nanos().unsigned_abs());
     while !over.load(Ordering::Acquire) {
         match guard.beat() {
             Beat::Kept => std::thread::sleep(every),

@@ -26,6 +26,7 @@ const TESTS: &[Test] = &[
         "a_device_that_hangs_keeps_no_other_from_being_safe",
         a_device_that_hangs_keeps_no_other_from_being_safe,
     ),
+    ("a_rig_that_was_told_it_may_drive_is_not_undone", a_rig_that_was_told_it_may_drive_is_not_undone),
     ("lines_that_the_guard_cannot_drive_are_refused", lines_that_the_guard_cannot_drive_are_refused),
     (
         "outputs_that_are_not_safe_when_they_should_be_latch",
@@ -245,6 +246,18 @@ fn a_device_that_hangs_keeps_no_other_from_being_safe() {
     rig.becomes_safe("valve");
     assert_ne!(levels(&rig.folder, "slow-expander"), SAFE, "it takes a second");
     rig.becomes_safe("slow-expander");
+}
+
+/// A drive that the guard had ordered before it answered must not come behind the answer.
+fn a_rig_that_was_told_it_may_drive_is_not_undone() {
+    let turns = 60;
+    let words = "arm drive stays safe disarm ".repeat(turns);
+    let mut rig = Rig::start("told", 0, &format!("tardy hold {words}close"));
+    for _ in 0..turns {
+        rig.until("drove");
+        assert_eq!(rig.says(), "stayed");
+    }
+    assert!(rig.end().success());
 }
 
 fn lines_that_the_guard_cannot_drive_are_refused() {

@@ -5,6 +5,7 @@
 
 mod act;
 mod alarms;
+mod buses;
 mod confirm;
 mod lines;
 mod prelude;
@@ -23,7 +24,7 @@ use crate::trouble::Trouble;
 use crate::wiring::Wiring;
 use confirm::Awaited;
 use controller::{Effect, Effects};
-use drivers::{Board, BoardEvent, ChannelId, LossReason, Origin, TimestampSource};
+use drivers::{Board, BoardEvent, BusEvent, ChannelId, LossReason, Origin, TimestampSource};
 use lines::Lines;
 use plans::plan::Phase;
 use signal::{Cause, Level, Span, Time, Value, When};
@@ -57,6 +58,7 @@ pub struct Executor<'a> {
     spare: Vec<Effect>,
     writes: Vec<(ChannelId, Value)>,
     polled: Vec<BoardEvent>,
+    polled_buses: Vec<BusEvent>,
     /// What each channel was driven to last, to be driven back to after a pulse.
     driven: Vec<Value>,
     restore: Vec<Value>,
@@ -143,6 +145,7 @@ impl<'a> Executor<'a> {
             spare: Vec::with_capacity(256),
             writes: Vec::with_capacity(channels.len()),
             polled: Vec::with_capacity(1024),
+            polled_buses: Vec::with_capacity(if parts.board.buses().is_empty() { 0 } else { 1024 }),
             restore: driven.clone(),
             driven,
             clock: parts.clock,
@@ -390,6 +393,7 @@ impl<'a> Executor<'a> {
         }
         self.polled = events;
         polled.map_err(|error| Trouble::Board { at: now, error })?;
+        self.poll_buses(now)?;
         // A line may have told the subject's state.
         self.apply()
     }

@@ -46,7 +46,7 @@ pub(super) fn driven(
     }
     if !bench.board.channels()[usize::from(channel.0)].drives {
         let help = match bench.file.kind {
-            BoardKind::Gpio(_) => {
+            BoardKind::Real(_) => {
                 "name the line that drives it as `line` of its channel, and the one wired to it as `readback`"
             }
             BoardKind::Simulated => "",

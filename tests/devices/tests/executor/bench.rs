@@ -62,7 +62,7 @@ pub struct Bench {
 /// An emulated machine that stands still for a while has lost no device.
 const BOARD: &str = "format = 1
 [board]
-kind = \"gpio\"
+kind = \"real\"
 silent-after = \"5 s\"
 [chips]
 main = { label = \"rig-gpio\" }

@@ -18,7 +18,7 @@ fn refused(text: &str) -> Vec<(String, String, String)> {
 /// A board file with one chip and one channel.
 fn file(chip: &str, line: &str) -> String {
     format!(
-        "format = 1\n[board]\nkind = \"gpio\"\n[chips]\nmain = {{ {chip} }}\n[channels]\n\
+        "format = 1\n[board]\nkind = \"real\"\n[chips]\nmain = {{ {chip} }}\n[channels]\n\
          a = {{ kind = \"digital\", {line} }}\n"
     )
 }
@@ -112,7 +112,7 @@ fn a_chip_that_vanishes_is_lost_and_can_come_back() {
     for backend in BOTH {
         let chip = SimChip::add("rig-gpio-gone", &["", "", "", ""]);
         let text = format!(
-            "format = 1\n[board]\nkind = \"gpio\"\nbackend = \"{backend}\"\n[chips]\ngone = {{ label = \"rig-gpio-gone\" }}\n\
+            "format = 1\n[board]\nkind = \"real\"\nbackend = \"{backend}\"\n[chips]\ngone = {{ label = \"rig-gpio-gone\" }}\n\
              main = {{ label = \"rig-gpio\" }}\n[channels]\n\
              out = {{ kind = \"digital\", chip = \"gone\", line = 0, drives = true }}\n\
              in = {{ kind = \"digital\", chip = \"gone\", line = 1 }}\n\
@@ -150,7 +150,7 @@ fn a_chip_that_vanishes_is_lost_and_can_come_back() {
     }
 }
 
-const TWO_CHIPS: &str = "format = 1\n[board]\nkind = \"gpio\"\n[chips]\nmain = { label = \"rig-gpio\" }\n\
+const TWO_CHIPS: &str = "format = 1\n[board]\nkind = \"real\"\n[chips]\nmain = { label = \"rig-gpio\" }\n\
      aux = { label = \"rig-gpio-aux\" }\n[channels]\n\
      out = { kind = \"digital\", chip = \"main\", line = 1, drives = true }\n\
      in = { kind = \"digital\", chip = \"main\", line = 2 }\n\

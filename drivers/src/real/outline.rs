@@ -1,12 +1,13 @@
-//! A GPIO board on paper.
+//! A board of real devices on paper.
 
-use super::{Direction, GpioSpec, LineSpec};
+use super::RealSpec;
 use crate::circuit::ChannelSpec;
 use crate::file::BoardFile;
+use crate::gpio;
 use crate::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, FaultSet, Health, TimestampSource};
 use signal::{Span, Time, Value};
 
-/// The channels of a GPIO board that nobody opened: what a plan is checked against on any machine. It never starts.
+/// The channels of real devices that nobody opened: what a plan is checked against on any machine. It never starts.
 #[derive(Clone, Debug)]
 pub struct Outline {
     channels: Vec<Channel>,
@@ -14,34 +15,33 @@ pub struct Outline {
 
 impl Outline {
     /// The outline of a file's board.
-    pub fn new(file: &BoardFile, spec: &GpioSpec) -> Outline {
+    pub fn new(file: &BoardFile, spec: &RealSpec) -> Outline {
         Outline { channels: channels(file, spec) }
     }
 }
 
-/// The channels of a GPIO board, before anything is known of its chips.
-pub(super) fn channels(file: &BoardFile, spec: &GpioSpec) -> Vec<Channel> {
-    let both = file.circuit.channels.iter().zip(&spec.lines);
-    both.map(|(channel, line)| described(channel, line)).collect()
+/// The channels of a board of real devices, before anything is known of the devices.
+pub(crate) fn channels(file: &BoardFile, spec: &RealSpec) -> Vec<Channel> {
+    let mut channels = blank(file);
+    gpio::describe(file, &spec.gpio, &mut channels);
+    channels
 }
 
-fn described(channel: &ChannelSpec, line: &LineSpec) -> Channel {
-    let debounce = Span::from_micros(i64::from(line.debounce_us));
-    let sensed = line.direction == Direction::Input || line.readback.is_some();
-    Channel {
+/// The channels of a board that has no device.
+pub(crate) fn blank(file: &BoardFile) -> Vec<Channel> {
+    let unknown = |channel: &ChannelSpec| Channel {
         name: channel.name.clone(),
         kind: channel.kind.clone(),
-        drives: channel.drives,
+        drives: false,
         senses: channel.senses,
         timestamp: TimestampSource::Kernel,
         resolution: Span::ZERO,
-        // What a debounced line keeps is long enough to be seen. Of others nobody can tell: a pulse may be over before
-        // the kernel looks.
-        shortest_pulse: if sensed && debounce > Span::ZERO { debounce } else { Span::MAX },
+        shortest_pulse: Span::MAX,
         max_pulse_hz: 0,
         faults: FaultSet::NONE,
-        safe: if line.direction == Direction::Output { Value::Bool(line.safe) } else { Value::HighZ },
-    }
+        safe: Value::HighZ,
+    };
+    file.circuit.channels.iter().map(unknown).collect()
 }
 
 impl Board for Outline {

@@ -1,0 +1,197 @@
+//! The board of several devices.
+
+use document::Diagnostic;
+use signal::{Time, Value};
+
+use super::{RealSpec, channels};
+use crate::file::BoardFile;
+use crate::gpio::GpioBoard;
+use crate::{
+    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, Frame, Health, HeldLines,
+    Surroundings,
+};
+
+/// Finds and claims the devices of a file, outputs at their safe values.
+///
+/// # Errors
+/// All that is not there, not free, not permitted or cannot be done, by place.
+pub fn open(
+    file: &BoardFile,
+    spec: &RealSpec,
+    surroundings: &Surroundings,
+) -> Result<Box<dyn Board>, Vec<Diagnostic>> {
+    let mut board = RealBoard::new(channels(file, spec));
+    let mut found = Vec::new();
+    if !spec.gpio.lines.is_empty() {
+        match GpioBoard::open(file, &spec.gpio, surroundings) {
+            Ok(lines) => board.add(Box::new(lines), spec.gpio.lines.iter().map(|line| line.channel)),
+            Err(more) => found.extend(more),
+        }
+    }
+    if found.is_empty() { Ok(board.alone()) } else { Err(found) }
+}
+
+/// Several devices as one board. Each is a board of its own that speaks of the channels and buses of the whole.
+#[derive(Debug)]
+pub struct RealBoard {
+    channels: Vec<Channel>,
+    buses: Vec<Bus>,
+    parts: Vec<Box<dyn Board>>,
+    /// The part behind each channel, and behind each bus.
+    behind: Vec<Option<u16>>,
+    carries: Vec<Option<u16>>,
+    /// What one part is asked to write.
+    writes: Vec<(ChannelId, Value)>,
+}
+
+impl RealBoard {
+    /// A board whose channels are described, and which has no device yet.
+    pub fn new(channels: Vec<Channel>) -> RealBoard {
+        let (behind, writes) = (vec![None; channels.len()], Vec::with_capacity(channels.len()));
+        RealBoard { channels, buses: Vec::new(), parts: Vec::new(), behind, carries: Vec::new(), writes }
+    }
+
+    /// Adds a device that serves these channels, and every bus that it describes: those of the whole board, of which a
+    /// device leaves the names of others empty.
+    pub fn add(&mut self, part: Box<dyn Board>, serves: impl IntoIterator<Item = ChannelId>) {
+        let number = self.parts.len() as u16;
+        for channel in serves {
+            let at = usize::from(channel.0);
+            self.channels[at] = part.channels()[at].clone();
+            self.behind[at] = Some(number);
+        }
+        for (at, bus) in part.buses().iter().enumerate() {
+            if self.buses.len() <= at {
+                self.buses.push(bus.clone());
+                self.carries.push(None);
+            }
+            if !bus.name.is_empty() {
+                self.buses[at] = bus.clone();
+                self.carries[at] = Some(number);
+            }
+        }
+        self.parts.push(part);
+    }
+
+    /// The board: a device that is alone on it needs nobody to speak for it.
+    pub fn alone(mut self) -> Box<dyn Board> {
+        match self.parts.pop() {
+            Some(only) if self.parts.is_empty() => only,
+            Some(last) => {
+                self.parts.push(last);
+                Box::new(self)
+            }
+            None => Box::new(self),
+        }
+    }
+}
+
+/// Puts what several devices told behind `first` in order, in place and without allocation; events of one instant keep
+/// their order.
+fn sort<E: Copy>(events: &mut [E], latest: impl Fn(&E) -> Time) {
+    for at in 1..events.len() {
+        let mut place = at;
+        while place > 0 && latest(&events[place - 1]) > latest(&events[place]) {
+            events.swap(place - 1, place);
+            place -= 1;
+        }
+    }
+}
+
+impl Board for RealBoard {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn start(&mut self, now: Time) -> Result<(), BoardError> {
+        self.parts.iter_mut().try_for_each(|part| part.start(now))
+    }
+
+    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
+        for (channel, _) in writes {
+            let behind = self.behind.get(usize::from(channel.0)).ok_or(BoardError::NoChannel(*channel))?;
+            if behind.is_none() || !self.channels[usize::from(channel.0)].drives {
+                return Err(BoardError::NotDriven(*channel));
+            }
+        }
+        for (number, part) in self.parts.iter_mut().enumerate() {
+            let mine = |channel: ChannelId| self.behind[usize::from(channel.0)] == Some(number as u16);
+            self.writes.clear();
+            self.writes.extend(writes.iter().copied().filter(|(channel, _)| mine(*channel)));
+            if !self.writes.is_empty() {
+                part.write(now, &self.writes)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        let first = out.len();
+        let mut outcome = Ok(());
+        for part in &mut self.parts {
+            outcome = outcome.and(part.poll(now, out));
+        }
+        sort(&mut out[first..], BoardEvent::latest);
+        outcome
+    }
+
+    fn next_event(&self) -> Option<Time> {
+        self.parts.iter().filter_map(|part| part.next_event()).min()
+    }
+
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        match self.behind.get(usize::from(fault.channel.0)) {
+            None => Err(BoardError::NoChannel(fault.channel)),
+            Some(None) => Err(BoardError::NoSuchFault(fault.channel)),
+            Some(Some(part)) => self.parts[usize::from(*part)].inject(now, fault),
+        }
+    }
+
+    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        match self.behind.get(usize::from(channel.0)) {
+            None => Err(BoardError::NoChannel(channel)),
+            Some(None) => Ok(()),
+            Some(Some(part)) => self.parts[usize::from(*part)].clear(now, channel),
+        }
+    }
+
+    fn safe(&mut self, now: Time) -> Result<(), BoardError> {
+        let mut outcome = Ok(());
+        for part in &mut self.parts {
+            let made = part.safe(now);
+            outcome = outcome.and(made);
+        }
+        outcome
+    }
+
+    fn health(&self) -> Health {
+        self.parts.iter().map(|part| part.health()).fold(Health::default(), Health::and)
+    }
+
+    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+        let mut all = Vec::new();
+        for part in &self.parts {
+            all.extend(part.held()?);
+        }
+        Ok(all)
+    }
+
+    fn buses(&self) -> &[Bus] {
+        &self.buses
+    }
+
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        let part = self.carries.get(usize::from(bus.0)).copied().flatten().ok_or(BoardError::NoBus(bus))?;
+        self.parts[usize::from(part)].send(now, bus, frame)
+    }
+
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        let first = out.len();
+        let mut outcome = Ok(());
+        for part in &mut self.parts {
+            outcome = outcome.and(part.poll_buses(now, out));
+        }
+        sort(&mut out[first..], BusEvent::latest);
+        outcome
+    }
+}
