@@ -60,6 +60,9 @@ pub struct Channel {
     pub faults: FaultSet,
     /// What a driven line is left at by [`Board::start`] and [`Board::safe`].
     pub safe: Value,
+    /// How far an analog channel can move from what was told of it without being told again, in its unit; 0 for not at
+    /// all.
+    pub deadband: f64,
 }
 
 impl Channel {
@@ -105,6 +108,7 @@ impl FaultKind {
     /// The flag of this kind in a [`FaultSet`].
     const fn bit(self) -> u8 {
         match self {
+            FaultKind::StuckAt(Value::Bool(true)) => 128,
             FaultKind::StuckAt(_) => 1,
             FaultKind::Open => 2,
             FaultKind::ShortToGround => 4,
@@ -135,12 +139,13 @@ impl FaultSet {
     /// No fault can be injected.
     pub const NONE: FaultSet = FaultSet(0);
     /// Every fault of a digital line.
-    pub const DIGITAL: FaultSet = FaultSet(127);
+    pub const DIGITAL: FaultSet = FaultSet(255);
     /// Every fault of an analog line: as [`FaultSet::DIGITAL`] but without a short to the supply, which has no
     /// value in the channel's unit.
     pub const ANALOG: FaultSet = FaultSet(127 - 8);
 
-    /// Whether faults of this kind (their values aside) can be injected.
+    /// Whether faults of this kind can be injected. Being stuck at 1 is a kind of its own; other values and times do not
+    /// count.
     pub const fn contains(self, kind: FaultKind) -> bool {
         self.0 & kind.bit() != 0
     }
@@ -176,6 +181,17 @@ pub enum LossReason {
     Gone,
     /// The device does not answer any more.
     Silent,
+}
+
+impl fmt::Display for LossReason {
+    /// What became of the device, as in `it is gone`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            LossReason::Injected => "is cut off, as asked",
+            LossReason::Gone => "is gone",
+            LossReason::Silent => "does not answer",
+        })
+    }
 }
 
 /// What a board has to tell.
@@ -317,6 +333,13 @@ pub enum BoardError {
         /// The limit.
         limit: u8,
     },
+    /// A fault on one channel that may not be there together with one on another.
+    FaultsApart {
+        /// Where it was to be.
+        channel: ChannelId,
+        /// Where the other one is.
+        other: ChannelId,
+    },
     /// The call is older than one that was answered already.
     Backwards {
         /// Time of this call.
@@ -338,6 +361,24 @@ pub enum BoardError {
     BadFrame(BusId),
     /// The queue of the bus is full: it takes no frame before others are on the bus.
     BusFull(BusId),
+    /// The device behind a channel is lost since before the start.
+    Lost {
+        /// The first of its channels.
+        channel: ChannelId,
+        /// Why.
+        reason: LossReason,
+        /// For how long, as far as that is known.
+        since: Span,
+    },
+    /// The device of a bus is lost since before the start.
+    BusLost {
+        /// Which bus.
+        bus: BusId,
+        /// Why.
+        reason: LossReason,
+        /// For how long, as far as that is known.
+        since: Span,
+    },
     /// A call of the operating system failed.
     Os {
         /// Which one.
@@ -362,6 +403,9 @@ impl fmt::Display for BoardError {
             Self::TooManyFaults { channel, limit } => {
                 write!(f, "channel {} has {limit} faults already: clear it first", channel.0)
             }
+            Self::FaultsApart { channel, other } => {
+                write!(f, "channel {} takes no fault while one is on channel {}", channel.0, other.0)
+            }
             Self::Backwards { now, last } => write!(f, "a call at {now} comes after one at {last}"),
             Self::Storm { at, limit } => {
                 write!(f, "more than {limit} changes at once at {at}: look for wires that oscillate")
@@ -369,6 +413,12 @@ impl fmt::Display for BoardError {
             Self::NoBus(id) => write!(f, "the board has no bus {}", id.0),
             Self::BadFrame(id) => write!(f, "the frame does not fit bus {}", id.0),
             Self::BusFull(id) => write!(f, "the queue of bus {} is full", id.0),
+            Self::Lost { channel, reason, since } => {
+                write!(f, "channel {} is lost for {since}: its device {reason}", channel.0)
+            }
+            Self::BusLost { bus, reason, since } => {
+                write!(f, "bus {} is lost for {since}: its device {reason}", bus.0)
+            }
             Self::Os { call, code } => {
                 let call = match call {
                     Call::Open => "claiming the lines",
@@ -436,6 +486,20 @@ pub trait Board: Send + fmt::Debug {
     /// [`BoardError::NoChannel`], and as [`Board::write`].
     fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError>;
 
+    /// The longest that a fault on this channel takes to come or to go, beyond the call of a device: the time of a relay.
+    /// A fault that lasts less than twice as long cannot be injected.
+    fn settle(&self, channel: ChannelId) -> Span {
+        let _ = channel;
+        Span::ZERO
+    }
+
+    /// When the faults of this channel came to be what was asked for last; `None` while that is not known yet, because
+    /// a relay moves, and where faults take no time.
+    fn came(&self, channel: ChannelId) -> Option<When> {
+        let _ = channel;
+        None
+    }
+
     /// Drives every driven line to its safe value and latches it there until the next start.
     ///
     /// # Errors
@@ -444,6 +508,18 @@ pub trait Board: Send + fmt::Debug {
 
     /// What went wrong since the start.
     fn health(&self) -> Health;
+
+    /// The device behind a channel in words, as in `/dev/gpiochip0 (pinctrl-bcm2711)`. `None` where there is none.
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        let _ = channel;
+        None
+    }
+
+    /// The device of a bus in words, as in `can0`. `None` where there is none.
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        let _ = bus;
+        None
+    }
 
     /// The board's buses; a [`BusId`] is a place in this slice. Fixed from the making of the board.
     fn buses(&self) -> &[Bus] {
@@ -507,6 +583,12 @@ impl<B: Board + ?Sized> Board for Box<B> {
     fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
         (**self).clear(now, channel)
     }
+    fn settle(&self, channel: ChannelId) -> Span {
+        (**self).settle(channel)
+    }
+    fn came(&self, channel: ChannelId) -> Option<When> {
+        (**self).came(channel)
+    }
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         (**self).safe(now)
     }
@@ -515,6 +597,12 @@ impl<B: Board + ?Sized> Board for Box<B> {
     }
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
         (**self).held()
+    }
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        (**self).device(channel)
+    }
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        (**self).bus_device(bus)
     }
     fn buses(&self) -> &[Bus] {
         (**self).buses()

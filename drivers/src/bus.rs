@@ -38,6 +38,14 @@ pub struct Bus {
     pub resolution: Span,
 }
 
+impl Bus {
+    /// The place of a bus of which nothing is known here: it has no name.
+    pub(crate) fn none() -> Bus {
+        let kind = BusKind::Serial { baud: 0 };
+        Bus { name: String::new(), kind, timestamp: TimestampSource::Virtual, resolution: Span::ZERO }
+    }
+}
+
 /// The most data bytes of a CAN frame: 8 on classic CAN, 64 with CAN FD (ISO 11898-1).
 pub const MAX_DATA: usize = 64;
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use signal::{Span, Value};
 
-use crate::{ChannelId, ChannelKind};
+use crate::{BusSpec, ChannelId, ChannelKind};
 
 /// What an undriven digital line reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -165,6 +165,8 @@ pub struct Circuit {
     pub wires: Vec<WireSpec>,
     /// Its plants.
     pub plants: Vec<PlantSpec>,
+    /// Its buses, which nothing else of it reaches.
+    pub buses: Vec<BusSpec>,
 }
 
 /// Which part of a circuit is meant.

@@ -140,7 +140,7 @@ fn serial(root: &Path) -> Vec<Device> {
 }
 
 /// Names in a folder, in order; none where there is no such folder.
-fn names(folder: &Path) -> Vec<String> {
+pub(crate) fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
     names.sort();
@@ -148,7 +148,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 /// The first line of a file; empty where there is none.
-fn line(path: &Path) -> String {
+pub(crate) fn line(path: &Path) -> String {
     let text = fs::read_to_string(path).unwrap_or_default();
     text.lines().next().unwrap_or_default().trim().to_owned()
 }

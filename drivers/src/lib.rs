@@ -6,6 +6,7 @@
 
 mod board;
 mod bus;
+pub mod can;
 pub mod circuit;
 pub mod convert;
 pub mod file;
@@ -16,6 +17,7 @@ mod looped;
 pub mod plant;
 pub mod real;
 mod realtime;
+pub mod serial;
 pub mod sim;
 mod surroundings;
 pub mod wrap;
@@ -26,13 +28,13 @@ pub use board::{
 };
 pub use bus::{Bus, BusError, BusEvent, BusId, BusKind, BusState, Frame, MAX_DATA};
 pub use file::{
-    Binding, Bite, BoardFile, BoardKind, CODES, External, GuardSettings, Subject, SubjectLines, Terminals,
-    UnknownSubject, WatchdogSettings, build, open, read,
+    Binding, Bite, BoardFile, BoardKind, CODES, External, GuardSettings, OnLoss, Subject, SubjectLines,
+    Terminals, UnknownSubject, WatchdogSettings, build, open, read,
 };
 pub use gpio::GpioBoard;
 pub use held::{HeldLines, LineApi};
 pub use looped::Loop;
 pub use realtime::RealtimeSettings;
-pub use sim::SimulatedBoard;
-pub use surroundings::Surroundings;
+pub use sim::{BusSpec, SimulatedBoard};
+pub use surroundings::{Keeper, Surroundings};
 pub use wrap::{Disturbance, Faulty, Traced};

@@ -1,8 +1,20 @@
 //! What a real board lives in.
 
+use crate::HeldLines;
 use host::{Bell, Realtime, TimeBase};
 use signal::Span;
-use std::sync::Arc;
+use std::fmt::Debug;
+use std::sync::{Arc, Weak};
+
+/// Whoever makes output lines safe when the rig cannot.
+pub trait Keeper: Debug + Send + Sync {
+    /// Takes these lines into its charge, in place of those of a device that is gone. They must be safe; they may be
+    /// driven when this returns. It may wait.
+    ///
+    /// # Errors
+    /// Why it cannot, in words.
+    fn replace(&self, device: &str, lines: Vec<HeldLines>) -> Result<(), String>;
+}
 
 /// The time, the bell and the priorities that the threads of a real board share with the executor.
 #[derive(Clone, Debug)]
@@ -15,6 +27,8 @@ pub struct Surroundings {
     pub realtime: Realtime,
     /// How long before its stamp an edge may have happened, as far as this machine was measured.
     pub resolution: Span,
+    /// Who keeps the lines of a device that came back, as long as somebody does.
+    pub keeper: Option<Weak<dyn Keeper>>,
 }
 
 impl Surroundings {
@@ -25,6 +39,7 @@ impl Surroundings {
             bell: Arc::new(Bell::new()),
             realtime,
             resolution: Span::ZERO,
+            keeper: None,
         }
     }
 }

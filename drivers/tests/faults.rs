@@ -101,7 +101,7 @@ fn impossible_faults_are_refused() {
     let refused = [
         (fault(9, FaultKind::Open), BoardError::NoChannel(id(9))),
         (fault(2, FaultKind::ShortToSupply), BoardError::NoSuchFault(id(2))),
-        (fault(2, FaultKind::StuckAt(ON)), BoardError::BadValue(id(2))),
+        (fault(2, FaultKind::StuckAt(ON)), BoardError::NoSuchFault(id(2))),
         (fault(1, FaultKind::StuckAt(Value::Unknown)), BoardError::BadValue(id(1))),
         (fault(1, FaultKind::Late(ns(0))), BoardError::BadFaultTime(id(1))),
         (fault(1, FaultKind::Glitch { value: ON, width: ns(-1) }), BoardError::BadFaultTime(id(1))),

@@ -297,8 +297,12 @@ fn a_chip_that_is_gone_or_answers_with_an_error_is_no_ground_for_a_verdict() {
     assert_eq!(bench.events.iter().filter(gone).count(), 32);
     let safe = bench.board.safe(bench.at.time.now());
     assert!(matches!(safe, Err(BoardError::Os { code: 19, .. })), "{safe:?}");
-    // There is no chip of this label to be found again.
-    assert!(matches!(bench.board.start(bench.at.time.now()), Err(BoardError::Os { code: 19, .. })));
+    // Nothing says that it is to be taken back.
+    let started = bench.board.start(bench.at.time.now());
+    assert!(
+        matches!(started, Err(BoardError::Lost { reason: LossReason::Gone, since, .. }) if since > Span::ZERO),
+        "{started:?}"
+    );
 }
 
 #[test]

@@ -72,6 +72,14 @@ document::codes! {
     COLUMN = "P0645", "A column that cannot drive a signal";
     MEASURE = "P0660", "A key that means nothing for this kind of measurement";
     TOO_MANY_TURNS = "P0661", "More turns than a plan can have";
+    FRAME = "P0670", "A frame that cannot be described like this";
+    FRAME_DATA = "P0671", "A text that does not read as data of a frame";
+    FRAME_ID = "P0672", "An identifier that no frame has";
+    DBC_FILE = "P0673", "A DBC file that cannot be read";
+    DBC_NAME = "P0674", "A message or signal that a DBC file does not have";
+    SEND = "P0675", "A frame that cannot be sent";
+    FRAME_VALUE = "P0676", "A value that a frame cannot carry";
+    UNKNOWN_FRAME = "P0677", "A frame that the plan does not name";
 }
 
 /// The codes of what every TOML file can have wrong.

@@ -10,6 +10,7 @@ pub mod alarm;
 pub mod bench;
 mod codes;
 pub mod expect;
+pub mod frames;
 pub mod judge;
 pub mod lang;
 mod meaning;

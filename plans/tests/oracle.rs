@@ -226,6 +226,21 @@ fn rises(line: &[Placed]) -> Vec<(i64, usize)> {
     line.windows(2).filter(rise).map(|pair| (pair[1].0, pair[1].1)).collect()
 }
 
+/// A count of the rising edges of the line, in place of it.
+fn counted(raw: &[Raw]) -> Vec<Raw> {
+    let mut count = 0;
+    let number = |event: &Raw| match (event.signal, event.value) {
+        (0, Value::Bool(true)) => {
+            count += 1;
+            Some(Raw { value: Value::Int(count), ..*event })
+        }
+        (0, Value::Bool(false)) if event.b == 0 => Some(Raw { value: Value::Int(0), ..*event }),
+        (0, Value::Bool(false)) => None,
+        _ => Some(*event),
+    };
+    raw.iter().filter_map(number).collect()
+}
+
 /// The oracle for two lines that must never be TRUE together.
 fn oracle_of_two(raw: &[Raw]) -> Verdict {
     let (mut some, mut other) = (false, false);
@@ -324,6 +339,45 @@ proptest! {
         }
         for raw in filled(&raw).iter().filter(|_| ordered) {
             prop_assert!(agrees(verdict, oracle(raw, holds)), "{verdict}: {text} {raw:?}");
+        }
+    }
+
+    /// `frames`: the longest gap of a count, never wrongly; exactly where it is clear which frames are in the window.
+    #[test]
+    fn longest_gap(raw in events(), moving: bool, length in 1i64..9, limit in 1i64..9) {
+        let raw = counted(&raw);
+        let holds = |line: &[Placed], a: (i64, usize), b: (i64, usize)| {
+            let until = if moving { (a.0 + length, 0) } else { b };
+            let inside = |(at, place): &(i64, usize)| {
+                (*at > a.0 || *at == a.0 && *place > a.1) && (*at < until.0 || *at == until.0 && *place < until.1)
+            };
+            let more = |pair: &&[Placed]| pair[1].2.as_int() > pair[0].2.as_int();
+            let frames = line.windows(2).filter(more).map(|pair| (pair[1].0, pair[1].1)).filter(inside);
+            let instants: Vec<i64> = [a.0].into_iter().chain(frames.map(|frame| frame.0)).chain([until.0]).collect();
+            Some(instants.windows(2).all(|pair| pair[1] - pair[0] <= limit))
+        };
+        let until = if moving { format!("a + {length} ns") } else { "b".to_owned() };
+        let text = format!(r#"{{ frames = {{ frame = "q", gap = "{limit} ns", from = "a", until = "{until}" }} }}"#);
+        let step = |signal| *raw.iter().find(|event| event.signal == signal).unwrap();
+        let (a, b) = (step(1), step(2));
+        if !moving && a.b >= b.a {
+            return Ok(());
+        }
+        let counter = SignalInfo::exact("q", Kind::Int);
+        let marks = ["step:a", "step:b"].map(|mark| SignalInfo::exact(mark, Kind::Mark));
+        let signals: Vec<SignalInfo> = [counter].into_iter().chain(marks).collect();
+        let verdict = judged_with(&raw, &text, &signals);
+        if known(&raw) {
+            let expected = oracle(&raw, holds);
+            prop_assert!(agrees(verdict, expected), "{verdict}, not {expected}: {text} {raw:?}");
+            let ends = [a.a, if moving { a.a + length } else { b.a }];
+            let exact = a.a == a.b && (moving || b.a == b.b);
+            let clear = raw.iter().filter(|event| event.signal == 0).all(|event| {
+                ends.iter().all(|end| event.b < *end || event.a > *end)
+            });
+            if exact && clear {
+                prop_assert_eq!(verdict, expected, "{} {:?}", text, raw);
+            }
         }
     }
 

@@ -67,6 +67,31 @@ fn records() {
 }
 
 #[test]
+fn frames() {
+    corpus("frames", targets::frames);
+}
+
+#[test]
 fn words() {
     corpus("words", targets::words);
+}
+
+#[test]
+fn serial_lines() {
+    corpus("serial", targets::serial);
+}
+
+#[test]
+fn industrial_io() {
+    corpus("iio", targets::iio);
+}
+
+#[test]
+fn can() {
+    corpus("can", targets::can);
+}
+
+#[test]
+fn converters_on_a_bus() {
+    corpus("spi", targets::spi);
 }

@@ -3,6 +3,11 @@
 
 use capture::{Capture, Format};
 use document::{Diagnostic, SourceFile, render};
+use drivers::can::{Filter, Reported, Told};
+use drivers::convert::iio::{Element, Sampled, Scans};
+use drivers::convert::spi::{Chosen, FRAME, Input, PARTS, Sweep};
+use drivers::serial::{Frames, Framing, Marks, Received, Symbol};
+use plans::frames::{DataPattern, Database};
 use plans::lang::{Need, Operand};
 use plans::{Anchor, Literal};
 use profile::Profile;
@@ -102,6 +107,24 @@ pub fn board(data: &[u8]) {
             let _ = board.safe(Time::ZERO);
         }
     }
+}
+
+/// Descriptions of the samples of a device, a line each, and behind a byte 0 what came out of its buffer.
+pub fn iio(data: &[u8]) {
+    let text = data.iter().position(|byte| *byte == 0).unwrap_or(data.len());
+    let (text, bytes) = data.split_at(text);
+    let text = String::from_utf8_lossy(text);
+    let mut elements: Vec<Element> = text.lines().take(64).filter_map(Element::parse).collect();
+    let Some(stamp) = elements.pop() else { return };
+    let input = |(at, element): (usize, &Element)| Sampled::new(at as u16, *element, -0.5, 0.25);
+    let inputs = elements.iter().enumerate().map(input).collect();
+    let mut scans = Scans::new(inputs, stamp, Span::from_micros(100), bytes.len() % 2 == 0);
+    let mut readings = Vec::new();
+    for (at, part) in bytes.chunks(scans.size() * 3 + 1).enumerate() {
+        scans.take(part, at as i64, &mut readings);
+    }
+    assert!(readings.iter().all(|reading| reading.before <= reading.after && reading.value.is_finite()));
+    assert!(readings.len() <= bytes.len() * elements.len());
 }
 
 /// A program, compiled and run for a millisecond.
@@ -265,6 +288,27 @@ pub fn record(data: &[u8]) {
     let _ = reports::html::render(&run);
 }
 
+/// A DBC file, and behind a byte of 0 the data of frames that carry its values; the data of frames as plans write them.
+pub fn frames(data: &[u8]) {
+    let end = data.iter().position(|byte| *byte == 0).unwrap_or(data.len());
+    let (text, bytes) = (String::from_utf8_lossy(&data[..end]), &data[(end + 1).min(data.len())..]);
+    if let Ok(pattern) = DataPattern::parse(&text) {
+        assert_eq!(DataPattern::parse(&pattern.to_string()).as_ref(), Ok(&pattern));
+        if let Some(exact) = pattern.exact() {
+            assert!(pattern.matches(&exact));
+        }
+    }
+    let Ok(base) = Database::parse(&text) else { return };
+    for field in base.messages.values().flat_map(|message| &message.fields) {
+        assert!(field.coding.bytes() <= plans::frames::MAX_DATA);
+        let selected = field.selector.as_ref().is_none_or(|selector| selector.selects(bytes));
+        if let (true, Value::Real(value)) = (selected, field.coding.value(bytes)) {
+            assert!(value.is_finite());
+            let _ = field.coding.code(value);
+        }
+    }
+}
+
 /// The small languages inside texts. What reads is written in one spelling, which reads as the same.
 pub fn words(data: &[u8]) {
     let text = &*String::from_utf8_lossy(data);
@@ -285,4 +329,82 @@ pub fn words(data: &[u8]) {
         assert_eq!(profile.name().parse::<Profile>().ok(), Some(profile));
     }
     let _ = text.parse::<Profile>();
+}
+
+/// Bytes off a serial line, in pieces of any size at any time: none is lost, moved or made of nothing. The first byte of
+/// a piece says how long it is, how much later it comes and how late it is read.
+pub fn serial(data: &[u8]) {
+    let mut marks = Marks::default();
+    let mut frames = Frames::new(Framing { gap: 4, character: 1, hold: 2, most: data.len().max(1) });
+    let (mut now, mut sent, mut told, mut left) = (0, Vec::new(), Vec::new(), data);
+    while let Some((head, rest)) = left.split_first() {
+        let (piece, behind) = rest.split_at(rest.len().min(usize::from(head & 15)));
+        let empty = now + i64::from(head >> 6) * 4;
+        now = empty + i64::from(head >> 4 & 3) * 3;
+        let mut received = Received { symbols: Vec::new(), empty, read: now };
+        piece.iter().for_each(|byte| marks.take(*byte, |symbol| received.symbols.push(symbol)));
+        sent.extend(received.symbols.iter().filter_map(|symbol| match *symbol {
+            Symbol::Byte(byte) | Symbol::Damaged(byte) => Some(byte),
+            Symbol::Break => None,
+        }));
+        told.extend(frames.take(&received));
+        left = behind;
+    }
+    told.extend(frames.quiet(i64::MAX));
+    assert!(told.iter().all(|frame| !frame.overlong && (!frame.bytes.is_empty() || frame.breaks > 0)));
+    assert!(frames.due().is_none());
+    let back: Vec<u8> = told.into_iter().flat_map(|frame| frame.bytes).collect();
+    assert_eq!(back, sent);
+}
+
+/// What a CAN socket and the kernel's news of interfaces may bring.
+pub fn can(data: &[u8]) {
+    for len in [data.len(), 16, 72] {
+        let Some(bytes) = data.get(..len) else { continue };
+        match drivers::can::decode(bytes) {
+            Some(Told::Frame(frame)) => {
+                if let Some((again, len)) = drivers::can::encode(&frame) {
+                    assert_eq!(drivers::can::decode(&again[..len]), Some(Told::Frame(frame)));
+                }
+            }
+            Some(Told::Report(classes, details)) => {
+                let _ = Reported::read(classes, &details).errors().count();
+            }
+            None => {}
+        }
+    }
+    assert!(drivers::can::read_news(data).len() <= data.len() / 16 + 1);
+    let _ = Filter::parse(&String::from_utf8_lossy(data));
+}
+
+/// Answers of a converter on an SPI bus: whatever they are, a reading lies within the range of its input, and was taken
+/// when the bus was asked. The first byte is the part, the second its inputs, a bit each.
+pub fn spi(data: &[u8]) {
+    let [part, inputs, answers @ ..] = data else { return };
+    let part = PARTS[usize::from(*part) % PARTS.len()];
+    let reference = part.reference().unwrap_or(3.3);
+    let numbers = (0..part.inputs()).filter(|number| inputs >> number & 1 == 1);
+    let chosen: Vec<Chosen> = numbers
+        .map(|number| {
+            let input = Input::Single(number);
+            let spans = part.spans(input, reference);
+            Chosen { input, span: spans[usize::from(*inputs) % spans.len()] }
+        })
+        .collect();
+    let mut sweep = Sweep::new(part, chosen.clone());
+    let frames = sweep.frames().len();
+    for (at, piece) in answers.chunks(FRAME).enumerate().filter(|_| frames > 0) {
+        let mut answer = [0; FRAME];
+        answer[..piece.len()].copy_from_slice(piece);
+        let _ = sweep.take(at % frames, &answer, at as i64, at as i64 + 1);
+    }
+    let mut readings = Vec::new();
+    sweep.readings(&mut readings);
+    assert!(readings.len() <= chosen.len());
+    for reading in readings {
+        let span = chosen[usize::from(reading.input)].span;
+        assert!(span.low <= reading.value && reading.value < span.high, "{reading:?}");
+        assert!(reading.before < reading.after, "{reading:?}");
+        assert!(sweep.noise(usize::from(reading.input)).is_none_or(|noise| noise >= 0.0));
+    }
 }

@@ -3,14 +3,31 @@
 //! A [`Converter`] is what is behind a device: one on an SPI bus that the rig reads itself, or one of the kernel's
 //! industrial I/O. The board asks it on a thread of its own, so a reading that takes its time holds up nobody.
 
+mod board;
+mod calibrated;
+mod certificate;
+mod device;
+pub mod iio;
+mod refusal;
+mod scale;
 mod spec;
+pub mod spi;
+mod watched;
 
-pub use spec::{ConverterKind, ConverterSpec, ConvertersSpec, FindInput, SampleSpec};
+pub use board::{ConverterBoard, Source, describe, open};
+pub use calibrated::{Calibrated, calibrated};
+pub use certificate::{Certificate, Date};
+pub use refusal::Refusal;
+pub use scale::{Point, Scale};
+pub use spec::{ConverterKind, ConverterSpec, ConvertersSpec, FindInput, SPREAD, SampleSpec};
 
 use signal::Span;
 use std::fmt::Debug;
 use std::io;
 use std::os::fd::BorrowedFd;
+
+/// Readings of an input that one call brings at most.
+pub const AT_ONCE: usize = 64;
 
 /// What an input showed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,15 +72,37 @@ pub trait Converter: Send + Debug {
     /// How its readings come.
     fn pace(&self) -> Pace<'_>;
 
-    /// Appends what there is: one reading of each input where it is asked, all that wait where they come by themselves.
+    /// How many periods may pass between the beginning of one sample of an input and the end of the next where none is
+    /// lost.
+    fn spread(&self) -> u8 {
+        SPREAD
+    }
+
+    /// A run begins: what waits, and what was lost, is from before.
+    ///
+    /// # Errors
+    /// As [`Converter::read`].
+    fn begin(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Appends what there is: one reading of each input where it is asked, what waits where they come by themselves,
+    /// at most [`AT_ONCE`] of each input.
     /// Does not allocate once `out` has grown.
     ///
     /// # Errors
     /// The kernel's: `ENODEV` and `ENXIO` where the device is gone.
     fn read(&mut self, out: &mut Vec<Reading>) -> io::Result<()>;
 
-    /// How many readings were lost on the way since it was opened, as far as the device tells.
+    /// How many readings were lost on the way since a run began, as far as the device tells.
     fn lost(&self) -> u64 {
         0
+    }
+
+    /// How far the samples behind the last reading of an input lay from their mean (standard deviation), in the unit of
+    /// the reading. `None` where a reading is one sample.
+    fn noise(&self, input: u16) -> Option<f64> {
+        let _ = input;
+        None
     }
 }

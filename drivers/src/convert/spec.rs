@@ -1,5 +1,6 @@
 //! What a board file says of converters.
 
+use super::{Certificate, Scale, iio, spi};
 use crate::ChannelId;
 use signal::Span;
 use std::ops::Range;
@@ -11,6 +12,13 @@ pub struct ConvertersSpec {
     pub converters: Vec<ConverterSpec>,
     /// The inputs behind channels, in the order of the channels.
     pub samples: Vec<SampleSpec>,
+}
+
+impl ConvertersSpec {
+    /// The inputs of a converter, by its place.
+    pub fn inputs_of(&self, converter: usize) -> Vec<SampleSpec> {
+        self.samples.iter().filter(|sample| sample.converter == converter).cloned().collect()
+    }
 }
 
 /// A converter.
@@ -26,11 +34,33 @@ pub struct ConverterSpec {
     pub kind: ConverterKind,
 }
 
+impl ConverterSpec {
+    /// The longest time between the beginning of one sample of an input and the end of the next that is not told as a
+    /// loss.
+    pub fn longest(&self) -> Span {
+        let spread = match &self.kind {
+            ConverterKind::Iio(iio::IioSpec { buffered: Some(buffering), .. }) => buffering.spread(),
+            ConverterKind::Iio(_) | ConverterKind::Spi(_) => SPREAD,
+        };
+        longest(self.period, spread)
+    }
+}
+
+/// How many periods may pass there of a converter that is asked.
+pub const SPREAD: u8 = 2;
+
+/// So many periods.
+pub(super) fn longest(period: Span, spread: u8) -> Span {
+    Span::from_nanos(period.as_nanos().saturating_mul(i64::from(spread)))
+}
+
 /// What a converter is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConverterKind {
-    /// None that the rig can read.
-    None,
+    /// On an SPI bus, read by the rig.
+    Spi(spi::SpiSpec),
+    /// One that the kernel has a driver for.
+    Iio(iio::IioSpec),
 }
 
 /// How an input is found on its converter.
@@ -53,4 +83,14 @@ pub struct SampleSpec {
     pub input: FindInput,
     /// Where the file says so.
     pub place: Range<usize>,
+    /// What its input is to take, in volts, lowest first; what the converter takes by itself if left out.
+    pub range: Option<(f64, f64)>,
+    /// Where the file says so.
+    pub range_place: Range<usize>,
+    /// What the channel shows of it.
+    pub scale: Scale,
+    /// What its calibration rests on, if it has one.
+    pub certificate: Option<Certificate>,
+    /// Where the file says so.
+    pub certificate_place: Range<usize>,
 }

@@ -15,13 +15,15 @@ pub(super) struct Bench<'t> {
     terminals: &'t Terminals,
     /// Place of the channel's key, and whether its pull is written; by channel.
     written: Vec<Option<(Range<usize>, bool)>>,
+    /// Channels that are relays, which the rig drives although no terminal needs them.
+    pub(super) relays: Vec<ChannelId>,
 }
 
 impl<'t> Bench<'t> {
     /// A bench of the default board.
     pub(super) fn new(file: BoardFile, terminals: &'t Terminals) -> Self {
         let written = vec![None; file.circuit.channels.len()];
-        Bench { file, terminals, written }
+        Bench { file, terminals, written, relays: Vec::new() }
     }
 
     /// Where the file describes a channel.

@@ -41,7 +41,12 @@ pub(super) fn looped(board: &Fields, bench: &Bench, out: &mut Findings) -> Optio
     ) && suits(
         from,
         bench.file.bind.iter().all(|binding| binding.channel != found.out),
-        format!("`{}` is an output of the controller", driven.name),
+        format!("`{}` is bound to a terminal of the controller", driven.name),
+        "take a line that nothing hangs on: the rig drives it before each run",
+    ) && suits(
+        from,
+        !bench.relays.contains(&found.out),
+        format!("`{}` is a fault relay", driven.name),
         "take a line that nothing hangs on: the rig drives it before each run",
     );
     sound.then_some(found)

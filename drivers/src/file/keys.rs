@@ -3,6 +3,8 @@
 use document::{KeySpec, KeyType};
 use host::Processors;
 
+use crate::convert::iio::MAX_BUFFER;
+
 const NAME: KeyType = KeyType::Text;
 
 /// The keys of a board file.
@@ -122,6 +124,11 @@ pub(super) const BOARD: &[KeySpec] = &[
         "Whether a device that went away is taken back when it is there again; false if left out",
     ),
     KeySpec::optional(
+        "on-loss",
+        KeyType::Choice(&["end", "go-on"]),
+        "What a lost device does to the case: \"end\" on real lines, \"go-on\" on a simulated board if left out",
+    ),
+    KeySpec::optional(
         "check",
         KeyType::Table(CHECK),
         "A wire from an output to an input by which the rig checks itself before each run",
@@ -167,14 +174,106 @@ pub(super) const CHANNEL: &[KeySpec] = &[
     ),
     KeySpec::optional("converter", NAME, "The converter that measures it; the only one if left out"),
     KeySpec::optional("input", LINE, "Its input of a converter: the number, or the name"),
+    KeySpec::optional("range", KeyType::Range, "What its input is to take, as in \"-10.24 V .. 10.24 V\""),
+    KeySpec::optional("scale", KeyType::Table(SCALE), "What the channel shows of the voltage at its input"),
+    KeySpec::optional("calibration", KeyType::Table(CALIBRATION), "What a better instrument said of it"),
+    KeySpec::optional(
+        "deadband",
+        KeyType::Quantity,
+        "By how much more than this it has to differ to count as a change; 0",
+    ),
+    KeySpec::optional(
+        "open-below",
+        KeyType::Quantity,
+        "Below this, in volts or amperes at the input, its wire is open, as in \"3.6 mA\"",
+    ),
+    KeySpec::optional(
+        "short-above",
+        KeyType::Quantity,
+        "Above this its sensor fails or its wire is shorted, as in \"21 mA\"",
+    ),
     KeySpec::optional("readback", LINE, "A GPIO line of the same chip, wired to it, that tells its level"),
 ];
 
-pub(super) const CONVERTER: &[KeySpec] = &[KeySpec::required(
-    "kind",
-    KeyType::Choice(&["spi", "iio"]),
-    "\"spi\": a converter on an SPI bus, read by the rig; \"iio\": one that the kernel has a driver for",
-)];
+pub(super) const CONVERTER: &[KeySpec] = &[
+    KeySpec::required(
+        "kind",
+        KeyType::Choice(&["spi", "iio"]),
+        "\"spi\": a converter on an SPI bus, read by the rig; \"iio\": one that the kernel has a driver for",
+    ),
+    KeySpec::optional("period", KeyType::Duration, "Time between two readings of an input; \"10 ms\""),
+    KeySpec::optional(
+        "path",
+        KeyType::Text,
+        "Its device: the chip select, as in \"/dev/spidev0.0\", or the place in /sys or /dev",
+    ),
+    KeySpec::optional(
+        "part",
+        KeyType::Choice(&[
+            "mcp3004", "mcp3008", "mcp3204", "mcp3208", "ads8684", "ads8688", "max1110", "max1111",
+            "max1112", "max1113",
+        ]),
+        "What it is",
+    ),
+    KeySpec::optional(
+        "speed",
+        KeyType::Quantity,
+        "Clock rate of the bus; \"1 MHz\", or what the part can follow",
+    ),
+    KeySpec::optional("mode", KeyType::Integer(0, 3), "SPI mode; that of the part if left out"),
+    KeySpec::optional("reference", KeyType::Quantity, "Its reference voltage; its own if it has one"),
+    KeySpec::optional("oversample", KeyType::Integer(1, 4_096), "Sweeps whose mean is a reading; 1"),
+    KeySpec::optional(
+        "sequence",
+        KeyType::Choice(&["auto", "manual"]),
+        "Whether a part that can goes through its inputs by itself; \"auto\"",
+    ),
+    KeySpec::optional("name", KeyType::Text, "What the kernel's driver calls it, as in \"ads8688\""),
+    KeySpec::optional("label", KeyType::Text, "What the description of the machine calls it"),
+    KeySpec::optional(
+        "buffered",
+        KeyType::Bool,
+        "Whether the kernel samples by itself, by a timer that the rig makes; true with a `trigger`",
+    ),
+    KeySpec::optional("trigger", KeyType::Text, "The kernel's trigger that starts each sample"),
+    KeySpec::optional(
+        "buffer",
+        KeyType::Integer(1, MAX_BUFFER as i64),
+        "Scans that the kernel keeps; 1024 if left out",
+    ),
+    KeySpec::optional(
+        "watermark",
+        KeyType::Integer(1, MAX_BUFFER as i64),
+        "Scans that come at once; 1 if left out",
+    ),
+];
+
+pub(super) const SCALE: &[KeySpec] = &[
+    KeySpec::optional(
+        "divider",
+        KeyType::List(&KeyType::Quantity),
+        "Resistors in front of the input: to the signal, to ground",
+    ),
+    KeySpec::optional("shunt", KeyType::Quantity, "Resistor across which the input sees a current"),
+    KeySpec::optional(
+        "from",
+        KeyType::List(&KeyType::Quantity),
+        "Two points, in volts, or in amperes behind a shunt",
+    ),
+    KeySpec::optional("to", KeyType::List(&KeyType::Quantity), "What the channel shows at these points"),
+];
+
+pub(super) const CALIBRATION: &[KeySpec] = &[
+    KeySpec::required(
+        "points",
+        KeyType::List(&KeyType::List(&KeyType::Quantity)),
+        "Pairs of what the channel showed and what it truly was, rising",
+    ),
+    KeySpec::optional("date", KeyType::Text, "The day of the calibration, as in \"2026-01-31\""),
+    KeySpec::optional("expires", KeyType::Text, "The last day on which it counts"),
+    KeySpec::optional("by", KeyType::Text, "Who calibrated it"),
+    KeySpec::optional("certificate", KeyType::Text, "The number of the certificate"),
+];
 
 pub(super) const BUS: &[KeySpec] = &[
     KeySpec::required(
@@ -182,14 +281,105 @@ pub(super) const BUS: &[KeySpec] = &[
         KeyType::Choice(&["can", "serial"]),
         "\"can\": a CAN bus; \"serial\": a serial line, RS-485 or RS-232",
     ),
+    KeySpec::optional(
+        "bitrate",
+        KeyType::Integer(1, u32::MAX as i64),
+        "Bit rate of a CAN bus in bit/s, as in 500_000; of a simulated one 250_000 if left out",
+    ),
+    KeySpec::optional(
+        "data-bitrate",
+        KeyType::Integer(1, u32::MAX as i64),
+        "Bit rate of the data of CAN FD frames; classic frames alone if left out",
+    ),
+    KeySpec::optional(
+        "sample-point",
+        KeyType::Number,
+        "Where a bit is looked at, as in 0.875; anywhere if left out",
+    ),
+    KeySpec::optional("data-sample-point", KeyType::Number, "The same of a bit of fast data"),
+    KeySpec::optional(
+        "accept",
+        KeyType::List(&KeyType::Text),
+        "Identifiers that the kernel hands over, as in \"701\" or \"700/780\"; all if left out",
+    ),
+    KeySpec::optional(
+        "restart",
+        KeyType::Duration,
+        "How long after bus-off the kernel starts the controller again; not asked if left out",
+    ),
+    KeySpec::optional(
+        "listen-only",
+        KeyType::Bool,
+        "Whether the controller never drives the CAN bus, not even to acknowledge; false if left out",
+    ),
+    KeySpec::optional("joins", NAME, "A simulated bus before this one whose wire it hangs on"),
     KeySpec::optional("interface", KeyType::Text, "The interface of a CAN bus, as in \"can0\""),
     KeySpec::optional("path", KeyType::Text, "The device of a serial line, as in \"/dev/serial/by-id/...\""),
+    KeySpec::optional(
+        "baud",
+        KeyType::Integer(1, 16_000_000),
+        "Speed of a serial line in Bd; 19200 if left out",
+    ),
+    KeySpec::optional("data-bits", KeyType::Integer(5, 8), "Data bits of a byte; 8 if left out"),
+    KeySpec::optional(
+        "parity",
+        KeyType::Choice(&["none", "even", "odd"]),
+        "Parity bit of a byte; \"even\" if left out",
+    ),
+    KeySpec::optional("stop-bits", KeyType::Integer(1, 2), "Stop bits of a byte; 1 if left out"),
+    KeySpec::optional("rs485", KeyType::Table(RS485), "How the kernel drives the direction of a transceiver"),
+    KeySpec::optional(
+        "low-latency",
+        KeyType::Bool,
+        "Whether the driver hands on each byte at once; as it is if left out",
+    ),
+    KeySpec::optional(
+        "exclusive",
+        KeyType::Bool,
+        "Whether nobody else may use the port meanwhile; true if left out",
+    ),
+];
+
+pub(super) const RS485: &[KeySpec] = &[
+    KeySpec::optional("enabled", KeyType::Bool, "Whether the kernel drives the direction; true if left out"),
+    KeySpec::optional(
+        "rts-on-send",
+        KeyType::Choice(&["high", "low"]),
+        "Level of RTS while the port sends, the other one while it does not; \"high\" if left out",
+    ),
+    KeySpec::optional(
+        "delay-before",
+        KeyType::Duration,
+        "Between RTS and the first bit, whole milliseconds; 0 if left out",
+    ),
+    KeySpec::optional(
+        "delay-after",
+        KeyType::Duration,
+        "Between the last bit and RTS, whole milliseconds; 0 if left out",
+    ),
+    KeySpec::optional("hears-itself", KeyType::Bool, "Whether the port receives what it sends"),
+    KeySpec::optional("terminate", KeyType::Bool, "Whether the port's own resistor ends the bus"),
 ];
 
 pub(super) const FAULT_RELAYS: &[KeySpec] = &[
     KeySpec::optional("open", NAME, "The channel of the relay that opens the wire"),
     KeySpec::optional("short-to-ground", NAME, "The channel of the relay that joins it to 0 V"),
     KeySpec::optional("short-to-supply", NAME, "The channel of the relay that joins it to the supply"),
+    KeySpec::optional(
+        "settle",
+        KeyType::Duration,
+        "The longest that each relay takes to move and to stop bouncing; 10 ms if left out",
+    ),
+    KeySpec::optional(
+        "ground-is-one",
+        KeyType::Bool,
+        "Whether the channel is 1 while its wire is at 0 V; false if left out",
+    ),
+    KeySpec::optional(
+        "apart-from",
+        KeyType::List(&NAME),
+        "Channels on whose wires no fault may be at the same time",
+    ),
 ];
 
 pub(super) const WIRE: &[KeySpec] = &[

@@ -176,8 +176,10 @@ fn named(node: &Node) -> Option<NamedLine> {
 /// A line is driven where the file says so, or where somebody needs it: the model drives its outputs, and the rig the
 /// inputs of a real controller. A line that nobody is known to drive is left alone.
 fn direction(fields: &Fields, at: usize, bench: &Bench) -> Direction {
+    let is_relay = bench.relays.iter().any(|relay| usize::from(relay.0) == at);
     let to = match (fields.has("readback"), fields.boolean("drives"), fields.boolean("senses")) {
         (true, ..) | (_, Some(true), _) => true,
+        _ if is_relay => true,
         (_, Some(false), _) => false,
         (_, None, Some(false)) => true,
         _ => u16::try_from(at).ok().and_then(|at| bench.file.is_driven(ChannelId(at))).unwrap_or(false),

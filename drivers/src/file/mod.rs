@@ -2,9 +2,12 @@
 
 mod bench;
 mod buses;
+mod can;
 mod check;
 pub(crate) mod codes;
+mod convert;
 mod guard;
+mod iio;
 mod keys;
 mod lines;
 mod number;
@@ -12,6 +15,10 @@ mod parts;
 mod read;
 mod real;
 mod realtime;
+mod relays;
+mod serial;
+mod sim_buses;
+mod spi;
 mod subject;
 
 use document::Diagnostic;
@@ -71,6 +78,16 @@ pub enum BoardKind {
     Real(Box<RealSpec>),
 }
 
+/// What a case does when a device is lost. It is an `error` in any case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OnLoss {
+    /// It ends early, through its teardown.
+    End,
+    /// It goes on with what is left.
+    #[default]
+    GoOn,
+}
+
 /// A board file that was read and is sound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardFile {
@@ -96,6 +113,8 @@ pub struct BoardFile {
     pub guard: GuardSettings,
     /// How punctual a run on real lines has to be.
     pub realtime: RealtimeSettings,
+    /// What becomes of a case that loses a device.
+    pub on_loss: OnLoss,
 }
 
 impl BoardFile {
@@ -128,12 +147,18 @@ impl BoardFile {
             disturbance: None,
             guard: GuardSettings::default(),
             realtime: RealtimeSettings::default(),
+            on_loss: OnLoss::default(),
         }
     }
 
     /// Whether its lines are real ones, which live in the host's time alone.
     pub fn is_real(&self) -> bool {
         self.kind != BoardKind::Simulated
+    }
+
+    /// Whether a device that went away is taken back when it is there again.
+    pub fn retakes(&self) -> bool {
+        matches!(&self.kind, BoardKind::Real(spec) if spec.retake)
     }
 
     /// The channel that a terminal is wired to.

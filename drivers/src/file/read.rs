@@ -6,7 +6,8 @@ use super::bench::Bench;
 use super::realtime::realtime;
 use super::subject::{subject, subject_lines};
 use super::{
-    BoardFile, BoardKind, Subject, Terminals, UnknownSubject, check, codes, guard, keys, parts, real,
+    BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, codes, guard, keys, parts, real,
+    sim_buses,
 };
 
 /// Reads a board file. `terminals` tells which terminals a subject has.
@@ -63,6 +64,12 @@ pub fn read(
     if let Some(fields) = fields.inner("subject") {
         bench.file.lines = subject_lines(&fields, &bench, &mut out);
     }
+    bench.file.on_loss = match board.and_then(|board| board.text("on-loss")) {
+        Some("end") => OnLoss::End,
+        Some(_) => OnLoss::GoOn,
+        None if real => OnLoss::End,
+        None => OnLoss::GoOn,
+    };
     bench.file.guard = guard::read(fields.inner("guard"), &mut out);
     if real {
         if let Some(spec) = real::real(&fields, &mut bench, &mut out) {
@@ -74,6 +81,7 @@ pub fn read(
     real::strangers(&fields, &mut out);
     let wires = parts::wires(fields.each("wires"), &mut bench, &mut out);
     let plants = parts::plants(fields.each("plants"), &mut bench, &mut out);
+    bench.file.circuit.buses = sim_buses::read(&fields, &mut out);
     parts::circuit(&bench, &wires, &plants, &mut out);
     if let Some(faults) = fields.inner("faults") {
         bench.file.disturbance = Some(parts::disturbance(&faults, &mut out));

@@ -4,15 +4,16 @@ use document::{Entry, Fields, Findings, Node};
 
 use super::bench::Bench;
 use super::buses::buses;
-use super::{codes, keys, lines};
-use crate::convert::ConvertersSpec;
+use super::{can, codes, convert, keys, lines, relays, serial};
+use crate::BusId;
+use crate::can::CanSpec;
 use crate::real::{RealSpec, SILENT_AFTER};
 
-/// What only a board of real devices has: tables of the file, keys of its board, keys of a channel.
-const TABLES: &[&str] = &["chips", "converters", "buses", "fault-relays"];
+/// What only a board of real devices has: tables of the file, keys of its board.
+const TABLES: &[&str] = &["chips", "converters", "fault-relays"];
 const OF_BOARD: &[&str] = &["backend", "check", "consumer", "retake", "silent-after"];
-const OF_CHANNEL: &[&str] =
-    &["chip", "line", "bias", "active-low", "debounce", "drive", "readback", "converter", "input"];
+/// Of a channel with a GPIO line.
+pub(super) const OF_LINE: &[&str] = &["chip", "line", "bias", "active-low", "debounce", "drive", "readback"];
 
 /// Reports keys of real devices on a simulated board.
 pub(super) fn strangers(fields: &Fields, out: &mut Findings) {
@@ -28,7 +29,8 @@ pub(super) fn strangers(fields: &Fields, out: &mut Findings) {
         strange(&board, OF_BOARD);
     }
     for (_, fields) in channels(fields) {
-        strange(&fields, OF_CHANNEL);
+        strange(&fields, OF_LINE);
+        strange(&fields, convert::OF_INPUT);
     }
 }
 
@@ -44,28 +46,35 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
     if let Some(node) = board.get("silent-after").filter(|_| silent_after.as_nanos() == 0) {
         out.bad(codes::TIME, node, "every call on a device lasts longer than 0", "write a duration above 0");
     }
+    let relays = relays::relays(fields, bench, out);
     let gpio = lines::gpio(fields, silent_after, bench, out);
-    for (entry, fields) in channels(fields) {
-        if fields.text("kind") == Some("analog") {
-            let message = format!("no device measures `{}`", entry.key);
-            out.error(
-                codes::CHANNEL_PROPERTY,
-                entry.key_span.clone(),
-                message,
-                "make it digital, or remove it",
-            );
+    let converters = convert::converters(fields, bench, out);
+    let mut on_can = Vec::new();
+    let mut ports = Vec::new();
+    for (at, (entry, fields)) in buses(fields, out).into_iter().enumerate() {
+        let bus = BusId(at as u16);
+        if fields.text("kind") == Some("can") {
+            on_can.extend(can::can(entry, &fields, bus, out));
+            continue;
         }
-    }
-    for (entry, _) in buses(fields, out) {
+        if fields.text("kind") == Some("serial") {
+            ports.extend(serial::serial(entry, &fields, bus, out));
+            continue;
+        }
         let message = format!("no device carries `{}`", entry.key);
         out.error(codes::OTHER_BOARD, entry.key_span.clone(), message, "remove it");
     }
+    can::twice(&on_can, out);
+    serial::twice(&ports, out);
     let gpio = gpio.filter(|_| !out.has_errors())?;
     Some(RealSpec {
         silent_after,
         retake: board.boolean("retake").unwrap_or(false),
         gpio,
-        converters: ConvertersSpec::default(),
+        converters,
+        can: CanSpec { buses: on_can },
+        relays,
+        serial: ports,
     })
 }
 

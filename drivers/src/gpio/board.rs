@@ -7,28 +7,21 @@ use host::monotonic;
 use rustix::io::Errno;
 use signal::{Span, Time, Value};
 
-use super::chip::Running;
-use super::device::Device;
-use super::edges::Edges;
-use super::find::{device, find, find_again, why};
-use super::inputs::{Input, Inputs};
-use super::lines::{Lines, Masks};
+use super::find::find;
+use super::lines::Lines;
+use super::make::{Chip, Maker, Served};
 use super::port::Port;
+use super::retake::{Retaken, Retaking};
 use super::telling::Telling;
-use super::v1::PortV1;
-use super::v2::PortV2;
-use super::{Backend, Drive, Edge, FoundChip, GpioError, GpioSpec};
+use super::{FoundChip, GpioSpec};
 use crate::file::{BoardFile, codes};
 use crate::{
-    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Fault, Health, HeldLines, Surroundings,
-    TimestampSource,
+    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Fault, Health, HeldLines, LossReason,
+    Surroundings,
 };
 
 /// How long a start waits for a chip at least: nothing runs yet that it could hold up, and threads are new.
-const START: Span = Span::from_secs(2);
-
-/// How much longer than asked for the kernel may debounce: it counts in ticks, of which there are at least 100 a second.
-const TICKS: Span = Span::from_millis(20);
+pub(super) const START: Span = Span::from_secs(2);
 
 /// The line that a channel drives: its chip, its place among the chip's outputs.
 type Driven = Option<(u16, u8)>;
@@ -37,12 +30,11 @@ type Driven = Option<(u16, u8)>;
 /// of each chip drives and reads it, another one takes its edges.
 #[derive(Debug)]
 pub struct GpioBoard {
-    file: BoardFile,
-    spec: GpioSpec,
-    surroundings: Surroundings,
-    channels: Vec<Channel>,
+    maker: Maker,
     drives: Vec<Driven>,
     chips: Vec<Chip>,
+    /// Looks for chips that are gone, where the board file wants them back.
+    retaking: Option<Retaking>,
     started: bool,
     latched: bool,
     /// The start, until it was told what the lines were then.
@@ -50,34 +42,8 @@ pub struct GpioBoard {
     last: Time,
     ahead: Option<Time>,
     dropped: u64,
-}
-
-/// What the threads of a chip do, for somebody who does it in their place.
-#[derive(Debug)]
-pub struct Served {
-    device: Device,
-    edges: Edges,
-}
-
-impl Served {
-    /// One turn of the device: at most one call that sets and one that gets.
-    pub fn turn(&mut self) {
-        self.device.turn();
-    }
-
-    /// Edges as the kernel would tell them.
-    pub fn take(&mut self, edges: &[Edge]) {
-        self.edges.take(edges);
-    }
-}
-
-#[derive(Debug)]
-struct Chip {
-    /// Place in the board file.
-    spec: usize,
-    device: String,
-    port: Arc<dyn Port>,
-    lines: Lines,
+    /// Calls that had failed on chips that were replaced since.
+    failed: u64,
 }
 
 impl GpioBoard {
@@ -91,13 +57,21 @@ impl GpioBoard {
         surroundings: &Surroundings,
     ) -> Result<GpioBoard, Vec<Diagnostic>> {
         let mut board = GpioBoard::without_chips(file, spec, surroundings);
+        let retake = file.retakes();
         for found in find(file, spec)? {
             let place = spec.chips[found.spec].place.clone();
-            let at = board.chips.len();
-            let claimed = board.claim(found, at).map_err(|(code, message, help)| {
+            let claimed = board.maker.claim(found).map_err(|(code, message, help)| {
                 vec![Diagnostic::error(code, message).at(file.name.clone(), place, "").help(help)]
             })?;
-            board.chips.push(claimed);
+            board.add(claimed);
+        }
+        if retake {
+            let retaking = Retaking::start(board.maker.clone(), &board.chips).map_err(|error| {
+                let message = format!("the thread that takes chips back cannot be started: {error}");
+                let help = "the machine has no room for another thread: see `ulimit -u`";
+                vec![Diagnostic::error(codes::HOST, message).at(file.name.clone(), 0..0, "").help(help)]
+            })?;
+            board.retaking = Some(retaking);
         }
         Ok(board)
     }
@@ -114,8 +88,8 @@ impl GpioBoard {
         port: Arc<dyn Port>,
     ) -> std::io::Result<GpioBoard> {
         let mut board = GpioBoard::without_chips(file, spec, surroundings);
-        let chip = board.work(found, 0, port)?;
-        board.chips.push(chip);
+        let chip = board.maker.work(found, port)?;
+        board.add(chip);
         Ok(board)
     }
 
@@ -132,113 +106,36 @@ impl GpioBoard {
         port: Arc<dyn Port>,
     ) -> std::io::Result<(GpioBoard, Served)> {
         let mut board = GpioBoard::without_chips(file, spec, surroundings);
-        let (chip, served) = board.prepare(found, 0, port)?;
-        board.chips.push(chip);
+        let (chip, served) = board.maker.prepare(found, port)?;
+        board.add(chip);
         Ok((board, served))
     }
 
     fn without_chips(file: &BoardFile, spec: &GpioSpec, surroundings: &Surroundings) -> GpioBoard {
-        let mut channels = crate::real::blank(file);
-        super::describe(file, spec, &mut channels);
         GpioBoard {
-            file: file.clone(),
-            spec: spec.clone(),
-            surroundings: surroundings.clone(),
-            channels,
+            maker: Maker::new(file, spec, surroundings),
             drives: vec![None; file.circuit.channels.len()],
             chips: Vec::new(),
+            retaking: None,
             started: false,
             latched: false,
             fresh: None,
             last: Time::ZERO,
             ahead: None,
             dropped: 0,
+            failed: 0,
         }
     }
 
-    /// Claims a chip's lines and starts its threads; `at` is its place among the chips. On failure the code, the words
-    /// and what mends it.
-    fn claim(&mut self, found: FoundChip, at: usize) -> Result<Chip, (&'static str, String, String)> {
-        let path = &found.info.path;
-        let claimed: Result<Arc<dyn Port>, GpioError> = match found.backend {
-            Backend::V2 => PortV2::claim(path, &self.spec.consumer, &found.claim)
-                .map(|port| Arc::new(port) as Arc<dyn Port>),
-            Backend::V1 => PortV1::claim(path, &self.spec.consumer, &found.claim)
-                .map(|port| Arc::new(port) as Arc<dyn Port>),
-        };
-        let port = claimed.map_err(|error| refused(&found, &error))?;
-        self.work(found, at, port).map_err(|error| {
-            let help = String::from("the machine has no room for another thread: see `ulimit -u`");
-            (codes::HOST, format!("the threads of a chip cannot be started: {error}"), help)
-        })
+    fn add(&mut self, chip: Chip) {
+        self.route(self.chips.len(), &chip);
+        self.chips.push(chip);
     }
 
-    fn work(&mut self, found: FoundChip, at: usize, port: Arc<dyn Port>) -> std::io::Result<Chip> {
-        let name = found.info.name.clone();
-        let (mut chip, Served { device, edges }) = self.prepare(found, at, port)?;
-        chip.lines.running.start(&name, device, edges, self.surroundings.realtime)?;
-        Ok(chip)
-    }
-
-    fn prepare(
-        &mut self,
-        found: FoundChip,
-        at: usize,
-        port: Arc<dyn Port>,
-    ) -> std::io::Result<(Chip, Served)> {
-        let outputs = || found.claim.outputs.iter().enumerate();
-        let safe = outputs().fold(0u64, |bits, (place, line)| bits | u64::from(line.safe) << place);
-        // A line that lets go is where its pull takes it.
-        let released = outputs().fold(0u64, |bits, (place, line)| {
-            let level = match line.drive {
-                Drive::PushPull => false,
-                Drive::OpenDrain => !line.active_low,
-                Drive::OpenSource => line.active_low,
-            };
-            bits | u64::from(level) << place
-        });
-        for (place, channel) in found.drives.iter().enumerate() {
+    /// The lines that the chip at this place drives.
+    fn route(&mut self, at: usize, chip: &Chip) {
+        for (place, channel) in chip.lines.drives.iter().enumerate() {
             self.drives[usize::from(channel.0)] = Some((at as u16, place as u8));
-        }
-        for (channel, line) in found.senses.iter().zip(&found.claim.inputs) {
-            self.stamped(*channel, found.backend, Span::from_micros(i64::from(line.debounce_us)));
-        }
-        for channel in found.drives.iter().filter(|channel| !found.senses.contains(channel)) {
-            self.channels[usize::from(channel.0)].resolution = self.surroundings.resolution;
-        }
-        let senses = |channel: &ChannelId| self.channels[usize::from(channel.0)].senses;
-        let masked = |yes: &dyn Fn(&ChannelId) -> bool| {
-            let places = found.drives.iter().enumerate();
-            places.fold(0u64, |bits, (place, channel)| bits | u64::from(yes(channel)) << place)
-        };
-        let double = masked(&|channel| found.senses.contains(channel));
-        let masks = Masks { safe, released, double, unseen: masked(&|channel| !senses(channel)) };
-        let inputs = found.senses.iter().map(|channel| Input {
-            channel: *channel,
-            resolution: self.channels[usize::from(channel.0)].resolution,
-            senses: senses(channel),
-            output: found.drives.iter().position(|other| other == channel).map(|place| place as u8),
-        });
-        let inputs = Inputs::new(inputs.collect());
-        let limit = self.spec.silent_after.as_nanos();
-        let (running, of_device, edges) = Running::new(port.clone(), safe, &self.surroundings.bell, limit)?;
-        let device = device(&found.info);
-        let lines = Lines::new(running, found.drives, inputs, masks, limit);
-        Ok((Chip { spec: found.spec, device, port, lines }, Served { device: of_device, edges }))
-    }
-
-    /// What the events of an input are worth.
-    fn stamped(&mut self, channel: ChannelId, backend: Backend, debounce: Span) {
-        let channel = &mut self.channels[usize::from(channel.0)];
-        channel.resolution = self.surroundings.resolution;
-        if debounce > Span::ZERO {
-            channel.resolution = channel.resolution + debounce + TICKS;
-        }
-        if backend == Backend::V1 {
-            // The kernel stamps the edges, but may lose some without a sign: no more is certain than of a line that is
-            // looked at now and then.
-            channel.timestamp = TimestampSource::Sampled { period: channel.resolution };
-            channel.shortest_pulse = self.spec.silent_after;
         }
     }
 
@@ -253,50 +150,65 @@ impl GpioBoard {
         Ok(())
     }
 
-    /// Chips that went away are looked for again.
-    fn return_lost(&mut self) -> Result<(), BoardError> {
-        for at in 0..self.chips.len() {
-            if !self.chips[at].lines.gone() {
-                continue;
+    /// Puts a chip that is back in the place of the one that went away.
+    fn replace(&mut self, Retaken { at, chip }: Retaken) -> Chip {
+        self.route(at, &chip);
+        self.failed += self.chips[at].lines.failures();
+        std::mem::replace(&mut self.chips[at], chip)
+    }
+
+    /// Takes chips that are back, and says so. What they drove before they drive again.
+    fn take_back(&mut self, telling: &mut Telling<'_>) {
+        while let Some(retaken) = self.retaking.as_mut().and_then(|retaking| retaking.back.pop().ok()) {
+            let at = retaken.at;
+            // What the old one had still to tell, its loss included.
+            self.chips[at].lines.poll(telling);
+            let old = self.replace(retaken);
+            let lines = &mut self.chips[at].lines;
+            lines.returned(telling);
+            if !self.latched {
+                lines.follow(&old.lines, telling.time.stamp(telling.now));
             }
-            let found = find_again(&self.file, &self.spec, self.chips[at].spec);
-            let chip = found.and_then(|found| self.claim(found, at).ok());
-            let code = Errno::NODEV.raw_os_error();
-            self.chips[at] = chip.ok_or(BoardError::Os { call: Call::Open, code })?;
+            self.done_with(old);
         }
-        Ok(())
+    }
+
+    /// A chip whose threads end by and by.
+    fn done_with(&mut self, old: Chip) {
+        if let Some(retaking) = &mut self.retaking {
+            // There is room for more chips than can be on their way.
+            let _ = retaking.old.push(old);
+        }
+    }
+
+    /// Chips that went away are waited for, where they are wanted back.
+    ///
+    /// # Errors
+    /// One is gone still.
+    fn return_lost(&mut self) -> Result<(), BoardError> {
+        let due = self.due(START);
+        loop {
+            while let Some(retaken) = self.retaking.as_mut().and_then(|retaking| retaking.back.pop().ok()) {
+                let old = self.replace(retaken);
+                self.done_with(old);
+            }
+            let Some(gone) = self.chips.iter().find(|chip| chip.lines.gone()) else { return Ok(()) };
+            match &self.retaking {
+                Some(retaking) if monotonic() < due => retaking.wait(due),
+                _ => return Err(gone.lines.is_lost(LossReason::Gone)),
+            }
+        }
     }
 
     /// When a chip that does not answer by then is not waited for any longer; at least so long.
     fn due(&self, least: Span) -> i64 {
-        monotonic().saturating_add(self.spec.silent_after.max(least).as_nanos())
+        monotonic().saturating_add(self.maker.spec.silent_after.max(least).as_nanos())
     }
-}
-
-/// What a refused claim means.
-fn refused(found: &FoundChip, error: &GpioError) -> (&'static str, String, String) {
-    if error.code != Errno::BUSY.raw_os_error() {
-        let (code, help) = why(error);
-        return (code, error.to_string(), help);
-    }
-    // Somebody was quicker than this rig since the lines were looked at.
-    let lines = super::look(&found.info.path).map(|info| info.lines).unwrap_or_default();
-    let own = found.claim.outputs.iter().chain(&found.claim.inputs);
-    let mut busy =
-        own.filter_map(|line| lines.iter().find(|other| other.number == line.number && other.used));
-    let message = match busy.next() {
-        Some(line) => {
-            let holder = line.holder().unwrap_or("somebody");
-            format!("line {} of {} is held by {holder}", line.number, found.info.path.display())
-        }
-        None => format!("lines of {} were held by somebody else a moment ago", found.info.path.display()),
-    };
-    (codes::BUSY, message, String::from("end that program or driver, or take another line"))
 }
 
 impl Board for GpioBoard {
     fn channels(&self) -> &[Channel] {
-        &self.channels
+        &self.maker.channels
     }
 
     /// Waits for the chips, as long as one may be silent or two seconds.
@@ -307,13 +219,12 @@ impl Board for GpioBoard {
         let due = self.due(START);
         for (chip, start) in self.chips.iter_mut().zip(starts) {
             if !chip.lines.await_start(start, due) {
-                let gone = chip.lines.gone();
-                let code = if gone { Errno::NODEV } else { Errno::TIMEDOUT }.raw_os_error();
-                return Err(BoardError::Os { call: Call::Write, code });
+                let reason = if chip.lines.gone() { LossReason::Gone } else { LossReason::Silent };
+                return Err(chip.lines.is_lost(reason));
             }
         }
         (self.started, self.latched, self.fresh) = (true, false, Some(now));
-        (self.last, self.ahead, self.dropped) = (now, None, 0);
+        (self.last, self.ahead, self.dropped, self.failed) = (now, None, 0, 0);
         Ok(())
     }
 
@@ -337,7 +248,7 @@ impl Board for GpioBoard {
             };
             lines.next = if high { lines.next | bit } else { lines.next & !bit };
         }
-        let now = self.surroundings.time.stamp(now);
+        let now = self.maker.surroundings.time.stamp(now);
         for chip in &mut self.chips {
             chip.lines.ask(now);
         }
@@ -346,12 +257,14 @@ impl Board for GpioBoard {
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
         self.check_time(now)?;
-        let mut telling = Telling::new(out, &self.surroundings.time, now);
+        let time = self.maker.surroundings.time.clone();
+        let mut telling = Telling::new(out, &time, now);
         if let Some(start) = self.fresh.take() {
             for chip in &self.chips {
                 chip.lines.present(start, &mut telling);
             }
         }
+        self.take_back(&mut telling);
         for chip in &mut self.chips {
             chip.lines.poll(&mut telling);
         }
@@ -367,7 +280,7 @@ impl Board for GpioBoard {
             return None;
         }
         let silent = self.chips.iter().filter_map(|chip| chip.lines.overdue()).min();
-        let silent = silent.map(|stamp| self.surroundings.time.at(stamp.saturating_add(1)));
+        let silent = silent.map(|stamp| self.maker.surroundings.time.at(stamp.saturating_add(1)));
         [self.fresh, self.ahead, silent].into_iter().flatten().min()
     }
 
@@ -378,7 +291,7 @@ impl Board for GpioBoard {
 
     fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
         self.check_time(now)?;
-        let known = usize::from(channel.0) < self.channels.len();
+        let known = usize::from(channel.0) < self.maker.channels.len();
         if known { Ok(()) } else { Err(BoardError::NoChannel(channel)) }
     }
 
@@ -406,10 +319,15 @@ impl Board for GpioBoard {
             lost: lines().map(Lines::lost_channels).sum(),
             dropped: self.dropped
                 + lines().map(|lines| u64::from(lines.shared.open.load(Acquire))).sum::<u64>(),
-            failed_calls: lines().map(|lines| lines.shared.failed.load(Acquire) - lines.failed).sum(),
+            failed_calls: self.failed + lines().map(Lines::failures).sum::<u64>(),
             latched_safe: self.latched,
             ..Health::default()
         }
+    }
+
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        let serves = |chip: &&Chip| chip.lines.channels().any(|other| other == channel);
+        self.chips.iter().find(serves).map(|chip| chip.device.as_str())
     }
 
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {

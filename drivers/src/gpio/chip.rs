@@ -29,7 +29,9 @@ pub(super) struct Shared {
     /// The stamp since when a call is under way; 0 for none.
     pub(super) in_call: AtomicI64,
     /// The error that ended the work with the chip; 0 for none.
-    pub(super) gone: AtomicI32,
+    gone: AtomicI32,
+    /// The stamp of that; 0 for none.
+    pub(super) gone_at: AtomicI64,
     /// Calls that failed.
     pub(super) failed: AtomicU64,
     /// The level behind the last edge of each input, and the inputs that had an edge since the device last asked.
@@ -64,6 +66,7 @@ impl Shared {
             taken: AtomicU64::new(0),
             in_call: AtomicI64::new(0),
             gone: AtomicI32::new(0),
+            gone_at: AtomicI64::new(0),
             failed: AtomicU64::new(0),
             seen: AtomicU64::new(0),
             touched: AtomicU64::new(0),
@@ -95,8 +98,19 @@ impl Shared {
         self.failed.fetch_add(1, Ordering::Relaxed);
         let code = error.raw_os_error().unwrap_or(0);
         if [Errno::NODEV, Errno::NXIO, Errno::BADF].iter().any(|gone| gone.raw_os_error() == code) {
-            self.gone.store(code, Ordering::Release);
+            self.ends(code);
         }
+    }
+
+    /// The chip is gone, or cannot be worked with any more.
+    pub(super) fn ends(&self, code: i32) {
+        self.gone_at.store(monotonic(), Ordering::Release);
+        self.gone.store(code, Ordering::Release);
+    }
+
+    /// Whether it is.
+    pub(super) fn is_gone(&self) -> bool {
+        self.gone.load(Ordering::Acquire) != 0
     }
 }
 

@@ -69,7 +69,7 @@ impl Device {
 
     /// One look at what is asked: at most one call that drives and one that reads.
     pub(super) fn turn(&mut self) {
-        if self.shared.gone.load(Ordering::Acquire) != 0 {
+        if self.shared.is_gone() {
             self.shared.answer.ring();
             return;
         }

@@ -144,9 +144,7 @@ impl Edges {
     /// The chip is gone, or its edges cannot be had.
     fn give_up(self, error: &std::io::Error) {
         self.shared.failed.fetch_add(1, Ordering::Relaxed);
-        self.shared
-            .gone
-            .store(error.raw_os_error().unwrap_or(Errno::NODEV.raw_os_error()), Ordering::Release);
+        self.shared.ends(error.raw_os_error().unwrap_or(Errno::NODEV.raw_os_error()));
         self.bell.ring();
         self.shared.answer.ring();
     }

@@ -48,15 +48,44 @@ pub fn find(file: &BoardFile, spec: &GpioSpec) -> Result<Vec<FoundChip>, Vec<Dia
 /// The chips of this machine that a board means, as [`crate::HeldLines::device`] names them; whether they can be had
 /// is not looked at.
 pub fn devices(spec: &GpioSpec) -> Vec<String> {
-    let means = |info: &ChipInfo| {
-        spec.chips.iter().any(|chip| match &chip.find {
-            FindChip::Label(label) => info.label == *label,
-            FindChip::Name(name) => info.name == *name,
-            FindChip::Path(path) => path.canonicalize().is_ok_and(|path| info.path == path),
-        })
-    };
+    let meant = |info: &&ChipInfo| spec.chips.iter().any(|chip| means(chip, info));
     let machine = list().unwrap_or_default();
-    there(&machine).filter(|info| means(info)).map(device).collect()
+    there(&machine).filter(meant).map(device).collect()
+}
+
+/// The lines of this machine that a board uses, by chip; whether they can be had is not looked at, and what is not there is
+/// left out.
+pub fn uses(spec: &GpioSpec) -> Vec<(ChipInfo, Vec<u32>)> {
+    let machine = list().unwrap_or_default();
+    let mut used: Vec<(ChipInfo, Vec<u32>)> = Vec::new();
+    for (at, chip) in spec.chips.iter().enumerate() {
+        let Some(info) = there(&machine).find(|info| means(chip, info)) else { continue };
+        let named = spec.lines.iter().filter(|line| line.chip == at);
+        let named = named.flat_map(|line| std::iter::once(&line.line).chain(&line.readback));
+        let number = |line: &NamedLine| match &line.find {
+            FindLine::Number(number) => Some(*number),
+            FindLine::Name(name) => {
+                let found = info.lines.iter().find(|line| line.name.as_ref() == Some(name));
+                found.map(|line| line.number)
+            }
+        };
+        let mut numbers: Vec<u32> = named.filter_map(number).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        if !numbers.is_empty() {
+            used.push((info.clone(), numbers));
+        }
+    }
+    used
+}
+
+/// Whether a chip of the machine is the one that the file means.
+fn means(chip: &ChipSpec, info: &ChipInfo) -> bool {
+    match &chip.find {
+        FindChip::Label(label) => info.label == *label,
+        FindChip::Name(name) => info.name == *name,
+        FindChip::Path(path) => path.canonicalize().is_ok_and(|path| info.path == path),
+    }
 }
 
 /// A chip, as messages name it.

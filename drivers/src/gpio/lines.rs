@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use host::monotonic;
-use signal::{Time, When};
+use signal::{Span, Time, When};
 
 use super::chip::{Running, Shared};
 use super::device::Report;
 use super::inputs::Inputs;
 use super::telling::Telling;
-use crate::{BoardEvent, ChannelId, LossReason, Origin};
+use crate::{BoardError, BoardEvent, ChannelId, LossReason, Origin};
 
 /// Images of the outputs of a chip.
 #[derive(Clone, Copy, Debug)]
@@ -139,7 +139,7 @@ impl Lines {
     }
 
     pub(super) fn gone(&self) -> bool {
-        self.shared.gone.load(Ordering::Acquire) != 0
+        self.shared.is_gone()
     }
 
     /// Hands the next image to the device, if it is another one.
@@ -290,17 +290,54 @@ impl Lines {
         }
         self.lost = reason;
         let at = telling.now;
-        // A channel of two lines is told of once.
-        let outputs = self.drives.iter().enumerate().filter(|(place, _)| self.masks.double >> place & 1 == 0);
-        for channel in self.inputs.channels().chain(outputs.map(|(_, channel)| *channel)) {
-            match reason {
-                Some(reason) => telling.tell(BoardEvent::Lost { channel, at, reason }),
-                None => telling.tell(BoardEvent::Returned { channel, at }),
+        let Some(reason) = reason else { return self.returned(telling) };
+        for channel in self.channels() {
+            telling.tell(BoardEvent::Lost { channel, at, reason });
+        }
+    }
+
+    /// The chip is back, and these are its levels.
+    pub(super) fn returned(&self, telling: &mut Telling<'_>) {
+        let at = telling.now;
+        for channel in self.channels() {
+            telling.tell(BoardEvent::Returned { channel, at });
+        }
+        self.present(at, telling);
+    }
+
+    /// Drives what the chip in whose place this one comes was asked to drive.
+    pub(super) fn follow(&mut self, old: &Lines, now: i64) {
+        self.next = self.wanted;
+        for (place, channel) in self.drives.iter().enumerate() {
+            if let Some(before) = old.drives.iter().position(|other| other == channel) {
+                let bit = 1u64 << place;
+                let high = old.wanted >> before & 1 == 1;
+                self.next = if high { self.next | bit } else { self.next & !bit };
             }
         }
-        if reason.is_none() {
-            self.present(at, telling);
-        }
+        self.ask(now);
+    }
+
+    /// Its channels, each once.
+    pub(super) fn channels(&self) -> impl Iterator<Item = ChannelId> + '_ {
+        let outputs = self.drives.iter().enumerate().filter(|(place, _)| self.masks.double >> place & 1 == 0);
+        self.inputs.channels().chain(outputs.map(|(_, channel)| *channel))
+    }
+
+    /// Calls that failed since the run began.
+    pub(super) fn failures(&self) -> u64 {
+        self.shared.failed.load(Ordering::Acquire).saturating_sub(self.failed)
+    }
+
+    /// What a start says that does not find the chip, or gets no answer of it.
+    pub(super) fn is_lost(&self, reason: LossReason) -> BoardError {
+        let since = match self.shared.gone_at.load(Ordering::Acquire) {
+            0 => self.overdue().unwrap_or_else(monotonic),
+            gone => gone,
+        };
+        let channel = self.channels().next().unwrap_or(ChannelId(0));
+        let since = Span::from_nanos(monotonic().saturating_sub(since).max(0));
+        BoardError::Lost { channel, reason, since }
     }
 
     /// Channels that are lost with the chip.

@@ -10,17 +10,20 @@ mod find;
 mod info;
 mod inputs;
 mod lines;
+mod make;
 mod port;
+mod retake;
 mod spec;
-mod telling;
+pub(crate) mod telling;
 mod track;
 mod v1;
 mod v2;
 
-pub use board::{GpioBoard, Served};
+pub use board::GpioBoard;
 pub use error::{GpioCall, GpioError};
-pub use find::{FoundChip, devices, find};
+pub use find::{FoundChip, devices, find, uses};
 pub use info::{Backend, Bias, ChipInfo, Direction, Drive, LineInfo, list, look};
+pub use make::Served;
 pub use port::{Claim, Edge, Levels, Port, Wanted};
 pub use spec::{ChipSpec, FindChip, FindLine, GpioSpec, LineSpec, MAX_CONSUMER, MAX_LINES, NamedLine};
 
@@ -47,6 +50,7 @@ pub(crate) fn describe(file: &BoardFile, spec: &GpioSpec, channels: &mut [Channe
             // What a debounced line keeps is long enough to be seen. Of others nobody can tell: a pulse may be over
             // before the kernel looks.
             shortest_pulse: if sensed && debounce > Span::ZERO { debounce } else { Span::MAX },
+            deadband: 0.0,
             max_pulse_hz: 0,
             faults: FaultSet::NONE,
             safe: if line.direction == Direction::Output { Value::Bool(line.safe) } else { Value::HighZ },

@@ -6,15 +6,15 @@ use signal::{Time, Value, When};
 use crate::{BoardEvent, ChannelId, Origin};
 
 /// The events of one poll as they are gathered.
-pub(super) struct Telling<'a> {
+pub(crate) struct Telling<'a> {
     out: &'a mut Vec<BoardEvent>,
     first: usize,
-    pub(super) time: &'a TimeBase,
-    pub(super) now: Time,
+    pub(crate) time: &'a TimeBase,
+    pub(crate) now: Time,
     /// Events that were lost.
-    pub(super) dropped: u64,
+    pub(crate) dropped: u64,
     /// The next event that lies ahead of this poll.
-    pub(super) ahead: Option<Time>,
+    pub(crate) ahead: Option<Time>,
     /// The newest event so far, and whether one behind it is older.
     newest: Time,
     disorder: bool,
@@ -22,24 +22,24 @@ pub(super) struct Telling<'a> {
 
 impl<'a> Telling<'a> {
     /// Appends to `out` what happened up to `now`.
-    pub(super) fn new(out: &'a mut Vec<BoardEvent>, time: &'a TimeBase, now: Time) -> Telling<'a> {
+    pub(crate) fn new(out: &'a mut Vec<BoardEvent>, time: &'a TimeBase, now: Time) -> Telling<'a> {
         let first = out.len();
         let newest = Time::from_nanos(i64::MIN);
         Telling { out, first, time, now, dropped: 0, ahead: None, newest, disorder: false }
     }
 
-    pub(super) fn tell(&mut self, event: BoardEvent) {
+    pub(crate) fn tell(&mut self, event: BoardEvent) {
         let latest = event.latest();
         self.disorder |= latest < self.newest;
         self.newest = self.newest.max(latest);
         self.out.push(event);
     }
 
-    pub(super) fn changed(&mut self, channel: ChannelId, at: When, high: bool, origin: Origin) {
+    pub(crate) fn changed(&mut self, channel: ChannelId, at: When, high: bool, origin: Origin) {
         self.tell(BoardEvent::Changed { channel, at, value: Value::Bool(high), origin });
     }
 
-    pub(super) fn dropped(&mut self, channel: ChannelId, at: Time, count: u32) {
+    pub(crate) fn dropped(&mut self, channel: ChannelId, at: Time, count: u32) {
         if count > 0 {
             self.dropped += u64::from(count);
             self.tell(BoardEvent::Dropped { channel, at, count });
@@ -47,7 +47,7 @@ impl<'a> Telling<'a> {
     }
 
     /// Something with this stamp waits; it may lie ahead of this poll.
-    pub(super) fn ahead(&mut self, stamp: i64) {
+    pub(crate) fn ahead(&mut self, stamp: i64) {
         let at = self.time.at(stamp);
         if at > self.now {
             self.ahead = Some(self.ahead.map_or(at, |other| other.min(at)));
@@ -56,7 +56,7 @@ impl<'a> Telling<'a> {
 
     /// Oldest first, in place and without allocation; events of one instant keep their order. They are in order as they
     /// come, but for those of several chips.
-    pub(super) fn sort(&mut self) {
+    pub(crate) fn sort(&mut self) {
         if !self.disorder {
             return;
         }

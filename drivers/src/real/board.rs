@@ -3,9 +3,12 @@
 use document::Diagnostic;
 use signal::{Time, Value};
 
-use super::{RealSpec, channels};
+use super::{RealSpec, channels, relays};
+use crate::can::CanBoard;
+use crate::convert::ConverterBoard;
 use crate::file::BoardFile;
 use crate::gpio::GpioBoard;
+use crate::serial::SerialBoard;
 use crate::{
     Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, Frame, Health, HeldLines,
     Surroundings,
@@ -28,7 +31,27 @@ pub fn open(
             Err(more) => found.extend(more),
         }
     }
-    if found.is_empty() { Ok(board.alone()) } else { Err(found) }
+    if !spec.can.buses.is_empty() {
+        match CanBoard::open(file, spec, surroundings) {
+            Ok(buses) => board.add(Box::new(buses), []),
+            Err(more) => found.extend(more),
+        }
+    }
+    if !spec.serial.is_empty() {
+        match SerialBoard::open(file, spec, surroundings) {
+            Ok(ports) => board.add(Box::new(ports), []),
+            Err(more) => found.extend(more),
+        }
+    }
+    if !spec.converters.samples.is_empty() {
+        match ConverterBoard::open(file, spec, surroundings) {
+            Ok(inputs) => {
+                board.add(Box::new(inputs), spec.converters.samples.iter().map(|sample| sample.channel))
+            }
+            Err(more) => found.extend(more),
+        }
+    }
+    if found.is_empty() { Ok(relays::around(board.alone(), spec, surroundings)) } else { Err(found) }
 }
 
 /// Several devices as one board. Each is a board of its own that speaks of the channels and buses of the whole.
@@ -88,7 +111,7 @@ impl RealBoard {
 
 /// Puts what several devices told behind `first` in order, in place and without allocation; events of one instant keep
 /// their order.
-fn sort<E: Copy>(events: &mut [E], latest: impl Fn(&E) -> Time) {
+pub(crate) fn sort<E: Copy>(events: &mut [E], latest: impl Fn(&E) -> Time) {
     for at in 1..events.len() {
         let mut place = at;
         while place > 0 && latest(&events[place - 1]) > latest(&events[place]) {
@@ -174,6 +197,16 @@ impl Board for RealBoard {
             all.extend(part.held()?);
         }
         Ok(all)
+    }
+
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        let part = self.behind.get(usize::from(channel.0)).copied().flatten()?;
+        self.parts[usize::from(part)].device(channel)
+    }
+
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        let part = self.carries.get(usize::from(bus.0)).copied().flatten()?;
+        self.parts[usize::from(part)].bus_device(bus)
     }
 
     fn buses(&self) -> &[Bus] {

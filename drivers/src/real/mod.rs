@@ -1,10 +1,17 @@
 //! Boards of this machine's devices: one board of all the devices that a board file names.
 
 mod board;
+mod look;
 mod outline;
+mod relays;
 mod spec;
+mod wire;
 
+pub(crate) use board::sort;
 pub use board::{RealBoard, open};
+pub use look::{Look, look};
 pub use outline::Outline;
 pub(crate) use outline::{blank, channels};
+pub use relays::FaultRelays;
 pub use spec::{RealSpec, SILENT_AFTER};
+pub use wire::{FaultWay, SETTLE, WireRelays};

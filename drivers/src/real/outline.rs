@@ -1,22 +1,26 @@
 //! A board of real devices on paper.
 
-use super::RealSpec;
+use super::{RealSpec, WireRelays, wire};
 use crate::circuit::ChannelSpec;
 use crate::file::BoardFile;
-use crate::gpio;
-use crate::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, FaultSet, Health, TimestampSource};
+use crate::{
+    Board, BoardError, BoardEvent, Bus, Channel, ChannelId, Fault, FaultSet, Health, TimestampSource,
+};
+use crate::{can, convert, gpio, serial};
 use signal::{Span, Time, Value};
 
-/// The channels of real devices that nobody opened: what a plan is checked against on any machine. It never starts.
+/// The channels and buses of real devices that nobody opened: what a plan is checked against on any machine. It never starts.
 #[derive(Clone, Debug)]
 pub struct Outline {
     channels: Vec<Channel>,
+    buses: Vec<Bus>,
+    relays: Vec<WireRelays>,
 }
 
 impl Outline {
     /// The outline of a file's board.
     pub fn new(file: &BoardFile, spec: &RealSpec) -> Outline {
-        Outline { channels: channels(file, spec) }
+        Outline { channels: channels(file, spec), buses: buses(spec), relays: spec.relays.clone() }
     }
 }
 
@@ -24,7 +28,17 @@ impl Outline {
 pub(crate) fn channels(file: &BoardFile, spec: &RealSpec) -> Vec<Channel> {
     let mut channels = blank(file);
     gpio::describe(file, &spec.gpio, &mut channels);
+    convert::describe(file, &spec.converters, &mut channels);
+    wire::describe(&spec.relays, &mut channels);
     channels
+}
+
+/// The buses of a board of real devices, before anything is known of the devices.
+pub(crate) fn buses(spec: &RealSpec) -> Vec<Bus> {
+    let mut buses = Vec::new();
+    can::describe(&spec.can, &mut buses);
+    serial::describe(&spec.serial, &mut buses);
+    buses
 }
 
 /// The channels of a board that has no device.
@@ -37,6 +51,7 @@ pub(crate) fn blank(file: &BoardFile) -> Vec<Channel> {
         timestamp: TimestampSource::Kernel,
         resolution: Span::ZERO,
         shortest_pulse: Span::MAX,
+        deadband: 0.0,
         max_pulse_hz: 0,
         faults: FaultSet::NONE,
         safe: Value::HighZ,
@@ -73,11 +88,19 @@ impl Board for Outline {
         Ok(())
     }
 
+    fn settle(&self, channel: ChannelId) -> Span {
+        wire::settle(&self.relays, channel)
+    }
+
     fn safe(&mut self, _now: Time) -> Result<(), BoardError> {
         Ok(())
     }
 
     fn health(&self) -> Health {
         Health::default()
+    }
+
+    fn buses(&self) -> &[Bus] {
+        &self.buses
     }
 }

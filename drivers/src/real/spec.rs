@@ -1,7 +1,10 @@
 //! What a board file says of a board of real devices.
 
+use crate::can::CanSpec;
 use crate::convert::ConvertersSpec;
 use crate::gpio::GpioSpec;
+use crate::real::WireRelays;
+use crate::serial::SerialSpec;
 use signal::Span;
 
 /// How long a call on a device may last, where the board file does not say.
@@ -18,4 +21,10 @@ pub struct RealSpec {
     pub gpio: GpioSpec,
     /// Converters and their inputs.
     pub converters: ConvertersSpec,
+    /// CAN buses.
+    pub can: CanSpec,
+    /// Relays that put faults on wires.
+    pub relays: Vec<WireRelays>,
+    /// Serial lines.
+    pub serial: Vec<SerialSpec>,
 }

@@ -5,10 +5,12 @@ use std::collections::BinaryHeap;
 
 use signal::{Span, Time, Value, When};
 
+use super::bus::Buses;
 use super::checks;
 use super::line::{Line, MAX_FAULTS};
 use super::wire::Wire;
 use crate::board::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, LossReason, Origin};
+use crate::bus::{Bus, BusEvent, BusId, Frame};
 use crate::circuit::{Circuit, CircuitError, CircuitFault, Part, PlantSpec, fit};
 use crate::plant::{Lag, Plant};
 
@@ -44,6 +46,7 @@ pub struct SimulatedBoard {
     started: bool,
     health: Health,
     seed: u64,
+    buses: Buses,
 }
 
 /// A plant and the lines that it drives.
@@ -97,6 +100,7 @@ impl SimulatedBoard {
             started: false,
             health: Health::default(),
             seed,
+            buses: Buses::new(&circuit.buses),
         };
         for spec in &circuit.wires {
             board.add_wire(Wire::new(*spec, seed, board.wires.len() as u64));
@@ -369,6 +373,7 @@ impl Board for SimulatedBoard {
         self.dirty.clear();
         self.is_dirty.fill(false);
         self.lost.fill(false);
+        self.buses.start();
         for (line, channel) in self.lines.iter_mut().zip(&self.channels) {
             line.reset(channel.safe);
         }
@@ -413,7 +418,7 @@ impl Board for SimulatedBoard {
     fn next_event(&self) -> Option<Time> {
         let waiting = self.reports.first().map(BoardEvent::latest);
         let next = Some(self.next).filter(|next| self.started && *next < Time::MAX);
-        waiting.into_iter().chain(next).min()
+        waiting.into_iter().chain(next).chain(self.buses.next_event()).min()
     }
 
     fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
@@ -443,6 +448,7 @@ impl Board for SimulatedBoard {
 
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.health.latched_safe = true;
+        self.buses.safe();
         if !self.started {
             return Ok(());
         }
@@ -463,5 +469,24 @@ impl Board for SimulatedBoard {
 
     fn health(&self) -> Health {
         self.health
+    }
+
+    fn buses(&self) -> &[Bus] {
+        self.buses.list()
+    }
+
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        if !self.started {
+            return Err(BoardError::NotStarted);
+        }
+        self.buses.send(now, bus, frame)
+    }
+
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        if !self.started {
+            return Err(BoardError::NotStarted);
+        }
+        self.buses.poll(now, out);
+        Ok(())
     }
 }

@@ -18,6 +18,7 @@ pub(super) fn channel(spec: &ChannelSpec) -> Channel {
         resolution: Span::ZERO,
         shortest_pulse: Span::from_nanos(1),
         // A nanosecond on, a nanosecond off.
+        deadband: 0.0,
         max_pulse_hz: if digital && spec.drives { 500_000_000 } else { 0 },
         faults: if digital { FaultSet::DIGITAL } else { FaultSet::ANALOG },
         safe: fit(&spec.kind, spec.safe).unwrap_or(Value::HighZ),

@@ -1,9 +1,12 @@
 //! The simulated board: lines, wires, plants and faults in virtual time.
 
 mod board;
+mod bus;
 mod checks;
 mod line;
 mod wire;
+mod wire_time;
 
 pub use board::{MAX_PENDING, SimulatedBoard};
+pub use bus::{BusSpec, MAX_QUEUED};
 pub use line::MAX_FAULTS;

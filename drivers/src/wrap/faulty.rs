@@ -268,12 +268,28 @@ impl<B: Board> Board for Faulty<B> {
         self.inner.clear(now, channel)
     }
 
+    fn settle(&self, channel: ChannelId) -> Span {
+        self.inner.settle(channel)
+    }
+
+    fn came(&self, channel: ChannelId) -> Option<When> {
+        self.inner.came(channel)
+    }
+
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.inner.safe(now)
     }
 
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
         self.inner.held()
+    }
+
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        self.inner.device(channel)
+    }
+
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        self.inner.bus_device(bus)
     }
 
     fn buses(&self) -> &[Bus] {

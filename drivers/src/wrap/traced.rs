@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use signal::{Time, Value};
+use signal::{Span, Time, Value, When};
 
 use crate::board::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health};
 use crate::{Bus, BusEvent, BusId, Frame, HeldLines};
@@ -150,6 +150,14 @@ impl<B: Board> Board for Traced<B> {
         self.outcome(now, outcome)
     }
 
+    fn settle(&self, channel: ChannelId) -> Span {
+        self.inner.settle(channel)
+    }
+
+    fn came(&self, channel: ChannelId) -> Option<When> {
+        self.inner.came(channel)
+    }
+
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.note(now, Entry::Safe);
         let outcome = self.inner.safe(now);
@@ -158,6 +166,14 @@ impl<B: Board> Board for Traced<B> {
 
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
         self.inner.held()
+    }
+
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        self.inner.device(channel)
+    }
+
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        self.inner.bus_device(bus)
     }
 
     fn buses(&self) -> &[Bus] {

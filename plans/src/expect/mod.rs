@@ -14,6 +14,7 @@ mod entry;
 mod equal;
 mod first_edge;
 mod follows;
+mod frames;
 pub(crate) mod happens;
 mod indicator;
 mod keeps;
@@ -148,6 +149,7 @@ pub static VERBS: &[&Verb] = &[
     &phase::PHASE,
     &settles::SETTLES,
     &follows::FOLLOWS,
+    &frames::FRAMES,
     &state::STATE,
     &indicator::LED,
     &entry::LOG,

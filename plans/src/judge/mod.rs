@@ -14,6 +14,7 @@ pub mod count;
 pub mod cycles;
 pub mod edges;
 pub mod extremes;
+pub mod gaps;
 pub mod levels;
 mod live;
 mod order;

@@ -17,6 +17,7 @@ use super::variants::{Variant, show};
 use super::{Case, ProgramRef, Refusal, Settings, check, facts, guards, refusal, settings, signals, times};
 use crate::codes;
 use crate::expect::{self, Context, Expectation, Names, Place};
+use crate::frames::{self, Frames};
 use crate::lang::{Anchor, Bindings, substitute};
 use crate::measure::{self, Measurement};
 
@@ -110,6 +111,12 @@ fn whole(
         .and_then(Node::as_table)
         .map_or_else(Vec::new, |table| signals::read(table, out));
 
+    let mut bound = bound;
+    let frames = fields.get("frames").and_then(Node::as_table).map_or_else(Frames::default, |table| {
+        let taken = |name: &str| bound.iter().any(|binding| binding.name == name);
+        frames::read(table, &document.text.databases, &taken, out)
+    });
+    bound.extend(frames.bindings);
     let lists = expand::lists(document, row, &bindings, out);
     let here = &lists.steps;
     let scope = Scope {
@@ -119,6 +126,8 @@ fn whole(
         elsewhere: elsewhere(document, row),
         row,
         tables: &document.text.tables,
+        databases: &document.text.databases,
+        frames: frames.named,
         bound_names: bound.iter().map(|binding| binding.name.clone()).collect(),
         bound,
         spoken_of: RefCell::default(),

@@ -113,7 +113,7 @@ pub(super) fn implied_needs(steps: &[Step], signals: &[SignalBinding], needs: &m
                     add(Need { word: "indicators", bound: None });
                 }
             }
-            Source::Line(_) | Source::Channel(_) => {}
+            Source::Line(_) | Source::Channel(_) | Source::Frames(_) | Source::FrameSignal(_) => {}
         }
     }
 }

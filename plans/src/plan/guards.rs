@@ -313,6 +313,8 @@ impl Guards {
             used: RefCell::default(),
             // Nothing of it drives a signal.
             tables: &crate::table::NONE,
+            databases: &crate::frames::NONE,
+            frames: Default::default(),
         }
     }
 

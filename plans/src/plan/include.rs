@@ -12,6 +12,7 @@ use super::settings::SETTINGS_KEYS;
 use super::variants::Variants;
 use super::{groups, signals};
 use crate::codes;
+use crate::frames::{self, Databases};
 use crate::table::Tables;
 
 /// Most files that a plan includes, whether itself or through others.
@@ -19,7 +20,7 @@ const MOST_FILES: usize = 64;
 /// Most bytes of all of them.
 const MOST_BYTES: usize = 4 << 20;
 /// What the tables of files are joined in, name by name.
-const NAMED: &[&str] = &["signals", "group", "parameters"];
+const NAMED: &[&str] = &["signals", "frames", "group", "parameters"];
 /// The list that is joined.
 const INVARIANTS: &str = "invariants";
 /// What is joined key by key.
@@ -36,6 +37,8 @@ pub struct PlanText {
     others: Vec<Table>,
     /// The tables of values that they name.
     pub(super) tables: Tables,
+    /// The DBC files that they name.
+    pub(super) databases: Databases,
 }
 
 /// A path beside another file, without `.` and `..` where they can be told away.
@@ -84,11 +87,14 @@ pub fn gather(
         joined.locate(&mut found);
         return Err(found);
     }
-    let tables = Tables::gather(std::iter::once(&root).chain(&others), &mut |name| {
+    let mut beside_plan = |name: &str| {
         let path = beside(&own, name);
         open(&path).map(|text| SourceFile::new(path, text))
-    });
-    Ok(PlanText { joined, root, others, tables })
+    };
+    let roots = || std::iter::once(&root).chain(&others);
+    let tables = Tables::gather(roots(), &mut beside_plan);
+    let databases = Databases::gather(roots(), &mut beside_plan);
+    Ok(PlanText { joined, root, others, tables, databases })
 }
 
 /// Checks a file that is there to be included, with what it includes itself.
@@ -105,6 +111,9 @@ pub fn check_included(
     let fields = Fields::check(&root, 0..0, "included file", INCLUDED_KEYS, &mut out);
     if let Some(table) = fields.get("signals").and_then(Node::as_table) {
         signals::read(table, &mut out);
+    }
+    if let Some(table) = fields.get("frames").and_then(Node::as_table) {
+        frames::read(table, &text.databases, &|_| false, &mut out);
     }
     if let Some(node) = fields.get(SETTINGS) {
         document::check_value(node, SETTINGS, &KeyType::Table(SETTINGS_KEYS), &mut out);

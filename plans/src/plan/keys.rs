@@ -7,6 +7,7 @@ use super::refusal::REFUSAL_KEYS;
 use super::settings::SETTINGS_KEYS;
 use super::signals::SIGNAL_TYPE;
 use super::variants::{PARAMETER_TYPE, ROW_TYPE, SWEEP_TYPE};
+use crate::frames::FRAME_TYPE;
 use crate::measure;
 
 const FILES: KeyType = KeyType::OneOrMore(&KeyType::Text);
@@ -55,6 +56,7 @@ pub const PLAN_KEYS: &[KeySpec] = &[
         "Warnings that the check of the case must find.",
     ),
     KeySpec::optional("signals", KeyType::Map(&SIGNAL_TYPE), "Names and what they stand for."),
+    KeySpec::optional("frames", KeyType::Map(&FRAME_TYPE), "Frames of buses, and values in them, by name."),
     KeySpec::optional("ends", KeyType::Anchor, "The end of a case; 1 s after the last step if left out."),
     KeySpec::optional("timeout", KeyType::Duration, "Most modelled time of a case, from power-on."),
     KeySpec::optional(
@@ -104,6 +106,7 @@ pub const INCLUDED_KEYS: &[KeySpec] = &[
     KeySpec::optional("description", KeyType::Text, "Anything that a reader should know."),
     KeySpec::optional("include", FILES, "Further files, relative to this one."),
     KeySpec::optional("signals", KeyType::Map(&SIGNAL_TYPE), "Names and what they stand for."),
+    KeySpec::optional("frames", KeyType::Map(&FRAME_TYPE), "Frames of buses, and values in them, by name."),
     KeySpec::optional("settings", KeyType::Any, "Configuration of the controller."),
     KeySpec::optional("group", KeyType::Any, "Steps and claims with a name, for `run`."),
     KeySpec::optional("invariants", KeyType::List(&KeyType::Any), "What is claimed of every case."),

@@ -27,6 +27,7 @@ use signal::{Address, Span};
 
 use crate::alarm::Alarm;
 use crate::expect::Expectation;
+use crate::frames::{FramePattern, FrameSignal};
 use crate::judge::{Guard, Scenario, StepFacts};
 use crate::lang::{Anchor, Literal, Need};
 use crate::measure::Measurement;
@@ -46,7 +47,7 @@ pub use settings::{
     TaskType, WatchdogBasis,
 };
 
-pub(crate) use signals::SOURCE_KEYS;
+pub(crate) use signals::{AT_MOST_EVERY, BUILT_IN, DEADBAND, RECORD, SOURCE_KEYS, recording};
 
 /// The program of a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -102,6 +103,10 @@ pub enum Source {
         /// The exception of reading it in place of its value.
         exception: bool,
     },
+    /// How many frames like this were on their bus.
+    Frames(Arc<FramePattern>),
+    /// A value in the last frame like this.
+    FrameSignal(Arc<FrameSignal>),
     /// A row of the relocation table.
     Relocation {
         /// Its variable.

@@ -13,6 +13,7 @@ use super::signals::{self, BUILT_IN};
 use super::{FileFigure, Phase, Recording, RowFigure, SignalBinding, Source, TaskFigure};
 use crate::codes;
 use crate::expect::Names;
+use crate::frames::{Databases, Named};
 use crate::lang::{Anchor, AnchorError, Base, Operand, OperandError};
 use crate::table::{Fault, Table, Tables};
 
@@ -47,6 +48,10 @@ pub struct Scope<'a> {
     pub(super) row: Option<&'a str>,
     /// The tables that the plan may name.
     pub(super) tables: &'a Tables,
+    /// The DBC files that the plan may name.
+    pub(super) databases: &'a Databases,
+    /// The frames that it names.
+    pub(super) frames: BTreeMap<String, Named>,
     /// Signals that the plan binds.
     pub(super) bound: Vec<SignalBinding>,
     /// Names of `bound`.
@@ -66,6 +71,23 @@ impl Scope<'_> {
     /// The table of this name, a file relative to the plan.
     pub(crate) fn table(&self, name: &str) -> Result<Arc<Table>, Fault> {
         self.tables.get(name)
+    }
+
+    /// The DBC files that the plan may name.
+    pub(crate) fn databases(&self) -> &Databases {
+        self.databases
+    }
+
+    /// The frames of this name.
+    pub(crate) fn frame(&self, name: &str) -> Option<Named> {
+        let named = self.frames.get(name)?.clone();
+        self.spoken_of.borrow_mut().insert(name.to_owned());
+        Some(named)
+    }
+
+    /// The names of all frames.
+    pub(crate) fn frames(&self) -> impl Iterator<Item = &String> + Clone {
+        self.frames.keys()
     }
 
     /// The name of a signal; reports what is wrong with it.
@@ -284,6 +306,8 @@ fn source_name(source: &Source) -> String {
         Source::Line(address) | Source::Memory(address) => address.to_string(),
         Source::Image(address) => format!("image {address}"),
         Source::Path(name) | Source::Channel(name) => name.clone(),
+        Source::Frames(pattern) => pattern.to_string(),
+        Source::FrameSignal(signal) => format!("{} {}", signal.pattern, signal.field.name),
         Source::Task { task, figure } => {
             let at = TaskFigure::ALL.iter().position(|known| known == figure).unwrap_or_default();
             format!("{task} {}", TaskFigure::NAMES[at])

@@ -49,15 +49,15 @@ const fn figures() -> [&'static str; TaskFigure::NAMES.len() + OTHER_FIGURES.len
     }
     all
 }
-const DEADBAND: KeySpec = KeySpec::optional(
+pub(crate) const DEADBAND: KeySpec = KeySpec::optional(
     "deadband",
     KeyType::Quantity,
     "Only changes by more than this are recorded: a number above 0 in the signal's unit.",
 );
-const AT_MOST_EVERY: KeySpec =
+pub(crate) const AT_MOST_EVERY: KeySpec =
     KeySpec::optional("at-most-every", KeyType::Duration, "At most one value is recorded in this time.");
 
-const RECORD: KeySpec =
+pub(crate) const RECORD: KeySpec =
     KeySpec::optional("record", KeyType::Bool, "It is bound to be recorded, even if nothing speaks of it.");
 
 /// What names a signal.
@@ -86,7 +86,7 @@ const BINDING_KEYS: &[KeySpec] = &[
 pub(super) const SIGNAL_TYPE: KeyType = KeyType::Either(&[KeyType::Text, KeyType::Table(BINDING_KEYS)]);
 
 /// Names that the trace has by itself.
-pub(super) const BUILT_IN: &[&str] = &["state"];
+pub(crate) const BUILT_IN: &[&str] = &["state"];
 
 /// Reads the bindings of a plan whose table was held against its keys.
 pub(super) fn read(table: &Table, out: &mut Findings) -> Vec<SignalBinding> {
@@ -260,7 +260,7 @@ fn no_figure(what: &str, known: &[&str], fields: &Fields<'_>, out: &mut Findings
 }
 
 /// Which changes are recorded.
-fn recording(fields: &Fields<'_>, out: &mut Findings) -> Option<Recording> {
+pub(crate) fn recording(fields: &Fields<'_>, out: &mut Findings) -> Option<Recording> {
     match (fields.get("deadband"), fields.entry("at-most-every")) {
         (None, None) => Some(Recording::Changes),
         (Some(_), Some(entry)) => {

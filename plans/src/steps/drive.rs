@@ -72,7 +72,7 @@ fn pair(fields: &Fields<'_>, key: &str, scope: &Scope<'_>, out: &mut Findings) -
 }
 
 /// A duration above 0; reports one that is not.
-pub(super) fn above_zero(fields: &Fields<'_>, key: &str, out: &mut Findings) -> Option<Span> {
+pub(crate) fn above_zero(fields: &Fields<'_>, key: &str, out: &mut Findings) -> Option<Span> {
     let span = fields.duration(key)?;
     if span == Span::ZERO {
         let node = fields.get(key)?;

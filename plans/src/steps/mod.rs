@@ -27,6 +27,7 @@ use crate::plan::{ProgramRef, Scope};
 
 pub use ask::Question;
 pub use cycle::Cycle;
+pub(crate) use drive::above_zero;
 pub use encoder::{Encoder, Motion};
 pub use sequence::Sequence;
 pub use train::{MAX_PULSES, Train};
@@ -76,6 +77,7 @@ pub static VERBS: &[Verb] = &[
     application::RESET_ORIGIN_DEVICE,
     debug::RESUME,
     run::RUN,
+    crate::frames::SEND,
     sequence::SEQUENCE,
     drive::SET,
     disturb::SHORT_CIRCUIT,
@@ -310,6 +312,8 @@ pub enum Stimulus {
         /// The group.
         group: String,
     },
+    /// Puts frames on a bus.
+    Send(Box<crate::frames::Send>),
     /// Asks a person.
     Ask(Question),
     /// Nothing: marks an instant.
@@ -353,6 +357,7 @@ impl Stimulus {
             Stimulus::StepStatement => "step-statement",
             Stimulus::OnlineChange(_) => "online-change",
             Stimulus::Run { .. } => "run",
+            Stimulus::Send(_) => "send",
             Stimulus::Ask(_) => "ask",
             Stimulus::Mark => "mark",
         }
@@ -399,6 +404,7 @@ impl Stimulus {
             Stimulus::Wave(wave) => wave.lasts.unwrap_or(Span::ZERO),
             Stimulus::Encoder(encoder) => encoder.length(),
             Stimulus::Sequence(sequence) => sequence.length(),
+            Stimulus::Send(send) => send.length(),
             _ => Span::ZERO,
         }
     }

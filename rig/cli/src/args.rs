@@ -7,6 +7,7 @@ use crate::output::ColorChoice;
 use crate::report::ReportArgs;
 use crate::step::StepArgs;
 use crate::test::{LeaveArgs, LookArgs};
+use crate::wait::WaitArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -125,6 +126,9 @@ pub struct TestArgs {
     /// Note which statements and branches of the programs ran.
     #[arg(long)]
     pub coverage: bool,
+    /// What a run on real lines does when somebody else is on them.
+    #[command(flatten)]
+    pub wait: WaitArgs,
     /// How the run is shown.
     #[command(flatten)]
     pub look: LookArgs,

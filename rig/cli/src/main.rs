@@ -32,6 +32,7 @@ mod shard;
 mod step;
 mod store;
 mod test;
+mod wait;
 
 use args::{Cli, Command, ProgramCommand};
 use clap::Parser;

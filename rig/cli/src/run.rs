@@ -3,6 +3,7 @@
 use crate::exit::Exit;
 use crate::library::Embedded;
 use crate::output;
+use crate::wait::WaitArgs;
 use clap::Args;
 use document::{Diagnostic, SourceFile};
 use drivers::BoardFile;
@@ -47,6 +48,9 @@ pub struct RunArgs {
     /// Let its first boot take no time.
     #[arg(long)]
     booted: bool,
+    /// What it does when somebody else is on the lines.
+    #[command(flatten)]
+    wait: WaitArgs,
     /// The seed of everything that is left to chance.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -77,7 +81,11 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
         output::complain(&format!("interrupts cannot be caught: {error}"));
         return Ok(Exit::Error);
     }
-    let hardware = Hardware::open(&board.0)?;
+    let lock = match args.wait.take(&board.0, &INTERRUPT) {
+        Ok(lock) => lock,
+        Err(exit) => return Ok(exit),
+    };
+    let hardware = Hardware::open(&board.0)?.map(|hardware| hardware.with_lock(lock));
     output::findings(&hardware.as_ref().map(Hardware::warnings).unwrap_or_default(), sources);
     let options = RunOptions {
         slice: SLICE,

@@ -2,7 +2,7 @@
 
 use crate::lines::Lines;
 use host::{Bell, monotonic};
-use rustix::io::write;
+use rustix::io::{Errno, write};
 use std::io;
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
@@ -80,6 +80,13 @@ impl Driver {
     /// Whether the lines were found safe by an order that began at `since` or later.
     pub fn is_safe(&self, since: i64) -> bool {
         self.shared.began.load(Ordering::Acquire) >= since && self.shared.outcome.load(Ordering::Acquire) == 0
+    }
+
+    /// Whether the device was found to be gone by an order that began at `since` or later.
+    pub fn is_gone(&self, since: i64) -> bool {
+        let gone = [Errno::NODEV, Errno::NXIO].map(Errno::raw_os_error);
+        self.shared.began.load(Ordering::Acquire) >= since
+            && gone.contains(&self.shared.outcome.load(Ordering::Acquire))
     }
 
     /// Why the lines are not known to be safe since then.

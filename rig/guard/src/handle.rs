@@ -3,7 +3,7 @@
 use crate::page::Page;
 use crate::wire::{Message, Tag};
 use crate::{GuardError, Lacks, Reason};
-use drivers::{Bite, GuardSettings, HeldLines, LineApi};
+use drivers::{Bite, GuardSettings, HeldLines, Keeper, LineApi};
 use host::{Unstoppable, monotonic, never_stops};
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
@@ -95,6 +95,12 @@ impl Guard {
     }
 }
 
+impl Keeper for GuardHandle {
+    fn replace(&self, device: &str, lines: Vec<HeldLines>) -> Result<(), String> {
+        GuardHandle::replace(self, device, lines).map_err(|error| error.to_string())
+    }
+}
+
 /// A guard that watches this process. Dropping it is a goodbye, or, in a panic, a cry for help.
 #[derive(Debug)]
 pub struct GuardHandle {
@@ -127,6 +133,22 @@ impl GuardHandle {
     pub fn hold(&self, lines: Vec<HeldLines>) -> Result<(), GuardError> {
         let mut inner = self.inner();
         self.done(inner.ask(&Message::new(Tag::Forget, [0; 4]), &[], self.patience())?)?;
+        self.give(&mut inner, lines)
+    }
+
+    /// Gives these lines into the guard's charge in place of those of a device that is gone, also while the rig drives.
+    /// They must be safe, and the rig does not drive them before this returns.
+    ///
+    /// # Errors
+    /// As [`GuardHandle::hold`].
+    pub fn replace(&self, gone: &str, lines: Vec<HeldLines>) -> Result<(), GuardError> {
+        let mut inner = self.inner();
+        let release = Message::new(Tag::Release, [0; 4]).with(gone);
+        self.done(inner.ask(&release, &[], self.patience())?)?;
+        self.give(&mut inner, lines)
+    }
+
+    fn give(&self, inner: &mut Inner, lines: Vec<HeldLines>) -> Result<(), GuardError> {
         for held in lines {
             let count = match held.api {
                 LineApi::V1 { lines } => i64::from(lines),

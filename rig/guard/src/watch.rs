@@ -329,7 +329,12 @@ impl<'a> Watch<'a> {
                 }
                 self.reply(Tag::Done, "");
             }
-            (Tag::Hold, Course::Idle) => match self.hold(message, descriptors) {
+            (Tag::Release, Course::Idle | Course::Armed) => {
+                let gone = self.drivers.extract_if(.., |driver| driver.device == message.text());
+                gone.for_each(Driver::let_go);
+                self.reply(Tag::Done, "");
+            }
+            (Tag::Hold, Course::Idle | Course::Armed) => match self.hold(message, descriptors) {
                 Ok(()) => self.expect(Tag::Hold, now),
                 Err(why) => self.reply(Tag::Refused, &why),
             },
@@ -352,7 +357,7 @@ impl<'a> Watch<'a> {
                 }
                 self.expect(Tag::Close, now);
             }
-            (Tag::Forget | Tag::Hold | Tag::Arm | Tag::Disarm | Tag::Trip, _) if latched => {
+            (Tag::Forget | Tag::Release | Tag::Hold | Tag::Arm | Tag::Disarm | Tag::Trip, _) if latched => {
                 self.reply(Tag::Refused, "");
             }
             _ => self.latch(Reason::Nonsense, now),

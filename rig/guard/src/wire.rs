@@ -27,6 +27,8 @@ pub(crate) enum Tag {
     Hello,
     /// Lets go of the lines held so far.
     Forget,
+    /// Lets go of the lines of one device, which is gone.
+    Release,
     /// Lines to hold.
     Hold,
     /// The rig drives from now on.
@@ -45,9 +47,10 @@ pub(crate) enum Tag {
     Refused,
 }
 
-const TAGS: [Tag; 10] = [
+const TAGS: [Tag; 11] = [
     Tag::Hello,
     Tag::Forget,
+    Tag::Release,
     Tag::Hold,
     Tag::Arm,
     Tag::Disarm,

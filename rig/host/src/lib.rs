@@ -4,26 +4,35 @@
 //! name. Not goals: devices (`drivers`), what runs when (`runtime`).
 
 mod bell;
+mod datagram;
 mod descriptor;
 mod histogram;
 mod latency;
+mod lock;
 mod machine;
 mod process;
 mod refused;
+mod serial;
 mod stop;
 mod thread;
 mod time;
 mod watchdog;
 
 pub use bell::{Bell, Woken};
+pub use datagram::{Received, receive, stamp_arrivals};
 pub use descriptor::duplicate;
 pub use histogram::Histogram;
 pub use latency::{Wakeups, wakeups};
+pub use lock::lock_bytes;
 pub use machine::{Machine, Preemption};
 pub use process::{Punctual, lock_memory};
 pub use refused::{Privilege, Refused};
 pub use rustix::io::Errno;
+pub use serial::{
+    LineCounters, Rs485, is_exclusive, line_counters, low_latency, rs485, set_low_latency, set_rs485,
+    transmitter_is_empty,
+};
 pub use stop::Unstoppable;
 pub use thread::{Entered, Processors, Realtime, Role, go_before_all};
-pub use time::{TimeBase, monotonic, resolution};
+pub use time::{Bracket, TimeBase, monotonic, resolution};
 pub use watchdog::{Watchdog, never_stops};

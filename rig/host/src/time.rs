@@ -50,6 +50,44 @@ pub fn monotonic() -> i64 {
     now.tv_sec.saturating_mul(1_000_000_000).saturating_add(now.tv_nsec)
 }
 
+/// What has to be added to a stamp of the wall clock to have one of the monotonic clock: a number between these, in
+/// nanoseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bracket {
+    /// At least.
+    pub low: i64,
+    /// At most.
+    pub high: i64,
+}
+
+impl Bracket {
+    /// As it is now: the wall clock is read between two readings of the monotonic one, and the closest of a few tries
+    /// counts.
+    pub fn measure() -> Bracket {
+        let once = || {
+            let before = monotonic();
+            let wall = clock_gettime(ClockId::Realtime);
+            let after = monotonic();
+            let wall = wall.tv_sec.saturating_mul(1_000_000_000).saturating_add(wall.tv_nsec);
+            Bracket { low: before.saturating_sub(wall), high: after.saturating_sub(wall) }
+        };
+        let mut best = once();
+        for _ in 0..2 {
+            let next = once();
+            if next.high - next.low < best.high - best.low {
+                best = next;
+            }
+        }
+        best
+    }
+
+    /// What holds whether it is this or the other: between two measurements somebody may have set the wall clock.
+    #[must_use]
+    pub fn or(self, other: Bracket) -> Bracket {
+        Bracket { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+}
+
 /// How far apart the instants are at which a wait can end, in nanoseconds: 1 where the kernel has high-resolution
 /// timers, else its tick.
 pub fn resolution() -> i64 {

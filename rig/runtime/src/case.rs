@@ -328,6 +328,7 @@ fn run_here(
         slice: options.slice,
         horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,
         fail_fast: options.fail_fast,
+        on_loss: files.board.on_loss,
         timeout: case.timeout,
         teardown: case.teardown,
     };

@@ -130,8 +130,8 @@ impl Looked<'_> {
                 }
                 None => return None,
             },
-            Source::Task { figure: TaskFigure::Load, .. } => return None,
-            Source::Task { .. } | Source::Log(_) => Bounds::COUNT,
+            Source::Task { figure: TaskFigure::Load, .. } | Source::FrameSignal(_) => return None,
+            Source::Task { .. } | Source::Log(_) | Source::Frames(_) => Bounds::COUNT,
             Source::File { asks: FileFigure::Exists | FileFigure::Holds(_), .. } => Bounds::BIT,
             Source::File { .. } => Bounds::COUNT,
             Source::Register { exception: false, .. } => Bounds::bits(16),

@@ -119,6 +119,19 @@ fn program_name(program: &ProgramRef) -> String {
     }
 }
 
+/// A fault in words.
+pub(crate) fn show_fault(kind: &FaultKind) -> String {
+    match kind {
+        FaultKind::Stuck(value) => format!("stuck at {}", plans::show_literal(value)),
+        FaultKind::Open => String::from("open"),
+        FaultKind::ShortToGround => String::from("short to ground"),
+        FaultKind::ShortToSupply => String::from("short to supply"),
+        FaultKind::Glitch { value, width } => format!("glitch to {} for {width}", plans::show_literal(value)),
+        FaultKind::Late(delay) => format!("{delay} late"),
+        FaultKind::Lost => String::from("lost"),
+    }
+}
+
 /// A stimulus in words.
 pub fn what(stimulus: &Stimulus) -> String {
     match stimulus {
@@ -190,17 +203,7 @@ pub fn what(stimulus: &Stimulus) -> String {
         }
         Stimulus::Suspend { task, lasts } => format!("{task} does not get the processor for {lasts}"),
         Stimulus::Fault { signal, kind, lasts } => {
-            let kind = match kind {
-                FaultKind::Stuck(value) => format!("stuck at {}", plans::show_literal(value)),
-                FaultKind::Open => String::from("open"),
-                FaultKind::ShortToGround => String::from("short to ground"),
-                FaultKind::ShortToSupply => String::from("short to supply"),
-                FaultKind::Glitch { value, width } => {
-                    format!("glitch to {} for {width}", plans::show_literal(value))
-                }
-                FaultKind::Late(delay) => format!("{delay} late"),
-                FaultKind::Lost => String::from("lost"),
-            };
+            let kind = show_fault(kind);
             let lasts = lasts.map_or_else(String::new, |lasts| format!(" for {lasts}"));
             format!("fault on {signal}: {kind}{lasts}")
         }
@@ -244,6 +247,16 @@ pub fn what(stimulus: &Stimulus) -> String {
             format!("{} counts of an encoder on {}", encoder.counts(), lines.join(", "))
         }
         Stimulus::Run { group } => format!("run {group}"),
+        Stimulus::Send(send) => {
+            let what = match &send.name {
+                Some(name) => format!("send {name} on {}", send.frame.bus),
+                None => format!("send {} on {}", send.frame, send.frame.bus),
+            };
+            match send.count {
+                1 => what,
+                count => format!("{what}, {count} times every {}", send.period),
+            }
+        }
         Stimulus::Ask(question) => format!("ask: {}", question.text),
         Stimulus::Mark => String::from("nothing"),
     }

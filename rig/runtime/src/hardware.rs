@@ -1,20 +1,22 @@
 //! Real lines: a board that is opened once and lent to one case after the other, and what the machine gives a run to
 //! be on time.
 
+use crate::bench_lock::BenchLock;
 use crate::clock::HostClock;
 use crate::executor::Heart;
 use crate::figures::{self, Standing};
 use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
+use drivers::convert::Date;
 use drivers::{
     Board, BoardError, BoardEvent, BoardFile, BoardKind, Bus, BusEvent, BusId, Channel, ChannelId, Fault,
     Frame, Health, HeldLines, Loop, RealtimeSettings, Surroundings,
 };
-use guard::{Guard, GuardError, Lacks};
+use guard::{Guard, GuardError, GuardHandle, Lacks};
 use host::{Entered, Privilege, Punctual, Refused, Role};
-use signal::{Span, Time, Value};
+use signal::{Span, Time, Value, When};
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 
 /// A board with real lines, for as long as a run lasts. Between cases its lines stay claimed, and safe.
 #[derive(Debug)]
@@ -26,11 +28,13 @@ pub struct Hardware {
     settings: RealtimeSettings,
     punctual: Punctual,
     refused: Vec<Refused>,
-    heart: Option<Box<dyn Heart + Send>>,
+    heart: Option<Arc<dyn Heart + Send>>,
     /// What was measured of this machine and these devices.
     standing: Standing,
     /// What the guard could not get for itself.
     lacks: Option<Lacks>,
+    /// Keeps other users off, until the lines were made safe.
+    lock: Option<BenchLock>,
 }
 
 /// Real lines where none were opened.
@@ -77,6 +81,7 @@ impl Hardware {
             heart: None,
             standing: Standing::default(),
             lacks: None,
+            lock: None,
         }
     }
 
@@ -94,10 +99,16 @@ impl Hardware {
             vec![found.at(&file.name, 0..0, "").help(error.help())]
         };
         // First of all: there are no threads yet, and no memory is locked.
-        let guard = Guard::spawn(&file.guard).map_err(refused)?;
-        let standing = figures::standing(file);
+        let guard = Arc::new(Guard::spawn(&file.guard).map_err(refused)?);
+        let mut standing = figures::standing(file);
+        for calibrated in drivers::convert::calibrated(file, Date::today()) {
+            standing.facts.push((format!("Channel {}", calibrated.channel), calibrated.words));
+            standing.warnings.extend(calibrated.expired);
+        }
         let mut surroundings = Surroundings::new(file.realtime.threads());
         surroundings.resolution = standing.resolution;
+        let keeper: Weak<GuardHandle> = Arc::downgrade(&guard);
+        surroundings.keeper = Some(keeper);
         let opened = drivers::file::open(file, &surroundings).or_else(|found| {
             // The guard of a run that died may still hold the lines safe for it.
             if took_over(file, &found) { drivers::file::open(file, &surroundings) } else { Err(found) }
@@ -110,13 +121,20 @@ impl Hardware {
         let lacks = guard.lacks();
         let mut hardware = Hardware::new(&file.name, board, surroundings, file.realtime);
         (hardware.lacks, hardware.standing) = (Some(lacks), standing);
-        Ok(Some(hardware.with_heart(Box::new(guard))))
+        Ok(Some(hardware.with_heart(guard)))
     }
 
     /// The same, and every turn of the executor is shown to this.
     #[must_use]
-    pub fn with_heart(mut self, heart: Box<dyn Heart + Send>) -> Hardware {
+    pub fn with_heart(mut self, heart: Arc<dyn Heart + Send>) -> Hardware {
         self.heart = Some(heart);
+        self
+    }
+
+    /// The same, with the lock that keeps other users off its lines.
+    #[must_use]
+    pub fn with_lock(mut self, lock: Option<BenchLock>) -> Hardware {
+        self.lock = lock;
         self
     }
 
@@ -324,6 +342,14 @@ impl Board for Lent {
         self.board()?.clear(now, channel)
     }
 
+    fn settle(&self, channel: ChannelId) -> Span {
+        self.board.as_ref().map_or(Span::ZERO, |board| board.settle(channel))
+    }
+
+    fn came(&self, channel: ChannelId) -> Option<When> {
+        self.board.as_ref()?.came(channel)
+    }
+
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.board()?.safe(now)
     }
@@ -334,6 +360,14 @@ impl Board for Lent {
 
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
         self.board.as_ref().map_or(Ok(Vec::new()), |board| board.held())
+    }
+
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        self.board.as_ref()?.device(channel)
+    }
+
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        self.board.as_ref()?.bus_device(bus)
     }
 
     fn buses(&self) -> &[Bus] {

@@ -5,6 +5,7 @@
 
 pub mod alone;
 pub mod application;
+pub mod bench_lock;
 pub mod bundle;
 mod capability;
 pub mod case;
@@ -19,6 +20,7 @@ pub mod external;
 mod facts;
 pub mod figures;
 pub mod foreign;
+pub mod frames;
 pub mod generator;
 mod hand;
 pub mod hardware;
@@ -52,6 +54,7 @@ pub mod tasks;
 pub mod trouble;
 pub mod wiring;
 
+pub use bench_lock::BenchLock;
 pub use case::{CaseFiles, CaseResult, ClockKind, RunOptions, run_case};
 pub use codes::CODES;
 pub use hardware::Hardware;

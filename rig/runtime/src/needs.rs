@@ -1,8 +1,10 @@
 //! What a plan needs of subject, board and rig.
 
 use crate::subject::{Capability, Subject};
+use drivers::{Board, FaultSet};
 use plans::Case;
 use plans::lang::{Amount, Need, Relation};
+use plans::steps::Stimulus;
 use signal::Span;
 
 /// A need of the plan that is not met.
@@ -14,11 +16,17 @@ pub enum Unmet {
 }
 
 /// The first need that is not met on a rig that is `late` by so much.
-pub fn unmet(case: &Case, subject: &dyn Subject, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
-    case.needs.iter().find_map(|need| unmet_need(need, subject, board, late))
+pub fn unmet(case: &Case, subject: &dyn Subject, board: &dyn Board, late: Span) -> Option<Unmet> {
+    // Where the subject has no faults of its own, relays of the board may put them on its wires.
+    let disturbs = |step: &plans::Step| matches!(step.stimulus, Stimulus::Disturb { .. });
+    let relays = board.channels().iter().any(|channel| channel.faults != FaultSet::NONE);
+    let faults = relays && !case.steps.iter().any(disturbs);
+    let by_relays = |need: &&Need| faults && need.word == Capability::Faults.word();
+    let mut needs = case.needs.iter().filter(|need| !by_relays(need));
+    needs.find_map(|need| unmet_need(need, subject, board, late))
 }
 
-fn unmet_need(need: &Need, subject: &dyn Subject, board: &dyn drivers::Board, late: Span) -> Option<Unmet> {
+fn unmet_need(need: &Need, subject: &dyn Subject, board: &dyn Board, late: Span) -> Option<Unmet> {
     let lines = || board.channels().iter().filter(|channel| channel.is_digital());
     match (need.word, need.bound) {
         ("pulse", bound) => {

@@ -110,6 +110,7 @@ pub fn play(
         slice: options.slice,
         horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,
         fail_fast: false,
+        on_loss: files.board.on_loss,
         timeout: case.timeout,
         teardown: case.teardown,
     };
@@ -333,6 +334,10 @@ impl Subject for Kept {
         }
         self.say(Told::Ready);
         Ok(())
+    }
+
+    fn notice(&mut self, at: Time, text: &str) {
+        self.say(Told::Log(at, text.to_owned()));
     }
 
     fn loaded(&mut self, now: Time, effects: &mut Effects) {

@@ -1,13 +1,16 @@
 //! What a plan asks for that no line of the board reaches: such a case does not apply.
 
 use crate::case::CaseFiles;
+use crate::describe::show_fault;
 use crate::external::NOT_RUNNING;
-use crate::prepare::state_info;
+use crate::frames;
+use crate::prepare::{fault_on, state_info};
 use controller::{Channel as Terminal, State};
-use drivers::Board;
+use drivers::{Board, FaultKind};
 use plans::bench::is_same_for;
 use plans::plan::{Await, Initial, SignalBinding, Source};
-use plans::{Case, StepTime, value_of};
+use plans::steps::Stimulus;
+use plans::{Case, Step, StepTime, value_of};
 use signal::{SignalInfo, Value};
 
 /// Why a case does not apply to this controller on this board, if it does not.
@@ -18,6 +21,16 @@ pub fn beyond(case: &Case, files: &CaseFiles, board: &dyn Board) -> Option<Strin
         .filter(|binding| !case.unspoken.contains(&binding.name))
         .find_map(|binding| unreached(binding, files, board))
     {
+        return Some(reason);
+    }
+    let sends = case.steps.iter().find_map(|step| match &step.stimulus {
+        Stimulus::Send(send) => frames::lacks(board, &send.frame.bus),
+        _ => None,
+    });
+    if sends.is_some() {
+        return sends;
+    }
+    if let Some(reason) = case.steps.iter().find_map(|step| faultless(case, step, files, board)) {
         return Some(reason);
     }
     let external = files.board.subject.external.as_ref()?;
@@ -69,6 +82,8 @@ fn unreached(binding: &SignalBinding, files: &CaseFiles, board: &dyn Board) -> O
             (!bound).then(|| format!("the board binds no channel to {address}"))
         }
         Source::Line(_) => None,
+        Source::Frames(pattern) => frames::lacks(board, &pattern.bus),
+        Source::FrameSignal(source) => frames::lacks(board, &source.pattern.bus),
         Source::Channel(name) if external && !has(name) => Some(format!("the board has no channel `{name}`")),
         Source::Path(name) if external && !has(name) => {
             Some(format!("`{name}` cannot be seen from outside the controller"))
@@ -80,6 +95,32 @@ fn unreached(binding: &SignalBinding, files: &CaseFiles, board: &dyn Board) -> O
         }
         _ => None,
     }
+}
+
+/// Why the relays of a board of real lines cannot put a step's fault on its line, if that is so.
+fn faultless(case: &Case, step: &Step, files: &CaseFiles, board: &dyn Board) -> Option<String> {
+    let Stimulus::Fault { signal, kind, lasts } = &step.stimulus else { return None };
+    let source = &case.signals.iter().find(|binding| binding.name == *signal)?.source;
+    let id = match source {
+        Source::Line(address) => files.board.channel_of(*address)?,
+        Source::Channel(name) | Source::Path(name) => board.find(name)?,
+        _ => return None,
+    };
+    let channel = board.channels().get(usize::from(id.0)).filter(|_| files.board.is_real())?;
+    // A value that does not fit is the plan's own trouble.
+    let fault = fault_on(kind, channel)?;
+    let (name, settle) = (&channel.name, board.settle(id));
+    if !channel.faults.contains(fault) {
+        let what = show_fault(kind);
+        return Some(format!("the board has no relay that brings the fault \"{what}\" about on `{name}`"));
+    }
+    let width = match fault {
+        FaultKind::Glitch { width, .. } => Some(lasts.map_or(width, |lasts| lasts.min(width))),
+        _ => *lasts,
+    };
+    width.filter(|width| *width < settle + settle).map(|width| {
+        format!("the relays of `{name}` settle within {settle}: they cannot make a fault of {width}")
+    })
 }
 
 /// What a case has to see of the controller's state.

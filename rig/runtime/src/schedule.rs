@@ -5,7 +5,7 @@ mod course;
 
 use crate::generator::Generator;
 use controller::{Command, Disturbance, FileUser, Probe};
-use drivers::{ChannelId, Fault};
+use drivers::{BusId, ChannelId, Fault, Frame};
 use plans::lang::{Anchor, Base};
 use plans::plan::{Phase, Repeat};
 use plans::steps::{FileDeed, Question};
@@ -461,19 +461,28 @@ impl Schedule {
         }
     }
 
-    /// What the next act of a step's generator writes is appended to `out`, and the one behind it queued. Nothing where
+    /// What the next act of a step's generator writes is appended to `out`, what it sends is handed back, and the one
+    /// behind it queued. Nothing where
     /// the generator was stopped, or has begun again since the act was queued.
-    pub fn emitted(&mut self, step: usize, ticket: u64, out: &mut Vec<(ChannelId, Value)>) {
+    pub fn emitted(
+        &mut self,
+        step: usize,
+        ticket: u64,
+        out: &mut Vec<(ChannelId, Value)>,
+    ) -> Option<(BusId, Frame)> {
         let running = &mut self.running[step];
         if running.stopped || running.ticket != ticket {
-            return;
+            return None;
         }
         let act = running.act;
         running.act += 1;
-        if let Some(generator) = &self.steps[step].generator {
+        let generator = self.steps[step].generator.as_ref();
+        let frame = generator.and_then(|generator| {
             generator.writes(act, out);
-        }
+            generator.frame()
+        });
         self.emit(step);
+        frame
     }
 
     /// A step drives a channel, with its generator or without one: what drove it before goes no further.

@@ -61,6 +61,9 @@ pub trait Subject: Send {
         Ok(())
     }
 
+    /// The rig has something to say that is no part of what it judges: a device was lost, or is back.
+    fn notice(&mut self, _at: Time, _text: &str) {}
+
     /// The program is there, by `now`.
     fn loaded(&mut self, _now: Time, _effects: &mut Effects) {}
 

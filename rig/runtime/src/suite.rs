@@ -51,7 +51,12 @@ pub struct Disk;
 
 impl Files for Disk {
     fn read(&self, path: &str) -> Result<String, String> {
-        String::from_utf8(self.bytes(path)?)
+        let bytes = self.bytes(path)?;
+        if path.to_ascii_lowercase().ends_with(".dbc") && std::str::from_utf8(&bytes).is_err() {
+            // Older tools write Latin-1, where each byte is the character of its number.
+            return Ok(bytes.into_iter().map(char::from).collect());
+        }
+        String::from_utf8(bytes)
             .map_err(|error| format!("it is no UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
     }
 

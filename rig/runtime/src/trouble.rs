@@ -28,8 +28,10 @@ pub enum Trouble {
     Lost {
         /// When.
         at: Time,
-        /// The channel.
+        /// The first of its channels that told of it.
         channel: ChannelId,
+        /// The device in words; empty where the board has none.
+        device: String,
         /// Why.
         reason: LossReason,
     },
@@ -48,8 +50,30 @@ pub enum Trouble {
         at: Time,
         /// The bus.
         bus: String,
+        /// The device in words; empty where the board has none.
+        device: String,
         /// Why.
         reason: LossReason,
+    },
+    /// A controller takes no part in its bus any more.
+    BusOff {
+        /// When.
+        at: Time,
+        /// The bus.
+        bus: String,
+        /// The device in words; empty where the board has none.
+        device: String,
+    },
+    /// A device was lost before the case, and could not be taken back.
+    StillLost {
+        /// The channel or the bus, as in `channel I0`.
+        what: String,
+        /// The device in words; empty where the board has none.
+        device: String,
+        /// Why.
+        reason: LossReason,
+        /// For how long.
+        since: Span,
     },
     /// Frames were lost.
     FramesDropped {
@@ -59,6 +83,17 @@ pub enum Trouble {
         bus: String,
         /// How many, at least.
         count: u32,
+    },
+    /// A step could not send.
+    NotSent {
+        /// When.
+        at: Time,
+        /// The step.
+        step: String,
+        /// The bus.
+        bus: String,
+        /// Why.
+        error: BoardError,
     },
     /// The outputs are not guarded any more.
     Guard {
@@ -166,6 +201,10 @@ impl Shown<'_> {
             BoardError::BadFaultTime(channel) => {
                 write!(f, "the times of a fault on {} must be above 0", self.name(channel))
             }
+            BoardError::FaultsApart { channel, other } => {
+                let (channel, other) = (self.name(channel), self.name(other));
+                write!(f, "channel {channel} takes no fault while one is on channel {other}")
+            }
             BoardError::TooManyFaults { channel, limit } => {
                 write!(f, "{} has {limit} faults already: clear it first", self.name(channel))
             }
@@ -174,12 +213,11 @@ impl Shown<'_> {
     }
 }
 
-/// Why a device went away, in words.
-fn why(reason: LossReason) -> &'static str {
-    match reason {
-        LossReason::Injected => "as asked",
-        LossReason::Gone => "its device is gone",
-        LossReason::Silent => "its device does not answer",
+/// What became of a device, in words.
+fn lost(f: &mut fmt::Formatter<'_>, device: &str, reason: LossReason) -> fmt::Result {
+    match device {
+        "" => write!(f, "its device {reason}"),
+        device => write!(f, "its device, {device}, {reason}"),
     }
 }
 
@@ -195,11 +233,33 @@ impl fmt::Display for Shown<'_> {
                 "at {at} the board had lost {} channels and {} events, and {} calls had failed",
                 health.lost, health.dropped, health.failed_calls
             ),
-            Trouble::Lost { at, channel, reason } => {
-                write!(f, "channel {} was lost at {at}: {}", self.name(*channel), why(*reason))
+            Trouble::Lost { at, channel, device, reason } => {
+                write!(f, "channel {} was lost at {at}: ", self.name(*channel))?;
+                lost(f, device, *reason)
             }
-            Trouble::BusLost { at, bus, reason } => {
-                write!(f, "bus {bus} was lost at {at}: {}", why(*reason))
+            Trouble::BusLost { at, bus, device, reason } => {
+                write!(f, "bus {bus} was lost at {at}: ")?;
+                lost(f, device, *reason)
+            }
+            Trouble::BusOff { at, bus, device } => {
+                let words = "went off the bus: it had counted 256 errors of sending";
+                match device.as_str() {
+                    "" => write!(f, "bus {bus} was lost at {at}: its controller {words}"),
+                    device => write!(f, "bus {bus} was lost at {at}: its controller, {device}, {words}"),
+                }
+            }
+            Trouble::StillLost { what, device, reason, since } => {
+                write!(f, "{what} is lost for {since}: ")?;
+                lost(f, device, *reason)?;
+                f.write_str("; `retake = true` below [board] takes back a device that is there again")
+            }
+            Trouble::NotSent { at, step, bus, error } => {
+                write!(f, "step `{step}` could not send on bus {bus} at {at}: ")?;
+                match error {
+                    BoardError::BusFull(_) => f.write_str("its queue is full"),
+                    BoardError::BadFrame(_) => f.write_str("the frame does not fit"),
+                    error => write!(f, "{error}"),
+                }
             }
             Trouble::FramesDropped { at, bus, count } => {
                 write!(f, "at least {count} frames of bus {bus} were lost by {at}")

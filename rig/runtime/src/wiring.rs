@@ -1,8 +1,9 @@
 //! Who is behind whom: terminals of the subject, channels of the board, signals of the trace.
 
 use crate::external;
+use crate::frames::Watch;
 use controller::{Channel as Terminal, ProbeId};
-use drivers::{BoardFile, ChannelId};
+use drivers::{BoardFile, BusId, ChannelId};
 use profile::Reference;
 use signal::{Area, Cause, SignalId, Span};
 
@@ -19,6 +20,8 @@ pub struct Wiring {
     pub early: Vec<Span>,
     /// Signals that show each observed probe, by its number.
     pub probes: Vec<Vec<SignalId>>,
+    /// Signals that follow the frames of each bus.
+    pub buses: Vec<Vec<Watch>>,
     /// Last writer of each channel, as the subject told it.
     pub writers: Vec<Cause>,
     /// The subject's state.
@@ -82,6 +85,15 @@ impl Wiring {
             self.probes.resize(place + 1, Vec::new());
         }
         self.probes[place].push(signal);
+    }
+
+    /// A signal follows the frames of a bus.
+    pub fn follow(&mut self, bus: BusId, watch: Watch) {
+        let place = usize::from(bus.0);
+        if self.buses.len() <= place {
+            self.buses.resize(place + 1, Vec::new());
+        }
+        self.buses[place].push(watch);
     }
 
     /// The channel behind an output terminal.

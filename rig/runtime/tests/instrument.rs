@@ -49,6 +49,7 @@ fn channel(name: &str) -> Channel {
         timestamp: TimestampSource::Kernel,
         resolution: Span::ZERO,
         shortest_pulse: Span::ZERO,
+        deadband: 0.0,
         max_pulse_hz: 0,
         faults: FaultSet::NONE,
         safe: Value::Bool(false),

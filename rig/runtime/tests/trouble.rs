@@ -67,6 +67,24 @@ fn trouble_of_the_board_is_an_error_with_its_reason_and_leaves_everything_safe()
     }
 }
 
+/// The board file says whether a lost device ends its case; the case is an error either way.
+#[test]
+fn a_lost_device_ends_its_case_through_the_teardown_where_the_board_file_says_so() {
+    let teardown = "teardown = [{ id = \"rest\", at = \"teardown + 5 ms\", mark = {} }]";
+    let lost = "[faults]\nlost = { chance = 0.2, for = \"30 ms\" }";
+    let run = |key: &str| run(&plan(teardown), &board(&format!("{key}{lost}")));
+    for (key, early) in [("", false), ("on-loss = \"go-on\"\n", false), ("on-loss = \"end\"\n", true)] {
+        let result = run(key);
+        texts::expect(&result, Verdict::Error);
+        let record = &result.record;
+        assert!(record.reason.contains("was lost at"), "{key}: {}", record.reason);
+        assert_eq!(record.ended == "a device was lost", early, "{key}: {}", record.ended);
+        // The teardown comes in any case.
+        let rest = record.steps.iter().find(|step| step.id == "rest").and_then(|step| step.at_ns);
+        assert_eq!(rest.map(|at| at[0]), Some(record.end_ns + 5_000_000), "{key}");
+    }
+}
+
 /// Late knowledge is no error: claims get an uncertainty.
 #[test]
 fn changes_that_become_known_late_are_uncertain_and_no_error() {

@@ -8,11 +8,19 @@
 //!
 //! Helpers panic with words, as assertions of a test do.
 
+mod adc;
 mod chip;
+mod relay;
+mod serial;
+mod spi;
 mod stall;
 mod wait;
 
+pub use adc::{ADC, Adc};
 pub use chip::{AUX, Chip, Line, MAIN, SimChip};
+pub use relay::Contact;
+pub use serial::{SERIAL_A, SERIAL_B, SERIAL_C, SERIAL_D, Serial, Unplugged};
+pub use spi::{ADS8688, LOOPBACK, MAX1111, MCP3008, SpiAdc, bind_spi, unbind_spi};
 pub use stall::Call;
 pub use wait::{PATIENCE, wait_for};
 
@@ -65,6 +73,12 @@ impl Lab {
     /// Wires an output line to an input line through an inverter.
     pub fn wire_inverted(&self, from: Line, to: Line) {
         write(Path::new(WIRES), &format!("{from} !{to}"));
+    }
+
+    /// A relay whose coil is one line: while that is high, its contact cuts or shorts another line. The contact moves so much
+    /// later than the coil.
+    pub fn relay(&self, coil: Line, contact: Contact, on: Line, after: Duration) {
+        write(Path::new(WIRES), &format!("{coil} {} {on} {}", contact.word(), after.as_millis()));
     }
 
     /// The next `times` calls of this kind on the chip sleep this long inside the kernel, before the lines move. Nothing can

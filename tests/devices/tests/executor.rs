@@ -16,7 +16,9 @@ use std::time::Duration;
 
 use bench::{Bench, Start};
 use counting::{LOOKING, look};
-use devices::{Call, Lab, MAIN, PATIENCE, wait_for};
+use devices::{ADC, Adc, Call, Lab, MAIN, MCP3008, PATIENCE, SERIAL_A, bind_spi, wait_for};
+use drivers::serial::{LineSettings, PortSpec, SerialPort};
+use host::{Realtime, Role, monotonic};
 use signal::Span;
 
 const HANG: Duration = Duration::from_secs(1);
@@ -32,18 +34,77 @@ fn share(starts: &[Start], percent: usize) -> Span {
 #[ignore = "in the lab: tests/lab/devices"]
 fn scans_start_as_punctually_while_a_device_call_hangs() {
     let lab = Lab::enter();
+    punctual("", || lab.stall(MAIN, Call::Set, HANG, 1), || lab.inside(MAIN, Call::Set));
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn scans_start_as_punctually_while_an_spi_transfer_hangs() {
+    let _lab = Lab::enter();
+    bind_spi();
+    let adc = MCP3008.reset();
+    let devices = "level = { kind = \"analog\", unit = \"V\", input = 0 }
+[converters]
+adc = { kind = \"spi\", path = \"/dev/spidev0.0\", part = \"mcp3008\", reference = \"3.3 V\", period = \"100 ms\" }
+";
+    punctual(devices, || adc.stall(HANG, 1), || adc.inside());
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn scans_start_as_punctually_while_industrial_io_hangs() {
+    let _lab = Lab::enter();
+    let adc = Adc::enter();
+    let devices = format!(
+        "level = {{ kind = \"analog\", unit = \"V\", input = 0 }}
+[converters]
+adc = {{ kind = \"iio\", name = \"{ADC}\", period = \"100 ms\" }}
+"
+    );
+    punctual(&devices, || adc.stall(HANG, 1), || adc.inside());
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn scans_start_as_punctually_while_a_serial_port_hangs() {
+    let _lab = Lab::enter();
+    let (ask, asked) = std::sync::mpsc::channel();
+    let line = LineSettings::default();
+    let spec = PortSpec { path: SERIAL_A.path(), line, rs485: None, low_latency: None, exclusive: true };
+    // A thread of the role that ports have on a board.
+    let port = std::thread::spawn(move || {
+        Realtime::with_priority(80).enter(Role::Devices).expect("real-time priority");
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build().unwrap();
+        runtime.block_on(async {
+            let mut port = SerialPort::open(&spec).unwrap();
+            for () in asked {
+                let sending = port.send(b"request").await.unwrap();
+                SERIAL_A.stall(HANG);
+                port.drain(sending, monotonic() + PATIENCE.as_nanos() as i64).await.unwrap();
+                SERIAL_A.stall(Duration::ZERO);
+            }
+        });
+    });
+    punctual("", || ask.send(()).unwrap(), || SERIAL_A.inside());
+    drop(ask);
+    port.join().unwrap();
+}
+
+/// Holds how late scans start while a call on a device hangs, three times for a second, against how late they start at
+/// other times. `begin` lets the next call hang, `inside` tells how many do. `devices` are on the board beside its lines.
+fn punctual(devices: &str, begin: impl Fn() + Sync, inside: impl Fn() -> u32 + Sync) {
     // A scan each 10 ms, whose output turns in each.
-    let bench = Bench::new(Span::from_millis(10), 1, Span::from_secs(12));
+    let bench = Bench::beside(devices, Span::from_millis(10), 1, Span::from_secs(12));
     let progress = bench.progress.clone();
     let hang = || {
         let now = || progress.load(Ordering::Relaxed);
         let mut hung = Vec::new();
         wait_for("the scans", PATIENCE, || now() > 3_000_000_000);
         for turn in 1..=3i64 {
-            lab.stall(MAIN, Call::Set, HANG, 1);
-            wait_for("a call that hangs", PATIENCE, || lab.inside(MAIN, Call::Set) == 1);
+            begin();
+            wait_for("a call that hangs", PATIENCE, || inside() == 1);
             let from = now();
-            wait_for("its end", PATIENCE, || lab.inside(MAIN, Call::Set) == 0);
+            wait_for("its end", PATIENCE, || inside() == 0);
             hung.push((from, now()));
             wait_for("more scans", PATIENCE, || now() > 3_000_000_000 + turn * 2_500_000_000);
         }

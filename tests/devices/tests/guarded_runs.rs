@@ -262,7 +262,7 @@ fn a_chip_that_hangs_while_it_is_read_makes_the_case_an_error() {
     lab.stall(MAIN, Call::Get, Duration::from_secs(2), 1);
     wait_for("the call hangs", PATIENCE, || lab.inside(MAIN, Call::Get) == 1);
     assert_eq!(run.exit_code(), Some(4), "{}", run.said());
-    assert!(run.said().contains("its device does not answer"), "{}", run.said());
+    assert!(run.said().contains("its device, /dev/gpiochip0 (rig-gpio), does not answer"), "{}", run.said());
     assert_eq!(guards(), 0);
     assert!(!AUX.line(0).value(), "the other chip is safe");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0
 /*
- * rig_wire - wires between gpio-sim lines, and calls that hang, inside the kernel.
+ * rig_wire - wires and relays between gpio-sim lines, and calls that hang, inside the kernel.
  *
  * A gpio-sim output notifies nobody, and its inputs are set through sysfs, so
  * a loop from output to input takes a polling program. Here the chip's own
@@ -12,9 +12,14 @@
  * /sys/devices/platform/rig-wire/wires (rw): read lists them; write
  *   "CHIP:LINE CHIP:LINE"   a wire from output to input, chips by label
  *   "CHIP:LINE !CHIP:LINE"  the same with an inverter
- *   "none"                  cuts them all
+ *   "CHIP:LINE open CHIP:LINE MS"  a relay: while the first line is high, the second is
+ *                           cut off and reads low; "ground": it is low, "supply":
+ *                           high. The contact moves MS after its coil (0: inside
+ *                           the call, as a wire does).
+ *   "none"                  cuts them all, relays too
  * The level present is put on the input at once. Releasing an output leaves
- * the input as it was last driven. A wired chip must not be taken away.
+ * the input as it was last driven, and so does a relay that lets go of a line
+ * without a wire. A wired chip must not be taken away.
  *
  * /sys/devices/platform/rig-wire/stall (rw): a bus behind the chip that hangs.
  *   "CHIP get MS TIMES"   the next TIMES calls that read lines of the chip sleep
@@ -32,9 +37,11 @@
 #include <linux/pinctrl/pinconf-generic.h>
 #include <linux/platform_device.h>
 #include <linux/sysfs.h>
+#include <linux/workqueue.h>
 
 #define MAX_CHIPS 4
 #define MAX_WIRES 64
+#define MAX_RELAYS 16
 #define MAX_STALL_MS 60000
 
 enum { GET, SET, CALLS };
@@ -68,14 +75,101 @@ static struct wire {
 	bool invert;
 } wires[MAX_WIRES];
 static unsigned int n_wires;
+static const char *const way_names[] = { "open", "ground", "supply" };
+static struct relay {
+	struct end by, on;
+	unsigned int way, ms;
+	bool coil, contact;
+	bool rest;	/* the level before, of a line without a wire */
+	struct delayed_work work;
+} relays[MAX_RELAYS];
+static unsigned int n_relays;
 static DEFINE_MUTEX(lock);	/* gpio-sim's callbacks may sleep anyway */
+
+static void pull(const struct end *end, bool up)
+{
+	unsigned int pull = up ? PIN_CONFIG_BIAS_PULL_UP : PIN_CONFIG_BIAS_PULL_DOWN;
+
+	end->chip->gc->set_config(end->chip->gc, end->line, PIN_CONF_PACKED(pull, 1));
+}
+
+static bool same(const struct end *a, const struct end *b)
+{
+	return a->chip == b->chip && a->line == b->line;
+}
+
+/* the relay whose contact has the line, if any: the first beats the others */
+static struct relay *faulty(const struct end *end)
+{
+	unsigned int i;
+
+	for (i = 0; i < n_relays; i++)
+		if (relays[i].contact && same(&relays[i].on, end))
+			return &relays[i];
+	return NULL;
+}
 
 static void drive(const struct wire *w, bool level)
 {
-	unsigned int pull = level != w->invert ? PIN_CONFIG_BIAS_PULL_UP :
-						 PIN_CONFIG_BIAS_PULL_DOWN;
+	if (!faulty(&w->to))
+		pull(&w->to, level != w->invert);
+}
 
-	w->to.chip->gc->set_config(w->to.chip->gc, w->to.line, PIN_CONF_PACKED(pull, 1));
+/* a contact has moved: the line is what relays and wires make of it now */
+static void settle(struct relay *r)
+{
+	struct relay *f = faulty(&r->on);
+	unsigned int i;
+
+	if (f) {
+		pull(&f->on, f->way == 2);
+		return;
+	}
+	for (i = 0; i < n_wires; i++)
+		if (same(&wires[i].to, &r->on)) {
+			struct end *from = &wires[i].from;
+
+			drive(&wires[i], from->chip->get(from->chip->gc, from->line));
+			return;
+		}
+	pull(&r->on, r->rest);
+}
+
+static void move_contact(struct relay *r)
+{
+	if (r->contact == r->coil)
+		return;
+	if (r->coil && !faulty(&r->on))
+		r->rest = r->on.chip->get(r->on.chip->gc, r->on.line);
+	r->contact = r->coil;
+	settle(r);
+}
+
+static void relay_work(struct work_struct *work)
+{
+	struct relay *r = container_of(to_delayed_work(work), struct relay, work);
+
+	mutex_lock(&lock);
+	if (r - relays < n_relays)
+		move_contact(r);
+	mutex_unlock(&lock);
+}
+
+static void energise(struct hooked *chip, unsigned int line, bool on)
+{
+	unsigned int i;
+
+	for (i = 0; i < n_relays; i++) {
+		struct relay *r = &relays[i];
+
+		if (r->by.chip != chip || r->by.line != line || r->coil == on)
+			continue;
+		r->coil = on;
+		if (r->ms)
+			mod_delayed_work(system_highpri_wq, &r->work, msecs_to_jiffies(r->ms));
+		else
+			move_contact(r);
+	}
 }
 
 static struct hooked *hooked_of(struct gpio_chip *gc)
@@ -95,6 +189,8 @@ static void follow(struct gpio_chip *gc, unsigned long *mask, unsigned long *bit
 	for (i = 0; i < n_wires; i++)
 		if (wires[i].from.chip->gc == gc && test_bit(wires[i].from.line, mask))
 			drive(&wires[i], test_bit(wires[i].from.line, bits));
+	for_each_set_bit(i, mask, gc->ngpio)
+		energise(hooked_of(gc), i, test_bit(i, bits));
 }
 
 static void follow_one(struct gpio_chip *gc, unsigned int offset, int value)
@@ -104,6 +200,7 @@ static void follow_one(struct gpio_chip *gc, unsigned int offset, int value)
 	for (i = 0; i < n_wires; i++)
 		if (wires[i].from.chip->gc == gc && wires[i].from.line == offset)
 			drive(&wires[i], value);
+	energise(hooked_of(gc), offset, value);
 }
 
 /* Outside of the lock: a chip that hangs does not hold up another one. */
@@ -200,6 +297,7 @@ static void unhook_all(void)
 
 	mutex_lock(&lock);
 	n_wires = 0;
+	n_relays = 0;
 	for (i = 0; i < MAX_CHIPS && chips[i].gc; i++) {
 		chips[i].gc->set = chips[i].set;
 		chips[i].gc->set_multiple = chips[i].set_multiple;
@@ -241,24 +339,71 @@ static ssize_t wires_show(struct device *d, struct device_attribute *a, char *bu
 				   w->from.line, w->invert ? "!" : "",
 				   w->to.chip->gc->label, w->to.line);
 	}
+	for (i = 0; i < n_relays; i++) {
+		struct relay *r = &relays[i];
+
+		n += sysfs_emit_at(buf, n, "%s:%u %s %s:%u %u\n", r->by.chip->gc->label,
+				   r->by.line, way_names[r->way], r->on.chip->gc->label,
+				   r->on.line, r->ms);
+	}
 	mutex_unlock(&lock);
 	return n;
+}
+
+static void cut_all(void)
+{
+	unsigned int i;
+
+	mutex_lock(&lock);
+	n_wires = 0;
+	n_relays = 0;
+	mutex_unlock(&lock);
+	for (i = 0; i < MAX_RELAYS; i++)
+		cancel_delayed_work_sync(&relays[i].work);
+}
+
+static int add_relay(char *by, const char *way, char *on, unsigned int ms)
+{
+	struct relay *r = &relays[n_relays];
+	int e;
+
+	if (n_relays == MAX_RELAYS)
+		return -ENOSPC;
+	e = match_string(way_names, ARRAY_SIZE(way_names), way);
+	if (e < 0 || ms > MAX_STALL_MS)
+		return -EINVAL;
+	r->way = e;
+	r->ms = ms;
+	e = parse_end(by, &r->by) ?: parse_end(on, &r->on);
+	if (e)
+		return e;
+	r->contact = false;
+	r->coil = r->by.chip->get(r->by.chip->gc, r->by.line);
+	n_relays++;
+	move_contact(r);
+	return 0;
 }
 
 static ssize_t wires_store(struct device *d, struct device_attribute *a,
 			   const char *buf, size_t n)
 {
-	char from[40], to[40];
+	char from[40], to[40], on[40];
 	struct wire w = {};
+	unsigned int ms;
 	int e;
 
 	if (sysfs_streq(buf, "none")) {
-		mutex_lock(&lock);
-		n_wires = 0;
-		mutex_unlock(&lock);
+		cut_all();
 		return n;
 	}
-	if (sscanf(buf, "%39s %39s", from, to) != 2)
+	e = sscanf(buf, "%39s %39s %39s %u", from, to, on, &ms);
+	if (e == 4) {
+		mutex_lock(&lock);
+		e = add_relay(from, to, on, ms);
+		mutex_unlock(&lock);
+		return e ?: n;
+	}
+	if (e != 2)
 		return -EINVAL;
 	w.invert = to[0] == '!';
 	mutex_lock(&lock);
@@ -353,8 +498,12 @@ static struct platform_device *rig_dev;
 
 static int __init rig_init(void)
 {
-	int e = platform_driver_register(&rig_driver);
+	unsigned int i;
+	int e;
 
+	for (i = 0; i < MAX_RELAYS; i++)
+		INIT_DELAYED_WORK(&relays[i].work, relay_work);
+	e = platform_driver_register(&rig_driver);
 	if (e)
 		return e;
 	rig_dev = platform_device_register_simple("rig-wire", PLATFORM_DEVID_NONE, NULL, 0);
@@ -369,6 +518,7 @@ static void __exit rig_exit(void)
 {
 	platform_device_unregister(rig_dev);
 	platform_driver_unregister(&rig_driver);
+	cut_all();
 	unhook_all();
 }
 

@@ -1,7 +1,9 @@
 //! A board file for a measurement.
 
+use super::INTERRUPT;
 use crate::exit::Exit;
 use crate::output;
+use crate::wait::WaitArgs;
 use document::{Diagnostic, SourceFile};
 use drivers::BoardFile;
 use host::Refused;
@@ -13,7 +15,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// The exit of the command, when the reason was shown.
-pub fn open(path: &Path) -> Result<(BoardFile, Hardware), Exit> {
+pub fn open(path: &Path, wait: &WaitArgs) -> Result<(BoardFile, Hardware), Exit> {
     let mut sources: Vec<SourceFile> = Vec::new();
     let shown = |found: &[Diagnostic], sources: &[SourceFile]| {
         output::findings(found, sources);
@@ -21,8 +23,9 @@ pub fn open(path: &Path) -> Result<(BoardFile, Hardware), Exit> {
     };
     let (file, _) = suite::load_board(&Disk, &path.to_string_lossy(), &mut sources)
         .map_err(|found| shown(&found, &sources))?;
+    let lock = wait.take(&file, &INTERRUPT)?;
     let hardware = Hardware::open(&file).map_err(|found| shown(&found, &sources))?;
-    let Some(hardware) = hardware else {
+    let Some(hardware) = hardware.map(|hardware| hardware.with_lock(lock)) else {
         let message = format!("`{}` has no real lines: there is nothing to measure", path.display());
         let found = Diagnostic::error("R0253", message).help("name the file of a board of `kind = \"real\"`");
         return Err(shown(&[found], &[]));

@@ -4,6 +4,7 @@ use super::{INTERRUPT, board, interrupted, keep, measured, refuse, show};
 use crate::args::Format;
 use crate::exit::Exit;
 use crate::output;
+use crate::wait::WaitArgs;
 use clap::Args;
 use drivers::{ChannelId, Loop};
 use record::Durations;
@@ -33,6 +34,9 @@ pub struct LoopbackArgs {
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// What it does when somebody else is on the lines.
+    #[command(flatten)]
+    wait: WaitArgs,
 }
 
 /// Lets a loop drive itself and says how long its edges take.
@@ -45,7 +49,7 @@ fn try_run(args: &LoopbackArgs) -> Result<Exit, Exit> {
         let message = format!("--count {}: so many edges cannot be measured", args.count);
         return Err(refuse("R0250", message, &format!("from 1 to {MOST}")));
     }
-    let (file, hardware) = board::open(&args.board)?;
+    let (file, hardware) = board::open(&args.board, &args.wait)?;
     let mut board = hardware.lend();
     let looped = match (&args.out, &args.input, file.check) {
         (Some(out), Some(input), _) => {

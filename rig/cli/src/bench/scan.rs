@@ -5,6 +5,7 @@ use super::{INTERRUPT, board, interrupted, interval, keep, measured, refuse, sho
 use crate::args::Format;
 use crate::exit::Exit;
 use crate::output;
+use crate::wait::WaitArgs;
 use clap::Args;
 use drivers::{Board, ChannelId};
 use profile::Profile;
@@ -44,6 +45,9 @@ pub struct ScanArgs {
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// What it does when somebody else is on the lines.
+    #[command(flatten)]
+    wait: WaitArgs,
 }
 
 /// Scans as the executor does and says what the phases take.
@@ -58,7 +62,7 @@ fn try_run(args: &ScanArgs) -> Result<Exit, Exit> {
         return Err(refuse("R0250", message, &format!("from 1 to {MOST}")));
     }
     let mut alone = program(&args.program)?;
-    let (file, hardware) = board::open(&args.board)?;
+    let (file, hardware) = board::open(&args.board, &args.wait)?;
     let mut board = hardware.lend();
     let mut driven: Vec<ChannelId> = file.check.iter().map(|looped| looped.out).collect();
     for name in &args.drive {

@@ -3,9 +3,11 @@
 use crate::exit::Exit;
 use crate::output;
 use document::{Diagnostic, SourceFile};
+use drivers::circuit::ChannelSpec;
+use drivers::convert::SampleSpec;
 use drivers::file::{BoardFile, BoardKind};
 use drivers::gpio::{Direction, LineSpec};
-use drivers::real::RealSpec;
+use drivers::real::{FaultWay, RealSpec};
 use drivers::{Board, BoardError, ChannelId, Surroundings};
 use runtime::suite::{self, Disk};
 use signal::Time;
@@ -15,6 +17,15 @@ use std::path::Path;
 const NO_REAL_LINES: &str = "R0243";
 /// A call on a device failed.
 const CALL_FAILED: &str = "R0244";
+
+/// What becomes of the devices that have no lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Others {
+    /// They are on the board, too.
+    Kept,
+    /// Nobody touches them.
+    Left,
+}
 
 /// A board file of real lines.
 #[derive(Debug)]
@@ -60,20 +71,51 @@ impl Bench {
         self.spec.gpio.lines.iter().find(|line| usize::from(line.channel.0) == channel)
     }
 
-    /// The board of some of the lines: each as `keep` has it, or not at all. Nothing is bound on it.
-    pub fn some(&self, keep: impl Fn(usize, &LineSpec) -> Option<LineSpec>) -> BoardFile {
+    /// What the channel does where it is that of a fault relay, in words.
+    pub fn relay(&self, channel: usize) -> Option<String> {
+        let mut relays = self.spec.relays.iter().flat_map(|wire| {
+            FaultWay::ALL.into_iter().filter_map(|way| Some((wire.channel, way, wire.relay(way)?)))
+        });
+        let (wire, way, _) = relays.find(|(_, _, relay)| usize::from(relay.0) == channel)?;
+        let wire = self.name(usize::from(wire.0));
+        Some(match way {
+            FaultWay::Open => format!("opens the wire of {wire}"),
+            FaultWay::Ground => format!("shorts the wire of {wire} to ground"),
+            FaultWay::Supply => format!("shorts the wire of {wire} to the supply"),
+        })
+    }
+
+    /// The input behind a channel.
+    pub fn sample(&self, channel: usize) -> Option<&SampleSpec> {
+        self.spec.converters.samples.iter().find(|sample| usize::from(sample.channel.0) == channel)
+    }
+
+    /// The board of some of the lines: each as `keep` has it, or not at all; and with what else there is, converters and
+    /// buses, or with lines alone. Nothing is bound on it.
+    pub fn some(&self, keep: impl Fn(usize, &LineSpec) -> Option<LineSpec>, others: Others) -> BoardFile {
         let mut spec = self.spec.clone();
         spec.gpio.lines.clear();
+        spec.converters.samples.clear();
+        if others == Others::Left {
+            spec.can.buses.clear();
+            spec.serial.clear();
+        }
+        // A relay is an output like any other here: nobody asks for faults.
+        spec.relays.clear();
         let mut file = BoardFile { bind: Vec::new(), ..self.file.clone() };
         file.circuit.channels.clear();
-        let kept = self.spec.gpio.lines.iter().filter_map(|line| keep(usize::from(line.channel.0), line));
-        for line in kept {
-            let Some(channel) = self.file.circuit.channels.get(usize::from(line.channel.0)) else { continue };
+        for (at, channel) in self.file.circuit.channels.iter().enumerate() {
+            let line = self.line(at).and_then(|line| keep(at, line));
+            let sample = self.sample(at).filter(|_| others == Others::Kept);
             let Ok(place) = u16::try_from(file.circuit.channels.len()) else { break };
-            let mut channel = channel.clone();
-            (channel.drives, channel.senses) = (line.direction == Direction::Output, true);
-            file.circuit.channels.push(channel);
-            spec.gpio.lines.push(LineSpec { channel: ChannelId(place), ..line });
+            let id = ChannelId(place);
+            let drives = line.as_ref().is_some_and(|line| line.direction == Direction::Output);
+            if line.is_none() && sample.is_none() {
+                continue;
+            }
+            file.circuit.channels.push(ChannelSpec { drives, senses: true, ..channel.clone() });
+            spec.gpio.lines.extend(line.map(|line| LineSpec { channel: id, ..line }));
+            spec.converters.samples.extend(sample.map(|sample| SampleSpec { channel: id, ..sample.clone() }));
         }
         file.kind = BoardKind::Real(Box::new(spec));
         file

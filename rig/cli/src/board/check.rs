@@ -1,12 +1,14 @@
-//! `rig board check`: whether the lines of a board file can be had, without claiming any.
+//! `rig board check`: whether the devices of a board file can be had, without claiming any.
 
-use super::bench::Bench;
+use super::bench::{Bench, Others};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
+use document::Diagnostic;
 use drivers::ChannelId;
 use drivers::file::BoardKind;
 use drivers::gpio::{self, Direction, FoundChip, LineInfo};
+use drivers::real;
 use std::path::PathBuf;
 
 /// `rig board check`.
@@ -23,11 +25,21 @@ pub fn run(args: &CheckArgs) -> Exit {
         Ok(bench) => bench,
         Err(exit) => return exit,
     };
-    let whole = gpio::find(&bench.file, &bench.spec.gpio);
+    // A board without lines needs no chip.
+    let whole = match bench.spec.gpio.lines.is_empty() {
+        true => Ok(Vec::new()),
+        false => gpio::find(&bench.file, &bench.spec.gpio),
+    };
+    let others = real::look(&bench.file, &bench.spec);
     let rows: Vec<Option<Found>> = (0..bench.file.circuit.channels.len())
-        .map(|at| match &whole {
-            Ok(chips) => found(chips, ChannelId(u16::try_from(at).ok()?)),
-            Err(_) => alone(&bench, at),
+        .map(|at| {
+            let channel = ChannelId(u16::try_from(at).ok()?);
+            let measured = others.inputs.iter().find(|(measured, _)| *measured == channel);
+            match (measured, &whole) {
+                (Some((_, words)), _) => Some(Found { head: String::new(), lines: words.clone()? }),
+                (None, Ok(chips)) => found(chips, channel),
+                (None, Err(_)) => alone(&bench, at),
+            }
         })
         .collect();
     let mut shown = Vec::new();
@@ -37,18 +49,27 @@ pub fn run(args: &CheckArgs) -> Exit {
             output::print(&row.head);
         }
     }
-    let wide = (0..rows.len()).map(|at| bench.name(at).len()).max().unwrap_or(0);
+    let named = (0..rows.len()).map(|at| bench.name(at).len());
+    let wide = named.chain(others.buses.iter().map(|(_, name, _)| name.len())).max().unwrap_or(0);
     for (at, row) in rows.iter().enumerate() {
         let text = row.as_ref().map_or("cannot be had", |row| row.lines.as_str());
-        output::print(&format!("{:<wide$}  {text}\n", bench.name(at)));
+        let relay = bench.relay(at).map_or_else(String::new, |what| format!("; {what}"));
+        output::print(&format!("{:<wide$}  {text}{relay}\n", bench.name(at)));
     }
-    match whole {
-        Ok(_) => {
-            output::print(&format!("{}: all {} channels can be had\n", args.file.display(), rows.len()));
-            Exit::Passed
-        }
-        Err(found) => bench.wrong(&found),
+    for (_, name, words) in &others.buses {
+        output::print(&format!("{name:<wide$}  {}\n", words.as_deref().unwrap_or("cannot be had")));
     }
+    let wrong: Vec<Diagnostic> = whole.err().into_iter().flatten().chain(others.found).collect();
+    if !wrong.is_empty() {
+        return bench.wrong(&wrong);
+    }
+    let buses = match others.buses.len() {
+        0 => String::new(),
+        1 => " and the bus".to_owned(),
+        count => format!(" and {count} buses"),
+    };
+    output::print(&format!("{}: all {} channels{buses} can be had\n", args.file.display(), rows.len()));
+    Exit::Passed
 }
 
 /// What is said of a channel that can be had.
@@ -66,7 +87,7 @@ fn found(chips: &[FoundChip], channel: ChannelId) -> Option<Found> {
 
 /// A channel that is looked for without the others, some of which cannot be had.
 fn alone(bench: &Bench, at: usize) -> Option<Found> {
-    let file = bench.some(|other, line| (other == at).then(|| line.clone()));
+    let file = bench.some(|other, line| (other == at).then(|| line.clone()), Others::Left);
     let BoardKind::Real(spec) = &file.kind else { return None };
     found(&gpio::find(&file, &spec.gpio).ok()?, ChannelId(0))
 }

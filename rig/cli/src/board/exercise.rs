@@ -1,13 +1,14 @@
 //! `rig board exercise`: one output at a time, and what comes back.
 
-use super::bench::{Bench, failed, listening};
+use super::bench::{Bench, Others, failed, listening};
 use super::tally::{News, Tally, loss};
 use crate::exit::Exit;
 use crate::output;
 use crate::person::Person;
+use crate::wait::WaitArgs;
 use clap::Args;
 use document::{Diagnostic, suggest};
-use drivers::gpio::Direction;
+use drivers::gpio::{Direction, LineSpec};
 use drivers::{Board, BoardEvent, Channel, ChannelId};
 use guard::GuardError;
 use plans::steps::Question;
@@ -39,6 +40,9 @@ pub struct ExerciseArgs {
     /// How long an output stays at its other level.
     #[arg(long, value_name = "TIME", default_value = "500 ms", value_parser = super::above_zero)]
     hold: Span,
+    /// What it does when somebody else is on the lines.
+    #[command(flatten)]
+    wait: WaitArgs,
 }
 
 /// Drives outputs, one after the other, each only with consent. An output is claimed while it has its turn, and safe
@@ -58,6 +62,7 @@ fn try_run(args: &ExerciseArgs) -> Result<Exit, Exit> {
         output::complain(&format!("interrupts cannot be handled: {error}"));
         return Err(Exit::Error);
     }
+    let _lock = args.wait.take(&bench.file, &INTERRUPT)?;
     let mut sound = true;
     for at in outputs {
         let agreed = match &person {
@@ -119,7 +124,8 @@ fn nobody() -> Exit {
 
 fn ask(person: &Person, bench: &Bench, at: usize, hold: Span) -> Result<bool, AskError> {
     let safe = bench.line(at).is_some_and(|line| line.safe);
-    let text = format!("drive it from {} to {} for {hold}, and back?", u8::from(safe), u8::from(!safe));
+    let what = bench.relay(at).map_or_else(String::new, |what| format!("it {what}: "));
+    let text = format!("{what}drive it from {} to {} for {hold}, and back?", u8::from(safe), u8::from(!safe));
     let answers = ["no", "yes"].map(str::to_owned).to_vec();
     let question = Question { text, photo: None, answers, pass: 1 };
     person.ask(bench.name(at), &question, &INTERRUPT).map(|answer| answer == 1)
@@ -127,7 +133,8 @@ fn ask(person: &Person, bench: &Bench, at: usize, hold: Span) -> Result<bool, As
 
 /// Gives an output its turn and tells what came back. `false` where the rig lost something on the way.
 fn turn(bench: &Bench, at: usize, hold: Span) -> Result<bool, Exit> {
-    let board = bench.some(|other, line| if other == at { Some(line.clone()) } else { listening(line) });
+    let keep = |other, line: &LineSpec| if other == at { Some(line.clone()) } else { listening(line) };
+    let board = bench.some(keep, Others::Left);
     // As in a run: with the guard behind the output, if the file has one.
     let opened = Hardware::open(&board).map_err(|found| bench.wrong(&found))?;
     // Only a simulated board has nothing to open, and such files were refused.
@@ -148,7 +155,8 @@ fn turn(bench: &Bench, at: usize, hold: Span) -> Result<bool, Exit> {
         // What moves by itself is no answer.
         ear.listen(&mut board, &hardware, hold)?;
         ear.note_restless();
-        output::print(&format!("{name}\n"));
+        let what = bench.relay(at).map_or_else(String::new, |what| format!(", which {what}"));
+        output::print(&format!("{name}{what}\n"));
         for level in [!safe, safe] {
             let now = time.now();
             board.write(now, &[(driven, Value::Bool(level))]).map_err(failed)?;
@@ -224,7 +232,7 @@ impl Ear {
                             *lost = news;
                         }
                     }
-                    News::First(_) | News::Returned | News::Nothing => {}
+                    News::First(_) | News::Quantity(_) | News::Returned | News::Nothing => {}
                 }
             }
             if over {

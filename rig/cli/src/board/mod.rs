@@ -3,8 +3,10 @@
 mod bench;
 mod check;
 mod exercise;
+mod found;
 mod scan;
 mod tally;
+mod traffic;
 mod watch;
 
 use crate::exit::Exit;
@@ -16,9 +18,9 @@ use signal::Span;
 pub enum BoardCommand {
     /// Write a first board file from the devices of this machine. Nothing is claimed and nothing moves.
     Scan(scan::ScanArgs),
-    /// Look whether every line of a board file is there and free. Nothing is claimed and nothing moves.
+    /// Look whether every line, converter and bus of a board file is there and free. Nothing is claimed and nothing moves.
     Check(check::CheckArgs),
-    /// Show the inputs of a board as they change, with counts and times. Outputs are left alone.
+    /// Show the inputs and buses of a board as they change, with counts and times. Outputs are left alone.
     Watch(watch::WatchArgs),
     /// Drive one output at a time, with consent for each, and tell what comes back.
     Exercise(exercise::ExerciseArgs),
@@ -35,7 +37,7 @@ pub fn run(command: &BoardCommand) -> Exit {
 }
 
 /// A duration of an argument.
-fn above_zero(text: &str) -> Result<Span, String> {
+pub fn above_zero(text: &str) -> Result<Span, String> {
     let span = Span::parse(text).map_err(|error| error.to_string())?;
     if span > Span::ZERO { Ok(span) } else { Err("the time must be above 0".to_owned()) }
 }

@@ -1,11 +1,12 @@
 //! `rig board scan`: a first board file from what is there.
 
+use super::found::{self, Found};
 use crate::exit::Exit;
 use crate::{files, output};
 use clap::Args;
 use document::Diagnostic;
 use drivers::gpio::{self, ChipInfo, Direction, GpioError, LineInfo, MAX_LINES};
-use drivers::inventory::{self, Device};
+use drivers::inventory::{self, Device, DeviceKind};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -30,15 +31,16 @@ pub struct ScanArgs {
 /// Writes the board file.
 pub fn run(args: &ScanArgs) -> Exit {
     let devices = inventory::devices(&args.root);
+    let others = found::look(&args.root, &devices);
     let (chips, refused) = match gpio::list() {
         Ok(all) => split(all),
         Err(error) => (Vec::new(), vec![error]),
     };
     let mut found: Vec<Diagnostic> = refused.iter().map(|error| refusal(error, !chips.is_empty())).collect();
-    if chips.is_empty() && found.is_empty() {
+    if chips.is_empty() && found.is_empty() && !others.live {
         let others = match devices.len() {
             0 => "nor another device that a board could be made of".to_owned(),
-            _ => format!("only\n{}", listed(&devices, "  ").trim_end()),
+            _ => format!("only\n{}", listed(&devices.iter().collect::<Vec<_>>(), "  ").trim_end()),
         };
         found.push(
             Diagnostic::error(NO_LINES, format!("this machine has no GPIO lines, {others}"))
@@ -46,10 +48,10 @@ pub fn run(args: &ScanArgs) -> Exit {
         );
     }
     output::findings(&found, &[]);
-    if chips.is_empty() {
+    if chips.is_empty() && !others.live {
         return Exit::UserFiles;
     }
-    let text = board_file(&chips, &devices);
+    let text = board_file(&chips, &others, &devices);
     let Some(path) = &args.output else {
         output::print(&text);
         return Exit::Passed;
@@ -105,7 +107,8 @@ fn write_new(path: &Path, text: &str) -> Result<(), Diagnostic> {
 }
 
 const HEAD: &str = "\
-# A first board file: the GPIO lines of this machine that nobody holds, each as an input, so that nothing moves.
+# A first board file: the GPIO lines of this machine that nobody holds, each as an input, so that nothing moves,
+# and its converters and buses.
 # Strike out what is not wired, and name terminals of the controller under [bind]. For a line that the rig is to
 # drive write `drives = true, safe = false` (or true) in place of `drives = false`.
 format = 1
@@ -116,9 +119,11 @@ kind = \"real\"
 ";
 
 /// The board file of these devices. Equal devices give an equal text.
-fn board_file(chips: &[ChipInfo], devices: &[Device]) -> String {
+fn board_file(chips: &[ChipInfo], others: &Found, devices: &[Device]) -> String {
     let mut text = HEAD.to_owned();
-    text.push_str("\n[chips]\n");
+    if !chips.is_empty() {
+        text.push_str("\n[chips]\n");
+    }
     let keys = chip_keys(chips);
     for (chip, key) in chips.iter().zip(&keys) {
         let twin = chips.iter().filter(|other| other.label == chip.label).count() > 1;
@@ -129,6 +134,11 @@ fn board_file(chips: &[ChipInfo], devices: &[Device]) -> String {
         };
         let (path, lines, backend) = (chip.path.display(), chip.lines.len(), chip.backend.name());
         text.push_str(&format!("{key} = {{ {by} }} # {path}, {lines} lines, interface {backend}\n"));
+    }
+    for (title, lines) in [("converters", &others.converters), ("buses", &others.buses)] {
+        if !lines.is_empty() {
+            text.push_str(&format!("\n[{title}]\n{lines}"));
+        }
     }
     text.push_str("\n[channels]\n");
     let mut first = None;
@@ -149,13 +159,20 @@ fn board_file(chips: &[ChipInfo], devices: &[Device]) -> String {
             }
         }
     }
+    text.push_str(&others.channels);
     let first = first.unwrap_or_else(|| "CHANNEL".to_owned());
     text.push_str(&format!("\n[bind]\n# \"%IX0.0\" = {}\n", quoted(&first)));
-    if !devices.is_empty() {
-        text.push_str("\n# Other devices of this machine, which a board of lines does not use:\n");
-        text.push_str(&listed(devices, "#   "));
+    let rest: Vec<&Device> = devices.iter().filter(|device| !is_part(device.kind)).collect();
+    if !rest.is_empty() {
+        text.push_str("\n# Other devices of this machine, which a board has no use for:\n");
+        text.push_str(&listed(&rest, "#   "));
     }
     text
+}
+
+/// Whether a board can have such a device beside its lines.
+fn is_part(kind: DeviceKind) -> bool {
+    matches!(kind, DeviceKind::Spi | DeviceKind::Serial | DeviceKind::Can | DeviceKind::Iio)
 }
 
 /// Why a line is written down as a comment only.
@@ -201,18 +218,18 @@ fn channel_name(chips: &[ChipInfo], key: &str, line: &LineInfo) -> String {
 }
 
 /// Whether a word can name a channel.
-fn is_name(word: &str) -> bool {
+pub fn is_name(word: &str) -> bool {
     let letter = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     (1..=48).contains(&word.len()) && word.chars().all(letter)
 }
 
 /// A key of TOML.
-fn bare(name: &str) -> String {
+pub fn bare(name: &str) -> String {
     if name.contains('.') { quoted(name) } else { name.to_owned() }
 }
 
 /// A text of TOML.
-fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {
@@ -226,9 +243,9 @@ fn quoted(text: &str) -> String {
 }
 
 /// Devices, one a line.
-fn listed(devices: &[Device], indent: &str) -> String {
+fn listed(devices: &[&Device], indent: &str) -> String {
     let wide = devices.iter().map(|device| device.path.chars().count()).max().unwrap_or(0);
-    let line = |device: &Device| {
+    let line = |device: &&Device| {
         let (kind, path) = (device.kind.name(), &device.path);
         // A driver's own words may hold anything; a line stays a line.
         let what: String = device.what.chars().filter(|c| !c.is_control()).collect();
@@ -241,7 +258,6 @@ fn listed(devices: &[Device], indent: &str) -> String {
 mod tests {
     use super::*;
     use drivers::gpio::Backend;
-    use drivers::inventory::DeviceKind;
 
     fn line(number: u32, name: &str) -> LineInfo {
         LineInfo {
@@ -278,15 +294,27 @@ mod tests {
         ];
         let device = |kind, path: &str, what: &str| Device { kind, path: path.into(), what: what.into() };
         let devices = [
-            device(DeviceKind::Spi, "/dev/spidev0.0", "spi:mcp3008"),
+            device(DeviceKind::Counter, "/dev/counter0", "ti-eqep"),
             device(DeviceKind::Watchdog, "/dev/watchdog0", "a\nb"),
         ];
-        let text = board_file(&chips, &devices);
+        let others = Found {
+            converters: "adc = {}\n".into(),
+            channels: "adc-0 = {}\n".into(),
+            buses: "can0 = {}\n".into(),
+            live: true,
+        };
+        let text = board_file(&chips, &others, &devices);
         let expected = format!(
             "{HEAD}
 [chips]
 pinctrl-bcm2711 = {{ label = \"pinctrl-bcm2711\" }} # /dev/gpiochip0, 3 lines, interface v2
 gpiochip1 = {{ label = \"raspberrypi,expander\" }} # /dev/gpiochip1, 3 lines, interface v2
+
+[converters]
+adc = {{}}
+
+[buses]
+can0 = {{}}
 
 [channels]
 ID_SDA = {{ kind = \"digital\", chip = \"pinctrl-bcm2711\", line = \"ID_SDA\", drives = false }}
@@ -296,12 +324,13 @@ gpiochip1-0 = {{ kind = \"digital\", chip = \"gpiochip1\", line = \"SAME\", driv
 # HOGGED = {{ kind = \"digital\", chip = \"gpiochip1\", line = \"HOGGED\", drives = false }} # held by lab-hog
 # gpiochip1-2 = {{ kind = \"digital\", chip = \"gpiochip1\", line = 2, drives = false }} # an output now: as an input \
 it would let go
+adc-0 = {{}}
 
 [bind]
 # \"%IX0.0\" = \"ID_SDA\"
 
-# Other devices of this machine, which a board of lines does not use:
-#   spi       /dev/spidev0.0 spi:mcp3008
+# Other devices of this machine, which a board has no use for:
+#   counter   /dev/counter0  ti-eqep
 #   watchdog  /dev/watchdog0 ab
 "
         );
@@ -315,7 +344,7 @@ it would let go
             chip(1, "mcp23017", vec![]),
             chip(2, "1e780000.gpio", vec![line(0, "")]),
         ];
-        let text = board_file(&chips, &[]);
+        let text = board_file(&chips, &Found::default(), &[]);
         for part in [
             "gpiochip0 = { path = \"/dev/gpiochip0\" }",
             "gpiochip1 = { path = \"/dev/gpiochip1\" }",
@@ -329,7 +358,11 @@ it would let go
 
     #[test]
     fn no_more_lines_are_taken_than_one_claim_takes() {
-        let text = board_file(&[chip(0, "wide", (0..100).map(|number| line(number, "")).collect())], &[]);
+        let text = board_file(
+            &[chip(0, "wide", (0..100).map(|number| line(number, "")).collect())],
+            &Found::default(),
+            &[],
+        );
         let taken = text.lines().filter(|line| line.starts_with("wide-")).count();
         let left =
             text.lines().filter(|line| line.starts_with("# wide-") && line.ends_with("of a chip")).count();

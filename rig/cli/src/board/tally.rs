@@ -1,6 +1,6 @@
 //! What happens on channels, counted.
 
-use drivers::{BoardEvent, Channel, LossReason};
+use drivers::{BoardEvent, Channel, ChannelKind, LossReason};
 use signal::{Value, When};
 
 /// What happened on a channel since it was looked at first.
@@ -8,6 +8,8 @@ use signal::{Value, When};
 pub struct Tally {
     /// Its level; `None` before the first report and while its device is gone.
     pub level: Option<bool>,
+    /// Its quantity, where it is analog; `None` also where it is beyond what its converter can tell.
+    pub quantity: Option<f64>,
     /// Changes from 0 to 1.
     pub rises: u64,
     /// Changes from 1 to 0.
@@ -23,12 +25,14 @@ pub struct Tally {
 }
 
 /// What an event was.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum News {
     /// The first level of a channel.
     First(bool),
     /// Another level, at this instant.
     Change(bool, When),
+    /// Another quantity, or one that is not known.
+    Quantity(Option<f64>),
     /// The device of the channel is gone.
     Lost(LossReason),
     /// It is back.
@@ -52,9 +56,14 @@ impl Tally {
                 *(if level { &mut self.rises } else { &mut self.falls }) += 1;
                 News::Change(level, at)
             }
+            BoardEvent::Changed { at, value: value @ (Value::Real(_) | Value::Unknown), .. } => {
+                self.quantity = if let Value::Real(quantity) = value { Some(quantity) } else { None };
+                self.last = Some(at);
+                News::Quantity(self.quantity)
+            }
             BoardEvent::Changed { .. } => News::Nothing,
             BoardEvent::Lost { reason, .. } => {
-                (self.level, self.lost) = (None, Some(reason));
+                (self.level, self.quantity, self.lost) = (None, None, Some(reason));
                 News::Lost(reason)
             }
             BoardEvent::Returned { .. } => {
@@ -87,6 +96,14 @@ pub fn loss(reason: LossReason) -> &'static str {
     }
 }
 
+/// A quantity in the unit of its channel.
+pub fn quantity(quantity: Option<f64>, unit: &str) -> String {
+    match quantity {
+        Some(number) => format!("{number:.4} {unit}").trim_end().to_owned(),
+        None => "not known".to_owned(),
+    }
+}
+
 /// A table of channels and what happened on them; times count from the first look.
 pub fn table(channels: &[Channel], tallies: &[Tally]) -> String {
     let wide = channels.iter().map(|channel| channel.name.len()).max().unwrap_or(0).max("channel".len());
@@ -106,6 +123,10 @@ pub fn row(channel: &Channel, tally: &Tally, wide: usize) -> String {
         count => format!("  {count} missed"),
     };
     let (name, level, rises, falls) = (&channel.name, tally.word(), tally.rises, tally.falls);
+    if let ChannelKind::Analog { unit } = &channel.kind {
+        let shown = if tally.lost.is_some() { level.to_owned() } else { quantity(tally.quantity, unit) };
+        return format!("{name:<wide$}  {shown:>26}  {last}{missed}");
+    }
     format!("{name:<wide$}  {level:>6} {rises:>9} {falls:>9}  {last}{missed}")
 }
 

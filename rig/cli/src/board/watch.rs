@@ -1,11 +1,12 @@
-//! `rig board watch`: lines as they change, with counts and times.
+//! `rig board watch`: lines, quantities and buses as they change, with counts and times.
 
-use super::bench::{Bench, failed, listening, seconds};
-use super::tally::{News, Tally, loss, row, table};
+use super::bench::{Bench, Others, failed, listening, seconds};
+use super::tally::{News, Tally, loss, quantity, row, table};
+use super::traffic::{self, Traffic};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use drivers::{Board, BoardEvent, Channel, Surroundings};
+use drivers::{Board, BoardEvent, Bus, Channel, ChannelKind, Surroundings};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use signal::{Span, Time};
 use std::io::IsTerminal;
@@ -36,7 +37,7 @@ pub fn run(args: &WatchArgs) -> Exit {
 
 fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
     let bench = Bench::read(&args.file)?;
-    let watched = bench.some(|_, line| listening(line));
+    let watched = bench.some(|_, line| listening(line), Others::Kept);
     let left: Vec<&str> = (0..bench.file.circuit.channels.len())
         .map(|at| bench.name(at))
         .filter(|name| watched.find(name).is_none())
@@ -57,8 +58,16 @@ fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
     }
     let mut board = bench.open(&watched, &surroundings)?;
     let mut tallies = vec![Tally::default(); board.channels().len()];
-    let outcome = follow(&mut *board, &surroundings, args.lasts, &mut tallies);
-    output::print(&format!("\n{}", table(board.channels(), &tallies)));
+    let mut traffics = vec![Traffic::default(); board.buses().len()];
+    let outcome = follow(&mut *board, &surroundings, args.lasts, &mut tallies, &mut traffics);
+    output::print("\n");
+    if !tallies.is_empty() {
+        output::print(&table(board.channels(), &tallies));
+    }
+    let wide = widest(board.channels(), board.buses());
+    for (bus, traffic) in board.buses().iter().zip(&traffics) {
+        output::print(&format!("{}\n", traffic::row(bus, traffic, wide)));
+    }
     outcome.map(|()| if board.health().is_sound() { Exit::Passed } else { Exit::Error })
 }
 
@@ -68,10 +77,12 @@ fn follow(
     surroundings: &Surroundings,
     lasts: Option<Span>,
     tallies: &mut [Tally],
+    traffics: &mut [Traffic],
 ) -> Result<(), Exit> {
     let channels = board.channels().to_vec();
-    let mut view = View::new(&channels);
-    let mut events = Vec::new();
+    let buses = board.buses().to_vec();
+    let mut view = View::new(&channels, &buses);
+    let (mut events, mut passed) = (Vec::new(), Vec::new());
     let end = lasts.map(|lasts| surroundings.time.now() + lasts);
     loop {
         let now = surroundings.time.now();
@@ -84,13 +95,33 @@ fn follow(
             let news = tally.take(&event);
             view.tell(at, channel, news, &event);
         }
-        view.draw(&channels, tallies, now);
+        board.poll_buses(now, &mut passed).map_err(failed)?;
+        for event in passed.drain(..) {
+            let at = usize::from(event.bus().0);
+            let (Some(bus), Some(traffic)) = (buses.get(at), traffics.get_mut(at)) else { continue };
+            let told = traffic.take(&event);
+            view.pass(channels.len() + at, bus, &told, event.latest());
+        }
+        view.draw(now, |at| match (channels.get(at), tallies.get(at)) {
+            (Some(channel), Some(tally)) => Some(row(channel, tally, widest(&channels, &buses))),
+            _ => {
+                let at = at - channels.len();
+                Some(traffic::row(buses.get(at)?, traffics.get(at)?, widest(&channels, &buses)))
+            }
+        });
         if over {
             return Ok(());
         }
-        let due = [end, view.due()].into_iter().flatten().min();
+        let due = [end, view.due(), board.next_event()].into_iter().flatten().min();
         surroundings.bell.wait_until(due.map_or(i64::MAX, |due| surroundings.time.stamp(due)));
     }
+}
+
+/// How wide the column of names is.
+fn widest(channels: &[Channel], buses: &[Bus]) -> usize {
+    let names =
+        channels.iter().map(|channel| channel.name.len()).chain(buses.iter().map(|bus| bus.name.len()));
+    names.max().unwrap_or(0).max("channel".len())
 }
 
 /// Where changes are shown: a table that is drawn anew, or a line each.
@@ -98,25 +129,24 @@ fn follow(
 struct View {
     /// The rows on a terminal.
     rows: Option<(MultiProgress, Vec<ProgressBar>)>,
-    wide: usize,
     /// Rows that do not show what is.
     stale: Vec<bool>,
     drawn: Option<Time>,
 }
 
 impl View {
-    fn new(channels: &[Channel]) -> View {
-        let wide = channels.iter().map(|channel| channel.name.len()).max().unwrap_or(0);
+    fn new(channels: &[Channel], buses: &[Bus]) -> View {
+        let count = channels.len() + buses.len();
         let terminal = std::io::stdout().is_terminal() && std::io::stderr().is_terminal();
         let rows = terminal.then(|| {
             let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template("{wide_msg}");
             let style = style.unwrap_or_else(|_| ProgressStyle::default_spinner());
-            let row = |_: &Channel| screen.add(ProgressBar::new_spinner().with_style(style.clone()));
-            let rows = channels.iter().map(row).collect();
+            let row = |_| screen.add(ProgressBar::new_spinner().with_style(style.clone()));
+            let rows = (0..count).map(row).collect();
             (screen, rows)
         });
-        View { rows, wide, stale: vec![false; channels.len()], drawn: None }
+        View { rows, stale: vec![false; count], drawn: None }
     }
 
     /// Something happened on a channel.
@@ -130,6 +160,10 @@ impl View {
         if self.rows.is_none() {
             let what = match news {
                 News::First(level) | News::Change(level, _) => u8::from(level).to_string(),
+                News::Quantity(now) => match &channel.kind {
+                    ChannelKind::Analog { unit } => quantity(now, unit),
+                    ChannelKind::Digital => return,
+                },
                 News::Lost(reason) => loss(reason).to_owned(),
                 News::Returned => "back".to_owned(),
                 News::Dropped(count) => format!("{count} missed"),
@@ -139,20 +173,26 @@ impl View {
         }
     }
 
+    /// Something passed on a bus.
+    fn pass(&mut self, at: usize, bus: &Bus, told: &str, when: Time) {
+        if let Some(stale) = self.stale.get_mut(at) {
+            *stale = true;
+        }
+        if self.rows.is_none() {
+            output::print(&format!("{:>14}  {}  {told}\n", seconds(when), bus.name));
+        }
+    }
+
     /// Draws rows that are not up to date, unless they were drawn a moment ago.
-    fn draw(&mut self, channels: &[Channel], tallies: &[Tally], now: Time) {
+    fn draw(&mut self, now: Time, text: impl Fn(usize) -> Option<String>) {
         let Some((_, rows)) = &self.rows else { return };
         if self.due().is_some_and(|due| now < due) {
             return;
         }
         for (at, row_of) in rows.iter().enumerate() {
-            let (Some(stale), Some(channel), Some(tally)) =
-                (self.stale.get_mut(at), channels.get(at), tallies.get(at))
-            else {
-                continue;
-            };
-            if std::mem::take(stale) {
-                row_of.set_message(row(channel, tally, self.wide));
+            let Some(stale) = self.stale.get_mut(at) else { continue };
+            if let (true, Some(text)) = (std::mem::take(stale), text(at)) {
+                row_of.set_message(text);
                 self.drawn = Some(now);
             }
         }

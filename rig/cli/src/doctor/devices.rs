@@ -1,6 +1,7 @@
 //! The devices of this machine that a board can be made of, and whether this user may use them.
 
 use super::check::{Check, State};
+use drivers::{BusState, can};
 use host::Machine;
 
 const GROUP: &str = "devices";
@@ -164,11 +165,28 @@ fn can(machine: &Machine) -> Check {
         u32::from_str_radix(flags.trim_start_matches("0x"), 16).is_ok_and(|flags| flags & 1 == 1)
     };
     match names.iter().find(|name| !up(name)) {
-        None => Check::good(GROUP, NAME, names.join(", ")),
+        None => can_up(machine, &names),
         Some(down) => {
             let mut check = Check::good(GROUP, NAME, format!("{}; {down} is switched off", names.join(", ")));
             check.state = State::Open;
             check.mend(format!("sudo ip link set {down} up type can bitrate 500000"))
         }
+    }
+}
+
+/// Interfaces that are switched on: how they are set up, as far as this machine can be asked.
+fn can_up(machine: &Machine, names: &[String]) -> Check {
+    const NAME: &str = "CAN";
+    if !machine.is_here() {
+        return Check::good(GROUP, NAME, names.join(", "));
+    }
+    let links: Vec<can::Link> = names.iter().filter_map(|name| can::ask(name).ok()).collect();
+    let words: Vec<String> = links.iter().map(|link| format!("{}{}", link.name, can::words(link))).collect();
+    match links.iter().find(|link| link.state == Some(BusState::BusOff)) {
+        None => Check::good(GROUP, NAME, words.join("; ")),
+        Some(off) => Check::poor(GROUP, NAME, words.join("; "))
+            .means("nothing passes there before its controller is started again")
+            .mend(format!("sudo ip link set {} type can restart", off.name))
+            .then("look at bit rate, termination and cable: somebody made it give up"),
     }
 }

@@ -7,6 +7,7 @@ mod kernel;
 mod privileges;
 mod processors;
 mod safety;
+mod settings;
 
 use crate::args::Format;
 use crate::exit::Exit;
@@ -43,6 +44,7 @@ pub fn run(args: &DoctorArgs) -> Exit {
         privileges::checks,
         safety::checks,
         devices::checks,
+        settings::checks,
         figures::checks,
     ];
     let checks = groups.iter().flat_map(|group| group(&machine)).collect::<Vec<_>>();

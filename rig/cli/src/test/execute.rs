@@ -98,8 +98,9 @@ fn hardware(
     if args.clock == Some(ClockChoice::Virtual) {
         return Err(refused(&[runtime::hardware::in_virtual_time(board)]));
     }
+    let lock = args.wait.take(board, &INTERRUPT)?;
     let hardware = Hardware::open(board).map_err(|found| refused(&found))?;
-    let Some(mut hardware) = hardware else { return Ok(None) };
+    let Some(mut hardware) = hardware.map(|hardware| hardware.with_lock(lock)) else { return Ok(None) };
     output::findings(&hardware.warnings(), sources);
     if let Err(found) = hardware.check(board.check, &INTERRUPT) {
         output::findings(found.as_slice(), sources);

@@ -1,6 +1,7 @@
 //! The guard alone, behind the death of its rig, and its end.
 
 use super::{Course, Ending, Watch, say};
+use crate::Reason;
 use crate::driver::Trouble;
 use crate::takeover::{Guest, Listener};
 
@@ -28,6 +29,10 @@ impl Watch<'_> {
     fn say(&self, safe: bool, since: i64) {
         let Some(reason) = self.page.latched() else { return };
         if self.drivers.is_empty() {
+            // A rig that the guard has killed cannot say so itself.
+            if reason == Reason::Silent {
+                say::tell(&say::no_outputs(reason));
+            }
             return;
         }
         let (latched, found) = self.page.times();

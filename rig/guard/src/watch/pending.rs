@@ -20,18 +20,33 @@ pub(super) struct Pending {
 }
 
 impl Watch<'_> {
-    /// Drives the lines safe, and answers when they are.
+    /// Drives the lines safe, and answers when they are. While the rig drives, lines that are new are driven alone.
     pub(super) fn expect(&mut self, what: Tag, now: i64) {
         let until = now.saturating_add(self.limit.max(PATIENCE));
         self.pending = Some(Pending { what, since: now, until });
-        self.drive(now);
+        match self.drivers.last().filter(|_| self.course == Course::Armed) {
+            Some(new) => new.order(),
+            None => self.drive(now),
+        }
+    }
+
+    /// Whether the lines that a request is about are safe since then.
+    fn is_met(&self, pending: &Pending) -> bool {
+        let since = pending.since;
+        match pending.what {
+            Tag::Hold => self.drivers.last().is_none_or(|new| new.is_safe(since)),
+            // A device that is gone can be driven by nobody, and the rig knows that it is: between two cases the others
+            // stay what the rig may drive.
+            Tag::Disarm => self.drivers.iter().all(|driver| driver.is_safe(since) || driver.is_gone(since)),
+            _ => self.are_safe(since),
+        }
     }
 
     /// Answers a request that can be answered. TRUE where it was the goodbye.
     pub(super) fn answer(&mut self, now: i64) -> bool {
         let Some(pending) = self.pending else { return false };
         // An order that is still under way would undo what the rig does with the answer.
-        let safe = self.are_safe(pending.since) && self.drivers.iter().all(Driver::is_idle);
+        let safe = self.is_met(&pending) && self.drivers.iter().all(Driver::is_idle);
         if !safe && now < pending.until {
             return false;
         }

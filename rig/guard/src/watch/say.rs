@@ -19,6 +19,12 @@ pub(super) fn safe(reason: Reason, devices: &[&str], after: i64) -> String {
     )
 }
 
+/// There are none.
+pub(super) fn no_outputs(reason: Reason) -> String {
+    let error = GuardError::Latched(reason);
+    format!("error[{}]: {reason}; it had no outputs\n  = help: {}\n", error.code(), error.help())
+}
+
 /// Some are not.
 pub(super) fn not_safe(reason: Reason, why: &str, dog: bool) -> String {
     let error = GuardError::Unsafe { why: why.to_owned() };

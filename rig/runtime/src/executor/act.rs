@@ -26,6 +26,7 @@ impl Executor<'_> {
                 Due::Emit(n) => self.emit(step, n)?,
                 Due::Done if !self.schedule.is_done(step) => {}
                 Due::Done => {
+                    self.await_relay(step)?;
                     let done = self.schedule.steps()[step].done;
                     self.recorder.mark(done, self.seen(self.now));
                     self.schedule.finish(step, now);
@@ -77,7 +78,9 @@ impl Executor<'_> {
     /// The next act of a step's generator, all of its lines at once.
     fn emit(&mut self, step: usize, n: u64) -> Result<(), Trouble> {
         self.writes.clear();
-        self.schedule.emitted(step, n, &mut self.writes);
+        if let Some((bus, frame)) = self.schedule.emitted(step, n, &mut self.writes) {
+            self.send(step, bus, &frame)?;
+        }
         if self.writes.is_empty() { Ok(()) } else { self.write(step) }
     }
 
@@ -178,10 +181,12 @@ impl Executor<'_> {
             Act::Suspend { task, lasts } => self.subject.suspend(task, now.saturating_add(lasts)),
             Act::Fault(fault) => {
                 self.board.inject(at, fault).map_err(|error| Trouble::Board { at, error })?;
+                self.relay_asked(fault.channel);
                 self.poll()?;
             }
             Act::Clear(channel) => {
                 self.board.clear(at, channel).map_err(|error| Trouble::Board { at, error })?;
+                self.relay_asked(channel);
                 self.poll()?;
             }
             Act::Write(probe, value, expected) => {

@@ -2,8 +2,8 @@
 
 use super::Executor;
 use crate::trouble::Trouble;
-use drivers::{BusEvent, LossReason};
-use signal::Time;
+use drivers::{BusEvent, BusId, BusState, Frame, LossReason};
+use signal::{Cause, Time, When};
 
 impl Executor<'_> {
     /// What the buses told up to now.
@@ -25,14 +25,58 @@ impl Executor<'_> {
         let name = || self.board.buses()[usize::from(event.bus().0)].name.clone();
         match *event {
             BusEvent::Lost { at, reason, .. } if reason != LossReason::Injected => {
-                let bus = name();
-                self.ran.trouble.get_or_insert(Trouble::BusLost { at, bus, reason });
+                self.lose_bus(at, event.bus(), reason);
             }
+            // A modelled controller that goes off its bus was told to, by a plan.
+            BusEvent::State { at, bus, state: BusState::BusOff } if !self.modelled => self.lose_node(at, bus),
+            BusEvent::Returned { at, bus } => self.regain_bus(at, bus),
             BusEvent::Dropped { at, count, .. } => {
                 let bus = name();
                 self.ran.trouble.get_or_insert(Trouble::FramesDropped { at, bus, count });
             }
+            BusEvent::Frame { bus, at, frame, own } => self.see_frame(bus, at, &frame, own),
             _ => {}
         }
+    }
+
+    /// A frame was on a bus: the signals that stand for it learn of it.
+    fn see_frame(&mut self, bus: BusId, at: When, frame: &Frame, own: bool) {
+        let at = match self.modelled && !self.clock.is_exact() {
+            true => When::within(at.earliest, at.latest.max(self.actual)),
+            false => at,
+        };
+        let place = usize::from(bus.0);
+        for index in 0..self.wiring.buses.get(place).map_or(0, Vec::len) {
+            let watch = &mut self.wiring.buses[place][index];
+            if let Some(value) = watch.see(frame, own) {
+                let signal = watch.signal;
+                self.record(signal, at, value, Cause::Board);
+            }
+        }
+    }
+
+    /// The counts of frames before the first one.
+    pub(super) fn show_counts(&mut self) {
+        for place in 0..self.wiring.buses.len() {
+            for index in 0..self.wiring.buses[place].len() {
+                let watch = &self.wiring.buses[place][index];
+                if let Some(value) = watch.initial() {
+                    let signal = watch.signal;
+                    self.recorder.record(signal, When::exactly(Time::ZERO), value, Cause::Board);
+                }
+            }
+        }
+    }
+
+    /// A step puts a frame on a bus.
+    pub(super) fn send(&mut self, step: usize, bus: BusId, frame: &Frame) -> Result<(), Trouble> {
+        let sent = self.board.send(self.board_time(), bus, frame);
+        if let Err(error) = sent {
+            let step = self.schedule.steps()[step].id.clone();
+            let bus =
+                self.board.buses().get(usize::from(bus.0)).map_or(String::new(), |bus| bus.name.clone());
+            self.ran.trouble.get_or_insert(Trouble::NotSent { at: self.now, step, bus, error });
+        }
+        self.poll()
     }
 }

@@ -62,6 +62,9 @@ impl Executor<'_> {
                 && matches!(act, Act::Drive(..) | Act::Power(_) | Act::Command(Command::Switch(_), _))
         };
         self.awaited.channels.clear();
+        if self.waits_for_relay(step) {
+            return;
+        }
         if self.awaits_lines() && self.schedule.steps()[step].acts.iter().any(drives) {
             self.awaited.step = Some(step);
         } else {

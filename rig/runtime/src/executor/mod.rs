@@ -8,7 +8,9 @@ mod alarms;
 mod buses;
 mod confirm;
 mod lines;
+mod loss;
 mod prelude;
+mod settle;
 mod teardown;
 mod terms;
 
@@ -27,6 +29,7 @@ use controller::{Effect, Effects};
 use drivers::{Board, BoardEvent, BusEvent, ChannelId, LossReason, Origin, TimestampSource};
 use lines::Lines;
 use plans::plan::Phase;
+use settle::Settling;
 use signal::{Cause, Level, Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -73,9 +76,12 @@ pub struct Executor<'a> {
     /// What real lines need.
     lines: Lines,
     awaited: Awaited,
+    settling: Settling,
     punctuality: Option<Punctuality>,
     same: u32,
     over: bool,
+    /// The last device that was told to be lost, or to be back, and when.
+    noticed: Option<(Time, String)>,
     /// The outputs were driven to their safe values.
     safe: bool,
     ran: Ran,
@@ -135,10 +141,13 @@ impl<'a> Executor<'a> {
     pub fn new(parts: Parts<'a>, limits: Limits) -> Executor<'a> {
         let channels = parts.board.channels();
         let driven: Vec<Value> = channels.iter().map(|channel| channel.safe).collect();
-        let modelled = channels.iter().all(|channel| channel.timestamp == TimestampSource::Virtual);
+        // A board may have buses alone.
+        let modelled = channels.iter().all(|channel| channel.timestamp == TimestampSource::Virtual)
+            && parts.board.buses().iter().all(|bus| bus.timestamp == TimestampSource::Virtual);
         let exact = parts.clock.is_exact();
         Executor {
             awaited: Awaited::new(channels),
+            settling: Settling::new(channels.len()),
             lines: if modelled { Lines::default() } else { Lines::new(channels.len()) },
             punctuality: (!exact).then(|| Punctuality::new(limits.horizon)),
             effects: Effects::new(),
@@ -166,6 +175,7 @@ impl<'a> Executor<'a> {
             modelled,
             same: 0,
             over: false,
+            noticed: None,
             safe: false,
             ran: Ran { log: Vec::with_capacity(64), ..Ran::default() },
             stepping: None,
@@ -186,6 +196,7 @@ impl<'a> Executor<'a> {
             self.ran.trouble.get_or_insert(trouble);
         }
         self.ran.end = self.now;
+        self.mark_settled(|_| true);
         // What comes behind the end raises no alarm.
         self.alarms.clear();
         if let Some(mark) = self.wiring.end {
@@ -388,6 +399,7 @@ impl<'a> Executor<'a> {
         events.clear();
         let now = self.board_time();
         let polled = self.board.poll(now, &mut events);
+        self.mark_come();
         for event in &events {
             self.see(event);
         }
@@ -410,11 +422,11 @@ impl<'a> Executor<'a> {
             }
             BoardEvent::Lost { at, reason, .. } => {
                 if reason != LossReason::Injected {
-                    self.ran.trouble.get_or_insert(Trouble::Lost { at, channel: event.channel(), reason });
+                    self.lose_channel(at, channel, reason);
                 }
                 (When::exactly(at), Value::Unknown, Cause::Board, Origin::Outside)
             }
-            BoardEvent::Returned { .. } => return,
+            BoardEvent::Returned { at, .. } => return self.regain_channel(at, channel),
             BoardEvent::Dropped { at, count, channel } => {
                 self.ran.trouble.get_or_insert(Trouble::Dropped { at, channel, count });
                 return;

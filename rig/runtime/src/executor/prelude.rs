@@ -10,13 +10,14 @@ impl Executor<'_> {
     /// Brings the subject into the state in which the case begins.
     pub(super) fn prelude(&mut self) -> Result<(), Trouble> {
         self.clock.begin();
-        self.board.start(Time::ZERO).map_err(|error| Trouble::Board { at: Time::ZERO, error })?;
+        self.board.start(Time::ZERO).map_err(|error| self.not_started(error))?;
         if !self.modelled {
             // Devices take the time that they take.
             self.actual = self.clock.now();
             self.now = self.actual;
         }
         let power_on = self.now;
+        self.show_counts();
         self.show_initial()?;
         let initial = self.limits.initial;
         if initial != State::Off {

@@ -2,6 +2,7 @@
 
 use crate::trouble::Trouble;
 use controller::State;
+use drivers::OnLoss;
 use record::Wakes;
 use signal::{Span, Time};
 
@@ -20,6 +21,8 @@ pub struct Limits {
     pub horizon: Span,
     /// The case ends when a claim is lost.
     pub fail_fast: bool,
+    /// What a lost device does to it.
+    pub on_loss: OnLoss,
     /// Most modelled time from power-on to the end.
     pub timeout: Span,
     /// Most modelled time of the teardown.

@@ -12,7 +12,8 @@ pub use band::Band;
 pub use sequence::{Given, Rows};
 pub use wave::{Curve, Form, Shape};
 
-use drivers::ChannelId;
+use drivers::{BusId, ChannelId, Frame};
+use plans::frames::Send;
 use plans::steps::{Encoder, Train};
 use signal::{Random, Span, Value};
 
@@ -44,6 +45,17 @@ pub enum Generator {
     },
     /// A table: one row after another.
     Sequence(Rows),
+    /// Frames on a bus: an act for each.
+    Frames {
+        /// The bus.
+        bus: BusId,
+        /// Each of them.
+        frame: Frame,
+        /// When they come.
+        send: Box<Send>,
+        /// What their jitter is drawn from.
+        seed: u64,
+    },
 }
 
 impl Generator {
@@ -60,6 +72,7 @@ impl Generator {
                 n => encoder.count(n).map(|(after, _)| after),
             },
             Generator::Sequence(rows) => rows.after(n),
+            Generator::Frames { send, seed, .. } => (n < u64::from(send.count)).then(|| send.after(n, *seed)),
         }
     }
 
@@ -81,6 +94,7 @@ impl Generator {
                 }
             }
             Generator::Sequence(rows) => rows.writes(n, out),
+            Generator::Frames { .. } => {}
             Generator::Encoder { lines, encoder } => {
                 let before = n.checked_sub(1).map(|before| match before {
                     0 => encoder.from,
@@ -104,6 +118,14 @@ impl Generator {
         }
     }
 
+    /// The frame that each of its acts sends, if it sends any.
+    pub fn frame(&self) -> Option<(BusId, Frame)> {
+        match self {
+            Generator::Frames { bus, frame, .. } => Some((*bus, *frame)),
+            _ => None,
+        }
+    }
+
     /// It begins now, with what `driven` says that each channel is driven to.
     pub fn begin(&mut self, driven: &[Value]) {
         let Generator::Wave { channel, curve } = self else { return };
@@ -122,6 +144,7 @@ impl Generator {
             }
             Generator::Encoder { lines, .. } => (*lines, None),
             Generator::Sequence(rows) => ([None; 3], Some(rows)),
+            Generator::Frames { .. } => ([None; 3], None),
         };
         few.into_iter().flatten().chain(rows.into_iter().flat_map(Rows::channels))
     }

@@ -6,7 +6,7 @@ use super::signals::channel_info;
 use crate::subject::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
-use drivers::{BoardKind, ChannelId, FaultKind};
+use drivers::{BoardKind, Channel, ChannelId, FaultKind};
 use plans::Step;
 use plans::lang::Literal;
 use plans::steps::FaultKind as PlannedFault;
@@ -71,7 +71,7 @@ pub(super) fn terminal(
             bench.file.bind.iter().find(|binding| binding.channel == channel).map(|binding| binding.address)
         }
         Meaning::Inside(Observable { probe: Probe::Address(address), .. }) => Some(address),
-        Meaning::Inside(_) => None,
+        Meaning::Inside(_) | Meaning::OfBus => None,
     };
     let terminal = address.and_then(|address| Terminal::at(address, bench.reference));
     if terminal.is_none() {
@@ -79,6 +79,34 @@ pub(super) fn terminal(
         out.error("R0109", step.span.clone(), format!("`{name}` is no input or output"), help);
     }
     terminal
+}
+
+/// A written value as a channel takes it, if it does.
+fn value_on(literal: &Literal, channel: &Channel) -> Option<Value> {
+    match (plans::value_of(literal, &channel_info(&channel.name, channel)).ok()?, channel.is_digital()) {
+        (Value::HighZ, _) => Some(Value::HighZ),
+        (value, true) => match value.as_int() {
+            Some(0) => Some(Value::from(Level::Low)),
+            Some(1) => Some(Value::from(Level::High)),
+            _ => None,
+        },
+        (value, false) => value.as_real().map(Value::Real),
+    }
+}
+
+/// A planned fault as a channel takes it; `None` where its value does not fit.
+pub(crate) fn fault_on(kind: &PlannedFault, channel: &Channel) -> Option<FaultKind> {
+    Some(match kind {
+        PlannedFault::Stuck(value) => FaultKind::StuckAt(value_on(value, channel)?),
+        PlannedFault::Open => FaultKind::Open,
+        PlannedFault::ShortToGround => FaultKind::ShortToGround,
+        PlannedFault::ShortToSupply => FaultKind::ShortToSupply,
+        PlannedFault::Glitch { value, width } => {
+            FaultKind::Glitch { value: value_on(value, channel)?, width: *width }
+        }
+        PlannedFault::Late(delay) => FaultKind::Late(*delay),
+        PlannedFault::Lost => FaultKind::Lost,
+    })
 }
 
 /// A written value as the channel takes it.
@@ -90,17 +118,7 @@ pub(super) fn value_for(
     out: &mut Findings,
 ) -> Option<Value> {
     let channel = &bench.board.channels()[usize::from(channel.0)];
-    let info = channel_info(&channel.name, channel);
-    let value = match (plans::value_of(literal, &info).ok(), channel.is_digital()) {
-        (Some(Value::HighZ), _) => Some(Value::HighZ),
-        (Some(value), true) => match value.as_int() {
-            Some(0) => Some(Value::from(Level::Low)),
-            Some(1) => Some(Value::from(Level::High)),
-            _ => None,
-        },
-        (Some(value), false) => value.as_real().map(Value::Real),
-        (None, _) => None,
-    };
+    let value = value_on(literal, channel);
     if value.is_none() {
         let help = if channel.is_digital() {
             String::from("a level is TRUE or FALSE")
@@ -122,18 +140,11 @@ pub(super) fn fault_kind(
     step: &Step,
     out: &mut Findings,
 ) -> Option<FaultKind> {
-    let kind = match kind {
-        PlannedFault::Stuck(value) => FaultKind::StuckAt(value_for(value, channel, bench, step, out)?),
-        PlannedFault::Open => FaultKind::Open,
-        PlannedFault::ShortToGround => FaultKind::ShortToGround,
-        PlannedFault::ShortToSupply => FaultKind::ShortToSupply,
-        PlannedFault::Glitch { value, width } => {
-            FaultKind::Glitch { value: value_for(value, channel, bench, step, out)?, width: *width }
-        }
-        PlannedFault::Late(delay) => FaultKind::Late(*delay),
-        PlannedFault::Lost => FaultKind::Lost,
-    };
+    if let PlannedFault::Stuck(value) | PlannedFault::Glitch { value, .. } = kind {
+        value_for(value, channel, bench, step, out)?;
+    }
     let channel = &bench.board.channels()[usize::from(channel.0)];
+    let kind = fault_on(kind, channel)?;
     if !channel.faults.contains(kind) {
         out.error(
             "R0111",

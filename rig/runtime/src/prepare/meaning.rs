@@ -14,6 +14,8 @@ pub(super) enum Meaning {
     /// A channel, and the terminal where it was named by one: several inputs may share a channel.
     Channel(ChannelId, Option<Address>),
     Inside(Observable),
+    /// Frames of a bus, or a value in them.
+    OfBus,
 }
 
 /// What a bound name is on this bench.
@@ -77,7 +79,12 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Find
             Meaning::Inside(Observable { probe, kind })
         }
         // These were looked at before.
-        Source::Log(_) | Source::File { .. } | Source::Register { .. } | Source::Relocation { .. } => {
+        Source::Log(_)
+        | Source::File { .. }
+        | Source::Register { .. }
+        | Source::Relocation { .. }
+        | Source::Frames(_)
+        | Source::FrameSignal(_) => {
             return None;
         }
     };

@@ -9,6 +9,7 @@ mod waves;
 
 use crate::external::NOT_RUNNING;
 use crate::facts;
+use crate::frames::{self, Watch};
 use crate::schedule::{Act, Planned};
 use crate::subject::Subject;
 use crate::suite::beside;
@@ -18,7 +19,7 @@ use document::{Diagnostic, Findings};
 use drivers::{Board, BoardFile};
 use meaning::{Meaning, Names, meaning};
 use plans::Case;
-use plans::plan::{Phase, ProgramRef, SignalBinding};
+use plans::plan::{Phase, ProgramRef, SignalBinding, Source};
 use plans::steps::{Question, Stimulus};
 use profile::{Profile, Reference};
 use signal::{Kind, SignalId, SignalInfo, Span, Trace};
@@ -27,6 +28,7 @@ use std::sync::Arc;
 use steps::plan_step;
 
 pub use alarms::Armed;
+pub(crate) use lines::fault_on;
 
 /// What the names of a case are looked up in.
 pub struct Bench<'a> {
@@ -184,23 +186,31 @@ impl Signals {
         bench: &mut Bench<'_>,
         out: &mut Findings,
     ) {
+        if self.of_bus(binding, trace, wiring, bench, out) {
+            return;
+        }
         let found = facts::observable(binding, case, bench, out);
         let found = found.map(|found| found.map(Meaning::Inside));
         let Some(meaning) = found.unwrap_or_else(|| meaning(binding, bench, out)) else { return };
+        let mut own = 0.0;
         let info = match meaning {
             Meaning::Channel(channel, _) => {
-                channel_info(&binding.name, &bench.board.channels()[usize::from(channel.0)])
+                let channel = &bench.board.channels()[usize::from(channel.0)];
+                own = channel.deadband;
+                channel_info(&binding.name, channel)
             }
+            Meaning::OfBus => return,
             Meaning::Inside(observable) => SignalInfo {
                 labels: observable.labels(),
                 ..SignalInfo::exact(&binding.name, observable.kind)
             },
         };
-        let Some(policy) = policy(binding, &info, out) else { return };
+        let Some(policy) = policy(binding, &info, own, out) else { return };
         let info = clocked(SignalInfo { policy, ..info }, bench.exact);
         let Some(signal) = define(trace, info, out) else { return };
         match meaning {
             Meaning::Channel(channel, _) => wiring.channels[usize::from(channel.0)].push(signal),
+            Meaning::OfBus => {}
             Meaning::Inside(observable) => {
                 let probe = bench.subject.watch(observable.probe);
                 wiring.show_probe(probe, signal);
@@ -208,5 +218,39 @@ impl Signals {
             }
         }
         self.names.push((binding.name.clone(), meaning, signal));
+    }
+
+    /// Defines the signal of a name that stands for frames, or for a value in them; FALSE for other names. One of a bus
+    /// that the board lacks has no signal: a case that speaks of it does not come here.
+    fn of_bus(
+        &mut self,
+        binding: &SignalBinding,
+        trace: &mut Trace,
+        wiring: &mut Wiring,
+        bench: &Bench<'_>,
+        out: &mut Findings,
+    ) -> bool {
+        let pattern = match &binding.source {
+            Source::Frames(pattern) => &**pattern,
+            Source::FrameSignal(source) => &source.pattern,
+            _ => return false,
+        };
+        let Some((bus, known)) = frames::find(bench.board, &pattern.bus) else { return true };
+        let info = match &binding.source {
+            Source::FrameSignal(source) => frames::value_info(&binding.name, source, known),
+            _ => frames::count_info(&binding.name, known),
+        };
+        let Some(policy) = policy(binding, &info, 0.0, out) else { return true };
+        let info = clocked(SignalInfo { policy, ..info }, bench.exact);
+        let Some(signal) = define(trace, info, out) else { return true };
+        wiring.follow(
+            bus,
+            match &binding.source {
+                Source::FrameSignal(source) => Watch::reading(signal, source),
+                _ => Watch::counting(signal, Arc::new(pattern.clone())),
+            },
+        );
+        self.names.push((binding.name.clone(), Meaning::OfBus, signal));
+        true
     }
 }

@@ -5,9 +5,22 @@ use drivers::{Channel, TimestampSource};
 use plans::plan::{Recording, SignalBinding};
 use signal::{ClockDomain, Kind, Policy, Sampling, SignalId, SignalInfo, Trace, TraceError, Value};
 
-/// Which changes of a bound signal the trace keeps.
-pub(super) fn policy(binding: &SignalBinding, info: &SignalInfo, out: &mut Findings) -> Option<Policy> {
+/// Which changes of a bound signal the trace keeps. `own` is the deadband that its channel has on the board: what is
+/// not told is not known, and a second filter behind it would leave more unknown than one number says.
+pub(super) fn policy(
+    binding: &SignalBinding,
+    info: &SignalInfo,
+    own: f64,
+    out: &mut Findings,
+) -> Option<Policy> {
     let band = match &binding.recording {
+        Recording::Changes if own > 0.0 => return Some(Policy::Deadband(own)),
+        _ if own > 0.0 => {
+            let message =
+                format!("`{}` has a deadband of {own} {} on its board already", info.name, info.unit);
+            out.error("R0115", binding.span.clone(), message, "keep one: the board file's or the plan's");
+            return None;
+        }
         Recording::Changes => return Some(Policy::Changes),
         Recording::AtMostEvery(span) => return Some(Policy::AtMostEvery(*span)),
         Recording::Deadband(band) => band,

@@ -49,7 +49,11 @@ pub(super) fn plan_step(
             let value = value_for(value, channel, bench, step, out)?;
             vec![(Span::ZERO, Act::Drive(channel, value)), (*width, Act::Restore(channel))]
         }
-        Stimulus::Train(_) | Stimulus::Wave(_) | Stimulus::Encoder(_) | Stimulus::Sequence(_) => {
+        Stimulus::Train(_)
+        | Stimulus::Wave(_)
+        | Stimulus::Encoder(_)
+        | Stimulus::Sequence(_)
+        | Stimulus::Send(_) => {
             generates = Some(generator(step, names, bench, out)?);
             Vec::new()
         }
@@ -68,6 +72,11 @@ pub(super) fn plan_step(
         Stimulus::Write { of, value } => {
             let observable = match names.meaning(of)? {
                 Meaning::Inside(observable) => observable,
+                Meaning::OfBus => {
+                    let help = "a value in a frame is put on its bus with `send`";
+                    out.error("R0106", step.span.clone(), format!("`{of}` is no variable"), help);
+                    return None;
+                }
                 Meaning::Channel(channel, _) => {
                     let message = format!("`{of}` is no variable and no place in memory");
                     let help = match of_controller(channel, bench) {
@@ -184,7 +193,14 @@ pub(super) fn plan_step(
         // What a question does is added where its answer is recorded.
         Stimulus::Mark | Stimulus::Run { .. } | Stimulus::Ask(_) => Vec::new(),
     };
-    let lasts = step.stimulus.duration();
+    // A relay takes its time to put a fault on a wire.
+    let relay = acts.iter().find_map(|(_, act)| match act {
+        Act::Fault(fault) => Some(fault.channel),
+        Act::Clear(channel) => Some(*channel),
+        _ => None,
+    });
+    let settle = relay.map_or(Span::ZERO, |channel| bench.board.settle(channel));
+    let lasts = step.stimulus.duration() + settle;
     let (id, phase, repeat, parent) = (step.id.clone(), step.phase, step.repeat.clone(), step.parent);
     Some(Planned { id, mark, done, phase, timing, repeat, parent, acts, generator: generates, lasts })
 }

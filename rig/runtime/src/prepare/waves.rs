@@ -3,6 +3,7 @@
 use super::Bench;
 use super::lines::{driven, warn_if_too_fast};
 use super::meaning::Names;
+use crate::frames;
 use crate::generator::{Band, Curve, Form, Generator, Given, Rows, Shape};
 use document::Findings;
 use drivers::ChannelId;
@@ -42,6 +43,17 @@ pub(super) fn generator(
             });
             let columns: Option<Vec<_>> = columns.collect();
             Some(Generator::Sequence(Rows::new(sequence, columns?)))
+        }
+        Stimulus::Send(send) => {
+            // A case that sends on a bus which the board lacks does not come here.
+            let (bus, known) = frames::find(bench.board, &send.frame.bus)?;
+            let frame = frames::outgoing(&send.frame, known);
+            let frame = frame.map_err(|why| {
+                let help = "send a frame that it carries, or give the bus a `data-bitrate`";
+                out.error("R0270", step.span.clone(), why, help);
+            });
+            let seed = seed_of(bench.seed, &step.id);
+            Some(Generator::Frames { bus, frame: frame.ok()?, send: send.clone(), seed })
         }
         _ => None,
     }

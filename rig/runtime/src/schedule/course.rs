@@ -19,6 +19,8 @@ pub enum EndReason {
     Claim,
     /// An alarm was raised that ends the case.
     Alarm,
+    /// A device was lost.
+    Lost,
 }
 
 /// Where the case is, and where its steps are.
@@ -96,6 +98,7 @@ impl Schedule {
             EndReason::Trouble => String::from("the rig had trouble in the setup"),
             EndReason::Claim => String::from("a claim was lost"),
             EndReason::Alarm => String::from("an alarm was raised"),
+            EndReason::Lost => String::from("a device was lost"),
         })
     }
 

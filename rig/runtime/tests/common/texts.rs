@@ -5,7 +5,7 @@
 
 use controller::{Config, State};
 use document::SourceFile;
-use drivers::Board;
+use drivers::{Board, OnLoss};
 use plans::judge::Judge;
 use record::Verdict;
 use scanrig_runtime::application::compile;
@@ -99,7 +99,8 @@ impl Texts<'_> {
         let recorder = Recorder::new(trace, judge);
         let (timeout, teardown) = (case.timeout, case.teardown);
         let late = Span::from_millis(20);
-        (model, Parted { board, recorder, schedule, wiring, alarms, timeout, teardown, late })
+        let on_loss = files.board.on_loss;
+        (model, Parted { board, recorder, schedule, wiring, alarms, timeout, teardown, late, on_loss })
     }
 }
 
@@ -115,6 +116,7 @@ pub struct Parted {
     teardown: Span,
     /// How late the rig may be.
     pub late: Span,
+    on_loss: OnLoss,
 }
 
 impl Parted {
@@ -127,6 +129,7 @@ impl Parted {
             slice: Span::MAX,
             horizon: Span::from_micros(100),
             fail_fast: false,
+            on_loss: self.on_loss,
             timeout: self.timeout,
             teardown: self.teardown,
         };

@@ -77,6 +77,21 @@ impl Decimal {
         format!("{}e{}", self.mantissa, self.exponent).parse().unwrap_or(f64::NAN)
     }
 
+    /// The nearest float, without allocating; `None` where the number is too long for that.
+    pub fn nearest(self) -> Option<f64> {
+        // Both the digits and a power of ten up to the 22nd are exact floats: one operation rounds once.
+        const POWERS: [f64; 23] = [
+            1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
+            1e18, 1e19, 1e20, 1e21, 1e22,
+        ];
+        let power = *POWERS.get(usize::try_from(self.exponent.unsigned_abs()).ok()?)?;
+        if self.mantissa.unsigned_abs() > 1 << 53 {
+            return None;
+        }
+        let digits = self.mantissa as f64;
+        Some(if self.exponent < 0 { digits / power } else { digits * power })
+    }
+
     /// Whether it is below 0.
     pub const fn is_negative(self) -> bool {
         self.mantissa < 0

@@ -74,6 +74,12 @@ Q0 = { kind = \"digital\", line = 8, safe = false }
 impl Bench {
     /// A scan each `interval`; the output turns in each `every`th. The case ends this long behind its start.
     pub fn new(interval: Span, every: u32, lasts: Span) -> Bench {
+        Bench::beside("", interval, every, lasts)
+    }
+
+    /// The same with more devices on its board: further channels, then tables.
+    pub fn beside(devices: &str, interval: Span, every: u32, lasts: Span) -> Bench {
+        let board = format!("{BOARD}{devices}");
         let program = format!(
             "PROGRAM MAIN
 VAR
@@ -101,7 +107,8 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
 ",
             lasts.as_nanos() / 1_000_000
         );
-        let files = [("plan.toml", plan.as_str()), ("turn.st", program.as_str()), ("board.toml", BOARD)];
+        let files =
+            [("plan.toml", plan.as_str()), ("turn.st", program.as_str()), ("board.toml", board.as_str())];
         let texts = Texts(&files);
         let (model, mut parts) = texts.parts_with(1, |config| {
             config.tasks[0].kind = TaskKind::Cyclic { interval };

@@ -44,7 +44,7 @@ fn chips_and_lines_that_are_not_there_are_named_with_what_was_meant() {
     one(&file(main, "line = \"DOR\""), "B0172", "no line named DOR", "did you mean DOOR");
     let twice = format!("{}b = {{ kind = \"digital\", line = \"DOOR\" }}\n", file(main, "line = 24"));
     one(&twice, "B0164", "number 24", "");
-    let v1 = file(main, "line = 0, debounce = \"1 ms\"").replace("\"gpio\"", "\"gpio\"\nbackend = \"v1\"");
+    let v1 = file(main, "line = 0, debounce = \"1 ms\"").replace("\"real\"", "\"real\"\nbackend = \"v1\"");
     one(&v1, "B0176", "cannot debounce", "v2");
     // A link leads to the chip, and a line may be named on the one chip as on the other.
     let linked = file("path = \"/dev/rig/gpio1\"", "line = \"VALVE\", drives = true");
@@ -66,7 +66,7 @@ fn a_busy_line_names_its_holder() {
     for backend in BOTH {
         let text = file("label = \"rig-gpio\"", "line = 3, drives = true");
         let text =
-            text.replace("\"gpio\"\n", &format!("\"gpio\"\nconsumer = \"first\"\nbackend = \"{backend}\"\n"));
+            text.replace("\"real\"\n", &format!("\"real\"\nconsumer = \"first\"\nbackend = \"{backend}\"\n"));
         let first = Bench::open(&text);
         one(&text, "B0174", "line 3 of /dev/gpiochip0 (rig-gpio) is held by first", "");
         drop(first);
@@ -112,7 +112,7 @@ fn a_chip_that_vanishes_is_lost_and_can_come_back() {
     for backend in BOTH {
         let chip = SimChip::add("rig-gpio-gone", &["", "", "", ""]);
         let text = format!(
-            "format = 1\n[board]\nkind = \"real\"\nbackend = \"{backend}\"\n[chips]\ngone = {{ label = \"rig-gpio-gone\" }}\n\
+            "format = 1\n[board]\nkind = \"real\"\nretake = true\nbackend = \"{backend}\"\n[chips]\ngone = {{ label = \"rig-gpio-gone\" }}\n\
              main = {{ label = \"rig-gpio\" }}\n[channels]\n\
              out = {{ kind = \"digital\", chip = \"gone\", line = 0, drives = true }}\n\
              in = {{ kind = \"digital\", chip = \"gone\", line = 1 }}\n\
@@ -137,7 +137,8 @@ fn a_chip_that_vanishes_is_lost_and_can_come_back() {
         bench.until_level("stays", true);
         let now = bench.now();
         assert!(matches!(bench.board.safe(now), Err(BoardError::Os { code: 19, .. })), "{backend}");
-        assert!(matches!(bench.board.start(now), Err(BoardError::Os { code: 19, .. })), "{backend}");
+        let started = bench.board.start(now);
+        assert!(matches!(started, Err(BoardError::Lost { reason: LossReason::Gone, .. })), "{started:?}");
         drop(chip);
         let chip = SimChip::add("rig-gpio-gone", &["", "", "", ""]);
         chip.pull(1, true);
@@ -203,7 +204,7 @@ fn a_call_that_hangs_holds_up_nobody_and_its_chip_is_lost_until_it_ends() {
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_change_that_a_slow_call_swallows_is_told() {
     let lab = Lab::enter();
-    let text = TWO_CHIPS.replace("\"gpio\"\n", "\"gpio\"\nsilent-after = \"10 s\"\n");
+    let text = TWO_CHIPS.replace("\"real\"\n", "\"real\"\nsilent-after = \"10 s\"\n");
     let mut bench = Bench::open(&text);
     bench.start();
     lab.stall(MAIN, Call::Set, Duration::from_millis(500), 1);

@@ -1,0 +1,237 @@
+//! The CAN buses of a board.
+
+use document::Diagnostic;
+use host::monotonic;
+use rustix::io::Errno;
+use signal::{Span, Time, Value};
+
+use super::adapter::{Adapter, Interface};
+use super::device::{Manner, Running};
+use super::find::find;
+use super::node::Node;
+use super::spec::CanBusSpec;
+use crate::file::{BoardFile, codes};
+use crate::real::RealSpec;
+use crate::{
+    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Call, Channel, ChannelId, Fault, Frame, Health,
+    Surroundings,
+};
+
+/// How long a start waits for an interface at least.
+const START: Span = Span::from_secs(2);
+
+/// How often a start looks for an interface that is wanted back.
+const LOOK: Span = Span::from_millis(50);
+
+/// CAN interfaces as a board. Its calls never wait for an interface, but for its start and its safe state: a thread of
+/// each talks to it.
+#[derive(Debug)]
+pub struct CanBoard {
+    surroundings: Surroundings,
+    silent_after: Span,
+    /// Interfaces that went away are taken back.
+    retake: bool,
+    channels: Vec<Channel>,
+    buses: Vec<Bus>,
+    nodes: Vec<Node>,
+    started: bool,
+    latched: bool,
+    last: Time,
+}
+
+impl CanBoard {
+    /// Finds the interfaces of a board's buses, checks how they are set up, and opens them.
+    ///
+    /// # Errors
+    /// All that is not there, down, set up otherwise or not permitted, by place.
+    pub fn open(
+        file: &BoardFile,
+        spec: &RealSpec,
+        surroundings: &Surroundings,
+    ) -> Result<CanBoard, Vec<Diagnostic>> {
+        let mut board = CanBoard::without_buses(file, spec, surroundings);
+        let mut found = Vec::new();
+        for bus in &spec.can.buses {
+            if let Err(wrong) = find(file, bus).and_then(|()| board.add(file, bus)) {
+                found.push(wrong);
+            }
+        }
+        if found.is_empty() { Ok(board) } else { Err(found) }
+    }
+
+    fn without_buses(file: &BoardFile, spec: &RealSpec, surroundings: &Surroundings) -> CanBoard {
+        let mut buses = Vec::new();
+        super::describe(&spec.can, &mut buses);
+        for bus in &spec.can.buses {
+            buses[usize::from(bus.bus.0)].resolution = surroundings.resolution;
+        }
+        CanBoard {
+            surroundings: surroundings.clone(),
+            silent_after: spec.silent_after,
+            retake: spec.retake,
+            channels: crate::real::blank(file),
+            buses,
+            nodes: Vec::new(),
+            started: false,
+            latched: false,
+            last: Time::ZERO,
+        }
+    }
+
+    /// Opens the interface of a bus and starts its thread.
+    fn add(&mut self, file: &BoardFile, bus: &CanBusSpec) -> Result<(), Diagnostic> {
+        let refused = |error: std::io::Error| {
+            let message = format!("the interface {} cannot be opened: {error}", bus.interface);
+            let help = "see what `ip -details link show` says of it";
+            Diagnostic::error(codes::CAN_REFUSED, message)
+                .at(file.name.clone(), bus.interface_place.clone(), "")
+                .help(help)
+        };
+        let mut interface = Interface::new(bus).map_err(refused)?;
+        let (port, _) = interface.open().map_err(refused)?;
+        let manner = Manner {
+            resolution: self.surroundings.resolution.as_nanos(),
+            limit: self.silent_after.as_nanos(),
+            retake: self.retake,
+            realtime: self.surroundings.realtime,
+        };
+        let adapter = Box::new(interface);
+        let running = Running::start(&bus.interface, adapter, port, &self.surroundings.bell, manner);
+        self.nodes.push(Node::new(bus.clone(), running.map_err(refused)?, manner.limit));
+        Ok(())
+    }
+
+    fn check_time(&mut self, now: Time) -> Result<(), BoardError> {
+        if !self.started {
+            return Err(BoardError::NotStarted);
+        }
+        if now < self.last {
+            return Err(BoardError::Backwards { now, last: self.last });
+        }
+        self.last = now;
+        Ok(())
+    }
+
+    /// When an interface that does not answer by then is not waited for any longer; at least so long.
+    fn due(&self, least: Span) -> i64 {
+        monotonic().saturating_add(self.silent_after.max(least).as_nanos())
+    }
+
+    fn known(&self, channel: ChannelId) -> Result<(), BoardError> {
+        let known = usize::from(channel.0) < self.channels.len();
+        if known { Ok(()) } else { Err(BoardError::NoChannel(channel)) }
+    }
+}
+
+impl Board for CanBoard {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Waits for the interfaces, as long as one may be silent or two seconds.
+    fn start(&mut self, now: Time) -> Result<(), BoardError> {
+        self.started = false;
+        let starts: Vec<u64> = self.nodes.iter_mut().map(Node::ask_start).collect();
+        let due = self.due(START);
+        for (node, start) in self.nodes.iter_mut().zip(starts) {
+            let mut begun = node.await_start(start, due);
+            // An interface that is wanted back may be on its way.
+            while !begun && self.retake && node.gone() && monotonic() < due {
+                node.shared.answer.wait_until(due.min(monotonic().saturating_add(LOOK.as_nanos())));
+                let start = node.ask_start();
+                begun = node.await_start(start, due);
+            }
+            if !begun {
+                return Err(node.is_lost());
+            }
+        }
+        (self.started, self.latched, self.last) = (true, false, now);
+        Ok(())
+    }
+
+    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        match writes.first() {
+            Some((channel, _)) => self.known(*channel).and(Err(BoardError::NotDriven(*channel))),
+            None => Ok(()),
+        }
+    }
+
+    fn poll(&mut self, now: Time, _out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        self.check_time(now)
+    }
+
+    /// What lies ahead of the last poll, and when an interface that owes an answer counts as lost.
+    fn next_event(&self) -> Option<Time> {
+        if !self.started {
+            return None;
+        }
+        let silent = self.nodes.iter().filter_map(Node::overdue).min();
+        let silent = silent.map(|stamp| self.surroundings.time.at(stamp.saturating_add(1)));
+        self.nodes.iter().filter_map(|node| node.ahead).chain(silent).min()
+    }
+
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        Err(BoardError::NoSuchFault(fault.channel))
+    }
+
+    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        self.known(channel)
+    }
+
+    /// Nothing is sent from now on. What the kernel has already may still reach the bus.
+    fn safe(&mut self, now: Time) -> Result<(), BoardError> {
+        self.latched = true;
+        self.last = self.last.max(now);
+        let asked: Vec<u64> = self.nodes.iter_mut().map(Node::ask_safe).collect();
+        let due = self.due(Span::ZERO);
+        let mut outcome = Ok(());
+        for (node, asked) in self.nodes.iter().zip(asked) {
+            if !node.await_safe(asked, due) {
+                let code = Errno::TIMEDOUT.raw_os_error();
+                outcome = outcome.and(Err(BoardError::Os { call: Call::Write, code }));
+            }
+        }
+        outcome
+    }
+
+    fn health(&self) -> Health {
+        Health {
+            lost: self.nodes.iter().filter(|node| node.lost.is_some()).count() as u32,
+            dropped: self.nodes.iter().map(|node| node.dropped).sum(),
+            failed_calls: self.nodes.iter().map(Node::failed).sum(),
+            latched_safe: self.latched,
+            ..Health::default()
+        }
+    }
+
+    fn buses(&self) -> &[Bus] {
+        &self.buses
+    }
+
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        self.nodes.iter().find(|node| node.spec.bus == bus).map(|node| node.spec.interface.as_str())
+    }
+
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        if self.latched {
+            return Err(BoardError::Latched);
+        }
+        let stamp = self.surroundings.time.stamp(now);
+        let node = self.nodes.iter_mut().find(|node| node.spec.bus == bus).ok_or(BoardError::NoBus(bus))?;
+        node.send(stamp, frame)
+    }
+
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        let first = out.len();
+        for node in &mut self.nodes {
+            node.poll(&self.surroundings.time, now, out);
+        }
+        crate::real::sort(&mut out[first..], BusEvent::latest);
+        Ok(())
+    }
+}

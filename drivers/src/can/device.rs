@@ -1,0 +1,506 @@
+//! The thread that talks to a CAN interface: the only one whose calls may last.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+
+use host::{Bell, Bracket, Errno, Realtime, Received, Role, monotonic};
+use rtrb::{Consumer, Producer};
+use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
+use std::os::fd::OwnedFd;
+
+use super::adapter::{Adapter, Change};
+use super::port::Port;
+use super::report::Reported;
+use super::wire::{FD, Told, decode, encode};
+use crate::{BusError, BusState, Frame};
+
+/// Frames on their way to the bus.
+const TO_SEND: usize = 1_024;
+/// Reports on their way to the board: a second of a busy bus.
+const REPORTS: usize = 8_192;
+/// The most frames of one turn, either way: then the other way has its turn.
+const BATCH: usize = 256;
+/// How long the kernel's full queue is left alone, and how long the thread is without a look at the clocks.
+const AGAIN: i64 = 1_000_000;
+const IDLE: i64 = 100_000_000;
+
+/// What the interface told; stamps are of the monotonic clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Report {
+    /// A frame was on the bus between these stamps.
+    Frame { earliest: i64, latest: i64, frame: Frame, own: bool },
+    /// The controller takes part in another way.
+    State { at: i64, state: BusState },
+    /// Something went wrong on the bus.
+    Error { at: i64, error: BusError },
+    /// Frames found no room on their way from the kernel or in the controller.
+    Dropped { at: i64, count: u32 },
+    /// The interface is down, or away.
+    Lost { at: i64 },
+    /// It is back.
+    Returned { at: i64 },
+    /// What was before is forgotten, for this start.
+    Started { start: u64, state: BusState },
+}
+
+/// What board and thread share.
+#[derive(Debug)]
+pub(super) struct Shared {
+    /// Nothing is sent, whatever is asked.
+    pub(super) latched: AtomicBool,
+    /// Number of starts asked for.
+    pub(super) starts: AtomicU64,
+    /// Number of times that something was asked, and of those that the thread has seen to.
+    pub(super) asked: AtomicU64,
+    pub(super) heard: AtomicU64,
+    /// The stamp since when a call is under way; 0 for none.
+    pub(super) in_call: AtomicI64,
+    /// There is no interface to talk to, and since when: a stamp.
+    pub(super) gone: AtomicBool,
+    pub(super) gone_since: AtomicI64,
+    /// Calls that failed, frames that could not be sent among them.
+    pub(super) failed: AtomicU64,
+    /// Reports that found no room.
+    pub(super) spilled: AtomicU64,
+    stop: AtomicBool,
+    ended: AtomicBool,
+    wake: OwnedFd,
+    /// Wakes whoever waits for the thread.
+    pub(super) answer: Bell,
+}
+
+impl Shared {
+    /// Something is asked of the thread.
+    pub(super) fn ask(&self) -> u64 {
+        let asked = self.asked.fetch_add(1, Ordering::AcqRel) + 1;
+        // A counter takes eight bytes; it cannot be full.
+        let _ = rustix::io::write(&self.wake, &1u64.to_ne_bytes());
+        asked
+    }
+}
+
+/// The thread's side.
+#[derive(Debug)]
+pub(super) struct Device {
+    adapter: Box<dyn Adapter>,
+    port: Option<Box<dyn Port>>,
+    shared: Arc<Shared>,
+    frames: Consumer<Frame>,
+    reports: Producer<Report>,
+    /// Is rung when there is something to report.
+    bell: Arc<Bell>,
+    /// How long before its stamp a frame may have ended, and how long one may wait for the bus.
+    resolution: i64,
+    limit: i64,
+    /// An interface that went away is taken back.
+    retake: bool,
+    started: u64,
+    state: BusState,
+    /// The kernel lets frames pass.
+    running: bool,
+    /// From the wall clock to the monotonic one, as measured last.
+    clocks: Bracket,
+    /// Frames that the socket has lost since it was opened.
+    dropped: u32,
+    /// The frame that the kernel did not take yet.
+    pending: Option<Frame>,
+    /// Own frames that the kernel has and the bus had not, and since when none of them came.
+    waiting: u32,
+    since: i64,
+    late: bool,
+    /// The newest instant that was told.
+    newest: i64,
+    /// The answer to a start, until there is room for it.
+    begun: Option<Report>,
+    told_lost: bool,
+    told: bool,
+}
+
+impl Device {
+    /// The thread.
+    pub(super) fn run(mut self, realtime: Realtime) {
+        // A refusal is told once for all threads, by whoever set up the run.
+        let _ = realtime.enter(Role::Devices);
+        loop {
+            // What is asked before the stop is seen after it.
+            let stop = self.shared.stop.load(Ordering::Acquire);
+            self.turn();
+            if stop {
+                self.shared.ended.store(true, Ordering::Release);
+                self.shared.answer.ring();
+                return;
+            }
+            self.wait();
+        }
+    }
+
+    fn turn(&mut self) {
+        let asked = self.shared.asked.load(Ordering::Acquire);
+        let starts = self.shared.starts.load(Ordering::Acquire);
+        self.look();
+        if starts != self.started {
+            self.start(starts);
+        }
+        self.begin();
+        self.receive();
+        self.send();
+        self.overdue();
+        self.shared.in_call.store(0, Ordering::Release);
+        self.tell_lost();
+        if self.shared.heard.swap(asked, Ordering::AcqRel) != asked {
+            self.shared.answer.ring();
+        }
+        if std::mem::take(&mut self.told) {
+            self.bell.ring();
+        }
+    }
+
+    /// Waits until there is something to do.
+    fn wait(&mut self) {
+        let soon = self.pending.is_some() || self.begun.is_some();
+        let nanos = if soon { AGAIN } else { IDLE.min(self.limit) };
+        let due = Timespec { tv_sec: 0, tv_nsec: nanos };
+        let wake = || PollFd::new(&self.shared.wake, PollFlags::IN);
+        let source = self.port.as_ref().map(|port| port.source());
+        let mut all = [
+            wake(),
+            self.adapter.source().map_or_else(wake, |fd| PollFd::from_borrowed_fd(fd, PollFlags::IN)),
+            source.map_or_else(wake, |fd| PollFd::from_borrowed_fd(fd, PollFlags::IN)),
+        ];
+        // A wait that was cut short is followed by a turn that finds nothing.
+        let _ = poll(&mut all, Some(&due));
+        if all[0].revents().contains(PollFlags::IN) {
+            let _ = rustix::io::read(&self.shared.wake, &mut [0; 8]);
+        }
+    }
+
+    /// What became of the interface.
+    fn look(&mut self) {
+        self.called();
+        match self.adapter.change() {
+            Change::None => {}
+            Change::Down => self.lose(),
+            Change::Up { running } => {
+                self.running = running;
+                self.back();
+            }
+            Change::Flapped => {
+                self.lose();
+                self.tell_lost();
+                self.back();
+            }
+        }
+    }
+
+    /// It is there again.
+    fn back(&mut self) {
+        if self.port.is_none() && self.retake {
+            self.open();
+        }
+    }
+
+    /// Tells that the interface is lost or back, if that is not told yet.
+    fn tell_lost(&mut self) {
+        let lost = self.port.is_none();
+        if lost != self.told_lost {
+            let at = monotonic();
+            let report = if lost { Report::Lost { at } } else { Report::Returned { at } };
+            if self.reports.push(report).is_ok() {
+                (self.told_lost, self.told) = (lost, true);
+            }
+        }
+    }
+
+    /// A call begins.
+    fn called(&self) {
+        self.shared.in_call.store(monotonic(), Ordering::Release);
+    }
+
+    fn open(&mut self) {
+        if let Ok((port, state)) = self.adapter.open() {
+            self.port = Some(port);
+            (self.dropped, self.waiting, self.pending, self.running) = (0, 0, None, true);
+            self.shared.gone.store(false, Ordering::Release);
+            self.is(monotonic(), state);
+        }
+    }
+
+    fn lose(&mut self) {
+        let Some(mut port) = self.port.take() else { return };
+        // What came before is told before. The socket tells of the loss first.
+        let (mut bytes, mut refused) = ([0; FD], 0);
+        while refused < 2 {
+            match port.receive(&mut bytes) {
+                Ok(received) => self.take(&bytes, received, self.clocks),
+                Err(_) => refused += 1,
+            }
+        }
+        (self.waiting, self.pending) = (0, None);
+        self.shared.gone_since.store(monotonic(), Ordering::Release);
+        self.shared.gone.store(true, Ordering::Release);
+    }
+
+    /// What a run begins with: nothing from before.
+    fn start(&mut self, start: u64) {
+        self.started = start;
+        while self.frames.pop().is_ok() {}
+        self.pending = None;
+        self.back();
+        self.called();
+        let mut bytes = [0; FD];
+        let state = self.adapter.state();
+        if let Some(port) = &mut self.port {
+            // The queue is that of a second at most; what comes meanwhile belongs to the run.
+            for _ in 0..REPORTS {
+                match port.receive(&mut bytes) {
+                    Ok(received) => self.dropped = received.dropped,
+                    Err(_) => break,
+                }
+            }
+            self.state = state.unwrap_or(self.state);
+        }
+        (self.clocks, self.waiting, self.late) = (Bracket::measure(), 0, false);
+        self.told_lost = self.port.is_none();
+        self.begun = Some(Report::Started { start, state: self.state });
+        self.begin();
+    }
+
+    /// Answers a start as soon as there is room: the board makes some while it waits.
+    fn begin(&mut self) {
+        if let Some(report) = self.begun
+            && self.reports.push(report).is_ok()
+        {
+            (self.begun, self.told) = (None, true);
+            self.shared.answer.ring();
+        }
+    }
+
+    fn receive(&mut self) {
+        let before = self.clocks;
+        self.clocks = Bracket::measure();
+        let clocks = before.or(self.clocks);
+        let mut bytes = [0; FD];
+        for _ in 0..BATCH {
+            self.called();
+            let Some(port) = &mut self.port else { return };
+            match port.receive(&mut bytes) {
+                Ok(received) => self.take(&bytes, received, clocks),
+                Err(Errno::AGAIN) => return,
+                Err(Errno::INTR) => {}
+                Err(error) => return self.refused(error),
+            }
+        }
+    }
+
+    /// One datagram.
+    fn take(&mut self, bytes: &[u8; FD], received: Received, clocks: Bracket) {
+        let now = monotonic();
+        let (mut earliest, mut latest) = (now, now);
+        if let Some(wall) = received.wall {
+            // Clocks are known a little better or worse from time to time; frames stay in order.
+            latest = wall.saturating_add(clocks.high).max(self.newest).min(now);
+            earliest = wall.saturating_add(clocks.low).saturating_sub(self.resolution).min(latest);
+        }
+        self.newest = latest;
+        let lost = received.dropped.wrapping_sub(self.dropped);
+        if lost > 0 {
+            self.dropped = received.dropped;
+            self.report(Report::Dropped { at: latest, count: lost });
+        }
+        match bytes.get(..received.len).and_then(decode) {
+            Some(Told::Frame(frame)) => {
+                if received.own {
+                    (self.waiting, self.since, self.late) = (self.waiting.saturating_sub(1), now, false);
+                }
+                self.report(Report::Frame { earliest, latest, frame, own: received.own });
+            }
+            Some(Told::Report(classes, details)) => {
+                let reported = Reported::read(classes, &details);
+                for error in reported.errors() {
+                    self.report(Report::Error { at: latest, error });
+                    if error == BusError::ReceiveOverflow {
+                        self.report(Report::Dropped { at: latest, count: 1 });
+                    }
+                }
+                if let Some(state) = reported.state {
+                    self.is(latest, state);
+                }
+            }
+            // Nothing that this kernel is known to write: it counts as lost.
+            None => self.report(Report::Dropped { at: latest, count: 1 }),
+        }
+    }
+
+    /// How the controller takes part.
+    fn is(&mut self, at: i64, state: BusState) {
+        if state == BusState::BusOff {
+            // The controller forgets what it had.
+            self.waiting = 0;
+        }
+        if state != self.state {
+            self.state = state;
+            self.report(Report::State { at, state });
+        }
+    }
+
+    fn send(&mut self) {
+        if self.shared.latched.load(Ordering::Acquire) {
+            while self.frames.pop().is_ok() {}
+            self.pending = None;
+            return;
+        }
+        // The kernel would drop frames of a controller that is off the bus without a word, and for a moment behind.
+        if self.state == BusState::BusOff || !self.running {
+            return;
+        }
+        for _ in 0..BATCH {
+            let Some(frame) = self.pending.take().or_else(|| self.frames.pop().ok()) else { return };
+            self.called();
+            let Some((bytes, len)) = encode(&frame) else { continue };
+            let Some(port) = &mut self.port else {
+                self.shared.failed.fetch_add(1, Ordering::Relaxed);
+                continue;
+            };
+            match port.send(&bytes[..len]) {
+                Ok(()) => {
+                    if self.waiting == 0 {
+                        self.since = monotonic();
+                    }
+                    self.waiting += 1;
+                }
+                Err(Errno::NOBUFS | Errno::AGAIN | Errno::INTR) => {
+                    self.pending = Some(frame);
+                    return;
+                }
+                Err(error) => return self.refused(error),
+            }
+        }
+        // There may be more: the next turn comes at once.
+        if !self.frames.is_empty() {
+            let _ = rustix::io::write(&self.shared.wake, &1u64.to_ne_bytes());
+        }
+    }
+
+    /// Frames that wait for the bus for too long.
+    fn overdue(&mut self) {
+        if self.waiting > 0 && !self.late && monotonic() - self.since > self.limit {
+            self.late = true;
+            self.report(Report::Error { at: monotonic(), error: BusError::SendTimeout });
+        }
+    }
+
+    fn refused(&mut self, error: Errno) {
+        match error {
+            Errno::NETDOWN | Errno::NODEV | Errno::NXIO | Errno::BADF => self.lose(),
+            _ => {
+                self.shared.failed.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+    }
+
+    fn report(&mut self, report: Report) {
+        self.told = true;
+        // Nothing comes before the answer to a start.
+        if self.begun.is_some() || self.reports.push(report).is_err() {
+            self.shared.spilled.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+/// The board's side of the thread. Dropping it ends the thread.
+#[derive(Debug)]
+pub(super) struct Running {
+    pub(super) shared: Arc<Shared>,
+    pub(super) frames: Producer<Frame>,
+    pub(super) reports: Consumer<Report>,
+    patience: i64,
+    thread: Option<std::thread::JoinHandle<()>>,
+}
+
+/// How a thread works.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Manner {
+    /// How long before its stamp a frame may have ended, in nanoseconds.
+    pub(super) resolution: i64,
+    /// How long a call may last, in nanoseconds.
+    pub(super) limit: i64,
+    /// An interface that went away is taken back.
+    pub(super) retake: bool,
+    /// How the thread runs.
+    pub(super) realtime: Realtime,
+}
+
+impl Running {
+    /// Starts the thread of an open interface.
+    pub(super) fn start(
+        name: &str,
+        adapter: Box<dyn Adapter>,
+        port: Box<dyn Port>,
+        bell: &Arc<Bell>,
+        manner: Manner,
+    ) -> std::io::Result<Running> {
+        let shared = Arc::new(Shared {
+            latched: AtomicBool::new(true),
+            starts: AtomicU64::new(0),
+            asked: AtomicU64::new(0),
+            heard: AtomicU64::new(0),
+            in_call: AtomicI64::new(0),
+            gone: AtomicBool::new(false),
+            gone_since: AtomicI64::new(0),
+            failed: AtomicU64::new(0),
+            spilled: AtomicU64::new(0),
+            stop: AtomicBool::new(false),
+            ended: AtomicBool::new(false),
+            wake: eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?,
+            answer: Bell::new(),
+        });
+        let (frames, to_send) = rtrb::RingBuffer::new(TO_SEND);
+        let (reports, reported) = rtrb::RingBuffer::new(REPORTS);
+        let device = Device {
+            adapter,
+            port: Some(port),
+            shared: shared.clone(),
+            frames: to_send,
+            reports,
+            bell: bell.clone(),
+            resolution: manner.resolution,
+            limit: manner.limit,
+            retake: manner.retake,
+            started: 0,
+            state: BusState::ErrorActive,
+            running: true,
+            clocks: Bracket::measure(),
+            dropped: 0,
+            pending: None,
+            waiting: 0,
+            since: 0,
+            late: false,
+            newest: i64::MIN,
+            begun: None,
+            told_lost: false,
+            told: false,
+        };
+        let thread = std::thread::Builder::new().name(format!("can {name}"));
+        let thread = thread.spawn(move || device.run(manner.realtime))?;
+        Ok(Running { shared, frames, reports: reported, patience: manner.limit, thread: Some(thread) })
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.shared.latched.store(true, Ordering::Release);
+        self.shared.stop.store(true, Ordering::Release);
+        self.shared.ask();
+        let due = monotonic().saturating_add(self.patience);
+        while !self.shared.ended.load(Ordering::Acquire) {
+            // A thread inside a call that hangs is left to it: when the call ends, it finds that it is to stop.
+            if monotonic() >= due {
+                return;
+            }
+            self.shared.answer.wait_until(due);
+        }
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}

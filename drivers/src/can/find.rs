@@ -1,0 +1,97 @@
+//! The interface of a bus on this machine, and whether it is as the board file says.
+
+use document::{Diagnostic, suggest};
+use rustix::io::Errno;
+
+use super::link::Link;
+use super::netlink::ask;
+use super::settings::{differences, mend};
+use super::spec::CanBusSpec;
+use crate::BusState;
+use crate::file::{BoardFile, codes};
+
+/// Names of the CAN interfaces of this machine, in order.
+pub fn interfaces() -> Vec<String> {
+    let is_can = |name: &String| {
+        std::fs::read_to_string(format!("/sys/class/net/{name}/type")).is_ok_and(|kind| kind.trim() == TYPE)
+    };
+    let entries = std::fs::read_dir("/sys/class/net").into_iter().flatten().flatten();
+    let mut all: Vec<String> =
+        entries.filter_map(|entry| entry.file_name().into_string().ok()).filter(is_can).collect();
+    all.sort();
+    all
+}
+
+/// What the kernel calls CAN among the kinds of networks (ARPHRD_CAN).
+const TYPE: &str = "280";
+
+/// Sees that the interface of a bus is there, up and set up as the file says.
+///
+/// # Errors
+/// What is wrong with it, at its place in the file.
+pub fn find(file: &BoardFile, spec: &CanBusSpec) -> Result<(), Diagnostic> {
+    let at = |code, message: String, help: String| {
+        Err(Diagnostic::error(code, message)
+            .at(file.name.clone(), spec.interface_place.clone(), "")
+            .help(help))
+    };
+    let name = &spec.interface;
+    let link = match ask(name) {
+        Ok(link) => link,
+        Err(error) if error.raw_os_error() == Some(Errno::NODEV.raw_os_error()) => {
+            let all = interfaces();
+            let help = match suggest(name, all.iter().map(String::as_str)) {
+                Some(meant) => format!("did you mean {meant}?"),
+                None if all.is_empty() => String::from("this machine has no CAN interface: see `ip link`"),
+                None => format!("there are {}", all.join(", ")),
+            };
+            return at(codes::CAN_MISSING, format!("this machine has no interface {name}"), help);
+        }
+        Err(error) => {
+            let help = String::from("see what `ip link` says");
+            return at(codes::CAN_REFUSED, format!("the kernel does not tell of {name}: {error}"), help);
+        }
+    };
+    if !interfaces().contains(name) {
+        let help = String::from("name one of a CAN controller, as in can0");
+        return at(codes::CAN_MISSING, format!("{name} is no CAN interface"), help);
+    }
+    wrong(spec, &link).map_or(Ok(()), |(code, message, help)| at(code, message, help))
+}
+
+/// How an interface is set up and how it fares, in words behind its name.
+pub fn words(link: &Link) -> String {
+    let mut words = String::new();
+    if let Some(bits) = link.bits {
+        words += &format!(", {} bit/s", bits.bitrate);
+    }
+    if let Some(bits) = link.data_bits {
+        words += &format!(" and {} bit/s", bits.bitrate);
+    }
+    words += match (link.up, link.state) {
+        (false, _) => ", down",
+        (true, None | Some(BusState::ErrorActive)) => ", up",
+        (true, Some(BusState::ErrorWarning)) => ", up, with errors",
+        (true, Some(BusState::ErrorPassive)) => ", error-passive",
+        (true, Some(BusState::BusOff)) => ", bus-off",
+        (true, Some(BusState::Stopped)) => ", up, its controller stopped",
+    };
+    if link.restart_ms > 0 {
+        words += &format!(", starts again {} ms after bus-off", link.restart_ms);
+    }
+    words
+}
+
+/// What is wrong with an interface for a bus: code, words, mend.
+pub fn wrong(spec: &CanBusSpec, link: &Link) -> Option<(&'static str, String, String)> {
+    let name = &spec.interface;
+    let differ = differences(spec, link);
+    if !differ.is_empty() {
+        let message = format!("{name} is not set up as the board file says: {}", differ.join("; "));
+        return Some((codes::CAN_SETTINGS, message, format!("run `{}`", mend(spec, link))));
+    }
+    if !link.up {
+        return Some((codes::CAN_DOWN, format!("{name} is down"), format!("run `ip link set {name} up`")));
+    }
+    None
+}

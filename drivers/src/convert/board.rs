@@ -1,0 +1,267 @@
+//! The converters of a board.
+
+use document::Diagnostic;
+use host::monotonic;
+use signal::{Span, Time, Value};
+
+use super::watched::Watched;
+use super::{Converter, ConverterKind, ConverterSpec, ConvertersSpec, Refusal, SampleSpec, iio, spi};
+use crate::file::{BoardFile, codes};
+use crate::gpio::telling::Telling;
+use crate::real::RealSpec;
+use crate::{
+    Board, BoardError, BoardEvent, Channel, ChannelId, Fault, FaultSet, Health, Surroundings, TimestampSource,
+};
+
+/// How long a start waits for a converter at least: nothing runs yet that it could hold up, and threads are new.
+const START: Span = Span::from_secs(2);
+
+/// Describes the channels that have inputs of converters.
+pub fn describe(file: &BoardFile, spec: &ConvertersSpec, channels: &mut [Channel]) {
+    for sample in &spec.samples {
+        let at = usize::from(sample.channel.0);
+        let (Some(channel), Some(known)) = (channels.get_mut(at), file.circuit.channels.get(at)) else {
+            continue;
+        };
+        // What comes later than this is told as a loss.
+        let apart = spec.converters.get(sample.converter).map_or(Span::ZERO, ConverterSpec::longest);
+        *channel = Channel {
+            name: known.name.clone(),
+            kind: known.kind.clone(),
+            drives: false,
+            senses: known.senses,
+            timestamp: TimestampSource::Sampled { period: apart },
+            resolution: apart,
+            shortest_pulse: apart,
+            deadband: sample.scale.deadband,
+            max_pulse_hz: 0,
+            faults: FaultSet::NONE,
+            safe: Value::HighZ,
+        };
+    }
+}
+
+/// Opens a converter for these inputs: the readings number them as they are here.
+///
+/// # Errors
+/// It is not there, not free, not permitted, or not what the file says.
+pub fn open(converter: &ConverterSpec, inputs: &[SampleSpec]) -> Result<Box<dyn Converter>, Refusal> {
+    match &converter.kind {
+        ConverterKind::Spi(spec) => spi::open(converter, spec, inputs),
+        ConverterKind::Iio(spec) => iio::open(converter, spec, inputs),
+    }
+}
+
+/// A converter with the inputs that it was opened for, and how it is opened again.
+pub struct Source {
+    /// The converter.
+    pub converter: Box<dyn Converter>,
+    /// Its inputs, in the order of its readings.
+    pub inputs: Vec<SampleSpec>,
+    /// Time between two readings of an input.
+    pub period: Span,
+    /// Opens it again when it was gone; is called on the device's thread.
+    pub again: Box<dyn FnMut() -> Option<Box<dyn Converter>> + Send>,
+}
+
+impl std::fmt::Debug for Source {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Source").field("converter", &self.converter).field("inputs", &self.inputs).finish()
+    }
+}
+
+/// Converters as a board: its channels sense and never drive. A thread of each converter reads it; no call of the board
+/// waits for one but its start.
+#[derive(Debug)]
+pub struct ConverterBoard {
+    channels: Vec<Channel>,
+    silent_after: Span,
+    retake: bool,
+    surroundings: Surroundings,
+    devices: Vec<Watched>,
+    started: bool,
+    latched: bool,
+    /// The start, until it was told what the inputs showed then.
+    fresh: Option<Time>,
+    last: Time,
+    ahead: Option<Time>,
+    dropped: u64,
+}
+
+impl ConverterBoard {
+    /// Opens the board's converters.
+    ///
+    /// # Errors
+    /// All that is not there, not free, not permitted or cannot be done, by place.
+    pub fn open(
+        file: &BoardFile,
+        spec: &RealSpec,
+        surroundings: &Surroundings,
+    ) -> Result<ConverterBoard, Vec<Diagnostic>> {
+        let (mut sources, mut found) = (Vec::new(), Vec::new());
+        for (at, converter) in spec.converters.converters.iter().enumerate() {
+            let inputs = spec.converters.inputs_of(at);
+            // A converter that no channel uses may be missing.
+            if inputs.is_empty() {
+                continue;
+            }
+            match open(converter, &inputs) {
+                Ok(opened) => {
+                    let (of, at) = (converter.clone(), inputs.clone());
+                    let again = Box::new(move || open(&of, &at).ok());
+                    sources.push(Source { converter: opened, inputs, period: converter.period, again });
+                }
+                Err(refusal) => found.push(refusal.finding(&file.name, converter.place.clone())),
+            }
+        }
+        if !found.is_empty() {
+            return Err(found);
+        }
+        ConverterBoard::on(file, spec, surroundings, sources).map_err(|error| {
+            let message = format!("the thread of a converter cannot be started: {error}");
+            let help = "the machine has no room for another thread: see `ulimit -u`";
+            vec![Diagnostic::error(codes::HOST, message).at(file.name.clone(), 0..0, "").help(help)]
+        })
+    }
+
+    /// A board of converters that are open.
+    ///
+    /// # Errors
+    /// A thread could not be started.
+    pub fn on(
+        file: &BoardFile,
+        spec: &RealSpec,
+        surroundings: &Surroundings,
+        sources: Vec<Source>,
+    ) -> std::io::Result<ConverterBoard> {
+        let mut channels = crate::real::blank(file);
+        describe(file, &spec.converters, &mut channels);
+        let start = |source: Source| {
+            let Source { converter, inputs, period, again } = source;
+            let limits = (spec.silent_after, spec.retake);
+            Watched::start(
+                converter,
+                again,
+                &inputs,
+                period,
+                limits,
+                (&surroundings.bell, surroundings.realtime),
+            )
+        };
+        Ok(ConverterBoard {
+            channels,
+            silent_after: spec.silent_after,
+            retake: spec.retake,
+            surroundings: surroundings.clone(),
+            devices: sources.into_iter().map(start).collect::<Result<_, _>>()?,
+            started: false,
+            latched: false,
+            fresh: None,
+            last: Time::ZERO,
+            ahead: None,
+            dropped: 0,
+        })
+    }
+
+    fn check_time(&mut self, now: Time) -> Result<(), BoardError> {
+        if !self.started {
+            return Err(BoardError::NotStarted);
+        }
+        if now < self.last {
+            return Err(BoardError::Backwards { now, last: self.last });
+        }
+        self.last = now;
+        Ok(())
+    }
+}
+
+impl Board for ConverterBoard {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Waits until every input was read, as long as a converter may be silent or two seconds.
+    fn start(&mut self, now: Time) -> Result<(), BoardError> {
+        self.started = false;
+        let starts: Vec<u64> = self.devices.iter_mut().map(Watched::ask_start).collect();
+        let due = monotonic().saturating_add(self.silent_after.max(START).as_nanos());
+        for (device, start) in self.devices.iter_mut().zip(starts) {
+            if !device.await_start(start, due, self.retake) {
+                return Err(device.is_lost());
+            }
+        }
+        (self.started, self.latched, self.fresh) = (true, false, Some(now));
+        (self.last, self.ahead, self.dropped) = (now, None, 0);
+        Ok(())
+    }
+
+    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        match writes.first() {
+            None => Ok(()),
+            Some((channel, _)) if usize::from(channel.0) < self.channels.len() => {
+                Err(BoardError::NotDriven(*channel))
+            }
+            Some((channel, _)) => Err(BoardError::NoChannel(*channel)),
+        }
+    }
+
+    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        let mut telling = Telling::new(out, &self.surroundings.time, now);
+        if let Some(start) = self.fresh.take() {
+            self.devices.iter().for_each(|device| device.present(start, &mut telling));
+        }
+        for device in &mut self.devices {
+            device.poll(&mut telling);
+        }
+        self.dropped += telling.dropped;
+        self.ahead = telling.ahead;
+        telling.sort();
+        Ok(())
+    }
+
+    /// What lies ahead of the last poll, and when a converter that owes an answer counts as lost.
+    fn next_event(&self) -> Option<Time> {
+        if !self.started {
+            return None;
+        }
+        let silent = self.devices.iter().filter_map(Watched::overdue).min();
+        let silent = silent.map(|stamp| self.surroundings.time.at(stamp.saturating_add(1)));
+        [self.fresh, self.ahead, silent].into_iter().flatten().min()
+    }
+
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        Err(BoardError::NoSuchFault(fault.channel))
+    }
+
+    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        let known = usize::from(channel.0) < self.channels.len();
+        if known { Ok(()) } else { Err(BoardError::NoChannel(channel)) }
+    }
+
+    /// Nothing is driven: the converters rest until the next start.
+    fn safe(&mut self, now: Time) -> Result<(), BoardError> {
+        self.latched = true;
+        self.last = self.last.max(now);
+        self.devices.iter().for_each(Watched::rest);
+        Ok(())
+    }
+
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        let mut devices = self.devices.iter();
+        devices.find(|device| device.channels.contains(&channel)).map(|device| device.device.as_str())
+    }
+
+    fn health(&self) -> Health {
+        Health {
+            lost: self.devices.iter().map(Watched::lost_channels).sum(),
+            dropped: self.dropped,
+            failed_calls: self.devices.iter().map(Watched::failed_calls).sum(),
+            latched_safe: self.latched,
+            ..Health::default()
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The calibrations of a board, for its record.
+
+use document::Diagnostic;
+
+use super::Date;
+use crate::file::{BoardFile, BoardKind, codes};
+
+/// A channel with a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibrated {
+    /// Its name.
+    pub channel: String,
+    /// What the calibration rests on, in words.
+    pub words: String,
+    /// That it counts no longer.
+    pub expired: Option<Diagnostic>,
+}
+
+/// The calibrated channels of a board as they stand on this day.
+pub fn calibrated(file: &BoardFile, today: Date) -> Vec<Calibrated> {
+    let BoardKind::Real(spec) = &file.kind else { return Vec::new() };
+    let of = |sample: &super::SampleSpec| {
+        let certificate = sample.certificate.as_ref()?;
+        let channel = file.circuit.channels.get(usize::from(sample.channel.0))?.name.clone();
+        let expired = certificate.is_expired(today).then(|| {
+            let message = format!("the calibration of `{channel}` has expired: {certificate}");
+            Diagnostic::warning(codes::EXPIRED, message)
+                .at(file.name.clone(), sample.certificate_place.clone(), "")
+                .help("calibrate the channel and write its new points and dates")
+        });
+        let late = if expired.is_some() { ": expired" } else { "" };
+        Some(Calibrated { words: format!("{certificate}{late}"), channel, expired })
+    };
+    spec.converters.samples.iter().filter_map(of).collect()
+}

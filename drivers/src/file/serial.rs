@@ -1,0 +1,111 @@
+//! The serial lines behind the buses of a board file.
+
+use std::path::{Path, PathBuf};
+
+use document::{Diagnostic, Entry, Fields, Findings};
+use host::Rs485;
+use signal::Span;
+
+use super::codes;
+use crate::BusId;
+use crate::serial::{LineSettings, Parity, PortSpec, SerialSpec};
+
+/// The longest delay of a transceiver's direction that the kernel takes.
+const LONGEST_DELAY: Span = Span::from_millis(100);
+const MILLISECOND: i64 = 1_000_000;
+
+/// The keys of a serial line.
+const KEYS: &[&str] =
+    &["kind", "path", "baud", "data-bits", "parity", "stop-bits", "rs485", "low-latency", "exclusive"];
+
+/// A serial line, `bus` its place among the buses. `None` where something is wrong with it.
+pub(super) fn serial(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings) -> Option<SerialSpec> {
+    for strange in fields.table().entries.iter().filter(|entry| !KEYS.contains(&entry.key.as_str())) {
+        // A key that no bus has was reported where the table was read.
+        if fields.entry(&strange.key).is_some() {
+            let message = format!("a serial line has no `{}`", strange.key);
+            let help = "remove it, or make the bus one of kind = \"can\"";
+            out.error(codes::SERIAL_KEY, strange.key_span.clone(), message, help);
+        }
+    }
+    let path = path(entry, fields, out)?;
+    let default = LineSettings::default();
+    let number = |key, default: u32| {
+        fields.integer(key).and_then(|number| u32::try_from(number).ok()).unwrap_or(default)
+    };
+    let line = LineSettings {
+        baud: number("baud", default.baud),
+        data_bits: number("data-bits", u32::from(default.data_bits)) as u8,
+        parity: match fields.text("parity") {
+            Some("none") => Parity::None,
+            Some("odd") => Parity::Odd,
+            _ => Parity::Even,
+        },
+        stop_bits: number("stop-bits", u32::from(default.stop_bits)) as u8,
+    };
+    let rs485 = match fields.inner("rs485") {
+        Some(fields) => Some(rs485(&fields, out)?),
+        None => None,
+    };
+    let port = PortSpec {
+        path,
+        line,
+        rs485,
+        low_latency: fields.boolean("low-latency"),
+        exclusive: fields.boolean("exclusive").unwrap_or(true),
+    };
+    Some(SerialSpec { bus, name: entry.key.clone(), port, place: entry.key_span.clone() })
+}
+
+fn path(entry: &Entry, fields: &Fields, out: &mut Findings) -> Option<PathBuf> {
+    let help = "write `path = \"/dev/serial/by-id/...\"`, a link that stays when the machine starts again";
+    let Some(path) = fields.text("path") else {
+        let message = format!("the serial line `{}` has no port", entry.key);
+        out.error(codes::SERIAL_PATH, entry.key_span.clone(), message, help);
+        return None;
+    };
+    if !Path::new(path).is_absolute() {
+        out.bad(codes::SERIAL_PATH, fields.get("path")?, "this is no path of a device", help);
+        return None;
+    }
+    Some(PathBuf::from(path))
+}
+
+fn rs485(fields: &Fields, out: &mut Findings) -> Option<Rs485> {
+    let mut delay = |key| {
+        let Some(lasts) = fields.duration(key) else { return Some(0) };
+        let nanos = lasts.as_nanos();
+        if nanos > LONGEST_DELAY.as_nanos() || nanos % MILLISECOND != 0 {
+            let help = "write whole milliseconds, at most 100";
+            out.bad(codes::SERIAL_VALUE, fields.get(key)?, "the kernel keeps no such delay", help);
+            return None;
+        }
+        u32::try_from(nanos / MILLISECOND).ok()
+    };
+    let (before, after) = (delay("delay-before"), delay("delay-after"));
+    let low_sends = fields.text("rts-on-send") == Some("low");
+    Some(Rs485 {
+        enabled: fields.boolean("enabled").unwrap_or(true),
+        rts_on_send: !low_sends,
+        rts_after_send: low_sends,
+        rx_during_tx: fields.boolean("hears-itself").unwrap_or(false),
+        terminate: fields.boolean("terminate").unwrap_or(false),
+        delay_before: before?,
+        delay_after: after?,
+    })
+}
+
+/// A port carries one bus. Paths that lead to one port show when the port is there.
+pub(super) fn twice(lines: &[SerialSpec], out: &mut Findings) {
+    for (at, line) in lines.iter().enumerate() {
+        let Some(first) = lines[..at].iter().find(|first| first.port.path == line.port.path) else {
+            continue;
+        };
+        let message = format!("the port of `{}` is used already", line.name);
+        let found = Diagnostic::error(codes::SERIAL_TWICE, message)
+            .at(out.file().to_owned(), line.place.clone(), "")
+            .at(out.file().to_owned(), first.place.clone(), "here first")
+            .help("give each serial line a port of its own");
+        out.push(found);
+    }
+}

@@ -1,0 +1,172 @@
+//! How the chips of a board are set to work: when it is opened, and when one that went away is there again.
+
+use std::sync::Arc;
+
+use rustix::io::Errno;
+use signal::Span;
+
+use super::chip::Running;
+use super::device::Device;
+use super::edges::Edges;
+use super::find::{device, why};
+use super::inputs::{Input, Inputs};
+use super::lines::{Lines, Masks};
+use super::port::Port;
+use super::v1::PortV1;
+use super::v2::PortV2;
+use super::{Backend, Drive, Edge, FoundChip, GpioError, GpioSpec};
+use crate::file::{BoardFile, codes};
+use crate::{Channel, ChannelId, Surroundings, TimestampSource};
+
+/// How much longer than asked for the kernel may debounce: it counts in ticks, of which there are at least 100 a second.
+const TICKS: Span = Span::from_millis(20);
+
+/// What the threads of a chip do, for somebody who does it in their place.
+#[derive(Debug)]
+pub struct Served {
+    device: Device,
+    edges: Edges,
+}
+
+impl Served {
+    /// One turn of the device: at most one call that sets and one that gets.
+    pub fn turn(&mut self) {
+        self.device.turn();
+    }
+
+    /// Edges as the kernel would tell them.
+    pub fn take(&mut self, edges: &[Edge]) {
+        self.edges.take(edges);
+    }
+}
+
+/// A chip at work.
+#[derive(Debug)]
+pub(super) struct Chip {
+    /// Place in the board file.
+    pub(super) spec: usize,
+    /// What messages call it.
+    pub(super) device: String,
+    pub(super) port: Arc<dyn Port>,
+    pub(super) lines: Lines,
+}
+
+/// Makes the chips of a board.
+#[derive(Clone, Debug)]
+pub(super) struct Maker {
+    pub(super) file: BoardFile,
+    pub(super) spec: GpioSpec,
+    pub(super) surroundings: Surroundings,
+    /// The channels, as exact as the chips that were made allow.
+    pub(super) channels: Vec<Channel>,
+}
+
+impl Maker {
+    pub(super) fn new(file: &BoardFile, spec: &GpioSpec, surroundings: &Surroundings) -> Maker {
+        let mut channels = crate::real::blank(file);
+        super::describe(file, spec, &mut channels);
+        Maker { file: file.clone(), spec: spec.clone(), surroundings: surroundings.clone(), channels }
+    }
+
+    /// Claims a chip's lines and starts its threads. On failure the code, the words and what mends it.
+    pub(super) fn claim(&mut self, found: FoundChip) -> Result<Chip, (&'static str, String, String)> {
+        let path = &found.info.path;
+        let claimed: Result<Arc<dyn Port>, GpioError> = match found.backend {
+            Backend::V2 => PortV2::claim(path, &self.spec.consumer, &found.claim)
+                .map(|port| Arc::new(port) as Arc<dyn Port>),
+            Backend::V1 => PortV1::claim(path, &self.spec.consumer, &found.claim)
+                .map(|port| Arc::new(port) as Arc<dyn Port>),
+        };
+        let port = claimed.map_err(|error| refused(&found, &error))?;
+        self.work(found, port).map_err(|error| {
+            let help = String::from("the machine has no room for another thread: see `ulimit -u`");
+            (codes::HOST, format!("the threads of a chip cannot be started: {error}"), help)
+        })
+    }
+
+    pub(super) fn work(&mut self, found: FoundChip, port: Arc<dyn Port>) -> std::io::Result<Chip> {
+        let name = found.info.name.clone();
+        let (mut chip, Served { device, edges }) = self.prepare(found, port)?;
+        chip.lines.running.start(&name, device, edges, self.surroundings.realtime)?;
+        Ok(chip)
+    }
+
+    pub(super) fn prepare(
+        &mut self,
+        found: FoundChip,
+        port: Arc<dyn Port>,
+    ) -> std::io::Result<(Chip, Served)> {
+        let outputs = || found.claim.outputs.iter().enumerate();
+        let safe = outputs().fold(0u64, |bits, (place, line)| bits | u64::from(line.safe) << place);
+        // A line that lets go is where its pull takes it.
+        let released = outputs().fold(0u64, |bits, (place, line)| {
+            let level = match line.drive {
+                Drive::PushPull => false,
+                Drive::OpenDrain => !line.active_low,
+                Drive::OpenSource => line.active_low,
+            };
+            bits | u64::from(level) << place
+        });
+        for (channel, line) in found.senses.iter().zip(&found.claim.inputs) {
+            self.stamped(*channel, found.backend, Span::from_micros(i64::from(line.debounce_us)));
+        }
+        for channel in found.drives.iter().filter(|channel| !found.senses.contains(channel)) {
+            self.channels[usize::from(channel.0)].resolution = self.surroundings.resolution;
+        }
+        let senses = |channel: &ChannelId| self.channels[usize::from(channel.0)].senses;
+        let masked = |yes: &dyn Fn(&ChannelId) -> bool| {
+            let places = found.drives.iter().enumerate();
+            places.fold(0u64, |bits, (place, channel)| bits | u64::from(yes(channel)) << place)
+        };
+        let double = masked(&|channel| found.senses.contains(channel));
+        let masks = Masks { safe, released, double, unseen: masked(&|channel| !senses(channel)) };
+        let inputs = found.senses.iter().map(|channel| Input {
+            channel: *channel,
+            resolution: self.channels[usize::from(channel.0)].resolution,
+            senses: senses(channel),
+            output: found.drives.iter().position(|other| other == channel).map(|place| place as u8),
+        });
+        let inputs = Inputs::new(inputs.collect());
+        let limit = self.spec.silent_after.as_nanos();
+        let (running, of_device, edges) = Running::new(port.clone(), safe, &self.surroundings.bell, limit)?;
+        let device = device(&found.info);
+        let lines = Lines::new(running, found.drives, inputs, masks, limit);
+        Ok((Chip { spec: found.spec, device, port, lines }, Served { device: of_device, edges }))
+    }
+
+    /// What the events of an input are worth.
+    fn stamped(&mut self, channel: ChannelId, backend: Backend, debounce: Span) {
+        let channel = &mut self.channels[usize::from(channel.0)];
+        channel.resolution = self.surroundings.resolution;
+        if debounce > Span::ZERO {
+            channel.resolution = channel.resolution + debounce + TICKS;
+        }
+        if backend == Backend::V1 {
+            // The kernel stamps the edges, but may lose some without a sign: no more is certain than of a line that is
+            // looked at now and then.
+            channel.timestamp = TimestampSource::Sampled { period: channel.resolution };
+            channel.shortest_pulse = self.spec.silent_after;
+        }
+    }
+}
+
+/// What a refused claim means.
+fn refused(found: &FoundChip, error: &GpioError) -> (&'static str, String, String) {
+    if error.code != Errno::BUSY.raw_os_error() {
+        let (code, help) = why(error);
+        return (code, error.to_string(), help);
+    }
+    // Somebody was quicker than this rig since the lines were looked at.
+    let lines = super::look(&found.info.path).map(|info| info.lines).unwrap_or_default();
+    let own = found.claim.outputs.iter().chain(&found.claim.inputs);
+    let mut busy =
+        own.filter_map(|line| lines.iter().find(|other| other.number == line.number && other.used));
+    let message = match busy.next() {
+        Some(line) => {
+            let holder = line.holder().unwrap_or("somebody");
+            format!("line {} of {} is held by {holder}", line.number, found.info.path.display())
+        }
+        None => format!("lines of {} were held by somebody else a moment ago", found.info.path.display()),
+    };
+    (codes::BUSY, message, String::from("end that program or driver, or take another line"))
+}

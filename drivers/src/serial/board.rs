@@ -1,0 +1,361 @@
+//! The serial lines of a board.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use document::Diagnostic;
+use host::monotonic;
+use rustix::io::Errno;
+use signal::{Span, Time, Value};
+use tokio::runtime::Builder;
+
+use super::find::{Holder, Identity, all_holders};
+use super::work::{Running, Shared, Worker};
+use super::{OpenError, SerialPort, SerialSpec};
+use crate::file::{BoardFile, codes};
+use crate::real::RealSpec;
+use crate::{
+    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, Frame, Health,
+    LossReason, Surroundings,
+};
+
+/// How long a start waits at least for a port that is being taken back.
+const START: Span = Span::from_secs(2);
+
+/// The serial lines of a board: held for the rig alone while it lives, each by a thread of its own. Their bytes are the
+/// business of who speaks a protocol on them.
+#[derive(Debug)]
+pub struct SerialBoard {
+    channels: Vec<Channel>,
+    buses: Vec<Bus>,
+    lines: Vec<Line>,
+    surroundings: Surroundings,
+    silent_after: Span,
+    retake: bool,
+    started: bool,
+    latched: bool,
+    last: Time,
+}
+
+#[derive(Debug)]
+struct Line {
+    bus: BusId,
+    /// Its device, as messages name it.
+    device: String,
+    running: Running,
+    lost: Option<LossReason>,
+    /// Losses that were told, and failed calls before the run.
+    losses: u32,
+    failed: u64,
+}
+
+impl SerialBoard {
+    /// Opens the ports of a board.
+    ///
+    /// # Errors
+    /// All that are not there, not free, not permitted or cannot do what is asked, by place.
+    pub fn open(
+        file: &BoardFile,
+        spec: &RealSpec,
+        surroundings: &Surroundings,
+    ) -> Result<SerialBoard, Vec<Diagnostic>> {
+        let mut buses = Vec::new();
+        super::describe(&spec.serial, &mut buses);
+        let mut board = SerialBoard {
+            channels: crate::real::blank(file),
+            buses,
+            lines: Vec::with_capacity(spec.serial.len()),
+            surroundings: surroundings.clone(),
+            silent_after: spec.silent_after,
+            retake: file.retakes(),
+            started: false,
+            latched: false,
+            last: Time::ZERO,
+        };
+        let mut found = Vec::new();
+        for line in &spec.serial {
+            match board.line(line) {
+                Ok(line) => board.lines.push(line),
+                Err((code, message, help)) => found.push(
+                    Diagnostic::error(code, message).at(file.name.clone(), line.place.clone(), "").help(help),
+                ),
+            }
+        }
+        if found.is_empty() { Ok(board) } else { Err(found) }
+    }
+
+    fn line(&self, spec: &SerialSpec) -> Result<Line, (&'static str, String, String)> {
+        let cannot = |error: std::io::Error| {
+            let help = String::from("the machine has no room for it: see `ulimit -u` and `ulimit -n`");
+            (codes::HOST, format!("the thread of a serial line cannot be started: {error}"), help)
+        };
+        let runtime = Builder::new_current_thread().enable_io().build().map_err(cannot)?;
+        let shared = Arc::new(Shared::default());
+        let port = {
+            let _inside = runtime.enter();
+            SerialPort::watched(&spec.port, Arc::clone(&shared.in_call)).map_err(|error| refused(&error))?
+        };
+        let worker = Worker {
+            spec: spec.port.clone(),
+            identity: Identity::of(&spec.port.path),
+            shared,
+            bell: self.surroundings.bell.clone(),
+            retake: self.retake,
+            realtime: self.surroundings.realtime,
+        };
+        let patience = self.silent_after.as_nanos();
+        let running = Running::start(worker, runtime, port, patience).map_err(cannot)?;
+        let device = spec.port.path.display().to_string();
+        Ok(Line { bus: spec.bus, device, running, lost: None, losses: 0, failed: 0 })
+    }
+
+    fn check_time(&mut self, now: Time) -> Result<(), BoardError> {
+        if !self.started {
+            return Err(BoardError::NotStarted);
+        }
+        if now < self.last {
+            return Err(BoardError::Backwards { now, last: self.last });
+        }
+        self.last = now;
+        Ok(())
+    }
+
+    fn knows(&self, channel: ChannelId) -> bool {
+        usize::from(channel.0) < self.channels.len()
+    }
+}
+
+impl Line {
+    /// When it counts as silent unless the call that is under way ends; a stamp.
+    fn overdue(&self, limit: Span) -> Option<i64> {
+        let since = self.running.shared.in_call.load(Ordering::Acquire);
+        (since != 0).then(|| since.saturating_add(limit.as_nanos()))
+    }
+
+    fn poll(&mut self, now: Time, stamp: i64, limit: Span, out: &mut Vec<BusEvent>) {
+        let losses = self.running.shared.losses.load(Ordering::Acquire);
+        let gone = self.running.shared.gone.load(Ordering::Acquire);
+        let silent = match self.lost {
+            // It was silent. It answers again when no call is under way.
+            Some(LossReason::Silent) => self.overdue(limit).is_some(),
+            _ => self.overdue(limit).is_some_and(|due| due < stamp),
+        };
+        let reason = if gone { Some(LossReason::Gone) } else { silent.then_some(LossReason::Silent) };
+        let bus = self.bus;
+        if losses != self.losses {
+            self.losses = losses;
+            if self.lost != Some(LossReason::Gone) {
+                // Even when it is back already.
+                out.push(BusEvent::Lost { bus, at: now, reason: LossReason::Gone });
+                self.lost = Some(LossReason::Gone);
+            }
+        }
+        if reason == self.lost {
+            return;
+        }
+        self.lost = reason;
+        out.push(match reason {
+            Some(reason) => BusEvent::Lost { bus, at: now, reason },
+            None => BusEvent::Returned { bus, at: now },
+        });
+    }
+}
+
+/// What it means that a port does not open: the code, the words, and what mends it.
+pub(crate) fn refused(error: &OpenError) -> (&'static str, String, String) {
+    let (code, help) = match error {
+        OpenError::Busy(path) => {
+            let by = all_holders(path);
+            let own = by.iter().all(|holder| holder.process == std::process::id());
+            let by: Vec<String> = by.iter().map(Holder::to_string).collect();
+            let message = match by.is_empty() {
+                true => error.to_string(),
+                false => format!("{} is held by {}", path.display(), by.join(", ")),
+            };
+            let help = match own && !by.is_empty() {
+                true => "that is this rig: another line of the board is on the same port",
+                false => {
+                    "end that program, or take another port; a console on it ends with \
+                     `sudo systemctl stop serial-getty@ttyS0`"
+                }
+            };
+            return (codes::SERIAL_BUSY, message, String::from(help));
+        }
+        OpenError::NoPort(_) => {
+            (codes::SERIAL_NONE, String::from("name a serial port: `ls /dev/serial/by-id` lists adapters"))
+        }
+        OpenError::Cannot { key, .. } => {
+            (codes::SERIAL_CANNOT, format!("change `{key}`, or take a port whose driver can do it"))
+        }
+        OpenError::Call(failed) => match Errno::from_raw_os_error(failed.code) {
+            Errno::ACCESS | Errno::PERM => {
+                let help = format!(
+                    "`ls -l {}` shows the group that may: add yourself to it, as in `sudo usermod -aG dialout $USER`, \
+                     and log in again",
+                    failed.path.display()
+                );
+                (codes::SERIAL_ACCESS, help)
+            }
+            _ if error.is_gone() => (
+                codes::SERIAL_MISSING,
+                String::from("`ls /dev/serial/by-id` lists adapters, `dmesg` says what became of one"),
+            ),
+            _ => (codes::SERIAL_REFUSED, String::from("`dmesg` tells what the port's driver says")),
+        },
+    };
+    (code, error.to_string(), help)
+}
+
+impl Board for SerialBoard {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Waits for ports that are being taken back, for two seconds or as long as one may be silent.
+    fn start(&mut self, now: Time) -> Result<(), BoardError> {
+        self.started = false;
+        let due = monotonic().saturating_add(self.silent_after.max(START).as_nanos());
+        for line in &mut self.lines {
+            let shared = &line.running.shared;
+            while shared.gone.load(Ordering::Acquire) {
+                let stamp = monotonic();
+                if !self.retake || stamp >= due {
+                    let since = Span::from_nanos(stamp - shared.since.load(Ordering::Acquire));
+                    return Err(BoardError::BusLost { bus: line.bus, reason: LossReason::Gone, since });
+                }
+                shared.answer.wait_until(due);
+            }
+            line.lost = None;
+            line.losses = shared.losses.load(Ordering::Acquire);
+            line.failed = shared.failed.load(Ordering::Acquire);
+        }
+        (self.started, self.latched, self.last) = (true, false, now);
+        Ok(())
+    }
+
+    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        match writes.first() {
+            Some((channel, _)) if self.knows(*channel) => Err(BoardError::NotDriven(*channel)),
+            Some((channel, _)) => Err(BoardError::NoChannel(*channel)),
+            None => Ok(()),
+        }
+    }
+
+    fn poll(&mut self, now: Time, _out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        self.check_time(now)
+    }
+
+    /// When a port whose call is under way counts as lost.
+    fn next_event(&self) -> Option<Time> {
+        if !self.started {
+            return None;
+        }
+        let answering = self.lines.iter().filter(|line| line.lost.is_none());
+        let silent = answering.filter_map(|line| line.overdue(self.silent_after)).min()?;
+        Some(self.surroundings.time.at(silent.saturating_add(1)))
+    }
+
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        Err(BoardError::NoSuchFault(fault.channel))
+    }
+
+    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        if self.knows(channel) { Ok(()) } else { Err(BoardError::NoChannel(channel)) }
+    }
+
+    /// Nothing is driven: a line that nobody sends on is idle.
+    fn safe(&mut self, now: Time) -> Result<(), BoardError> {
+        self.latched = true;
+        self.last = self.last.max(now);
+        Ok(())
+    }
+
+    fn health(&self) -> Health {
+        let failed = |line: &Line| line.running.shared.failed.load(Ordering::Acquire) - line.failed;
+        Health {
+            lost: self.lines.iter().filter(|line| line.lost.is_some()).count() as u32,
+            failed_calls: self.lines.iter().map(failed).sum(),
+            latched_safe: self.latched,
+            ..Health::default()
+        }
+    }
+
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        self.lines.iter().find(|line| line.bus == bus).map(|line| line.device.as_str())
+    }
+
+    fn buses(&self) -> &[Bus] {
+        &self.buses
+    }
+
+    fn send(&mut self, now: Time, bus: BusId, _frame: &Frame) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        let known = self.lines.iter().any(|line| line.bus == bus);
+        Err(if known { BoardError::BadFrame(bus) } else { BoardError::NoBus(bus) })
+    }
+
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        self.check_time(now)?;
+        let stamp = self.surroundings.time.stamp(now);
+        for line in &mut self.lines {
+            line.poll(now, stamp, self.silent_after, out);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMIT: Span = Span::from_millis(100);
+
+    fn line(shared: Arc<Shared>) -> Line {
+        let running = Running::ended(shared);
+        Line { bus: BusId(3), device: String::new(), running, lost: None, losses: 0, failed: 0 }
+    }
+
+    fn poll(line: &mut Line, stamp: i64) -> Vec<BusEvent> {
+        let mut out = Vec::new();
+        line.poll(Time::from_nanos(stamp), stamp, LIMIT, &mut out);
+        out
+    }
+
+    #[test]
+    fn a_call_that_lasts_too_long_is_silence_until_it_ends() {
+        let shared = Arc::new(Shared::default());
+        let mut line = line(shared.clone());
+        let bus = BusId(3);
+        assert_eq!(poll(&mut line, 10), []);
+        shared.in_call.store(20, Ordering::Release);
+        let due = line.overdue(LIMIT).unwrap();
+        assert_eq!(due, 20 + LIMIT.as_nanos());
+        assert_eq!(poll(&mut line, due), []);
+        let at = Time::from_nanos(due + 1);
+        assert_eq!(poll(&mut line, due + 1), [BusEvent::Lost { bus, at, reason: LossReason::Silent }]);
+        assert_eq!(poll(&mut line, due + 2), []);
+        shared.in_call.store(0, Ordering::Release);
+        let at = Time::from_nanos(due + 3);
+        assert_eq!(poll(&mut line, due + 3), [BusEvent::Returned { bus, at }]);
+    }
+
+    #[test]
+    fn a_loss_is_told_though_the_port_is_back_before_anybody_looked() {
+        let shared = Arc::new(Shared::default());
+        let mut line = line(shared.clone());
+        let (bus, at) = (BusId(3), Time::from_nanos(5));
+        shared.losses.store(1, Ordering::Release);
+        let told = [BusEvent::Lost { bus, at, reason: LossReason::Gone }, BusEvent::Returned { bus, at }];
+        assert_eq!(poll(&mut line, 5), told);
+        assert_eq!(poll(&mut line, 6), []);
+        shared.losses.store(2, Ordering::Release);
+        shared.gone.store(true, Ordering::Release);
+        assert_eq!(poll(&mut line, 7).len(), 1);
+        // Back and away again: still away.
+        shared.losses.store(3, Ordering::Release);
+        assert_eq!(poll(&mut line, 8), []);
+    }
+}

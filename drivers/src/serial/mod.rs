@@ -1,0 +1,48 @@
+//! Serial lines: RS-485 and RS-232 ports of the kernel.
+//!
+//! [`SerialPort`] is the port, on a current-thread tokio runtime, so that protocols can run on it; [`SerialBoard`] holds the
+//! ports of a board for a run and tells when one goes away.
+
+mod board;
+mod error;
+mod find;
+mod frames;
+mod line;
+mod marks;
+mod open;
+mod port;
+mod spec;
+mod timer;
+mod work;
+
+pub use board::SerialBoard;
+pub(crate) use board::refused;
+pub use error::{SerialCall, SerialError};
+pub use find::{Holder, Identity, holders};
+pub use frames::{Frames, Framing, LineFrame};
+pub use line::{LineSettings, Parity};
+pub use marks::{Marks, Symbol};
+pub use open::OpenError;
+pub use port::{Received, Sending, SerialPort};
+pub use spec::{PortSpec, SerialSpec};
+
+use crate::{Bus, BusKind, TimestampSource};
+use signal::Span;
+
+/// Describes the serial lines among the buses of a board.
+pub(crate) fn describe(lines: &[SerialSpec], buses: &mut Vec<Bus>) {
+    for line in lines {
+        let at = usize::from(line.bus.0);
+        if buses.len() <= at {
+            buses.resize(at + 1, Bus::none());
+        }
+        let character = Span::from_nanos(line.port.line.lasts(1));
+        buses[at] = Bus {
+            name: line.name.clone(),
+            kind: BusKind::Serial { baud: line.port.line.baud },
+            // The kernel does not stamp bytes: they are there when they are read.
+            timestamp: TimestampSource::Sampled { period: character },
+            resolution: character,
+        };
+    }
+}

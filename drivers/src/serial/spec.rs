@@ -1,0 +1,37 @@
+//! What a board file says of serial lines.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use host::Rs485;
+
+use super::LineSettings;
+use crate::BusId;
+
+/// A serial line of the board.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SerialSpec {
+    /// Its place among the buses of the board.
+    pub bus: BusId,
+    /// Its name in the board file.
+    pub name: String,
+    /// How its port is set up.
+    pub port: PortSpec,
+    /// Where the file says so.
+    pub place: Range<usize>,
+}
+
+/// A port, and how it is set up.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PortSpec {
+    /// Its device, or a link to it.
+    pub path: PathBuf,
+    /// How bytes are made of bits.
+    pub line: LineSettings,
+    /// How the kernel drives the direction of a transceiver; `None` leaves it as it is.
+    pub rs485: Option<Rs485>,
+    /// Whether each byte is handed on at once; `None` leaves it as it is.
+    pub low_latency: Option<bool>,
+    /// Nobody else may use it meanwhile.
+    pub exclusive: bool,
+}

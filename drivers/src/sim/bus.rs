@@ -1,0 +1,300 @@
+//! Simulated CAN buses: frames take their time on the wire, and identifiers decide who sends first.
+//!
+//! Every bus of a board is one node; buses that join each other hang on one wire. What one of them sends the others
+//! receive, and the sender sees it as its own, at the end of the frame. A bus that joins no other has a silent node
+//! beside it which acknowledges what it hears, so that a frame comes to its end.
+
+use std::collections::VecDeque;
+
+use signal::{Span, Time, When};
+
+use super::wire_time::{bits, intermission, priority};
+use crate::{BoardError, Bus, BusEvent, BusId, BusKind, Frame, TimestampSource};
+
+/// Frames that wait in the queue of one bus.
+pub const MAX_QUEUED: usize = 1024;
+
+/// A simulated bus as data.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BusSpec {
+    /// Its name in the board file.
+    pub name: String,
+    /// Bit rate of the arbitration and of classic frames, bit/s, above 0.
+    pub bitrate: u32,
+    /// Bit rate of the data of CAN FD frames; `None`: the bus takes classic frames only.
+    pub data_bitrate: Option<u32>,
+    /// A bus before it in the list whose wire it hangs on.
+    pub joins: Option<BusId>,
+}
+
+/// A frame that waits, and since when.
+#[derive(Clone, Copy, Debug)]
+struct Queued {
+    since: Time,
+    frame: Frame,
+}
+
+/// One node on a wire.
+#[derive(Clone, Debug, Default)]
+struct Node {
+    wire: usize,
+    queue: VecDeque<Queued>,
+}
+
+/// A wire and the frame on it.
+#[derive(Clone, Copy, Debug)]
+struct Wire {
+    bitrate: u32,
+    data_bitrate: Option<u32>,
+    /// From here on a frame may start.
+    free: Time,
+    /// Its sender, when it ends, and what it is.
+    under_way: Option<(usize, Time, Frame)>,
+}
+
+/// The buses of a simulated board.
+#[derive(Clone, Debug, Default)]
+pub struct Buses {
+    buses: Vec<Bus>,
+    nodes: Vec<Node>,
+    wires: Vec<Wire>,
+    latched: bool,
+}
+
+impl Buses {
+    /// The buses of a board.
+    pub fn new(specs: &[BusSpec]) -> Buses {
+        let mut made = Buses::default();
+        for spec in specs {
+            let joined = spec.joins.and_then(|bus| made.nodes.get(usize::from(bus.0))).map(|node| node.wire);
+            let wire = joined.unwrap_or(made.wires.len());
+            if joined.is_none() {
+                let (bitrate, data_bitrate) = (spec.bitrate, spec.data_bitrate);
+                made.wires.push(Wire { bitrate, data_bitrate, free: Time::MIN, under_way: None });
+            }
+            made.buses.push(Bus {
+                name: spec.name.clone(),
+                kind: BusKind::Can { bitrate: spec.bitrate, data_bitrate: spec.data_bitrate },
+                timestamp: TimestampSource::Virtual,
+                resolution: Span::ZERO,
+            });
+            made.nodes.push(Node { wire, queue: VecDeque::with_capacity(MAX_QUEUED) });
+        }
+        made
+    }
+
+    /// The buses.
+    pub fn list(&self) -> &[Bus] {
+        &self.buses
+    }
+
+    /// Forgets what was before.
+    pub fn start(&mut self) {
+        self.latched = false;
+        self.nodes.iter_mut().for_each(|node| node.queue.clear());
+        self.wires.iter_mut().for_each(|wire| (wire.free, wire.under_way) = (Time::MIN, None));
+    }
+
+    /// Nothing more is sent; the frame that is on a wire comes to its end.
+    pub fn safe(&mut self) {
+        self.latched = true;
+        self.nodes.iter_mut().for_each(|node| node.queue.clear());
+    }
+
+    /// Puts a frame into the queue of a bus.
+    ///
+    /// # Errors
+    /// [`BoardError::NoBus`], [`BoardError::BadFrame`], [`BoardError::BusFull`], [`BoardError::Latched`].
+    pub fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        let node = self.nodes.get_mut(usize::from(bus.0)).ok_or(BoardError::NoBus(bus))?;
+        if self.latched {
+            return Err(BoardError::Latched);
+        }
+        if !fits(frame, self.wires[node.wire].data_bitrate) {
+            return Err(BoardError::BadFrame(bus));
+        }
+        if node.queue.len() >= MAX_QUEUED {
+            return Err(BoardError::BusFull(bus));
+        }
+        node.queue.push_back(Queued { since: now, frame: *frame });
+        Ok(())
+    }
+
+    /// When the next frame ends, as things stand.
+    pub fn next_event(&self) -> Option<Time> {
+        let ends = (0..self.wires.len()).filter_map(|wire| match self.wires[wire].under_way {
+            Some((_, end, _)) => Some(end),
+            None => self.winner(wire).map(|(_, start)| self.end(wire, start)),
+        });
+        ends.min()
+    }
+
+    /// Appends the frames that ended up to `now`, oldest first.
+    pub fn poll(&mut self, now: Time, out: &mut Vec<BusEvent>) {
+        loop {
+            for wire in 0..self.wires.len() {
+                self.begin(wire, now);
+            }
+            let ending = |wire: &Wire| wire.under_way.map(|(_, end, _)| end).filter(|end| *end <= now);
+            let first = (0..self.wires.len()).filter_map(|wire| Some((ending(&self.wires[wire])?, wire)));
+            let Some((end, wire)) = first.min() else { return };
+            self.arrive(wire, end, out);
+        }
+    }
+
+    /// Lets the frame start that wins the wire before `now`: at `now` itself others may still be queued.
+    fn begin(&mut self, wire: usize, now: Time) {
+        if self.wires[wire].under_way.is_some() {
+            return;
+        }
+        let Some((node, start)) = self.winner(wire).filter(|(_, start)| *start < now) else { return };
+        let end = self.end(wire, start);
+        if let Some(queued) = self.nodes[node].queue.pop_front() {
+            self.wires[wire].under_way = Some((node, end, queued.frame));
+        }
+    }
+
+    /// The node that sends next on a free wire, and when its frame starts.
+    fn winner(&self, wire: usize) -> Option<(usize, Time)> {
+        let heads = self.nodes.iter().enumerate().filter(|(_, node)| node.wire == wire);
+        let heads = heads.filter_map(|(place, node)| Some((place, node.queue.front()?)));
+        let start = heads.clone().map(|(_, queued)| queued.since).min()?.max(self.wires[wire].free);
+        let ready = heads.filter(|(_, queued)| queued.since <= start);
+        // Equal identifiers must not meet on a wire; here the first bus of the file goes first.
+        let (place, _) = ready.min_by_key(|(place, queued)| (priority(&queued.frame), *place))?;
+        Some((place, start))
+    }
+
+    /// When the frame ends that wins the wire and starts now.
+    fn end(&self, wire: usize, start: Time) -> Time {
+        let head = self.winner(wire).and_then(|(node, _)| self.nodes[node].queue.front());
+        let Wire { bitrate, data_bitrate, .. } = self.wires[wire];
+        let lasts = head
+            .map_or(Span::ZERO, |queued| bits(&queued.frame).lasts(bitrate, data_bitrate.unwrap_or(bitrate)));
+        start.saturating_add(lasts)
+    }
+
+    /// The frame on a wire is at its end: everybody on it sees it.
+    fn arrive(&mut self, wire: usize, end: Time, out: &mut Vec<BusEvent>) {
+        let Some((sender, _, frame)) = self.wires[wire].under_way.take() else { return };
+        self.wires[wire].free = end.saturating_add(intermission(self.wires[wire].bitrate));
+        for (place, _) in self.nodes.iter().enumerate().filter(|(_, node)| node.wire == wire) {
+            let (bus, own) = (BusId(place as u16), place == sender);
+            out.push(BusEvent::Frame { bus, at: When::exactly(end), frame, own });
+        }
+    }
+}
+
+/// Whether a bus can carry a frame.
+fn fits(frame: &Frame, data_bitrate: Option<u32>) -> bool {
+    let most_id = if frame.extended { 0x1FFF_FFFF } else { 0x7FF };
+    let length = match frame.fd {
+        true => data_bitrate.is_some() && matches!(frame.len, 0..=8 | 12 | 16 | 20 | 24 | 32 | 48 | 64),
+        false => frame.len <= 8 && !frame.brs && !frame.esi,
+    };
+    frame.id <= most_id && length && !(frame.remote && frame.fd)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair() -> Buses {
+        let spec = |name: &str, joins| BusSpec {
+            name: String::from(name),
+            bitrate: 500_000,
+            data_bitrate: None,
+            joins,
+        };
+        Buses::new(&[spec("machine", None), spec("drive", Some(BusId(0))), spec("other", None)])
+    }
+
+    fn frame(id: u32) -> Frame {
+        Frame::classic(id, false, &[1, 2]).unwrap()
+    }
+
+    /// What is told up to `now`: bus, identifier, own, microseconds.
+    fn told(buses: &mut Buses, now: Time) -> Vec<(u16, u32, bool, i64)> {
+        let mut out = Vec::new();
+        buses.poll(now, &mut out);
+        let tell = |event: &BusEvent| match event {
+            BusEvent::Frame { bus, at, frame, own } => (bus.0, frame.id, *own, at.latest.as_nanos() / 1_000),
+            other => panic!("{other:?}"),
+        };
+        out.iter().map(tell).collect()
+    }
+
+    #[test]
+    fn a_frame_takes_its_time_and_all_on_the_wire_see_it() {
+        let mut buses = pair();
+        let now = Time::from_nanos(1_000_000);
+        buses.send(now, BusId(0), &frame(0x123)).unwrap();
+        let end = buses.next_event().unwrap();
+        let lasts = bits(&frame(0x123)).lasts(500_000, 500_000);
+        assert_eq!(end, now.saturating_add(lasts));
+        assert_eq!(told(&mut buses, end.saturating_add(Span::from_nanos(-1))), []);
+        let at = end.as_nanos() / 1_000;
+        assert_eq!(told(&mut buses, end), [(0, 0x123, true, at), (1, 0x123, false, at)]);
+        assert_eq!(buses.next_event(), None);
+    }
+
+    #[test]
+    fn the_least_identifier_wins_and_the_next_waits_for_the_pause() {
+        let mut buses = pair();
+        let now = Time::ZERO;
+        for (bus, id) in [(0, 0x200), (1, 0x100), (0, 0x001)] {
+            buses.send(now, BusId(bus), &frame(id)).unwrap();
+        }
+        // A look at the same instant does not begin anything.
+        assert_eq!(told(&mut buses, now), []);
+        let first = bits(&frame(0x100)).lasts(500_000, 500_000);
+        let second = first + intermission(500_000) + bits(&frame(0x200)).lasts(500_000, 500_000);
+        let seen = told(&mut buses, Time::ZERO.saturating_add(Span::from_millis(10)));
+        let ids: Vec<(u32, bool)> =
+            seen.iter().filter(|(bus, ..)| *bus == 0).map(|(_, id, own, _)| (*id, *own)).collect();
+        // 0x001 stands behind 0x200 in the queue of its own bus.
+        assert_eq!(ids, [(0x100, false), (0x200, true), (0x001, true)]);
+        assert_eq!(seen[0].3, first.as_nanos() / 1_000);
+        assert_eq!(seen[2].3, second.as_nanos() / 1_000);
+    }
+
+    #[test]
+    fn how_often_it_is_polled_never_shows() {
+        let run = |step: i64| {
+            let mut buses = pair();
+            let mut seen = Vec::new();
+            for at in 0..4_000_i64 {
+                let now = Time::from_nanos(at * 1_000);
+                if at % step == 0 {
+                    seen.extend(told(&mut buses, now));
+                }
+                if at % 150 == 0 {
+                    let bus = BusId((at / 150 % 3) as u16);
+                    buses.send(now, bus, &frame((at / 150) as u32)).unwrap();
+                }
+            }
+            seen.extend(told(&mut buses, Time::from_nanos(1_000_000_000)));
+            seen.sort_by_key(|(bus, _, _, at)| (*at, *bus));
+            seen
+        };
+        assert_eq!(run(1), run(7));
+        assert_eq!(run(1), run(5_000));
+    }
+
+    #[test]
+    fn what_a_bus_cannot_carry_is_refused() {
+        let mut buses = pair();
+        let fd = Frame { fd: true, ..frame(1) };
+        let long = Frame { id: 0x800, ..frame(1) };
+        assert_eq!(buses.send(Time::ZERO, BusId(0), &fd), Err(BoardError::BadFrame(BusId(0))));
+        assert_eq!(buses.send(Time::ZERO, BusId(0), &long), Err(BoardError::BadFrame(BusId(0))));
+        assert_eq!(buses.send(Time::ZERO, BusId(9), &frame(1)), Err(BoardError::NoBus(BusId(9))));
+        for _ in 0..MAX_QUEUED {
+            buses.send(Time::ZERO, BusId(0), &frame(1)).unwrap();
+        }
+        assert_eq!(buses.send(Time::ZERO, BusId(0), &frame(1)), Err(BoardError::BusFull(BusId(0))));
+        buses.safe();
+        assert_eq!(buses.send(Time::ZERO, BusId(1), &frame(1)), Err(BoardError::Latched));
+        assert_eq!(told(&mut buses, Time::from_nanos(1_000_000_000)), []);
+    }
+}

@@ -1,0 +1,272 @@
+//! Serial lines without the lab: board files, and ports over pseudo-terminals, which have bytes and a far end that can
+//! go away, but no bits. Ports of the kernel are tested in the lab.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use document::SourceFile;
+use host::{Realtime, monotonic};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use scanrig_drivers::serial::{
+    Frames, Framing, LineSettings, OpenError, Parity, PortSpec, Received, SerialPort, Symbol,
+};
+use scanrig_drivers::{
+    BoardError, BoardFile, BoardKind, BusEvent, BusId, BusKind, Frame, LossReason, Surroundings, Terminals,
+    build, open, read,
+};
+use signal::Span;
+use tokio::runtime::{Builder, Runtime};
+
+const PATIENCE: i64 = 20_000_000_000;
+
+/// The far end of a pseudo-terminal, and the path of the near one.
+fn pair() -> (File, PathBuf) {
+    let far = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
+    grantpt(&far).unwrap();
+    unlockpt(&far).unwrap();
+    let near = ptsname(&far, Vec::new()).unwrap();
+    (File::from(far), PathBuf::from(near.into_string().unwrap()))
+}
+
+fn runtime() -> Runtime {
+    Builder::new_current_thread().enable_io().build().unwrap()
+}
+
+fn spec(path: PathBuf) -> PortSpec {
+    PortSpec { path, line: LineSettings::default(), rs485: None, low_latency: None, exclusive: true }
+}
+
+fn until() -> i64 {
+    monotonic() + PATIENCE
+}
+
+fn file(text: &str) -> Result<BoardFile, Vec<document::Diagnostic>> {
+    read(&SourceFile::new("board.toml", text), &|_| Ok(Terminals::default()))
+}
+
+fn board_on(path: &std::path::Path, keys: &str) -> BoardFile {
+    let path = path.display();
+    file(&format!(
+        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"1 s\"\n{keys}\n[buses]\n\
+         modbus = {{ kind = \"serial\", path = \"{path}\" }}\n"
+    ))
+    .unwrap()
+}
+
+#[test]
+fn a_serial_line_is_what_its_board_file_says() {
+    let board = file(
+        "format = 1\n[board]\nkind = \"real\"\n[buses]\nplain = { kind = \"serial\", path = \"/dev/ttyS0\" }\n\
+         [buses.modbus]\nkind = \"serial\"\npath = \"/dev/serial/by-id/x\"\nbaud = 250_000\ndata-bits = 7\n\
+         parity = \"odd\"\nstop-bits = 2\nlow-latency = true\nexclusive = false\n\
+         rs485 = { rts-on-send = \"low\", delay-before = \"2 ms\", delay-after = \"0 ms\", hears-itself = true }\n",
+    )
+    .unwrap();
+    let BoardKind::Real(spec) = &board.kind else { panic!("{:?}", board.kind) };
+    let [plain, modbus] = spec.serial.as_slice() else { panic!("{:?}", spec.serial) };
+    assert_eq!((plain.port.line, plain.port.exclusive), (LineSettings::default(), true));
+    assert_eq!(plain.port.line.to_string(), "19200 Bd 8E1");
+    assert_eq!((plain.port.rs485, plain.port.low_latency), (None, None));
+    let line = LineSettings { baud: 250_000, data_bits: 7, parity: Parity::Odd, stop_bits: 2 };
+    assert_eq!((modbus.port.line, modbus.port.exclusive, modbus.bus), (line, false, BusId(1)));
+    assert_eq!(modbus.port.low_latency, Some(true));
+    let rs485 = modbus.port.rs485.unwrap();
+    assert!(rs485.enabled && !rs485.rts_on_send && rs485.rts_after_send && rs485.rx_during_tx);
+    assert_eq!((rs485.delay_before, rs485.delay_after, rs485.terminate), (2, 0, false));
+    // On paper, the board has its buses on any machine.
+    let outline = build(&board, 0).unwrap();
+    let named: Vec<_> = outline.buses().iter().map(|bus| (bus.name.as_str(), bus.kind)).collect();
+    let serial = |baud| BusKind::Serial { baud };
+    assert_eq!(named, [("plain", serial(19_200)), ("modbus", serial(250_000))]);
+}
+
+#[test]
+fn bytes_go_both_ways_as_they_are() {
+    let (mut far, near) = pair();
+    let runtime = runtime();
+    runtime.block_on(async {
+        let mut port = SerialPort::open(&spec(near)).unwrap();
+        assert!(port.is_pseudo());
+        // A marked byte is the mark itself: 377 has to come through.
+        let all: Vec<u8> = (0..=255).collect();
+        far.write_all(&all).unwrap();
+        let (mut got, mut received) = (Vec::new(), Received::with_room());
+        while got.len() < all.len() {
+            let before = monotonic();
+            assert!(port.receive(until(), &mut received).await.unwrap());
+            assert!(received.empty <= received.read && before <= received.read);
+            got.extend_from_slice(&received.symbols);
+        }
+        assert_eq!(got, all.iter().copied().map(Symbol::Byte).collect::<Vec<_>>());
+        let sending = port.send(&all).await.unwrap();
+        let mut back = vec![0; all.len()];
+        far.read_exact(&mut back).unwrap();
+        assert_eq!(back, all);
+        let (earliest, latest) = port.drain(sending, until()).await.unwrap();
+        assert!(sending.begun <= earliest && earliest <= latest && latest <= monotonic());
+        assert_eq!(port.counters().unwrap(), None);
+    });
+}
+
+#[test]
+fn a_wait_for_bytes_ends_when_it_is_due_and_says_since_when_nothing_came() {
+    let (_far, near) = pair();
+    runtime().block_on(async {
+        let mut port = SerialPort::open(&spec(near)).unwrap();
+        let due = monotonic() + 3_000_000;
+        assert!(!port.receive(due, &mut Received::with_room()).await.unwrap());
+        assert!(monotonic() >= due);
+    });
+}
+
+#[test]
+fn the_last_look_that_found_nothing_lies_before_the_bytes_were_there() {
+    let (mut far, near) = pair();
+    runtime().block_on(async {
+        let mut port = SerialPort::open(&PortSpec { exclusive: false, ..spec(near.clone()) }).unwrap();
+        far.write_all(b"x").unwrap();
+        let due = until();
+        let other = File::open(near).unwrap();
+        while rustix::io::ioctl_fionread(&other).unwrap() == 0 {
+            assert!(monotonic() < due, "the byte does not come");
+            std::thread::yield_now();
+        }
+        let there = monotonic();
+        let mut received = Received::with_room();
+        assert!(port.receive(until(), &mut received).await.unwrap());
+        assert!(received.empty < there && there <= received.read, "{received:?}, there at {there}");
+    });
+}
+
+#[test]
+fn silence_ends_a_frame() {
+    let (mut far, near) = pair();
+    runtime().block_on(async {
+        let mut port = SerialPort::open(&spec(near)).unwrap();
+        let mut frames = Frames::new(Framing::modbus_rtu(port.line()));
+        let mut room = Received::with_room();
+        for request in [&b"\x01\x03\x00\x00\x00\x0A\xC5\xCD"[..], b"second", b"\xFF"] {
+            far.write_all(request).unwrap();
+            let sent = monotonic();
+            let frame = port.frame(&mut frames, until(), &mut room).await.unwrap().unwrap();
+            assert_eq!((frame.bytes.as_slice(), frame.is_sound()), (request, true));
+            assert!(monotonic() - sent >= port.line().frame_gap());
+        }
+        assert_eq!(port.frame(&mut frames, monotonic(), &mut room).await.unwrap(), None);
+    });
+}
+
+#[test]
+fn a_port_whose_far_end_is_gone_says_so() {
+    let (far, near) = pair();
+    runtime().block_on(async {
+        let mut port = SerialPort::open(&spec(near)).unwrap();
+        drop(far);
+        let error = port.receive(until(), &mut Received::with_room()).await.unwrap_err();
+        assert!(error.is_gone(), "{error}");
+        assert!(port.send(b"x").await.unwrap_err().is_gone());
+    });
+}
+
+#[test]
+fn what_is_held_or_is_no_port_is_refused() {
+    let (_far, near) = pair();
+    let runtime = runtime();
+    let _inside = runtime.enter();
+    let first = SerialPort::open(&spec(near.clone())).unwrap();
+    assert_eq!(SerialPort::open(&spec(near.clone())).unwrap_err(), OpenError::Busy(near.clone()));
+    // The first one was not disturbed by the attempt: it is still its own.
+    assert_eq!(SerialPort::open(&spec(near.clone())).unwrap_err(), OpenError::Busy(near.clone()));
+    drop(first);
+    let shared = PortSpec { exclusive: false, ..spec(near.clone()) };
+    let _one = SerialPort::open(&shared).unwrap();
+    let _other = SerialPort::open(&shared).unwrap();
+    assert_eq!(
+        SerialPort::open(&spec("/dev/null".into())).unwrap_err(),
+        OpenError::NoPort("/dev/null".into())
+    );
+    let missing = SerialPort::open(&spec("/dev/ttyNOWHERE".into())).unwrap_err();
+    assert!(missing.is_gone(), "{missing}");
+}
+
+#[test]
+fn what_a_port_cannot_do_is_said_by_its_key() {
+    let (_far, near) = pair();
+    let runtime = runtime();
+    let _inside = runtime.enter();
+    let key = |spec: PortSpec| match SerialPort::open(&spec).unwrap_err() {
+        OpenError::Cannot { key, .. } => key,
+        other => panic!("{other}"),
+    };
+    let rs485 = host::Rs485 { enabled: true, rts_on_send: true, ..host::Rs485::default() };
+    assert_eq!(key(PortSpec { rs485: Some(rs485), ..spec(near.clone()) }), "rs485");
+    assert_eq!(key(PortSpec { low_latency: Some(true), ..spec(near) }), "low-latency");
+}
+
+#[test]
+fn ports_that_cannot_be_had_are_told_by_place() {
+    let refused = |path: &str| {
+        let found = open(&board_on(path.as_ref(), ""), &Surroundings::new(Realtime::default())).unwrap_err();
+        assert!(!found[0].help.is_empty() && found[0].labels.len() == 1, "{found:?}");
+        found[0].code
+    };
+    assert_eq!(refused("/dev/ttyNOWHERE"), "B0144");
+    assert_eq!(refused("/dev/null"), "B0147");
+    let (_far, near) = pair();
+    let surroundings = Surroundings::new(Realtime::default());
+    let _held = open(&board_on(&near, ""), &surroundings).unwrap();
+    assert_eq!(refused(near.to_str().unwrap()), "B0145");
+}
+
+/// Polls the board's buses until they tell something.
+fn told(board: &mut dyn scanrig_drivers::Board, at: &Surroundings) -> Vec<BusEvent> {
+    let mut events = Vec::new();
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while events.is_empty() {
+        assert!(Instant::now() < deadline, "the buses have nothing to tell");
+        at.bell.wait_until(monotonic() + 20_000_000);
+        board.poll_buses(at.time.now(), &mut events).unwrap();
+    }
+    events
+}
+
+#[test]
+fn a_line_that_goes_away_is_lost_until_the_next_run() {
+    let (far, near) = pair();
+    let at = Surroundings::new(Realtime::default());
+    let mut board = open(&board_on(&near, ""), &at).unwrap().unwrap();
+    let bus = BusId(0);
+    assert_eq!(board.buses()[0].name, "modbus");
+    board.start(at.time.now()).unwrap();
+    assert_eq!(
+        board.send(at.time.now(), bus, &Frame::classic(1, false, &[]).unwrap()),
+        Err(BoardError::BadFrame(bus))
+    );
+    let mut events = Vec::new();
+    board.poll_buses(at.time.now(), &mut events).unwrap();
+    assert!(events.is_empty() && board.health().is_sound());
+    drop(far);
+    let events = told(&mut *board, &at);
+    assert!(
+        matches!(events[..], [BusEvent::Lost { bus: BusId(0), reason: LossReason::Gone, .. }]),
+        "{events:?}"
+    );
+    assert_eq!((board.health().lost, board.health().is_sound()), (1, false));
+    board.safe(at.time.now()).unwrap();
+    assert!(matches!(board.start(at.time.now()), Err(BoardError::BusLost { bus: BusId(0), .. })));
+}
+
+#[test]
+fn what_nobody_reads_does_not_pile_up() {
+    let (mut far, near) = pair();
+    let at = Surroundings::new(Realtime::default());
+    let mut board = open(&board_on(&near, ""), &at).unwrap().unwrap();
+    board.start(at.time.now()).unwrap();
+    // More than the kernel keeps: this would never end otherwise.
+    for _ in 0..64 {
+        far.write_all(&[b'x'; 1024]).unwrap();
+    }
+    board.safe(at.time.now() + Span::from_nanos(1)).unwrap();
+}

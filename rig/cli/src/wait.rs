@@ -1,0 +1,35 @@
+//! A bench that somebody else may be using.
+
+use crate::exit::Exit;
+use crate::output;
+use clap::Args;
+use document::Diagnostic;
+use drivers::BoardFile;
+use runtime::{BenchLock, bench_lock};
+use signal::Span;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What the command line says of it.
+#[derive(Clone, Debug, Args)]
+pub struct WaitArgs {
+    /// Wait at most so long for a bench that somebody else uses.
+    #[arg(long, value_name = "TIME", value_parser = crate::board::above_zero)]
+    wait: Option<Span>,
+}
+
+impl WaitArgs {
+    /// Takes the lines of a board for this command, until what comes back is dropped.
+    ///
+    /// # Errors
+    /// How the command ends where it cannot have them; why is printed.
+    pub fn take(&self, board: &BoardFile, interrupt: &AtomicBool) -> Result<Option<BenchLock>, Exit> {
+        bench_lock::take(board, self.wait, interrupt, &output::note).or_else(|found: Diagnostic| {
+            let refused = found.is_error();
+            if refused && interrupt.load(Ordering::Relaxed) {
+                return Err(Exit::Interrupted);
+            }
+            output::findings(&[found], &[]);
+            if refused { Err(Exit::UserFiles) } else { Ok(None) }
+        })
+    }
+}

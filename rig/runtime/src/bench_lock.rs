@@ -1,0 +1,285 @@
+//! One user of a bench at a time.
+//!
+//! Each chip has a file in a folder that all users share; a line is a piece of it. Who uses a line has locked its piece
+//! and written into it who they are. The kernel takes the lock away when its holder ends, however it ends, so nothing is
+//! ever stale.
+
+use document::Diagnostic;
+use drivers::{BoardFile, BoardKind};
+use host::lock_bytes;
+use rustix::fs::{Mode, chmod};
+use signal::Span;
+use std::fs::File;
+use std::io;
+use std::os::unix::fs::{FileExt, PermissionsExt};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+/// Bytes of a file that stand for a line.
+const PIECE: u64 = 256;
+
+/// The variable that names the shared folder.
+const FOLDER: &str = "RIG_LOCK_DIR";
+
+/// Where programs leave locks, by the Filesystem Hierarchy Standard; the first that takes some.
+const FOLDERS: [&str; 2] = ["/run/lock", "/var/lock"];
+
+/// How often a bench that is waited for is looked at: the kernel has no wait for a lock that ends at a time.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// The lines of a bench, until this is dropped.
+#[derive(Debug)]
+pub struct BenchLock {
+    /// Open as long as they are locked.
+    _files: Vec<File>,
+}
+
+/// A line that somebody else has.
+#[derive(Debug)]
+struct Taken {
+    what: String,
+    holder: Option<Holder>,
+}
+
+/// Who has a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Holder {
+    process: u32,
+    /// Seconds since 1970.
+    since: u64,
+    user: String,
+    command: String,
+}
+
+impl Holder {
+    fn here() -> Holder {
+        let command = std::fs::read("/proc/self/cmdline").unwrap_or_default();
+        let mut words = command.split(|byte| *byte == 0).map(String::from_utf8_lossy);
+        let program = words.next().unwrap_or_default();
+        let program = program.rsplit('/').next().unwrap_or_default().to_owned();
+        let words: Vec<String> =
+            std::iter::once(program).chain(words.map(|word| word.into_owned())).collect();
+        let uid = rustix::process::geteuid().as_raw();
+        let users = std::fs::read_to_string("/etc/passwd").unwrap_or_default();
+        Holder {
+            process: std::process::id(),
+            since: now(),
+            user: user(&users, uid).unwrap_or_else(|| format!("user {uid}")),
+            command: words.join(" ").trim_end().to_owned(),
+        }
+    }
+
+    /// As it stands in a piece: what is too long is cut.
+    fn piece(&self) -> [u8; PIECE as usize] {
+        let Holder { process, since, user, command } = self;
+        let mut text = format!("{process}\t{since}\t{user}\t{command}");
+        text.retain(|letter| letter == '\t' || !letter.is_control());
+        let mut piece = [0; PIECE as usize];
+        for (to, from) in piece.iter_mut().zip(text.bytes()) {
+            *to = from;
+        }
+        piece
+    }
+
+    /// What a piece says. Anybody may have written it.
+    fn of(piece: &[u8]) -> Option<Holder> {
+        let end = piece.iter().position(|byte| *byte == 0).unwrap_or(piece.len());
+        let text = String::from_utf8_lossy(&piece[..end]);
+        let mut parts = text.splitn(4, '\t');
+        let mut text = || {
+            let part = parts.next()?;
+            Some(
+                part.chars().map(|letter| if letter.is_control() { '?' } else { letter }).collect::<String>(),
+            )
+        };
+        Some(Holder {
+            process: text()?.parse().ok()?,
+            since: text()?.parse().ok()?,
+            user: text()?,
+            command: text()?,
+        })
+    }
+}
+
+fn now() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
+}
+
+fn user(users: &str, uid: u32) -> Option<String> {
+    users.lines().find_map(|line| {
+        let mut parts = line.split(':');
+        let name = parts.next()?;
+        (parts.nth(1)?.parse() == Ok(uid)).then(|| name.to_owned())
+    })
+}
+
+/// Takes the lines of a board for this process; `None` where the board has none on this machine. Where somebody else has
+/// one, `wait` is how long to wait for them, if at all, and `told` is told for whom once.
+///
+/// # Errors
+/// Who has the lines; a warning where this machine has no place for locks, and the bench is used without.
+pub fn take(
+    board: &BoardFile,
+    wait: Option<Span>,
+    interrupt: &AtomicBool,
+    told: &dyn Fn(&str),
+) -> Result<Option<BenchLock>, Diagnostic> {
+    let BoardKind::Real(spec) = &board.kind else { return Ok(None) };
+    let used: Vec<(String, Vec<u32>)> =
+        drivers::gpio::uses(&spec.gpio).into_iter().map(|(chip, lines)| (chip.name, lines)).collect();
+    if used.is_empty() {
+        return Ok(None);
+    }
+    let folder = folder().map_err(|error| without(&error))?;
+    let begun = Instant::now();
+    let mut waits = false;
+    loop {
+        let taken = match lock(&folder, &used).map_err(|error| without(&error))? {
+            Ok(lock) => return Ok(Some(lock)),
+            Err(taken) => taken,
+        };
+        let lasts = wait.map(|wait| Duration::from_nanos(u64::try_from(wait.as_nanos()).unwrap_or(0)));
+        let over = lasts.is_none_or(|lasts| begun.elapsed() >= lasts);
+        if over || interrupt.load(Ordering::Relaxed) {
+            return Err(in_use(&taken, wait));
+        }
+        if !std::mem::replace(&mut waits, true) {
+            told(&format!("waiting for the bench: {}", words(&taken)));
+        }
+        std::thread::sleep(LOOK);
+    }
+}
+
+/// Locks all lines or none.
+fn lock(folder: &Path, used: &[(String, Vec<u32>)]) -> io::Result<Result<BenchLock, Taken>> {
+    let own = Holder::here().piece();
+    let mut files = Vec::new();
+    for (chip, lines) in used {
+        let file = open(&folder.join(format!("{chip}.lock")))?;
+        for line in lines {
+            let start = u64::from(*line) * PIECE;
+            if !lock_bytes(&file, start, PIECE)? {
+                let mut piece = [0; PIECE as usize];
+                let holder = file.read_exact_at(&mut piece, start).ok().and_then(|()| Holder::of(&piece));
+                return Ok(Err(Taken { what: format!("line {line} of {chip}"), holder }));
+            }
+            file.write_all_at(&own, start)?;
+        }
+        files.push(file);
+    }
+    Ok(Ok(BenchLock { _files: files }))
+}
+
+/// Opens a file that every user may write. One of another user is not created again: the kernel may refuse that in a
+/// folder that all share.
+fn open(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    options.read(true).write(true);
+    match options.open(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        opened => return opened,
+    }
+    match options.create_new(true).open(path) {
+        Ok(file) => {
+            file.set_permissions(std::fs::Permissions::from_mode(0o666))?;
+            Ok(file)
+        }
+        // Somebody was quicker.
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            File::options().read(true).write(true).open(path)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// The folder that all users of this machine share.
+fn folder() -> io::Result<PathBuf> {
+    let named = std::env::var_os(FOLDER).map(PathBuf::from).filter(|path| path.is_absolute());
+    let usual = FOLDERS.iter().map(PathBuf::from).chain(Some(std::env::temp_dir()));
+    let candidates: Vec<PathBuf> = match named {
+        Some(named) => vec![named],
+        None => usual.map(|folder| folder.join("scanrig")).collect(),
+    };
+    let mut last = io::Error::from(io::ErrorKind::NotFound);
+    for folder in candidates {
+        match std::fs::create_dir(&folder) {
+            Ok(()) => {
+                // Everybody may add files, and nobody take away those of others.
+                let all = Mode::RWXU | Mode::RWXG | Mode::RWXO | Mode::SVTX;
+                let _ = chmod(&folder, all);
+                return Ok(folder);
+            }
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => return Ok(folder),
+            Err(error) => last = io::Error::new(error.kind(), format!("{}: {error}", folder.display())),
+        }
+    }
+    Err(last)
+}
+
+/// Who has what, since when.
+fn words(taken: &Taken) -> String {
+    match &taken.holder {
+        Some(Holder { process, since, user, command }) => {
+            let lasts = now().saturating_sub(*since);
+            let (what, process) = (&taken.what, *process);
+            format!("{user} has had {what} for {lasts} s with `{command}`, process {process}")
+        }
+        None => format!("somebody has {}", taken.what),
+    }
+}
+
+fn in_use(taken: &Taken, wait: Option<Span>) -> Diagnostic {
+    let mut message = words(taken);
+    if let Some(wait) = wait {
+        message += &format!(", and it did not come free within {wait}");
+    }
+    let help = "one user has a bench at a time: end that command, or wait for it, as by --wait '10 min'";
+    Diagnostic::error("R0280", message).help(help)
+}
+
+fn without(error: &io::Error) -> Diagnostic {
+    let message = format!("there is no place for locks, so another user is not kept off the bench: {error}");
+    let help = format!("give {FOLDER} a folder that every user of this machine may write to");
+    Diagnostic::warning("R0281", message).help(help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn used(lines: &[u32]) -> Vec<(String, Vec<u32>)> {
+        vec![("gpiochip0".to_owned(), lines.to_vec())]
+    }
+
+    #[test]
+    fn a_line_has_one_user_who_is_named_and_others_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let one = lock(folder.path(), &used(&[3, 7])).unwrap().unwrap();
+        let taken = lock(folder.path(), &used(&[1, 7])).unwrap().unwrap_err();
+        assert_eq!(taken.what, "line 7 of gpiochip0");
+        assert_eq!(taken.holder.as_ref().map(|holder| holder.process), Some(std::process::id()));
+        let found = in_use(&taken, Some(Span::from_secs(2)));
+        let process = format!("process {}, and it did not come free within 2 s", std::process::id());
+        assert!(found.code == "R0280" && found.message.ends_with(&process), "{}", found.message);
+        // All or nothing: line 1 was not kept.
+        let beside = lock(folder.path(), &used(&[1, 8])).unwrap().unwrap();
+        drop(one);
+        assert!(lock(folder.path(), &used(&[3, 7])).unwrap().is_ok());
+        drop(beside);
+    }
+
+    #[test]
+    fn what_others_wrote_is_read_with_care() {
+        let holder = Holder { process: 7, since: 9, user: "eve".into(), command: "x\u{1b}[2J".repeat(99) };
+        let read = Holder::of(&holder.piece()).unwrap();
+        assert_eq!((read.process, read.since, read.user.as_str()), (7, 9, "eve"));
+        assert!(read.command.starts_with("x[2Jx") && read.command.len() < 256);
+        assert_eq!(Holder::of(b"7\t9\te\x1bve\tr\xffm\0").unwrap().user, "e?ve");
+        for broken in [&b""[..], b"x\t9\teve\tr", b"7\t9\teve", &[255; 256], b"-1\t9\teve\tr"] {
+            assert_eq!(Holder::of(broken), None, "{broken:?}");
+        }
+        assert_eq!(user("root:x:0:0:r:/root:/bin/sh\neve:x:7:7::/:", 7).as_deref(), Some("eve"));
+        assert_eq!(user("nonsense", 7), None);
+    }
+}

@@ -1,0 +1,86 @@
+//! Devices that go away while a case runs, and those that come back.
+
+use super::Executor;
+use crate::schedule::EndReason;
+use crate::trouble::Trouble;
+use drivers::{BoardError, BusId, ChannelId, LossReason, OnLoss};
+use signal::Time;
+
+impl Executor<'_> {
+    /// The device behind a channel is lost. A device of many channels tells so of each; the first says it all.
+    pub(super) fn lose_channel(&mut self, at: Time, channel: ChannelId, reason: LossReason) {
+        let device = self.board.device(channel).unwrap_or_default().to_owned();
+        self.lose(at, Trouble::Lost { at, channel, device, reason });
+    }
+
+    /// The device of a bus is lost.
+    pub(super) fn lose_bus(&mut self, at: Time, bus: BusId, reason: LossReason) {
+        let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
+        self.lose(at, Trouble::BusLost { at, bus: self.bus_name(bus), device, reason });
+    }
+
+    /// The controller of a bus takes no part in it any more: what passes there is not seen, what is sent does not come.
+    pub(super) fn lose_node(&mut self, at: Time, bus: BusId) {
+        let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
+        self.lose(at, Trouble::BusOff { at, bus: self.bus_name(bus), device });
+    }
+
+    fn lose(&mut self, at: Time, trouble: Trouble) {
+        if let Trouble::Lost { device, .. } | Trouble::BusLost { device, .. } | Trouble::BusOff { device, .. } =
+            &trouble
+            && self.is_news(at, device.clone())
+        {
+            self.subject.notice(at, &trouble.show(self.board.channels()).to_string());
+        }
+        self.ran.trouble.get_or_insert(trouble);
+        if self.limits.on_loss == OnLoss::End {
+            self.schedule.end_early(EndReason::Lost, self.now);
+        }
+    }
+
+    /// The device behind a channel is back. Its values come next.
+    pub(super) fn regain_channel(&mut self, at: Time, channel: ChannelId) {
+        let device = self.board.device(channel).unwrap_or_default().to_owned();
+        if self.is_news(at, device.clone()) {
+            let name = &self.board.channels()[usize::from(channel.0)].name;
+            self.subject.notice(at, &format!("channel {name} is back at {at}: its device {device} answers"));
+        }
+    }
+
+    /// The device of a bus is back.
+    pub(super) fn regain_bus(&mut self, at: Time, bus: BusId) {
+        let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
+        if self.is_news(at, device.clone()) {
+            let name = self.bus_name(bus);
+            self.subject.notice(at, &format!("bus {name} is back at {at}: its device {device} answers"));
+        }
+    }
+
+    /// Whether this is the first of its channels that tells of a device at this instant.
+    fn is_news(&mut self, at: Time, device: String) -> bool {
+        let told = Some((at, device));
+        std::mem::replace(&mut self.noticed, told.clone()) != told
+    }
+
+    /// Why the board did not start.
+    pub(super) fn not_started(&self, error: BoardError) -> Trouble {
+        match error {
+            BoardError::Lost { channel, reason, since } => {
+                let known = self.board.channels().get(usize::from(channel.0));
+                let what = known.map_or_else(String::new, |known| format!("channel {}", known.name));
+                let device = self.board.device(channel).unwrap_or_default().to_owned();
+                Trouble::StillLost { what, device, reason, since }
+            }
+            BoardError::BusLost { bus, reason, since } => {
+                let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
+                Trouble::StillLost { what: format!("bus {}", self.bus_name(bus)), device, reason, since }
+            }
+            error => Trouble::Board { at: Time::ZERO, error },
+        }
+    }
+
+    fn bus_name(&self, bus: BusId) -> String {
+        let known = self.board.buses().get(usize::from(bus.0));
+        known.map_or_else(|| bus.0.to_string(), |known| known.name.clone())
+    }
+}

@@ -1,0 +1,10 @@
+//! CAN buses of boards on the lab's controllers.
+
+#[path = "can/bench.rs"]
+mod bench;
+#[path = "can/frames.rs"]
+mod frames;
+#[path = "can/settings.rs"]
+mod settings;
+#[path = "can/trouble.rs"]
+mod trouble;

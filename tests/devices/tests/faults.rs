@@ -1,0 +1,196 @@
+//! Faults on real wires, made by relays; and a bench that one user has at a time.
+
+use devices::{Contact, Lab, MAIN, PATIENCE, rig, wait_for};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+/// Output line 8 is wired to input line 0, on whose wire lines 12 to 14 put faults.
+const BOARD: &str = r#"
+format = 1
+[board]
+kind = "real"
+silent-after = "3 s"
+[chips]
+main = { label = "rig-gpio" }
+[channels]
+I0 = { kind = "digital", line = 0 }
+Q4 = { kind = "digital", line = 8 }
+Q5 = { kind = "digital", line = 9 }
+K1 = { kind = "digital", line = 12 }
+K2 = { kind = "digital", line = 13 }
+K3 = { kind = "digital", line = 14 }
+[fault-relays]
+I0 = { open = "K1", short-to-ground = "K2", short-to-supply = "K3", settle = "50 ms" }
+[guard]
+limit = "5 s"
+[realtime]
+late = "2 s"
+"#;
+
+/// Q4 feeds the wire from 1 s to 3 s of the program; Q5 says that nothing arrives.
+const PLAN: &str = r#"
+format = 1
+title = "A wire that is cut and shorted"
+board = "board.toml"
+program-text = """
+PROGRAM MAIN
+VAR feed AT %QX0.4 : BOOL; quiet AT %QX0.5 : BOOL; wire AT %IX0.0 : BOOL; END_VAR
+feed := TRUE;
+quiet := NOT wire;
+END_PROGRAM
+"""
+signals = { wire = "%IX0.0", quiet = "%QX0.5", cutter = "K1" }
+steps = [
+  { id = "cut", at = "start + 600 ms", fault = { signal = "wire", kind = "open" } },
+  { id = "mend", at = "start + 1600 ms", clear = { signal = "wire" } },
+  { id = "short", at = "start + 2600 ms", fault = { signal = "wire", kind = "short-to-ground", for = "800 ms" } },
+  { id = "held", at = "start + 4 s", fault = { signal = "wire", kind = "stuck", value = true, for = "200 ms" } },
+]
+expect = [
+  { rises = { signal = "cutter", from = "start + 100 ms", within = "100 ms .. 1 s" } },
+  { falls = { signal = "wire", from = "start + 100 ms", within = "100 ms .. 1 s" } },
+  { rises = { signal = "quiet", from = "cut", within = "0 ms .. 800 ms" } },
+  { falls = { signal = "quiet", from = "mend", within = "0 ms .. 800 ms" } },
+  { rises = { signal = "quiet", from = "short", within = "0 ms .. 800 ms" } },
+  { value = { of = "wire @ cut.done + 400 ms", is = false } },
+  { value = { of = "wire @ mend.done + 400 ms", is = true } },
+  { value = { of = "wire @ short.done - 450 ms", is = false } },
+  { stays = { signal = "wire", is = true, from = "held", until = "end" } },
+]
+ends = "start + 5 s"
+"#;
+
+/// A folder of its own, with the board file and the plan.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, board: &str) -> Folder {
+        let folder = std::env::temp_dir().join(format!("faults-{name}"));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("board.toml"), board).unwrap();
+        std::fs::write(folder.join("wire.toml"), PLAN).unwrap();
+        Folder(folder)
+    }
+
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn command(&self, args: &[&str]) -> Command {
+        let mut command = Command::new(rig());
+        command.args(args).current_dir(self.path()).env("XDG_STATE_HOME", self.path());
+        command
+    }
+
+    /// Runs the command: its exit code, and what it printed on both ways out.
+    fn run(&self, args: &[&str]) -> (i32, String, String) {
+        let ran = self.command(args).output().unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (ran.status.code().unwrap(), text(&ran.stdout), text(&ran.stderr))
+    }
+
+    fn start(&self, args: &[&str]) -> Child {
+        self.command(args).stdout(Stdio::inherit()).spawn().unwrap()
+    }
+}
+
+/// The wire and its relays, whose contacts move 5 ms behind their coils.
+fn wired() -> Lab {
+    let lab = Lab::enter();
+    lab.wire(MAIN.line(8), MAIN.line(0));
+    for (line, contact) in [(12, Contact::Open), (13, Contact::Ground), (14, Contact::Supply)] {
+        lab.relay(MAIN.line(line), contact, MAIN.line(0), Duration::from_millis(5));
+    }
+    lab
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn a_plan_cuts_and_shorts_a_real_wire() {
+    let _lab = wired();
+    let folder = Folder::new("plan", BOARD);
+    let (code, out, err) = folder.run(&["test", "wire.toml", "--report", "out"]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.contains("1 passed") || out.contains("pass"), "{out}");
+    assert!((12..=14).all(|line| !MAIN.line(line).value()), "the relays are off behind the run");
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn a_fault_that_no_relay_makes_is_not_applicable() {
+    let _lab = wired();
+    let folder = Folder::new("lacking", &BOARD.replace("short-to-ground = \"K2\", ", ""));
+    let (code, out, err) = folder.run(&["test", "wire.toml"]);
+    let reason = "the board has no relay that brings the fault \"short to ground\" about on `I0`";
+    assert!(out.contains(reason) && !out.contains("pass "), "{code} {out}{err}");
+    // A relay that takes too long for what the plan asks for.
+    std::fs::write(folder.path().join("board.toml"), BOARD.replace("\"50 ms\"", "\"101 ms\"")).unwrap();
+    let (code, out, err) = folder.run(&["test", "wire.toml"]);
+    let reason = "the relays of `I0` settle within 101 ms: they cannot make a fault of 200 ms";
+    assert!(out.contains(reason), "{code} {out}{err}");
+    let (code, out, err) = folder.run(&["check", "wire.toml"]);
+    assert!(format!("{out}{err}").contains(reason), "{code} {out}{err}");
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn a_rig_that_is_killed_leaves_no_fault_on_a_wire() {
+    let _lab = wired();
+    let folder = Folder::new("killed", &BOARD.replace("limit = \"5 s\"", "limit = \"1 s\""));
+    let plan = PLAN.replace("start + 1600 ms", "start + 60 s").replace("start + 5 s", "start + 90 s");
+    std::fs::write(folder.path().join("wire.toml"), plan).unwrap();
+    let mut child = folder.start(&["test", "wire.toml"]);
+    wait_for("the relay is on", PATIENCE, || MAIN.line(12).value());
+    wait_for("the wire is cut", PATIENCE, || MAIN.line(8).value() && !MAIN.line(0).value());
+    child.kill().unwrap();
+    child.wait().unwrap();
+    wait_for("the relay is off", PATIENCE, || !MAIN.line(12).value());
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn an_exercise_tells_which_relay_does_what() {
+    let _lab = wired();
+    MAIN.line(0).pull(true);
+    let folder = Folder::new("exercise", BOARD);
+    let args = ["board", "exercise", "board.toml", "--yes", "K1,K3", "--hold", "100 ms"];
+    let (code, out, err) = folder.run(&args);
+    assert_eq!(code, 0, "{out}{err}");
+    for line in ["K1, which opens the wire of I0\n", "K3, which shorts the wire of I0 to the supply\n"] {
+        assert!(out.contains(line), "`{line}` is missing in\n{out}");
+    }
+    assert!(out.contains("I0 rises within"), "{out}");
+    let (_, out, _) = folder.run(&["board", "check", "board.toml"]);
+    assert!(out.contains("free; shorts the wire of I0 to ground\n"), "{out}");
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn a_second_user_is_told_who_has_the_bench_and_may_wait() {
+    let _lab = wired();
+    let folder = Folder::new("users", &BOARD.replace("limit = \"5 s\"", "limit = \"1 s\""));
+    let plan = PLAN.replace("start + 1600 ms", "start + 60 s").replace("start + 5 s", "start + 90 s");
+    std::fs::write(folder.path().join("wire.toml"), plan).unwrap();
+    let mut first = folder.start(&["test", "wire.toml"]);
+    wait_for("the relay is on", PATIENCE, || MAIN.line(12).value());
+    // Other words for the same lines, and not all of them.
+    let board = BOARD.replace("label = \"rig-gpio\"", "path = \"/dev/rig/gpio0\"");
+    let board = board.replace("Q5 = { kind = \"digital\", line = 9 }\n", "");
+    std::fs::write(folder.path().join("other.toml"), board).unwrap();
+    let exercise = ["board", "exercise", "other.toml", "--yes", "Q4", "--hold", "100 ms"];
+    let (code, out, err) = folder.run(&exercise);
+    let process = format!("with `rig test wire.toml`, process {}", first.id());
+    assert!(code == 2 && out.is_empty() && err.contains("error[R0280]"), "{code} {out}{err}");
+    assert!(err.contains(&process) && err.contains("has had line 0 of gpiochip0 for "), "{err}");
+    // Whoever waits has it when the first one is gone, however that went.
+    let waits = [&exercise[..], &["--wait", "60 s"]].concat();
+    let mut second = folder.command(&waits).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut said = [0; 25];
+    std::io::Read::read_exact(second.stderr.as_mut().unwrap(), &mut said).unwrap();
+    assert_eq!(std::str::from_utf8(&said).unwrap(), "note: waiting for the ben");
+    first.kill().unwrap();
+    first.wait().unwrap();
+    assert!(second.wait().unwrap().success());
+}
