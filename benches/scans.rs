@@ -4,46 +4,17 @@
 //! that an output made is one that an input saw, or one that was reported lost. `cargo bench -p scanrig-runtime
 //! --bench scans`; the exit code is 1 where one of these does not hold.
 
-// A counting allocator cannot be written without: it hands on every call to the system's unchanged.
-#![allow(unsafe_code)]
-
 #[path = "../rig/runtime/tests/common/texts.rs"]
 mod texts;
 
 use controller::TaskKind;
+use counting::Counting;
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::subject::Subject;
 use signal::{Span, Time, Value};
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 use texts::Texts;
-
-/// Of all threads.
-static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
-
-struct Counting;
-
-// SAFETY: every call goes to `System` with the arguments that came, and counting neither allocates nor unwinds.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the caller's promise for `layout` is the one that `System` asks for.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: as above; `place` came from `System`.
-        unsafe { System.realloc(place, layout, size) }
-    }
-
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        // SAFETY: as above; `place` came from `System`.
-        unsafe { System.dealloc(place, layout) }
-    }
-}
 
 #[global_allocator]
 static COUNTING: Counting = Counting;
@@ -116,7 +87,7 @@ impl Clock for Looking {
         self.now = self.now.max(due);
         for (at, found) in self.at.iter().zip(&mut self.found) {
             if found.is_none() && self.now >= *at {
-                let allocations = ALLOCATIONS.load(Ordering::Relaxed);
+                let allocations = counting::of_all_threads();
                 *found = Some(Found { allocations, resident: kilobytes("VmRSS") });
             }
         }

@@ -12,6 +12,7 @@ pub mod convert;
 pub mod file;
 pub mod gpio;
 mod held;
+mod holder;
 pub mod inventory;
 mod looped;
 pub mod plant;
@@ -33,6 +34,7 @@ pub use file::{
 };
 pub use gpio::GpioBoard;
 pub use held::{HeldLines, LineApi};
+pub use holder::{Holder, holders};
 pub use looped::Loop;
 pub use realtime::RealtimeSettings;
 pub use sim::{BusSpec, SimulatedBoard};

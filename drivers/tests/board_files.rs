@@ -1,11 +1,9 @@
 //! Board files: the good one reads, each broken one is refused with the code and the place that its first line
 //! expects, and no text panics.
 
-mod common;
-
 use std::path::{Path, PathBuf};
 
-use common::*;
+use crate::common::*;
 use document::{SourceFile, line_col};
 use proptest::prelude::*;
 use scanrig_drivers::circuit::{Bounce, LagTarget, PlantSpec, Pull, Spacing};
@@ -153,7 +151,7 @@ fn broken_files_are_refused_where_they_are_broken() {
     assert!(wrong.is_empty(), "{wrong}");
     // Sizes have no file of their own, and what a machine lacks shows only when the board is opened.
     let serial = |code: &str| ("B0144"..="B0149").contains(&code);
-    let can = |code: &str| ("B0154"..="B0157").contains(&code);
+    let can = |code: &str| ("B0154"..="B0159").contains(&code);
     let converter = |code: &str| code == "B0125" || ("B0127"..="B0137").contains(&code);
     let machine = |code: &str| code.starts_with("B017") || serial(code) || can(code) || converter(code);
     let elsewhere = |code: &str| ["B0003", "B0204"].contains(&code) || machine(code);

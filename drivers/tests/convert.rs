@@ -1,17 +1,15 @@
 //! What a board of converters makes of what a converter does, without a device: quantities and when they came, calls
 //! that hang or fail, a device that goes and comes back.
 
-mod scripted;
-
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use crate::scripted::{INPUTS, Script};
 use scanrig_drivers::convert::{ConverterBoard, Date, InRange, calibrated};
 use scanrig_drivers::{
     Board, BoardError, BoardEvent, ChannelId, LossReason, Surroundings, TimestampSource, build,
 };
-use scripted::{INPUTS, Script};
 use signal::{Span, Time, Value, When};
 
 const EIO: i32 = 5;
@@ -29,7 +27,8 @@ struct Bench {
 impl Bench {
     fn new(silent_after: &str, period: &str, retake: bool, more: &str) -> Bench {
         let script = Arc::new(Script::default());
-        let (board, at) = scripted::board(&scripted::file(silent_after, period, retake, more), &script);
+        let (board, at) =
+            crate::scripted::board(&crate::scripted::file(silent_after, period, retake, more), &script);
         Bench { board, at, script, events: Vec::new() }
     }
 
@@ -43,6 +42,8 @@ impl Bench {
         self.at.time.restart();
         self.board.start(Time::ZERO)?;
         self.poll();
+        // A busy machine misses readings from the start on, which is told.
+        self.events.retain(|event| !matches!(event, BoardEvent::Dropped { .. }));
         assert_eq!(self.events.len(), INPUTS, "the first value of every channel: {:?}", self.events);
         assert!(self.events.iter().all(|event| event.latest() == Time::ZERO), "{:?}", self.events);
         Ok(())
@@ -112,7 +113,7 @@ fn a_channel_says_how_well_it_sees() {
     assert_eq!(channel.timestamp, TimestampSource::Sampled { period: apart });
     assert_eq!((channel.shortest_pulse, channel.drives, channel.senses), (apart, false, true));
     // On paper it is the same.
-    let file = scripted::file("10 s", "5 ms", false, "");
+    let file = crate::scripted::file("10 s", "5 ms", false, "");
     assert_eq!(build(&file, 0).unwrap().channels(), bench.board.channels());
 }
 
@@ -269,7 +270,7 @@ fn a_board_of_converters_drives_nothing() {
 fn a_calibration_stands_in_the_record_and_is_warned_of_behind_its_last_day() {
     let more = ", calibration = { points = [[0, 0.1], [5, 5.1]], date = \"2026-01-31\", expires = \"2027-01-31\", \
                 by = \"the laboratory\", certificate = \"K 77\" }";
-    let file = scripted::file("1 s", "1 ms", false, more);
+    let file = crate::scripted::file("1 s", "1 ms", false, more);
     let on = |day: &str| calibrated(&file, Date::parse(day).unwrap());
     let [sound] = &on("2027-01-31")[..] else { panic!() };
     let words = "calibrated 2026-01-31 by the laboratory, certificate K 77, until 2027-01-31";
@@ -279,7 +280,7 @@ fn a_calibration_stands_in_the_record_and_is_warned_of_behind_its_last_day() {
     assert_eq!(expired.expired.as_ref().unwrap().code, "B0125");
     let script = Arc::new(Script::default());
     script.show(1, 2.0);
-    let (board, at) = scripted::board(&file, &script);
+    let (board, at) = crate::scripted::board(&file, &script);
     let mut bench = Bench { board, at, script, events: Vec::new() };
     bench.start().unwrap();
     assert!(matches!(bench.last(1), Some(Value::Real(volts)) if (volts - 2.1).abs() < 1e-12));

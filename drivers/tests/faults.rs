@@ -1,8 +1,6 @@
 //! Injected faults of the simulated board (the fault list of the I/O specification, 17.6).
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use scanrig_drivers::circuit::ChannelSpec;
 use scanrig_drivers::{Board, BoardError, BoardEvent, Fault, FaultKind, LossReason, SimulatedBoard};
 use signal::Value;

@@ -1,13 +1,11 @@
 //! What a board of GPIO lines makes of what a chip does, without a kernel: calls that hang or fail, edges that are lost
 //! on their way, calls of the board that make no sense.
 
-mod fake;
-
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use fake::Fake;
+use crate::fake::Fake;
 use host::monotonic;
 use scanrig_drivers::gpio::Edge;
 use scanrig_drivers::{
@@ -34,7 +32,7 @@ impl Bench {
 
     fn patient(silent_after: &str) -> Bench {
         let chip = Fake::new();
-        let (board, at) = fake::board(chip.clone(), silent_after);
+        let (board, at) = crate::fake::board(chip.clone(), silent_after);
         let mut bench = Bench { board, at, chip, events: Vec::new() };
         bench.start();
         bench
@@ -44,7 +42,7 @@ impl Bench {
         self.at.time.restart();
         self.board.start(Time::ZERO).unwrap();
         self.poll();
-        assert_eq!(self.events.len(), 2 * fake::LINES, "the first level of every line");
+        assert_eq!(self.events.len(), 2 * crate::fake::LINES, "the first level of every line");
         self.events.clear();
     }
 
@@ -116,7 +114,7 @@ fn what_is_written_is_driven_in_one_call_and_told_with_the_time_that_it_took() {
 #[test]
 fn a_write_that_makes_no_sense_moves_nothing() {
     let chip = Fake::new();
-    let (mut board, _at) = fake::board(chip.clone(), SILENT);
+    let (mut board, _at) = crate::fake::board(chip.clone(), SILENT);
     let (out, input) = (board.find("o0").unwrap(), board.find("i0").unwrap());
     let now = Time::ZERO;
     assert_eq!(board.write(now, &[(out, Value::Bool(true))]), Err(BoardError::NotStarted));
@@ -307,9 +305,9 @@ fn a_chip_that_is_gone_or_answers_with_an_error_is_no_ground_for_a_verdict() {
 
 #[test]
 fn a_board_on_paper_has_the_channels_and_never_starts() {
-    let file = fake::file(SILENT);
+    let file = crate::fake::file(SILENT);
     let mut paper = build(&file, 1).unwrap();
-    let (board, _at) = fake::board(Fake::new(), SILENT);
+    let (board, _at) = crate::fake::board(Fake::new(), SILENT);
     assert_eq!(paper.channels(), board.channels());
     assert_eq!(paper.start(Time::ZERO), Err(BoardError::NotStarted));
     assert!(paper.held().unwrap().is_empty());

@@ -1,8 +1,6 @@
 //! Lines and wires of the simulated board.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use scanrig_drivers::circuit::{Bounce, ChannelSpec, CircuitFault, Part, Pull, Spacing, WireSpec};
 use scanrig_drivers::{Board, BoardError, BoardEvent, Fault, FaultKind, Origin, SimulatedBoard};

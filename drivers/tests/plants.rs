@@ -1,8 +1,6 @@
 //! The lag in closed form against an integration in small steps, and its switches.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use scanrig_drivers::circuit::{
     ChannelSpec, Circuit, CircuitFault, LagSpec, LagTarget, PlantSpec, Pull, SwitchSpec,

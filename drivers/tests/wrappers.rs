@@ -1,8 +1,6 @@
 //! The wrappers around a board.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use scanrig_drivers::wrap::Entry;
 use scanrig_drivers::{Board, BoardError, BoardEvent, Disturbance, Faulty, SimulatedBoard, Traced};

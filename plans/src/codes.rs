@@ -80,6 +80,7 @@ document::codes! {
     SEND = "P0675", "A frame that cannot be sent";
     FRAME_VALUE = "P0676", "A value that a frame cannot carry";
     UNKNOWN_FRAME = "P0677", "A frame that the plan does not name";
+    FUNCTION_KEY = "P0690", "A key that means nothing for this kind of expert function";
 }
 
 /// The codes of what every TOML file can have wrong.

@@ -90,6 +90,12 @@ pub(crate) fn waves(case: &CaseRecord) -> Option<String> {
     Some(format!("{}.vcd", case.trace_file.as_deref()?.strip_suffix(".trace")?))
 }
 
+/// The file of CAN frames beside a case's trace, relative to the record.
+pub(crate) fn frames(case: &CaseRecord) -> Option<String> {
+    case.frames?;
+    Some(format!("{}.log", case.trace_file.as_deref()?.strip_suffix(".trace")?))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -138,6 +138,7 @@ fn test(case: &CaseRecord) -> Value {
     if let Some(trace) = &case.trace_file {
         attachments.push(attachment(trace, "trace", "application/octet-stream"));
         attachments.extend(brief::waves(case).map(|waves| attachment(&waves, "waves", "text/x-vcd")));
+        attachments.extend(brief::frames(case).map(|frames| attachment(&frames, "CAN frames", "text/plain")));
     }
     let steps = case.claims.iter().map(claim).chain(case.measurements.iter().map(measurement));
     let labels = object([

@@ -1,7 +1,7 @@
 //! How names, verdicts and figures are written, the same in every report.
 
 use record::{CaseRecord, CaseStatus, Figure, MeasurementRecord, Statistics, Verdict};
-use signal::Span;
+use signal::{Span, Value};
 use std::borrow::Cow;
 
 /// What a case came to, with "not applicable" and "skipped" beside the verdicts.
@@ -93,11 +93,15 @@ pub(crate) fn relative([earliest, latest]: [i64; 2], origin: i64) -> String {
     if earliest == latest { one(earliest) } else { format!("{} .. {}", one(earliest), one(latest)) }
 }
 
-/// A measured value with its unit, an interval as `low .. high`.
+/// A measured value with its unit: of a time an interval as `low .. high`, of all else `middle ± half of it`.
 pub(crate) fn value(measurement: &MeasurementRecord) -> String {
     match measurement.value {
         None => "never taken".to_owned(),
         Some([low, high]) if low == high => figure(low, &measurement.unit),
+        Some([low, high]) if measurement.unit != "ns" && (high - low).is_finite() => {
+            let shown = Value::measured(low + (high - low) / 2.0, (high - low) / 2.0);
+            format!("{shown} {}", measurement.unit).trim_end().to_owned()
+        }
         Some([low, high]) => {
             format!("{} .. {}", figure(low, &measurement.unit), figure(high, &measurement.unit))
         }
@@ -149,6 +153,21 @@ mod tests {
     fn nothing_in_a_name_acts_on_a_terminal() {
         assert_eq!(clean("lamp\u{1b}[31m\nfalls\u{202e}"), "lamp\u{fffd}[31m falls\u{fffd}");
         assert!(matches!(clean("lamp ± 1 µs"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn a_quantity_is_shown_with_how_far_it_is_known_and_a_time_with_its_ends() {
+        let shown = |found: [f64; 2], unit: &str| {
+            value(&MeasurementRecord {
+                value: Some(found),
+                unit: unit.to_owned(),
+                ..MeasurementRecord::default()
+            })
+        };
+        assert_eq!(shown([4.98, 5.02], "V"), "5.000 ± 0.020 V");
+        assert_eq!(shown([5.0, 5.0], "V"), "5 V");
+        assert_eq!(shown([1e6, 2e6], "ns"), "1 ms .. 2 ms");
+        assert_eq!(shown([1.0, f64::INFINITY], "V"), "1 V .. inf V");
     }
 
     #[test]

@@ -1,18 +1,15 @@
 //! What stands in the file: well-formed, self-contained, of bearable size, with the record whole. What the script
 //! makes of it is tested in a browser (tests/browser.py).
 
-mod fixture;
-mod markup;
-
 use record::*;
 use scanrig_reports::html;
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 use signal::{Kind, SignalInfo, Time, Value, When};
 
-fn page(run: &RunRecord) -> (String, Vec<markup::Element>) {
+fn page(run: &RunRecord) -> (String, Vec<crate::markup::Element>) {
     let text = html::render(run).unwrap();
-    let elements = markup::read(&text).unwrap_or_else(|fault| panic!("{fault}"));
+    let elements = crate::markup::read(&text).unwrap_or_else(|fault| panic!("{fault}"));
     (text, elements)
 }
 
@@ -49,7 +46,7 @@ fn carried(page: &str) -> Json {
 
 #[test]
 fn the_record_is_in_the_page() {
-    let run = fixture::drawn();
+    let run = crate::fixture::drawn();
     let (text, _) = page(&run);
     let read = carried(&text);
     assert_eq!(read["cases"].as_array().unwrap().len(), run.cases.len());
@@ -65,7 +62,7 @@ fn the_record_is_in_the_page() {
 
 #[test]
 fn summary_and_failures_need_no_script() {
-    let (text, elements) = page(&fixture::drawn());
+    let (text, elements) = page(&crate::fixture::drawn());
     let shown = between(&text, "<main", "</main>").replace("&#x2f;", "/");
     for fact in [
         "watchdog/fallback[over]",
@@ -92,14 +89,14 @@ fn summary_and_failures_need_no_script() {
 
 #[test]
 fn what_has_no_record_is_said() {
-    let mut run = fixture::drawn();
+    let mut run = crate::fixture::drawn();
     run.planned = 12;
     assert!(page(&run).0.contains("12 planned, 6 executed, 1 skipped, 1 not applicable, 4 without a record"));
 }
 
 #[test]
 fn the_host_clock_says_how_well_it_was_kept() {
-    let mut run = fixture::drawn();
+    let mut run = crate::fixture::drawn();
     assert!(!page(&run).0.contains("Rig timing</dt>"));
     run.provenance.clock = Clock::Real;
     assert!(page(&run).0.contains("at most 41 us late, 0 overruns, 0 events dropped"));
@@ -107,7 +104,7 @@ fn the_host_clock_says_how_well_it_was_kept() {
 
 #[test]
 fn coverage_is_a_table() {
-    let mut run = fixture::drawn();
+    let mut run = crate::fixture::drawn();
     let hostile = "a<b>&\u{1b}[31m.st";
     run.coverage.push(FileCoverage {
         file: hostile.into(),
@@ -123,13 +120,13 @@ fn coverage_is_a_table() {
     for words in ["7 of 8 (87.5 %)", "4 of 4 (100.0 %)", "3, 7-9", "a&lt;b&gt;&amp;"] {
         assert!(text.contains(words), "{words} is missing");
     }
-    let (plain, _) = page(&fixture::drawn());
+    let (plain, _) = page(&crate::fixture::drawn());
     assert!(!plain.contains("Lines not run"));
 }
 
 #[test]
 fn nothing_is_fetched_and_no_other_script_or_style_obeyed() {
-    let (text, elements) = page(&fixture::hostile());
+    let (text, elements) = page(&crate::fixture::hostile());
     let policy = between(&text, "http-equiv=\"Content-Security-Policy\" content=\"", "\"");
     assert!(policy.starts_with("default-src 'none'; ") && !policy.contains("unsafe"), "{policy}");
     for (kind, open, close) in
@@ -138,7 +135,7 @@ fn nothing_is_fetched_and_no_other_script_or_style_obeyed() {
         let hash = between(policy, &format!("{kind} 'sha256-"), "'");
         assert_eq!(base64(hash), Sha256::digest(between(&text, open, close).as_bytes()).to_vec(), "{kind}");
     }
-    let outside = |e: &&markup::Element| e.get("src").is_some() || e.name == "link" || e.name == "img";
+    let outside = |e: &&crate::markup::Element| e.get("src").is_some() || e.name == "link" || e.name == "img";
     assert!(!elements.iter().any(|e| outside(&e)));
     assert!(
         elements.iter().all(|e| e.attributes.iter().all(|(key, _)| !key.starts_with("on") && key != "style"))
@@ -149,7 +146,7 @@ fn nothing_is_fetched_and_no_other_script_or_style_obeyed() {
 
 #[test]
 fn hostile_names_stay_text() {
-    let (text, elements) = page(&fixture::hostile());
+    let (text, elements) = page(&crate::fixture::hostile());
     assert_eq!(elements.iter().filter(|e| e.name == "script").count(), 2);
     assert_eq!(text.matches("<script").count(), 2, "a name of the record is a script");
     assert!(text.contains("&lt;script&gt;alert(1)"), "hostile names are shown");
@@ -157,7 +154,7 @@ fn hostile_names_stay_text() {
 
 #[test]
 fn sixty_busy_cases_stay_under_two_megabytes() {
-    let mut run = fixture::drawn();
+    let mut run = crate::fixture::drawn();
     let busy = run.cases[2].clone();
     for n in 0..60 {
         let mut case = busy.clone();
@@ -187,6 +184,6 @@ fn an_empty_run_has_a_page_that_claims_nothing() {
 
 #[test]
 fn whatever_the_record_there_is_a_page() {
-    let run = fixture::extreme::extreme();
+    let run = crate::fixture::extreme::extreme();
     assert_eq!(carried(&page(&run).0)["cases"].as_array().unwrap().len(), run.cases.len());
 }

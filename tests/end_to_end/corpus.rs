@@ -95,3 +95,8 @@ fn can() {
 fn converters_on_a_bus() {
     corpus("spi", targets::spi);
 }
+
+#[test]
+fn lines_of_counters() {
+    corpus("lines", targets::lines);
+}

@@ -42,6 +42,32 @@ fn machines_of_several_kinds() {
 }
 
 #[test]
+fn a_board_file_says_which_devices_count() {
+    let bench = Bench::new();
+    make(&bench, "container");
+    let last = |code, board: &str| {
+        bench.write("board.toml", board);
+        let ran = bench.expect(code, &["doctor", "board.toml", "--root", "machine"]);
+        ran.out.lines().last().unwrap().to_owned()
+    };
+    let real = "format = 1\n[board]\nkind = \"real\"\n";
+    let bus = "[buses]\nmachine = { kind = \"can\", interface = \"can0\", bitrate = 250_000 }\n";
+    assert_eq!(last(1, &format!("{real}{bus}")), "not fit for real lines: CAN");
+    let line = "[chips]\nmain = { label = \"a\" }\n[channels]\nI0 = { kind = \"digital\", line = 0 }\n";
+    assert_eq!(last(1, &format!("{real}{line}")), "not fit for real lines: GPIO");
+    // A port of the machine's own stands in no list of adapters.
+    let port = "[buses]\nline = { kind = \"serial\", path = \"/dev/ttyAMA9\", baud = 9600 }\n";
+    assert_eq!(last(1, &format!("{real}{port}")), "not fit for real lines: serial");
+    bench.write("machine/dev/ttyAMA9", "");
+    let ran = bench.rig(&["doctor", "board.toml", "--root", "machine"]);
+    assert!(ran.out.lines().last().unwrap().starts_with("fit for real lines"), "{}", ran.out);
+    bench.write("board.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
+    let ran = bench.rig(&["doctor", "board.toml", "--root", "machine"]);
+    assert!(ran.out.lines().last().unwrap().starts_with("fit for real lines"), "{}", ran.out);
+    bench.refused(&["doctor", "missing.toml", "--root", "machine"], &["missing.toml"]);
+}
+
+#[test]
 fn this_machine_is_looked_at_without_a_word_that_is_no_finding() {
     let bench = Bench::new();
     let ran = bench.rig(&["doctor"]);

@@ -35,6 +35,8 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("B0155", "an interface that is down"),
     ("B0156", "an interface that is set up"),
     ("B0157", "an interface that the kernel refuses"),
+    ("B0158", "a rig without the privilege"),
+    ("B0159", "a controller that lacks something"),
     ("B0166", "over 64 lines"),
     ("B017", "a machine that lacks something"),
     ("B0204", "over 4 096 parts"),

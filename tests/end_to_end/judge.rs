@@ -2,6 +2,34 @@
 
 use crate::bench::{Bench, LAMP};
 
+const BUS: &str = r#"format = 1
+[board]
+kind = "simulated"
+[buses]
+machine = { kind = "can", bitrate = 250_000 }
+drive = { kind = "can", joins = "machine" }
+"#;
+
+/// A heartbeat that stops for a while, and what may be claimed of it.
+const FRAMES: &str = r#"format = 1
+title = "A heartbeat"
+program = "lamp.st"
+board = "bus.toml"
+steps = [
+  { id = "beats", at = "start + 100 ms", send = { bus = "drive", id = 0x701, data = "05", period = "50 ms", count = 10 } },
+  { id = "more", at = "start + 800 ms", send = { bus = "drive", id = 0x701, data = "05", period = "50 ms", count = 4 } },
+]
+ends = "start + 1 s"
+expect = [{ frames = { frame = "beat", count = "$count", cycle = "$cycle", gap = "$gap", from = "beats" } }]
+[frames]
+beat = { bus = "machine", id = 0x701 }
+[rows]
+right = { count = 14, cycle = "49 ms .. 260 ms", gap = "260 ms" }
+more = { count = 15, cycle = "49 ms .. 260 ms", gap = "260 ms" }
+even = { count = 14, cycle = "49 ms .. 51 ms", gap = "260 ms" }
+always = { count = 14, cycle = "49 ms .. 260 ms", gap = "60 ms" }
+"#;
+
 #[test]
 fn verdict_and_trace_hash_come_again() {
     let bench = Bench::new();
@@ -19,14 +47,15 @@ fn verdict_and_trace_hash_come_again() {
     let text = LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"");
     let rows = "[rows]\nwide = { limit = \"400 ms .. 600 ms\" }\nearly = { limit = \"1 ms .. 2 ms\" }\n";
     bench.write("rows.toml", &format!("{text}{rows}"));
-    let ran = bench.expect(
-        4,
-        &["test", "lamp.toml", "slow.toml", "dropped.toml", "unsure.toml", "rows.toml", "--report", "out"],
-    );
+    bench.write("bus.toml", BUS);
+    bench.write("frames.toml", FRAMES);
+    let plans = ["lamp.toml", "slow.toml", "dropped.toml", "unsure.toml", "rows.toml", "frames.toml"];
+    let ran = bench.expect(4, &[&["test"], &plans[..], &["--report", "out"]].concat());
     let record = bench.json("out/record.json");
     let cases = record["cases"].as_array().unwrap();
     let verdicts: Vec<&str> = cases.iter().map(|case| case["verdict"].as_str().unwrap()).collect();
-    assert_eq!(verdicts, ["pass", "fail", "error", "inconclusive", "pass", "fail"]);
+    let frames = ["pass", "fail", "fail", "fail"];
+    assert_eq!(verdicts, [&["pass", "fail", "error", "inconclusive", "pass", "fail"], &frames[..]].concat());
     for case in cases {
         let (plan, trace) = (case["plan"].as_str().unwrap(), case["trace_file"].as_str().unwrap());
         let code = match case["verdict"].as_str().unwrap() {
@@ -54,7 +83,7 @@ fn verdict_and_trace_hash_come_again() {
 fn traces_of_the_library_are_judged_alike() {
     let bench = Bench::new();
     let library = crate::bench::root().join("plans/library");
-    let only = "fallback or filter or oven or reset or default-mast or alarms or invariants";
+    let only = "fallback or filter or oven or reset or default-mast or alarms or invariants or buses";
     bench.expect(0, &["test", library.to_str().unwrap(), "--only", only, "--report", "out"]);
     let record = bench.json("out/record.json");
     let cases = record["cases"].as_array().unwrap();

@@ -20,6 +20,7 @@ mod inside;
 mod interrupt;
 mod judge;
 mod latency;
+mod listed;
 mod program;
 mod project;
 mod question;

@@ -120,3 +120,37 @@ fn a_folder_that_cannot_be_written_is_refused_before_anything_moves() {
     bench.write("out/traces", "a file in the way");
     bench.refused(&["test", "lamp.toml", "--report", "out"], &["out/traces"]);
 }
+
+#[test]
+fn can_frames_of_a_case_are_kept_as_candump_writes_them() {
+    let bench = Bench::new();
+    let plan = crate::bench::root().join("plans/library/buses/remote.toml");
+    bench.expect(0, &["test", plan.to_str().unwrap(), "lamp.toml", "--report", "out"]);
+    let record = bench.json("out/record.json");
+    let case = &record["cases"][0];
+    let log = case["trace_file"].as_str().unwrap().replace(".trace", ".log");
+    let text = bench.read(&format!("out/{log}"));
+    // Five questions and five answers, each heard by both nodes.
+    assert_eq!(case["frames"], serde_json::json!({ "kept": 20 }), "{text}");
+    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(' ').collect()).collect();
+    let count = |bus: &str, frame: &str| lines.iter().filter(|line| line[1..] == [bus, frame]).count();
+    for (bus, frame) in
+        [("machine", "301#R2"), ("drive", "301#R2"), ("machine", "301#1234"), ("drive", "301#1234")]
+    {
+        assert_eq!(count(bus, frame), 5, "{bus} {frame} in\n{text}");
+    }
+    assert!(
+        lines.iter().all(|line| line[0].len() == "(0000000001.000000)".len() && line.len() == 3),
+        "{text}"
+    );
+    assert!(lines.is_sorted_by_key(|line| line[0]), "{text}");
+    assert!(bench.read("out/ctrf.json").contains(&log));
+    // Without frames there is no log; another folder gets a copy.
+    assert_eq!(record["cases"][1]["frames"], serde_json::Value::Null);
+    assert_eq!(bench.list("out/traces").iter().filter(|name| name.ends_with(".log")).count(), 1);
+    bench.expect(0, &["report", "out", "--out", "again"]);
+    assert_eq!(bench.read(&format!("again/{log}")), text);
+    bench.expect(0, &["test", plan.to_str().unwrap(), "--shard", "1/1", "--report", "part"]);
+    bench.expect(0, &["report", "--merge", "part", "--out", "merged"]);
+    assert_eq!(bench.read(&format!("merged/{log}")), text);
+}

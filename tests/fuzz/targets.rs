@@ -7,6 +7,10 @@ use drivers::can::{Filter, Reported, Told};
 use drivers::convert::iio::{Element, Sampled, Scans};
 use drivers::convert::spi::{Chosen, FRAME, Input, PARTS, Sweep};
 use drivers::serial::{Frames, Framing, Marks, Received, Symbol};
+use expert::{
+    BLOCKS, Call, CounterConfig, CounterKind, CounterMode, Expert, ExpertConfig, Fact, Function,
+    FunctionKind, InputConditions, Limits, LineEvents, Operation, Phases, Pins, RECORD,
+};
 use plans::frames::{DataPattern, Database};
 use plans::lang::{Need, Operand};
 use plans::{Anchor, Literal};
@@ -405,6 +409,49 @@ pub fn spi(data: &[u8]) {
         let span = chosen[usize::from(reading.input)].span;
         assert!(span.low <= reading.value && reading.value < span.high, "{reading:?}");
         assert!(reading.before < reading.after, "{reading:?}");
-        assert!(sweep.noise(usize::from(reading.input)).is_none_or(|noise| noise >= 0.0));
+        assert!(sweep.noise(usize::from(reading.input)).is_none_or(|noise| noise.deviation >= 0.0));
     }
+}
+
+/// The pins of a block that is called once: its reference is 1, and all that enables and presets is on.
+struct AllOn;
+
+impl Pins for AllOn {
+    fn get(&self, pin: usize) -> i64 {
+        i64::from(pin < 9)
+    }
+
+    fn set(&mut self, _pin: usize, _value: i64) {}
+}
+
+/// Records of GPIO lines into a counter with two phases. The first byte says how the phases count, and whether there is a
+/// filter.
+pub fn lines(data: &[u8]) {
+    let [how, records @ ..] = data else { return };
+    let phases =
+        [Phases::UpDown, Phases::PulseDirection, Phases::X1, Phases::ReverseX4][usize::from(how % 4)];
+    let mode = CounterMode::FreeLarge { preset: 7, limits: Limits::Rollover };
+    let config = CounterConfig::new(CounterKind::Dual { b: 1, phases }, 0, mode);
+    let functions = vec![Function { name: "HSC0".to_owned(), kind: FunctionKind::Counter(config) }];
+    let own = Span::from_nanos(if how & 4 == 0 { 0 } else { 2_000 });
+    let conditions = InputConditions { delay: own, bounce: own };
+    let mut expert = Expert::new(&ExpertConfig { functions }, &[conditions; 2]);
+    expert.operate(Time::MIN, Operation::Running);
+    let block = BLOCKS.iter().copied().flatten().find(|block| block.name == "HSCMain_M241").unwrap();
+    (block.run)(&mut Call { now: Time::MIN, pins: &mut AllOn, expert: &mut expert });
+    let mut lines = LineEvents::new(&[(0, 0), (1, 1)], 0);
+    let mut left = records;
+    while left.len() >= RECORD {
+        let taken = lines.read(left, &mut expert);
+        assert!(taken > 0 && taken.is_multiple_of(RECORD));
+        left = &left[taken..];
+        let mut place = 0;
+        while expert.take(place).is_some() {
+            place += 1;
+        }
+    }
+    let whole = records.len() / RECORD;
+    assert!(lines.strange() <= whole as u64);
+    let counted = expert.read(0, Fact::Value).as_int().unwrap_or(i128::MAX) - 7;
+    assert!(counted.unsigned_abs() <= whole as u128, "{counted}");
 }

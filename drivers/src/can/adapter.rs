@@ -5,9 +5,13 @@ use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 
 use rustix::io::Errno;
+use signal::Span;
 
+use super::configure::{NotSetUp, configure, is_ready, put_back};
+use super::find::restarts_by_rig;
 use super::link::{Link, News};
-use super::netlink::{Watch, ask};
+use super::netlink::{Watch, ask, tell};
+use super::order::restart;
 use super::port::{KernelPort, Port};
 use super::settings;
 use super::spec::CanBusSpec;
@@ -45,6 +49,19 @@ pub trait Adapter: Send + fmt::Debug {
 
     /// Becomes readable when something became of it.
     fn source(&self) -> Option<BorrowedFd<'_>>;
+
+    /// How long after bus-off the controller is started again by [`Adapter::restart`], in nanoseconds; `None`: the
+    /// kernel does so, or nobody.
+    fn restarts_after(&self) -> Option<i64>;
+
+    /// Starts the controller again.
+    ///
+    /// # Errors
+    /// What the kernel says.
+    fn restart(&mut self) -> io::Result<()>;
+
+    /// Makes the interface what it was, if the rig has set it up. It is not used any more.
+    fn put_back(&mut self);
 }
 
 /// An interface of the kernel.
@@ -52,6 +69,12 @@ pub trait Adapter: Send + fmt::Debug {
 pub struct Interface {
     spec: CanBusSpec,
     watch: Watch,
+    /// The number of the interface that the rig has set up, or found ready, or tried to set up.
+    seen: Option<u32>,
+    /// What it was before the rig set it up.
+    was: Option<Link>,
+    /// The interface that the rig starts again behind bus-off.
+    restarts: Option<u32>,
 }
 
 impl Interface {
@@ -60,7 +83,28 @@ impl Interface {
     /// # Errors
     /// What the kernel says.
     pub fn new(spec: &CanBusSpec) -> io::Result<Interface> {
-        Ok(Interface { spec: spec.clone(), watch: Watch::start()? })
+        Ok(Interface { spec: spec.clone(), watch: Watch::start()?, seen: None, was: None, restarts: None })
+    }
+
+    /// Sets an interface up that the rig has not seen before, if the board file leaves that to the rig. One that somebody
+    /// changes later stays as it is.
+    pub(super) fn prepare(&mut self) -> Result<(), NotSetUp> {
+        if !self.spec.configure {
+            return Ok(());
+        }
+        let link = ask(&self.spec.interface).map_err(NotSetUp::Refused)?;
+        if self.seen.replace(link.index) == Some(link.index) {
+            return Ok(());
+        }
+        // What the rig had set up before is gone.
+        self.was = None;
+        if !is_ready(&self.spec, &link) {
+            configure(&self.spec, &link)?;
+            self.was = Some(link);
+            // What the rig did itself is no news.
+            let _ = self.watch.news();
+        }
+        Ok(())
     }
 }
 
@@ -74,6 +118,7 @@ fn taking_part(link: &Link) -> BusState {
 
 impl Adapter for Interface {
     fn open(&mut self) -> io::Result<(Box<dyn Port>, BusState)> {
+        self.prepare()?;
         let link = ask(&self.spec.interface)?;
         if !link.up {
             return Err(Errno::NETDOWN.into());
@@ -81,6 +126,7 @@ impl Adapter for Interface {
         if !settings::differences(&self.spec, &link).is_empty() {
             return Err(Errno::INVAL.into());
         }
+        self.restarts = Some(link.index).filter(|_| restarts_by_rig(&self.spec, &link));
         Ok((Box::new(KernelPort::open(link.index, &self.spec)?), taking_part(&link)))
     }
 
@@ -89,7 +135,11 @@ impl Adapter for Interface {
     }
 
     fn change(&mut self) -> Change {
-        let changed = |link: &Link| if link.up { Change::Up { running: link.running } } else { Change::Down };
+        let is_new = |link: &Link| self.spec.configure && self.seen != Some(link.index);
+        let changed = |link: &Link| match link.up || is_new(link) {
+            true => Change::Up { running: link.running },
+            false => Change::Down,
+        };
         let Some(news) = self.watch.news() else {
             return ask(&self.spec.interface).map_or(Change::Down, |link| changed(&link));
         };
@@ -109,5 +159,31 @@ impl Adapter for Interface {
 
     fn source(&self) -> Option<BorrowedFd<'_>> {
         Some(self.watch.as_fd())
+    }
+
+    fn restarts_after(&self) -> Option<i64> {
+        self.restarts.and(self.spec.restart).map(Span::as_nanos)
+    }
+
+    fn restart(&mut self) -> io::Result<()> {
+        let Some(index) = self.restarts else { return Ok(()) };
+        match tell(&restart(index)) {
+            // It is back on the bus: somebody was quicker.
+            Err(error) if Errno::from_io_error(&error) == Some(Errno::BUSY) => Ok(()),
+            told => told,
+        }
+    }
+
+    fn put_back(&mut self) {
+        if let Some(was) = self.was.take() {
+            put_back(&was);
+        }
+    }
+}
+
+impl Drop for Interface {
+    /// Also where the board came to nothing.
+    fn drop(&mut self) {
+        self.put_back();
     }
 }

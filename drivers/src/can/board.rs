@@ -6,9 +6,10 @@ use rustix::io::Errno;
 use signal::{Span, Time, Value};
 
 use super::adapter::{Adapter, Interface};
-use super::device::{Manner, Running};
+use super::configure::NotSetUp;
 use super::find::find;
 use super::node::Node;
+use super::running::{Manner, Running};
 use super::spec::CanBusSpec;
 use crate::file::{BoardFile, codes};
 use crate::real::RealSpec;
@@ -19,6 +20,9 @@ use crate::{
 
 /// How long a start waits for an interface at least.
 const START: Span = Span::from_secs(2);
+
+/// How long an interface may take to be put back as it was.
+const PUT_BACK: Span = Span::from_secs(5);
 
 /// How often a start looks for an interface that is wanted back.
 const LOOK: Span = Span::from_millis(50);
@@ -87,11 +91,31 @@ impl CanBoard {
                 .at(file.name.clone(), bus.interface_place.clone(), "")
                 .help(help)
         };
+        let cannot = |why: NotSetUp| {
+            let name = &bus.interface;
+            let (message, help) = match why {
+                NotSetUp::Refused(error) => (
+                    format!("{name} cannot be set up as the board file says: {error}"),
+                    "see by `ip -details link show` what its controller can do",
+                ),
+                NotSetUp::Differs(differ) => (
+                    format!("{name} was set up, and differs from the board file: {}", differ.join("; ")),
+                    "write bit rates and sample points that its clock can be divided to",
+                ),
+            };
+            Diagnostic::error(codes::CAN_CANNOT, message)
+                .at(file.name.clone(), bus.interface_place.clone(), "")
+                .help(help)
+        };
         let mut interface = Interface::new(bus).map_err(refused)?;
+        interface.prepare().map_err(cannot)?;
         let (port, _) = interface.open().map_err(refused)?;
+        // What the rig has set up it puts back as it was, and controllers take their time.
+        let end = if bus.configure { self.silent_after.max(PUT_BACK) } else { self.silent_after };
         let manner = Manner {
             resolution: self.surroundings.resolution.as_nanos(),
             limit: self.silent_after.as_nanos(),
+            patience: end.as_nanos(),
             retake: self.retake,
             realtime: self.surroundings.realtime,
         };
@@ -112,11 +136,6 @@ impl CanBoard {
         Ok(())
     }
 
-    /// When an interface that does not answer by then is not waited for any longer; at least so long.
-    fn due(&self, least: Span) -> i64 {
-        monotonic().saturating_add(self.silent_after.max(least).as_nanos())
-    }
-
     fn known(&self, channel: ChannelId) -> Result<(), BoardError> {
         let known = usize::from(channel.0) < self.channels.len();
         if known { Ok(()) } else { Err(BoardError::NoChannel(channel)) }
@@ -132,14 +151,22 @@ impl Board for CanBoard {
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
         self.started = false;
         let starts: Vec<u64> = self.nodes.iter_mut().map(Node::ask_start).collect();
-        let due = self.due(START);
+        let silent_after = self.silent_after.max(START);
+        let patience = || monotonic().saturating_add(silent_after.as_nanos());
+        let due = patience();
         for (node, start) in self.nodes.iter_mut().zip(starts) {
             let mut begun = node.await_start(start, due);
-            // An interface that is wanted back may be on its way.
-            while !begun && self.retake && node.gone() && monotonic() < due {
+            // An interface that is wanted back may be on its way, and so may a controller that is off its bus, or whose
+            // frames of the last run go when somebody acknowledges them.
+            let wanted = |node: &Node, begun| match begun {
+                true => node.is_behind(),
+                false => self.retake && node.gone(),
+            };
+            while wanted(node, begun) && monotonic() < due {
                 node.shared.answer.wait_until(due.min(monotonic().saturating_add(LOOK.as_nanos())));
                 let start = node.ask_start();
-                begun = node.await_start(start, due);
+                // What is asked last gets as long for its answer as what was asked first.
+                begun = node.await_start(start, patience());
             }
             if !begun {
                 return Err(node.is_lost());
@@ -186,7 +213,7 @@ impl Board for CanBoard {
         self.latched = true;
         self.last = self.last.max(now);
         let asked: Vec<u64> = self.nodes.iter_mut().map(Node::ask_safe).collect();
-        let due = self.due(Span::ZERO);
+        let due = monotonic().saturating_add(self.silent_after.as_nanos());
         let mut outcome = Ok(());
         for (node, asked) in self.nodes.iter().zip(asked) {
             if !node.await_safe(asked, due) {

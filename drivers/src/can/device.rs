@@ -1,83 +1,25 @@
 //! The thread that talks to a CAN interface: the only one whose calls may last.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use host::{Bell, Bracket, Errno, Realtime, Received, Role, monotonic};
 use rtrb::{Consumer, Producer};
-use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
-use std::os::fd::OwnedFd;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::adapter::{Adapter, Change};
 use super::port::Port;
 use super::report::Reported;
+use super::running::{Manner, REPORTS};
+use super::shared::{Report, Shared};
 use super::wire::{FD, Told, decode, encode};
 use crate::{BusError, BusState, Frame};
 
-/// Frames on their way to the bus.
-const TO_SEND: usize = 1_024;
-/// Reports on their way to the board: a second of a busy bus.
-const REPORTS: usize = 8_192;
 /// The most frames of one turn, either way: then the other way has its turn.
 const BATCH: usize = 256;
 /// How long the kernel's full queue is left alone, and how long the thread is without a look at the clocks.
 const AGAIN: i64 = 1_000_000;
 const IDLE: i64 = 100_000_000;
-
-/// What the interface told; stamps are of the monotonic clock.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Report {
-    /// A frame was on the bus between these stamps.
-    Frame { earliest: i64, latest: i64, frame: Frame, own: bool },
-    /// The controller takes part in another way.
-    State { at: i64, state: BusState },
-    /// Something went wrong on the bus.
-    Error { at: i64, error: BusError },
-    /// Frames found no room on their way from the kernel or in the controller.
-    Dropped { at: i64, count: u32 },
-    /// The interface is down, or away.
-    Lost { at: i64 },
-    /// It is back.
-    Returned { at: i64 },
-    /// What was before is forgotten, for this start.
-    Started { start: u64, state: BusState },
-}
-
-/// What board and thread share.
-#[derive(Debug)]
-pub(super) struct Shared {
-    /// Nothing is sent, whatever is asked.
-    pub(super) latched: AtomicBool,
-    /// Number of starts asked for.
-    pub(super) starts: AtomicU64,
-    /// Number of times that something was asked, and of those that the thread has seen to.
-    pub(super) asked: AtomicU64,
-    pub(super) heard: AtomicU64,
-    /// The stamp since when a call is under way; 0 for none.
-    pub(super) in_call: AtomicI64,
-    /// There is no interface to talk to, and since when: a stamp.
-    pub(super) gone: AtomicBool,
-    pub(super) gone_since: AtomicI64,
-    /// Calls that failed, frames that could not be sent among them.
-    pub(super) failed: AtomicU64,
-    /// Reports that found no room.
-    pub(super) spilled: AtomicU64,
-    stop: AtomicBool,
-    ended: AtomicBool,
-    wake: OwnedFd,
-    /// Wakes whoever waits for the thread.
-    pub(super) answer: Bell,
-}
-
-impl Shared {
-    /// Something is asked of the thread.
-    pub(super) fn ask(&self) -> u64 {
-        let asked = self.asked.fetch_add(1, Ordering::AcqRel) + 1;
-        // A counter takes eight bytes; it cannot be full.
-        let _ = rustix::io::write(&self.wake, &1u64.to_ne_bytes());
-        asked
-    }
-}
 
 /// The thread's side.
 #[derive(Debug)]
@@ -96,6 +38,8 @@ pub(super) struct Device {
     retake: bool,
     started: u64,
     state: BusState,
+    /// When it left the bus, or the rig tried in vain to bring it back.
+    off_since: Option<i64>,
     /// The kernel lets frames pass.
     running: bool,
     /// From the wall clock to the monotonic one, as measured last.
@@ -117,6 +61,42 @@ pub(super) struct Device {
 }
 
 impl Device {
+    /// Of an open interface, with its ends of both queues.
+    pub(super) fn new(
+        adapter: Box<dyn Adapter>,
+        port: Box<dyn Port>,
+        shared: Arc<Shared>,
+        (frames, reports): (Consumer<Frame>, Producer<Report>),
+        bell: Arc<Bell>,
+        manner: Manner,
+    ) -> Device {
+        Device {
+            adapter,
+            port: Some(port),
+            shared,
+            frames,
+            reports,
+            bell,
+            resolution: manner.resolution,
+            limit: manner.limit,
+            retake: manner.retake,
+            started: 0,
+            state: BusState::ErrorActive,
+            off_since: None,
+            running: true,
+            clocks: Bracket::measure(),
+            dropped: 0,
+            pending: None,
+            waiting: 0,
+            since: 0,
+            late: false,
+            newest: i64::MIN,
+            begun: None,
+            told_lost: false,
+            told: false,
+        }
+    }
+
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is told once for all threads, by whoever set up the run.
@@ -126,6 +106,8 @@ impl Device {
             let stop = self.shared.stop.load(Ordering::Acquire);
             self.turn();
             if stop {
+                self.called();
+                self.adapter.put_back();
                 self.shared.ended.store(true, Ordering::Release);
                 self.shared.answer.ring();
                 return;
@@ -143,6 +125,7 @@ impl Device {
         }
         self.begin();
         self.receive();
+        self.restart();
         self.send();
         self.overdue();
         self.shared.in_call.store(0, Ordering::Release);
@@ -158,7 +141,10 @@ impl Device {
     /// Waits until there is something to do.
     fn wait(&mut self) {
         let soon = self.pending.is_some() || self.begun.is_some();
-        let nanos = if soon { AGAIN } else { IDLE.min(self.limit) };
+        let mut nanos = if soon { AGAIN } else { IDLE.min(self.limit) };
+        if let Some(due) = self.restarts_at() {
+            nanos = nanos.min(due.saturating_sub(monotonic()).max(0));
+        }
         let due = Timespec { tv_sec: 0, tv_nsec: nanos };
         let wake = || PollFd::new(&self.shared.wake, PollFlags::IN);
         let source = self.port.as_ref().map(|port| port.source());
@@ -253,15 +239,20 @@ impl Device {
             // The queue is that of a second at most; what comes meanwhile belongs to the run.
             for _ in 0..REPORTS {
                 match port.receive(&mut bytes) {
-                    Ok(received) => self.dropped = received.dropped,
+                    Ok(received) => {
+                        self.dropped = received.dropped;
+                        self.waiting = self.waiting.saturating_sub(u32::from(received.own));
+                    }
                     Err(_) => break,
                 }
             }
             self.state = state.unwrap_or(self.state);
+            self.off();
         }
-        (self.clocks, self.waiting, self.late) = (Bracket::measure(), 0, false);
+        // What the kernel has had since before this run it still has: nobody could tell it from what the run sends.
+        (self.clocks, self.late) = (Bracket::measure(), false);
         self.told_lost = self.port.is_none();
-        self.begun = Some(Report::Started { start, state: self.state });
+        self.begun = Some(Report::Started { start, state: self.state, waiting: self.waiting > 0 });
         self.begin();
     }
 
@@ -305,6 +296,8 @@ impl Device {
         let lost = received.dropped.wrapping_sub(self.dropped);
         if lost > 0 {
             self.dropped = received.dropped;
+            // Which frames they were nobody knows: own ones among them will not be told.
+            self.waiting = 0;
             self.report(Report::Dropped { at: latest, count: lost });
         }
         match bytes.get(..received.len).and_then(decode) {
@@ -339,8 +332,33 @@ impl Device {
         }
         if state != self.state {
             self.state = state;
+            self.off();
             self.report(Report::State { at, state });
         }
+    }
+
+    /// Notes since when the controller is off the bus, if it is.
+    fn off(&mut self) {
+        self.off_since = Some(monotonic()).filter(|_| self.state == BusState::BusOff);
+    }
+
+    /// When the rig starts the controller again, if it is to.
+    fn restarts_at(&self) -> Option<i64> {
+        let (since, after) = (self.off_since?, self.adapter.restarts_after()?);
+        self.port.as_ref().map(|_| since.saturating_add(after))
+    }
+
+    /// Starts a controller again that has been off the bus for so long.
+    fn restart(&mut self) {
+        if self.restarts_at().is_none_or(|due| monotonic() < due) {
+            return;
+        }
+        self.called();
+        if self.adapter.restart().is_err() {
+            self.shared.failed.fetch_add(1, Ordering::Relaxed);
+        }
+        // It tells by a report that it is back, else it is tried again.
+        self.off_since = Some(monotonic());
     }
 
     fn send(&mut self) {
@@ -403,104 +421,6 @@ impl Device {
         // Nothing comes before the answer to a start.
         if self.begun.is_some() || self.reports.push(report).is_err() {
             self.shared.spilled.fetch_add(1, Ordering::Relaxed);
-        }
-    }
-}
-
-/// The board's side of the thread. Dropping it ends the thread.
-#[derive(Debug)]
-pub(super) struct Running {
-    pub(super) shared: Arc<Shared>,
-    pub(super) frames: Producer<Frame>,
-    pub(super) reports: Consumer<Report>,
-    patience: i64,
-    thread: Option<std::thread::JoinHandle<()>>,
-}
-
-/// How a thread works.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Manner {
-    /// How long before its stamp a frame may have ended, in nanoseconds.
-    pub(super) resolution: i64,
-    /// How long a call may last, in nanoseconds.
-    pub(super) limit: i64,
-    /// An interface that went away is taken back.
-    pub(super) retake: bool,
-    /// How the thread runs.
-    pub(super) realtime: Realtime,
-}
-
-impl Running {
-    /// Starts the thread of an open interface.
-    pub(super) fn start(
-        name: &str,
-        adapter: Box<dyn Adapter>,
-        port: Box<dyn Port>,
-        bell: &Arc<Bell>,
-        manner: Manner,
-    ) -> std::io::Result<Running> {
-        let shared = Arc::new(Shared {
-            latched: AtomicBool::new(true),
-            starts: AtomicU64::new(0),
-            asked: AtomicU64::new(0),
-            heard: AtomicU64::new(0),
-            in_call: AtomicI64::new(0),
-            gone: AtomicBool::new(false),
-            gone_since: AtomicI64::new(0),
-            failed: AtomicU64::new(0),
-            spilled: AtomicU64::new(0),
-            stop: AtomicBool::new(false),
-            ended: AtomicBool::new(false),
-            wake: eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?,
-            answer: Bell::new(),
-        });
-        let (frames, to_send) = rtrb::RingBuffer::new(TO_SEND);
-        let (reports, reported) = rtrb::RingBuffer::new(REPORTS);
-        let device = Device {
-            adapter,
-            port: Some(port),
-            shared: shared.clone(),
-            frames: to_send,
-            reports,
-            bell: bell.clone(),
-            resolution: manner.resolution,
-            limit: manner.limit,
-            retake: manner.retake,
-            started: 0,
-            state: BusState::ErrorActive,
-            running: true,
-            clocks: Bracket::measure(),
-            dropped: 0,
-            pending: None,
-            waiting: 0,
-            since: 0,
-            late: false,
-            newest: i64::MIN,
-            begun: None,
-            told_lost: false,
-            told: false,
-        };
-        let thread = std::thread::Builder::new().name(format!("can {name}"));
-        let thread = thread.spawn(move || device.run(manner.realtime))?;
-        Ok(Running { shared, frames, reports: reported, patience: manner.limit, thread: Some(thread) })
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        self.shared.latched.store(true, Ordering::Release);
-        self.shared.stop.store(true, Ordering::Release);
-        self.shared.ask();
-        let due = monotonic().saturating_add(self.patience);
-        while !self.shared.ended.load(Ordering::Acquire) {
-            // A thread inside a call that hangs is left to it: when the call ends, it finds that it is to stop.
-            if monotonic() >= due {
-                return;
-            }
-            self.shared.answer.wait_until(due);
-        }
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
         }
     }
 }

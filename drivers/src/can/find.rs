@@ -3,6 +3,7 @@
 use document::{Diagnostic, suggest};
 use rustix::io::Errno;
 
+use super::configure::{is_ready, may_change};
 use super::link::Link;
 use super::netlink::ask;
 use super::settings::{differences, mend};
@@ -59,6 +60,14 @@ pub fn find(file: &BoardFile, spec: &CanBusSpec) -> Result<(), Diagnostic> {
     wrong(spec, &link).map_or(Ok(()), |(code, message, help)| at(code, message, help))
 }
 
+/// The privilege to change interfaces (CAP_NET_ADMIN).
+const PRIVILEGE: &str = "run `sudo setcap cap_net_admin+ep \"$(command -v rig)\"`";
+
+/// Whether the rig is to start a controller again behind bus-off: the board file wants it, and the kernel leaves it.
+pub(super) fn restarts_by_rig(spec: &CanBusSpec, link: &Link) -> bool {
+    spec.restart.is_some() && link.restart_ms == 0 && !link.is_virtual()
+}
+
 /// How an interface is set up and how it fares, in words behind its name.
 pub fn words(link: &Link) -> String {
     let mut words = String::new();
@@ -85,6 +94,13 @@ pub fn words(link: &Link) -> String {
 /// What is wrong with an interface for a bus: code, words, mend.
 pub fn wrong(spec: &CanBusSpec, link: &Link) -> Option<(&'static str, String, String)> {
     let name = &spec.interface;
+    if spec.configure {
+        let lacks = !is_ready(spec, link) && !may_change(link);
+        return lacks.then(|| {
+            let message = format!("the rig is to set up {name}, and may not");
+            (codes::CAN_ACCESS, message, format!("{PRIVILEGE}, or run `{}` as root", mend(spec, link)))
+        });
+    }
     let differ = differences(spec, link);
     if !differ.is_empty() {
         let message = format!("{name} is not set up as the board file says: {}", differ.join("; "));
@@ -92,6 +108,11 @@ pub fn wrong(spec: &CanBusSpec, link: &Link) -> Option<(&'static str, String, St
     }
     if !link.up {
         return Some((codes::CAN_DOWN, format!("{name} is down"), format!("run `ip link set {name} up`")));
+    }
+    if restarts_by_rig(spec, link) && !may_change(link) {
+        let message = format!("the rig is to start {name} again behind bus-off, and may not");
+        let help = format!("{PRIVILEGE}, or let the kernel do it: run `{}` as root", mend(spec, link));
+        return Some((codes::CAN_ACCESS, message, help));
     }
     None
 }

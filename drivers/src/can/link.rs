@@ -1,34 +1,41 @@
 //! What the kernel tells of a CAN interface: messages of rtnetlink (`linux/rtnetlink.h`, `linux/can/netlink.h`).
 
+use kind::{
+    CAN_BERR_COUNTER, CAN_BITTIMING, CAN_CTRLMODE, CAN_DATA_BITTIMING, CAN_RESTART_MS, CAN_STATE,
+    DELETED_LINK, ERROR, INFO_DATA, INFO_KIND, LINK_INFO, MTU, NAME, NEW_LINK, RUNNING, UP,
+};
+
 use crate::BusState;
 
 /// Length of the head of a message, and of what follows in a message about an interface.
 const HEAD: usize = 16;
 const ABOUT: usize = 16;
-/// Kinds of messages.
-const ERROR: u16 = 2;
-const NEW_LINK: u16 = 16;
-const DELETED_LINK: u16 = 17;
-const GET_LINK: u16 = 18;
-/// This is a question.
-const REQUEST: u16 = 1;
-/// The interface is up; frames can pass.
-const UP: u32 = 0x1;
-const RUNNING: u32 = 0x40;
-/// Attributes of an interface, of its kind, of a CAN interface.
-const NAME: u16 = 3;
-const MTU: u16 = 4;
-const LINK_INFO: u16 = 18;
-const INFO_KIND: u16 = 1;
-const INFO_DATA: u16 = 2;
-const CAN_BITTIMING: u16 = 1;
-const CAN_STATE: u16 = 4;
-const CAN_CTRLMODE: u16 = 5;
-const CAN_RESTART_MS: u16 = 6;
-const CAN_BERR_COUNTER: u16 = 8;
-const CAN_DATA_BITTIMING: u16 = 9;
 /// Flags of an attribute's kind that are no part of it.
 const KIND_BITS: u16 = 0x3FFF;
+
+/// Kinds of messages, of flags and of attributes.
+pub(super) mod kind {
+    pub const ERROR: u16 = 2;
+    pub const NEW_LINK: u16 = 16;
+    pub const DELETED_LINK: u16 = 17;
+    pub const GET_LINK: u16 = 18;
+    /// The interface is up; frames can pass.
+    pub const UP: u32 = 0x1;
+    pub const RUNNING: u32 = 0x40;
+    /// Attributes of an interface, of its kind, of a CAN interface.
+    pub const NAME: u16 = 3;
+    pub const MTU: u16 = 4;
+    pub const LINK_INFO: u16 = 18;
+    pub const INFO_KIND: u16 = 1;
+    pub const INFO_DATA: u16 = 2;
+    pub const CAN_BITTIMING: u16 = 1;
+    pub const CAN_STATE: u16 = 4;
+    pub const CAN_CTRLMODE: u16 = 5;
+    pub const CAN_RESTART_MS: u16 = 6;
+    pub const CAN_RESTART: u16 = 7;
+    pub const CAN_BERR_COUNTER: u16 = 8;
+    pub const CAN_DATA_BITTIMING: u16 = 9;
+}
 
 /// A bit rate as an interface has it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,24 +111,8 @@ pub enum News {
     Is(Link),
     /// An interface is gone.
     Gone(Link),
-    /// The kernel refuses the question, with this error number.
+    /// The kernel refuses what it was asked or told, with this error number; 0: what it was told is done.
     Refused(i32),
-}
-
-/// The question what the interface of this name is.
-pub fn question(name: &str) -> Vec<u8> {
-    let mut bytes = vec![0; HEAD + ABOUT];
-    let attribute = 4 + name.len() + 1;
-    bytes.extend_from_slice(&(attribute as u16).to_ne_bytes());
-    bytes.extend_from_slice(&NAME.to_ne_bytes());
-    bytes.extend_from_slice(name.as_bytes());
-    bytes.push(0);
-    bytes.resize(bytes.len().next_multiple_of(4), 0);
-    let len = bytes.len() as u32;
-    bytes[..4].copy_from_slice(&len.to_ne_bytes());
-    bytes[4..6].copy_from_slice(&GET_LINK.to_ne_bytes());
-    bytes[6..8].copy_from_slice(&REQUEST.to_ne_bytes());
-    bytes
 }
 
 /// Reads the messages of a datagram. What is cut off, or is none of ours, is left out.
@@ -233,23 +224,12 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::order::{attribute, bytes};
     use super::*;
     use proptest::prelude::*;
 
-    fn attribute(kind: u16, value: &[u8]) -> Vec<u8> {
-        let mut bytes = ((value.len() + 4) as u16).to_ne_bytes().to_vec();
-        bytes.extend(kind.to_ne_bytes());
-        bytes.extend(value);
-        bytes.resize(bytes.len().next_multiple_of(4), 0);
-        bytes
-    }
-
-    fn words(words: &[u32]) -> Vec<u8> {
-        words.iter().flat_map(|word| word.to_ne_bytes()).collect()
-    }
-
     fn message(kind: u16, attributes: &[Vec<u8>]) -> Vec<u8> {
-        let mut bytes = words(&[0, 0, 0, 0, 0, 7, UP | RUNNING, 0]);
+        let mut bytes = bytes(&[0, 0, 0, 0, 0, 7, UP | RUNNING, 0]);
         bytes.extend(attributes.concat());
         let len = bytes.len() as u32;
         bytes[..4].copy_from_slice(&len.to_ne_bytes());
@@ -259,10 +239,10 @@ mod tests {
 
     fn of_can() -> Vec<u8> {
         let data = [
-            attribute(CAN_BITTIMING, &words(&[500_000, 875, 0, 0, 0, 0, 0, 0])),
-            attribute(CAN_STATE, &words(&[2])),
-            attribute(CAN_CTRLMODE, &words(&[0xFF, Modes::FD | Modes::LISTEN_ONLY])),
-            attribute(CAN_RESTART_MS, &words(&[100])),
+            attribute(CAN_BITTIMING, &bytes(&[500_000, 875, 0, 0, 0, 0, 0, 0])),
+            attribute(CAN_STATE, &bytes(&[2])),
+            attribute(CAN_CTRLMODE, &bytes(&[0xFF, Modes::FD | Modes::LISTEN_ONLY])),
+            attribute(CAN_RESTART_MS, &bytes(&[100])),
             attribute(CAN_BERR_COUNTER, &[128, 0, 3, 0]),
         ];
         let info = [attribute(INFO_KIND, b"can\0"), attribute(INFO_DATA | 0x8000, &data.concat())];
@@ -270,7 +250,7 @@ mod tests {
             NEW_LINK,
             &[
                 attribute(NAME, b"can0\0"),
-                attribute(MTU, &words(&[72])),
+                attribute(MTU, &bytes(&[72])),
                 attribute(LINK_INFO, &info.concat()),
             ],
         )
@@ -289,17 +269,10 @@ mod tests {
     #[test]
     fn several_messages_of_a_datagram_are_read_and_a_refusal_is_one() {
         let gone = message(DELETED_LINK, &[attribute(NAME, b"can0\0")]);
-        let mut refused = words(&[20, 0, 0, 0, (-19i32).cast_unsigned()]);
+        let mut refused = bytes(&[20, 0, 0, 0, (-19i32).cast_unsigned()]);
         refused[4..6].copy_from_slice(&ERROR.to_ne_bytes());
         let all = read(&[gone, refused].concat());
         assert!(matches!(&all[..], [News::Gone(link), News::Refused(19)] if link.name == "can0"), "{all:?}");
-    }
-
-    #[test]
-    fn a_question_is_a_whole_message() {
-        let bytes = question("can0");
-        assert_eq!(u32_at(&bytes, 0), Some(bytes.len() as u32));
-        assert_eq!(attributes(&bytes[HEAD + ABOUT..]).next(), Some((NAME, &b"can0\0"[..])));
     }
 
     proptest! {

@@ -3,14 +3,18 @@
 
 mod adapter;
 mod board;
+mod configure;
 mod device;
 mod find;
 mod link;
 mod netlink;
 mod node;
+mod order;
 mod port;
 mod report;
+mod running;
 mod settings;
+mod shared;
 mod spec;
 #[cfg(test)]
 mod tests;
@@ -20,6 +24,7 @@ pub use board::CanBoard;
 pub use find::{find, interfaces, words, wrong};
 pub use link::{BitTiming, Link, Modes, News, read as read_news};
 pub use netlink::ask;
+pub use order::{Setup, question};
 pub use report::Reported;
 pub use settings::{differences, mend};
 pub use spec::{CanBusSpec, CanSpec, Filter};

@@ -10,7 +10,8 @@ use rustix::net::{AddressFamily, RecvFlags, SendFlags, SocketFlags, SocketType, 
 use rustix::net::{recv, sendto, socket_with};
 use rustix::time::Timespec;
 
-use super::link::{Link, News, question, read};
+use super::link::{Link, News, read};
+use super::order::question;
 
 /// Room for what the kernel tells of an interface: it sends at most a page or two.
 const ROOM: usize = 32 * 1024;
@@ -66,8 +67,29 @@ fn open(groups: u32) -> io::Result<OwnedFd> {
 /// # Errors
 /// ENODEV where there is none, and what else the kernel says.
 pub fn ask(name: &str) -> io::Result<Link> {
+    match exchange(&question(name))? {
+        News::Is(link) => Ok(link),
+        News::Gone(_) => Err(Errno::NODEV.into()),
+        News::Refused(code) => Err(io::Error::from_raw_os_error(code)),
+    }
+}
+
+/// Tells the kernel to change an interface, and waits until it has.
+///
+/// # Errors
+/// EPERM without the privilege (CAP_NET_ADMIN), and what else the kernel says.
+pub(super) fn tell(order: &[u8]) -> io::Result<()> {
+    match exchange(order)? {
+        News::Refused(0) | News::Is(_) => Ok(()),
+        News::Gone(_) => Err(Errno::NODEV.into()),
+        News::Refused(code) => Err(io::Error::from_raw_os_error(code)),
+    }
+}
+
+/// The first answer to a message.
+fn exchange(message: &[u8]) -> io::Result<News> {
     let socket = open(0)?;
-    sendto(&socket, &question(name), SendFlags::empty(), &SocketAddrNetlink::new(0, 0))?;
+    sendto(&socket, message, SendFlags::empty(), &SocketAddrNetlink::new(0, 0))?;
     let mut room = vec![0; ROOM];
     loop {
         let mut wait = [PollFd::from_borrowed_fd(socket.as_fd(), PollFlags::IN)];
@@ -75,11 +97,8 @@ pub fn ask(name: &str) -> io::Result<Link> {
             return Err(Errno::TIMEDOUT.into());
         }
         let (len, _) = recv(&socket, &mut room[..], RecvFlags::DONTWAIT)?;
-        match read(&room[..len]).into_iter().next() {
-            Some(News::Is(link)) => return Ok(link),
-            Some(News::Gone(_)) => return Err(Errno::NODEV.into()),
-            Some(News::Refused(code)) => return Err(io::Error::from_raw_os_error(code)),
-            None => {}
+        if let Some(news) = read(&room[..len]).into_iter().next() {
+            return Ok(news);
         }
     }
 }

@@ -6,7 +6,8 @@ use std::sync::atomic::Ordering;
 use host::{TimeBase, monotonic};
 use signal::{Span, Time, When};
 
-use super::device::{Report, Running, Shared};
+use super::running::Running;
+use super::shared::{Report, Shared};
 use super::spec::CanBusSpec;
 use super::wire::encode;
 use crate::{BoardError, BusEvent, BusId, BusState, Frame, LossReason};
@@ -25,6 +26,8 @@ pub(super) struct Node {
     pub(super) lost: Option<LossReason>,
     /// How the controller took part at the start, until it is told.
     fresh: Option<BusState>,
+    /// Frames of before the start waited for the bus then.
+    waiting: bool,
     /// What lies ahead of the last poll.
     pub(super) ahead: Option<Time>,
     pub(super) dropped: u64,
@@ -43,6 +46,7 @@ impl Node {
             owes: 0,
             lost: None,
             fresh: None,
+            waiting: false,
             ahead: None,
             dropped: 0,
             failed: 0,
@@ -57,6 +61,11 @@ impl Node {
             false => (LossReason::Silent, self.overdue().map_or(now, |due| due - self.limit)),
         };
         BoardError::BusLost { bus: self.id(), reason, since: Span::from_nanos((now - since).max(0)) }
+    }
+
+    /// Whether the start found the controller off its bus, or with frames of before.
+    pub(super) fn is_behind(&self) -> bool {
+        self.waiting || self.fresh == Some(BusState::BusOff)
     }
 
     fn id(&self) -> BusId {
@@ -75,7 +84,7 @@ impl Node {
     pub(super) fn await_start(&mut self, start: u64, due: i64) -> bool {
         loop {
             while let Ok(report) = self.running.reports.pop() {
-                let Report::Started { start: done, state } = report else { continue };
+                let Report::Started { start: done, state, waiting } = report else { continue };
                 if done != start {
                     continue;
                 }
@@ -84,6 +93,7 @@ impl Node {
                 }
                 (self.lost, self.ahead, self.dropped) = (None, None, 0);
                 self.owes = monotonic();
+                self.waiting = waiting;
                 self.fresh = Some(state).filter(|state| *state != BusState::ErrorActive);
                 self.failed = self.shared.failed.load(Ordering::Acquire);
                 self.shared.spilled.store(0, Ordering::Release);
@@ -168,7 +178,10 @@ impl Node {
         let bus = self.id();
         self.ahead = None;
         if let Some(state) = self.fresh.take() {
-            out.push(BusEvent::State { bus, at: now, state });
+            // Before all that came since the start.
+            let first = self.running.reports.peek().ok().map(stamp_of);
+            let at = first.map_or(now, |first| time.at(first).min(now));
+            out.push(BusEvent::State { bus, at, state });
         }
         let stamp = time.stamp(now);
         self.look(stamp);

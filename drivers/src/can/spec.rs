@@ -36,10 +36,12 @@ pub struct CanBusSpec {
     pub data_sample_point: Option<u32>,
     /// The frames that the kernel hands over; all where there is none.
     pub accept: Vec<Filter>,
-    /// How long after bus-off the controller starts again; `None`: it is not asked.
+    /// How long after bus-off the controller starts again, by the kernel or else by the rig; `None`: it is not asked.
     pub restart: Option<Span>,
     /// The controller never drives the bus, not even to acknowledge.
     pub listen_only: bool,
+    /// The rig sets the interface up, and back as it was.
+    pub configure: bool,
 }
 
 /// Frames by their identifiers.

@@ -10,9 +10,9 @@ use rustix::event::{EventfdFlags, eventfd};
 use signal::Span;
 
 use super::adapter::{Adapter, Change};
-use super::device::{Manner, Running};
 use super::node::Node;
 use super::port::Port;
+use super::running::{Manner, Running};
 use super::spec::CanBusSpec;
 use super::wire::{FD, encode};
 use crate::{BoardError, BusError, BusEvent, BusId, BusState, Frame, LossReason};
@@ -82,6 +82,16 @@ impl Adapter for Fixed {
     fn source(&self) -> Option<BorrowedFd<'_>> {
         None
     }
+
+    fn restarts_after(&self) -> Option<i64> {
+        None
+    }
+
+    fn restart(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    fn put_back(&mut self) {}
 }
 
 struct Bench {
@@ -99,7 +109,8 @@ impl Bench {
         let source = eventfd(0, EventfdFlags::CLOEXEC).unwrap();
         let port = Box::new(Scripted { script: script.clone(), source });
         let limit = silent_after.as_nanos();
-        let manner = Manner { resolution: 0, limit, retake: false, realtime: Realtime::default() };
+        let manner =
+            Manner { resolution: 0, limit, patience: limit, retake: false, realtime: Realtime::default() };
         let running = Running::start("test", Box::new(Fixed), port, &Arc::new(Bell::new()), manner).unwrap();
         let spec = CanBusSpec {
             bus: BUS,
@@ -114,6 +125,7 @@ impl Bench {
             accept: Vec::new(),
             restart: None,
             listen_only: false,
+            configure: false,
         };
         let mut bench = Bench {
             node: Node::new(spec, running, limit),
@@ -267,4 +279,22 @@ fn a_frame_that_waits_for_the_bus_for_too_long_is_told_once() {
         bench.told(|event| matches!(event, BusEvent::Frame { own: true, .. }))
     });
     assert_eq!(bench.events.iter().filter(|event| late(event)).count(), 1);
+}
+
+#[test]
+fn a_run_is_told_of_frames_of_the_one_before_that_still_wait_for_the_bus() {
+    let mut bench = Bench::new(Span::from_millis(100));
+    bench.send(1).unwrap();
+    bench.until("the frame", |bench| bench.script.0.lock().unwrap().sent.len() == 1);
+    bench.start();
+    assert!(bench.node.is_behind());
+    // Nothing is sent in this run, which could not tell the frame from its own.
+    let late = |event: &BusEvent| matches!(event, BusEvent::Error { error: BusError::SendTimeout, .. });
+    bench.until("the error", |bench| bench.told(late));
+    bench.arrives(&bytes(1), Received { own: true, ..Received::default() });
+    bench.until("the frame on the bus", |bench| {
+        bench.told(|event| matches!(event, BusEvent::Frame { own: true, .. }))
+    });
+    bench.start();
+    assert!(!bench.node.is_behind());
 }

@@ -46,10 +46,18 @@ pub fn describe(file: &BoardFile, spec: &ConvertersSpec, channels: &mut [Channel
 /// # Errors
 /// It is not there, not free, not permitted, or not what the file says.
 pub fn open(converter: &ConverterSpec, inputs: &[SampleSpec]) -> Result<Box<dyn Converter>, Refusal> {
-    match &converter.kind {
+    let opened = match &converter.kind {
         ConverterKind::Spi(spec) => spi::open(converter, spec, inputs),
         ConverterKind::Iio(spec) => iio::open(converter, spec, inputs),
+    }?;
+    for (input, sample) in (0u16..).zip(inputs) {
+        if sample.scale.accuracy.of_range > 0.0 && opened.resolution(input).range.is_none() {
+            let message = format!("{} does not tell the range of this input", opened.device());
+            let help = "say in `accuracy` by `plus` how far off it may be, in the unit of the channel";
+            return Err(Refusal::new(codes::CONVERTER_VALUE, message, help).at(sample.accuracy_place.clone()));
+        }
     }
+    Ok(opened)
 }
 
 /// A converter with the inputs that it was opened for, and how it is opened again.
@@ -253,6 +261,10 @@ impl Board for ConverterBoard {
     fn device(&self, channel: ChannelId) -> Option<&str> {
         let mut devices = self.devices.iter();
         devices.find(|device| device.channels.contains(&channel)).map(|device| device.device.as_str())
+    }
+
+    fn noise(&self, channel: ChannelId) -> Option<f64> {
+        self.devices.iter().find_map(|device| device.noise(channel))
     }
 
     fn health(&self) -> Health {

@@ -9,7 +9,7 @@ use rtrb::Producer;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-use super::{Converter, Pace, Reading, Scale};
+use super::{Converter, Pace, Reading, Resolution, Scale, Shown};
 
 /// How a converter is opened: at first, and again when it was gone.
 pub(super) type Opener = Box<dyn FnMut() -> Option<Box<dyn Converter>> + Send>;
@@ -18,7 +18,7 @@ pub(super) type Opener = Box<dyn FnMut() -> Option<Box<dyn Converter>> + Send>;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Report {
     /// An input shows another quantity, or one that is not known: it came between these stamps.
-    Sample { input: u16, from: i64, to: i64, quantity: Option<f64> },
+    Sample { input: u16, from: i64, to: i64, shown: Shown },
     /// So many readings of an input were lost, or came too late for what the channel promises.
     Missed { input: u16, count: u32, at: i64 },
     /// Every input was read since this start.
@@ -44,6 +44,9 @@ pub(super) struct Shared {
     pub(super) failed: AtomicU64,
     /// Reports that found no room.
     pub(super) unreported: AtomicU64,
+    /// The noise of each input in its last reading, in the unit of its channel: bits of a number, which is none while
+    /// there is no reading of several samples.
+    pub(super) noise: Vec<AtomicU64>,
     pub(super) stop: AtomicBool,
     pub(super) ended: AtomicBool,
     /// Wakes the thread: it can be waited for beside the device.
@@ -65,7 +68,7 @@ impl Shared {
 pub(super) struct Known {
     pub(super) scale: Scale,
     /// What was told last; `None` before the first.
-    told: Option<Option<f64>>,
+    told: Option<Shown>,
     /// When its last reading began.
     last: Option<i64>,
 }
@@ -223,16 +226,23 @@ impl Device {
             let Some(known) = self.inputs.get_mut(input) else { continue };
             let from = known.last.unwrap_or(reading.before).min(reading.after);
             known.last = Some(reading.before);
-            let quantity = known.scale.quantity(&reading);
-            let news = known.told.is_none_or(|told| known.scale.differs(told, quantity));
+            let (resolution, noise) = match &self.converter {
+                Some(converter) => (converter.resolution(reading.input), converter.noise(reading.input)),
+                None => (Resolution::default(), None),
+            };
+            let shown = known.scale.quantity(&reading, resolution, noise);
+            let news = known.told.is_none_or(|told| known.scale.differs(told, shown));
+            if let (Some(noise), Some(shared)) = (noise, self.shared.noise.get(input)) {
+                shared.store(known.scale.noise(reading.value, noise).to_bits(), Ordering::Release);
+            }
             let apart = reading.after - from;
             if apart > self.apart {
                 let count = apart / self.apart.max(1);
                 self.missed(input, u32::try_from(count).unwrap_or(u32::MAX), reading.after);
             }
-            let sample = Report::Sample { input: reading.input, from, to: reading.after, quantity };
+            let sample = Report::Sample { input: reading.input, from, to: reading.after, shown };
             if news && self.report(sample) {
-                self.inputs[input].told = Some(quantity);
+                self.inputs[input].told = Some(shown);
             }
         }
     }

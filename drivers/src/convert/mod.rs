@@ -3,6 +3,7 @@
 //! A [`Converter`] is what is behind a device: one on an SPI bus that the rig reads itself, or one of the kernel's
 //! industrial I/O. The board asks it on a thread of its own, so a reading that takes its time holds up nobody.
 
+mod accuracy;
 mod board;
 mod calibrated;
 mod certificate;
@@ -14,11 +15,12 @@ mod spec;
 pub mod spi;
 mod watched;
 
+pub use accuracy::{Accuracy, Noise, Resolution};
 pub use board::{ConverterBoard, Source, describe, open};
 pub use calibrated::{Calibrated, calibrated};
 pub use certificate::{Certificate, Date};
 pub use refusal::Refusal;
-pub use scale::{Point, Scale};
+pub use scale::{Point, Scale, Shown};
 pub use spec::{ConverterKind, ConverterSpec, ConvertersSpec, FindInput, SPREAD, SampleSpec};
 
 use signal::Span;
@@ -99,9 +101,14 @@ pub trait Converter: Send + Debug {
         0
     }
 
-    /// How far the samples behind the last reading of an input lay from their mean (standard deviation), in the unit of
-    /// the reading. `None` where a reading is one sample.
-    fn noise(&self, input: u16) -> Option<f64> {
+    /// How finely an input is measured.
+    fn resolution(&self, input: u16) -> Resolution {
+        let _ = input;
+        Resolution::default()
+    }
+
+    /// How noisy the samples behind the last reading of an input were. `None` where a reading is one sample.
+    fn noise(&self, input: u16) -> Option<Noise> {
         let _ = input;
         None
     }

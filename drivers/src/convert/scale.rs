@@ -1,6 +1,11 @@
 //! From what a converter measures to the quantity of a channel.
 
-use super::{InRange, Reading};
+use signal::{Gap, Value};
+
+use super::{Accuracy, InRange, Noise, Reading, Resolution};
+
+/// What a channel shows: a quantity with how far the truth may lie from it, or why there is none.
+pub type Shown = Result<Value, Gap>;
 
 /// A point of a calibration: what was shown, and what it really was, in the unit of the channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +32,8 @@ pub struct Scale {
     pub calibration: Vec<Point>,
     /// By how much more than this the quantity has to differ from what was told last.
     pub deadband: f64,
+    /// What is known of its errors, its steps and its noise aside.
+    pub accuracy: Accuracy,
 }
 
 impl Default for Scale {
@@ -39,25 +46,76 @@ impl Default for Scale {
             short_above: None,
             calibration: Vec::new(),
             deadband: 0.0,
+            accuracy: Accuracy::default(),
         }
     }
 }
 
 impl Scale {
-    /// The quantity behind a reading. `None` where it is not known: the input is at an end of its range, so that there
-    /// may be more, or what it shows is that of a wire or sensor that failed.
-    pub fn quantity(&self, reading: &Reading) -> Option<f64> {
-        let beyond = reading.range != InRange::Yes
-            || self.open_below.is_some_and(|least| reading.value < least)
-            || self.short_above.is_some_and(|most| reading.value > most);
-        let quantity = self.corrected(reading.value * self.gain + self.offset);
-        (!beyond && quantity.is_finite()).then_some(quantity)
+    /// The quantity behind a reading. None is known where the input is at an end of its range, so that there may be more,
+    /// or where it shows what a wire or sensor shows that failed.
+    ///
+    /// # Errors
+    /// Why it is not known.
+    pub fn quantity(&self, reading: &Reading, resolution: Resolution, noise: Option<Noise>) -> Shown {
+        if self.open_below.is_some_and(|least| reading.value < least) {
+            return Err(Gap::OpenWire);
+        }
+        if self.short_above.is_some_and(|most| reading.value > most) {
+            return Err(Gap::Failed);
+        }
+        let quantity = self.shown(reading.value);
+        match reading.range {
+            InRange::Below => Err(Gap::Below),
+            // A scale that leads beyond all numbers is one that shows more than can be told.
+            InRange::Yes if quantity.is_finite() => {
+                Ok(Value::measured(quantity, self.uncertainty(reading.value, quantity, resolution, noise)))
+            }
+            InRange::Above | InRange::Yes => Err(Gap::Above),
+        }
     }
 
-    /// Whether a quantity has to be told of where the other one was told last.
-    pub fn differs(&self, last: Option<f64>, now: Option<f64>) -> bool {
+    /// What the channel shows of this at the input.
+    fn shown(&self, value: f64) -> f64 {
+        self.corrected(value * self.gain + self.offset)
+    }
+
+    /// How far the truth may lie from `quantity`, which is what the channel shows of `value`: half a step and the noise
+    /// at the input, and what the board file says of its errors.
+    fn uncertainty(&self, value: f64, quantity: f64, resolution: Resolution, noise: Option<Noise>) -> f64 {
+        let at_input = resolution.step / 2.0 + noise.map_or(0.0, Noise::of_mean);
+        let of_range = self.accuracy.of_range * resolution.range.unwrap_or_default() * self.gain.abs();
+        self.change(value, quantity, at_input)
+            + self.accuracy.of_value * quantity.abs()
+            + of_range
+            + self.accuracy.plus
+    }
+
+    /// How far the channel moves at most when its input moves so far; `quantity` is what it shows of `value`.
+    fn change(&self, value: f64, quantity: f64, by: f64) -> f64 {
+        if by == 0.0 {
+            return 0.0;
+        }
+        (self.shown(value + by) - quantity).abs().max((self.shown(value - by) - quantity).abs())
+    }
+
+    /// How noisy the channel is: the standard deviation of single samples, in its unit.
+    pub fn noise(&self, value: f64, noise: Noise) -> f64 {
+        self.change(value, self.shown(value), noise.deviation)
+    }
+
+    /// Whether what a channel shows has to be told where the other one was told last.
+    pub fn differs(&self, last: Shown, now: Shown) -> bool {
         match (last, now) {
-            (Some(last), Some(now)) if self.deadband > 0.0 => (now - last).abs() > self.deadband,
+            // What lies within the band around the last one needs no telling, with all that it may be.
+            (Ok(last), Ok(now)) if self.deadband > 0.0 => {
+                let apart = |last: f64, now: f64| (now - last).abs();
+                let wider = (now.uncertainty() - last.uncertainty()).max(0.0);
+                match (last.as_real(), now.as_real()) {
+                    (Some(last), Some(now)) => apart(last, now) + wider > self.deadband,
+                    _ => true,
+                }
+            }
             (last, now) => last != now,
         }
     }
@@ -89,6 +147,11 @@ mod tests {
         Reading { input: 0, before: 0, after: 0, value, range: InRange::Yes }
     }
 
+    /// What is shown by a converter that is exact.
+    fn shown(scale: &Scale, reading: &Reading) -> Shown {
+        scale.quantity(reading, Resolution::default(), None)
+    }
+
     fn points(points: &[[f64; 2]]) -> Vec<Point> {
         points.iter().map(|[shown, truly]| Point { shown: *shown, truly: *truly }).collect()
     }
@@ -103,19 +166,55 @@ mod tests {
             short_above: Some(5.25),
             ..Scale::default()
         };
-        assert_eq!(loop_.quantity(&reading(1.0)), Some(0.0));
-        assert_eq!(loop_.quantity(&reading(5.0)), Some(16.0));
-        assert_eq!(loop_.quantity(&reading(0.9)), Some(-0.3999999999999999));
-        assert_eq!((loop_.quantity(&reading(0.899)), loop_.quantity(&reading(5.26))), (None, None));
+        let shown = |volts| shown(&loop_, &reading(volts));
+        assert_eq!(shown(1.0), Ok(Value::Real(0.0)));
+        assert_eq!(shown(5.0), Ok(Value::Real(16.0)));
+        assert_eq!(shown(0.9), Ok(Value::Real(-0.3999999999999999)));
+        assert_eq!((shown(0.899), shown(5.26)), (Err(Gap::OpenWire), Err(Gap::Failed)));
     }
 
     #[test]
     fn the_end_of_a_range_is_no_value() {
-        let at_end = |range| Scale::default().quantity(&Reading { range, ..reading(3.3) });
+        let at_end = |range| shown(&Scale::default(), &Reading { range, ..reading(3.3) });
         assert_eq!(
             [at_end(InRange::Yes), at_end(InRange::Above), at_end(InRange::Below)],
-            [Some(3.3), None, None]
+            [Ok(Value::Real(3.3)), Err(Gap::Above), Err(Gap::Below)]
         );
+    }
+
+    #[test]
+    fn steps_noise_and_the_errors_of_the_board_file_add_up() {
+        let resolution = Resolution { step: 0.01, range: Some(10.0) };
+        let scale = Scale { gain: -4.0, offset: 20.0, ..Scale::default() };
+        let uncertainty = |scale: &Scale, noise| {
+            let shown = scale.quantity(&reading(3.0), resolution, noise).unwrap();
+            assert_eq!(shown.as_real(), Some(8.0));
+            shown.uncertainty()
+        };
+        let near = |is: f64, wanted: f64| assert!(is >= wanted && is <= wanted * 1.04, "{is} for {wanted}");
+        near(uncertainty(&scale, None), 0.02);
+        let noise = Noise { deviation: 0.1, samples: 16 };
+        near(uncertainty(&scale, Some(noise)), 0.02 + 4.0 * 2.131 * 0.1 / 4.0);
+        assert!((scale.noise(3.0, noise) - 0.4).abs() < 1e-12);
+        let accuracy = Accuracy { of_value: 0.01, of_range: 0.001, plus: 0.3 };
+        let stated = Scale { accuracy, ..scale };
+        near(uncertainty(&stated, None), 0.02 + 0.08 + 0.04 + 0.3);
+    }
+
+    #[test]
+    fn a_step_is_as_wide_as_the_calibration_makes_it() {
+        // Steep below 1, flat above it.
+        let scale =
+            Scale { calibration: points(&[[0.0, 0.0], [1.0, 10.0], [2.0, 11.0]]), ..Scale::default() };
+        let uncertainty = |volts| {
+            let resolution = Resolution { step: 0.2, range: None };
+            scale.quantity(&reading(volts), resolution, None).unwrap().uncertainty()
+        };
+        let near =
+            |is: f64, wanted: f64| assert!(is >= wanted - 1e-9 && is <= wanted * 1.04, "{is} for {wanted}");
+        near(uncertainty(0.5), 1.0);
+        near(uncertainty(1.5), 0.1);
+        near(uncertainty(1.0), 1.0);
     }
 
     #[test]
@@ -132,14 +231,20 @@ mod tests {
     fn a_deadband_is_what_a_change_has_to_be_more_than() {
         let every = Scale::default();
         let coarse = Scale { deadband: 0.5, ..Scale::default() };
-        assert!(every.differs(Some(1.0), Some(1.1)) && !every.differs(Some(1.0), Some(1.0)));
-        assert!(!coarse.differs(Some(1.0), Some(1.5)) && coarse.differs(Some(1.0), Some(1.6)));
+        let one = Ok(Value::Real(1.0));
+        let now = |value, by| Ok(Value::measured(value, by));
+        assert!(
+            every.differs(one, now(1.1, 0.0))
+                && !every.differs(one, one)
+                && every.differs(one, now(1.0, 0.1))
+        );
+        assert!(!coarse.differs(one, now(1.5, 0.0)) && coarse.differs(one, now(1.6, 0.0)));
+        assert!(!coarse.differs(one, now(1.25, 0.2)) && coarse.differs(one, now(1.25, 0.3)));
+        assert!(!coarse.differs(now(1.25, 0.3), one), "what is known better need not be told");
         for scale in [every, coarse] {
-            assert!(
-                scale.differs(Some(1.0), None)
-                    && scale.differs(None, Some(1.0))
-                    && !scale.differs(None, None)
-            );
+            let (open, above) = (Err(Gap::OpenWire), Err(Gap::Above));
+            assert!(scale.differs(one, open) && scale.differs(open, one) && scale.differs(open, above));
+            assert!(!scale.differs(open, open));
         }
     }
 

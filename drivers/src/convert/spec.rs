@@ -89,6 +89,8 @@ pub struct SampleSpec {
     pub range_place: Range<usize>,
     /// What the channel shows of it.
     pub scale: Scale,
+    /// Where the file says how exact it is.
+    pub accuracy_place: Range<usize>,
     /// What its calibration rests on, if it has one.
     pub certificate: Option<Certificate>,
     /// Where the file says so.

@@ -10,7 +10,7 @@ use signal::{Span, Time, Value, When};
 
 use super::device::{Device, Known, Opener, Report, Shared};
 use super::spec::longest;
-use super::{AT_ONCE, Converter, SampleSpec};
+use super::{AT_ONCE, Converter, SampleSpec, Shown};
 use crate::gpio::telling::Telling;
 use crate::{BoardError, BoardEvent, ChannelId, LossReason, Origin};
 
@@ -25,8 +25,8 @@ pub(super) struct Watched {
     pub(super) channels: Vec<ChannelId>,
     /// What messages call it.
     pub(super) device: String,
-    /// What each input showed last; `None` where it is not known.
-    shown: Vec<Option<f64>>,
+    /// What each input showed last; `None` before its first reading.
+    shown: Vec<Option<Shown>>,
     /// How long a call may last.
     limit: i64,
     lost: Option<LossReason>,
@@ -53,6 +53,7 @@ impl Watched {
             gone_at: AtomicI64::new(0),
             failed: AtomicU64::new(0),
             unreported: AtomicU64::new(0),
+            noise: samples.iter().map(|_| AtomicU64::new(f64::NAN.to_bits())).collect(),
             stop: AtomicBool::new(false),
             ended: AtomicBool::new(false),
             wake: eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?,
@@ -107,9 +108,9 @@ impl Watched {
         loop {
             while let Ok(report) = self.reports.pop() {
                 match report {
-                    Report::Sample { input, quantity, .. } => {
-                        if let Some(shown) = self.shown.get_mut(usize::from(input)) {
-                            *shown = quantity;
+                    Report::Sample { input, shown, .. } => {
+                        if let Some(last) = self.shown.get_mut(usize::from(input)) {
+                            *last = Some(shown);
                         }
                     }
                     Report::Started { start: done } if done == start => {
@@ -189,15 +190,15 @@ impl Watched {
 
     fn report(&mut self, report: Report, telling: &mut Telling<'_>) {
         match report {
-            Report::Sample { input, from, to, quantity } => {
+            Report::Sample { input, from, to, shown } => {
                 let input = usize::from(input);
-                let (Some(shown), Some(channel)) = (self.shown.get_mut(input), self.channels.get(input))
+                let (Some(last), Some(channel)) = (self.shown.get_mut(input), self.channels.get(input))
                 else {
                     return;
                 };
-                *shown = quantity;
+                *last = Some(shown);
                 let at = When::within(telling.time.at(from), telling.time.at(to));
-                changed(*channel, at, quantity, telling);
+                changed(*channel, at, Some(shown), telling);
             }
             Report::Missed { input, count, at } => {
                 if let Some(channel) = self.channels.get(usize::from(input)) {
@@ -243,6 +244,13 @@ impl Watched {
         }
     }
 
+    /// The noise of a channel in its last reading, in its unit.
+    pub(super) fn noise(&self, channel: ChannelId) -> Option<f64> {
+        let input = self.channels.iter().position(|other| *other == channel)?;
+        let noise = f64::from_bits(self.shared.noise.get(input)?.load(Ordering::Acquire));
+        noise.is_finite().then_some(noise)
+    }
+
     /// Channels that are lost with the converter.
     pub(super) fn lost_channels(&self) -> u32 {
         if self.lost.is_some() { self.channels.len() as u32 } else { 0 }
@@ -272,9 +280,13 @@ impl Drop for Watched {
     }
 }
 
-fn changed(channel: ChannelId, at: When, quantity: Option<f64>, telling: &mut Telling<'_>) {
-    let value = quantity.map_or(Value::Unknown, Value::Real);
-    telling.tell(BoardEvent::Changed { channel, at, value, origin: Origin::Outside });
+fn changed(channel: ChannelId, at: When, shown: Option<Shown>, telling: &mut Telling<'_>) {
+    let (value, origin) = match shown {
+        Some(Ok(value)) => (value, Origin::Outside),
+        Some(Err(gap)) => (Value::Unknown, Origin::Gap(gap)),
+        None => (Value::Unknown, Origin::Outside),
+    };
+    telling.tell(BoardEvent::Changed { channel, at, value, origin });
 }
 
 fn stamp_of(report: &Report) -> i64 {

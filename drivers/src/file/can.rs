@@ -18,6 +18,7 @@ const KEYS: &[&str] = &[
     "accept",
     "restart",
     "listen-only",
+    "configure",
 ];
 
 /// The longest name of an interface.
@@ -33,7 +34,7 @@ pub(super) fn can(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings
         // A key that no bus has was reported where the table was read.
         if fields.entry(&strange.key).is_some() {
             let message = format!("a CAN bus on a real board has no `{}`", strange.key);
-            out.error(codes::CAN_KEY, strange.key_span.clone(), message, "remove it");
+            out.error(codes::BUS_KEY, strange.key_span.clone(), message, "remove it");
         }
     }
     let interface = interface(entry, fields, out);
@@ -41,7 +42,7 @@ pub(super) fn can(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings
     if bitrate.is_none() && fields.get("bitrate").is_none() {
         let message = format!("the bit rate of `{}` is not said", entry.key);
         let help = "add `bitrate`, as in `bitrate = 500_000`: the rig checks that the interface has it";
-        out.error(codes::CAN_KEY, entry.key_span.clone(), message, help);
+        out.error(codes::BUS_KEY, entry.key_span.clone(), message, help);
     }
     let data_bitrate = number(fields, "data-bitrate");
     if let (Some(slow), Some(fast), Some(node)) = (bitrate, data_bitrate, fields.get("data-bitrate"))
@@ -68,6 +69,7 @@ pub(super) fn can(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings
         accept,
         restart,
         listen_only: fields.boolean("listen-only").unwrap_or(false),
+        configure: fields.boolean("configure").unwrap_or(false),
     };
     (out.errors() == before).then_some(spec)
 }
@@ -87,7 +89,7 @@ fn interface(entry: &Entry, fields: &Fields, out: &mut Findings) -> Option<(Stri
     let Some(node) = fields.get("interface") else {
         let message = format!("the CAN bus `{}` has no interface", entry.key);
         let help = "add `interface`, as in `interface = \"can0\"`";
-        out.error(codes::CAN_KEY, entry.key_span.clone(), message, help);
+        out.error(codes::BUS_KEY, entry.key_span.clone(), message, help);
         return None;
     };
     let name = node.as_text()?;

@@ -19,7 +19,7 @@ document::codes! {
     SUBJECT_KEY = "B0106", "A key does not suit the kind of subject";
     SUBJECT_LINE = "B0107", "A channel does not suit a line of the subject";
     SUBJECT_COMMAND = "B0108", "A command of the subject is none";
-    BUS_KEY = "B0110", "A key does not suit the kind of bus";
+    BUS_KEY = "B0110", "A key of a bus is missing, or does not suit its kind";
     BUS_RATE = "B0111", "A bit rate that a bus cannot have";
     BUS_JOIN = "B0112", "A bus that cannot be joined";
     BUS_KIND = "B0113", "The kind of bus is not available here";
@@ -45,7 +45,6 @@ document::codes! {
     SERIAL_PATH = "B0140", "It is not clear which serial port is meant";
     SERIAL_VALUE = "B0141", "A setting of a serial line is out of range";
     SERIAL_TWICE = "B0142", "A serial port is used twice";
-    SERIAL_KEY = "B0143", "A key belongs to another kind of bus";
     SERIAL_MISSING = "B0144", "The machine has no such serial port";
     SERIAL_BUSY = "B0145", "A serial port is held by somebody else";
     SERIAL_ACCESS = "B0146", "The rig may not open the serial port";
@@ -53,13 +52,14 @@ document::codes! {
     SERIAL_CANNOT = "B0148", "The serial port cannot do this";
     SERIAL_REFUSED = "B0149", "The kernel refuses the serial port";
     CHECK = "B0150", "A loop that cannot check the rig";
-    CAN_KEY = "B0151", "A CAN bus lacks a key, or has one too many";
     CAN_VALUE = "B0152", "A setting of a CAN bus is out of range";
     CAN_TWICE = "B0153", "An interface carries two CAN buses";
     CAN_MISSING = "B0154", "The machine has no such CAN interface";
     CAN_DOWN = "B0155", "The CAN interface is down";
     CAN_SETTINGS = "B0156", "The CAN interface is set up otherwise";
     CAN_REFUSED = "B0157", "The kernel refuses the CAN interface";
+    CAN_ACCESS = "B0158", "The rig may not set up CAN interfaces";
+    CAN_CANNOT = "B0159", "The CAN interface cannot be set up like this";
     OTHER_BOARD = "B0160", "A key belongs to another kind of board";
     FIND_CHIP = "B0161", "It is not clear which chip is meant";
     CHIP = "B0162", "A chip is not known";

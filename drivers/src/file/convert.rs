@@ -8,15 +8,25 @@ use super::real::channels;
 use super::{codes, iio, keys, number, spi};
 use crate::ChannelId;
 use crate::convert::{
-    Certificate, ConverterKind, ConverterSpec, ConvertersSpec, Date, FindInput, Point, SampleSpec, Scale,
+    Accuracy, Certificate, ConverterKind, ConverterSpec, ConvertersSpec, Date, FindInput, Point, SampleSpec,
+    Scale,
 };
 
 /// How often an input is read where the file does not say.
 const PERIOD: Span = Span::from_millis(10);
 
 /// Keys that only channels behind a converter have.
-pub(super) const OF_INPUT: &[&str] =
-    &["converter", "input", "range", "scale", "calibration", "deadband", "open-below", "short-above"];
+pub(super) const OF_INPUT: &[&str] = &[
+    "converter",
+    "input",
+    "range",
+    "scale",
+    "calibration",
+    "accuracy",
+    "deadband",
+    "open-below",
+    "short-above",
+];
 
 /// The converters of a file whose channels and bindings were read. What is wrong with them is reported.
 pub(super) fn converters(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> ConvertersSpec {
@@ -132,6 +142,7 @@ fn sample(
         let read = calibration(node, &inner, unit, out)?;
         (scale.calibration, certificate) = (read.0, Some(read.1));
     }
+    scale.accuracy = accuracy(fields, unit, out)?;
     Some(SampleSpec {
         channel,
         converter,
@@ -140,6 +151,7 @@ fn sample(
         range,
         range_place: place_of("range"),
         scale,
+        accuracy_place: place_of("accuracy"),
         certificate,
         certificate_place: place_of("calibration"),
     })
@@ -267,7 +279,7 @@ fn scale(
             deadband
         }
     };
-    Some(Scale { gain: gain * each, offset, open_below, short_above, calibration: Vec::new(), deadband })
+    Some(Scale { gain: gain * each, offset, open_below, short_above, deadband, ..Scale::default() })
 }
 
 fn ohms(node: &Node, out: &mut Findings) -> Option<f64> {
@@ -289,6 +301,24 @@ fn two(node: &Node, unit: &str, code: &'static str, out: &mut Findings) -> Optio
         return None;
     };
     Some((number::quantity(first, unit, out)?, number::quantity(second, unit, out)?))
+}
+
+/// What the file says of the errors of an input.
+fn accuracy(fields: &Fields, unit: &str, out: &mut Findings) -> Option<Accuracy> {
+    let Some(inner) = fields.inner("accuracy") else { return Some(Accuracy::default()) };
+    let mut part = |key: &str, unit: &str, each: f64| {
+        let Some(node) = inner.get(key) else { return Some(0.0) };
+        let part = number::quantity(node, unit, out)?;
+        if part < 0.0 {
+            out.bad(codes::SCALE, node, "an error is a width", "write a number of at least 0");
+        }
+        (part >= 0.0).then_some(part * each)
+    };
+    Some(Accuracy {
+        of_value: part("of-value", "%", 0.01)?,
+        of_range: part("of-range", "%", 0.01)?,
+        plus: part("plus", unit, 1.0)?,
+    })
 }
 
 /// Points and certificate of a calibration.

@@ -178,6 +178,11 @@ pub(super) const CHANNEL: &[KeySpec] = &[
     KeySpec::optional("scale", KeyType::Table(SCALE), "What the channel shows of the voltage at its input"),
     KeySpec::optional("calibration", KeyType::Table(CALIBRATION), "What a better instrument said of it"),
     KeySpec::optional(
+        "accuracy",
+        KeyType::Table(ACCURACY),
+        "How far off it may be, its steps and noise aside",
+    ),
+    KeySpec::optional(
         "deadband",
         KeyType::Quantity,
         "By how much more than this it has to differ to count as a change; 0",
@@ -263,6 +268,12 @@ pub(super) const SCALE: &[KeySpec] = &[
     KeySpec::optional("to", KeyType::List(&KeyType::Quantity), "What the channel shows at these points"),
 ];
 
+pub(super) const ACCURACY: &[KeySpec] = &[
+    KeySpec::optional("of-value", KeyType::Quantity, "A part of the value, as in \"0.1 %\"; 0"),
+    KeySpec::optional("of-range", KeyType::Quantity, "A part of the input's range, as in \"0.05 %\"; 0"),
+    KeySpec::optional("plus", KeyType::Quantity, "In the unit of the channel, the same everywhere; 0"),
+];
+
 pub(super) const CALIBRATION: &[KeySpec] = &[
     KeySpec::required(
         "points",
@@ -305,12 +316,17 @@ pub(super) const BUS: &[KeySpec] = &[
     KeySpec::optional(
         "restart",
         KeyType::Duration,
-        "How long after bus-off the kernel starts the controller again; not asked if left out",
+        "How long after bus-off the controller is started again, by the kernel or else by the rig; not asked if left out",
     ),
     KeySpec::optional(
         "listen-only",
         KeyType::Bool,
         "Whether the controller never drives the CAN bus, not even to acknowledge; false if left out",
+    ),
+    KeySpec::optional(
+        "configure",
+        KeyType::Bool,
+        "Whether the rig sets up the interface of a CAN bus, and back as it was at the end; false if left out",
     ),
     KeySpec::optional("joins", NAME, "A simulated bus before this one whose wire it hangs on"),
     KeySpec::optional("interface", KeyType::Text, "The interface of a CAN bus, as in \"can0\""),

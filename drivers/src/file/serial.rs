@@ -25,7 +25,7 @@ pub(super) fn serial(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findi
         if fields.entry(&strange.key).is_some() {
             let message = format!("a serial line has no `{}`", strange.key);
             let help = "remove it, or make the bus one of kind = \"can\"";
-            out.error(codes::SERIAL_KEY, strange.key_span.clone(), message, help);
+            out.error(codes::BUS_KEY, strange.key_span.clone(), message, help);
         }
     }
     let path = path(entry, fields, out)?;

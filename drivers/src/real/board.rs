@@ -204,6 +204,11 @@ impl Board for RealBoard {
         self.parts[usize::from(part)].device(channel)
     }
 
+    fn noise(&self, channel: ChannelId) -> Option<f64> {
+        let part = self.behind.get(usize::from(channel.0)).copied().flatten()?;
+        self.parts[usize::from(part)].noise(channel)
+    }
+
     fn bus_device(&self, bus: BusId) -> Option<&str> {
         let part = self.carries.get(usize::from(bus.0)).copied().flatten()?;
         self.parts[usize::from(part)].bus_device(bus)

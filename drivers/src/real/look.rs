@@ -95,6 +95,9 @@ fn interface(file: &BoardFile, bus: &CanBusSpec) -> Result<String, Diagnostic> {
     if let Ok(link) = can::ask(&bus.interface) {
         words += &can::words(&link);
     }
+    if bus.configure {
+        words += ", set up by the rig";
+    }
     Ok(words)
 }
 
@@ -104,7 +107,7 @@ fn port(line: &SerialSpec) -> Result<String, OpenError> {
     access(path, Access::READ_OK | Access::WRITE_OK).map_err(|errno| {
         OpenError::Call(serial::SerialError::new(path, serial::SerialCall::Open, &errno.into()))
     })?;
-    if line.port.exclusive && !serial::holders(path).is_empty() {
+    if line.port.exclusive && !crate::holders(path).is_empty() {
         return Err(OpenError::Busy(path.clone()));
     }
     Ok(format!("serial line on {}, {} Bd, free", path.display(), line.port.line.baud))

@@ -5,6 +5,7 @@ mod look;
 mod outline;
 mod relays;
 mod spec;
+mod uses;
 mod wire;
 
 pub(crate) use board::sort;
@@ -14,4 +15,5 @@ pub use outline::Outline;
 pub(crate) use outline::{blank, channels};
 pub use relays::FaultRelays;
 pub use spec::{RealSpec, SILENT_AFTER};
+pub use uses::{Used, uses};
 pub use wire::{FaultWay, SETTLE, WireRelays};

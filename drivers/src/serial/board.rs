@@ -9,10 +9,11 @@ use rustix::io::Errno;
 use signal::{Span, Time, Value};
 use tokio::runtime::Builder;
 
-use super::find::{Holder, Identity, all_holders};
+use super::find::Identity;
 use super::work::{Running, Shared, Worker};
 use super::{OpenError, SerialPort, SerialSpec};
 use crate::file::{BoardFile, codes};
+use crate::holder::{all_holders, words};
 use crate::real::RealSpec;
 use crate::{
     Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, Frame, Health,
@@ -167,11 +168,7 @@ pub(crate) fn refused(error: &OpenError) -> (&'static str, String, String) {
         OpenError::Busy(path) => {
             let by = all_holders(path);
             let own = by.iter().all(|holder| holder.process == std::process::id());
-            let by: Vec<String> = by.iter().map(Holder::to_string).collect();
-            let message = match by.is_empty() {
-                true => error.to_string(),
-                false => format!("{} is held by {}", path.display(), by.join(", ")),
-            };
+            let message = format!("{} is held by {}", path.display(), words(&by, "somebody else"));
             let help = match own && !by.is_empty() {
                 true => "that is this rig: another line of the board is on the same port",
                 false => {

@@ -18,7 +18,7 @@ mod work;
 pub use board::SerialBoard;
 pub(crate) use board::refused;
 pub use error::{SerialCall, SerialError};
-pub use find::{Holder, Identity, holders};
+pub use find::Identity;
 pub use frames::{Frames, Framing, LineFrame};
 pub use line::{LineSettings, Parity};
 pub use marks::{Marks, Symbol};

@@ -12,8 +12,8 @@ use rustix::io::Errno;
 use rustix::termios::{ControlModes, InputModes, OptionalActions, Termios, tcgetattr, tcsetattr};
 use tokio_serial::SerialStream;
 
-use super::find::holders;
 use super::{LineSettings, Parity, PortSpec, SerialCall, SerialError};
+use crate::holders;
 
 /// How far the speed of a port may be from what was asked, in parts of a thousand: a receiver samples the last bit of a
 /// byte half a bit early or late when both ends are off by a little over 2 % each.
@@ -27,7 +27,7 @@ const PSEUDO: std::ops::RangeInclusive<u32> = 136..=143;
 pub enum OpenError {
     /// A call failed.
     Call(SerialError),
-    /// Somebody has it: [`super::holders`] tells who.
+    /// Somebody has it: [`crate::holders`] tells who.
     Busy(PathBuf),
     /// It is no serial port.
     NoPort(PathBuf),

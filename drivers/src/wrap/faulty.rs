@@ -288,6 +288,10 @@ impl<B: Board> Board for Faulty<B> {
         self.inner.device(channel)
     }
 
+    fn noise(&self, channel: ChannelId) -> Option<f64> {
+        self.inner.noise(channel)
+    }
+
     fn bus_device(&self, bus: BusId) -> Option<&str> {
         self.inner.bus_device(bus)
     }

@@ -1,5 +1,4 @@
 //! What the tests of boards share.
-#![allow(dead_code)]
 
 use scanrig_drivers::circuit::{ChannelSpec, Circuit, Pull, WireSpec};
 use scanrig_drivers::{Board, BoardEvent, ChannelId, SimulatedBoard};

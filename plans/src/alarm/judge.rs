@@ -8,7 +8,7 @@ use record::Figure;
 use signal::{SignalInfo, Span, Value};
 
 use super::{Alarm, Phase, Rule};
-use crate::expect::{blind_words, delay_words, span_range};
+use crate::expect::{blind_words, delay_words, span_range, unclear};
 use crate::judge::{Finding, Monitor, Seen, Window};
 use crate::lang::Anchor;
 
@@ -197,8 +197,11 @@ impl Monitor for Follow {
         };
         finding.reason = match (&self.raised, &self.doubtful, self.missed) {
             (Some(lasted), ..) => self.raised_words(lasted),
-            (None, Some(doubtful), _) if matches!(doubtful.start.value, Value::Unknown) => {
-                format!("`{}` is not known for a part of the case", self.alarm.signal)
+            (None, Some(doubtful), _)
+                if matches!(doubtful.start.value, Value::Unknown | Value::Measured(..))
+                    && self.rule.next(Phase::Off, doubtful.start.value) == Phase::Unknown =>
+            {
+                unclear(&self.info, doubtful.start.value, "the case")
             }
             (None, Some(_), _) => {
                 String::from("whether it lasted long enough is within the uncertainty of the instants")

@@ -81,7 +81,7 @@ impl Rule {
     pub(super) fn margin(&self, value: Value) -> Option<f64> {
         let Kind::Limit { above, on, .. } = &self.kind else { return None };
         let (number, on) = (Number::of(value)?.as_real(), on.as_real());
-        Some(if *above { on - number } else { number - on } - self.slack)
+        Some(if *above { on - number } else { number - on } - self.slack - value.uncertainty())
     }
 }
 

@@ -1,7 +1,7 @@
 //! What several verbs share: keys, windows, ranges and words.
 
 use document::{Fields, KeySpec, KeyType, Node};
-use signal::{Decimal, QuantityError, QuantityFault, QuantityRange, SignalInfo, Span, is_range};
+use signal::{Decimal, QuantityError, QuantityFault, QuantityRange, SignalInfo, Span, Value, is_range};
 
 use super::{Context, Demand};
 use crate::codes;
@@ -219,4 +219,20 @@ pub(crate) fn blind_words(info: &SignalInfo, missed: Span) -> String {
         "`{}` is only sampled: pulses up to {missed} can go unseen; state `pulses-longer-than`",
         info.name
     )
+}
+
+/// That what a signal had was no evidence, in words for a reason: it was not known, or too near to a limit.
+pub(crate) fn unclear(info: &SignalInfo, value: Value, whole: &str) -> String {
+    match value {
+        Value::Measured(..) => {
+            format!("`{}` was {}: a limit lies within its uncertainty", info.name, info.show(value))
+        }
+        _ => format!("`{}` is not known for a part of {whole}", info.name),
+    }
+}
+
+/// How wide the interval of a number is that was measured: what it is uncertain by, and the deadband that it is kept
+/// with. `None` for a number that is exact, or only kept with a deadband.
+pub(super) fn within(uncertainty: f64, slack: f64, info: &SignalInfo) -> Option<record::Figure> {
+    (uncertainty > 0.0).then(|| record::Figure::new(2.0 * (uncertainty + slack), info.unit.clone()))
 }

@@ -168,9 +168,10 @@ impl Monitor for Compare {
         for (a, b) in pairs.filter(|(a, b)| together(a, b, link)) {
             let (a, b) = (a.seen.value, b.seen.value);
             let truth = match (Number::of(a), Number::of(b)) {
-                (Some(a), Some(b)) => {
-                    let (apart, truth) = close(a, b, self.limit, slack);
-                    least = least.min(self.limit.as_real() - apart);
+                (Some(x), Some(y)) => {
+                    let known = a.uncertainty() + b.uncertainty();
+                    let (apart, truth) = close(x, y, self.limit, slack + known);
+                    least = least.min(self.limit.as_real() - apart - known);
                     truth
                 }
                 _ if matches!(a, Value::Unknown) || matches!(b, Value::Unknown) => Truth::Unknown,
@@ -183,9 +184,13 @@ impl Monitor for Compare {
         finding.observed =
             format!("{} and {}", observed(&left, &self.left.info), observed(&right, &self.right.info));
         let open = unknown(&left) || unknown(&right);
+        let changes = left.len() + right.len() > 2;
         finding.reason = match (finding.can_hold, open) {
             (false, _) => format!("they are {}", finding.observed),
             (true, true) => String::from("a value is not known at its instant"),
+            (true, false) if !changes => {
+                String::from("they are nearer to the tolerance than they are known to be")
+            }
             (true, false) => String::from("a value changes at about its instant"),
         };
         finding.margin = least.is_finite().then(|| Figure::new(least, self.left.info.unit.clone()));

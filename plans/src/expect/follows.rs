@@ -206,8 +206,9 @@ impl Compare {
         }
         match (Number::of(pair[0]), Number::of(pair[1])) {
             (Some(a), Some(b)) => {
-                let (apart, truth) = super::equal::close(a, b, self.limit, self.slack);
-                (truth, Some(apart))
+                let known = pair[0].uncertainty() + pair[1].uncertainty();
+                let (apart, truth) = super::equal::close(a, b, self.limit, self.slack + known);
+                (truth, Some(apart + known))
             }
             _ => (Truth::of(pair[0] == pair[1]), None),
         }

@@ -281,6 +281,10 @@ impl Common {
         } else if let Some((_, seen)) = extreme {
             finding = finding.decided_by(&seen);
         }
+        if let (Some((_, seen)), [one]) = (extreme, self.watched.as_slice()) {
+            let known = super::common::within(seen.value.uncertainty(), one.slack, &one.info);
+            finding.uncertainty = known.or(finding.uncertainty);
+        }
         finding
     }
 
@@ -307,7 +311,9 @@ impl Common {
         match kept.worst {
             None if self.claim.forbidden => String::from("it did not happen"),
             None => format!("it stayed {}", self.claim.condition),
-            Some(Breach { weight: Weight::Unknown, .. }) => String::from("the value is not known throughout"),
+            Some(Breach { weight: Weight::Unknown, value, .. }) if value.uncertainty() == 0.0 => {
+                String::from("the value is not known throughout")
+            }
             Some(breach) => {
                 let lasting = lasts(breach.start, breach.value_end);
                 let all = match breach.value_end == breach.end {
@@ -328,9 +334,10 @@ impl Common {
             Some(breach) if !kept.can_hold => {
                 format!("{} {} inside the window", self.were(), self.show(breach.value))
             }
-            Some(Breach { weight: Weight::Unknown, .. }) => {
-                String::from("the value is not known for a part of the window")
-            }
+            Some(Breach { weight: Weight::Unknown, value, .. }) => match value.uncertainty() > 0.0 {
+                true => format!("it was {}: a limit lies within its uncertainty", self.show(value)),
+                false => String::from("the value is not known for a part of the window"),
+            },
             Some(breach) => format!(
                 "whether {} {} inside the window lies within the uncertainty of the instants",
                 self.were(),

@@ -42,7 +42,7 @@ use crate::lang::Anchor;
 
 pub use demand::Demand;
 
-pub(crate) use common::{Between, blind_words, delay_words, span_range};
+pub(crate) use common::{Between, blind_words, delay_words, span_range, unclear};
 pub(crate) use condition::{Around, literal, number};
 
 /// A verb of `expect`: `{ falls = { signal = ... } }`.

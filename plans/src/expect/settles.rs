@@ -259,9 +259,7 @@ impl Monitor for Follow {
         finding.uncertainty = delay.and_then(super::common::width);
         finding.reason = match (by_overshoot, kept.worst) {
             (Some(over), _) => over.reason.clone(),
-            (_, Some(_)) if unknown => {
-                format!("`{}` is not known for a part of the window", self.info.name)
-            }
+            (_, Some(breach)) if unknown => super::common::unclear(&self.info, breach.value, "the window"),
             (_, Some(_)) if !kept.can_hold && in_time.is_some_and(|margin| margin < 0) => {
                 format!("{} too late", Span::from_nanos(in_time.unwrap_or_default().saturating_neg()))
             }
@@ -331,24 +329,27 @@ impl Follow {
             let begun = first.seen.value.as_real().filter(|value| value.is_finite());
             let step = begun.map(|begun| beyond.middle - begun);
             // Without a step nothing says which way is beyond.
-            let Some((step, extremes)) = step.filter(|step| *step != 0.0).zip(extremes.as_ref()) else {
+            let known = first.seen.value.uncertainty();
+            let clear = step.filter(|step| *step != 0.0 && step.abs() > known);
+            let Some((step, extremes)) = clear.zip(extremes.as_ref()) else {
                 over.can_hold = true;
                 over.can_break = true;
                 continue;
             };
+            let (low, high) = (step.abs() - known, step.abs() + known);
             over.peak = Some(if step > 0.0 { extremes.at.1 } else { extremes.at.0 });
             let (certain, possible) = match step > 0.0 {
                 true => (extremes.most.0 - beyond.middle, extremes.most.1 - beyond.middle),
                 false => (beyond.middle - extremes.least.1, beyond.middle - extremes.least.0),
             };
             let (least, most) = ((certain - slack).max(0.0), (possible + slack).max(0.0));
-            let allowed = if beyond.part { beyond.most * step.abs() } else { beyond.most };
-            over.can_hold |= least <= allowed || extremes.unknown;
-            over.can_break |= most > allowed || extremes.unknown;
-            let margin = allowed - most;
+            let allowed = |step: f64| if beyond.part { beyond.most * step } else { beyond.most };
+            over.can_hold |= least <= allowed(high) || extremes.unknown;
+            over.can_break |= most > allowed(low) || extremes.unknown;
+            let margin = allowed(low) - most;
             worst = Some(worst.map_or(margin, |old| old.min(margin)));
             let figure = match beyond.part {
-                true => (least * 100.0 / step.abs(), most * 100.0 / step.abs()),
+                true => (least * 100.0 / high, most * 100.0 / low),
                 false => (least, most),
             };
             extent = Some(extent.map_or(figure, |old| (old.0.min(figure.0), old.1.max(figure.1))));

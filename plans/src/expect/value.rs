@@ -166,6 +166,8 @@ impl Monitor for Read {
         let margins = candidates.iter().filter_map(|candidate| self.test.margin(candidate.seen.value));
         let margin = margins.reduce(f64::min).map(|margin| margin - slack);
         finding.margin = margin.map(|margin| Figure::new(margin, self.info.unit.clone()));
+        let known = candidates.iter().map(|candidate| candidate.seen.value.uncertainty()).reduce(f64::max);
+        finding.uncertainty = known.and_then(|known| super::common::within(known, slack, &self.info));
         finding.reason = match (finding.can_hold, unknown(&candidates)) {
             (false, _) => format!("it was {}", observed(&candidates, &self.info)),
             (true, true) => format!("the value is not known at {}", self.claim.when),

@@ -3,13 +3,15 @@
 use std::fmt;
 
 use document::Diagnostic;
-use record::{ClaimRecord, Origin, Verdict};
-use signal::{Cause, Event, SignalInfo, Span, When};
+use record::{Origin, Verdict, Window};
+use signal::{Event, SignalInfo, Span, When};
 
 use super::anchors::Anchors;
 use super::live::Live;
 use super::order::Orderer;
-use super::{Finding, Monitor, NotJudged, Outcome, Scene, Wiring};
+use super::told::{claim_record, writer};
+use super::unknown::{Unknown, add_why};
+use super::{Monitor, NotJudged, Outcome, Scene, Wiring};
 use crate::expect::{Expectation, Place, answered, happens};
 use crate::lang::{Anchor, Base};
 use crate::measure::{Gauge, Measurement};
@@ -49,7 +51,7 @@ pub struct Scenario {
     pub expectations: Vec<Expectation>,
     /// The measurements, in the plan's order.
     pub measurements: Vec<Measurement>,
-    /// The steps, in the plan's order: the place is that of [`Cause::Step`].
+    /// The steps, in the plan's order: the place is that of [`signal::Cause::Step`].
     pub steps: Vec<StepFacts>,
     /// Invariants and alarms, which are judged behind the expectations.
     pub guards: Vec<Guard>,
@@ -289,6 +291,8 @@ struct Line {
     /// The followers.
     followers: Vec<Follower>,
     observed: bool,
+    /// When it was not known, and why.
+    unknown: Unknown,
 }
 
 /// Who follows a signal.
@@ -322,7 +326,12 @@ impl Stage {
         let mut stage = Stage { running: Vec::new(), lines: Vec::new() };
         for at in 0..scene.signals.len() {
             let hold = scene.disordered.get(at).copied().unwrap_or(false);
-            stage.lines.push(Line { orderer: Orderer::new(hold), followers: Vec::new(), observed: false });
+            stage.lines.push(Line {
+                orderer: Orderer::new(hold),
+                followers: Vec::new(),
+                observed: false,
+                unknown: Unknown::default(),
+            });
         }
         let setup = scenario.steps.iter().any(|step| step.phase == Phase::Setup);
         let begun =
@@ -364,6 +373,7 @@ impl Stage {
             return;
         }
         line.observed = true;
+        line.unknown.see(event);
         let (followers, running) = (&line.followers, &mut self.running);
         line.orderer.push(event, place, |seen| {
             followers.iter().for_each(|follower| follower.feed(running, seen));
@@ -388,6 +398,11 @@ impl Stage {
             };
             names.iter().find(silent).map(|name| format!("`{name}` was never observed"))
         };
+        let why = |names: &[String], window: Option<&Window>, reason: &mut String| {
+            let known = names.iter().filter_map(|name| signals.iter().position(|info| info.name == *name));
+            let lines = known.map(|at| (signals[at].name.as_str(), &self.lines[at].unknown));
+            add_why(lines, window, reason);
+        };
         let writer = |cause| writer(cause, &scenario.steps, note);
         let (mut claims, mut measurements) = (Vec::new(), Vec::new());
         let mut running = self.running.into_iter();
@@ -399,6 +414,9 @@ impl Stage {
             let finding = judged.map(Monitor::finish);
             let silent = unobserved(&expectation.claim.signals());
             let mut record = claim_record(expectation, finding, silent, &writer);
+            if record.verdict == Verdict::Inconclusive {
+                why(&expectation.claim.signals(), record.window.as_ref(), &mut record.reason);
+            }
             if let Some(guard) = place.checked_sub(own).and_then(|place| scenario.guards.get(place)) {
                 record.guard = true;
                 record.origin = guard.origin;
@@ -417,6 +435,11 @@ impl Stage {
             {
                 taken.reason = silent;
             }
+            if let (Verdict::Inconclusive, Some(from_ns)) = (taken.verdict, taken.from_ns) {
+                let window =
+                    Window { from_ns, until_ns: taken.to_ns.unwrap_or(from_ns), ..Window::default() };
+                why(&measurement.signals(), Some(&window), &mut taken.reason);
+            }
             measurements.push(taken);
         }
         Outcome::of(claims, measurements)
@@ -433,73 +456,6 @@ impl Running {
                 if let Ok(gauge) = gauge.as_mut() {
                     gauge.feed(seen);
                 }
-            }
-        }
-    }
-}
-
-fn claim_record(
-    expectation: &Expectation,
-    finding: Result<Finding, NotJudged>,
-    silent: Option<String>,
-    writer: &dyn Fn(Cause) -> String,
-) -> ClaimRecord {
-    let claim = &expectation.claim;
-    let expected = claim.expected();
-    let name = if expectation.name.is_empty() { expected.clone() } else { expectation.name.clone() };
-    let mut record = ClaimRecord {
-        name,
-        verb: expectation.verb.to_owned(),
-        expected,
-        line: expectation.place.as_ref().map_or(0, |place| place.line),
-        ..ClaimRecord::default()
-    };
-    let finding = match finding {
-        Ok(finding) => finding,
-        Err(why) => {
-            record.verdict = Verdict::Inconclusive;
-            record.reason = why.to_string();
-            record.observed = String::from("not judged");
-            return record;
-        }
-    };
-    record.verdict = finding.verdict();
-    record.reason = match (record.verdict, silent) {
-        (Verdict::Pass, _) => String::new(),
-        (Verdict::Inconclusive, Some(silent)) => silent,
-        _ => finding.reason,
-    };
-    record.observed = finding.observed;
-    record.margin = finding.margin;
-    record.uncertainty = finding.uncertainty;
-    record.window = finding.window;
-    record.bounds = finding.bounds;
-    record.deciding_ns = finding.deciding.map(|at| [at.earliest.as_nanos(), at.latest.as_nanos()]);
-    record.signal = claim.signals().into_iter().nth(finding.slot);
-    record.last_writer = finding.cause.map(writer).filter(|writer| !writer.is_empty());
-    let nearest = finding.nearest_miss.filter(|_| record.verdict != Verdict::Pass);
-    record.nearest_miss = nearest.map(|(what, cause)| match cause.map(writer) {
-        Some(writer) if !writer.is_empty() => format!("{what}, written by {writer}"),
-        _ => what,
-    });
-    record
-}
-
-/// Who made a change, in the user's names; empty for nobody known.
-fn writer(cause: Cause, steps: &[StepFacts], note: &dyn Fn(&str) -> Option<String>) -> String {
-    match cause {
-        Cause::Unknown => String::new(),
-        Cause::Controller => String::from("the controller"),
-        Cause::Board => String::from("the board"),
-        Cause::Step(at) => match steps.get(usize::from(at)) {
-            Some(step) => format!("step {}", step.id),
-            None => format!("step {}", u32::from(at) + 1),
-        },
-        Cause::Program { task, file, line } => {
-            let task = note(&format!("task:{task}")).unwrap_or_else(|| format!("task {task}"));
-            match note(&format!("file:{file}")) {
-                Some(file) => format!("{task} {file}:{line}"),
-                None => format!("{task} line {line}"),
             }
         }
     }

@@ -35,9 +35,11 @@ impl Edge {
     fn is_open(&self, value: Value, slack: f64) -> bool {
         match self {
             _ if matches!(value, Value::Unknown) => true,
-            Edge::Becomes(test) => slack > 0.0 && test.holds(value, slack) == Truth::Unknown,
-            // Within a deadband a number may grow and shrink unseen.
-            Edge::Rises | Edge::Falls | Edge::Changes => slack > 0.0 && value.as_real().is_some(),
+            Edge::Becomes(test) => test.holds(value, slack) == Truth::Unknown,
+            // Within a deadband, or within what it is uncertain by, a number may grow and shrink unseen.
+            Edge::Rises | Edge::Falls | Edge::Changes => {
+                slack + value.uncertainty() > 0.0 && value.as_real().is_some()
+            }
         }
     }
 

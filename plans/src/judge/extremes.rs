@@ -1,7 +1,7 @@
 //! The least and the greatest value of a signal in a window, and its mean over the time.
 //!
 //! A value that lies in the window in every placement counts for certain, one that lies there in some counts as
-//! possible. The mean weighs each value with the time that it certainly lasts in the window; what is left of the
+//! possible. A number that was measured counts with all that it may be. The mean weighs each value with the time that it certainly lasts in the window; what is left of the
 //! window may have any of the possible values.
 
 use signal::Value;
@@ -13,13 +13,15 @@ use super::{Seen, Window};
 pub struct Extremes {
     window: Window,
     last: Option<Seen>,
+    /// What the least value is at most, and the greatest one at least.
     certain: Option<(f64, f64)>,
     possible: Option<(f64, f64)>,
     unknown: bool,
-    /// Certain time in nanoseconds, and with it the sums of the values and of their squares.
+    /// Certain time in nanoseconds, and with it the sums of the values and of their squares: the least and the greatest
+    /// that they may be.
     time: f64,
-    sum: f64,
-    squares: f64,
+    sum: (f64, f64),
+    squares: (f64, f64),
     /// Where the least and the greatest value began.
     at_least: Option<Seen>,
     at_most: Option<Seen>,
@@ -52,8 +54,8 @@ impl Extremes {
             possible: None,
             unknown: false,
             time: 0.0,
-            sum: 0.0,
-            squares: 0.0,
+            sum: (0.0, 0.0),
+            squares: (0.0, 0.0),
             at_least: None,
             at_most: None,
         }
@@ -85,24 +87,26 @@ impl Extremes {
             self.unknown = true;
             return;
         };
-        let widened = |range: Option<(f64, f64)>| match range {
-            Some((least, most)) => (least.min(number), most.max(number)),
-            None => (number, number),
+        let (low, high) = (number - seen.value.uncertainty(), number + seen.value.uncertainty());
+        let widened = |range: Option<(f64, f64)>, (low, high): (f64, f64)| match range {
+            Some((least, most)) => (least.min(low), most.max(high)),
+            None => (low, high),
         };
-        if self.possible.is_none_or(|(low, _)| number < low) {
+        if self.possible.is_none_or(|(least, _)| low < least) {
             self.at_least = Some(seen);
         }
-        if self.possible.is_none_or(|(_, high)| number > high) {
+        if self.possible.is_none_or(|(_, most)| high > most) {
             self.at_most = Some(seen);
         }
-        self.possible = Some(widened(self.possible));
+        self.possible = Some(widened(self.possible, (low, high)));
         if self.window.must_meet(seen.b, end.0) {
-            self.certain = Some(widened(self.certain));
+            self.certain = Some(widened(self.certain, (high, low)));
             let lasts = end.0.min(self.window.until.a).saturating_sub(seen.b.max(self.window.from.b));
             let lasts = lasts.max(0) as f64;
             self.time += lasts;
-            self.sum += lasts * number;
-            self.squares += lasts * number * number;
+            self.sum = (self.sum.0 + lasts * low, self.sum.1 + lasts * high);
+            let (near, far) = magnitudes(low, high);
+            self.squares = (self.squares.0 + lasts * near * near, self.squares.1 + lasts * far * far);
         }
     }
 
@@ -121,13 +125,12 @@ impl Extremes {
         };
         let rest = (longest as f64 - self.time).max(0.0);
         let whole = self.time + rest;
-        let mean = |sum: f64, (low, high): (f64, f64)| {
-            let mean = |value: f64| if whole > 0.0 { (sum + rest * value) / whole } else { value };
-            (mean(low), mean(high))
+        let mean = |sums: (f64, f64), (low, high): (f64, f64)| {
+            let mean = |sum: f64, value: f64| if whole > 0.0 { (sum + rest * value) / whole } else { value };
+            (mean(sums.0, low), mean(sums.1, high))
         };
-        let far = if low <= 0.0 && high >= 0.0 { 0.0 } else { low.abs().min(high.abs()) };
-        let near = low.abs().max(high.abs());
-        let squares = mean(self.squares, (far * far, near * near));
+        let (near, far) = magnitudes(low, high);
+        let squares = mean(self.squares, (near * near, far * far));
         Some(Summary {
             least,
             most,
@@ -137,4 +140,10 @@ impl Extremes {
             unknown: self.unknown,
         })
     }
+}
+
+/// The least and the greatest magnitude of the numbers from `low` to `high`.
+fn magnitudes(low: f64, high: f64) -> (f64, f64) {
+    let near = if low <= 0.0 && high >= 0.0 { 0.0 } else { low.abs().min(high.abs()) };
+    (near, low.abs().max(high.abs()))
 }

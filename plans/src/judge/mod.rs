@@ -26,6 +26,8 @@ mod scene;
 pub mod segments;
 mod standing;
 mod test;
+mod told;
+mod unknown;
 
 pub use case::{Guard, Judge, JudgeError, Scenario, StepFacts};
 pub(crate) use outcome::clipped;

@@ -57,7 +57,7 @@ impl Number {
 
     pub(crate) fn of(value: Value) -> Option<Number> {
         match value {
-            Value::Real(real) => Some(Number::Real(real)),
+            Value::Real(real) | Value::Measured(real, _) => Some(Number::Real(real)),
             other => other.as_int().map(Number::Int),
         }
     }
@@ -105,7 +105,8 @@ impl Test {
         Test::OneOf(vec![Number::Int(i128::from(on))])
     }
 
-    /// Whether a value meets the condition. `slack` is how far a number may be from what is recorded.
+    /// Whether a value meets the condition. `slack` is how far a number may be from what is recorded, beside what it is
+    /// uncertain by itself.
     #[inline]
     pub fn holds(&self, value: Value, slack: f64) -> Truth {
         // The common case of a line first.
@@ -117,8 +118,10 @@ impl Test {
         if matches!(value, Value::Unknown) {
             return Truth::Unknown;
         }
+        let own = slack;
+        let slack = slack + value.uncertainty();
         match self {
-            Test::Not(inner) => inner.holds(value, slack).not(),
+            Test::Not(inner) => inner.holds(value, own).not(),
             Test::HighZ => Truth::of(matches!(value, Value::HighZ)),
             Test::OneOf(wanted) => match Number::of(value) {
                 None => Truth::False,
@@ -155,16 +158,17 @@ impl Test {
         Some(record::Bounds { min: min.map(Number::as_real), max: max.map(Number::as_real) })
     }
 
-    /// How far inside its limits a value is, negative outside; `None` where the condition has no limits.
+    /// How far inside its limits a value is at least, negative outside; `None` where the condition has no limits.
     pub fn margin(&self, value: Value) -> Option<f64> {
         let Test::Range { min, max } = self else { return None };
         let number = Number::of(value)?;
         let below = max.map(|max| distance(number, max));
         let above = min.map(|min| distance(min, number));
-        match (below, above) {
+        let margin = match (below, above) {
             (Some(below), Some(above)) => Some(below.min(above)),
             (one, other) => one.or(other),
-        }
+        };
+        margin.map(|margin| margin - value.uncertainty())
     }
 }
 
@@ -217,6 +221,19 @@ mod tests {
         let test = Test::OneOf(vec![Number::Int(5)]);
         assert_eq!(test.holds(Value::Int(5), 1.0), Truth::Unknown);
         assert_eq!(test.holds(Value::Int(7), 1.0), Truth::False);
+    }
+
+    #[test]
+    fn what_was_measured_is_inside_only_with_all_that_it_may_be() {
+        let test = Test::Range { min: Some(Number::Int(4)), max: Some(Number::Real(10.0)) };
+        let holds = |value, by, slack| test.holds(Value::measured(value, by), slack);
+        assert_eq!(holds(9.0, 0.5, 0.0), Truth::True);
+        assert_eq!(holds(9.7, 0.5, 0.0), Truth::Unknown);
+        assert_eq!(holds(9.0, 0.5, 0.75), Truth::Unknown, "a deadband comes on top");
+        assert_eq!(holds(11.0, 0.5, 0.0), Truth::False);
+        assert_eq!(Test::Not(Box::new(test.clone())).holds(Value::measured(9.7, 0.5), 0.0), Truth::Unknown);
+        assert_eq!(test.margin(Value::measured(9.0, 0.5)), Some(0.5));
+        assert_eq!(Test::OneOf(vec![Number::Int(5)]).holds(Value::measured(5.0, 0.5), 0.0), Truth::Unknown);
     }
 
     #[test]

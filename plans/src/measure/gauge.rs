@@ -182,7 +182,10 @@ impl Gauge {
                 let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
                 for candidate in &candidates {
                     match candidate.seen.value.as_real().filter(|real| !real.is_nan()) {
-                        Some(real) => (low, high) = (low.min(real - slack), high.max(real + slack)),
+                        Some(real) => {
+                            let slack = slack + candidate.seen.value.uncertainty();
+                            (low, high) = (low.min(real - slack), high.max(real + slack));
+                        }
                         None => {
                             record.verdict = Verdict::Inconclusive;
                             let shown = info.show(candidate.seen.value);

@@ -5,6 +5,7 @@ mod check;
 mod envelope;
 mod expand;
 mod facts;
+mod functions;
 mod groups;
 mod guards;
 mod include;
@@ -33,6 +34,7 @@ use crate::lang::{Anchor, Literal, Need};
 use crate::measure::Measurement;
 use crate::steps::Stimulus;
 
+pub use functions::{FunctionSettings, FunctionType, FunctionValue};
 pub use guards::{Guards, SUITE_KEYS};
 pub use include::{PlanText, check_included, gather};
 pub use inputs::InputSettings;

@@ -6,6 +6,7 @@ use document::{Fields, Findings, KeySpec, KeyType, Node, Table};
 use profile::{Filter, Reference};
 use signal::{Address, Area, Span};
 
+use super::functions::{self, FunctionSettings};
 use super::inputs::{self, InputSettings};
 use crate::codes;
 
@@ -113,6 +114,11 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
     ),
     KeySpec::optional("mast", TASK_TYPE, "The task MAST."),
     KeySpec::optional("relocation", KeyType::Table(RELOCATION_KEYS), "The relocation table."),
+    KeySpec::optional(
+        "expert",
+        functions::EXPERT_TYPE,
+        "Fast counters and pulse generators by their names, in order.",
+    ),
     KeySpec::optional("tasks", KeyType::Map(&TASK_TYPE), "Further tasks by their names."),
 ];
 
@@ -248,6 +254,8 @@ pub struct Settings {
     pub tasks: Vec<TaskSettings>,
     /// The read part and the write part of the relocation table: names or full paths.
     pub relocation: [Vec<String>; 2],
+    /// Fast counters and pulse generators.
+    pub expert: Vec<FunctionSettings>,
 }
 
 /// What a plan says of a task.
@@ -326,6 +334,7 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
         }
     }
     relocation(fields, &mut settings, out);
+    settings.expert = functions::read(fields, out);
     inputs::read(fields, &mut settings, out);
     defaults(fields, &mut settings, out);
     if let Some(mast) = fields.get("mast").and_then(Node::as_table) {

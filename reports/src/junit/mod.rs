@@ -306,10 +306,9 @@ fn system_out(case: &CaseRecord, folder: &str, passed: bool) -> String {
         let limits = if limits.is_empty() { String::new() } else { format!(" (limits {limits})") };
         line(&format!("{} {} = {}{limits}", m.verdict, m.name, show::value(m)));
     }
-    if let (false, Some(waves)) = (passed, brief::waves(case)) {
-        let waves =
-            if folder.is_empty() { waves } else { format!("{}/{waves}", folder.trim_end_matches('/')) };
-        line(&format!("[[ATTACHMENT|{waves}]]"));
+    for file in [brief::waves(case), brief::frames(case)].into_iter().flatten().filter(|_| !passed) {
+        let file = if folder.is_empty() { file } else { format!("{}/{file}", folder.trim_end_matches('/')) };
+        line(&format!("[[ATTACHMENT|{file}]]"));
     }
     out
 }

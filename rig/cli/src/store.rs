@@ -85,8 +85,9 @@ impl Store {
         self.copy(from, &path)?;
         let waves = from.with_extension("vcd");
         if waves.is_file() {
-            self.copy(&waves, &format!("{}.vcd", path.strip_suffix(".trace").unwrap_or(&path)))?;
+            self.copy(&waves, &beside(&path, "vcd"))?;
         }
+        self.adopt_frames(&path, from)?;
         Ok(path)
     }
 
@@ -101,11 +102,28 @@ impl Store {
     /// # Errors
     /// Which file cannot be written, and why.
     pub fn waves(&self, path: &str, trace: &Trace) -> Result<(), String> {
-        let waves = format!("{}.vcd", path.strip_suffix(".trace").unwrap_or(path));
+        let waves = beside(path, "vcd");
         self.write(&waves, &mut |out| {
             reports::vcd::write_trace(trace, env!("CARGO_PKG_VERSION"), out)
                 .map_err(|error| format!("{waves} cannot be written: {error}"))
         })
+    }
+
+    /// Writes CAN frames beside the trace that they belong to.
+    ///
+    /// # Errors
+    /// Which file cannot be written, and why.
+    pub fn frames(&self, path: &str, frames: &str) -> Result<(), String> {
+        self.text(&beside(path, "log"), frames)
+    }
+
+    /// Copies the CAN frames beside a trace of another run to those beside a trace of this one.
+    ///
+    /// # Errors
+    /// Which file cannot be read or written, and why.
+    pub fn adopt_frames(&self, path: &str, from: &Path) -> Result<(), String> {
+        let frames = from.with_extension("log");
+        if frames.is_file() { self.copy(&frames, &beside(path, "log")) } else { Ok(()) }
     }
 
     /// The path that the trace of a case gets, which no other case has.
@@ -171,6 +189,11 @@ impl Store {
     ) -> Result<(), String> {
         write_whole(&self.folder.join(path), fill)
     }
+}
+
+/// A file of this ending beside a trace.
+fn beside(path: &str, ending: &str) -> String {
+    format!("{}.{ending}", path.strip_suffix(".trace").unwrap_or(path))
 }
 
 fn make(folder: &Path) -> Result<(), String> {

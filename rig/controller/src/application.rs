@@ -1,6 +1,7 @@
 //! What the controller asks of an application, and of whoever turns a bundle into one.
 
 use crate::{Located, Memory, Part};
+use expert::Expert;
 use profile::ApplicationError;
 use signal::{Span, Time, Value};
 use std::any::Any;
@@ -20,7 +21,16 @@ pub trait Application: Send {
 
     /// Runs a task's cycle from `now` for at most `budget`. Operations complete as long as their cost fits; those
     /// without cost complete with the one before them.
-    fn resume(&mut self, task: usize, now: Time, budget: Span, memory: &mut Memory) -> Slice;
+    /// Calls of function blocks reach the expert functions, which are at `now` or behind it; where one of these calls
+    /// made something due sooner, or is observed, the slice ends behind it with [`Stop::Touched`].
+    fn resume(
+        &mut self,
+        task: usize,
+        now: Time,
+        budget: Span,
+        memory: &mut Memory,
+        functions: &mut Expert,
+    ) -> Slice;
 
     /// Gives variables their initial values, except the kinds that `reset` keeps.
     fn reset(&mut self, reset: VariableReset);
@@ -156,7 +166,7 @@ pub enum Stop {
     },
     /// The cycle is complete.
     Done,
-    /// A watched variable or place changed at now + used; the cycle goes on with the next call.
+    /// A watched variable or place changed at now + used, or an expert function; the cycle goes on with the next call.
     Touched,
     /// A statement with a breakpoint comes next; the cycle goes on with the next call.
     Break,

@@ -6,6 +6,7 @@ use crate::event::{Arrivals, Rate};
 use crate::external::ExternalErrors;
 use crate::files::Files;
 use crate::forcing::{Forced, Forcing};
+use crate::functions::Functions;
 use crate::input::Inputs;
 use crate::led::Leds;
 use crate::load::Load;
@@ -38,6 +39,7 @@ pub struct Controller {
     pub(crate) bundle: Vec<u8>,
     pub(crate) memory: Memory,
     pub(crate) inputs: Inputs,
+    pub(crate) functions: Functions,
     pub(crate) outputs: Outputs,
     pub(crate) forced_inputs: Forced,
     pub(crate) forced_outputs: Forced,
@@ -164,6 +166,7 @@ impl Controller {
         Ok(Controller {
             memory: Memory::new(config.profile),
             outputs: Outputs::new(profile::outputs(config.reference)),
+            functions: Functions::new(&config),
             protection: Protection::new(config.reference, config.rearming),
             external: ExternalErrors::default(),
             leds: Leds::default(),
@@ -259,6 +262,9 @@ impl Controller {
     /// The physical level at terminal I`input` from `now` on. Numbers beyond the reference's inputs are ignored.
     pub fn input(&mut self, now: Time, input: usize, level: Level) {
         self.inputs.set(now, input, level);
+        if self.state != State::Off {
+            self.functions.edge(now, input, level.is_high());
+        }
     }
 
     /// The next `times` cycles of a task take `cycle` of processor time in all, however little the program needs.
@@ -291,6 +297,7 @@ impl Controller {
             Probe::Output(output) => {
                 self.output_state(output).map_or(Value::Unknown, |state| Value::Int(state.number()))
             }
+            Probe::Expert { function, fact } => self.functions.read(function, fact),
             Probe::Led(led) => Value::Int(self.pattern(led).number()),
             Probe::LedLit(led) => Value::Bool(self.lit(led)),
         }

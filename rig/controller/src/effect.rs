@@ -99,6 +99,13 @@ pub enum Probe {
     Register(RegisterFact),
     /// The state of an output's stage: [`OutputState::number`].
     Output(usize),
+    /// Something of an expert function.
+    Expert {
+        /// The function, by its place in the configuration.
+        function: usize,
+        /// What of it.
+        fact: expert::Fact,
+    },
     /// What an indicator shows: [`crate::LedPattern::number`].
     Led(Led),
     /// Whether an indicator is lit; reckoned only while it is observed.

@@ -104,6 +104,7 @@ impl Controller {
     /// them.
     #[inline]
     pub(crate) fn drive(&mut self, now: Time, image: u32, which: u32, fx: &mut Effects) {
+        let which = which & !self.functions.outputs();
         let bits = self.with_alarm(image);
         let all = self.outputs.commanded() & !which | bits & which;
         let quiet = self.protection.is_quiet();
@@ -116,7 +117,7 @@ impl Controller {
             self.outputs.drive(now, bits, which, &self.memory);
         } else {
             // A stage that protection switches off with this write must not come on with it.
-            self.outputs.cut(now, self.protection.off() | self.unsupplied());
+            self.cut_outputs(now);
             self.outputs.drive(now, self.with_alarm(image), which, &self.memory);
             self.drive_alarm(now);
             self.observe(class::STATE | class::TERMINAL, now, Cause::Controller, fx);
@@ -128,9 +129,16 @@ impl Controller {
         if !self.outputs.initialized() {
             self.protection.look_again(now, self.outputs.commanded());
         }
-        self.outputs.cut(now, self.protection.off() | self.unsupplied());
+        self.cut_outputs(now);
         self.drive_alarm(now);
         self.observe(class::STATE | class::TERMINAL, now, Cause::Controller, fx);
+    }
+
+    /// Stages that protection switches off, or that have no supply.
+    fn cut_outputs(&mut self, now: Time) {
+        let off = self.protection.off();
+        self.outputs.cut(now, off | self.unsupplied());
+        self.functions.protect(now, off);
     }
 
     /// Hardware initialization values (controller:OUT-02).

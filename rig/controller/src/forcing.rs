@@ -92,6 +92,9 @@ impl Controller {
             Channel::Input(input) if input < self.config.reference.input_count() => {
                 self.forced_inputs.set(input, on);
             }
+            Channel::Output(output) if self.functions.drives(output) => {
+                return Err(Refusal::ExpertOutput(output));
+            }
             Channel::Output(output) if output < self.config.reference.output_count() => {
                 self.forced_outputs.set(output, on);
                 if on.is_none() {

@@ -24,6 +24,7 @@ mod exchange;
 mod external;
 mod files;
 mod forcing;
+mod functions;
 mod input;
 mod led;
 mod load;

@@ -81,6 +81,12 @@ pub enum Entry {
         /// The input: n for In.
         input: usize,
     },
+    /// Edges come faster than an expert function can take them: not the controller's entry but the rig's
+    /// (io:STD-HSC-16).
+    FunctionOverdriven {
+        /// The function, by its place in the configuration.
+        function: usize,
+    },
     /// The supply was interrupted.
     SupplyLost,
     /// The supply came back within the hold-up time (controller:HW-08, controller:HW-09).

@@ -78,10 +78,21 @@ impl Outputs {
     /// Commands every output at `now`: bit n drives Qn. The cause of an edge is the last writer of its %Q bit.
     #[inline]
     pub(crate) fn drive(&mut self, now: Time, bits: u32, which: u32, memory: &Memory) {
+        self.command_by(now, bits, which, |n| memory.writer(n));
+    }
+
+    /// Commands these outputs at `now`, for an expert function: no bit of %Q has a part in it.
+    #[inline]
+    pub(crate) fn command(&mut self, now: Time, bits: u32, which: u32) {
+        self.command_by(now, bits, which, |_| Cause::Controller);
+    }
+
+    #[inline]
+    fn command_by(&mut self, now: Time, bits: u32, which: u32, cause: impl Fn(u32) -> Cause) {
         let changed = (bits ^ self.on | self.undriven) & self.mask() & which;
         if changed != 0 {
             (self.on, self.undriven) = (self.on ^ (bits ^ self.on) & changed, self.undriven & !changed);
-            self.aim(now, changed, |n| memory.writer(n));
+            self.aim(now, changed, cause);
         }
     }
 

@@ -99,10 +99,12 @@ impl Controller {
             return Step::Go;
         }
         let (place, before, mut cap) = (self.tasks[rank].place, fx.len(), cap);
+        self.functions.of_blocks().enter(place);
         loop {
             let Some(application) = &mut self.application else { return Step::Wait };
             let budget = cap - self.cpu.at;
-            let slice = application.resume(place, self.cpu.at, budget, &mut self.memory);
+            let slice =
+                application.resume(place, self.cpu.at, budget, &mut self.memory, self.functions.of_blocks());
             self.cpu.in_flight = None;
             self.pass(rank, slice.used);
             match slice.stop {
@@ -120,6 +122,9 @@ impl Controller {
                     let (at, cause) = (self.cpu.at, self.memory.cause());
                     self.observe_memory(at, cause, fx);
                     self.look_at_plc_w(at, fx);
+                    self.observe(class::EXPERT, at, cause, fx);
+                    // What a block began comes in time.
+                    cap = cap.min(self.functions.next().max(at));
                     if self.cpu.held >> rank & 1 == 1 || !self.still_running() {
                         return Step::Go;
                     }
@@ -178,6 +183,7 @@ impl Controller {
         task.start(at, MINIMUM_CYCLE);
         let place = task.place;
         self.start_first_cycle(place);
+        self.functions.of_blocks().sample(at, place);
         if let Some(application) = &mut self.application {
             application.begin(place);
         }

@@ -6,10 +6,11 @@ use signal::{Cause, Time};
 
 impl Controller {
     /// The earliest instant at which something is due: a watchdog, the end of the hold-up time, a step of the boot,
-    /// the end of a save, protection, an edge at a terminal or behind the filter of an input that is acted on at once,
+    /// the end of a save, protection, something of an expert function, an edge at a terminal or behind the filter of an input that is acted on at once,
     /// a release, default values, an update in STOPPED, a flash. It changes with every call of another method.
     pub fn next_timer(&self) -> Option<Time> {
         let mut next = self.outputs.next().min(self.context.next()).min(self.inputs.next());
+        next = next.min(self.functions.next());
         next = next.min(self.clock_due());
         next = next.min(self.protection.next()).min(self.leds.next);
         let power = &self.power;
@@ -28,7 +29,7 @@ impl Controller {
     }
 
     /// Lets everything happen that is due at `now`, in this order: task watchdogs by priority, system watchdogs, end of
-    /// the hold-up time, edges of inputs, boot step, boot application saved, end of a save, protection, edges at
+    /// the hold-up time, edges of inputs, boot step, boot application saved, end of a save, expert functions, protection, edges at
     /// terminals by number, tasks that wake, releases by priority, events, default values behind initialization values,
     /// update in STOPPED, flashes of indicators. [`Controller::run`] must have come to `now` before.
     pub fn fire(&mut self, now: Time, fx: &mut Effects) {
@@ -52,6 +53,7 @@ impl Controller {
             // A change during the save; in HALT the variables may be half a cycle.
             self.save_if_dirty(now);
         }
+        self.fire_functions(now, fx);
         if self.protection.next() <= now {
             self.protect(now, fx);
         }

@@ -29,6 +29,7 @@ impl Controller {
             self.observe(class::STATE, now, Cause::Controller, fx);
         } else if self.state == State::Off {
             self.inputs.power_on(now);
+            self.power_functions(now);
             self.leds.origin = now;
             (self.power.system_error, self.power.script) = (false, false);
             // A power cycle clears the diagnostics (controller:WD-15).
@@ -79,6 +80,7 @@ impl Controller {
         self.context.abandon();
         self.memory.clear();
         self.clear_forcing();
+        self.unload_functions(now);
         self.leds.identify = false;
         (self.power.refresh, self.power.initialization) = (None, None);
         self.initialize_outputs(now);
@@ -151,6 +153,7 @@ impl Controller {
             (true, true) => self.write_outputs_of(!0, now, fx),
             (true, false) => self.initialize_outputs(now),
         }
+        self.rest_at_defaults(now);
     }
 
     /// Initialization values are over: outputs without a value of their own take their defaults.
@@ -220,6 +223,7 @@ impl Controller {
 
     /// Outputs when RUNNING is left (controller:STOP-03): the configured state or the forced value.
     fn fall_back(&mut self, outputs: OutputsInStop, now: Time, fx: &mut Effects) {
+        self.prepare_rest(outputs);
         self.power.stop_image = match outputs {
             OutputsInStop::Keep => None,
             OutputsInStop::Default => Some(self.config.output_defaults),
@@ -269,6 +273,7 @@ impl Controller {
         self.inputs.operate(now, matches!(state, State::Running | State::Breakpoint));
         // The processor starts anew; what was under way at `now` never completes.
         self.cpu.at = now;
+        self.operate_functions(now, fx);
         self.drive_alarm(now);
         if matches!(state, State::Empty | State::Stopped | State::Running | State::Halt) {
             let signature = self.application.as_ref().map_or(0, |application| application.signature());

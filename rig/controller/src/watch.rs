@@ -5,18 +5,19 @@ use signal::{Area, Cause, Time, Value};
 
 /// What can change together: probes are looked at only when something of their kind happened.
 pub(crate) mod class {
-    pub const MEMORY: u8 = 1;
-    pub const VARIABLE: u8 = 2;
-    pub const STATE: u8 = 4;
-    pub const FIGURE: u8 = 8;
-    pub const TERMINAL: u8 = 16;
-    pub const INPUT: u8 = 32;
-    pub const LED: u8 = 64;
-    pub const FILE: u8 = 128;
-    pub const ALL: u8 = 255;
+    pub const MEMORY: u16 = 1;
+    pub const VARIABLE: u16 = 2;
+    pub const STATE: u16 = 4;
+    pub const FIGURE: u16 = 8;
+    pub const TERMINAL: u16 = 16;
+    pub const INPUT: u16 = 32;
+    pub const LED: u16 = 64;
+    pub const FILE: u16 = 128;
+    pub const EXPERT: u16 = 256;
+    pub const ALL: u16 = 511;
 }
 
-fn class_of(probe: &Probe) -> u8 {
+fn class_of(probe: &Probe) -> u16 {
     match probe {
         Probe::Address(_) => class::MEMORY,
         Probe::Variable(_) => class::VARIABLE,
@@ -26,6 +27,7 @@ fn class_of(probe: &Probe) -> u8 {
         Probe::Input { .. } => class::INPUT,
         Probe::Terminal(_) | Probe::Output(_) => class::TERMINAL,
         Probe::File(_) => class::FILE,
+        Probe::Expert { .. } => class::EXPERT,
         Probe::Register(_) => class::MEMORY | class::VARIABLE | class::STATE | class::FILE,
     }
 }
@@ -34,7 +36,7 @@ fn class_of(probe: &Probe) -> u8 {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Watches {
     list: Vec<(Probe, Value)>,
-    classes: u8,
+    classes: u16,
 }
 
 impl Watches {
@@ -71,6 +73,7 @@ impl Controller {
             }
             Probe::Register(RegisterFact::Value(register)) => self.watch_register(register),
             Probe::Input { input, .. } => self.inputs.watch(input),
+            Probe::Expert { .. } => self.functions.observe(),
             _ => {}
         }
         self.watches.classes |= class_of(&probe);
@@ -91,7 +94,7 @@ impl Controller {
 
     /// Reports the changes of observed values of these classes; the program sees its system variables change, too.
     #[inline]
-    pub(crate) fn observe(&mut self, classes: u8, at: Time, cause: Cause, fx: &mut Effects) {
+    pub(crate) fn observe(&mut self, classes: u16, at: Time, cause: Cause, fx: &mut Effects) {
         if classes & class::STATE != 0 {
             self.show_system();
         }
@@ -105,7 +108,7 @@ impl Controller {
         self.observe(class::MEMORY | class::VARIABLE, at, cause, fx);
     }
 
-    fn report(&mut self, classes: u8, at: Time, cause: Cause, fx: &mut Effects) {
+    fn report(&mut self, classes: u16, at: Time, cause: Cause, fx: &mut Effects) {
         self.leds.seen = at;
         for place in 0..self.watches.list.len() {
             let (probe, last) = self.watches.list[place];

@@ -1,12 +1,10 @@
 //! Tasks of every kind against a naive oracle that steps microsecond by microsecond: cyclic and freewheeling tasks,
 //! tasks that variables and events start, and tasks of one priority that take turns.
 
-mod support;
-
+use crate::support::*;
 use proptest::prelude::*;
 use scanrig_controller::*;
 use signal::{Span, Time};
-use support::*;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {

@@ -1,11 +1,9 @@
 //! Outputs and inputs by state, and forcing.
 
-mod support;
-
+use crate::support::*;
 use profile::{Filter, Profile};
 use scanrig_controller::*;
 use signal::{Cause, Level, Value};
-use support::*;
 
 /// Once a cycle: Q4 from %MX2.0, which is 1; Q5 from I0; Q6 to 0.
 fn script() -> Script {

@@ -1,10 +1,8 @@
 //! Remanent variables under power cuts (controller:REM-02, controller:REM-07).
 
-mod support;
-
+use crate::support::*;
 use scanrig_controller::*;
 use signal::{Span, Time};
-use support::*;
 
 /// Each cycle: n := n + 1, then m := n, both RETAIN; plain counts beside them; %MW3 follows.
 fn script() -> Script {

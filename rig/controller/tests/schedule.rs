@@ -1,11 +1,9 @@
 //! Scheduling against a naive oracle that steps microsecond by microsecond, and independence of slices.
 
-mod support;
-
+use crate::support::*;
 use proptest::prelude::*;
 use scanrig_controller::*;
 use signal::{Level, Span, Time};
-use support::*;
 
 /// A task of the oracle: priority is its place, costs in microseconds.
 #[derive(Clone, Debug)]

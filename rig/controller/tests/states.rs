@@ -1,11 +1,9 @@
 //! Boot, commands and what they do to variables and memory.
 
-mod support;
-
+use crate::support::*;
 use profile::Profile;
 use scanrig_controller::*;
 use signal::{Cause, Value};
-use support::*;
 
 /// Plain, RETAIN and PERSISTENT counters, %MW5, %MW1500, and a variable AT %MW7.
 fn counters() -> Script {

@@ -1,10 +1,8 @@
 //! Task watchdogs, the system watchdog, and faults of the application.
 
-mod support;
-
+use crate::support::*;
 use scanrig_controller::*;
 use signal::{Level, Span};
-use support::*;
 
 /// MAST with its default watchdog, driving Q4.
 fn lamp() -> Rig {

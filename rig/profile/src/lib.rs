@@ -6,6 +6,7 @@
 
 mod channel;
 mod codes;
+mod expert;
 mod figures;
 mod input;
 mod limits;
@@ -18,6 +19,9 @@ pub use channel::{
     short_circuit_status,
 };
 pub use codes::{ApplicationError, BootProjectStatus, IoStatus, PLC_W_KEY, PlcCommand, Status, StopCause};
+pub use expert::{
+    ExpertLimits, FAST_INPUTS, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS,
+};
 pub use figures::{
     BOOT_APPLICATION_SAVE, BOOT_STAGES, CLOCK_AT_FIRST_POWER_ON, EVENT_LATENCY, EVENT_WINDOW,
     FREEWHEELING_PAUSE, InstructionCosts, LOAD_PERIOD, LOAD_WINDOW, MINIMUM_CYCLE, NON_VOLATILE_SAVE,

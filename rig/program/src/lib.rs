@@ -65,7 +65,7 @@ pub use machine::{
     BranchCoverage, ChangeError, ChangeReport, Coverage, Fault, FaultKind, Host, Machine, MachineError,
     Slice, StatementCoverage, Stop,
 };
-pub use native::{Native, Pin, PinKind, Pins, STANDARD};
+pub use native::{BlockBody, Native, Pin, PinKind, Pins, STANDARD};
 pub use options::{Costs, Limits, Options};
 pub use parse::{declares, mentions};
 pub use program::{Located, Program, Retention, Storage, TaskInfo, VarRef, Variable};

@@ -1,9 +1,7 @@
 //! The standard blocks against timing diagrams worked out by hand from IEC 61131-3 (controller:LIB-01).
 
-mod support;
-
+use crate::support::Rig;
 use signal::{Span, Time, Value};
-use support::Rig;
 
 /// Calls a timer every millisecond; for each the input, and after it Q and ET in milliseconds are compared.
 fn timer(kind: &str, preset: i64, steps: &[(i64, bool, bool, i64)]) {

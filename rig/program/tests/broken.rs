@@ -1,7 +1,5 @@
 //! Broken programs: each says in its first line which codes are expected, and where.
 
-mod support;
-
 use document::{Diagnostic, SourceFile};
 use scanrig_program::{CODES, Options, compile};
 use std::collections::BTreeSet;

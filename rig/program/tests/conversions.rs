@@ -2,12 +2,10 @@
 //! 61131-3, 6.6.2.5.2 (reals to the nearest, ties to even; bit strings and whole numbers by their bits, the high ones
 //! cut off), and that the controllers' times and dates count milliseconds and seconds as numbers.
 
-mod support;
-
+use crate::support::oracle::{Case, WHOLE, check, decimal, limits, literal, seen, verdicts, width, wrap};
+use crate::support::{Memory, once};
 use scanrig_program::Elementary::{self, *};
 use signal::Value;
-use support::oracle::{Case, WHOLE, check, decimal, limits, literal, seen, verdicts, width, wrap};
-use support::{Memory, once};
 
 /// What is converted: the number that it counts as, and its literal.
 #[derive(Clone, Debug)]

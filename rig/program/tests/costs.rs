@@ -3,12 +3,10 @@
 //! BOOL 75 us; load and store of INT 64 us, DINT 49 us, REAL 50 us. What the documents do not give is what
 //! `Costs::default` says.
 
-mod support;
-
+use crate::support::{Memory, Rig, sources};
 use scanrig_program::{Costs, Machine, Options, Stop, compile};
 use signal::{Span, Time};
 use std::sync::Arc;
-use support::{Memory, Rig, sources};
 
 /// Nanoseconds of one cycle.
 fn time(text: &str) -> i64 {

@@ -1,11 +1,9 @@
 //! Online change, breakpoints, single steps, forced variables and coverage of compiled programs.
 
-mod support;
-
+use crate::support::{Memory, Rig, build};
 use scanrig_program::{ChangeReport, Machine, Stop};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
-use support::{Memory, Rig, build};
 
 fn change(rig: &mut Rig, text: &str) -> ChangeReport {
     rig.machine.change(Arc::new(build(text)), &[vec![0]]).unwrap()
@@ -107,7 +105,7 @@ fn forced_variables_hold() {
     ] {
         let variable = rig.machine.find(path).unwrap();
         assert!(rig.machine.force(variable, value), "{path}");
-        assert!(support::oracle::same(rig.read(path), value), "{path}");
+        assert!(crate::support::oracle::same(rig.read(path), value), "{path}");
     }
     for _ in 0..3 {
         rig.cycle();

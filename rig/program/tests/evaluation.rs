@@ -1,9 +1,7 @@
 //! Every part of a statement is computed once, from left to right, wherever it stands; what is left out is left out
 //! (IEC 61131-3, 7.3.2: operands from left to right; 6.6.1.4: functions with effects through VAR_IN_OUT and globals).
 
-mod support;
-
-use support::Rig;
+use crate::support::Rig;
 
 /// Runs statements in which `f(n)` writes the digit `n` into a log and gives it.
 fn log(declarations: &str, statements: &str) -> (i128, Rig) {

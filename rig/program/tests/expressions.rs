@@ -1,13 +1,11 @@
 //! Random expressions against an evaluator of its own: types, widths, precedence, constant folding.
 
-mod support;
-
+use crate::support::{Memory, sources};
 use proptest::prelude::*;
 use scanrig_program::{Elementary, FaultKind, Machine, Options, Stop, compile};
 use signal::{Span, Time, Value};
 use std::fmt::Write;
 use std::sync::Arc;
-use support::{Memory, sources};
 
 const TYPES: [Elementary; 12] = [
     Elementary::Sint,

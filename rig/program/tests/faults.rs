@@ -1,11 +1,9 @@
 //! What ends a cycle, with the line where it happened: indices, pointers and references, divisions by 0, the stack;
 //! and what the limits of FOR, CASE and the jumps do not do.
 
-mod support;
-
+use crate::support::oracle::{WHOLE, limits, literal};
+use crate::support::{Rig, codes, once};
 use scanrig_program::{FaultKind, Stop};
-use support::oracle::{WHOLE, limits, literal};
-use support::{Rig, codes, once};
 
 /// The fault of one cycle and its line.
 fn fault(text: &str) -> Option<(FaultKind, u32)> {

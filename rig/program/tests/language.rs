@@ -1,10 +1,8 @@
 //! What statements and expressions mean, against values worked out by hand from IEC 61131-3.
 
-mod support;
-
+use crate::support::{Rig, codes, once};
 use scanrig_program::{FaultKind, Stop};
 use signal::Value;
-use support::{Rig, codes, once};
 
 /// The value of an expression assigned to `r` of a type, with some variables at hand.
 fn value(ty: &str, expression: &str) -> i128 {
@@ -270,7 +268,7 @@ fn located_variables_and_direct_addresses() {
 
 #[test]
 fn outputs_are_known_by_program() {
-    let program = support::build(
+    let program = crate::support::build(
         "VAR_GLOBAL lamp AT %QX0.4 : BOOL; END_VAR
          FUNCTION f : BOOL VAR_INPUT x : BOOL; END_VAR lamp := x; f := x; END_FUNCTION
          FUNCTION_BLOCK fb lamp := f(TRUE); %QW3 := %IW1; END_FUNCTION_BLOCK
@@ -312,14 +310,14 @@ fn conversions_that_lose_values_need_to_be_written() {
     assert_eq!(with("i := 40000;"), ["S0303"]);
     assert_eq!(with("u := -1;"), ["S0303"]);
     assert_eq!(with("d := i;"), Vec::<&str>::new());
-    let program = support::build("PROGRAM P VAR i : INT; u : UINT; END_VAR i := u; END_PROGRAM");
+    let program = crate::support::build("PROGRAM P VAR i : INT; u : UINT; END_VAR i := u; END_PROGRAM");
     assert_eq!(program.warnings.iter().map(|w| w.code).collect::<Vec<_>>(), ["S0306"]);
 }
 
 #[test]
 fn a_located_array_is_one_variable() {
     // controller:REM-03 - whatever its size: a list of its elements would be searched for each word of the memory.
-    let program = support::build(
+    let program = crate::support::build(
         "TYPE pair : STRUCT a : INT; b : DINT; END_STRUCT; END_TYPE
          PROGRAM MAIN VAR all AT %MW10 : ARRAY[0..49999] OF INT; p AT %MW4 : pair; END_VAR all[3] := p.a; END_PROGRAM",
     );
@@ -338,7 +336,8 @@ fn a_located_array_is_one_variable() {
 fn a_slip_in_a_name_is_seen() {
     let help = |statement: &str| {
         let text = format!("PROGRAM MAIN VAR delay : TON; Count : INT; END_VAR {statement} END_PROGRAM");
-        let found = scanrig_program::compile(&support::sources(&text), &Default::default()).unwrap_err();
+        let found =
+            scanrig_program::compile(&crate::support::sources(&text), &Default::default()).unwrap_err();
         found[0].help.clone()
     };
     assert_eq!(help("dealy(IN := TRUE);"), "did you mean delay?");

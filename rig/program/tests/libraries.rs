@@ -3,12 +3,10 @@
 //! memory, and files as libraries are distributed. Each form was met in such a library, written here in words of our
 //! own.
 
-mod support;
-
+use crate::support::{Rig, codes, once, sources};
 use document::{Severity, SourceFile};
 use scanrig_program::{Options, compile, source};
 use signal::Value;
-use support::{Rig, codes, once, sources};
 
 /// The codes of the warnings of a program that compiles.
 fn warnings(text: &str) -> Vec<&'static str> {

@@ -1,16 +1,14 @@
 //! Literals in every written form, as initial values, operands and arguments (IEC 61131-3, tables 5 to 9), with the
 //! ranges of controller:DT-01.
 
-mod support;
-
+use crate::support::{codes, once};
 use signal::Value;
-use support::{codes, once};
 
 /// The value of a literal as an initial value and in a statement; both must agree.
 fn value(ty: &str, literal: &str) -> Value {
     let rig = once(&format!("VAR a : {ty} := {literal}; b : {ty}; END_VAR"), &format!("b := {literal};"));
     let (a, b) = (rig.read("a"), rig.read("b"));
-    assert!(support::oracle::same(a, b), "{ty} {literal}: {a:?} {b:?}");
+    assert!(crate::support::oracle::same(a, b), "{ty} {literal}: {a:?} {b:?}");
     a
 }
 
@@ -225,12 +223,12 @@ fn dates() {
 
 #[test]
 fn names_with_a_type_in_front() {
-    let rig = support::once(
+    let rig = crate::support::once(
         "VAR a, b : INT; END_VAR",
         "a := INT#7 + INT#16#10; b := DINT_TO_INT(DINT#100000 MOD DINT#65536);",
     );
     assert_eq!((rig.int("a"), rig.int("b")), (23, 34_464 - 65_536));
-    let mut rig = support::Rig::new(
+    let mut rig = crate::support::Rig::new(
         "TYPE colour : (red, green := 5, blue); small : INT(-5..5); speed : UINT; END_TYPE
          PROGRAM MAIN VAR c : colour := colour#green; d : colour := blue; s : small := -5; v : speed := 16#FF; e : colour; n : INT; END_VAR
            e := colour#red; IF c = green THEN n := n + 1; END_IF; IF d > colour#green THEN n := n + 10; END_IF;
@@ -250,7 +248,7 @@ fn names_with_a_type_in_front() {
 
 #[test]
 fn initial_values_of_structures_and_arrays() {
-    let rig = support::Rig::new(
+    let rig = crate::support::Rig::new(
         "TYPE point : STRUCT x : INT := 3; y : REAL; name : STRING[5] := 'p'; END_STRUCT; line : STRUCT a, b : point := (x := 9); END_STRUCT; END_TYPE
          VAR_GLOBAL CONSTANT size : INT := 2; END_VAR
          PROGRAM MAIN VAR

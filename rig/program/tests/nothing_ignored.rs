@@ -2,10 +2,8 @@
 //! changes what the program does or is, or is refused. The parser's own tests (`src/parse/tests`) show that every
 //! word of the grammar reaches the tree; this shows that the tree's parts reach the program.
 
-mod support;
-
+use crate::support::sources;
 use scanrig_program::{Options, compile};
-use support::sources;
 
 /// What a source comes to: the digest of the program with what is warned of, or the codes.
 fn result(text: &str) -> Result<([u8; 32], Vec<&'static str>), Vec<&'static str>> {

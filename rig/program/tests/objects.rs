@@ -1,8 +1,6 @@
 //! Objects, structures, pointers, texts: the parts of the language working together.
 
-mod support;
-
-use support::Rig;
+use crate::support::Rig;
 
 /// Runs one cycle and compares what the variables show.
 fn shows(text: &str, expected: &[(&str, &str)]) {
@@ -10,7 +8,7 @@ fn shows(text: &str, expected: &[(&str, &str)]) {
     rig.cycle();
     let shown = |path: &str| {
         rig.machine
-            .show(path, &mut support::Memory::default())
+            .show(path, &mut crate::support::Memory::default())
             .map(|shown| shown.to_string())
             .unwrap_or_default()
     };

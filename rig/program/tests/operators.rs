@@ -1,11 +1,9 @@
 //! Every operator on every elementary type, at the edges, against a second evaluator. Whole numbers: IEC 61131-3,
 //! tables 28 to 33, with results that wrap at the width of the type, as the controllers do. Reals: IEEE 754.
 
-mod support;
-
+use crate::support::oracle::{Case, WHOLE, check, decimal, limits, literal, seen, width, wrap};
 use scanrig_program::Elementary::{self, *};
 use signal::Value;
-use support::oracle::{Case, WHOLE, check, decimal, limits, literal, seen, width, wrap};
 
 /// Values at and near the limits.
 fn edges(ty: Elementary) -> Vec<i128> {

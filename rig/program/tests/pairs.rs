@@ -2,11 +2,9 @@
 //! IEC 61131-3, 6.6.1.6 (both operands go into one type that holds them) and the tables of its operators, with what
 //! the controllers' tool takes beyond: arithmetic on bit strings and bit operators on whole numbers.
 
-mod support;
-
+use crate::support::oracle::{Case, WHOLE, check, limits, literal, seen, verdicts, wrap};
 use scanrig_program::Elementary::{self, *};
 use signal::Value;
-use support::oracle::{Case, WHOLE, check, limits, literal, seen, verdicts, wrap};
 
 /// The type in which two types meet.
 fn meet(a: Elementary, b: Elementary) -> Option<Elementary> {

@@ -1,10 +1,8 @@
 //! What is kept over restarts (controller:REM-01, controller:REM-02, controller:REM-06).
 
-mod support;
-
+use crate::support::{Rig, build, codes};
 use scanrig_program::Retention;
 use signal::Value;
-use support::{Rig, build, codes};
 
 const TEXT: &str = "
     FUNCTION_BLOCK block VAR_INPUT x : INT; END_VAR VAR RETAIN kept : INT; END_VAR VAR lost : INT; END_VAR

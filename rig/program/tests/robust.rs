@@ -1,12 +1,10 @@
 //! No text makes the compiler panic, hang or grow without bound, and no accepted program hangs the machine.
 
-mod support;
-
+use crate::support::{Memory, codes, sources};
 use proptest::prelude::*;
 use scanrig_program::{Limits, Machine, Options, compile};
 use signal::{Span, Time};
 use std::sync::Arc;
-use support::{Memory, codes, sources};
 
 /// Pieces from which texts are put together.
 const PIECES: &[&str] = &[
@@ -236,7 +234,7 @@ fn long_programs_and_names_are_reported() {
     assert_eq!(findings.iter().map(|f| f.code).collect::<Vec<_>>(), ["S0505"]);
     // controller:DT-03
     let name = "i_udiETHIP_IOMessagingTransmitted";
-    let program = support::build(&format!("PROGRAM MAIN VAR {name} : UDINT; END_VAR END_PROGRAM"));
+    let program = crate::support::build(&format!("PROGRAM MAIN VAR {name} : UDINT; END_VAR END_PROGRAM"));
     assert_eq!(program.warnings.iter().map(|f| f.code).collect::<Vec<_>>(), ["S0109"]);
 }
 

@@ -1,12 +1,10 @@
 //! Functions that ask the caller of the machine (controller:TASK-13, controller:TASK-52, controller:TASK-53,
 //! controller:STATE-03, controller:DEV-22, controller:LED-05).
 
-mod support;
-
+use crate::support::{Rig, codes};
 use proptest::prelude::*;
 use scanrig_program::{Service, Stop};
 use signal::{Span, Time, Value};
-use support::{Rig, codes};
 
 /// Every service with its call and what it is asked with.
 const CALLS: [(&str, Service, i64); 10] = [

@@ -1,12 +1,10 @@
 //! Modelled time: what operations cost, and that slicing changes nothing (controller:PERF-01).
 
-mod support;
-
+use crate::support::{Memory, Rig, build, sources};
 use proptest::prelude::*;
 use scanrig_program::{Costs, Machine, Options, Stop, compile};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
-use support::{Memory, Rig, build, sources};
 
 fn nanos(declarations: &str, statements: &str) -> i64 {
     let mut rig = Rig::new(&format!("PROGRAM MAIN {declarations} {statements} END_PROGRAM"));

@@ -2,13 +2,11 @@
 //! (bodies of the bistables, edges and counters, diagrams of the timers), with the pins and types of the controllers'
 //! library Standard (controller:LIB-01).
 
-mod support;
-
+use crate::support::{Rig, codes};
 use proptest::prelude::*;
 use scanrig_program::{Retention, STANDARD};
 use signal::{Span, Time, Value};
 use std::fmt::Write;
-use support::{Rig, codes};
 
 /// What a block does: inputs and outputs in the order of the pins, numbers as the host sees them.
 struct Model {

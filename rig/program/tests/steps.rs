@@ -1,12 +1,10 @@
 //! What the machine does at once - elements, pairs of operations, calls, native blocks - gives the same results in the
 //! same modelled time as one operation after the other (controller:PERF-01; results and times do not depend on slices).
 
-mod support;
-
+use crate::support::{Memory, sources};
 use scanrig_program::{Machine, Options, Stop, compile};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
-use support::{Memory, sources};
 
 /// Runs cycles: in one slice each, or with budgets that never hold more than the next operation. Every value of the
 /// program in the end, and the time that was used.

@@ -2,9 +2,7 @@
 //! 61131-3, tables 34 and 37 (functions, comparison by the codes of the characters from left to right), 6.4.2.2
 //! (assignment cuts to the length), and the documents of the controllers' library where positions lie outside.
 
-mod support;
-
-use support::{Memory, Rig, codes, once};
+use crate::support::{Memory, Rig, codes, once};
 
 fn show(rig: &Rig, path: &str) -> String {
     rig.machine.show(path, &mut Memory::default()).unwrap_or_else(|| panic!("no {path}")).to_string()
@@ -183,7 +181,7 @@ fn what_is_too_long_is_cut() {
     // A STRING without a length has 80 characters.
     assert_eq!(show(&rig, "default").len(), 82);
     // The compiler says when a literal is cut.
-    let program = support::build("PROGRAM MAIN VAR s : STRING[2]; END_VAR s := 'abc'; END_PROGRAM");
+    let program = crate::support::build("PROGRAM MAIN VAR s : STRING[2]; END_VAR s := 'abc'; END_PROGRAM");
     assert_eq!(program.warnings.iter().map(|w| w.code).collect::<Vec<_>>(), ["S0303"]);
 }
 

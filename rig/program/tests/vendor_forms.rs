@@ -1,12 +1,10 @@
 //! Forms that libraries of other makers use: each was met in such a library, written here in words of our own.
 
-mod support;
-
+use crate::support::{Memory, Rig, codes, once};
 use document::SourceFile;
 use scanrig_program::{FaultKind, Machine, Options, Stop, compile};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
-use support::{Memory, Rig, codes, once};
 
 /// Applications of several files, named as given.
 fn files(sources: &[(&str, &str)]) -> Vec<SourceFile> {

@@ -99,6 +99,16 @@ pub struct LogLine {
     pub text: String,
 }
 
+/// The CAN frames of a case, beside its trace: `x.log` beside `x.trace`, as `candump -L` writes it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FramesKept {
+    /// How many there are.
+    pub kept: u64,
+    /// How many more there were, which found no room.
+    pub more: u64,
+}
+
 /// The record of one case.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -153,6 +163,9 @@ pub struct CaseRecord {
     pub trace_sha256: String,
     /// Where the trace was kept, relative to the record.
     pub trace_file: Option<String>,
+    /// CAN frames that are kept beside the trace; `None` where there were none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames: Option<FramesKept>,
     /// Expectations, in the plan's order.
     pub claims: Vec<ClaimRecord>,
     /// Measurements, in the plan's order.

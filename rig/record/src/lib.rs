@@ -23,7 +23,9 @@ mod statistics;
 mod timing;
 mod verdict;
 
-pub use case::{CaseRecord, CaseStatus, Hashes, LogLine, MAX_LOG_LINES, Parameter, StepRecord, TaskFigures};
+pub use case::{
+    CaseRecord, CaseStatus, FramesKept, Hashes, LogLine, MAX_LOG_LINES, Parameter, StepRecord, TaskFigures,
+};
 pub use claim::{Bounds, ClaimRecord, MeasurementRecord, Origin, Window};
 pub use compare::{
     COMPARISON_FORMAT, CaseChange, Change, ClaimChange, Comparison, Erosion, Move, Thresholds, compare,

@@ -1,8 +1,10 @@
 //! A program alone: no controller, no board, only its tasks at their intervals. For trying a block.
 
+use crate::blocks;
 use controller::{Memory, Rtc};
+use expert::{Expert, ExpertConfig};
 use profile::Profile;
-use program::{Coverage, Fault, Host, Machine, MachineError, Program, Service, SetError, Shown, Stop};
+use program::{Coverage, Fault, Host, Machine, MachineError, Pins, Program, Service, SetError, Shown, Stop};
 use signal::{Address, Cause, Span, Time};
 use std::sync::Arc;
 
@@ -70,6 +72,8 @@ pub struct Alone {
     now: Time,
     rtc: Rtc,
     profile: Profile,
+    /// No functions: their blocks show an error.
+    functions: Expert,
 }
 
 /// How a run alone ended.
@@ -96,7 +100,7 @@ pub enum Ended {
     },
 }
 
-struct Plain<'a>(&'a mut Memory);
+struct Plain<'a>(&'a mut Memory, &'a mut Expert);
 
 impl Host for Plain<'_> {
     fn load(&mut self, at: Address) -> u64 {
@@ -107,6 +111,10 @@ impl Host for Plain<'_> {
         self.0.set_cause(Cause::Program { task: 0, file, line });
         self.0.store(at, value);
         false
+    }
+
+    fn block(&mut self, block: u16, pins: &mut Pins<'_>) -> bool {
+        blocks::call(block, pins, self.1)
     }
 }
 
@@ -132,7 +140,16 @@ impl Alone {
             .into_iter()
             .map(|task| Turn { task, release: Time::ZERO, began: None, sleeps: Time::MIN, first: true })
             .collect();
-        Ok(Alone { machine, memory, program, turns, now: Time::ZERO, rtc: Rtc::default(), profile })
+        Ok(Alone {
+            machine,
+            memory,
+            program,
+            turns,
+            now: Time::ZERO,
+            rtc: Rtc::default(),
+            profile,
+            functions: Expert::new(&ExpertConfig::default(), &[]),
+        })
     }
 
     /// From now on notes what runs.
@@ -147,7 +164,7 @@ impl Alone {
 
     /// The variable at a path, of any type.
     pub fn show(&mut self, path: &str) -> Option<Shown> {
-        self.machine.show(path, &mut Plain(&mut self.memory))
+        self.machine.show(path, &mut Plain(&mut self.memory, &mut self.functions))
     }
 
     /// Sets the variable at a path to what a literal says.
@@ -155,7 +172,7 @@ impl Alone {
     /// # Errors
     /// [`SetError`] where there is no such variable, or the text is no value of it.
     pub fn set(&mut self, path: &str, text: &str) -> Result<(), SetError> {
-        self.machine.set(path, text, &mut Plain(&mut self.memory))
+        self.machine.set(path, text, &mut Plain(&mut self.memory, &mut self.functions))
     }
 
     /// Runs the tasks for `duration`. A task of higher priority goes first, between two operations of others. A cycle
@@ -199,7 +216,12 @@ impl Alone {
         }
         let mut budget = until - self.now;
         loop {
-            let slice = self.machine.resume(task, self.now, budget, &mut Plain(&mut self.memory));
+            let slice = self.machine.resume(
+                task,
+                self.now,
+                budget,
+                &mut Plain(&mut self.memory, &mut self.functions),
+            );
             self.now += slice.used;
             match slice.stop {
                 Stop::Done => break,
@@ -243,7 +265,12 @@ impl Alone {
             self.machine.begin(task);
             loop {
                 let left = began.saturating_add(most) - self.now;
-                let slice = self.machine.resume(task, self.now, left, &mut Plain(&mut self.memory));
+                let slice = self.machine.resume(
+                    task,
+                    self.now,
+                    left,
+                    &mut Plain(&mut self.memory, &mut self.functions),
+                );
                 self.now += slice.used;
                 match slice.stop {
                     Stop::Done => break,

@@ -1,6 +1,7 @@
 //! The user's program as the controller's application: `program` and `controller` meet here, for neither knows
 //! the other.
 
+use crate::blocks;
 use crate::bundle::Bundle;
 use crate::coverage::Collector;
 use crate::names::{Names, Resolved};
@@ -10,8 +11,9 @@ use controller::{
     Stop, VariableReset,
 };
 use document::{Diagnostic, SourceFile};
+use expert::Expert;
 use profile::{ApplicationError, Profile};
-use program::{Elementary, FaultKind, Host, Machine, Options, Program, Storage};
+use program::{Elementary, FaultKind, Host, Machine, Options, Pins, Program, Storage};
 use signal::{Address, Area, Cause, Size, Span, Time, Value};
 use std::any::Any;
 use std::sync::Arc;
@@ -58,7 +60,8 @@ pub fn compile_library(sources: &[SourceFile], profile: Profile) -> Result<Progr
 
 fn compile_with(sources: &[SourceFile], options: Options) -> Result<Program, Vec<Diagnostic>> {
     let (sources, read_only) = with_system(sources);
-    program::compile(&sources, &Options { read_only, ..options })
+    let blocks = blocks::blocks(&sources);
+    program::compile(&sources, &Options { read_only, blocks, ..options })
 }
 
 /// What a check of a program says besides its findings: types that this controller's documents do not list
@@ -192,6 +195,7 @@ fn written_bits(program: &Program, programs: &[usize]) -> u32 {
 /// The controller's memory as the machine's host.
 struct TaskMemory<'a> {
     memory: &'a mut Memory,
+    functions: &'a mut Expert,
     task: u8,
 }
 
@@ -206,6 +210,10 @@ impl Host for TaskMemory<'_> {
         self.memory.set_cause(Cause::Program { task: self.task, file, line });
         self.memory.store(at, value)
     }
+
+    fn block(&mut self, block: u16, pins: &mut Pins<'_>) -> bool {
+        blocks::call(block, pins, self.functions)
+    }
 }
 
 impl Application for ProgramApplication {
@@ -217,8 +225,15 @@ impl Application for ProgramApplication {
         self.machine.begin(task);
     }
 
-    fn resume(&mut self, task: usize, now: Time, budget: Span, memory: &mut Memory) -> Slice {
-        let mut host = TaskMemory { memory, task: task as u8 };
+    fn resume(
+        &mut self,
+        task: usize,
+        now: Time,
+        budget: Span,
+        memory: &mut Memory,
+        functions: &mut Expert,
+    ) -> Slice {
+        let mut host = TaskMemory { memory, functions, task: task as u8 };
         let slice = self.machine.resume(task, now, budget, &mut host);
         let stop = match slice.stop {
             program::Stop::Budget { next } => Stop::Budget { next },

@@ -1,10 +1,11 @@
 //! One user of a bench at a time.
 //!
-//! Each chip has a file in a folder that all users share; a line is a piece of it. Who uses a line has locked its piece
-//! and written into it who they are. The kernel takes the lock away when its holder ends, however it ends, so nothing is
+//! Each device has a file in a folder that all users share; a line of a chip is a piece of it. Who uses a device or a line
+//! has locked its piece and written into it who they are. The kernel takes the lock away when its holder ends, however it ends, so nothing is
 //! ever stale.
 
 use document::Diagnostic;
+use drivers::real::{Used, uses};
 use drivers::{BoardFile, BoardKind};
 use host::lock_bytes;
 use rustix::fs::{Mode, chmod};
@@ -16,8 +17,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Bytes of a file that stand for a line.
+/// Bytes of a file that stand for a line, or for a device that is taken as a whole.
 const PIECE: u64 = 256;
+
+/// What stands before the name of a network interface.
+const NETWORK: &str = "net:";
 
 /// The variable that names the shared folder.
 const FOLDER: &str = "RIG_LOCK_DIR";
@@ -28,21 +32,21 @@ const FOLDERS: [&str; 2] = ["/run/lock", "/var/lock"];
 /// How often a bench that is waited for is looked at: the kernel has no wait for a lock that ends at a time.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// The lines of a bench, until this is dropped.
+/// The devices of a bench, until this is dropped.
 #[derive(Debug)]
 pub struct BenchLock {
     /// Open as long as they are locked.
     _files: Vec<File>,
 }
 
-/// A line that somebody else has.
+/// A device or a line that somebody else has.
 #[derive(Debug)]
 struct Taken {
     what: String,
     holder: Option<Holder>,
 }
 
-/// Who has a line.
+/// Who has it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Holder {
     process: u32,
@@ -114,11 +118,11 @@ fn user(users: &str, uid: u32) -> Option<String> {
     })
 }
 
-/// Takes the lines of a board for this process; `None` where the board has none on this machine. Where somebody else has
+/// Takes the devices of a board for this process; `None` where the board has none on this machine. Where somebody else has
 /// one, `wait` is how long to wait for them, if at all, and `told` is told for whom once.
 ///
 /// # Errors
-/// Who has the lines; a warning where this machine has no place for locks, and the bench is used without.
+/// Who has them; a warning where this machine has no place for locks, and the bench is used without.
 pub fn take(
     board: &BoardFile,
     wait: Option<Span>,
@@ -126,8 +130,7 @@ pub fn take(
     told: &dyn Fn(&str),
 ) -> Result<Option<BenchLock>, Diagnostic> {
     let BoardKind::Real(spec) = &board.kind else { return Ok(None) };
-    let used: Vec<(String, Vec<u32>)> =
-        drivers::gpio::uses(&spec.gpio).into_iter().map(|(chip, lines)| (chip.name, lines)).collect();
+    let used = uses(spec);
     if used.is_empty() {
         return Ok(None);
     }
@@ -151,18 +154,22 @@ pub fn take(
     }
 }
 
-/// Locks all lines or none.
-fn lock(folder: &Path, used: &[(String, Vec<u32>)]) -> io::Result<Result<BenchLock, Taken>> {
+/// Locks all devices or none.
+fn lock(folder: &Path, used: &[Used]) -> io::Result<Result<BenchLock, Taken>> {
     let own = Holder::here().piece();
     let mut files = Vec::new();
-    for (chip, lines) in used {
-        let file = open(&folder.join(format!("{chip}.lock")))?;
-        for line in lines {
-            let start = u64::from(*line) * PIECE;
+    for Used { device, lines } in used {
+        let file = open(&folder.join(format!("{device}.lock")))?;
+        for number in lines.as_deref().unwrap_or(&[0]) {
+            let start = u64::from(*number) * PIECE;
             if !lock_bytes(&file, start, PIECE)? {
                 let mut piece = [0; PIECE as usize];
                 let holder = file.read_exact_at(&mut piece, start).ok().and_then(|()| Holder::of(&piece));
-                return Ok(Err(Taken { what: format!("line {line} of {chip}"), holder }));
+                let what = match lines {
+                    Some(_) => format!("line {number} of {device}"),
+                    None => device.trim_start_matches(NETWORK).to_owned(),
+                };
+                return Ok(Err(Taken { what, holder }));
             }
             file.write_all_at(&own, start)?;
         }
@@ -248,8 +255,25 @@ fn without(error: &io::Error) -> Diagnostic {
 mod tests {
     use super::*;
 
-    fn used(lines: &[u32]) -> Vec<(String, Vec<u32>)> {
-        vec![("gpiochip0".to_owned(), lines.to_vec())]
+    fn used(lines: &[u32]) -> Vec<Used> {
+        vec![Used { device: "gpiochip0".into(), lines: Some(lines.to_vec()) }]
+    }
+
+    #[test]
+    fn a_device_has_one_user_beside_those_of_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = |devices: &[&str]| -> Vec<Used> {
+            devices.iter().map(|device| Used { device: (*device).into(), lines: None }).collect()
+        };
+        let one = lock(folder.path(), &of(&["ttyUSB0", "net:can0"])).unwrap().unwrap();
+        let beside = lock(folder.path(), &of(&["spidev0.0", "net:can1"])).unwrap().unwrap();
+        let taken = lock(folder.path(), &of(&["spidev0.1", "net:can0"])).unwrap().unwrap_err();
+        assert_eq!(taken.what, "can0");
+        // All or nothing.
+        assert!(lock(folder.path(), &of(&["spidev0.1"])).unwrap().is_ok());
+        drop(one);
+        assert!(lock(folder.path(), &of(&["net:can0"])).unwrap().is_ok());
+        drop(beside);
     }
 
     #[test]

@@ -25,7 +25,7 @@ use plans::Case;
 use plans::judge::{Judge, Outcome};
 use plans::plan::{Guards, ProgramRef};
 use profile::{Profile, Reference};
-use record::{CaseRecord, CaseStatus, RigTiming, StepRecord, TaskFigures, Verdict};
+use record::{CaseRecord, CaseStatus, FramesKept, RigTiming, StepRecord, TaskFigures, Verdict};
 use signal::{SignalId, Span, Time, Trace, Value, When};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -149,6 +149,8 @@ pub struct CaseResult {
     pub record: CaseRecord,
     /// The trace.
     pub trace: Option<Trace>,
+    /// Its CAN frames, as `candump -L` writes them; empty where there were none.
+    pub frames: String,
     /// What of the program ran, file by file, where that was asked for.
     pub coverage: Vec<Covered>,
 }
@@ -156,7 +158,7 @@ pub struct CaseResult {
 impl CaseResult {
     /// A case that did not run and has no trace.
     fn not_run(record: CaseRecord) -> CaseResult {
-        CaseResult { record, trace: None, coverage: Vec::new() }
+        CaseResult { record, trace: None, frames: String::new(), coverage: Vec::new() }
     }
 }
 
@@ -329,6 +331,7 @@ fn run_here(
         horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,
         fail_fast: options.fail_fast,
         on_loss: files.board.on_loss,
+        retake: files.board.retakes(),
         timeout: case.timeout,
         teardown: case.teardown,
     };
@@ -376,7 +379,10 @@ fn run_here(
         (Some(collector), Some(program)) => collector.take(program),
         _ => Vec::new(),
     };
-    Ok(CaseResult { record, trace: Some(trace), coverage })
+    let (kept, more) = ran.frames.counts();
+    record.frames = (kept > 0).then_some(FramesKept { kept, more });
+    let frames = ran.frames.text(board.buses());
+    Ok(CaseResult { record, trace: Some(trace), frames, coverage })
 }
 
 fn show(recorder: &mut Recorder, signal: SignalId, value: Value) {

@@ -1,6 +1,7 @@
 //! The controller's configuration from what a plan sets.
 
 use crate::case::CaseFiles;
+use crate::functions;
 use crate::inputs;
 use controller::{
     AlwaysUpdate, Config, HaltOutputs, OutputsInStop, Rearming, Relocation, StartingMode, State,
@@ -70,6 +71,7 @@ pub fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, V
     config.minimize_jitter = settings.minimize_jitter.unwrap_or(config.minimize_jitter);
     config.tool_connected = settings.login.unwrap_or(config.tool_connected);
     config.alarm_output = settings.alarm_output.map(|address| address.bit_offset() as usize);
+    config.expert = functions::configure(settings, &files.plan.name)?;
     inputs::configure(&mut config, settings, &files.plan.name)?;
     for (address, on) in &settings.output_defaults {
         if address.bit_offset() as usize >= files.reference.output_count() {
@@ -77,6 +79,7 @@ pub fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, V
         }
         config.output_defaults |= u32::from(*on) << address.bit_offset();
     }
+    functions::check(&config, settings, &files.plan.name)?;
     Ok(config)
 }
 

@@ -366,6 +366,10 @@ impl Board for Lent {
         self.board.as_ref()?.device(channel)
     }
 
+    fn noise(&self, channel: ChannelId) -> Option<f64> {
+        self.board.as_ref()?.noise(channel)
+    }
+
     fn bus_device(&self, bus: BusId) -> Option<&str> {
         self.board.as_ref()?.bus_device(bus)
     }

@@ -6,6 +6,7 @@
 pub mod alone;
 pub mod application;
 pub mod bench_lock;
+pub mod blocks;
 pub mod bundle;
 mod capability;
 pub mod case;
@@ -20,7 +21,9 @@ pub mod external;
 mod facts;
 pub mod figures;
 pub mod foreign;
+pub mod frame_log;
 pub mod frames;
+pub mod functions;
 pub mod generator;
 mod hand;
 pub mod hardware;

@@ -52,6 +52,10 @@ pub fn show(entry: &Entry, subject: &dyn Subject) -> String {
         Entry::Overdriven { input } => {
             format!("out of specification: I{input} is driven faster than a regular input can follow")
         }
+        Entry::FunctionOverdriven { function } => {
+            let name = subject.function_name(function).unwrap_or("?");
+            format!("out of specification: {name} is driven faster than it can count")
+        }
         Entry::SupplyLost => String::from("the supply was interrupted"),
         Entry::SupplyBack => String::from("the supply came back within the hold-up time"),
     }

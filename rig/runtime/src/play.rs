@@ -111,6 +111,7 @@ pub fn play(
         horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,
         fail_fast: false,
         on_loss: files.board.on_loss,
+        retake: files.board.retakes(),
         timeout: case.timeout,
         teardown: case.teardown,
     };

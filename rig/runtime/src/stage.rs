@@ -7,6 +7,7 @@ use crate::check::Looked;
 use crate::configure::{configuration, initial_state};
 use crate::coverage::Collector;
 use crate::external::External;
+use crate::functions;
 use crate::hand;
 use crate::hook::Hook;
 use crate::inputs;
@@ -83,7 +84,8 @@ pub(crate) fn stage(
     let mut config = configuration(&case.settings, files)?;
     let tasks = Tasks::new(program.as_deref(), &case.settings, files.profile, &files.plan)?;
     tasks.configure(&mut config, &case.settings, program.as_deref(), &files.plan)?;
-    let warnings = crate::tasks::warnings(&config, &files.plan);
+    let mut warnings = crate::tasks::warnings(&config, &files.plan);
+    warnings.extend(functions::warnings(&config, &case.settings, &files.plan.name));
     let tasks = tasks.programs;
     if let Some(program) = &program {
         let Some(places) = assign(program, &tasks) else {

@@ -3,6 +3,7 @@
 use crate::application::BundleLoader;
 pub use crate::capability::Capability;
 use crate::coverage::Collector;
+use crate::functions;
 use crate::hook::HookError;
 use crate::inputs;
 use crate::names::Names;
@@ -12,6 +13,7 @@ use controller::{
     LedPattern, LoadError, NonVolatile, OutputState, Probe, ProbeId, Refusal, State, SystemType,
     SystemVariable, TaskFigures, WriteError,
 };
+use expert::ExpertConfig;
 use plans::steps::FileDeed;
 use program::{Elementary, Program, Storage};
 use signal::{Address, Cause, Kind, Level, Span, Time, Value, When};
@@ -37,6 +39,7 @@ impl Observable {
             Probe::Output(_) => {
                 OutputState::ALL.iter().map(|state| (state.number(), state.name().to_owned())).collect()
             }
+            Probe::Expert { fact, .. } => functions::labels(fact),
             _ => Vec::new(),
         }
     }
@@ -144,6 +147,11 @@ pub trait Subject: Send {
     /// Name of a task by its place.
     fn task_name(&self, task: usize) -> Option<&str>;
 
+    /// Name of an expert function by its place.
+    fn function_name(&self, _function: usize) -> Option<&str> {
+        None
+    }
+
     /// Name of a source file by its place.
     fn file_name(&self, file: u16) -> Option<&str>;
 
@@ -197,6 +205,7 @@ pub struct Model {
     names: Names,
     /// Names and intervals; 0 for a task that is not cyclic.
     tasks: Vec<(String, Span)>,
+    functions: ExpertConfig,
 }
 
 impl Model {
@@ -215,11 +224,13 @@ impl Model {
         let loader = Box::new(BundleLoader::new(config.profile).covered(collector).named(names.clone()));
         let tasks = config.tasks.iter();
         let tasks = tasks.map(|task| (task.name.clone(), task.interval().unwrap_or(Span::ZERO))).collect();
+        let functions = config.expert.clone();
         Ok(Model {
             controller: Controller::new(config, loader, store)?,
             programs: program.into_iter().collect(),
             names,
             tasks,
+            functions,
         })
     }
 
@@ -342,6 +353,10 @@ impl Subject for Model {
         self.tasks.get(task).map(|(name, _)| name.as_str())
     }
 
+    fn function_name(&self, function: usize) -> Option<&str> {
+        self.functions.functions.get(function).map(|function| function.name.as_str())
+    }
+
     fn file_name(&self, file: u16) -> Option<&str> {
         self.programs.first()?.files().get(usize::from(file)).map(String::as_str)
     }
@@ -355,6 +370,7 @@ impl Subject for Model {
         let variables = self.programs.iter().flat_map(|program| program.variables());
         let variables = variables.map(|variable| variable.path.clone());
         let variables = variables.chain(inputs::names(self.controller.reference().input_count()));
+        let variables = variables.chain(functions::names(&self.functions));
         let leds = Led::ALL.iter().flat_map(|led| ["", ".lit"].map(|end| format!("LED.{}{end}", led.name())));
         let system = SystemVariable::ALL.iter().map(|variable| variable.name().to_owned());
         variables.chain(system).chain(leds).collect()
@@ -369,6 +385,9 @@ impl Subject for Model {
             return Some(found);
         }
         if let Some(found) = inputs::observable(name, self.controller.reference().input_count()) {
+            return Some(found);
+        }
+        if let Some(found) = functions::observable(name, &self.functions) {
             return Some(found);
         }
         if name.starts_with('%') {
@@ -400,6 +419,7 @@ impl Subject for Model {
         }
         if indicator(name, self.controller.reference().output_count()).is_some()
             || inputs::observable(name, self.controller.reference().input_count()).is_some()
+            || functions::observable(name, &self.functions).is_some()
         {
             return None;
         }

@@ -1,5 +1,6 @@
 //! Many plans: their files, their cases, and several cases at once.
 
+use crate::blocks;
 use crate::case::{CaseFiles, OtherProgram};
 pub use crate::lines::{real_board, taken_for_granted};
 pub use crate::queue::{Done, Happened, run, watch};
@@ -449,7 +450,8 @@ impl LoadedPlan {
         let mut others: Vec<OtherProgram> = Vec::new();
         for program in case.steps.iter().filter_map(|step| step.stimulus.program()) {
             if others.iter().all(|known| known.program != *program) {
-                others.push(OtherProgram { program: program.clone(), sources: self.sources(program) });
+                let sources = self.sources(program);
+                others.push(OtherProgram { program: program.clone(), sources });
             }
         }
         let own = case.board.as_ref().and_then(|name| {
@@ -471,12 +473,21 @@ impl LoadedPlan {
         };
         let of_board = self.board_guards.iter().filter(|guards| guards.file().name == board.name);
         let guards = self.suites.iter().chain(of_board).cloned().collect();
+        let mut sources = self.sources(&case.program);
+        if board.subject.external.is_none() {
+            // A real controller brings the names of its functions along.
+            let names = || case.settings.expert.iter().map(|function| function.name.as_str());
+            let others = others.iter_mut().map(|other| &mut other.sources);
+            for sources in others.chain([&mut sources]).filter(|sources| !sources.is_empty()) {
+                sources.extend(blocks::declarations(names()));
+            }
+        }
         Ok(CaseFiles {
             name: job.name.clone(),
             given: self.given.clone(),
             plan: self.plan.source().clone(),
             joined: self.plan.joined().clone(),
-            sources: self.sources(&case.program),
+            sources,
             others,
             board,
             board_text,

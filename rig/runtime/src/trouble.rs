@@ -3,7 +3,7 @@
 use crate::hook::HookError;
 use crate::operator::AskError;
 use controller::{FileError, Refusal, State, WriteError};
-use drivers::{BoardError, Channel, ChannelId, Health, LossReason};
+use drivers::{BoardError, BusState, Channel, ChannelId, Health, LossReason};
 use signal::{Span, Time, TraceError};
 use std::fmt;
 
@@ -74,6 +74,19 @@ pub enum Trouble {
         reason: LossReason,
         /// For how long.
         since: Span,
+        /// It is looked for.
+        retake: bool,
+    },
+    /// A frame that was sent did not come to its bus.
+    NotOnBus {
+        /// When that was noticed.
+        at: Time,
+        /// The bus.
+        bus: String,
+        /// The device in words; empty where the board has none.
+        device: String,
+        /// How its controller takes part.
+        state: BusState,
     },
     /// Frames were lost.
     FramesDropped {
@@ -248,10 +261,29 @@ impl fmt::Display for Shown<'_> {
                     device => write!(f, "bus {bus} was lost at {at}: its controller, {device}, {words}"),
                 }
             }
-            Trouble::StillLost { what, device, reason, since } => {
+            Trouble::StillLost { what, device, reason, since, retake } => {
                 write!(f, "{what} is lost for {since}: ")?;
                 lost(f, device, *reason)?;
-                f.write_str("; `retake = true` below [board] takes back a device that is there again")
+                f.write_str(match (reason, retake) {
+                    (LossReason::Gone, false) => {
+                        "; `retake = true` below [board] takes back a device that is there again"
+                    }
+                    (LossReason::Gone, true) => {
+                        "; it was looked for, and is not there as the board file has it"
+                    }
+                    // It is there, and nobody has to take it back.
+                    _ => "",
+                })
+            }
+            Trouble::NotOnBus { at, bus, device, state } => {
+                write!(f, "a frame that was sent on bus {bus} was not on it by {at}: its controller")?;
+                if !device.is_empty() {
+                    write!(f, ", {device},")?;
+                }
+                f.write_str(match state {
+                    BusState::ErrorActive => " waits for the bus",
+                    _ => " counts errors of sending: nobody acknowledges, or another bit rate is on the bus",
+                })
             }
             Trouble::NotSent { at, step, bus, error } => {
                 write!(f, "step `{step}` could not send on bus {bus} at {at}: ")?;
@@ -306,6 +338,33 @@ impl fmt::Display for Shown<'_> {
             }
             Trouble::Hook(error) => write!(f, "{error}"),
             Trouble::Interrupted => f.write_str("interrupted"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Who reads it is told of `retake` where that would have helped, and only there.
+    #[test]
+    fn a_device_that_is_still_lost_is_told_with_what_mends_it() {
+        let said = |reason, retake| {
+            let (what, device, since) = (String::from("bus b"), String::from("can0"), Span::from_secs(3));
+            Trouble::StillLost { what, device, reason, since, retake }.show(&[]).to_string()
+        };
+        assert!(said(LossReason::Gone, false).ends_with(
+            "can0, is gone; `retake = true` below [board] takes back a device that is there again"
+        ));
+        assert!(
+            said(LossReason::Gone, true)
+                .ends_with("can0, is gone; it was looked for, and is not there as the board file has it")
+        );
+        for retake in [false, true] {
+            assert_eq!(
+                said(LossReason::Silent, retake),
+                "bus b is lost for 3 s: its device, can0, does not answer"
+            );
         }
     }
 }

@@ -1,52 +1,9 @@
 //! The loop of a case allocates nothing: between two instants of modelled time, well behind the start, the number of
 //! allocations does not depend on how many cycles lie between them. What remains are the segments of the trace.
 
-// A counting allocator cannot be written without: it hands on every call to the system's unchanged.
-#![allow(unsafe_code)]
-
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::Texts;
 use scanrig_runtime::clock::Clock;
 use signal::Time;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-use texts::Texts;
-
-thread_local! {
-    /// Of this thread: the test harness has threads of its own.
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-fn count() {
-    // A thread that is ending has no cell any more.
-    let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
-}
-
-// SAFETY: every call goes to `System` with the arguments that came, and `count` neither allocates nor unwinds.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promise for `layout` is the one that `System` asks for.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
-        // SAFETY: as above; `place` came from `System`.
-        unsafe { System.realloc(place, layout, size) }
-    }
-
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        // SAFETY: as above; `place` came from `System`.
-        unsafe { System.dealloc(place, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 const PROGRAM: &str = "PROGRAM MAIN
 VAR
@@ -126,7 +83,7 @@ impl Clock for Noting {
         self.now = self.now.max(due);
         for (at, noted) in self.at.iter().zip(&mut self.allocations) {
             if noted.is_none() && self.now >= *at {
-                *noted = Some(ALLOCATIONS.get());
+                *noted = Some(counting::of_this_thread());
             }
         }
         self.now
@@ -184,6 +141,44 @@ fn waves_allocate_nothing() {
     let files =
         [("plan.toml", WAVES), ("cycles.st", PROGRAM), ("board.toml", board.as_str()), ("table.csv", table)];
     allocates_nothing(&files);
+}
+
+/// Square waves, pulses of an axis that goes to and fro, and a counter of the waves with reflex and threshold.
+const FUNCTIONS: &str = "PROGRAM MAIN
+VAR
+    wave : PWM_M241;
+    count : HSCMain_M241;
+    power : MC_Power_PTO;
+    there, back : MC_MoveRelative_PTO;
+    go : BOOL;
+END_VAR
+wave(PWM_REF_IN := PWM0, Enable := TRUE, Frequency := 1000, Duty := 50);
+count(HSC_REF_IN := HSC0, F_Enable := TRUE, EN_Compare := TRUE, EN_Out0 := TRUE);
+power(Axis := PTO0, Enable := TRUE);
+there(Axis := PTO0, Execute := go, Distance := 20, Velocity := 100, Acceleration := 10, Deceleration := 10);
+back(Axis := PTO0, Execute := NOT go AND power.Status, Distance := -20, Velocity := 100, Acceleration := 10,
+    Deceleration := 10);
+IF there.Done OR there.Error THEN go := FALSE; END_IF;
+IF back.Done OR back.Error THEN go := TRUE; END_IF;
+END_PROGRAM
+";
+
+const OF_FUNCTIONS: &str = "format = 1
+title = \"Expert functions without end\"
+program = \"functions.st\"
+board = \"board.toml\"
+signals = { wave = \"%QX0.0\", back = \"%IX0.0\", a = \"%QX0.2\", reflex = \"%QX0.1\", value = \"HSC0.value\", at = \"PTO0.position\" }
+ends = \"start + 230 s\"
+expect = [{ edges = { signal = \"reflex\", rising = \"100 ..\" } }, { edges = { signal = \"a\", rising = \"100 ..\" } }]
+[settings.expert]
+HSC0 = { kind = \"main-single\", a = \"%IX0.0\", mode = \"modulo-loop\", modulo = 10, thresholds = [5], reflex0 = \"%QX0.1\", reflex0-zones = [1] }
+PWM0 = { kind = \"pwm\", a = \"%QX0.0\" }
+PTO0 = { kind = \"pto\", a = \"%QX0.2\", b = \"%QX0.3\" }
+";
+
+#[test]
+fn expert_functions_allocate_nothing() {
+    allocates_nothing(&[("plan.toml", OF_FUNCTIONS), ("functions.st", FUNCTIONS), ("board.toml", BOARD)]);
 }
 
 fn allocates_nothing(files: &[(&str, &str)]) {

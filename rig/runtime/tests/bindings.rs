@@ -1,14 +1,11 @@
 //! What the files of a case mean together: names and terminals, and what a plan needs of the rig.
 
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::Texts;
 use record::Verdict;
 use scanrig_runtime::suite::Done;
 use scanrig_runtime::{ClockKind, RunOptions};
 use signal::Span;
 use std::sync::atomic::AtomicBool;
-use texts::Texts;
 
 /// An output that toggles in every cycle, and an array.
 const TOGGLE: &str = "PROGRAM MAIN
@@ -54,7 +51,7 @@ fn one_channel_may_feed_two_inputs() {
     let interrupt = AtomicBool::new(false);
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
     let texts = [("plan.toml", plan.as_str()), ("two.st", program), ("board.toml", board.as_str())];
-    texts::expect(&Texts(&texts).run(1, &options), Verdict::Pass);
+    crate::texts::expect(&Texts(&texts).run(1, &options), Verdict::Pass);
 }
 
 #[test]
@@ -103,9 +100,9 @@ fn a_plan_that_needs_exact_instants_is_inconclusive_on_a_late_rig() {
     let run =
         |needs: &str, options| Texts(&[("plan.toml", &plan(needs)), ("follow.st", program)]).run(3, options);
     let needs = "needs = [\"timestamp <= 1 us\"]";
-    texts::expect(&run(needs, &exact), Verdict::Pass);
-    texts::expect(&run("", &late), Verdict::Inconclusive);
+    crate::texts::expect(&run(needs, &exact), Verdict::Pass);
+    crate::texts::expect(&run("", &late), Verdict::Inconclusive);
     let result = run(needs, &late);
-    texts::expect(&result, Verdict::Inconclusive);
+    crate::texts::expect(&result, Verdict::Inconclusive);
     assert!(result.record.reason.contains("the plan needs edges to within 1 us"), "{}", result.record.reason);
 }

@@ -1,10 +1,7 @@
 //! What a bench tells of a plan before anything moves, each with the plan that has nothing wrong beside it.
 
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::Texts;
 use scanrig_runtime::case::check_case;
-use texts::Texts;
 
 const PROGRAM: &str = "PROGRAM MAIN
 VAR

@@ -1,9 +1,7 @@
 //! A trace follows from plan, program and seed: neither the length of slices nor the number of jobs shows in it
 //! (docs/decisions/0003-time-of-an-operation.md).
 
-mod common;
-
-use common::Library;
+use crate::common::Library;
 use scanrig_runtime::suite::{self, Done, Job};
 use scanrig_runtime::{ClockKind, RunOptions};
 use signal::Span;

@@ -1,8 +1,6 @@
 //! Lines that a device drives a while after it was told: the mark of a step ends when its lines were seen driven.
 
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::{Parted, Texts};
 use document::SourceFile;
 use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, Origin, TimestampSource};
 use scanrig_runtime::clock::Clock;
@@ -12,7 +10,6 @@ use scanrig_runtime::hook::Hook;
 use scanrig_runtime::suite;
 use scanrig_runtime::trouble::Trouble;
 use signal::{Span, Time, Value, When};
-use texts::{Parted, Texts};
 
 const MILLISECOND: Span = Span::from_millis(1);
 

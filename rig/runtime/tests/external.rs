@@ -1,14 +1,11 @@
 //! A controller that is not the rig's own: here it is made of wires, which follow its supply and its inputs.
 
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::{Texts, expect};
 use record::{CaseStatus, Verdict};
 use scanrig_runtime::suite::Done;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Event, Time};
 use std::sync::atomic::AtomicBool;
-use texts::{Texts, expect};
 
 /// Its program lets the lamp at Q4 follow the button at I0 within 20 ms. It takes 1.5 s from its supply to RUNNING.
 const COPPER: &str = "\

@@ -1,9 +1,7 @@
 //! How cases come through setup, steps and teardown: every row of the table in `docs/plans.md`. Each verdict is the same
 //! when the trace is judged again.
 
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::Texts;
 use plans::steps::Question;
 use record::{CaseRecord, Verdict};
 use scanrig_runtime::suite::Done;
@@ -11,7 +9,6 @@ use scanrig_runtime::{AskError, CaseResult, ClockKind, Operator, RunOptions, rej
 use signal::{LoadLimits, Trace};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use texts::Texts;
 
 /// The valve opens with the button and closes with the stop button.
 const VALVE: &str = "PROGRAM MAIN

@@ -1,14 +1,10 @@
 //! What suites and boards claim of every case, and alarms that end one.
 
-mod common;
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::Texts;
 use record::{ClaimRecord, Origin, Verdict};
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions, rejudge};
 use signal::{Span, Value};
 use std::sync::atomic::AtomicBool;
-use texts::Texts;
 
 const SUITE: &str = r#"
 format = 1
@@ -63,7 +59,7 @@ fn the_record_says_which_file_claims_what() {
     let files =
         [("plan.toml", plan.as_str()), ("lamp.st", BOTH), ("suite.toml", SUITE), ("bench.toml", BOARD)];
     let result = run(&files, ClockKind::Virtual);
-    texts::expect(&result, Verdict::Fail);
+    crate::texts::expect(&result, Verdict::Fail);
     let both = claim(&result, "never both");
     assert_eq!((both.verdict, both.origin, both.line, both.guard), (Verdict::Fail, Origin::Suite, 6, true));
     assert_eq!(both.place_file.as_deref(), Some("suite.toml"));
@@ -96,7 +92,7 @@ expect = [{ falls = { signal = "lamp", from = "press.done", within = "100 ms" } 
     let plan = plan(alarms);
     for clock in [ClockKind::Virtual, ClockKind::Late(Span::from_millis(3))] {
         let result = run(&[("plan.toml", &plan), ("lamp.st", BOTH)], clock);
-        texts::expect(&result, Verdict::Fail);
+        crate::texts::expect(&result, Verdict::Fail);
         let alarm = claim(&result, "lit too long");
         assert_eq!((alarm.verdict, alarm.verb.as_str()), (Verdict::Fail, "alarm"));
         assert!(
@@ -124,7 +120,7 @@ alarms = [{ name = "lit too long", when = { signal = "lamp", is = true }, delay 
 expect = [{ falls = { signal = "lamp", from = "press.done", within = "100 ms" } }]"#;
     let plan = plan(alarms);
     let result = run(&[("plan.toml", &plan), ("lamp.st", BOTH)], ClockKind::Virtual);
-    texts::expect(&result, Verdict::Fail);
+    crate::texts::expect(&result, Verdict::Fail);
     assert_eq!(result.record.claims[0].verdict, Verdict::Pass);
     assert_eq!(result.record.end_ns - result.record.start_ns, 3_000_000_000);
 }
@@ -135,7 +131,7 @@ fn an_alarm_that_is_not_raised_says_how_near_it_was() {
         "alarms = [{ name = \"lit too long\", when = { signal = \"lamp\", is = true }, delay = \"2 s\" }]",
     );
     let result = run(&[("plan.toml", &plan), ("lamp.st", BOTH)], ClockKind::Virtual);
-    texts::expect(&result, Verdict::Pass);
+    crate::texts::expect(&result, Verdict::Pass);
     let margin = claim(&result, "lit too long").margin.as_ref().unwrap().to_string();
     assert!(margin.starts_with("1 s") || margin.starts_with("1.0") || margin.starts_with("999"), "{margin}");
 }

@@ -1,8 +1,6 @@
 //! The executor on a clock whose waits end late: what runs on the host's clock, without the host.
 
-mod common;
-
-use common::{Library, events};
+use crate::common::{Library, events};
 use record::{CaseRecord, Verdict};
 use scanrig_runtime::suite::Job;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions, rejudge};

@@ -1,8 +1,6 @@
 //! The shipped library in process: every case passes, and its recorded trace alone gives every verdict again.
 
-mod common;
-
-use common::Library;
+use crate::common::Library;
 use record::{CaseRecord, Verdict};
 use scanrig_runtime::suite::{self, Done, LoadedPlan};
 use scanrig_runtime::{ClockKind, RunOptions, rejudge};

@@ -1,18 +1,13 @@
 //! The executor on real lines, with time and edges out of a script: what it waits for, when inputs count, when outputs
 //! leave, and what lateness does to all this.
 
-#[path = "common/scripted.rs"]
-mod scripted;
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::scripted::{ScriptBoard, ScriptClock, Shared};
+use crate::texts::{Parted, Texts};
 use controller::{Config, InputConfig};
 use drivers::{Board, ChannelId};
 use profile::Filter;
 use scanrig_runtime::executor::Ran;
-use scripted::{ScriptBoard, ScriptClock, Shared};
 use signal::{Span, Time, Value};
-use texts::{Parted, Texts};
 
 /// The bench has a controller of the usual configuration, but inputs without a filter: a cycle each 20 ms.
 const CYCLE: i64 = 20;

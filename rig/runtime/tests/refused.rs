@@ -1,13 +1,10 @@
 //! Cases that are to be refused: they pass by what their check finds, and fail by everything else.
 
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::Texts;
 use record::Verdict;
 use scanrig_runtime::suite::Done;
 use scanrig_runtime::{ClockKind, RunOptions};
 use std::sync::atomic::AtomicBool;
-use texts::Texts;
 
 fn verdict(signal: &str, refused: &str) -> (Verdict, String) {
     let plan = format!(

@@ -1,15 +1,11 @@
 //! Steps come when they should, each once.
 
-mod common;
-#[path = "common/texts.rs"]
-mod texts;
-
-use common::events;
+use crate::common::events;
+use crate::texts::Texts;
 use record::Verdict;
 use scanrig_runtime::{ClockKind, RunOptions};
 use signal::{Span, Time};
 use std::sync::atomic::AtomicBool;
-use texts::Texts;
 
 const PLAN: &str = r#"
 format = 1
@@ -31,7 +27,7 @@ expect = [{ edges = { signal = "in", rising = 8 } }]
 fn several_steps_hang_on_one_pulse() {
     let interrupt = AtomicBool::new(false);
     let result = Texts(&[("plan.toml", PLAN)]).run(1, &RunOptions::new(ClockKind::Virtual, &interrupt));
-    texts::expect(&result, Verdict::Pass);
+    crate::texts::expect(&result, Verdict::Pass);
     let trace = result.trace.unwrap();
     let events = events(&trace);
     let of = |name: &str| -> Vec<Time> {

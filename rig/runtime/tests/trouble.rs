@@ -1,8 +1,6 @@
 //! Trouble of the rig: the verdict is `error` with the reason, and nothing stays driven, whatever ended the case.
 
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::Texts;
 use controller::{
     Command, Disturbance, Effects, FileError, FileFact, Probe, ProbeId, Refusal, State, TaskFigures,
     WriteError,
@@ -15,7 +13,6 @@ use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Cause, Level, Span, Time, Value, When};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::AtomicBool;
-use texts::Texts;
 
 /// An output that toggles in every cycle.
 const TOGGLE: &str = "PROGRAM MAIN
@@ -56,7 +53,7 @@ fn trouble_of_the_board_is_an_error_with_its_reason_and_leaves_everything_safe()
     ] {
         let board = faults(text);
         let result = run(&plan(""), &board);
-        texts::expect(&result, Verdict::Error);
+        crate::texts::expect(&result, Verdict::Error);
         assert!(result.record.reason.contains(reason), "{text}: {}", result.record.reason);
         let plan = plan("");
         let texts = [("plan.toml", plan.as_str()), ("toggle.st", TOGGLE), ("board.toml", board.as_str())];
@@ -75,7 +72,7 @@ fn a_lost_device_ends_its_case_through_the_teardown_where_the_board_file_says_so
     let run = |key: &str| run(&plan(teardown), &board(&format!("{key}{lost}")));
     for (key, early) in [("", false), ("on-loss = \"go-on\"\n", false), ("on-loss = \"end\"\n", true)] {
         let result = run(key);
-        texts::expect(&result, Verdict::Error);
+        crate::texts::expect(&result, Verdict::Error);
         let record = &result.record;
         assert!(record.reason.contains("was lost at"), "{key}: {}", record.reason);
         assert_eq!(record.ended == "a device was lost", early, "{key}: {}", record.ended);
@@ -85,11 +82,32 @@ fn a_lost_device_ends_its_case_through_the_teardown_where_the_board_file_says_so
     }
 }
 
+/// Where lost claims end their case, a lost device still does so by itself, and the teardown comes.
+#[test]
+fn a_lost_device_is_why_its_case_ended_also_where_the_first_lost_claim_ends_it() {
+    let interrupt = AtomicBool::new(false);
+    let options = RunOptions { fail_fast: true, ..RunOptions::new(ClockKind::Virtual, &interrupt) };
+    let board = board("on-loss = \"end\"\n[faults]\nlost = { chance = 0.2, for = \"30 ms\" }");
+    // What is unknown from the loss on makes the claim inconclusive, and does not end the case before the loss does.
+    let plan = plan(
+        "teardown = [{ id = \"rest\", at = \"teardown + 5 ms\", mark = {} }]\n\
+         [[expect]]\nvalue = { of = \"lamp\", is = true, when = \"start + 999 ms\" }",
+    );
+    let texts = [("plan.toml", plan.as_str()), ("toggle.st", TOGGLE), ("board.toml", board.as_str())];
+    let result = Texts(&texts).run(5, &options);
+    crate::texts::expect(&result, Verdict::Error);
+    let record = &result.record;
+    assert_eq!(record.ended, "a device was lost");
+    assert!(record.reason.contains("was lost at"), "{}", record.reason);
+    let rest = record.steps.iter().find(|step| step.id == "rest").and_then(|step| step.at_ns);
+    assert_eq!(rest.map(|at| at[0]), Some(record.end_ns + 5_000_000));
+}
+
 /// Late knowledge is no error: claims get an uncertainty.
 #[test]
 fn changes_that_become_known_late_are_uncertain_and_no_error() {
     let result = run(&plan(""), &faults("late = { chance = 0.5, by = \"2 ms\" }"));
-    texts::expect(&result, Verdict::Pass);
+    crate::texts::expect(&result, Verdict::Pass);
     let trace = result.trace.unwrap();
     let widest = trace.events().map(|event| event.unwrap().at).map(|at| at.latest - at.earliest).max();
     assert!(widest.is_some_and(|widest| widest > Span::ZERO && widest <= Span::from_millis(2)), "{widest:?}");
@@ -101,7 +119,7 @@ fn a_loss_that_a_step_asks_for_is_no_error() {
     let lost =
         "steps = [{ id = \"gone\", at = \"start + 0.5 s\", fault = { signal = \"lamp\", kind = \"lost\" } }]";
     let result = run(&plan(lost), &board(""));
-    texts::expect(&result, Verdict::Pass);
+    crate::texts::expect(&result, Verdict::Pass);
     let trace = result.trace.unwrap();
     let lamp = trace.find("lamp").unwrap();
     assert_eq!(trace.last(lamp).map(|event| event.value), Some(Value::Unknown));
@@ -113,7 +131,7 @@ fn an_error_of_the_board_names_the_channel() {
         .map(|n| format!("{{ id = \"f{n}\", at = \"start + {n} ms\", fault = {{ signal = \"lamp\", kind = \"open\" }} }},"))
         .collect();
     let result = run(&plan(&format!("steps = [{faults}]")), &board(""));
-    texts::expect(&result, Verdict::Error);
+    crate::texts::expect(&result, Verdict::Error);
     assert!(result.record.reason.contains("Q4 has 8 faults already"), "{}", result.record.reason);
 }
 

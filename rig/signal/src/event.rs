@@ -1,5 +1,7 @@
 //! Events: what changed, when it can have happened, and who did it.
 
+use std::fmt;
+
 use crate::{Span, Time, Value};
 
 /// The place of a signal in its trace.
@@ -51,6 +53,38 @@ pub enum Cause {
     Controller,
     /// The board: a wire, a plant, a device.
     Board,
+    /// Nobody: the value is [`Value::Unknown`] from then on, for this reason.
+    Gap(Gap),
+}
+
+/// Why the value of a signal is not known, though its device is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Gap {
+    /// A live zero is missing: there is nothing at the end of the wire.
+    OpenWire,
+    /// More than a sensor gives that works: it says that it fails, or its wire is shorted.
+    Failed,
+    /// At the lower end of the input's range, where there may be less.
+    Below,
+    /// At the upper end of the input's range, where there may be more.
+    Above,
+}
+
+impl Gap {
+    /// Each of them.
+    pub const ALL: [Gap; 4] = [Gap::OpenWire, Gap::Failed, Gap::Below, Gap::Above];
+}
+
+impl fmt::Display for Gap {
+    /// As a reason: `its wire is open`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Gap::OpenWire => "its wire is open",
+            Gap::Failed => "its sensor fails or its wire is shorted",
+            Gap::Below => "at the lower end of its range there may be less",
+            Gap::Above => "at the upper end of its range there may be more",
+        })
+    }
 }
 
 /// What a signal's values are.
@@ -62,7 +96,7 @@ pub enum Kind {
     Int,
     /// [`Value::Word`].
     Word,
-    /// [`Value::Real`].
+    /// [`Value::Real`] or [`Value::Measured`].
     Real,
     /// [`Value::Int`] naming a state of [`SignalInfo::labels`].
     State,

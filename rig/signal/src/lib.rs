@@ -13,7 +13,7 @@ pub mod trace;
 mod value;
 
 pub use address::{Address, AddressError, AddressLimits, Area, Size};
-pub use event::{Cause, ClockDomain, Event, Kind, Policy, Sampling, SignalId, SignalInfo, When};
+pub use event::{Cause, ClockDomain, Event, Gap, Kind, Policy, Sampling, SignalId, SignalInfo, When};
 pub use image::Image;
 pub use quantity::{Decimal, Quantity, QuantityError, QuantityFault, QuantityRange, Unit, is_range};
 pub use random::Random;

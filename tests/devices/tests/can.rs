@@ -2,6 +2,8 @@
 
 #[path = "can/bench.rs"]
 mod bench;
+#[path = "can/configure.rs"]
+mod configure;
 #[path = "can/frames.rs"]
 mod frames;
 #[path = "can/settings.rs"]

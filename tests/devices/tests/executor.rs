@@ -1,13 +1,10 @@
 //! The executor on real lines: scans that start on time whatever devices do, and go on without end in the memory that
 //! they began with.
 
-// A counting allocator cannot be written without: it hands on every call to the system's unchanged.
-#![allow(unsafe_code)]
-
 #[path = "executor/bench.rs"]
 mod bench;
-#[path = "executor/counting.rs"]
-mod counting;
+#[path = "executor/memory.rs"]
+mod memory;
 #[path = "../../../rig/runtime/tests/common/texts.rs"]
 mod texts;
 
@@ -15,11 +12,15 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use bench::{Bench, Start};
-use counting::{LOOKING, look};
 use devices::{ADC, Adc, Call, Lab, MAIN, MCP3008, PATIENCE, SERIAL_A, bind_spi, wait_for};
 use drivers::serial::{LineSettings, PortSpec, SerialPort};
+use drivers::{BusId, Frame, Surroundings};
 use host::{Realtime, Role, monotonic};
-use signal::Span;
+use memory::{LOOKING, look};
+use signal::{Span, Time};
+
+#[global_allocator]
+static COUNTING: counting::Counting = counting::Counting;
 
 const HANG: Duration = Duration::from_secs(1);
 
@@ -88,6 +89,57 @@ fn scans_start_as_punctually_while_a_serial_port_hangs() {
     punctual("", || ask.send(()).unwrap(), || SERIAL_A.inside());
     drop(ask);
     port.join().unwrap();
+}
+
+/// The rig's thread of this name sleeps inside a call.
+fn sleeps(thread: &str) -> bool {
+    let threads = std::fs::read_dir("/proc/self/task").unwrap().flatten();
+    // It is `NUMBER (NAME) STATE ...`.
+    let mut all = threads.filter_map(|thread| std::fs::read_to_string(thread.path().join("stat")).ok());
+    all.any(|stat| stat.contains(&format!("({thread}) D ")))
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn scans_start_as_punctually_while_a_can_controller_hangs() {
+    let _lab = Lab::enter();
+    let trouble = |what: &str| format!("/sys/class/net/rcan0/trouble/{what}");
+    let write = |what: &str, value: &str| std::fs::write(trouble(what), value).unwrap();
+    // Behind each bus-off the rig starts the controller again, a call of a second. The lock of all interfaces is held
+    // meanwhile.
+    let devices = "[buses]
+bus = { kind = \"can\", interface = \"rcan0\", bitrate = 500_000, restart = \"10 ms\" }
+";
+    let inside = || std::fs::read_to_string(trouble("inside")).unwrap().trim().parse().unwrap();
+    let begin = || {
+        write("hang_restart_ms", &HANG.as_millis().to_string());
+        write("event", "bus-off");
+        wait_for("the rig's thread sleeps", PATIENCE, || inside() == 1 && sleeps("can rcan0"));
+    };
+    punctual(devices, begin, inside);
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn scans_start_as_punctually_while_sending_a_can_frame_hangs() {
+    let _lab = Lab::enter();
+    let text = "format = 1
+board = { kind = \"real\", silent-after = \"5 s\" }
+buses = { bus = { kind = \"can\", interface = \"rcan0\", bitrate = 500_000 } }
+";
+    let terminals = |_: &drivers::Subject| Ok(drivers::Terminals::default());
+    let file = drivers::read(&document::SourceFile::new("can.toml", text), &terminals).unwrap();
+    let at = Surroundings::new(Realtime::with_priority(80));
+    let mut board = drivers::open(&file, &at).unwrap().unwrap();
+    board.start(Time::ZERO).unwrap();
+    let board = std::sync::Mutex::new(board);
+    let begin = || {
+        std::fs::write("/sys/class/net/rcan0/trouble/hang_ms", HANG.as_millis().to_string()).unwrap();
+        let frame = Frame::classic(1, false, &[0x55; 8]).unwrap();
+        board.lock().unwrap().send(at.time.now(), BusId(0), &frame).unwrap();
+    };
+    let inside = || std::fs::read_to_string("/sys/class/net/rcan0/trouble/inside").unwrap();
+    punctual("", begin, || inside().trim().parse().unwrap());
 }
 
 /// Holds how late scans start while a call on a device hangs, three times for a second, against how late they start at

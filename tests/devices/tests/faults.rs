@@ -1,6 +1,6 @@
 //! Faults on real wires, made by relays; and a bench that one user has at a time.
 
-use devices::{Contact, Lab, MAIN, PATIENCE, rig, wait_for};
+use devices::{ADC, Adc, Contact, Lab, MAIN, PATIENCE, bind_spi, rig, wait_for};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -193,4 +193,107 @@ fn a_second_user_is_told_who_has_the_bench_and_may_wait() {
     first.kill().unwrap();
     first.wait().unwrap();
     assert!(second.wait().unwrap().success());
+}
+
+/// A board of buses and converters.
+fn board_of(buses: &str, channels: &str, converters: &str) -> String {
+    format!(
+        "format = 1
+[board]
+kind = \"real\"
+silent-after = \"5 s\"
+[buses]
+{buses}
+[channels]
+{channels}
+[converters]
+{converters}
+[guard]
+limit = \"5 s\"
+[realtime]
+late = \"10 s\"
+"
+    )
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn every_kind_of_device_has_one_user_and_other_benches_run_beside() {
+    let _lab = Lab::enter();
+    let _adc = Adc::enter();
+    bind_spi();
+    let can = |interface: &str| {
+        format!("can = {{ kind = \"can\", interface = \"{interface}\", bitrate = 500_000 }}\n")
+    };
+    let serial = |port: &str| format!("line = {{ kind = \"serial\", path = \"/dev/rig/{port}\" }}\n");
+    let input = |converter: &str| {
+        format!(
+            "{converter} = {{ kind = \"analog\", unit = \"V\", input = 0, converter = \"{converter}\" }}\n"
+        )
+    };
+    let spi =
+        "spi = { kind = \"spi\", path = \"/dev/spidev0.0\", part = \"mcp3008\", reference = \"3.3 V\" }\n";
+    let iio = format!("iio = {{ kind = \"iio\", name = \"{ADC}\" }}\n");
+    let all = board_of(
+        &(can("can0") + &serial("serial-a")),
+        &(input("spi") + &input("iio")),
+        &(spi.to_owned() + &iio),
+    );
+    let folder = Folder::new("devices", &all);
+    let plan = |lasts: &str| {
+        format!(
+            "format = 1
+title = \"Time goes by\"
+program-text = \"PROGRAM MAIN VAR END_VAR END_PROGRAM\"
+ends = \"start + {lasts}\"
+expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }} }}]
+"
+        )
+    };
+    std::fs::write(folder.path().join("long.toml"), plan("100 s")).unwrap();
+    std::fs::write(folder.path().join("short.toml"), plan("100 ms")).unwrap();
+    let [locks, others] = ["locks", "others"].map(|name| folder.path().join(name));
+    for locks in [&locks, &others] {
+        std::fs::create_dir_all(locks).unwrap();
+    }
+    let long = ["test", "long.toml", "--board", "board.toml"];
+    let mut first = folder.command(&long).env("RIG_LOCK_DIR", &locks).stdout(Stdio::null()).spawn().unwrap();
+    let process = first.id().to_string();
+    let holds = |device: &str| {
+        let lock = std::fs::read(locks.join(format!("{device}.lock"))).unwrap_or_default();
+        lock.starts_with(process.as_bytes())
+    };
+    wait_for("the first user", PATIENCE * 3, || holds("iio:device0"));
+    let second = |board: &str, locks: &Path| {
+        std::fs::write(folder.path().join("other.toml"), board).unwrap();
+        let args = ["test", "short.toml", "--board", "other.toml"];
+        let ran = folder.command(&args).env("RIG_LOCK_DIR", locks).output().unwrap();
+        (ran.status.code().unwrap(), String::from_utf8_lossy(&ran.stderr).into_owned())
+    };
+    for (device, board) in [
+        ("can0", board_of(&can("can0"), "", "")),
+        ("ttyS", board_of(&serial("serial-a"), "", "")),
+        ("spidev0.0", board_of("", &input("spi"), spi)),
+        ("iio:device0", board_of("", &input("iio"), &iio)),
+    ] {
+        let (code, said) = second(&board, &locks);
+        let words = [
+            "error[R0280]".to_owned(),
+            format!(" has had {device}"),
+            format!("`rig test long.toml --board board.toml`, process {process}"),
+        ];
+        assert!(code == 2 && words.iter().all(|words| said.contains(words)), "{device}: {code} {said}");
+    }
+    // Whoever does not ask for locks meets the device itself.
+    let (code, said) = second(&board_of("", &input("spi"), spi), &others);
+    let words =
+        format!("is held by `rig test long.toml --board board.toml` (process {process}, running for ");
+    assert!(code == 2 && said.contains("error[B0128]") && said.contains(&words), "{code} {said}");
+    // Other devices, and a bus that is there to join programs, are anybody's.
+    let (code, said) = second(&board_of(&(can("rcan1") + &serial("serial-c")), "", ""), &locks);
+    // How sure its verdict is lies with the machine.
+    assert!([0, 3].contains(&code) && !said.contains("error["), "{code} {said}");
+    assert!(first.try_wait().unwrap().is_none(), "the first one goes on");
+    first.kill().unwrap();
+    first.wait().unwrap();
 }

@@ -50,7 +50,7 @@ speed = { bus = "machine", dbc = "machine.dbc", message = "Engine", signal = "Sp
 answer = { bus = "drive", id = 0x181, data = "AA" }
 "#;
 
-/// The exit code of `rig test`, and what it says.
+/// The exit code of `rig test`, and what it says. The trace alone says the same.
 fn test(name: &str, board: &str, count: &str) -> (Option<i32>, String) {
     let folder = PathBuf::from(format!("/tmp/frames-{name}"));
     fs::create_dir_all(&folder).unwrap();
@@ -62,14 +62,20 @@ fn test(name: &str, board: &str, count: &str) -> (Option<i32>, String) {
     ] {
         fs::write(folder.join(file), text).unwrap();
     }
-    let done = Command::new(rig())
-        .args(["test", "--board", "board.toml", "plan.toml"])
-        .current_dir(&folder)
-        .env("XDG_STATE_HOME", &folder)
-        .output()
-        .unwrap();
-    let said = [done.stdout, done.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
-    (done.status.code(), said)
+    let run = |words: &[&str]| {
+        let mut command = Command::new(rig());
+        let done = command.args(words).current_dir(&folder).env("XDG_STATE_HOME", &folder).output().unwrap();
+        let said =
+            [done.stdout, done.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+        (done.status.code(), said)
+    };
+    let tested = run(&["test", "--board", "board.toml", "--report", "report", "plan.toml"]);
+    let judged = run(&["judge", "plan.toml", "report/traces/plan.trace"]);
+    assert!(
+        tested.0 == judged.0 || !folder.join("report/traces/plan.trace").exists(),
+        "{tested:?}\n{judged:?}"
+    );
+    tested
 }
 
 #[test]

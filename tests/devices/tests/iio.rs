@@ -1,12 +1,18 @@
 //! Converters of industrial I/O through the kernel.
 
+#[path = "iio/plan.rs"]
+mod plan;
+#[path = "trouble/rig.rs"]
+#[allow(dead_code)]
+mod rig;
+
 use devices::{ADC, Adc, Lab, PATIENCE, wait_for};
 use document::SourceFile;
 use drivers::convert::{self, Converter, ConverterSpec, InRange, Pace, Reading, Refusal, SampleSpec};
 use drivers::{Board, BoardEvent, BoardFile, BoardKind, ChannelId, LossReason, Surroundings, Terminals};
 use host::{Realtime, monotonic};
 use rustix::event::{PollFd, PollFlags, poll};
-use signal::{Span, Time, Value};
+use signal::{Span, Time};
 use std::fs;
 use std::time::{Duration, Instant};
 
@@ -162,6 +168,58 @@ fn a_trigger_that_is_there_gives_the_pace_and_stays() {
     assert!(typo.place.is_some());
 }
 
+/// A trigger that fires when somebody writes to its file, until this is dropped.
+struct Fired;
+
+impl Fired {
+    const NAME: &str = "sysfstrig7";
+
+    fn add() -> Fired {
+        fs::write("/sys/bus/iio/devices/iio_sysfs_trigger/add_trigger", "7").unwrap();
+        Fired
+    }
+
+    /// Its folder.
+    fn folder(&self) -> std::path::PathBuf {
+        let entries = fs::read_dir("/sys/bus/iio/devices").unwrap().flatten().map(|entry| entry.path());
+        let named = |folder: &std::path::PathBuf| {
+            fs::read_to_string(folder.join("name")).is_ok_and(|name| name.trim() == Fired::NAME)
+        };
+        entries.into_iter().find(named).expect("the trigger that was added")
+    }
+}
+
+impl Drop for Fired {
+    fn drop(&mut self) {
+        let _ = fs::write("/sys/bus/iio/devices/iio_sysfs_trigger/remove_trigger", "7");
+    }
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn a_trigger_that_a_program_fires_gives_a_sample_each_time() {
+    let (_lab, adc) = (Lab::enter(), Adc::enter());
+    let trigger = Fired::add();
+    let now = trigger.folder().join("trigger_now");
+    let mut converter = opened(&format!(", trigger = \"{}\", buffer = 64", Fired::NAME), &[2]);
+    let mut last = i64::MIN;
+    for step in 0..4 {
+        let volts = f64::from(step);
+        adc.set(2, volts);
+        let fired = monotonic();
+        fs::write(&now, "1").unwrap();
+        let told = readings(&mut *converter, 1);
+        let end = monotonic();
+        let [one] = &told[..] else { panic!("one trigger, one sample: {told:?}") };
+        assert!(near(one.value, volts), "{volts} V: {told:?}");
+        assert!(fired <= one.before && one.before <= one.after && one.after <= end, "{fired} {told:?} {end}");
+        assert!(last < one.before, "{last} {told:?}");
+        last = one.before;
+    }
+    drop(converter);
+    assert!(!running() && now.exists(), "whoever fires it keeps it");
+}
+
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_device_has_one_user_at_a_time_and_only_its_own_inputs() {
@@ -261,8 +319,8 @@ impl Bench {
 }
 
 fn shows(event: &BoardEvent, channel: u16, near: f64, within: f64) -> bool {
-    matches!(*event, BoardEvent::Changed { channel: ChannelId(of), value: Value::Real(shown), .. }
-        if of == channel && (shown - near).abs() <= within)
+    matches!(*event, BoardEvent::Changed { channel: ChannelId(of), value, .. }
+        if of == channel && value.as_real().is_some_and(|shown| (shown - near).abs() <= within))
 }
 
 #[test]

@@ -1,8 +1,14 @@
 //! Devices that fail, hang or go away while a case runs: what a user is told, what becomes of the outputs, and of the next
 //! case.
 
+#[path = "trouble/every.rs"]
+mod every;
+#[path = "trouble/far.rs"]
+mod far;
 #[path = "trouble/rig.rs"]
 mod rig;
+#[path = "trouble/world.rs"]
+mod world;
 
 use devices::{Call, Lab, MAIN, PATIENCE, SimChip, wait_for};
 use rig::{Rig, guards};
@@ -71,14 +77,6 @@ fn files(board: String, plan: String) -> [(&'static str, String); 3] {
 const TEST: [&str; 6] = ["test", "--board", "board.toml", "--report", "report", "plan.toml"];
 const RUN: [&str; 5] = ["run", "--board", "board.toml", "--program", "main.st"];
 
-/// Verdict, reason and what ended it, of each case.
-fn cases(rig: &Rig) -> Vec<[String; 3]> {
-    let record: serde_json::Value = serde_json::from_str(&rig.file("report/record.json")).unwrap();
-    let text = |case: &serde_json::Value, key: &str| case[key].as_str().unwrap_or_default().to_owned();
-    let cases = record["cases"].as_array().unwrap().iter();
-    cases.map(|case| ["verdict", "reason", "ended"].map(|key| text(case, key))).collect()
-}
-
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_chip_that_vanishes_or_hangs_ends_its_case_and_the_next_is_sound() {
@@ -96,7 +94,7 @@ fn a_chip_that_vanishes_or_hangs_ends_its_case_and_the_next_is_sound() {
     rig.until("the other output is safe", || !chip.value(0));
     assert_eq!(rig.exit_code(), Some(4), "{}", rig.said());
     assert!(!MAIN.line(8).value() && !chip.value(0) && guards() == 0, "{}", rig.said());
-    let [first, second, third] = &cases(&rig)[..] else { panic!("{}", rig.said()) };
+    let [first, second, third] = &rig.cases()[..] else { panic!("{}", rig.said()) };
     assert_eq!([&first[0], &first[2]], ["error", "a device was lost"]);
     let words = ["channel I1 was lost at", "its device, /dev/gpiochip", "(rig-gpio-far), is gone"];
     for said in [&first[1], &rig.said(), &rig.file("report/junit.xml")] {
@@ -121,11 +119,30 @@ fn a_chip_that_is_not_to_be_taken_back_stays_lost_and_the_next_case_says_since_w
     let _chip = far();
     assert_eq!(rig.exit_code(), Some(4), "{}", rig.said());
     assert!(!MAIN.line(8).value(), "{}", rig.said());
-    let [first, second] = &cases(&rig)[..] else { panic!("{}", rig.said()) };
+    let [first, second] = &rig.cases()[..] else { panic!("{}", rig.said()) };
     assert!(first[1].contains("was lost at"), "{first:?}");
     assert_eq!(second[0], "error");
     let words = ["channel I1 is lost for", "(rig-gpio-far), is gone; `retake = true`"];
     assert!(words.iter().all(|words| second[1].contains(words)), "{second:?}");
+}
+
+#[test]
+#[ignore = "in the lab: tests/lab/devices"]
+fn a_loss_ends_a_run_that_is_to_fail_fast() {
+    let _lab = Lab::enter();
+    let chip = far();
+    let plan = plan(&[("first", "60 s"), ("second", "60 s")]);
+    let words = [&TEST[..], &["--fail-fast"]].concat();
+    let mut rig = Rig::start("fast", &files(board("retake = true"), plan), &words);
+    rig.until("both lamps are on", || MAIN.line(8).value() && chip.value(0));
+    chip.vanish();
+    assert_eq!(rig.exit_code(), Some(4), "{}", rig.said());
+    assert!(!MAIN.line(8).value(), "{}", rig.said());
+    // Nobody could drive what is gone: the guard holds the others for a while.
+    wait_for("the lines are let go", PATIENCE, || guards() == 0);
+    let found = rig.cases();
+    assert_eq!([&found[0][0], &found[0][2]], ["error", "a device was lost"], "{found:?}");
+    assert!(rig.said().contains("1 error, 1 skipped; 1 of 2 planned cases ran"), "{}", rig.said());
 }
 
 #[test]

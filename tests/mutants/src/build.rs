@@ -10,7 +10,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const SOURCES: &str = "rig/controller/src";
+/// A crate that is mutated: `controller` or `expert`.
+pub struct Subject<'a>(pub &'a str);
+
+impl Subject<'_> {
+    fn sources(&self) -> String {
+        format!("rig/{}/src", self.0)
+    }
+
+    fn package(&self) -> String {
+        format!("scanrig-{}", self.0)
+    }
+}
 
 /// What the rewritten crate asks whether a mutation is on. With `RIG_MUTANT=seen` none is, and the numbers of those
 /// that were asked for go to the file in `RIG_MUTANT_SEEN`.
@@ -23,15 +34,15 @@ struct Source {
 }
 
 /// Builds `rig` with all viable mutations and lists them: number, place, operator, before, after.
-pub fn build(repository: &Path, place: &Path, list: &Path) -> Outcome<()> {
+pub fn build(subject: &Subject<'_>, repository: &Path, place: &Path, list: &Path) -> Outcome<()> {
     let copy = place.join("copy");
-    copy_tree(repository, &copy)?;
-    let sources = read(repository)?;
+    copy_tree(subject, repository, &copy)?;
+    let sources = read(subject, repository)?;
     let all: usize = sources.iter().map(|source| source.points.len()).sum();
     let mut dropped = BTreeSet::new();
     loop {
-        let places = write(&sources, &copy, &dropped)?;
-        let more = errors(&copy, place, &places)?;
+        let places = write(subject, &sources, &copy, &dropped)?;
+        let more = errors(subject, &copy, place, &places)?;
         println!("{} of {all} mutations dropped, {} of the others do not compile", dropped.len(), more.len());
         if more.is_empty() {
             break;
@@ -56,8 +67,8 @@ pub fn build(repository: &Path, place: &Path, list: &Path) -> Outcome<()> {
 fn cargo(copy: &Path, place: &Path) -> Command {
     let mut cargo = Command::new("cargo");
     cargo.current_dir(copy).env("CARGO_TARGET_DIR", place.join("build"));
-    // Brackets that nobody would write are what most of the rewritten text consists of.
-    cargo.env("RUSTFLAGS", "-Awarnings");
+    // Brackets that nobody would write are what most of the rewritten text consists of, and some mutations overflow.
+    cargo.env("RUSTFLAGS", "--cap-lints=allow");
     // Compiled once and run some hundred times: link-time optimisation costs more than it gives.
     cargo.env("CARGO_PROFILE_RELEASE_LTO", "off").env("CARGO_PROFILE_RELEASE_DEBUG", "0");
     cargo.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
@@ -73,19 +84,20 @@ fn write_changed(path: &Path, bytes: &[u8]) -> Outcome<()> {
 }
 
 /// Copies what is in the repository, but for the rewritten sources; unchanged files keep their time.
-fn copy_tree(repository: &Path, copy: &Path) -> Outcome<()> {
+fn copy_tree(subject: &Subject<'_>, repository: &Path, copy: &Path) -> Outcome<()> {
+    let mutated = subject.sources();
     let listed = Command::new("git").args(["ls-files", "-z"]).current_dir(repository).output()?;
     for path in String::from_utf8(listed.stdout)?.split_terminator('\0') {
-        if !path.starts_with(SOURCES) && repository.join(path).is_file() {
+        if !path.starts_with(&mutated) && repository.join(path).is_file() {
             write_changed(&copy.join(path), &fs::read(repository.join(path))?)?;
         }
     }
     Ok(())
 }
 
-fn read(repository: &Path) -> Outcome<Vec<Source>> {
+fn read(subject: &Subject<'_>, repository: &Path) -> Outcome<Vec<Source>> {
     let mut paths: Vec<PathBuf> = Vec::new();
-    let mut folders = vec![repository.join(SOURCES)];
+    let mut folders = vec![repository.join(subject.sources())];
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder)? {
             let path = entry?.path();
@@ -99,7 +111,8 @@ fn read(repository: &Path) -> Outcome<Vec<Source>> {
     let (mut sources, mut number) = (Vec::new(), 0);
     for path in paths {
         let text = fs::read_to_string(&path)?;
-        let is_test = path.file_stem().is_some_and(|stem| stem == "tests");
+        let is_test =
+            path.components().any(|part| part.as_os_str() == "tests" || part.as_os_str() == "tests.rs");
         let found = if is_test { Vec::new() } else { points::find(&text)? };
         let points = found.into_iter().map(|point| {
             number += 1;
@@ -114,6 +127,7 @@ fn read(repository: &Path) -> Outcome<Vec<Source>> {
 
 /// Writes the sources; gives where every mutation is.
 fn write(
+    subject: &Subject<'_>,
     sources: &[Source],
     copy: &Path,
     dropped: &BTreeSet<usize>,
@@ -129,15 +143,20 @@ fn write(
         write_changed(&copy.join(&source.path), text.as_bytes())?;
         all.insert(source.path.clone(), places);
     }
-    write_changed(&copy.join(SOURCES).join("mutants.rs"), SWITCH.as_bytes())?;
+    write_changed(&copy.join(subject.sources()).join("mutants.rs"), SWITCH.as_bytes())?;
     Ok(all)
 }
 
 /// The mutations that the compiler does not take.
-fn errors(copy: &Path, place: &Path, places: &BTreeMap<String, Vec<Place>>) -> Outcome<BTreeSet<usize>> {
+fn errors(
+    subject: &Subject<'_>,
+    copy: &Path,
+    place: &Path,
+    places: &BTreeMap<String, Vec<Place>>,
+) -> Outcome<BTreeSet<usize>> {
     let mut check = cargo(copy, place);
     check.env("CARGO_TARGET_DIR", place.join("check"));
-    check.args(["check", "--release", "-p", "scanrig-controller", "--message-format=json"]);
+    check.args(["check", "--release", "-p", &subject.package(), "--message-format=json"]);
     let output = check.output()?;
     let mut found = BTreeSet::new();
     let mut unplaced = String::new();

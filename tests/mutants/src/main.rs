@@ -1,4 +1,5 @@
-//! How many random mutants of the controller the shipped plans alone kill. `tests/mutants/run` runs it.
+//! How many random mutants of the controller, or of its expert functions, the shipped plans alone kill.
+//! `tests/mutants/run` runs it.
 //!
 //! Every mutation is compiled once, into one program, each behind a switch that the environment variable
 //! `RIG_MUTANT` turns on: a copy of the repository is rewritten, mutations that do not compile are dropped, and what
@@ -18,18 +19,25 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 /// Mutants that are tried at the same time.
 const AT_ONCE: usize = 2;
 
-const USAGE: &str = "usage: scanrig-mutants build | run COUNT SEED [PLANS] | only NUMBER,... [PLANS]";
+const USAGE: &str =
+    "usage: scanrig-mutants controller|expert build | run COUNT SEED [PLANS] | only NUMBER,... [PLANS]";
 
 fn main() -> Outcome<()> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).ok_or("no repository")?;
     let target = env::var_os("CARGO_TARGET_DIR")
         .map_or_else(|| repository.join("tests/mutants/target"), PathBuf::from);
-    let place = target.join("mutants");
+    let mut args = env::args().skip(1);
+    let Some(subject) = args.next().filter(|name| ["controller", "expert"].contains(&name.as_str())) else {
+        return Err(USAGE.into());
+    };
+    let place = target.join("mutants").join(&subject);
     let list = place.join("points.tsv");
-    let args: Vec<String> = env::args().skip(1).collect();
+    let args: Vec<String> = args.collect();
     let plans = |n: usize| args.get(n).map_or_else(|| repository.join("plans/library"), PathBuf::from);
     match args.first().map(String::as_str) {
-        Some("build") if args.len() == 1 => build::build(repository, &place, &list),
+        Some("build") if args.len() == 1 => {
+            build::build(&build::Subject(&subject), repository, &place, &list)
+        }
         Some("run") if args.len() >= 3 => {
             let all = fs::read_to_string(&list)?;
             let all: Vec<&str> = all.lines().collect();

@@ -62,11 +62,13 @@ pub fn find(rig: &Path, place: &Path, folder: &Path) -> Outcome<Vec<Plan>> {
     Ok(plans)
 }
 
-/// Board files lie among the plans; only plans claim or measure something.
+/// Board files and parts that plans share lie among the plans: only plans claim or measure something under a title.
 fn is_plan(text: &str) -> bool {
-    let keys = ["expect", "measure", "refused", "warned"];
-    let mut names = text.lines().map(|line| line.trim_start_matches('[').trim_start());
-    names.any(|line| keys.iter().any(|key| line.starts_with(key)))
+    let has = |keys: &[&str]| {
+        let mut names = text.lines().map(|line| line.trim_start_matches('[').trim_start());
+        names.any(|line| keys.iter().any(|key| line.starts_with(key)))
+    };
+    has(&["title"]) && has(&["expect", "measure", "refused", "warned"])
 }
 
 fn survey(rig: &Path, seen: &Path, path: &Path) -> Outcome<Plan> {

@@ -8,7 +8,7 @@ use rustix::io::{Errno, pread};
 use signal::Span;
 
 use super::info::{IioInput, Scaling};
-use crate::convert::{Converter, InRange, Pace, Reading};
+use crate::convert::{Converter, InRange, Pace, Reading, Resolution};
 
 /// More than a value of any driver takes.
 const VALUE: usize = 64;
@@ -30,6 +30,7 @@ struct Source {
     scaling: Scaling,
     /// The lowest and the highest code, where the driver tells.
     ends: Option<(f64, f64)>,
+    resolution: Resolution,
 }
 
 impl Asked {
@@ -43,7 +44,7 @@ impl Asked {
         let source = |input: &&IioInput| {
             let file = File::open(&input.file)?;
             let ends = input.element.map(|(element, _)| (element.lowest() as f64, element.highest() as f64));
-            Ok(Source { file, scaling: input.scaling, ends })
+            Ok(Source { file, scaling: input.scaling, ends, resolution: input.resolution() })
         };
         let inputs = inputs.iter().map(source).collect::<io::Result<_>>()?;
         Ok(Asked { device, period, inputs, _node: node })
@@ -76,6 +77,10 @@ impl Converter for Asked {
             out.push(Reading { input: input as u16, before, after, value, range });
         }
         Ok(())
+    }
+
+    fn resolution(&self, input: u16) -> Resolution {
+        self.inputs.get(usize::from(input)).map_or(Resolution::default(), |source| source.resolution)
     }
 }
 

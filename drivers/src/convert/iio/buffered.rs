@@ -16,7 +16,7 @@ use super::info::{IioDevice, IioInput};
 use super::scans::{Sampled, Scans};
 use super::spec::Buffering;
 use super::trigger::Trigger;
-use crate::convert::{AT_ONCE, Converter, Pace, Reading, Refusal};
+use crate::convert::{AT_ONCE, Converter, Pace, Reading, Refusal, Resolution};
 use crate::file::codes;
 use crate::inventory::{line, names};
 
@@ -30,6 +30,8 @@ pub(super) struct Buffered {
     scans: Scans,
     spread: u8,
     bytes: Vec<u8>,
+    /// Of each input.
+    resolutions: Vec<Resolution>,
     /// Ends with this.
     _capture: Capture,
 }
@@ -98,6 +100,7 @@ impl Buffered {
             node,
             scans,
             spread: buffering.spread(),
+            resolutions: inputs.iter().map(|input| input.resolution()).collect(),
             _capture: capture,
         })
     }
@@ -188,6 +191,10 @@ impl Converter for Buffered {
 
     fn lost(&self) -> u64 {
         self.scans.lost()
+    }
+
+    fn resolution(&self, input: u16) -> Resolution {
+        self.resolutions.get(usize::from(input)).copied().unwrap_or_default()
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::element::Element;
+use crate::convert::Resolution;
 use crate::inventory::{line, names};
 
 /// Where the kernel lists its devices and triggers.
@@ -51,6 +52,20 @@ pub struct IioInput {
 pub(super) struct Scaling {
     pub(super) offset: f64,
     pub(super) scale: f64,
+}
+
+impl IioInput {
+    /// How finely it is measured. A driver that tells what it made of its codes does not tell that.
+    pub(super) fn resolution(&self) -> Resolution {
+        if self.made {
+            return Resolution::default();
+        }
+        let step = self.scaling.scale.abs();
+        let range = self
+            .element
+            .map(|(element, _)| (element.highest() as f64 - element.lowest() as f64 + 1.0) * step);
+        Resolution { step, range }
+    }
 }
 
 impl Scaling {
@@ -222,6 +237,11 @@ mod tests {
         let values: Vec<f64> =
             device.inputs.iter().map(|input| input.scaling.value(32_768 + 8_192)).collect();
         assert_eq!(values, [2.56, 40.96, 4.096, 2.56]);
+        let finely: Vec<Resolution> = device.inputs.iter().map(IioInput::resolution).collect();
+        let step = 0.000_312_5;
+        assert_eq!(finely[0], Resolution { step, range: Some(65_536.0 * step) });
+        assert_eq!(finely[1], Resolution::default(), "what its driver made of it");
+        assert_eq!(finely[2], Resolution { step: 0.000_5, range: None });
         assert_eq!(device.inputs[0].label, "tank");
         assert!(device.inputs[0].element.is_some() && device.inputs[2].element.is_none());
     }

@@ -31,7 +31,7 @@ use rustix::io::Errno;
 
 use super::{Converter, ConverterSpec, Refusal, SampleSpec};
 use crate::file::codes;
-use crate::serial::{Holder, holders};
+use crate::holder::{holders, words};
 use asked::Asked;
 use buffered::Buffered;
 
@@ -88,8 +88,7 @@ fn take(device: &IioDevice, node: &Path) -> Result<File, Refusal> {
         let message = format!("{} cannot be opened: {error}", node.display());
         match error.raw_os_error().map(Errno::from_raw_os_error) {
             Some(Errno::BUSY) => {
-                let holders: Vec<String> = holders(node).iter().map(Holder::to_string).collect();
-                let by = if holders.is_empty() { "another program".to_owned() } else { holders.join(", ") };
+                let by = words(&holders(node), "another program");
                 let message = format!("{} is held by {by}", find::named(device));
                 let help =
                     format!("end it; `sudo fuser -v {}` names those that you may not see", node.display());

@@ -129,6 +129,7 @@ mod tests {
             range,
             range_place: 3..4,
             scale,
+            accuracy_place: 0..0,
             certificate: None,
             certificate_place: 0..0,
         }

@@ -9,11 +9,12 @@ use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
 
-use super::super::{Converter, ConverterSpec, Pace, Reading, Refusal, SampleSpec};
+use super::super::{Converter, ConverterSpec, Noise, Pace, Reading, Refusal, Resolution, SampleSpec};
 use super::codec::{Bytes, FRAME};
 use super::sweep::{Sweep, answered};
 use super::{Chosen, SpiSpec, choose};
 use crate::file::codes;
+use crate::holder::{all_holders, words};
 
 /// Where the driver says how many bytes it takes at once, and how many it takes where it does not say.
 const BUFFER: &str = "/sys/module/spidev/parameters/bufsiz";
@@ -101,7 +102,9 @@ pub(crate) fn claim(path: &Path) -> Result<Spidev, Refusal> {
     })?;
     if let Err(error) = flock(&file, FlockOperation::NonBlockingLockExclusive) {
         let message = match error {
-            Errno::WOULDBLOCK => format!("{} is held by another rig", path.display()),
+            Errno::WOULDBLOCK => {
+                format!("{} is held by {}", path.display(), words(&all_holders(path), "another rig"))
+            }
             error => {
                 format!("{} cannot be taken for the rig alone: {}", path.display(), io::Error::from(error))
             }
@@ -219,7 +222,11 @@ impl Converter for SpiConverter {
         Ok(())
     }
 
-    fn noise(&self, input: u16) -> Option<f64> {
+    fn resolution(&self, input: u16) -> Resolution {
+        self.sweep.resolution(usize::from(input))
+    }
+
+    fn noise(&self, input: u16) -> Option<Noise> {
         self.sweep.noise(usize::from(input))
     }
 }

@@ -1,6 +1,6 @@
 //! One or several sweeps as readings: codes, means, noise, stamps.
 
-use super::super::{InRange, Reading};
+use super::super::{InRange, Noise, Reading, Resolution};
 use super::Part;
 use super::codec::{Bytes, Chosen, Frame, Input};
 
@@ -88,10 +88,18 @@ impl Sweep {
         }
     }
 
-    /// The noise of an input in the last reading: how far its sweeps lay from their mean, in volts (standard deviation).
-    /// `None` of fewer than two.
-    pub fn noise(&self, input: usize) -> Option<f64> {
-        let (sum, chosen) = (self.sums.get(input)?, self.inputs.get(input)?);
+    /// How finely an input is measured, in volts.
+    pub fn resolution(&self, input: usize) -> Resolution {
+        self.inputs.get(input).map_or(Resolution::default(), |chosen| {
+            let range = chosen.span.high - chosen.span.low;
+            Resolution { step: range / (f64::from(self.part.highest()) + 1.0), range: Some(range) }
+        })
+    }
+
+    /// The noise of an input in the last reading: how far its sweeps lay from their mean, in volts. `None` of fewer than
+    /// two.
+    pub fn noise(&self, input: usize) -> Option<Noise> {
+        let sum = self.sums.get(input)?;
         let count = u64::from(sum.count);
         if count < 2 {
             return None;
@@ -99,8 +107,7 @@ impl Sweep {
         // Whole numbers, so that nothing is lost between two large ones.
         let spread = (u128::from(sum.squares) * u128::from(count)).saturating_sub(u128::from(sum.sum).pow(2));
         let variance = spread as f64 / (count * (count - 1)) as f64;
-        let step = (chosen.span.high - chosen.span.low) / (f64::from(self.part.highest()) + 1.0);
-        Some(libm::sqrt(variance) * step)
+        Some(Noise { deviation: libm::sqrt(variance) * self.resolution(input).step, samples: sum.count })
     }
 }
 
@@ -145,7 +152,9 @@ mod tests {
             readings(&sweep),
             [Reading { input: 0, before: 0, after: 35, value: 101.0 * step, range: InRange::Yes }]
         );
-        let noise = sweep.noise(0).unwrap() / step;
+        let Noise { deviation, samples } = sweep.noise(0).unwrap();
+        assert_eq!((samples, sweep.resolution(0)), (4, Resolution { step, range: Some(4.096) }));
+        let noise = deviation / step;
         assert!((noise - (2.0f64 / 3.0).sqrt()).abs() < 1e-12, "{noise}");
         sweep.clear();
         assert_eq!((readings(&sweep), sweep.noise(0)), (vec![], None));
@@ -199,7 +208,8 @@ mod tests {
                 prop_assert!(span.low <= reading.value && reading.value < span.high, "{reading:?}");
                 prop_assert!(reading.before < reading.after);
                 let noise = sweep.noise(usize::from(reading.input));
-                prop_assert!(noise.is_none_or(|noise| noise >= 0.0 && noise <= span.high - span.low));
+                let within = |noise: Noise| noise.deviation >= 0.0 && noise.deviation <= span.high - span.low;
+                prop_assert!(noise.is_none_or(within));
             }
             prop_assert!(!sweep.take(frames, &answers[0], 0, 1));
         }

@@ -113,9 +113,13 @@ const timingWords = (timing) =>
 
 const evidence = (record) => {
   const hashes = record.hashes ?? {};
-  const waves = record.trace_file?.replace(/\.trace$/, ".vcd");
   // A path of our own making; anything else is not followed.
-  const safe = waves && /^traces\/[^/\\:]+\.vcd$/.test(waves);
+  const file = (ending) => {
+    const path = record.trace_file.replace(/\.trace$/, ending);
+    const safe = /^traces\/[^/\\:]+\.(vcd|log)$/.test(path);
+    return safe ? h("a", { href: path.split("/").map(encodeURIComponent).join("/") }, path) : record.trace_file;
+  };
+  const beside = (name, ending, more = "") => h("div", {}, h("dt", {}, name), h("dd", { class: "code" }, file(ending), more));
   return h(
     "dl",
     { class: "facts" },
@@ -131,7 +135,8 @@ const evidence = (record) => {
     digest("Board SHA-256", hashes.board),
     digest("Program SHA-256", hashes.program),
     digest("Trace SHA-256", record.trace_sha256),
-    record.trace_file && h("div", {}, h("dt", {}, "Waves"), h("dd", { class: "code" }, safe ? h("a", { href: waves.split("/").map(encodeURIComponent).join("/") }, waves) : record.trace_file)),
+    record.trace_file && beside("Waves", ".vcd"),
+    record.trace_file && record.frames && beside("CAN frames", ".log", record.frames.more > 0 ? ` (the first ${record.frames.kept}; ${record.frames.more} more found no room)` : ""),
   );
 };
 

@@ -1,15 +1,17 @@
 //! What happens on channels, counted.
 
-use drivers::{BoardEvent, Channel, ChannelKind, LossReason};
-use signal::{Value, When};
+use drivers::{BoardEvent, Channel, ChannelKind, LossReason, Origin};
+use signal::{Gap, Value, When};
 
 /// What happened on a channel since it was looked at first.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Its level; `None` before the first report and while its device is gone.
     pub level: Option<bool>,
-    /// Its quantity, where it is analog; `None` also where it is beyond what its converter can tell.
-    pub quantity: Option<f64>,
+    /// What it shows, where it is analog; `None` before the first report and while its device is gone.
+    pub quantity: Option<Quantity>,
+    /// The standard deviation of its samples in the last reading, where a reading is many.
+    pub noise: Option<f64>,
     /// Changes from 0 to 1.
     pub rises: u64,
     /// Changes from 1 to 0.
@@ -24,6 +26,15 @@ pub struct Tally {
     known: bool,
 }
 
+/// What an analog channel shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quantity {
+    /// A value of its unit.
+    Is(Value),
+    /// None, for this reason.
+    NotKnown(Gap),
+}
+
 /// What an event was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum News {
@@ -32,7 +43,7 @@ pub enum News {
     /// Another level, at this instant.
     Change(bool, When),
     /// Another quantity, or one that is not known.
-    Quantity(Option<f64>),
+    Quantity(Quantity),
     /// The device of the channel is gone.
     Lost(LossReason),
     /// It is back.
@@ -56,10 +67,18 @@ impl Tally {
                 *(if level { &mut self.rises } else { &mut self.falls }) += 1;
                 News::Change(level, at)
             }
-            BoardEvent::Changed { at, value: value @ (Value::Real(_) | Value::Unknown), .. } => {
-                self.quantity = if let Value::Real(quantity) = value { Some(quantity) } else { None };
-                self.last = Some(at);
-                News::Quantity(self.quantity)
+            BoardEvent::Changed {
+                at,
+                value: value @ (Value::Real(_) | Value::Measured(..) | Value::Unknown),
+                origin,
+                ..
+            } => {
+                let quantity = match origin {
+                    Origin::Gap(gap) => Quantity::NotKnown(gap),
+                    _ => Quantity::Is(value),
+                };
+                (self.quantity, self.last) = (Some(quantity), Some(at));
+                News::Quantity(quantity)
             }
             BoardEvent::Changed { .. } => News::Nothing,
             BoardEvent::Lost { reason, .. } => {
@@ -97,10 +116,12 @@ pub fn loss(reason: LossReason) -> &'static str {
 }
 
 /// A quantity in the unit of its channel.
-pub fn quantity(quantity: Option<f64>, unit: &str) -> String {
+pub fn quantity(quantity: Quantity, unit: &str) -> String {
     match quantity {
-        Some(number) => format!("{number:.4} {unit}").trim_end().to_owned(),
-        None => "not known".to_owned(),
+        Quantity::Is(Value::Real(number)) => format!("{number:.4} {unit}").trim_end().to_owned(),
+        Quantity::Is(Value::Unknown) => "not known".to_owned(),
+        Quantity::Is(value) => format!("{value} {unit}").trim_end().to_owned(),
+        Quantity::NotKnown(gap) => format!("not known: {gap}"),
     }
 }
 
@@ -124,8 +145,15 @@ pub fn row(channel: &Channel, tally: &Tally, wide: usize) -> String {
     };
     let (name, level, rises, falls) = (&channel.name, tally.word(), tally.rises, tally.falls);
     if let ChannelKind::Analog { unit } = &channel.kind {
-        let shown = if tally.lost.is_some() { level.to_owned() } else { quantity(tally.quantity, unit) };
-        return format!("{name:<wide$}  {shown:>26}  {last}{missed}");
+        let shown = match tally.quantity {
+            Some(shown) if tally.lost.is_none() => quantity(shown, unit),
+            _ => level.to_owned(),
+        };
+        let noise = match tally.noise {
+            Some(noise) => format!("  noise {noise:.1e} {unit}").trim_end().to_owned(),
+            None => String::new(),
+        };
+        return format!("{name:<wide$}  {shown:>26}  {last}{missed}{noise}");
     }
     format!("{name:<wide$}  {level:>6} {rises:>9} {falls:>9}  {last}{missed}")
 }
@@ -133,8 +161,26 @@ pub fn row(channel: &Channel, tally: &Tally, wide: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use drivers::{ChannelId, Origin};
+    use drivers::ChannelId;
     use signal::Time;
+
+    #[test]
+    fn a_quantity_says_how_far_it_is_known_or_why_it_is_not() {
+        let event = |value, origin| BoardEvent::Changed {
+            channel: ChannelId(0),
+            at: When::exactly(Time::ZERO),
+            value,
+            origin,
+        };
+        let mut tally = Tally::default();
+        let mut shown = |value, origin| match tally.take(&event(value, origin)) {
+            News::Quantity(now) => quantity(now, "bar"),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(shown(Value::measured(3.3, 0.012), Origin::Outside), "3.300 ± 0.012 bar");
+        assert_eq!(shown(Value::Real(3.3), Origin::Outside), "3.3000 bar");
+        assert_eq!(shown(Value::Unknown, Origin::Gap(Gap::OpenWire)), "not known: its wire is open");
+    }
 
     #[test]
     fn a_first_level_is_no_change_and_neither_is_one_after_a_loss() {

@@ -6,7 +6,7 @@ use super::traffic::{self, Traffic};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use drivers::{Board, BoardEvent, Bus, Channel, ChannelKind, Surroundings};
+use drivers::{Board, BoardEvent, Bus, Channel, ChannelId, ChannelKind, Surroundings};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use signal::{Span, Time};
 use std::io::IsTerminal;
@@ -94,6 +94,9 @@ fn follow(
             let (Some(channel), Some(tally)) = (channels.get(at), tallies.get_mut(at)) else { continue };
             let news = tally.take(&event);
             view.tell(at, channel, news, &event);
+        }
+        for (at, tally) in (0u16..).zip(tallies.iter_mut()) {
+            tally.noise = board.noise(ChannelId(at));
         }
         board.poll_buses(now, &mut passed).map_err(failed)?;
         for event in passed.drain(..) {

@@ -4,7 +4,8 @@ use super::check::{Check, State};
 use drivers::{BusState, can};
 use host::Machine;
 
-const GROUP: &str = "devices";
+/// The group of the devices.
+pub const GROUP: &str = "devices";
 
 /// ARPHRD_CAN: the type of a network interface that is a CAN controller.
 const CAN: &str = "280";

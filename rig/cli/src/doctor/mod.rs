@@ -8,6 +8,7 @@ mod privileges;
 mod processors;
 mod safety;
 mod settings;
+mod used;
 
 use crate::args::Format;
 use crate::exit::Exit;
@@ -27,6 +28,9 @@ your arguments.";
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct DoctorArgs {
+    /// A board file: devices that it does not use do not count.
+    #[arg(value_name = "BOARD")]
+    board: Option<PathBuf>,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -47,7 +51,13 @@ pub fn run(args: &DoctorArgs) -> Exit {
         settings::checks,
         figures::checks,
     ];
-    let checks = groups.iter().flat_map(|group| group(&machine)).collect::<Vec<_>>();
+    let mut checks = groups.iter().flat_map(|group| group(&machine)).collect::<Vec<_>>();
+    if let Some(board) = &args.board {
+        match used::devices(board) {
+            Ok(used) => used::judge(&mut checks, &used, &machine),
+            Err(exit) => return exit,
+        }
+    }
     let worst = checks.iter().map(|check| check.state).max().unwrap_or(State::Open);
     match args.format {
         Format::Table => output::print(&table(&checks, worst)),

@@ -40,6 +40,7 @@ fn compile_with(files: &[PathBuf], compiler: Compiler) -> Result<(Arc<Program>, 
             }
         }
     }
+    sources.extend(runtime::blocks::generated(&sources));
     match compiler(&sources, Profile::default()) {
         Ok(program) => {
             output::findings(&program.warnings, &sources);

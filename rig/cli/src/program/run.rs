@@ -203,8 +203,8 @@ fn number(value: Value) -> Json {
         Value::Int(number) => number.into(),
         Value::Word(number) => number.into(),
         // JSON has no numbers for what is none.
-        Value::Real(number) if !number.is_finite() => number.to_string().into(),
-        Value::Real(number) => number.into(),
+        Value::Real(number) | Value::Measured(number, _) if !number.is_finite() => number.to_string().into(),
+        Value::Real(number) | Value::Measured(number, _) => number.into(),
         Value::HighZ | Value::Unknown => Json::Null,
     }
 }

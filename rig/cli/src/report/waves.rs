@@ -35,7 +35,10 @@ pub(super) fn draw(run: &mut Run, store: &mut Store, own: bool, asked: bool) -> 
         if own {
             store.waves(&file, &trace).map_err(super::unwritten)?;
         } else {
-            case.trace_file = Some(store.trace(case, &trace).map_err(super::unwritten)?);
+            let from = path(&run.folder, case).map_err(super::unwritten)?;
+            let path = store.trace(case, &trace).map_err(super::unwritten)?;
+            store.adopt_frames(&path, &from).map_err(super::unwritten)?;
+            case.trace_file = Some(path);
         }
     }
     match finding(&lost) {

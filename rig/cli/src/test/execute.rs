@@ -147,30 +147,40 @@ struct Keeper {
 impl Keeper {
     /// Keeps what became of a job, and hands back its record.
     fn keep(&mut self, done: Done, job: &Job, loaded: &[LoadedPlan]) -> &CaseRecord {
-        let (mut record, trace) = match done {
+        let (mut record, trace, frames) = match done {
             Done::Case(result) => {
                 self.coverage.add(result.coverage);
-                (result.record, result.trace)
+                (result.record, result.trace, result.frames)
             }
-            Done::Skipped(record) => (*record, None),
+            Done::Skipped(record) => (*record, None, String::new()),
             Done::Findings(found) => {
                 self.wrong_files = true;
-                (refused(&found, job, loaded), None)
+                (refused(&found, job, loaded), None, String::new())
             }
         };
         if let Some(trace) = &trace {
-            self.keep_trace(&mut record, trace);
+            self.keep_trace(&mut record, trace, &frames);
+        }
+        // They lie beside the trace or nowhere.
+        if record.trace_file.is_none() {
+            record.frames = None;
         }
         self.run.push(record);
         &self.run.cases[self.run.cases.len() - 1]
     }
 
-    fn keep_trace(&mut self, record: &mut CaseRecord, trace: &Trace) {
+    fn keep_trace(&mut self, record: &mut CaseRecord, trace: &Trace, frames: &str) {
         let Some(store) = &mut self.store else { return };
         if !self.trace_on.keeps(record) {
             return;
         }
-        match store.trace(record, trace) {
+        let kept = store.trace(record, trace).and_then(|path| {
+            if record.frames.is_some() {
+                store.frames(&path, frames)?;
+            }
+            Ok(path)
+        });
+        match kept {
             Ok(path) => record.trace_file = Some(path),
             Err(error) => self.trouble = Some(Diagnostic::error("R0167", error)),
         }

@@ -92,6 +92,7 @@ impl Controller {
         }
         self.memory.reset(|word| !new.associates(word));
         new.initialize(&mut self.memory);
+        self.functions.reset(now);
         self.context.newest(&*self.store);
         self.context.prepare(&*new, boot, &mut *self.store);
         self.context.save_now(&*new, &self.memory, &mut *self.store);

@@ -123,6 +123,8 @@ pub enum Refusal {
     Stopping,
     /// The reference has no such channel.
     NoChannel(Channel),
+    /// An expert function drives the output (io:OUT-21).
+    ExpertOutput(usize),
     /// No programming tool is connected (controller:FRC-01).
     NotConnected,
     /// The controller does not know this command.
@@ -148,6 +150,7 @@ impl fmt::Display for Refusal {
             Refusal::Stopping => f.write_str("a stop is under way"),
             Refusal::NoChannel(Channel::Input(n)) => write!(f, "the reference has no input I{n}"),
             Refusal::NoChannel(Channel::Output(n)) => write!(f, "the reference has no output Q{n}"),
+            Refusal::ExpertOutput(n) => write!(f, "an expert function drives Q{n}"),
             Refusal::Application(error) | Refusal::Change(error) => {
                 write!(f, "the application is not valid: {error}")
             }

@@ -43,6 +43,7 @@ impl Controller {
                 // Initialization values, and no word of those of the hardware (io:OUT-28).
                 self.write_outputs_of(!0, now, fx);
             }
+            self.rest_at_defaults(now);
             self.enter(State::Empty, now, fx);
         }
         Ok(())

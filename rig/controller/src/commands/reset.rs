@@ -25,6 +25,9 @@ impl Controller {
         self.start = Start::behind(reset);
         self.memory.reset(|word| !application.associates(word));
         application.initialize(&mut self.memory);
+        if reset == VariableReset::COLD {
+            self.functions.reset(now);
+        }
         self.clear_diagnostics(cause);
         self.initial_outputs(Beginning::Reset, State::Stopped, now, fx);
         self.rest(State::Stopped, now, fx);

@@ -1,6 +1,7 @@
 //! Why a configuration is not accepted.
 
 use crate::{EventSource, InputFault, RunStopFault};
+use expert::ExpertError;
 use profile::{MINIMUM_CYCLE, PRIORITIES};
 use signal::Span;
 use std::fmt;
@@ -48,6 +49,8 @@ pub enum ConfigError {
     BusCycleTask,
     /// The profile does not have this choice of "Always update variables" (controller:DEV-10).
     AlwaysUpdate,
+    /// An expert function (io: section 6.2).
+    Expert(ExpertError),
     /// Two tasks have one name.
     SameName {
         /// Their places.
@@ -139,6 +142,9 @@ impl fmt::Display for ConfigError {
             }
             ConfigError::AlwaysUpdate => {
                 f.write_str("the profile does not have this choice of \"Always update variables\"")
+            }
+            ConfigError::Expert(error) => {
+                write!(f, "the expert function {}: {error}", error.function + 1)
             }
             ConfigError::SameName { tasks } => write!(f, "tasks {} and {} have one name", tasks.0, tasks.1),
             ConfigError::SamePriority { tasks, priority } => {

@@ -9,6 +9,7 @@ pub use error::ConfigError;
 pub use task::{TaskConfig, TaskKind, Watchdog};
 
 use crate::{InputConfig, Relocation, RunStopFault};
+use expert::{ExpertConfig, ExpertError, InputConditions, Taken};
 use profile::{MINIMUM_CYCLE, PRIORITIES, Profile, Reference};
 use signal::Span;
 
@@ -51,6 +52,8 @@ pub struct Config {
     pub bus_cycle_task: BusCycle,
     /// Always update variables (controller:DEV-10, controller:DEV-12).
     pub always_update: AlwaysUpdate,
+    /// Fast counters and pulse generators (io: section 6).
+    pub expert: ExpertConfig,
 }
 
 impl Config {
@@ -76,6 +79,7 @@ impl Config {
             relocation: Relocation::default(),
             bus_cycle_task: BusCycle::default(),
             always_update: AlwaysUpdate::default_of(profile),
+            expert: ExpertConfig::default(),
         }
     }
 
@@ -177,6 +181,9 @@ impl Config {
             return Err(ConfigError::AlwaysUpdate);
         }
         self.check_inputs()?;
+        if let Some(error) = self.check_expert().first() {
+            return Err(ConfigError::Expert(*error));
+        }
         let outputs = self.reference.output_count();
         if u64::from(self.output_defaults) >> outputs != 0 {
             return Err(ConfigError::OutputDefaults { outputs });
@@ -190,6 +197,27 @@ impl Config {
         Ok(())
     }
 
+    /// Everything for which the profile does not accept the expert functions.
+    pub fn check_expert(&self) -> Vec<ExpertError> {
+        let advanced = self.inputs.iter().enumerate().filter(|(_, input)| input.is_expert());
+        let taken = Taken {
+            advanced: advanced.fold(0, |mask, (n, _)| {
+                mask | u32::try_from(n).map_or(0, |n| 1_u32.checked_shl(n).unwrap_or(0))
+            }),
+            run_stop: self.run_stop_input,
+            alarm: self.alarm_output,
+        };
+        self.expert.check(self.profile, self.reference, &taken)
+    }
+
+    /// The way from each input to the expert functions, from I0 on.
+    pub fn input_conditions(&self) -> Vec<InputConditions> {
+        let bounce = |input: usize| self.inputs.get(input).map(|own| own.bounce).unwrap_or_default();
+        profile::inputs(self.reference)
+            .map(|input| InputConditions { delay: input.delay, bounce: bounce(input.index).span() })
+            .collect()
+    }
+
     /// Whether the inputs can have their parameters (io: section 3).
     ///
     /// # Errors
@@ -199,8 +227,10 @@ impl Config {
         if self.inputs.len() > inputs {
             return Err(ConfigError::Inputs { found: self.inputs.len(), inputs });
         }
+        let used = self.expert.inputs();
         for (input, config) in self.inputs.iter().enumerate() {
-            let checked = config.check(input, self.reference);
+            let used = used.checked_shr(input as u32).is_some_and(|bits| bits & 1 == 1);
+            let checked = config.check(input, used, self.reference);
             checked.map_err(|fault| ConfigError::Input { input, fault })?;
         }
         if let Some(input) = self.run_stop_input {

@@ -34,9 +34,9 @@ enum Stage {
 }
 
 impl Channel {
-    /// A channel at rest at 0.
-    pub(super) fn new(delay: Span, config: &InputConfig) -> Channel {
-        let stage = if config.is_expert() {
+    /// A channel at rest at 0; `expert` where an expert function looks at the input (io:EIO-12).
+    pub(super) fn new(delay: Span, config: &InputConfig, expert: bool) -> Channel {
+        let stage = if expert || config.is_expert() {
             Stage::AntiBounce { bounce: config.bounce.span(), since: Time::MIN }
         } else {
             Stage::Integrator { full: config.filter.span().as_nanos(), sum: 0 }
@@ -71,6 +71,11 @@ impl Channel {
             self.follows = now.saturating_add(self.delay);
         }
         changed
+    }
+
+    /// Level at the terminal.
+    pub(super) const fn terminal(&self) -> bool {
+        self.terminal
     }
 
     /// Level behind the filter.

@@ -12,7 +12,8 @@ pub struct InputConfig {
     pub latch: bool,
     /// Edges that raise the input's event (io:EIO-10).
     pub event: Option<EventEdges>,
-    /// The anti-bounce filter of an input with Latch or Event, else 0.002 ms (io:EIO-07).
+    /// The anti-bounce filter of an input with Latch, Event or another expert function, else 0.002 ms (io:EIO-07,
+    /// io:EIO-12).
     pub bounce: Bounce,
 }
 
@@ -27,11 +28,12 @@ impl InputConfig {
         self.latch || self.event.is_some()
     }
 
-    /// Whether an input of this number can have these parameters.
+    /// Whether an input of this number can have these parameters; `used` where a fast counter or a pulse generator
+    /// looks at it.
     ///
     /// # Errors
     /// The first [`InputFault`].
-    pub(crate) fn check(&self, input: usize, reference: &Reference) -> Result<(), InputFault> {
+    pub(crate) fn check(&self, input: usize, used: bool, reference: &Reference) -> Result<(), InputFault> {
         match (self.latch, self.event.is_some()) {
             (true, true) => return Err(InputFault::LatchWithEvent),
             (latch, event) if (latch || event) && input >= reference.fast_inputs => {
@@ -40,7 +42,9 @@ impl InputConfig {
             (latch, event) if (latch || event) && self.filter != Filter::None => {
                 return Err(InputFault::FilterWithExpert);
             }
-            (false, false) if self.bounce != Bounce::default() => return Err(InputFault::BounceAlone),
+            (false, false) if !used && self.bounce != Bounce::default() => {
+                return Err(InputFault::BounceAlone);
+            }
             _ => {}
         }
         Ok(())
@@ -56,7 +60,7 @@ pub enum InputFault {
     LatchWithEvent,
     /// Latch or Event on a regular input (io:EIO-06).
     NotFast,
-    /// A bounce time without Latch and Event (io:EIO-07).
+    /// A bounce time without Latch, Event and expert functions (io:EIO-07).
     BounceAlone,
 }
 
@@ -66,7 +70,9 @@ impl fmt::Display for InputFault {
             InputFault::FilterWithExpert => "has a filter beside Latch or Event",
             InputFault::LatchWithEvent => "has both Latch and Event",
             InputFault::NotFast => "has Latch or Event, which only fast inputs have",
-            InputFault::BounceAlone => "has a bounce time without Latch or Event",
+            InputFault::BounceAlone => {
+                "has a bounce time without Latch or Event, and no expert function uses it"
+            }
         })
     }
 }
@@ -121,7 +127,7 @@ mod tests {
     fn check(input: usize, change: impl FnOnce(&mut InputConfig)) -> Result<(), InputFault> {
         let mut config = InputConfig::default();
         change(&mut config);
-        config.check(input, Profile::default().default_reference())
+        config.check(input, false, Profile::default().default_reference())
     }
 
     // io:EIO-04, io:EIO-05, io:EIO-06, io:EIO-07

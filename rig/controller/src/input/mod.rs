@@ -102,6 +102,7 @@ impl Inputs {
         let mut roles = Roles::default();
         let mut regular = 0;
         let advanced = config.advanced_inputs();
+        let used = config.expert.inputs();
         let channels: Vec<Channel> = profile::inputs(config.reference)
             .map(|input| {
                 let own = config.inputs.get(input.index).copied().unwrap_or_default();
@@ -115,7 +116,7 @@ impl Inputs {
                 }
                 roles.rising |= advanced & bit;
                 regular |= if input.kind == profile::InputKind::Regular { bit } else { 0 };
-                Channel::new(input.delay, &own)
+                Channel::new(input.delay, &own, used & bit != 0)
             })
             .collect();
         roles.run_stop = config.run_stop_input.map_or(0, |input| 1 << input);
@@ -226,6 +227,11 @@ impl Inputs {
     pub(crate) fn run_stop(&mut self, now: Time) -> Option<bool> {
         let mask = self.roles.run_stop;
         (mask != 0).then(|| self.levels(now) & mask != 0)
+    }
+
+    /// Whether terminal I`input` is at 1.
+    pub(crate) fn terminal(&self, input: usize) -> bool {
+        self.channels.get(input).is_some_and(Channel::terminal)
     }
 
     /// When something here happens by itself; `Time::MAX` for never.

@@ -1,5 +1,4 @@
 //! An application of explicit operations, a store in memory, and a clock that drives a controller.
-#![allow(dead_code)]
 
 use scanrig_controller::*;
 use signal::{Address, Cause, Level, Span, Time, Value};
@@ -18,8 +17,8 @@ pub enum Act {
     /// Copies a variable into another.
     Move(usize, usize),
     Fault(FaultClass),
-    /// Asks for a service with an argument; the answer goes into a variable.
-    Ask(Service, i64, usize),
+    /// Calls a block of the expert functions with these pins; all others are 0.
+    Block(&'static str, &'static [(usize, i64)]),
     /// Goes back to the first operation of the task.
     Loop,
 }
@@ -59,7 +58,6 @@ struct Player {
     fresh: Vec<bool>,
     watched: Vec<bool>,
     dirty: bool,
-    asks: Vec<Option<usize>>,
     breaks: Vec<u32>,
     steps: Vec<bool>,
     /// It stopped before this operation already.
@@ -75,7 +73,14 @@ impl Application for Player {
         self.at[task] = 0;
         self.fresh[task] = true;
     }
-    fn resume(&mut self, task: usize, now: Time, budget: Span, memory: &mut Memory) -> Slice {
+    fn resume(
+        &mut self,
+        task: usize,
+        now: Time,
+        budget: Span,
+        memory: &mut Memory,
+        functions: &mut expert::Expert,
+    ) -> Slice {
         let mut used = Span::ZERO;
         if std::mem::take(&mut self.fresh[task]) {
             self.trail.lock().unwrap().push((task, now, "start"));
@@ -104,11 +109,8 @@ impl Application for Player {
                 Act::Copy(from, to) => touched = memory.store(to, memory.load(from)),
                 Act::Add(variable, n) => touched = self.set(variable, self.values[variable] + n),
                 Act::Move(from, to) => touched = self.set(to, self.values[from]),
+                Act::Block(name, inputs) => touched = call_block(name, inputs, now + used, functions),
                 Act::Loop => self.at[task] = 0,
-                Act::Ask(service, argument, variable) => {
-                    self.asks[task] = Some(variable);
-                    return Slice { used, stop: Stop::Service { service, argument } };
-                }
                 Act::Fault(class) => {
                     let error = profile::ApplicationError::IntegerDivision;
                     let fault = ApplicationFault { error, class, file: 0, line: self.at[task] as u32 };
@@ -219,11 +221,8 @@ impl Application for Player {
     fn watch(&mut self, variable: u32) {
         self.watched[variable as usize] = true;
     }
-    fn answer(&mut self, task: usize, result: i64) {
-        if let Some(variable) = self.asks[task].take() {
-            self.set(variable, result);
-        }
-    }
+    /// No operation asks for a service.
+    fn answer(&mut self, _: usize, _: i64) {}
     /// Operations are lines.
     fn breakpoint(&mut self, _: u16, line: u32) -> Option<u32> {
         self.breaks.push(line);
@@ -243,6 +242,28 @@ impl Application for Player {
     fn as_any(&mut self) -> &mut dyn std::any::Any {
         self
     }
+}
+
+/// Pins of a block by place.
+struct Values([i64; 32]);
+
+impl expert::Pins for Values {
+    fn get(&self, pin: usize) -> i64 {
+        self.0[pin]
+    }
+    fn set(&mut self, pin: usize, value: i64) {
+        self.0[pin] = value;
+    }
+}
+
+/// A call of a new instance, as the application does it.
+fn call_block(name: &str, inputs: &[(usize, i64)], now: Time, functions: &mut expert::Expert) -> bool {
+    let block = expert::BLOCKS.iter().copied().flatten().find(|block| block.name == name).unwrap();
+    let mut pins = Values([0; 32]);
+    inputs.iter().for_each(|(pin, value)| pins.0[*pin] = *value);
+    let before = functions.next();
+    (block.run)(&mut expert::Call { now, pins: &mut pins, expert: functions });
+    functions.is_observed() || functions.next() < before
 }
 
 impl Player {
@@ -268,7 +289,6 @@ impl Loader for Scripts {
             fresh: vec![false; tasks],
             watched: vec![false; script.variables.len()],
             dirty: false,
-            asks: vec![None; tasks],
             breaks: Vec::new(),
             steps: vec![false; tasks],
             stood: vec![false; tasks],

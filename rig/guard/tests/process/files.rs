@@ -2,37 +2,16 @@
 
 use drivers::{HeldLines, LineApi};
 use scanrig_guard::Lines;
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::os::unix::fs::FileExt;
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 /// The levels that are safe.
 pub const SAFE: u64 = 0b0101;
 /// All lines of a device.
 pub const MASK: u64 = 0b1111;
-
-static COUNT: AtomicU64 = AtomicU64::new(0);
-
-/// The system's allocator, counted.
-pub struct Counting;
-
-#[allow(unsafe_code)]
-// SAFETY: everything is left to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: as the caller promises.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        // SAFETY: as the caller promises.
-        unsafe { System.dealloc(place, layout) }
-    }
-}
 
 /// The levels of a device.
 pub fn levels(folder: &Path, device: &str) -> u64 {
@@ -79,7 +58,7 @@ pub fn open(held: HeldLines) -> Box<dyn Lines> {
 
 impl Lines for FileLines {
     fn drive(&mut self, levels: u64) -> io::Result<()> {
-        self.log.write_all(&COUNT.load(Ordering::Relaxed).to_ne_bytes())?;
+        self.log.write_all(&counting::of_all_threads().to_ne_bytes())?;
         self.drives += 1;
         if self.device.starts_with("broken") {
             return Err(io::Error::from_raw_os_error(5));

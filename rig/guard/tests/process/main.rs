@@ -11,7 +11,7 @@ mod tests;
 use std::process::ExitCode;
 
 #[global_allocator]
-static ALLOCATIONS: files::Counting = files::Counting;
+static COUNTING: counting::Counting = counting::Counting;
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();

@@ -14,7 +14,7 @@ pub(crate) use task::{Asks, Registers, Task};
 
 use crate::code::{LibraryArgument, map};
 use crate::library::Service;
-use crate::native::Native;
+use crate::native::{Native, Pins};
 use crate::program::{Program, VarRef};
 use crate::run::{Parts, Prepared, run, settle};
 use crate::types::Elementary;
@@ -41,6 +41,12 @@ pub trait Host {
     /// Stores the low bits of `value`. `file` and `line` (from 1) are the place in the source. TRUE where a
     /// watched location changed: the machine stops right after the operation with [`Stop::Touched`].
     fn store(&mut self, at: Address, value: u64, file: u16, line: u32) -> bool;
+
+    /// A call of the block with this number, whose body is the host's ([`crate::BlockBody::Host`]). TRUE where the
+    /// host wants to see to what came of it: the machine stops right after the call with [`Stop::Touched`].
+    fn block(&mut self, _block: u16, _pins: &mut Pins<'_>) -> bool {
+        false
+    }
 }
 
 /// What a task did in one slice.

@@ -1,6 +1,6 @@
 //! The block that sets a clock.
 
-use super::{Native, Pins, hidden, input, output, rose};
+use super::{BlockBody, Native, Pins, hidden, input, output, rose};
 use crate::types::Elementary::{Bool, Dt};
 
 /// RTC.
@@ -15,7 +15,7 @@ pub(super) const BLOCKS: &[Native] = &[Native {
         hidden("START"),
         hidden("SET"),
     ],
-    run: rtc,
+    body: BlockBody::Own(rtc),
 }];
 
 const IN: usize = 0;

@@ -30,15 +30,24 @@ pub struct Pin {
     pub ty: Elementary,
 }
 
-/// A function block with a Rust body. All bytes of an instance are 0 at the start.
+/// What a block does at a call.
+#[derive(Clone, Copy, Debug)]
+pub enum BlockBody {
+    /// This, with nothing but its pins. It must not allocate, and finish in bounded time.
+    Own(fn(&mut Pins<'_>)),
+    /// Whoever runs the program does it, and knows the block by this number: [`crate::Host::block`].
+    Host(u16),
+}
+
+/// A function block that is not written in Structured Text. All bytes of an instance are 0 at the start.
 #[derive(Clone, Copy, Debug)]
 pub struct Native {
     /// Name of the type in capitals.
     pub name: &'static str,
     /// Pins in the order of positional parameters.
     pub pins: &'static [Pin],
-    /// One call. It must not allocate, and finish in bounded time.
-    pub run: fn(&mut Pins<'_>),
+    /// One call.
+    pub body: BlockBody,
 }
 
 /// Alignment and granularity of instances, in bytes.
@@ -96,7 +105,7 @@ macro_rules! native {
         Native {
             name: $name,
             pins: $pins,
-            run: {
+            body: {
                 const PINS: &[Pin] = $pins;
                 const OFFSETS: [u16; PINS.len()] = {
                     let mut offsets = [0; PINS.len()];
@@ -107,7 +116,7 @@ macro_rules! native {
                     }
                     offsets
                 };
-                |pins| pins.of(PINS, &OFFSETS, $run)
+                crate::native::BlockBody::Own(|pins| pins.of(PINS, &OFFSETS, $run))
             },
         }
     };

@@ -32,7 +32,7 @@ impl Instance {
         for (place, value) in places(PinKind::Input).zip(inputs) {
             pins.set(place, *value);
         }
-        (native.run)(&mut pins);
+        own(native)(&mut pins);
         places(PinKind::Output).map(|place| pins.get(place)).collect()
     }
 
@@ -91,7 +91,7 @@ fn pins_have_two_names() {
 fn pins_are_cells_in_bytes() {
     const PINS: &[Pin] =
         &[output("A", Bool), output("B", Int), output("C", Udint), output("D", Ltime), output("E", Sint)];
-    let native = Native { name: "X", pins: PINS, run: |_| {} };
+    let native = Native { name: "X", pins: PINS, body: BlockBody::Own(|_| {}) };
     let (offsets, size) = native.layout();
     assert_eq!((&offsets[..], size), (&[0, 2, 4, 8, 16][..], 24));
     let mut bytes = vec![0; size as usize];
@@ -337,7 +337,7 @@ proptest! {
         for end in [size as usize, size as usize / 2, 0] {
             let mut bytes = bytes[..end].to_vec();
             let mut pins = Pins::new(&mut bytes, native.pins, &offsets, &[], Time::from_nanos(now));
-            (native.run)(&mut pins);
+            own(native)(&mut pins);
         }
     }
 
@@ -385,5 +385,13 @@ proptest! {
             let et = if ended { 0 } else { elapsed };
             prop_assert_eq!(tp.at(now, &[i64::from(input), 50]), vec![i64::from(q), et]);
         }
+    }
+}
+
+/// The body of a block that has one of its own.
+fn own(native: &Native) -> fn(&mut Pins<'_>) {
+    match native.body {
+        BlockBody::Own(run) => run,
+        BlockBody::Host(_) => panic!("{} is the host's", native.name),
     }
 }

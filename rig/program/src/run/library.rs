@@ -5,7 +5,7 @@ use super::world::{By, Stored, World};
 use crate::code::{LibraryArgument, LibraryCall, LibraryCode, Operand, TextAt};
 use crate::library::{Body, Service, Text, TextCall, TextOut, from_text, to_text};
 use crate::machine::{FaultKind, Host, PinOffsets, READ_ONLY, Scratch, WATCHED};
-use crate::native::{Native, Pins};
+use crate::native::{BlockBody, Native, Pins};
 use crate::types::Elementary;
 use signal::Time;
 
@@ -142,9 +142,15 @@ impl<H: Host> World<'_, H> {
             return Stored::Bad;
         }
         let mut pins = Pins::new(bytes, native.pins, &pins.offsets, flags, now);
-        (native.run)(&mut pins);
+        let touched = match native.body {
+            BlockBody::Own(run) => {
+                run(&mut pins);
+                false
+            }
+            BlockBody::Host(block) => self.host.block(block, &mut pins),
+        };
         let changed = pins.changed;
         self.changed |= changed;
-        if changed & WATCHED != 0 { Stored::Touched } else { Stored::Fine }
+        if touched || changed & WATCHED != 0 { Stored::Touched } else { Stored::Fine }
     }
 }

@@ -1,7 +1,7 @@
 //! Walks the tree of a program: values and modelled time.
 
-use super::support::oracle::{limits, width, wrap};
 use super::tree::{E, S, V};
+use crate::support::oracle::{limits, width, wrap};
 use scanrig_program::Elementary::{self, *};
 use scanrig_program::FaultKind;
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
 //! Random programs as trees, and their text.
 
-use super::support::oracle::{decimal, limits, literal};
+use crate::support::oracle::{decimal, limits, literal};
 use scanrig_program::Elementary::{self, *};
 use std::fmt::Write;
 

@@ -1,7 +1,5 @@
 //! A controller's memory and clock for the tests.
 
-#![allow(dead_code)]
-
 pub mod oracle;
 
 use document::SourceFile;

@@ -2,7 +2,7 @@
 
 use super::Executor;
 use crate::trouble::Trouble;
-use drivers::{BusEvent, BusId, BusState, Frame, LossReason};
+use drivers::{BusError, BusEvent, BusId, Frame, LossReason};
 use signal::{Cause, Time, When};
 
 impl Executor<'_> {
@@ -28,7 +28,10 @@ impl Executor<'_> {
                 self.lose_bus(at, event.bus(), reason);
             }
             // A modelled controller that goes off its bus was told to, by a plan.
-            BusEvent::State { at, bus, state: BusState::BusOff } if !self.modelled => self.lose_node(at, bus),
+            BusEvent::State { at, bus, state } if !self.modelled => self.see_state(at, bus, state),
+            BusEvent::Error { at, bus, error: BusError::SendTimeout } if !self.modelled => {
+                self.miss_bus(at, bus)
+            }
             BusEvent::Returned { at, bus } => self.regain_bus(at, bus),
             BusEvent::Dropped { at, count, .. } => {
                 let bus = name();
@@ -45,6 +48,7 @@ impl Executor<'_> {
             true => When::within(at.earliest, at.latest.max(self.actual)),
             false => at,
         };
+        self.ran.frames.hear(at.latest, bus, frame);
         let place = usize::from(bus.0);
         for index in 0..self.wiring.buses.get(place).map_or(0, Vec::len) {
             let watch = &mut self.wiring.buses[place][index];

@@ -1,9 +1,9 @@
 //! Devices that go away while a case runs, and those that come back.
 
-use super::Executor;
+use super::{Executor, LOG_LINES};
 use crate::schedule::EndReason;
 use crate::trouble::Trouble;
-use drivers::{BoardError, BusId, ChannelId, LossReason, OnLoss};
+use drivers::{BoardError, BusId, BusState, ChannelId, LossReason, OnLoss};
 use signal::Time;
 
 impl Executor<'_> {
@@ -30,7 +30,7 @@ impl Executor<'_> {
             &trouble
             && self.is_news(at, device.clone())
         {
-            self.subject.notice(at, &trouble.show(self.board.channels()).to_string());
+            self.notice(at, trouble.show(self.board.channels()).to_string());
         }
         self.ran.trouble.get_or_insert(trouble);
         if self.limits.on_loss == OnLoss::End {
@@ -43,16 +43,56 @@ impl Executor<'_> {
         let device = self.board.device(channel).unwrap_or_default().to_owned();
         if self.is_news(at, device.clone()) {
             let name = &self.board.channels()[usize::from(channel.0)].name;
-            self.subject.notice(at, &format!("channel {name} is back at {at}: its device {device} answers"));
+            self.notice(at, format!("channel {name} is back at {at}: its device {device} answers"));
         }
     }
 
     /// The device of a bus is back.
     pub(super) fn regain_bus(&mut self, at: Time, bus: BusId) {
+        if let Some(known) = self.nodes.get_mut(usize::from(bus.0)) {
+            *known = BusState::ErrorActive;
+        }
         let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
         if self.is_news(at, device.clone()) {
             let name = self.bus_name(bus);
-            self.subject.notice(at, &format!("bus {name} is back at {at}: its device {device} answers"));
+            self.notice(at, format!("bus {name} is back at {at}: its device {device} answers"));
+        }
+    }
+
+    /// A controller takes part in its bus in another way.
+    pub(super) fn see_state(&mut self, at: Time, bus: BusId, state: BusState) {
+        let Some(known) = self.nodes.get_mut(usize::from(bus.0)) else { return };
+        let before = std::mem::replace(known, state);
+        let how = match (before, state) {
+            (before, state) if before == state => return,
+            (_, BusState::BusOff) => return self.lose_node(at, bus),
+            (BusState::BusOff, _) => "takes part again",
+            (_, BusState::ErrorPassive) => "is error-passive: nobody acknowledges, or the bus is disturbed",
+            (BusState::ErrorPassive, _) => "is no longer error-passive",
+            _ => return,
+        };
+        let (name, device) = (self.bus_name(bus), self.board.bus_device(bus).unwrap_or_default());
+        let text = match before {
+            BusState::BusOff => format!("bus {name} is back at {at}: its controller {device} {how}"),
+            _ => format!("bus {name} at {at}: its controller {device} {how}"),
+        };
+        self.notice(at, text);
+    }
+
+    /// A frame did not come to its bus: what the plan wanted to be sent was not.
+    pub(super) fn miss_bus(&mut self, at: Time, bus: BusId) {
+        let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
+        let state = self.nodes.get(usize::from(bus.0)).copied().unwrap_or(BusState::ErrorActive);
+        let trouble = Trouble::NotOnBus { at, bus: self.bus_name(bus), device, state };
+        self.notice(at, trouble.show(self.board.channels()).to_string());
+        self.ran.trouble.get_or_insert(trouble);
+    }
+
+    /// What whoever watches has to know of the devices, and whoever reads the record later.
+    fn notice(&mut self, at: Time, text: String) {
+        self.subject.notice(at, &text);
+        if !self.modelled && self.ran.log.len() < LOG_LINES {
+            self.ran.log.push((at, text));
         }
     }
 
@@ -64,16 +104,18 @@ impl Executor<'_> {
 
     /// Why the board did not start.
     pub(super) fn not_started(&self, error: BoardError) -> Trouble {
+        let retake = self.limits.retake;
         match error {
             BoardError::Lost { channel, reason, since } => {
                 let known = self.board.channels().get(usize::from(channel.0));
                 let what = known.map_or_else(String::new, |known| format!("channel {}", known.name));
                 let device = self.board.device(channel).unwrap_or_default().to_owned();
-                Trouble::StillLost { what, device, reason, since }
+                Trouble::StillLost { what, device, reason, since, retake }
             }
             BoardError::BusLost { bus, reason, since } => {
                 let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
-                Trouble::StillLost { what: format!("bus {}", self.bus_name(bus)), device, reason, since }
+                let what = format!("bus {}", self.bus_name(bus));
+                Trouble::StillLost { what, device, reason, since, retake }
             }
             error => Trouble::Board { at: Time::ZERO, error },
         }

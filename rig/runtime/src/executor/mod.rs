@@ -15,6 +15,7 @@ mod teardown;
 mod terms;
 
 use crate::clock::Clock;
+use crate::frame_log::FrameLog;
 use crate::operator::Operator;
 use crate::prepare::Armed;
 use crate::punctuality::Punctuality;
@@ -26,7 +27,7 @@ use crate::trouble::Trouble;
 use crate::wiring::Wiring;
 use confirm::Awaited;
 use controller::{Effect, Effects};
-use drivers::{Board, BoardEvent, BusEvent, ChannelId, LossReason, Origin, TimestampSource};
+use drivers::{Board, BoardEvent, BusEvent, BusState, ChannelId, LossReason, Origin, TimestampSource};
 use lines::Lines;
 use plans::plan::Phase;
 use settle::Settling;
@@ -62,6 +63,8 @@ pub struct Executor<'a> {
     writes: Vec<(ChannelId, Value)>,
     polled: Vec<BoardEvent>,
     polled_buses: Vec<BusEvent>,
+    /// How each of the board's controllers takes part in its bus.
+    nodes: Vec<BusState>,
     /// What each channel was driven to last, to be driven back to after a pulse.
     driven: Vec<Value>,
     restore: Vec<Value>,
@@ -145,6 +148,7 @@ impl<'a> Executor<'a> {
         let modelled = channels.iter().all(|channel| channel.timestamp == TimestampSource::Virtual)
             && parts.board.buses().iter().all(|bus| bus.timestamp == TimestampSource::Virtual);
         let exact = parts.clock.is_exact();
+        let frames = FrameLog::of(parts.board.buses());
         Executor {
             awaited: Awaited::new(channels),
             settling: Settling::new(channels.len()),
@@ -155,6 +159,7 @@ impl<'a> Executor<'a> {
             writes: Vec::with_capacity(channels.len()),
             polled: Vec::with_capacity(1024),
             polled_buses: Vec::with_capacity(if parts.board.buses().is_empty() { 0 } else { 1024 }),
+            nodes: vec![BusState::ErrorActive; parts.board.buses().len()],
             restore: driven.clone(),
             driven,
             clock: parts.clock,
@@ -177,7 +182,7 @@ impl<'a> Executor<'a> {
             over: false,
             noticed: None,
             safe: false,
-            ran: Ran { log: Vec::with_capacity(64), ..Ran::default() },
+            ran: Ran { log: Vec::with_capacity(64), frames, ..Ran::default() },
             stepping: None,
         }
     }
@@ -415,7 +420,11 @@ impl<'a> Executor<'a> {
         let place = usize::from(channel.0);
         let (at, value, cause, origin) = match *event {
             BoardEvent::Changed { at, value, origin, .. } => {
-                let cause = if origin == Origin::Write { self.wiring.writers[place] } else { Cause::Board };
+                let cause = match origin {
+                    Origin::Write => self.wiring.writers[place],
+                    Origin::Gap(gap) => Cause::Gap(gap),
+                    _ => Cause::Board,
+                };
                 self.awaited.seen(channel);
                 self.lines.reached(channel, at.latest, origin);
                 (at, value, cause, origin)
@@ -440,7 +449,7 @@ impl<'a> Executor<'a> {
             let level = match value {
                 Value::Bool(high) => Level::from_bool(high),
                 // Between the two levels of a voltage an input keeps the one that it had.
-                Value::Real(volts) => match profile::input_level(volts) {
+                Value::Real(volts) | Value::Measured(volts, _) => match profile::input_level(volts) {
                     Some(high) => Level::from_bool(high),
                     None => return,
                 },

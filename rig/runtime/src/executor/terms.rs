@@ -1,5 +1,6 @@
 //! What an executor is told of a case, and what it leaves.
 
+use crate::frame_log::FrameLog;
 use crate::trouble::Trouble;
 use controller::State;
 use drivers::OnLoss;
@@ -23,6 +24,8 @@ pub struct Limits {
     pub fail_fast: bool,
     /// What a lost device does to it.
     pub on_loss: OnLoss,
+    /// A device that is gone is looked for, and taken back.
+    pub retake: bool,
     /// Most modelled time from power-on to the end.
     pub timeout: Span,
     /// Most modelled time of the teardown.
@@ -54,4 +57,6 @@ pub struct Ran {
     pub log: Vec<(Time, String)>,
     /// Log lines that found no room.
     pub log_dropped: u64,
+    /// The CAN frames that were on its buses.
+    pub frames: FrameLog,
 }

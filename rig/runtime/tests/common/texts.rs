@@ -12,6 +12,7 @@ use scanrig_runtime::application::compile;
 use scanrig_runtime::bundle::Bundle;
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::{Executor, Limits, Parts, Ran};
+use scanrig_runtime::functions;
 use scanrig_runtime::prepare::{Armed, Bench, Prepared, prepare};
 use scanrig_runtime::recorder::Recorder;
 use scanrig_runtime::schedule::Schedule;
@@ -75,6 +76,7 @@ impl Texts<'_> {
         let program = Arc::new(compile(&files.sources, files.profile).unwrap());
         let mut config = Config::new(files.profile);
         config.reference = files.reference;
+        config.expert = functions::configure(&case.settings, &files.plan.name).unwrap();
         change(&mut config);
         let tasks = vec![("MAST".to_owned(), Vec::new())];
         let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
@@ -130,6 +132,7 @@ impl Parted {
             horizon: Span::from_micros(100),
             fail_fast: false,
             on_loss: self.on_loss,
+            retake: false,
             timeout: self.timeout,
             teardown: self.teardown,
         };

@@ -4,16 +4,17 @@
 //! varint   signal << 6 | flags           flags: value tag (3 bits), MOVED, WIDE, CAUSE
 //! varint   zigzag of the step in `earliest` since the previous event     if MOVED
 //! varint   latest - earliest                                             if WIDE
-//! value    Int, Word: zigzag varint of the step since the signal's last number; Real: 8 bytes
+//! value    Int, Word: zigzag varint of the step since the signal's last number; Real: 8 bytes;
+//!          Measured: 8 bytes and 4 of its uncertainty
 //! cause    tag, then the fields of its kind                              if CAUSE: not the signal's last one
 //! ```
 //!
 //! Every event has exactly one encoding by [`State::encode`], which is what the digest is taken of.
 
-use crate::{Cause, Event, SignalId, Time, Value, When};
+use crate::{Cause, Event, Gap, SignalId, Time, Value, When};
 
-/// No event is longer: 6 + 10 + 10 + 10 + 10 bytes.
-pub(super) const MAX_EVENT: usize = 46;
+/// No event is longer: 6 + 10 + 10 + 12 + 10 bytes.
+pub(super) const MAX_EVENT: usize = 48;
 
 const FALSE: u64 = 0;
 const TRUE: u64 = 1;
@@ -22,6 +23,7 @@ const UNKNOWN: u64 = 3;
 const INT: u64 = 4;
 const WORD: u64 = 5;
 const REAL: u64 = 6;
+const MEASURED: u64 = 7;
 const TAG: u64 = 7;
 const MOVED: u64 = 1 << 3;
 const WIDE: u64 = 1 << 4;
@@ -84,6 +86,7 @@ impl State {
             Value::Int(_) => INT,
             Value::Word(_) => WORD,
             Value::Real(_) => REAL,
+            Value::Measured(..) => MEASURED,
         };
         let mut flags = tag;
         if moved != 0 {
@@ -107,6 +110,10 @@ impl State {
             Value::Int(n) => writer.varint(zigzag((n as u64).wrapping_sub(last_number(last)) as i64)),
             Value::Word(n) => writer.varint(zigzag(n.wrapping_sub(last_number(last)) as i64)),
             Value::Real(r) => r.to_bits().to_le_bytes().into_iter().for_each(|byte| writer.byte(byte)),
+            Value::Measured(r, uncertainty) => {
+                r.to_bits().to_le_bytes().into_iter().for_each(|byte| writer.byte(byte));
+                uncertainty.to_bits().to_le_bytes().into_iter().for_each(|byte| writer.byte(byte));
+            }
             Value::Bool(_) | Value::HighZ | Value::Unknown => {}
         }
         if flags & CAUSE != 0 {
@@ -117,6 +124,15 @@ impl State {
                 Cause::Step(step) => {
                     writer.byte(3);
                     writer.varint(u64::from(step));
+                }
+                Cause::Gap(gap) => {
+                    writer.byte(5);
+                    writer.byte(match gap {
+                        Gap::OpenWire => 0,
+                        Gap::Failed => 1,
+                        Gap::Below => 2,
+                        Gap::Above => 3,
+                    });
                 }
                 Cause::Program { task, file, line } => {
                     writer.byte(4);
@@ -158,7 +174,13 @@ impl State {
             INT => Value::Int(last_number(last).wrapping_add(unzigzag(reader.varint()?) as u64) as i64),
             WORD => Value::Word(last_number(last).wrapping_add(unzigzag(reader.varint()?) as u64)),
             REAL => Value::Real(f64::from_bits(reader.u64()?)),
-            _ => return Err(Fault::Bad),
+            _ => {
+                let (value, uncertainty) = (f64::from_bits(reader.u64()?), reader.f32()?);
+                if !(uncertainty > 0.0 && uncertainty.is_finite()) {
+                    return Err(Fault::Bad);
+                }
+                Value::Measured(value, uncertainty)
+            }
         };
         let cause = if head & CAUSE == 0 {
             last_cause(last)
@@ -173,6 +195,7 @@ impl State {
                     file: u16::try_from(reader.varint()?).map_err(|_| Fault::Bad)?,
                     line: u32::try_from(reader.varint()?).map_err(|_| Fault::Bad)?,
                 },
+                5 => Cause::Gap(*Gap::ALL.get(usize::from(reader.byte()?)).ok_or(Fault::Bad)?),
                 _ => return Err(Fault::Bad),
             }
         };
@@ -326,6 +349,12 @@ impl<'a> Reader<'a> {
         let mut bytes = [0; 8];
         bytes.copy_from_slice(self.take(8)?);
         Ok(u64::from_le_bytes(bytes))
+    }
+
+    fn f32(&mut self) -> Result<f32, Fault> {
+        let mut bytes = [0; 4];
+        bytes.copy_from_slice(self.take(4)?);
+        Ok(f32::from_le_bytes(bytes))
     }
 
     pub(super) fn text(&mut self) -> Result<&'a str, Fault> {

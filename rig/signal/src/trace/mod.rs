@@ -19,7 +19,7 @@ use std::fmt;
 
 use sha2::{Digest, Sha256};
 
-use crate::{Event, Kind, Policy, SignalId, SignalInfo, Time, When};
+use crate::{Cause, Event, Kind, Policy, SignalId, SignalInfo, Time, Value, When};
 use code::{MAX_EVENT, State};
 use policy::Waiting;
 use segment::Segments;
@@ -157,7 +157,7 @@ impl Trace {
     }
 
     /// Records an event and returns it as the trace has it; `None` if it is none: the signal has this value already
-    /// (a [`Kind::Mark`] excepted), or its [`Policy`] drops it. A signal's first value is always kept.
+    /// (a [`Kind::Mark`] excepted, and a value that is now unknown for another reason), or its [`Policy`] drops it. A signal's first value is always kept.
     ///
     /// # Errors
     /// [`TraceError::UnknownSignal`]; [`TraceError::Io`] if a full segment cannot be stored, and from then on
@@ -176,7 +176,7 @@ impl Trace {
             (_, policy) => last.is_none_or(|last| policy::keeps(policy, last, &event)).then_some(event),
         };
         match admitted {
-            Some(event) if last.is_none_or(|last| last.value != event.value) => self.append(event).map(Some),
+            Some(event) if last.is_none_or(|last| is_news(&last, &event)) => self.append(event).map(Some),
             _ => Ok(None),
         }
     }
@@ -271,6 +271,13 @@ impl Trace {
     pub fn between(&self, from: Time, to: Time) -> Result<Between<'_>, TraceError> {
         Between::new(self, from, to)
     }
+}
+
+/// Whether an event says what the last one of its signal did not: another value, or another reason why there is none.
+#[inline]
+fn is_news(last: &Event, event: &Event) -> bool {
+    let another = |event: &Event| matches!(event.cause, Cause::Gap(_)) && last.cause != event.cause;
+    last.value != event.value || matches!(event.value, Value::Unknown) && another(event)
 }
 
 /// Memory taken by a note of this key, its value excepted.

@@ -12,7 +12,11 @@ pub(super) fn keeps(policy: Policy, last: Event, event: &Event) -> bool {
     let Policy::Deadband(band) = policy else { return true };
     match (last.value.as_real(), event.value.as_real()) {
         // Not a number is no distance: such a change is kept.
-        (Some(old), Some(new)) => (new - old).abs() > band || (new - old).is_nan(),
+        // What is known less well has to be said, as far as the band does not cover it.
+        (Some(old), Some(new)) => {
+            let wider = (event.value.uncertainty() - last.value.uncertainty()).max(0.0);
+            (new - old).abs() + wider > band || (new - old).is_nan()
+        }
         _ => true,
     }
 }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{Cause, ClockDomain, Sampling, Span, Time, Value};
+use crate::{Cause, ClockDomain, Gap, Sampling, Span, Time, Value};
 
 const SIGNALS: u32 = 4;
 
@@ -44,7 +44,7 @@ impl Seek for Store {
 }
 
 /// Every bit of an event: `Value`'s own equality takes `Int(1)` and `Word(1)` for equal.
-fn bits(event: &Event) -> (u32, Time, Time, u8, u64, Cause) {
+fn bits(event: &Event) -> (u32, Time, Time, u64, u64, Cause) {
     let (kind, number) = match event.value {
         Value::Bool(b) => (0, u64::from(b)),
         Value::Int(n) => (1, n as u64),
@@ -52,11 +52,12 @@ fn bits(event: &Event) -> (u32, Time, Time, u8, u64, Cause) {
         Value::Real(r) => (3, r.to_bits()),
         Value::HighZ => (4, 0),
         Value::Unknown => (5, 0),
+        Value::Measured(r, by) => (6 + (u64::from(by.to_bits()) << 3), r.to_bits()),
     };
     (event.signal.0, event.at.earliest, event.at.latest, kind, number, event.cause)
 }
 
-fn all_bits(events: &[Event]) -> Vec<(u32, Time, Time, u8, u64, Cause)> {
+fn all_bits(events: &[Event]) -> Vec<(u32, Time, Time, u64, u64, Cause)> {
     events.iter().map(bits).collect()
 }
 
@@ -67,6 +68,8 @@ fn any_value() -> impl Strategy<Value = Value> {
         1 => any::<i64>().prop_map(Value::Int),
         2 => any::<u64>().prop_map(Value::Word),
         2 => any::<u64>().prop_map(|n| Value::Real(f64::from_bits(n))),
+        1 => (any::<u64>(), 1u32..0x7F80_0000)
+            .prop_map(|(n, by)| Value::Measured(f64::from_bits(n), f32::from_bits(by))),
         1 => Just(Value::HighZ),
         1 => Just(Value::Unknown),
     ]
@@ -78,6 +81,7 @@ fn any_cause() -> impl Strategy<Value = Cause> {
         Just(Cause::Controller),
         Just(Cause::Board),
         any::<u16>().prop_map(Cause::Step),
+        proptest::sample::select(Gap::ALL.to_vec()).prop_map(Cause::Gap),
         (any::<u8>(), any::<u16>(), any::<u32>()).prop_map(|(task, file, line)| Cause::Program {
             task,
             file,
@@ -135,14 +139,16 @@ fn plain() -> Trace {
     with_signals(Trace::new())
 }
 
-/// What a trace keeps of `events`: for all but the first signal, changes only.
+/// What a trace keeps of `events`: for all but the first signal changes only, and of unknown values the reasons.
 fn kept(events: &[Event]) -> Vec<Event> {
-    let mut last = [None; SIGNALS as usize];
+    let mut last: [Option<Event>; SIGNALS as usize] = [None; SIGNALS as usize];
     let mut kept = Vec::new();
     for event in events {
         let place = &mut last[event.signal.0 as usize];
-        if event.signal.0 == 0 || *place != Some(event.value) {
-            *place = Some(event.value);
+        let reason = event.value == Value::Unknown && matches!(event.cause, Cause::Gap(_));
+        let same = |last: Event| last.value == event.value && !(reason && last.cause != event.cause);
+        if event.signal.0 == 0 || !place.is_some_and(same) {
+            *place = Some(*event);
             kept.push(*event);
         }
     }
@@ -382,6 +388,18 @@ fn a_damaged_store_is_noticed() {
 }
 
 #[test]
+fn a_value_that_is_unknown_for_another_reason_is_an_event() {
+    let mut trace = Trace::new();
+    let signal = trace.define(SignalInfo::exact("pressure", Kind::Real)).unwrap();
+    let mut push =
+        |at, value, cause| trace.push(Event { cause, ..change(signal, at, value) }).unwrap().is_some();
+    assert!(push(0, Value::Unknown, Cause::Gap(Gap::OpenWire)));
+    assert!(!push(1, Value::Unknown, Cause::Gap(Gap::OpenWire)));
+    assert!(push(2, Value::Unknown, Cause::Gap(Gap::Above)));
+    assert!(!push(3, Value::Unknown, Cause::Board), "less is said");
+}
+
+#[test]
 fn policies_keep_what_they_say() {
     let mut trace = Trace::new();
     let mut signal = |name: &str, kind, policy| {
@@ -394,6 +412,8 @@ fn policies_keep_what_they_say() {
     assert!(push(band, 0, Value::Real(1.0)));
     assert!(!push(band, 1, Value::Real(1.5)), "not more than the band");
     assert!(push(band, 2, Value::Real(1.6)), "measured from the last kept one");
+    assert!(!push(band, 2, Value::measured(1.8, 0.25)), "0.2 and 0.25 are within the band");
+    assert!(push(band, 2, Value::measured(1.8, 0.35)), "it may be farther off than the band says");
     assert!(push(band, 3, Value::Unknown));
     assert!(push(band, 4, Value::Real(1.6)));
     assert!(push(band, 5, Value::Real(f64::NAN)));

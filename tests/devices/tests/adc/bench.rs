@@ -74,10 +74,9 @@ impl Bench {
 
     /// Waits until a channel shows about this.
     pub fn shows(&mut self, name: &str, volts: f64, within: f64) {
-        self.until(
-            &format!("{name} at {volts} V"),
-            |bench| matches!(bench.last(name), Some(Value::Real(now)) if (now - volts).abs() <= within),
-        );
+        self.until(&format!("{name} at {volts} V"), |bench| {
+            bench.last(name).and_then(Value::as_real).is_some_and(|now| (now - volts).abs() <= within)
+        });
     }
 
     pub fn changes(&self, name: &str) -> Vec<(When, Value)> {

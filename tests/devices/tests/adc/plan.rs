@@ -50,8 +50,21 @@ unit = "degC"
 input = 1
 range = "0 V .. 5.12 V"
 scale = { from = ["0 V", "10 V"], to = ["0 degC", "100 degC"] }
+[channels.vague]
+kind = "analog"
+unit = "degC"
+input = 2
+range = "0 V .. 10.24 V"
+scale = { from = ["0 V", "10 V"], to = ["0 degC", "100 degC"] }
+accuracy = { of-value = "0.5 %", of-range = "0.1 %", plus = "0.2 degC" }
+[channels.loose]
+kind = "analog"
+unit = "bar"
+input = 3
+scale = { shunt = "250 Ohm", from = ["4 mA", "20 mA"], to = ["0 bar", "16 bar"] }
+open-below = "3.6 mA"
 [guard]
-limit = "2 s"
+limit = "10 s"
 hold = "1 h"
 [realtime]
 late = "10 s"
@@ -81,26 +94,44 @@ expect = [
 ]
 "#;
 
-/// What the plan says of the oven, of an input that is too narrow for it.
-fn beyond() -> String {
-    PLAN.replace("temperature = \"temperature\"", "temperature = \"narrow\"")
-}
+/// What can be said of inputs that are too narrow for the oven, too coarse for the claim, or wired to nothing.
+const BEYOND: &str = r#"format = 1
+title = "Nothing can be said of this"
+program = "main.st"
+signals = { narrow = "narrow", vague = "vague", loose = "loose" }
+ends = "start + 4 s"
+expect = [
+  { value = { of = "narrow", near = "80 degC", tolerance = "0.5 degC", when = "start + 3.9 s" } },
+  { value = { of = "vague", near = "80 degC", tolerance = "0.5 degC", when = "start + 3.9 s" } },
+  { value = { of = "vague", near = "80 degC", tolerance = "1 degC", when = "start + 3.9 s" } },
+  { value = { of = "loose", max = "20 bar", when = "start + 2 s" } },
+]
+measure = [
+  { name = "warmth", value-of = "vague", when = "start + 3.9 s", max = "85 degC" },
+  { name = "pressure", value-of = "loose", when = "start + 3 s", max = "20 bar" },
+]
+"#;
+
+/// What is said of a value that is not known well enough.
+const NEARER: &str = "the value is nearer to the limit than the trace is exact";
 
 /// Runs plans on a board file: exit code and all that was said.
 fn test(board: &str, plans: &[&str]) -> (Option<i32>, String) {
+    let mut words = vec!["test", "--board", "board.toml", "--report", "out"];
+    words.extend(plans);
     let folder = Path::new("/tmp/oven");
     std::fs::create_dir_all(folder).unwrap();
     std::fs::write(folder.join("board.toml"), board).unwrap();
     std::fs::write(folder.join("main.st"), PROGRAM).unwrap();
     std::fs::write(folder.join("plan.toml"), PLAN).unwrap();
-    std::fs::write(folder.join("beyond.toml"), beyond()).unwrap();
-    let ran = Command::new(rig())
-        .args(["test", "--board", "board.toml"])
-        .args(plans)
-        .current_dir(folder)
-        .env("XDG_STATE_HOME", folder)
-        .output()
-        .unwrap();
+    std::fs::write(folder.join("beyond.toml"), BEYOND).unwrap();
+    rig_says(folder, &words)
+}
+
+/// Runs the rig: exit code and all that was said.
+fn rig_says(folder: &Path, words: &[&str]) -> (Option<i32>, String) {
+    let ran =
+        Command::new(rig()).args(words).current_dir(folder).env("XDG_STATE_HOME", folder).output().unwrap();
     let Output { status, stdout, stderr } = ran;
     (status.code(), format!("{}{}", String::from_utf8_lossy(&stdout), String::from_utf8_lossy(&stderr)))
 }
@@ -120,7 +151,7 @@ fn a_plan_passes_in_virtual_time_and_over_a_converter_and_not_beyond_its_range()
         thread::spawn(move || {
             while !over.load(Ordering::Acquire) {
                 let volts = if MAIN.line(8).value() { 8.0 } else { 2.0 };
-                (0..2).for_each(|input| ADS8688.volts(input, volts));
+                (0..3).for_each(|input| ADS8688.volts(input, volts));
                 thread::sleep(Duration::from_millis(5));
             }
         })
@@ -131,4 +162,15 @@ fn a_plan_passes_in_virtual_time_and_over_a_converter_and_not_beyond_its_range()
     assert_eq!(code, Some(3), "{said}");
     assert!(said.contains("1 passed, 0 failed, 1 inconclusive"), "{said}");
     assert!(said.contains("warning[B0125]"), "{said}");
+    // 80 degC: 0.4 of the value, 0.1024 of the range, 0.2 beside them, and half a step.
+    let judged = |said: &str| {
+        for why in ["(`narrow` from ", ": at the upper end", NEARER, "(`loose` from ", ": its wire is open"] {
+            assert!(said.contains(why), "{why}: {said}");
+        }
+        assert!(said.contains("80.00 ± 0.7"), "{said}");
+    };
+    judged(&said);
+    let (code, said) = rig_says(Path::new("/tmp/oven"), &["judge", "beyond.toml", "out/traces/beyond.trace"]);
+    assert_eq!(code, Some(3), "{said}");
+    judged(&said);
 }

@@ -38,15 +38,20 @@ fn a_sweep_of_eight_inputs_is_one_call() {
         // The bytes of eight frames.
         assert!(call.ends_with(" = 24") || call.contains("resumed") || call.contains("unfinished"), "{call}");
     }
-    // And no others: what is counted at the part is eight times the calls.
-    let (first, second) = (adc.frames(), || adc.frames());
-    bench.until("more sweeps", |_| second() > first + 80);
-    bench.board.safe(bench.at.time.now()).unwrap();
-    wait_for("it rests", PATIENCE, || {
-        let before = adc.frames();
-        std::thread::sleep(std::time::Duration::from_millis(60));
-        adc.frames() == before
-    });
+    // And no others: what is counted at the part from one rest to the next is eight times the calls.
+    let rest = |bench: &mut Bench| {
+        bench.board.safe(bench.at.time.now()).unwrap();
+        wait_for("it rests", PATIENCE, || {
+            let before = adc.frames();
+            std::thread::sleep(std::time::Duration::from_millis(60));
+            adc.frames() == before
+        });
+    };
+    rest(&mut bench);
+    let first = adc.frames();
+    bench.start();
+    bench.until("more sweeps", |_| adc.frames() > first + 80);
+    rest(&mut bench);
     assert_eq!((adc.frames() - first) % 8, 0, "whole sweeps");
 }
 

@@ -120,9 +120,16 @@ impl Trouble {
 
 impl Drop for Trouble {
     fn drop(&mut self) {
-        for (what, value) in
-            [("fault", "none"), ("drop", "0"), ("lose_arbitration", "0"), ("delay_us", "0"), ("hang_ms", "0")]
-        {
+        for (what, value) in [
+            ("fault", "none"),
+            ("drop", "0"),
+            ("lose_arbitration", "0"),
+            ("delay_us", "0"),
+            ("hang_ms", "0"),
+            ("hang_restart_ms", "0"),
+            ("hang_stop_ms", "0"),
+            ("hang_counters_ms", "0"),
+        ] {
             // The interface may be gone.
             let _ = fs::write(format!("/sys/class/net/{}/trouble/{what}", self.0), value);
         }

@@ -4,7 +4,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 
 use controller::TaskKind;
-use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, HeldLines, Surroundings};
+use drivers::{
+    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, Frame, Health, HeldLines,
+    Surroundings,
+};
 use host::{Punctual, Realtime, Role};
 use scanrig_runtime::clock::{Clock, HostClock};
 use scanrig_runtime::subject::{Model, Subject};
@@ -64,6 +67,7 @@ const BOARD: &str = "format = 1
 [board]
 kind = \"real\"
 silent-after = \"5 s\"
+on-loss = \"go-on\"
 [chips]
 main = { label = \"rig-gpio\" }
 [channels]
@@ -272,5 +276,21 @@ impl Board for Counted {
 
     fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
         self.board.held()
+    }
+
+    fn buses(&self) -> &[Bus] {
+        self.board.buses()
+    }
+
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        self.board.bus_device(bus)
+    }
+
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        self.board.send(now, bus, frame)
+    }
+
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        self.board.poll_buses(now, out)
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use devices::{Lab, PATIENCE, SERIAL_A, SERIAL_C, wait_for};
-use drivers::serial::holders;
+use drivers::holders;
 use drivers::{
     Board, BoardError, BoardEvent, BusEvent, BusId, LossReason, Surroundings, Terminals, open, read,
 };

@@ -6,9 +6,9 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use devices::{Lab, PATIENCE, SERIAL_A, SERIAL_B, Serial, wait_for};
+use drivers::holders;
 use drivers::serial::{
     Frames, Framing, LineFrame, LineSettings, OpenError, Parity, PortSpec, Received, SerialPort, Symbol,
-    holders,
 };
 use host::{Rs485, monotonic};
 use rustix::termios::{ControlModes, tcgetattr};

@@ -69,7 +69,7 @@ fn a_port_that_is_held_is_told_before_anything_is_driven() {
     let files = files.map(|(name, text)| (name, text.to_owned()));
     let mut rig = Rig::start("held", &files, &TEST);
     assert_eq!(rig.exit_code(), Some(2), "{}", rig.said());
-    let words = ["error[B0145]", "/dev/rig/serial-b is held by serial (process", "modbus = "];
+    let words = ["error[B0145]", "/dev/rig/serial-b is held by `serial ", "modbus = "];
     assert!(words.iter().all(|words| rig.said().contains(words)), "{}", rig.said());
     drop(held);
 }

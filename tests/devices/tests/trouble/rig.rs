@@ -44,9 +44,17 @@ impl Rig {
         std::fs::read_to_string(self.folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
+    /// Verdict, reason and what ended it, of each case.
+    pub fn cases(&self) -> Vec<[String; 3]> {
+        let record: serde_json::Value = serde_json::from_str(&self.file("report/record.json")).unwrap();
+        let text = |case: &serde_json::Value, key: &str| case[key].as_str().unwrap_or_default().to_owned();
+        let cases = record["cases"].as_array().unwrap().iter();
+        cases.map(|case| ["verdict", "reason", "ended"].map(|key| text(case, key))).collect()
+    }
+
     /// Waits for something that happens while it runs.
     pub fn until(&self, what: &str, mut condition: impl FnMut() -> bool) {
-        let deadline = Instant::now() + PATIENCE * 5;
+        let deadline = Instant::now() + PATIENCE * 2;
         while !condition() {
             assert!(!self.has_ended(), "it ended before: {what}\n{}", self.said());
             assert!(Instant::now() < deadline, "waited in vain: {what}\n{}", self.said());
@@ -64,7 +72,8 @@ impl Rig {
         self.process.wait().unwrap().code()
     }
 
-    fn has_ended(&self) -> bool {
+    /// Whether it has ended.
+    pub fn has_ended(&self) -> bool {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.process.id()));
         stat.map_or(true, |stat| stat.contains(") Z "))
     }

@@ -4,7 +4,7 @@
 
 use super::{Around, NONE, Quick};
 use crate::machine::{PinOffsets, Registers, Task};
-use crate::native::Pins;
+use crate::native::{BlockBody, Pins};
 use crate::program::Program;
 use signal::{Span, Time};
 
@@ -103,6 +103,7 @@ impl Quick {
         else {
             return false;
         };
+        let BlockBody::Own(run) = native.body else { return false };
         let range = at..at + pins.bytes as usize;
         let (Some(bytes), Some(flags)) = (memory.get_mut(range.clone()), flags.get(range)) else {
             return false;
@@ -112,7 +113,7 @@ impl Quick {
             return false;
         }
         let now = calls.now.saturating_add(Span::from_nanos(calls.budget - left));
-        (native.run)(&mut Pins::new(bytes, native.pins, &pins.offsets, &[], now));
+        run(&mut Pins::new(bytes, native.pins, &pins.offsets, &[], now));
         true
     }
 

@@ -1,0 +1,79 @@
+//! The channels of a board.
+
+use super::FaultSet;
+use signal::{Span, Value};
+
+/// The place of a channel in [`Board::channels`](super::Board::channels).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ChannelId(pub u16);
+
+/// What a channel carries.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum ChannelKind {
+    /// A level: [`Value::Bool`], or [`Value::HighZ`] where nobody drives.
+    Digital,
+    /// A measured or set quantity: [`Value::Measured`] or [`Value::Real`] in this unit.
+    Analog {
+        /// Unit as it is written, as in `V` or `degC`; empty for none.
+        unit: String,
+    },
+}
+
+/// Where the instants of a channel's events come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TimestampSource {
+    /// Modelled time: exact.
+    Virtual,
+    /// The kernel stamps each edge.
+    Kernel,
+    /// A device stamps each edge with a clock of its own.
+    Device,
+    /// Changes are found by reading the line every `period`.
+    Sampled {
+        /// Time between two samples.
+        period: Span,
+    },
+}
+
+/// One channel of a board: a terminal with a line on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// The name that bindings, wires and plants use, as in `I0`, `Q4` or `temp`.
+    pub name: String,
+    /// What it carries.
+    pub kind: ChannelKind,
+    /// Whether [`Board::write`](super::Board::write) may drive it.
+    pub drives: bool,
+    /// Whether [`Board::poll`](super::Board::poll) reports it.
+    pub senses: bool,
+    /// Where the instants of its events come from.
+    pub timestamp: TimestampSource,
+    /// Width of the interval in which an event is stamped (0 = exact).
+    pub resolution: Span,
+    /// The shortest pulse that is certain to be seen; [`Span::MAX`] where the board cannot tell.
+    pub shortest_pulse: Span,
+    /// The fastest pulse train that [`Board::write`](super::Board::write) can emit on it, in Hz (0 = none).
+    pub max_pulse_hz: u64,
+    /// The faults that can be injected on it.
+    pub faults: FaultSet,
+    /// What a driven line is left at by [`Board::start`](super::Board::start) and [`Board::safe`](super::Board::safe).
+    pub safe: Value,
+    /// How far an analog channel can move from what was told of it without being told again, in its unit; 0 for not at
+    /// all.
+    pub deadband: f64,
+}
+
+impl Channel {
+    /// Whether the channel carries a level.
+    pub fn is_digital(&self) -> bool {
+        self.kind == ChannelKind::Digital
+    }
+
+    /// Unit of an analog channel; empty for none and for a level.
+    pub fn unit(&self) -> &str {
+        match &self.kind {
+            ChannelKind::Digital => "",
+            ChannelKind::Analog { unit } => unit,
+        }
+    }
+}

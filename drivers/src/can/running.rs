@@ -1,0 +1,82 @@
+//! The thread of a CAN interface as its board has it.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use host::{Bell, Realtime, monotonic};
+use rtrb::{Consumer, Producer};
+
+use super::adapter::Adapter;
+use super::device::Device;
+use super::port::Port;
+use super::shared::{Report, Shared};
+use crate::Frame;
+
+/// Frames on their way to the bus.
+const TO_SEND: usize = 1_024;
+/// Reports on their way to the board: a second of a busy bus.
+pub(super) const REPORTS: usize = 8_192;
+
+/// The board's side of the thread. Dropping it ends the thread.
+#[derive(Debug)]
+pub(super) struct Running {
+    pub(super) shared: Arc<Shared>,
+    pub(super) frames: Producer<Frame>,
+    pub(super) reports: Consumer<Report>,
+    patience: i64,
+    thread: Option<std::thread::JoinHandle<()>>,
+}
+
+/// How a thread works.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Manner {
+    /// How long before its stamp a frame may have ended, in nanoseconds.
+    pub(super) resolution: i64,
+    /// How long a call may last, in nanoseconds.
+    pub(super) limit: i64,
+    /// How long the end of the thread is waited for, in nanoseconds.
+    pub(super) patience: i64,
+    /// An interface that went away is taken back.
+    pub(super) retake: bool,
+    /// How the thread runs.
+    pub(super) realtime: Realtime,
+}
+
+impl Running {
+    /// Starts the thread of an open interface.
+    pub(super) fn start(
+        name: &str,
+        adapter: Box<dyn Adapter>,
+        port: Box<dyn Port>,
+        bell: &Arc<Bell>,
+        manner: Manner,
+    ) -> std::io::Result<Running> {
+        let shared = Arc::new(Shared::new()?);
+        let (frames, to_send) = rtrb::RingBuffer::new(TO_SEND);
+        let (reports, reported) = rtrb::RingBuffer::new(REPORTS);
+        let ends = (to_send, reports);
+        let device = Device::new(adapter, port, shared.clone(), ends, bell.clone(), manner);
+        let thread = std::thread::Builder::new().name(format!("can {name}"));
+        let thread = thread.spawn(move || device.run(manner.realtime))?;
+        Ok(Running { shared, frames, reports: reported, patience: manner.patience, thread: Some(thread) })
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.shared.latched.store(true, Ordering::Release);
+        self.shared.stop.store(true, Ordering::Release);
+        self.shared.ask();
+        let due = monotonic().saturating_add(self.patience);
+        while !self.shared.ended.load(Ordering::Acquire) {
+            // A thread inside a call that hangs is left to it: when the call ends, it finds that it is to stop.
+            if monotonic() >= due {
+                return;
+            }
+            self.shared.answer.wait_until(due);
+        }
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Plans read, checked and judged from outside: one program, since each costs a link.
+
+mod alarms;
+mod broken;
+mod claims;
+mod goldens;
+mod guards;
+mod limits;
+mod oracle;
+mod oracle_values;
+mod policies;
+mod reading;
+mod warnings;

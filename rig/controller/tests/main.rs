@@ -1,0 +1,10 @@
+//! The controller's scan from outside: one program, since each costs a link.
+
+mod functions;
+mod kinds;
+mod outputs;
+mod retain;
+mod schedule;
+mod states;
+mod support;
+mod watchdog;

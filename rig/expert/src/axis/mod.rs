@@ -1,0 +1,274 @@
+//! Pulse train outputs and their axes (io: section 17.4).
+
+mod command;
+mod config;
+mod control;
+mod fault;
+mod homing;
+mod motion;
+mod parameter;
+mod probe;
+mod profile;
+mod ramp;
+#[cfg(test)]
+mod tests;
+mod train;
+
+pub(crate) use command::{BufferMode, Command, Order, Phase};
+pub use config::{AxisConfig, AxisParameterError, AxisRole, DriveInput, PulseOutput, RampUnit};
+pub use fault::AxisFault;
+pub(crate) use homing::{Homing, Method};
+pub(crate) use probe::Capture;
+pub(crate) use profile::Ramps;
+use ramp::HERTZ;
+
+use crate::{Effect, Effects, Fact, Operation};
+use command::{Ends, Job};
+use homing::{Mark, Search};
+use motion::Motion;
+use parameter::Parameters;
+use probe::Probe;
+use signal::{Time, Value};
+
+/// What an axis does (io:STD-PTO-03).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxisState {
+    /// No power.
+    Disabled,
+    /// At rest, ready.
+    Standstill,
+    /// On the way to a known position.
+    Homing,
+    /// On the way to a position, or to rest.
+    DiscreteMotion,
+    /// With a velocity.
+    ContinuousMotion,
+    /// On the way to rest, and held there.
+    Stopping,
+    /// An error of the axis.
+    ErrorStop,
+}
+
+/// A pulse train output with its axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Axis {
+    config: AxisConfig,
+    place: u8,
+    motion: Motion,
+    parameters: Parameters,
+    state: AxisState,
+    /// The levels of the inputs, bit n for In.
+    levels: u32,
+    /// The application runs.
+    operating: bool,
+    /// The program wants power.
+    enabled: bool,
+    /// Protection holds an output of the axis.
+    cut: bool,
+    /// The output that enables the drive is on.
+    drive: bool,
+    homed: bool,
+    fault: Option<AxisFault>,
+    search: Option<Search>,
+    probe: Probe,
+    /// The command that controls the axis, and the one that follows.
+    active: Option<Job>,
+    queued: Option<Job>,
+    /// When the one that follows begins after a delay.
+    delayed: Time,
+    /// The stop that holds the axis, and whether it may let go.
+    stop: u32,
+    released: bool,
+    tickets: u32,
+    ends: Ends,
+}
+
+impl Axis {
+    pub fn new(config: &AxisConfig, place: u8) -> Axis {
+        Axis {
+            motion: Motion::new(config),
+            parameters: Parameters::new(config),
+            config: config.clone(),
+            place,
+            state: AxisState::Disabled,
+            levels: 0,
+            operating: false,
+            enabled: false,
+            cut: false,
+            drive: false,
+            homed: false,
+            fault: None,
+            search: None,
+            probe: Probe::default(),
+            active: None,
+            queued: None,
+            delayed: Time::MAX,
+            stop: 0,
+            released: false,
+            tickets: 0,
+            ends: Ends::new(),
+        }
+    }
+
+    /// The accepted level of input `input` from `at` on.
+    pub fn edge(&mut self, at: Time, input: u8, high: bool, fx: &mut Effects) {
+        let bit = 1 << input;
+        if (self.levels & bit != 0) == high {
+            return;
+        }
+        self.levels ^= bit;
+        let becomes =
+            |it: Option<DriveInput>| it.filter(|it| it.input == input).map(|it| high != it.inverted);
+        let config = &self.config;
+        let reference = becomes(config.reference).map(Mark::Reference);
+        let index = becomes(config.index).filter(|on| *on).map(|_| Mark::Index);
+        let probe = becomes(config.probe);
+        for mark in [reference, index].into_iter().flatten() {
+            self.mark(at, mark, fx);
+        }
+        if let Some(on) = probe {
+            self.probe_edge(at, on, fx);
+        }
+        if !self.drive_is_ready() && self.powered_state() {
+            self.fail(at, AxisFault::DriveNotReady, fx);
+        }
+        self.guard(at, fx);
+        self.settle_power(at, fx);
+    }
+
+    fn is_on(&self, input: Option<DriveInput>) -> bool {
+        input.is_some_and(|it| (self.levels >> it.input & 1 != 0) != it.inverted)
+    }
+
+    fn drive_is_ready(&self) -> bool {
+        self.config.drive_ready.is_none() || self.is_on(self.config.drive_ready)
+    }
+
+    /// When something happens without an edge; [`Time::MAX`] for never.
+    #[inline]
+    pub fn next(&self) -> Time {
+        self.motion.next().min(self.delayed)
+    }
+
+    pub fn fire(&mut self, now: Time, fx: &mut Effects) {
+        while self.motion.next() <= now {
+            let at = self.motion.next();
+            if let Some(progress) = self.motion.fire(fx) {
+                self.progress(at, progress, fx);
+            }
+        }
+        if self.delayed <= now {
+            self.delayed = Time::MAX;
+            self.begin_queued(now, fx);
+        }
+    }
+
+    pub fn operate(&mut self, now: Time, operation: Operation, fx: &mut Effects) {
+        self.operating = operation == Operation::Running;
+        if !self.operating {
+            self.enabled = false;
+            self.disable(now, AxisFault::ApplicationStopped, fx);
+            self.probe.abort();
+        }
+    }
+
+    /// After a cold reset or a download (io:STD-HSC-15).
+    pub fn reset(&mut self, now: Time, fx: &mut Effects) {
+        let mut anew = Axis::new(&self.config, self.place);
+        self.disable(now, AxisFault::ApplicationStopped, fx);
+        anew.levels = self.levels;
+        anew.operating = self.operating;
+        anew.cut = self.cut;
+        // Blocks keep the numbers of their commands in variables that a download may keep.
+        anew.tickets = self.tickets;
+        *self = anew;
+    }
+
+    /// Protection switched these outputs off (io:STD-PTO-14).
+    pub fn protect(&mut self, now: Time, cut: u32, fx: &mut Effects) {
+        self.cut = cut & self.outputs() != 0;
+        if self.cut && !matches!(self.state, AxisState::Disabled | AxisState::ErrorStop) {
+            self.fail(now, AxisFault::OutputProtection, fx);
+        }
+        if self.cut {
+            self.motion.cut(now, fx);
+        }
+    }
+
+    pub fn read(&self, fact: Fact) -> Option<Value> {
+        Some(match fact {
+            Fact::State => Value::Int(self.state as i64),
+            Fact::Position => Value::Int(self.position()),
+            Fact::Velocity => Value::Int(self.velocity(self.motion.train.latest())),
+            Fact::Homed => Value::Bool(self.homed),
+            Fact::Pulses => Value::Int(self.motion.train.pulses() as i64),
+            Fact::Captured => Value::Int(self.probe.recorded()),
+            Fact::Error => Value::Int(self.fault.map_or(0, |fault| fault.number().into())),
+            _ => return None,
+        })
+    }
+
+    /// The outputs that it may drive, bit n for Qn.
+    pub fn outputs(&self) -> u32 {
+        self.config.outputs().fold(0, |mask, (_, output)| mask | 1 << output)
+    }
+
+    /// The inputs that it looks at, bit n for In.
+    pub fn inputs(&self) -> u32 {
+        self.config.inputs().fold(0, |mask, (_, input)| mask | 1 << input)
+    }
+
+    pub const fn state(&self) -> AxisState {
+        self.state
+    }
+
+    pub const fn homed(&self) -> bool {
+        self.homed
+    }
+
+    pub const fn fault(&self) -> Option<AxisFault> {
+        self.fault
+    }
+
+    /// Whether no further command can be buffered.
+    pub const fn queue_full(&self) -> bool {
+        self.queued.is_some()
+    }
+
+    /// Whether positions get larger with the last or current motion.
+    pub const fn forward(&self) -> bool {
+        self.motion.train.forward()
+    }
+
+    /// In pulses.
+    pub const fn position(&self) -> i64 {
+        self.motion.train.position()
+    }
+
+    /// In pulses a second, rounded; negative for smaller positions.
+    pub fn velocity(&self, now: Time) -> i64 {
+        self.motion.train.course(now).map_or(0, |course| {
+            let hertz = (course.velocity + HERTZ / 2) / HERTZ;
+            if course.forward { hertz } else { -hertz }
+        })
+    }
+
+    /// Whether it gets faster (above 0), slower (below 0) or neither; None at rest.
+    pub fn trend(&self, now: Time) -> Option<i64> {
+        self.motion.train.trend(now)
+    }
+
+    /// The drive has power and may move the axis (MC_Power.Status).
+    pub fn powered(&self) -> bool {
+        self.enabled && self.operating && self.drive_is_ready()
+    }
+
+    fn switch_drive(&mut self, now: Time, on: bool, fx: &mut Effects) {
+        if self.drive != on {
+            self.drive = on;
+            if let Some(output) = self.config.drive_enable {
+                fx.push(now, Effect::Output { output, on });
+            }
+        }
+    }
+}

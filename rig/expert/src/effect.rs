@@ -1,0 +1,80 @@
+//! What expert functions do to the rest of the controller.
+
+use signal::Time;
+
+/// Something that a function does at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// The stage of output Q`output` is commanded: a pulse, a reflex, the enable of a drive.
+    Output {
+        /// n for Qn.
+        output: u8,
+        /// Whether it is switched on.
+        on: bool,
+    },
+    /// A threshold of a counter raises its event (io:STD-HSC-11).
+    Threshold {
+        /// The counter, by its place among the counters.
+        counter: u8,
+        /// The threshold, 0...3.
+        threshold: u8,
+    },
+    /// A counter raises its stop event (io:STD-HSC-10).
+    Stop {
+        /// The counter, by its place among the counters.
+        counter: u8,
+    },
+    /// Edges come faster than a function can take them: what it counts from here on is not sure (io:STD-HSC-16).
+    Overdriven {
+        /// The function, by its place in the configuration.
+        function: u8,
+    },
+    /// An axis went to ErrorStop by itself (io:STD-PTO-03).
+    AxisError {
+        /// The function, by its place in the configuration.
+        function: u8,
+    },
+}
+
+/// Effects in the order in which they happened, with their instants.
+#[derive(Clone, Debug)]
+pub struct Effects {
+    list: Vec<(Time, Effect)>,
+}
+
+/// Between two looks at them the functions bring about no more: the caller looks at each instant, and no instant has
+/// more than a few of each function.
+const MOST: usize = 256;
+
+impl Effects {
+    /// No effects, with room for those of one instant.
+    pub(crate) fn new() -> Effects {
+        Effects { list: Vec::with_capacity(MOST) }
+    }
+
+    /// Adds one.
+    #[inline]
+    pub(crate) fn push(&mut self, at: Time, effect: Effect) {
+        self.list.push((at, effect));
+    }
+
+    /// What happened so far.
+    pub fn as_slice(&self) -> &[(Time, Effect)] {
+        &self.list
+    }
+
+    /// When the first of them happened; [`Time::MAX`] for none.
+    #[inline]
+    pub(crate) fn first(&self) -> Time {
+        self.list.first().map_or(Time::MAX, |(at, _)| *at)
+    }
+
+    /// The effect at a place, in their order; behind the last one the list is emptied.
+    pub fn take(&mut self, place: usize) -> Option<(Time, Effect)> {
+        let effect = self.list.get(place).copied();
+        if effect.is_none() {
+            self.list.clear();
+        }
+        effect
+    }
+}

@@ -1,0 +1,324 @@
+//! All functions of a controller together.
+
+use crate::axis::Axis;
+use crate::counter::Counter;
+use crate::filter::Filter;
+use crate::wave::Wave;
+use crate::{Effects, ExpertConfig, Fact, FunctionKind, InputConditions};
+use signal::{Time, Value};
+
+/// An edge at the terminal of an input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InputEdge {
+    /// When.
+    pub at: Time,
+    /// n for In.
+    pub input: u8,
+    /// The level from then on.
+    pub high: bool,
+}
+
+/// What the controller lets its functions do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// The application is RUNNING, at a breakpoint too (io:STD-PTO-13).
+    Running,
+    /// STOPPED or HALT: counters stop, pulses end (io:OUT-19, io:OUT-20).
+    Stopped,
+    /// No application, or no power.
+    Off,
+}
+
+/// One function.
+#[derive(Clone, Debug)]
+pub(crate) enum Unit {
+    Counter(Box<Counter>),
+    Axis(Box<Axis>),
+    Pwm(Wave),
+    Generator(Wave),
+}
+
+/// Calls a method of whatever the unit is.
+macro_rules! each {
+    ($unit:expr, $it:ident => $call:expr) => {
+        match $unit {
+            Unit::Counter($it) => $call,
+            Unit::Axis($it) => $call,
+            Unit::Pwm($it) => $call,
+            Unit::Generator($it) => $call,
+        }
+    };
+}
+
+/// The expert functions of one controller.
+#[derive(Clone, Debug)]
+pub struct Expert {
+    units: Vec<Unit>,
+    /// By input number.
+    filters: Vec<Filter>,
+    /// By input number: the units that look at it, bit n for unit n.
+    listeners: Vec<u32>,
+    /// Inputs whose filters have something to come, bit n for In.
+    pending: u32,
+    /// When the first of them does, and when the first unit does something by itself.
+    filter_next: Time,
+    unit_next: Time,
+    outputs: u32,
+    /// The task whose cycle calls blocks.
+    task: Option<usize>,
+    fx: Effects,
+    /// Somebody looks at what functions show.
+    observed: bool,
+}
+
+impl Expert {
+    /// The functions of a configuration that [`ExpertConfig::check`] accepts, without power. `inputs` are the conditions
+    /// of each input from I0 on.
+    pub fn new(config: &ExpertConfig, inputs: &[InputConditions]) -> Expert {
+        let mut counters = 0;
+        let units: Vec<Unit> = (0..)
+            .zip(&config.functions)
+            .map(|(place, function)| match &function.kind {
+                FunctionKind::Counter(it) => {
+                    counters += 1;
+                    Unit::Counter(Box::new(Counter::new(it, place, counters - 1)))
+                }
+                FunctionKind::Axis(it) => Unit::Axis(Box::new(Axis::new(it, place))),
+                FunctionKind::Pwm(it) => Unit::Pwm(Wave::pwm(it)),
+                FunctionKind::Generator(it) => Unit::Generator(Wave::generator(it)),
+            })
+            .collect();
+        let used = |unit: &Unit| each!(unit, it => it.inputs());
+        let listeners = (0..inputs.len())
+            .map(|input| {
+                (0..).zip(&units).fold(0, |mask, (place, unit)| mask | (used(unit) >> input & 1) << place)
+            })
+            .collect();
+        let outputs = units.iter().fold(0, |mask, unit| mask | each!(unit, it => it.outputs()));
+        Expert {
+            units,
+            filters: inputs.iter().map(Filter::new).collect(),
+            listeners,
+            pending: 0,
+            filter_next: Time::MAX,
+            unit_next: Time::MAX,
+            outputs,
+            task: None,
+            fx: Effects::new(),
+            observed: false,
+        }
+    }
+
+    /// Somebody looks at what functions show, from now on: whoever calls blocks has to say so each time.
+    pub fn observe(&mut self) {
+        self.observed = true;
+    }
+
+    /// Whether somebody looks at what functions show.
+    #[inline]
+    pub const fn is_observed(&self) -> bool {
+        self.observed
+    }
+
+    /// The outputs that functions drive, bit n for Qn: images have no say in them.
+    #[inline]
+    pub const fn outputs(&self) -> u32 {
+        self.outputs
+    }
+
+    /// The level at terminal I`input` from `at` on. Instants never go backwards.
+    #[inline]
+    pub fn edge(&mut self, at: Time, input: usize, high: bool) {
+        if self.listeners.get(input).is_none_or(|units| *units == 0) {
+            return;
+        }
+        if self.next() <= at {
+            self.fire(at);
+        }
+        if self.filters[input].set(at, high) {
+            self.swallow(at, input);
+        }
+        self.pending |= 1 << input;
+        self.filter_next = self.filter_next.min(self.filters[input].next());
+        if self.filter_next <= at {
+            self.fire(at);
+        }
+    }
+
+    /// A pulse at the terminal of an input was too short for its filters.
+    #[cold]
+    fn swallow(&mut self, at: Time, input: usize) {
+        let listening = self.listeners[input];
+        for (place, unit) in self.units.iter_mut().enumerate() {
+            if let (1, Unit::Counter(counter)) = (listening >> place & 1, unit) {
+                counter.swallow(at, input as u8, &mut self.fx);
+            }
+        }
+    }
+
+    /// [`Expert::edge`] for one after the other, up to the first behind which there are effects to take. Returns how many
+    /// it took.
+    pub fn edges(&mut self, edges: &[InputEdge]) -> usize {
+        for (place, edge) in edges.iter().enumerate() {
+            self.edge(edge.at, usize::from(edge.input), edge.high);
+            if !self.fx.as_slice().is_empty() {
+                return place + 1;
+            }
+        }
+        edges.len()
+    }
+
+    /// So many edges at the terminal of an input are known to be missing before `at`: counters that look at it tell how
+    /// far they may be off.
+    pub fn lose(&mut self, at: Time, input: usize, edges: u32) {
+        self.fire(at);
+        let listening = self.listeners.get(input).copied().unwrap_or(0);
+        for (place, unit) in self.units.iter_mut().enumerate() {
+            if let (1, Unit::Counter(counter)) = (listening >> place & 1, unit) {
+                counter.lose(at, input as u8, edges, &mut self.fx);
+            }
+        }
+    }
+
+    /// Effects that nobody took yet.
+    pub fn effects(&self) -> &Effects {
+        &self.fx
+    }
+
+    /// A cycle of a task begins at `now`: until its next one, blocks that it calls show the values of now
+    /// (io:STD-HSC-07).
+    pub fn sample(&mut self, now: Time, task: usize) {
+        self.fire(now);
+        for unit in &mut self.units {
+            if let Unit::Counter(counter) = unit {
+                counter.sample(task);
+            }
+        }
+    }
+
+    /// Blocks are called by a cycle of this task from here on.
+    #[inline]
+    pub fn enter(&mut self, task: usize) {
+        self.task = Some(task);
+    }
+
+    /// The task whose cycle calls blocks, where somebody said it.
+    #[inline]
+    pub(crate) const fn task(&self) -> Option<usize> {
+        self.task
+    }
+
+    /// When something happens by itself; [`Time::MAX`] for never. Effects that nobody took yet are due at once.
+    #[inline]
+    pub fn next(&self) -> Time {
+        self.filter_next.min(self.unit_next).min(self.fx.first())
+    }
+
+    /// Lets everything happen that is due up to `now`, in the order of its instants; at one instant inputs by number,
+    /// then functions by place.
+    pub fn fire(&mut self, now: Time) {
+        loop {
+            let at = self.filter_next.min(self.unit_next);
+            if at > now || at == Time::MAX {
+                return;
+            }
+            if self.filter_next <= at {
+                self.pass_inputs(at);
+            }
+            for unit in &mut self.units {
+                if each!(unit, it => it.next()) <= at {
+                    each!(unit, it => it.fire(at, &mut self.fx));
+                }
+            }
+            self.foresee();
+        }
+    }
+
+    /// Levels that filters accept at `at` go to the functions.
+    fn pass_inputs(&mut self, at: Time) {
+        let mut left = std::mem::take(&mut self.pending);
+        while left != 0 {
+            let input = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let filter = &mut self.filters[input];
+            if let Some(high) = filter.accept(at) {
+                let mut units = self.listeners[input];
+                while units != 0 {
+                    let place = units.trailing_zeros() as usize;
+                    units &= units - 1;
+                    each!(&mut self.units[place], it => it.edge(at, input as u8, high, &mut self.fx));
+                }
+            }
+            self.pending |= u32::from(self.filters[input].next() != Time::MAX) << input;
+        }
+    }
+
+    /// Works out when something happens next.
+    fn foresee(&mut self) {
+        self.filter_next = Time::MAX;
+        let mut left = self.pending;
+        while left != 0 {
+            self.filter_next = self.filter_next.min(self.filters[left.trailing_zeros() as usize].next());
+            left &= left - 1;
+        }
+        self.unit_next =
+            self.units.iter().map(|unit| each!(unit, it => it.next())).min().unwrap_or(Time::MAX);
+    }
+
+    /// What the controller lets the functions do from `now` on.
+    pub fn operate(&mut self, now: Time, operation: Operation) {
+        self.fire(now);
+        for unit in &mut self.units {
+            each!(unit, it => it.operate(now, operation, &mut self.fx));
+        }
+        self.foresee();
+    }
+
+    /// Outputs whose stages protection switched off from `now` on, bit n for Qn: axes on them go to ErrorStop
+    /// (io:STD-PTO-14).
+    pub fn protect(&mut self, now: Time, cut: u32) {
+        self.fire(now);
+        for unit in &mut self.units {
+            if let Unit::Axis(axis) = unit {
+                axis.protect(now, cut, &mut self.fx);
+            }
+        }
+        self.foresee();
+    }
+
+    /// A cold reset or a download at `now`: values and flags begin anew (io:STD-HSC-15).
+    pub fn reset(&mut self, now: Time) {
+        self.fire(now);
+        for unit in &mut self.units {
+            each!(unit, it => it.reset(now, &mut self.fx));
+        }
+        self.foresee();
+    }
+
+    /// What a block does to the function with this number, counted from 1 (io:EXP-16); None where there is none, or none
+    /// that `pick` takes.
+    pub(crate) fn call<U, R>(
+        &mut self,
+        now: Time,
+        reference: i64,
+        pick: fn(&mut Unit) -> Option<&mut U>,
+        body: impl FnOnce(&mut U, &mut Effects) -> R,
+    ) -> Option<R> {
+        let place = usize::try_from(reference).ok()?.checked_sub(1)?;
+        self.fire(now);
+        let result = body(pick(self.units.get_mut(place)?)?, &mut self.fx);
+        self.foresee();
+        Some(result)
+    }
+
+    /// What a function shows; unknown for what it does not have.
+    pub fn read(&self, function: usize, fact: Fact) -> Value {
+        let unit = self.units.get(function);
+        unit.and_then(|unit| each!(unit, it => it.read(fact))).unwrap_or(Value::Unknown)
+    }
+
+    /// The next effect that happened, in their order; `place` counts from 0, and behind the last one they are forgotten.
+    pub fn take(&mut self, place: usize) -> Option<(Time, crate::Effect)> {
+        self.fx.take(place)
+    }
+}

@@ -1,0 +1,38 @@
+//! The expert functions of the controller: fast counters, pulse train outputs, pulse width modulation, frequency
+//! generators. Edges in, effects out, beside the scan (io: sections 6, 7, 8 and 17).
+//!
+//! Time is an argument. [`Expert`] takes the edges at the input terminals with their instants, calls of function blocks
+//! and the controller's state, and hands back what its outputs are commanded and which events it raises, each with its
+//! instant. Nothing ticks: [`Expert::next`] says when something happens by itself.
+//!
+//! Goals: exact to the edge, whatever the profile and however the time is cut; tens of millions of edges a second; no
+//! allocation behind [`Expert::new`]. Not goals: images, tasks and states of the controller (they are the crate
+//! `controller`'s, which owns an `Expert`), wires, the language of the blocks' caller.
+
+mod assignment;
+mod axis;
+mod blocks;
+mod config;
+mod counter;
+mod effect;
+mod expert;
+mod fact;
+mod filter;
+mod records;
+mod wave;
+
+pub use assignment::{ExpertError, ExpertFault, ExpertWarning, Role, Taken, Terminal};
+pub use axis::{
+    AxisConfig, AxisFault, AxisParameterError, AxisRole, AxisState, DriveInput, PulseOutput, RampUnit,
+};
+pub use blocks::{BLOCKS, BlockType, Call, PinKind, PinType, Pins, ValueType};
+pub use config::{ExpertConfig, Function, FunctionKind, InputConditions};
+pub use counter::{
+    CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, Limits, Measured,
+    Phases, Reflex, SyncInput, Threshold, ThresholdEvent,
+};
+pub use effect::{Effect, Effects};
+pub use expert::{Expert, InputEdge, Operation};
+pub use fact::Fact;
+pub use records::{LineEvents, RECORD};
+pub use wave::{WaveConfig, WaveRole};

@@ -1,0 +1,328 @@
+//! Pulse width modulation and frequency generators: a square wave on one output (io:STD-PWM-01, io:STD-FG-01).
+
+mod period;
+
+use crate::{Effect, Effects, Fact, Operation};
+use period::Period;
+use profile::{EventEdges, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS};
+use signal::{Time, Value};
+use std::fmt;
+
+/// The parameters of a pulse width modulation or a frequency generator.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WaveConfig {
+    /// The output of the pulses: n for Qn.
+    pub output: u8,
+    /// Input EN, which enables it where the program authorises that: n for In.
+    pub enable: Option<u8>,
+    /// Input SYNC, which restarts the period where the program authorises that: n for In.
+    pub sync: Option<u8>,
+    /// Which edges of that input do.
+    pub sync_edges: EventEdges,
+}
+
+/// What an input or output is to a pulse width modulation or frequency generator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum WaveRole {
+    /// The pulses.
+    A,
+    /// Enables.
+    Enable,
+    /// Restarts the period.
+    Sync,
+}
+
+impl fmt::Display for WaveRole {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            WaveRole::A => "A",
+            WaveRole::Enable => "EN",
+            WaveRole::Sync => "SYNC",
+        })
+    }
+}
+
+impl WaveConfig {
+    /// Pulses on output Q`output`, without inputs.
+    pub const fn new(output: u8) -> WaveConfig {
+        WaveConfig { output, enable: None, sync: None, sync_edges: EventEdges::Rising }
+    }
+
+    /// The inputs that it takes: n for In.
+    pub fn inputs(&self) -> impl Iterator<Item = (WaveRole, u8)> + use<> {
+        let enable = self.enable.map(|input| (WaveRole::Enable, input));
+        enable.into_iter().chain(self.sync.map(|input| (WaveRole::Sync, input)))
+    }
+
+    /// The outputs that it takes: n for Qn.
+    pub fn outputs(&self) -> impl Iterator<Item = (WaveRole, u8)> + use<> {
+        [(WaveRole::A, self.output)].into_iter()
+    }
+}
+
+/// Duty of a frequency generator, in tenths of a percent.
+pub(crate) const HALF: u16 = 500;
+
+/// ErrorID: a frequency or duty that the output cannot have (io:STD-PWM-03).
+pub(crate) const INVALID_PARAMETER: i64 = 3;
+
+/// What a wave looks like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Shape {
+    /// In tenths of a hertz; 0 for an output that stays at 0.
+    pub frequency: u32,
+    /// In tenths of a percent, 0...1000.
+    pub duty: u16,
+}
+
+/// What a block asks for by one call.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Request {
+    /// Enabled by the program.
+    pub enable: bool,
+    /// Enabled by the input while it is 1.
+    pub enable_by_input: bool,
+    /// The period begins anew.
+    pub sync: bool,
+    /// The input may let the period begin anew.
+    pub sync_by_input: bool,
+    /// The shape, where it is one that the function has at all.
+    pub shape: Option<Shape>,
+}
+
+/// What a block shows behind its call. At most one of the three is set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Status {
+    /// The output has the shape that was asked for.
+    pub in_frequency: bool,
+    /// It still has another one: the period is not over.
+    pub busy: bool,
+    /// The shape is none that the output can have (io:STD-PWM-03).
+    pub refused: bool,
+}
+
+/// A square wave on one output.
+#[derive(Clone, Debug)]
+pub(crate) struct Wave {
+    output: u8,
+    enable_input: Option<u8>,
+    sync_input: Option<u8>,
+    sync_edges: EventEdges,
+    /// Highest frequency of the output, in tenths of a hertz.
+    most: u32,
+    /// The application is RUNNING.
+    running: bool,
+    /// What the last call let it do.
+    enable: bool,
+    enable_by_input: bool,
+    sync_by_input: bool,
+    /// Level of the enable input.
+    input: bool,
+    /// The last call asked for what cannot be.
+    refused: bool,
+    /// The shape from the next period on.
+    wanted: Shape,
+    /// The period that runs; none while it is not enabled.
+    period: Option<Period>,
+    /// What the output is commanded.
+    level: bool,
+    /// When the output or the shape changes by itself.
+    due: Time,
+    /// Rising edges since power-on.
+    pulses: u64,
+}
+
+impl Wave {
+    /// A pulse width modulation.
+    pub fn pwm(config: &WaveConfig) -> Wave {
+        Wave::new(config, PWM_TENTHS)
+    }
+
+    /// A frequency generator.
+    pub fn generator(config: &WaveConfig) -> Wave {
+        Wave::new(config, GENERATOR_TENTHS)
+    }
+
+    /// `most` is the highest frequency of a fast output.
+    fn new(config: &WaveConfig, most: u32) -> Wave {
+        let fast = usize::from(config.output) < FAST_OUTPUTS;
+        Wave {
+            output: config.output,
+            enable_input: config.enable,
+            sync_input: config.sync,
+            sync_edges: config.sync_edges,
+            most: if fast { most } else { REGULAR_OUTPUT_TENTHS },
+            running: false,
+            enable: false,
+            enable_by_input: false,
+            sync_by_input: false,
+            input: false,
+            refused: false,
+            wanted: Shape::default(),
+            period: None,
+            level: false,
+            due: Time::MAX,
+            pulses: 0,
+        }
+    }
+
+    /// One call of a block: what is asked for holds from now on, and stays behind the call.
+    pub fn call(&mut self, now: Time, request: &Request, fx: &mut Effects) -> Status {
+        let wanted = request.shape.filter(|shape| shape.frequency <= self.most);
+        let asked = request.enable || request.enable_by_input;
+        self.refused = asked && wanted.is_none();
+        if self.refused {
+            // The output stays as it was, but what is no longer allowed ends all the same.
+            self.enable &= request.enable;
+            self.enable_by_input &= request.enable_by_input;
+            self.sync_by_input &= request.sync_by_input;
+            self.consider(now, fx);
+            return Status { refused: true, ..Status::default() };
+        }
+        self.enable = request.enable;
+        self.enable_by_input = request.enable_by_input;
+        self.sync_by_input = request.sync_by_input;
+        if let Some(shape) = wanted
+            && asked
+        {
+            self.want(now, shape, fx);
+        }
+        self.consider(now, fx);
+        if request.sync {
+            self.restart(now, fx);
+        }
+        let Some(period) = &self.period else { return Status::default() };
+        let reached = period.shape == self.wanted;
+        Status { in_frequency: reached, busy: !reached, refused: false }
+    }
+
+    /// The shape from the next period on. An output that does not pulse has no edge that tells of its periods, but
+    /// they pass all the same.
+    fn want(&mut self, now: Time, shape: Shape, fx: &mut Effects) {
+        self.wanted = shape;
+        let Some(period) = &mut self.period else { return };
+        if period.shape.frequency == 0 {
+            // It waits for nothing: another duty is reached at once, too.
+            if shape != period.shape {
+                self.begin(now, 0, fx);
+            }
+        } else if period.is_constant() {
+            self.due = if period.shape == shape {
+                Time::MAX
+            } else {
+                period.skip(now);
+                period.end().0
+            };
+        }
+    }
+
+    /// A period begins; `rest` is what its start lies behind `at`, in parts of a nanosecond of which the frequency says
+    /// how many there are.
+    fn begin(&mut self, at: Time, rest: u32, fx: &mut Effects) {
+        let period = Period { shape: self.wanted, start: at, rest };
+        self.drive(at, period.shape.frequency != 0 && period.shape.duty != 0, fx);
+        self.due = if period.is_constant() { Time::MAX } else { period.fall() };
+        self.period = Some(period);
+    }
+
+    fn drive(&mut self, at: Time, on: bool, fx: &mut Effects) {
+        if self.level != on {
+            self.level = on;
+            self.pulses += u64::from(on);
+            fx.push(at, Effect::Output { output: self.output, on });
+        }
+    }
+
+    /// Starts or ends the wave, as what enables it says.
+    fn consider(&mut self, now: Time, fx: &mut Effects) {
+        let enabled = self.running && (self.enable || self.enable_by_input && self.input);
+        if enabled && self.period.is_none() {
+            self.begin(now, 0, fx);
+        } else if !enabled && self.period.is_some() {
+            self.period = None;
+            self.due = Time::MAX;
+            self.drive(now, false, fx);
+        }
+    }
+
+    /// Sync: the period begins anew (io:STD-PWM-02).
+    fn restart(&mut self, now: Time, fx: &mut Effects) {
+        if self.period.is_some() {
+            self.begin(now, 0, fx);
+        }
+    }
+
+    /// The accepted level of input `input` from `at` on.
+    pub fn edge(&mut self, at: Time, input: u8, high: bool, fx: &mut Effects) {
+        if self.enable_input == Some(input) {
+            self.input = high;
+            self.consider(at, fx);
+        }
+        if self.sync_input == Some(input) && self.sync_by_input && self.sync_edges.includes(high) {
+            self.restart(at, fx);
+        }
+    }
+
+    /// When something happens without an edge; [`Time::MAX`] for never.
+    pub fn next(&self) -> Time {
+        self.due
+    }
+
+    pub fn fire(&mut self, now: Time, fx: &mut Effects) {
+        while self.due <= now {
+            let at = self.due;
+            // Without a period nothing is due.
+            let Some(period) = &self.period else { return };
+            if self.level && !period.is_constant() {
+                self.due = period.end().0;
+                self.drive(at, false, fx);
+            } else {
+                let rest = if period.shape.frequency == self.wanted.frequency { period.end().1 } else { 0 };
+                self.begin(at, rest, fx);
+            }
+        }
+    }
+
+    /// Expert functions cease to operate outside RUNNING (io:OUT-20), and begin again by the next call of their block.
+    pub fn operate(&mut self, now: Time, operation: Operation, fx: &mut Effects) {
+        self.running = operation == Operation::Running;
+        if !self.running {
+            self.forget(now, fx);
+        }
+        if operation == Operation::Off {
+            self.pulses = 0;
+        }
+    }
+
+    /// After a cold reset or a download.
+    pub fn reset(&mut self, now: Time, fx: &mut Effects) {
+        self.forget(now, fx);
+    }
+
+    fn forget(&mut self, now: Time, fx: &mut Effects) {
+        (self.enable, self.enable_by_input, self.sync_by_input, self.refused) = (false, false, false, false);
+        self.consider(now, fx);
+    }
+
+    pub fn read(&self, fact: Fact) -> Option<Value> {
+        let shape = self.period.as_ref().map(|period| period.shape).unwrap_or_default();
+        match fact {
+            Fact::Run => Some(Value::Bool(self.period.is_some())),
+            Fact::Frequency => Some(Value::Int(shape.frequency.into())),
+            Fact::Duty => Some(Value::Int(shape.duty.into())),
+            Fact::Error => Some(Value::Int(if self.refused { INVALID_PARAMETER } else { 0 })),
+            Fact::Pulses => Some(Value::Word(self.pulses)),
+            _ => None,
+        }
+    }
+
+    /// The outputs that it may drive, bit n for Qn.
+    pub fn outputs(&self) -> u32 {
+        1 << self.output
+    }
+
+    /// The inputs that it looks at, bit n for In.
+    pub fn inputs(&self) -> u32 {
+        self.enable_input.map_or(0, |input| 1 << input) | self.sync_input.map_or(0, |input| 1 << input)
+    }
+}

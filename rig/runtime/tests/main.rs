@@ -1,0 +1,25 @@
+//! The executors from outside: one program, since each costs a link.
+
+mod allocation;
+mod bindings;
+mod checks;
+mod common;
+mod determinism;
+mod driven;
+mod external;
+mod flow;
+mod guards;
+mod instrument;
+mod late;
+mod library;
+mod lines;
+mod refused;
+#[path = "common/scripted.rs"]
+mod scripted;
+mod steps;
+#[path = "common/texts.rs"]
+mod texts;
+mod trouble;
+
+#[global_allocator]
+static COUNTING: counting::Counting = counting::Counting;
