@@ -1,9 +1,12 @@
 //! What a simulated board is made of, as data, and what is refused before it is built.
 
+mod order;
+
 use std::fmt;
 
 use signal::{Span, Value};
 
+use crate::sim::TallySpec;
 use crate::{BusSpec, ChannelId, ChannelKind};
 
 /// What an undriven digital line reads.
@@ -53,6 +56,15 @@ impl ChannelSpec {
             safe: Value::HighZ,
             pull: Pull::None,
         }
+    }
+}
+
+impl ChannelSpec {
+    /// How far a counter has counted: nothing drives it.
+    pub fn count(name: impl Into<String>) -> Self {
+        let kind = ChannelKind::Count;
+        let safe = Value::HighZ;
+        ChannelSpec { name: name.into(), kind, drives: false, senses: true, safe, pull: Pull::None }
     }
 }
 
@@ -165,6 +177,8 @@ pub struct Circuit {
     pub wires: Vec<WireSpec>,
     /// Its plants.
     pub plants: Vec<PlantSpec>,
+    /// What is counted of its lines; each on a channel of kind [`ChannelKind::Count`].
+    pub tallies: Vec<TallySpec>,
     /// Its buses, which nothing else of it reaches.
     pub buses: Vec<BusSpec>,
 }
@@ -205,6 +219,8 @@ pub enum CircuitFault {
     NotDigital(ChannelId),
     /// It would have to be an analog channel.
     NotAnalog(ChannelId),
+    /// It would have to be a count.
+    NotCount(ChannelId),
     /// A wire from a digital to an analog channel or the reverse.
     KindsDiffer,
     /// A wire between analog channels with inversion or bounce.
@@ -245,7 +261,8 @@ impl fmt::Display for CircuitFault {
             Self::NoChannel(_) => write!(f, "no such channel"),
             Self::NotDigital(_) => write!(f, "a digital channel is needed here"),
             Self::NotAnalog(_) => write!(f, "an analog channel is needed here"),
-            Self::KindsDiffer => write!(f, "a wire joins a digital channel to an analog one"),
+            Self::NotCount(_) => write!(f, "a count is needed here"),
+            Self::KindsDiffer => write!(f, "a wire joins channels of different kinds, or a count"),
             Self::NotForAnalog => write!(f, "an analog wire can neither invert nor bounce"),
             Self::TwoSources(_) => write!(f, "an analog channel is driven from two sides"),
             Self::BadTime => write!(f, "a delay is below 0, or another time is not above 0"),
@@ -293,6 +310,11 @@ impl Circuit {
         for (place, PlantSpec::Lag(lag)) in self.plants.iter().enumerate() {
             self.check_lag(place, lag, &mut errors);
         }
+        for tally in &self.tallies {
+            if let Err(fault) = self.check_tally(tally) {
+                errors.push(CircuitError { part: Part::Channel(usize::from(tally.channel.0)), fault });
+            }
+        }
         if errors.is_empty() {
             self.check_sources(&mut errors);
             if let Err(wire) = self.order() {
@@ -332,9 +354,22 @@ impl Circuit {
         Ok(self.channel(id)?.kind == ChannelKind::Digital)
     }
 
+    fn counts(&self, id: ChannelId) -> Result<bool, CircuitFault> {
+        Ok(self.channel(id)?.kind == ChannelKind::Count)
+    }
+
+    fn check_tally(&self, tally: &TallySpec) -> Result<(), CircuitFault> {
+        for signal in tally.signals() {
+            if !self.digital(signal)? {
+                return Err(CircuitFault::NotDigital(signal));
+            }
+        }
+        if self.counts(tally.channel)? { Ok(()) } else { Err(CircuitFault::NotCount(tally.channel)) }
+    }
+
     fn check_wire(&self, wire: &WireSpec) -> Result<(), CircuitFault> {
         let (from, to) = (self.digital(wire.from)?, self.digital(wire.to)?);
-        if from != to {
+        if from != to || self.counts(wire.from)? || self.counts(wire.to)? {
             return Err(CircuitFault::KindsDiffer);
         }
         if !from && (wire.invert || wire.bounce.is_some()) {
@@ -373,8 +408,10 @@ impl Circuit {
         if self.digital(lag.input)? != matches!(lag.target, LagTarget::Levels { .. }) {
             return Err(CircuitFault::TargetKind);
         }
-        if self.digital(lag.output)? {
-            return Err(CircuitFault::NotAnalog(lag.output));
+        for channel in [lag.output, lag.input] {
+            if channel == lag.output && self.digital(channel)? || self.counts(channel)? {
+                return Err(CircuitFault::NotAnalog(channel));
+            }
         }
         if numbers.iter().any(|number| !number.is_finite()) {
             return Err(CircuitFault::NotFinite);
@@ -413,50 +450,6 @@ impl Circuit {
             }
         }
     }
-
-    /// Ranks of the channels: a wire without delay goes from a lower rank to a higher one. The error is a wire
-    /// of a ring. Channels of all wires must exist.
-    pub(crate) fn order(&self) -> Result<Vec<u16>, usize> {
-        let direct = |wire: &&WireSpec| wire.delay == Span::ZERO;
-        let mut waiting = vec![0usize; self.channels.len()];
-        for wire in self.wires.iter().filter(direct) {
-            waiting[usize::from(wire.to.0)] += 1;
-        }
-        let mut out: Vec<Vec<usize>> = vec![Vec::new(); self.channels.len()];
-        for wire in self.wires.iter().filter(direct) {
-            out[usize::from(wire.from.0)].push(usize::from(wire.to.0));
-        }
-        let mut ready: Vec<usize> =
-            (0..waiting.len()).rev().filter(|&channel| waiting[channel] == 0).collect();
-        let mut ranks = vec![u16::MAX; self.channels.len()];
-        let mut rank = 0;
-        while let Some(channel) = ready.pop() {
-            ranks[channel] = rank;
-            rank += 1;
-            for &next in &out[channel] {
-                waiting[next] -= 1;
-                if waiting[next] == 0 {
-                    ready.push(next);
-                }
-            }
-        }
-        // What has no rank hangs on a ring; going back from there along wires without rank ends in the ring.
-        let Some(mut at) = ranks.iter().position(|&rank| rank == u16::MAX) else {
-            return Ok(ranks);
-        };
-        let mut closing = 0;
-        for _ in 0..=self.channels.len() {
-            let back = self.wires.iter().position(|wire| {
-                wire.delay == Span::ZERO
-                    && usize::from(wire.to.0) == at
-                    && ranks[usize::from(wire.from.0)] == u16::MAX
-            });
-            let Some(wire) = back else { break };
-            closing = wire;
-            at = usize::from(self.wires[wire].from.0);
-        }
-        Err(closing)
-    }
 }
 
 /// The value as a channel of this kind carries it; `None` where it does not fit.
@@ -468,6 +461,7 @@ pub(crate) fn fit(kind: &ChannelKind, value: Value) -> Option<Value> {
         (ChannelKind::Digital, Value::Word(n @ (0 | 1))) => Some(Value::Bool(n == 1)),
         (ChannelKind::Analog { .. }, Value::Real(x)) if x.is_finite() => Some(value),
         (ChannelKind::Analog { .. }, Value::Int(n)) => Some(Value::Real(n as f64)),
+        (ChannelKind::Count, Value::Int(_)) => Some(value),
         (ChannelKind::Analog { .. }, Value::Word(n)) => Some(Value::Real(n as f64)),
         _ => None,
     }

@@ -12,6 +12,8 @@ pub enum LineApi {
     },
     /// GPIO, second version: a request whose lines are the bits of a mask.
     V2,
+    /// The active time of an output of a PWM chip, as a file of `/sys`: one line, which is 0 while the output rests.
+    Pwm,
 }
 
 /// Output lines that one call drives: a claim of their own on the lines, which outlives the board's.

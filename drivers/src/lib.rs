@@ -4,11 +4,14 @@
 //! Goals: one way in and out for virtual and real time; every event with how well its instant is known; nothing
 //! left driven. Not goals: addresses of the controller beyond their binding to channels, plans, the controller.
 
+mod account;
 mod board;
 mod bus;
 pub mod can;
 pub mod circuit;
 pub mod convert;
+pub mod counter;
+pub mod emit;
 pub mod file;
 pub mod gpio;
 mod held;
@@ -21,16 +24,18 @@ mod realtime;
 pub mod serial;
 pub mod sim;
 mod surroundings;
+mod telling;
+mod thread;
 pub mod wrap;
 
 pub use board::{
-    Board, BoardError, BoardEvent, Call, Channel, ChannelId, ChannelKind, Fault, FaultKind, FaultSet, Health,
-    LossReason, Origin, TimestampSource,
+    Board, BoardError, BoardEvent, Call, Channel, ChannelId, ChannelKind, Emission, Emits, Fault, FaultKind,
+    FaultSet, Health, LossReason, NotEmitted, Origin, TimestampSource,
 };
 pub use bus::{Bus, BusError, BusEvent, BusId, BusKind, BusState, Frame, MAX_DATA};
 pub use file::{
-    Binding, Bite, BoardFile, BoardKind, CODES, External, GuardSettings, OnLoss, Subject, SubjectLines,
-    Terminals, UnknownSubject, WatchdogSettings, build, open, read,
+    Binding, Bite, BoardFile, BoardKind, CODES, ControlSettings, External, GuardSettings, OnDisconnect,
+    OnLoss, Subject, SubjectLines, Terminals, UnknownSubject, WatchdogSettings, build, open, read,
 };
 pub use gpio::GpioBoard;
 pub use held::{HeldLines, LineApi};

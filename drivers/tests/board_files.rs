@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use scanrig_drivers::circuit::{Bounce, LagTarget, PlantSpec, Pull, Spacing};
 use scanrig_drivers::file::KEYS;
 use scanrig_drivers::{
-    Bite, Board, BoardFile, CODES, Disturbance, GuardSettings, Subject, Terminals, UnknownSubject,
-    WatchdogSettings, build, read,
+    Bite, Board, BoardFile, CODES, ControlSettings, Disturbance, GuardSettings, OnDisconnect, Subject,
+    Terminals, UnknownSubject, WatchdogSettings, build, read,
 };
 use signal::{Address, Area, Span, Value};
 
@@ -153,6 +153,9 @@ fn broken_files_are_refused_where_they_are_broken() {
     let serial = |code: &str| ("B0144"..="B0149").contains(&code);
     let can = |code: &str| ("B0154"..="B0159").contains(&code);
     let converter = |code: &str| code == "B0125" || ("B0127"..="B0137").contains(&code);
+    let counter = |code: &str| ("B0208"..="B0214").contains(&code);
+    let generator = |code: &str| code.starts_with("B023");
+    let converter = |code: &str| converter(code) || counter(code) || generator(code);
     let machine = |code: &str| code.starts_with("B017") || serial(code) || can(code) || converter(code);
     let elsewhere = |code: &str| ["B0003", "B0204"].contains(&code) || machine(code);
     for (code, title) in CODES.iter().filter(|(code, _)| !elsewhere(code)) {
@@ -171,6 +174,21 @@ fn the_guard_is_read() {
         GuardSettings { limit: Span::from_millis(50), watchdog: Some(watchdog), ..GuardSettings::default() }
     );
     assert_eq!(good().guard, GuardSettings::default());
+}
+
+#[test]
+fn the_control_socket_is_read() {
+    let text = "format = 1\n[control]\nsocket = \"/run/rig.sock\"\ngroup = \"scanrig\"\non-disconnect = \"stop\"\n\
+                clients = 4096\n";
+    let file = read(&SourceFile::new("b.toml", text), &levels).unwrap_or_else(|found| panic!("{found:#?}"));
+    let told = ControlSettings {
+        socket: Some("/run/rig.sock".into()),
+        group: Some("scanrig".into()),
+        on_disconnect: OnDisconnect::Stop,
+        clients: Some(4_096),
+    };
+    assert_eq!(file.control, told);
+    assert_eq!(good().control, ControlSettings::default());
 }
 
 #[test]

@@ -263,15 +263,74 @@ fn the_newest_image_is_driven_and_what_it_swallows_is_told() {
     assert_eq!(bench.count("o1").0, 0);
 }
 
+/// Pulses that the chip was too late for are driven all the same: each edge in its turn, far enough from the one before.
+#[test]
+fn pulses_that_are_late_are_driven_one_after_another() {
+    let mut bench = Bench::patient(PATIENT);
+    bench.chip.shut(true);
+    bench.write("o0", true);
+    let due = Instant::now() + Duration::from_secs(20);
+    while !bench.chip.waiting.load(Ordering::Acquire) {
+        assert!(Instant::now() < due, "the device is never asked");
+        std::thread::yield_now();
+    }
+    // An encoder that turns by 40 counts, while another output goes to and fro.
+    let mut asked = Vec::new();
+    for count in 0..40 {
+        let (name, high) = (["o12", "o13"][count % 2], count % 4 < 2);
+        bench.write(name, high);
+        asked.push((bench.id(name), Value::Bool(high)));
+    }
+    bench.chip.shut(false);
+    let pulsed = ["o12", "o13"].map(|name| bench.id(name));
+    let of_them = |bench: &Bench| -> Vec<(ChannelId, Value, Time, Time)> {
+        let edge = |event: &BoardEvent| match *event {
+            BoardEvent::Changed { channel, at, value, .. } if pulsed.contains(&channel) => {
+                Some((channel, value, at.earliest, at.latest))
+            }
+            _ => None,
+        };
+        bench.events.iter().filter_map(edge).collect()
+    };
+    bench.until("all edges are told", |bench| of_them(bench).len() >= 40);
+    let edges = of_them(&bench);
+    assert_eq!(edges.iter().map(|edge| (edge.0, edge.1)).collect::<Vec<_>>(), asked);
+    for pair in edges.windows(2) {
+        assert!(pair[0].3 <= pair[1].2, "two edges in one call: {pair:?}");
+    }
+    for line in pulsed {
+        let own: Vec<_> = edges.iter().filter(|edge| edge.0 == line).collect();
+        for pair in own.windows(2) {
+            assert!(pair[1].2 - pair[0].3 >= Span::from_micros(250), "a runt: {pair:?}");
+        }
+    }
+    assert!(bench.board.health().is_sound());
+    // What stands in the way of the others is told as ever.
+    assert_eq!(bench.count("o0"), (1, 0));
+}
+
+/// More pulses than can wait: those that are lost are told.
+#[test]
+fn pulses_without_room_are_told_as_lost() {
+    let mut bench = Bench::patient(PATIENT);
+    bench.chip.shut(true);
+    for turn in 0..3_000 {
+        bench.write("o12", turn % 2 == 0);
+    }
+    bench.chip.shut(false);
+    bench.until("some are told as lost", |bench| bench.count("o12").1 > 0);
+    assert!(!bench.board.health().is_sound());
+}
+
 #[test]
 fn a_device_that_finds_nothing_left_to_do_is_not_silent() {
-    let mut bench = Bench::patient("500 ms");
+    let mut bench = Bench::patient("2 s");
     for _ in 0..100 {
         // As a rule both are there before the device looks, and cancel.
         bench.write("o0", true);
         bench.write("o0", false);
     }
-    let due = Instant::now() + Duration::from_millis(700);
+    let due = Instant::now() + Duration::from_millis(2_200);
     bench.until("the chip would be lost by now", |_| Instant::now() > due);
     assert_eq!(bench.board.health().lost, 0);
     assert!(!bench.events.iter().any(|event| matches!(event, BoardEvent::Lost { .. })));

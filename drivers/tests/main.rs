@@ -3,12 +3,17 @@
 mod board_files;
 mod common;
 mod convert;
+mod counter;
+mod emit;
 mod fake;
 mod faults;
+mod generating;
 mod gpio;
 mod lines;
 mod plants;
 mod relays;
 mod scripted;
+mod scripted_counter;
 mod serial;
+mod tallies;
 mod wrappers;

@@ -81,6 +81,9 @@ document::codes! {
     FRAME_VALUE = "P0676", "A value that a frame cannot carry";
     UNKNOWN_FRAME = "P0677", "A frame that the plan does not name";
     FUNCTION_KEY = "P0690", "A key that means nothing for this kind of expert function";
+    GRID = "P0710", "A grid that jitter cannot be told from";
+    TRAIN = "P0711", "A pulse train whose direction cannot be told like this";
+    SHAPE = "P0712", "A shape that no frequency has";
 }
 
 /// The codes of what every TOML file can have wrong.

@@ -1,7 +1,7 @@
 //! Traces with known verdicts, written as text: `tests/goldens/*.txt`.
 //!
 //! A case is a block between lines of `---`. Its lines are a `# title`, declarations of signals
-//! (`lamp bool`, `p real V deadband 1`, `n int every 10`, `s bool sampled 10`), events (`100 lamp TRUE`,
+//! (`counts-up-to:lamp 1000` for what its board promises; `lamp bool`, `p real V deadband 1`, `n int every 10`, `s bool sampled 10`), events (`100 lamp TRUE`,
 //! `[100, 110] lamp FALSE`, `100 step:busy`), `end 1000`, a claim or a measurement in TOML, and what comes of
 //! it: `verdict pass`, and if wanted `margin 5`, `observed ...`, `reason ...`, `nearest ...`, `writer ...`,
 //! `value 3 4` of a measurement, and `early 150`: when the claim is first known to be lost.
@@ -59,6 +59,7 @@ struct Golden {
     end: i64,
     toml: String,
     wanted: Vec<(String, String)>,
+    notes: Vec<(String, String)>,
 }
 
 fn value(text: &str, kind: Kind) -> Value {
@@ -114,6 +115,8 @@ impl Golden {
                 golden.event(line);
             } else if words[0] == "end" {
                 golden.end = words[1].parse().expect("the end");
+            } else if words[0].starts_with("counts-up-to:") {
+                golden.notes.push((words[0].to_owned(), words[1].to_owned()));
             } else if words[0] == "awaited" {
                 let awaited = Some(Span::from_secs(1));
                 golden.mark(&format!("step:{}", words[1]));
@@ -210,6 +213,9 @@ impl Golden {
         }
         trace.set_note("task:0", "MAST".into());
         trace.set_note("file:0", "lamp.st".into());
+        for (key, value) in &self.notes {
+            trace.set_note(key, value.clone());
+        }
         for event in &self.events {
             while trace.settle(event.at.earliest).expect("an event").is_some() {}
             trace.push(*event).expect("an event");

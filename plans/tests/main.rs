@@ -7,6 +7,8 @@ mod goldens;
 mod guards;
 mod limits;
 mod oracle;
+mod oracle_courses;
+mod oracle_trains;
 mod oracle_values;
 mod policies;
 mod reading;

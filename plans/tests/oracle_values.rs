@@ -29,7 +29,7 @@ impl Names for Anything {
 }
 
 /// The claim, or the measurement, that a text writes.
-fn scenario(text: &str) -> Scenario {
+pub(crate) fn scenario(text: &str) -> Scenario {
     let source = SourceFile::new("claim", format!("it = {text}"));
     let mut out = Findings::new(&source, TOML);
     let table = document::toml::parse(&source, TOML).expect("TOML");
@@ -57,27 +57,27 @@ fn scenario(text: &str) -> Scenario {
 
 /// An event before it is placed: signal (0 and 1 = the lines, 2 = step a), its interval, its value.
 #[derive(Clone, Copy, Debug)]
-struct Raw {
-    signal: u32,
-    a: i64,
-    b: i64,
-    value: i64,
+pub(crate) struct Raw {
+    pub(crate) signal: u32,
+    pub(crate) a: i64,
+    pub(crate) b: i64,
+    pub(crate) value: i64,
 }
 
 /// Instants are counted from here, so that nothing lies before the first values.
-const ORIGIN: i64 = 10;
+pub(crate) const ORIGIN: i64 = 10;
 /// The end of the case: later than every event can be.
-const END: i64 = 60;
+pub(crate) const END: i64 = 60;
 
 /// A line that changes a few times: its first value and distances, widths of intervals and values.
-type Line = (i64, Vec<(i64, i64, i64)>);
+pub(crate) type Line = (i64, Vec<(i64, i64, i64)>);
 
-fn line(values: i64, most: usize) -> impl Strategy<Value = Line> {
+pub(crate) fn line(values: i64, most: usize) -> impl Strategy<Value = Line> {
     (0..values, prop::collection::vec((0i64..12, 0i64..4, 1..values), 0..most))
 }
 
 /// Events in the order of the trace. A value is the one before and the drawn one, so that each is a change.
-fn raw(lines: &[(Line, i64)], step: (i64, i64), exact: bool) -> Vec<Raw> {
+pub(crate) fn raw(lines: &[(Line, i64)], step: (i64, i64), exact: bool) -> Vec<Raw> {
     let mut all = Vec::new();
     let width = |width: i64| if exact { 0 } else { width };
     for (signal, ((first, changes), values)) in (0u32..).zip(lines) {
@@ -100,7 +100,12 @@ fn raw(lines: &[(Line, i64)], step: (i64, i64), exact: bool) -> Vec<Raw> {
     all
 }
 
-fn judged(raw: &[Raw], text: &str, kind: Kind) -> Outcome {
+pub(crate) fn judged(raw: &[Raw], text: &str, kind: Kind) -> Outcome {
+    judged_until(raw, text, kind, END)
+}
+
+/// The same for a case that ends at another instant.
+pub(crate) fn judged_until(raw: &[Raw], text: &str, kind: Kind, end: i64) -> Outcome {
     let lines = ["q", "r"].map(|name| {
         let mut info = SignalInfo::exact(name, kind);
         info.sampling = signal::Sampling::Edges { resolution: Span::from_nanos(20) };
@@ -124,7 +129,7 @@ fn judged(raw: &[Raw], text: &str, kind: Kind) -> Outcome {
         trace.push(Event { signal: SignalId(event.signal), at, value, cause: Cause::Unknown }).unwrap();
     }
     let scenario = scenario(text);
-    let end = When::exactly(Time::from_nanos(END));
+    let end = When::exactly(Time::from_nanos(end));
     let mut judge = Judge::new(scenario.clone(), &signals).unwrap();
     let mut lost = false;
     for event in trace.events() {
@@ -141,10 +146,10 @@ fn judged(raw: &[Raw], text: &str, kind: Kind) -> Outcome {
 }
 
 /// A line that is placed: changes with their instants.
-type Placed = Vec<(i64, i64)>;
+pub(crate) type Placed = Vec<(i64, i64)>;
 
 /// Every placement in turn: both lines and the instant of the step.
-fn placements(raw: &[Raw], mut each: impl FnMut(&Placed, &Placed, i64)) {
+pub(crate) fn placements(raw: &[Raw], mut each: impl FnMut(&Placed, &Placed, i64)) {
     let mut times: Vec<i64> = raw.iter().map(|event| event.a).collect();
     loop {
         let line = |signal| -> Placed {
@@ -164,7 +169,7 @@ fn placements(raw: &[Raw], mut each: impl FnMut(&Placed, &Placed, i64)) {
     }
 }
 
-fn oracle(raw: &[Raw], holds: impl Fn(&Placed, &Placed, i64) -> bool) -> Verdict {
+pub(crate) fn oracle(raw: &[Raw], holds: impl Fn(&Placed, &Placed, i64) -> bool) -> Verdict {
     let (mut some, mut other) = (false, false);
     placements(raw, |q, r, a| if holds(q, r, a) { some = true } else { other = true });
     match (some, other) {
@@ -175,24 +180,24 @@ fn oracle(raw: &[Raw], holds: impl Fn(&Placed, &Placed, i64) -> bool) -> Verdict
 }
 
 /// Stretches `[start, end)` with their values; the last one lasts to the end of the case.
-fn stretches(line: &Placed) -> Vec<(i64, i64, i64)> {
+pub(crate) fn stretches(line: &Placed) -> Vec<(i64, i64, i64)> {
     let ends = line.iter().skip(1).map(|change| change.0).chain([END]);
     line.iter().zip(ends).map(|(change, end)| (change.0, end, change.1)).collect()
 }
 
 /// Rising edges behind an instant. At the instant itself the order of the trace would decide, which is not drawn.
-fn rises(line: &Placed, from: i64) -> Vec<i64> {
+pub(crate) fn rises(line: &Placed, from: i64) -> Vec<i64> {
     let rise = |pair: &&[(i64, i64)]| pair[0].1 == 0 && pair[1].1 == 1 && pair[1].0 >= from;
     line.windows(2).filter(rise).map(|pair| pair[1].0).collect()
 }
 
 /// Changes at the very instant of the step are before or after it by the order of the trace: left out of the test.
-fn apart_from_the_step(raw: &[Raw]) -> bool {
+pub(crate) fn apart_from_the_step(raw: &[Raw]) -> bool {
     let step = raw.iter().find(|event| event.signal == 2).unwrap();
     raw.iter().all(|event| event.signal == 2 || event.b < step.a || event.a > step.b)
 }
 
-fn check(verdict: Verdict, expected: Verdict, exact: bool) -> bool {
+pub(crate) fn check(verdict: Verdict, expected: Verdict, exact: bool) -> bool {
     if exact { verdict == expected } else { verdict == expected || verdict == Verdict::Inconclusive }
 }
 

@@ -59,6 +59,37 @@ fn the_library_reads() {
 }
 
 #[test]
+fn functions_can_be_written_as_a_plan_has_them() {
+    let mut paths = Vec::new();
+    plans_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("library/expert"), &mut paths);
+    let written = |case: &plans::Case| {
+        let functions = case.settings.expert.iter();
+        functions
+            .flat_map(|it| it.written().map(|(key, value)| format!("{:?}.{key} = {value}\n", it.name)))
+            .collect::<String>()
+    };
+    let mut seen = 0;
+    for path in paths {
+        let folder = path.parent().unwrap();
+        let read = |name: &str| std::fs::read_to_string(folder.join(name)).map_err(|error| error.to_string());
+        let gathered = plans::gather(&source(&path), &mut { read });
+        let Ok(plan) = gathered.and_then(|text| plans::read_gathered(&text, &[], 1)) else { continue };
+        for case in plan.cases().filter(|case| !case.settings.expert.is_empty()) {
+            let first = written(&case);
+            let text = format!(
+                "format = 1\ntitle = \"again\"\nexpect = [{{ state = {{ stays = \"RUNNING\" }} }}]\n[settings]\ninitial = \"empty\"\n[settings.expert]\n{first}"
+            );
+            let file = SourceFile::new("again.toml", text);
+            let again = plans::read(&file, &[], 1)
+                .unwrap_or_else(|found| panic!("{}", render(&found, &[file], false)));
+            assert_eq!(written(&again.case(0).unwrap()), first, "{}", path.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 100, "{seen}");
+}
+
+#[test]
 fn rows_are_cases_with_their_own_entries() {
     let plan = read("tests/plans/fallback.toml");
     let cases: Vec<plans::Case> = plan.cases().collect();

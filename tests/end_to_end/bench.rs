@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 use tempfile::TempDir;
 
 /// The longest that a command of these tests may take: far above what any does, below what a CI server waits.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// The program of the examples: the lamp lights 500 ms after the button.
 pub const LAMP_ST: &str = "\

@@ -6,7 +6,17 @@ use crate::bench::root;
 fn every_code_has_a_row() {
     let text = std::fs::read_to_string(root().join("docs/codes.md")).unwrap();
     let mut missing = Vec::new();
-    for (code, title) in [plans::CODES, drivers::CODES, program::CODES, runtime::CODES, guard::CODES].concat()
+    for (code, title) in [
+        plans::CODES,
+        drivers::CODES,
+        program::CODES,
+        runtime::CODES,
+        guard::CODES,
+        control::CODES,
+        services::CODES,
+        dash::CODES,
+    ]
+    .concat()
     {
         let row = format!("| {code} | {title} |");
         if !text.lines().any(|line| line.starts_with(&row)) {
@@ -26,7 +36,17 @@ fn the_rows_are_in_order_and_of_codes_that_exist() {
     for pair in codes.windows(2) {
         assert!(pair[0][..1] != pair[1][..1] || pair[0] < pair[1], "{} before {}", pair[0], pair[1]);
     }
-    let known = [plans::CODES, drivers::CODES, program::CODES, runtime::CODES, guard::CODES].concat();
+    let known = [
+        plans::CODES,
+        drivers::CODES,
+        program::CODES,
+        runtime::CODES,
+        guard::CODES,
+        control::CODES,
+        services::CODES,
+        dash::CODES,
+    ]
+    .concat();
     // The codes of records are those of `record::RecordError` and of the page.
     let known = |code: &str| code.starts_with("R04") || known.iter().any(|(one, _)| *one == code);
     let unknown: Vec<&&str> = codes.iter().filter(|code| !known(code)).collect();

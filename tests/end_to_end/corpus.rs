@@ -97,6 +97,16 @@ fn converters_on_a_bus() {
 }
 
 #[test]
+fn counters() {
+    corpus("counter", targets::counter);
+}
+
+#[test]
 fn lines_of_counters() {
     corpus("lines", targets::lines);
+}
+
+#[test]
+fn lines_of_clients() {
+    corpus("control", targets::control);
 }

@@ -18,8 +18,23 @@ use crate::inside::Folder;
 const NEVER_OPEN: &[&str] = &["happens", "task"];
 
 /// The kinds of measurements: each key that names one, each way to take a value over a window.
-const MEASUREMENTS: &[&str] =
-    &["time", "value", "min", "max", "mean", "rms", "span", "frequency", "duty", "period", "width"];
+const MEASUREMENTS: &[&str] = &[
+    "time",
+    "value",
+    "min",
+    "max",
+    "mean",
+    "rms",
+    "span",
+    "frequency",
+    "duty",
+    "period",
+    "width",
+    "jitter",
+    "position",
+    "profile",
+    "speed",
+];
 
 /// What a user reads of a case, and the figures of what passed.
 fn shown(case: &CaseRecord) -> String {

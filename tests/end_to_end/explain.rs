@@ -40,6 +40,14 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("B0166", "over 64 lines"),
     ("B017", "a machine that lacks something"),
     ("B0204", "over 4 096 parts"),
+    ("B0208", "a machine that lacks a counter"),
+    ("B0209", "two counters of one name"),
+    ("B0210", "a machine with a counter"),
+    ("B0211", "a machine with a counter"),
+    ("B0212", "a machine with a counter"),
+    ("B0213", "a machine with a counter"),
+    ("B0214", "a machine with a counter"),
+    ("B023", "a machine that lacks something"),
     ("S0107", "64 brackets"),
     ("S0501", "4 MiB of sources"),
     ("S0504", "a chain of 64 blocks"),
@@ -56,6 +64,8 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0166", "a run whose traces are lost"),
     ("R0167", "a folder that nobody may write to"),
     ("R0169", "a history that another command uses"),
+    ("R0300", "a board file with a count"),
+    ("R0301", "a board file with a count"),
     ("R019", "real lines"),
     ("R018", "a machine that refuses something, or one with real lines"),
     ("R0203", "a trace of another plan"),
@@ -73,8 +83,32 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0254", "a machine with real lines"),
     ("R0255", "a machine with real lines"),
     ("R0270", "a board file beside the plan"),
+    ("R0305", "a board with a generator"),
+    ("R0306", "a board with a generator"),
+    ("R0307", "a board with a generator"),
+    ("R0308", "a board with a generator"),
+    ("R0309", "a board with real lines"),
+    ("R0310", "a board with a generator"),
+    ("R0315", "a board file beside the plan"),
+    ("R0316", "a machine with real lines"),
+    ("R034", "a service manager"),
     ("R04", "records that somebody edited"),
+    ("R062", "a client of a rig that runs"),
+    ("R063", "a rig that runs"),
     ("R028", "another user, or a machine that lacks something"),
+    ("R060", "a client of a rig that runs, or real lines"),
+    ("R061", "a client of a rig that runs"),
+    ("R0640", "a machine without a rig"),
+    ("R0641", "two rigs"),
+    ("R0643", "a socket of something else"),
+    ("R0644", "a rig of another release"),
+    ("R0645", "a rig that dies"),
+    ("R0646", "a rig that ends"),
+    ("R0647", "a rig that stands still"),
+    ("R0648", "a rig of another release"),
+    ("R0649", "a rig"),
+    ("R0661", "a machine that lacks something"),
+    ("R068", "a dashboard on a terminal"),
 ];
 
 /// A block of a page.
@@ -221,7 +255,17 @@ fn every_example_provokes_its_code_and_its_mend_does_not() {
 fn every_code_has_a_page_and_all_but_a_few_an_example() {
     let blocks = blocks();
     let mut wrong = Vec::new();
-    let known = [plans::CODES, drivers::CODES, program::CODES, runtime::CODES, guard::CODES].concat();
+    let known = [
+        plans::CODES,
+        drivers::CODES,
+        program::CODES,
+        runtime::CODES,
+        guard::CODES,
+        services::CODES,
+        control::CODES,
+        dash::CODES,
+    ]
+    .concat();
     let bench = Bench::new();
     let listed = bench.expect(0, &["explain"]).out;
     for (code, title) in &known {

@@ -35,7 +35,8 @@ fn the_register_as_json() {
 #[test]
 fn the_register_as_a_table() {
     let bench = Bench::new();
-    let out = bench.expect(0, &["requirements"]).out;
+    bench.expect(0, &["test", "--only", "watchdog/fallback", "--report", "out"]);
+    let out = bench.expect(0, &["requirements", "--report", "out"]).out;
     let last = out.lines().last().unwrap();
     assert!(
         last.contains(" requirements: ") && last.contains(" proven") && last.contains(" unproven"),

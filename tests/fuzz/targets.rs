@@ -1,16 +1,20 @@
 //! What is fuzzed: each function takes any bytes and must neither panic nor hang nor take memory without bound.
 //! `tests/end_to_end/corpus.rs` runs the committed corpora through the same functions with the stable compiler.
 
+mod lines_of_clients;
+
 use capture::{Capture, Format};
 use document::{Diagnostic, SourceFile, render};
 use drivers::can::{Filter, Reported, Told};
 use drivers::convert::iio::{Element, Sampled, Scans};
 use drivers::convert::spi::{Chosen, FRAME, Input, PARTS, Sweep};
+use drivers::counter::{CounterSpec, FindCount, FindCounter, Follower, Function as Counting, Reading};
 use drivers::serial::{Frames, Framing, Marks, Received, Symbol};
 use expert::{
     BLOCKS, Call, CounterConfig, CounterKind, CounterMode, Expert, ExpertConfig, Fact, Function,
     FunctionKind, InputConditions, Limits, LineEvents, Operation, Phases, Pins, RECORD,
 };
+use host::{COUNTER_RECORD, CounterEvent, CounterEventKind};
 use plans::frames::{DataPattern, Database};
 use plans::lang::{Need, Operand};
 use plans::{Anchor, Literal};
@@ -23,6 +27,8 @@ use signal::{
     Address, Cause, Event, Kind, LoadLimits, Policy, Quantity, QuantityRange, SignalId, SignalInfo, Span,
     Time, Trace, Value, When,
 };
+
+pub use lines_of_clients::control;
 
 const PROGRAM: &str = "PROGRAM MAIN VAR button AT %IX0.0 : BOOL; lamp AT %QX0.4 : BOOL; n : INT; d : TON; END_VAR \
                        d(IN := button, PT := T#500ms); lamp := d.Q; n := n + 1; END_PROGRAM";
@@ -411,6 +417,41 @@ pub fn spi(data: &[u8]) {
         assert!(reading.before < reading.after, "{reading:?}");
         assert!(sweep.noise(usize::from(reading.input)).is_none_or(|noise| noise.deviation >= 0.0));
     }
+}
+
+/// What a counter says: the number in its file, and records of its events. The first byte says what of it is listened to, the
+/// second what it counts; each event goes with a reading.
+pub fn counter(data: &[u8]) {
+    let _ = drivers::counter::shown(data);
+    let [listens, counts, records @ ..] = data else { return };
+    let listened = |(bit, kind): (usize, &CounterEventKind)| (listens >> bit & 1 == 1).then_some(*kind);
+    let spec = CounterSpec {
+        name: String::new(),
+        place: 0..0,
+        find: FindCounter::Name(String::new()),
+        count: FindCount::Number(0),
+        function: Some(Counting::ALL[usize::from(*counts) % Counting::ALL.len()].0),
+        edge: None,
+        ceiling: None,
+        period: Span::from_millis(1),
+        events: CounterEventKind::ALL.iter().enumerate().filter_map(listened).collect(),
+        buffer: 16,
+        counts_hz: Some(1_000_000),
+    };
+    let ceiling = if listens & 0x80 == 0 { u64::from(*counts) } else { u64::MAX };
+    let mut follower = Follower::new(&spec, ceiling, 100_000_000, 50_000);
+    let mut told = 0;
+    for record in records.as_chunks::<COUNTER_RECORD>().0 {
+        let event = CounterEvent::read(record);
+        let stamp = i64::from_ne_bytes(record.first_chunk().copied().unwrap_or_default());
+        let value = u64::from(record[8]);
+        let reading = Reading { before: stamp.saturating_sub(100), after: stamp, value };
+        follower.take(reading, event.as_slice(), &mut |step| {
+            assert!(step.from <= step.to, "{step:?}");
+            told += 1;
+        });
+    }
+    assert!(told <= 2 * records.len() / COUNTER_RECORD + 1);
 }
 
 /// The pins of a block that is called once: its reference is 1, and all that enables and presets is on.

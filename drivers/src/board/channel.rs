@@ -1,6 +1,6 @@
 //! The channels of a board.
 
-use super::FaultSet;
+use super::{Emits, FaultSet};
 use signal::{Span, Value};
 
 /// The place of a channel in [`Board::channels`](super::Board::channels).
@@ -17,6 +17,8 @@ pub enum ChannelKind {
         /// Unit as it is written, as in `V` or `degC`; empty for none.
         unit: String,
     },
+    /// How far a counter has counted since the start: [`Value::Int`].
+    Count,
 }
 
 /// Where the instants of a channel's events come from.
@@ -54,6 +56,11 @@ pub struct Channel {
     pub shortest_pulse: Span,
     /// The fastest pulse train that [`Board::write`](super::Board::write) can emit on it, in Hz (0 = none).
     pub max_pulse_hz: u64,
+    /// What it emits by itself: pulses that nobody writes edge by edge.
+    pub emits: Option<Emits>,
+    /// The fastest pulse train of which the board is known to count every pulse, in Hz; `None` where nobody said. A claim
+    /// that counts faster ones is inconclusive.
+    pub counts_hz: Option<u64>,
     /// The faults that can be injected on it.
     pub faults: FaultSet,
     /// What a driven line is left at by [`Board::start`](super::Board::start) and [`Board::safe`](super::Board::safe).
@@ -69,10 +76,10 @@ impl Channel {
         self.kind == ChannelKind::Digital
     }
 
-    /// Unit of an analog channel; empty for none and for a level.
+    /// Unit of an analog channel; empty for none, for a level and for a count.
     pub fn unit(&self) -> &str {
         match &self.kind {
-            ChannelKind::Digital => "",
+            ChannelKind::Digital | ChannelKind::Count => "",
             ChannelKind::Analog { unit } => unit,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{ChannelId, LossReason};
+use super::{ChannelId, LossReason, NotEmitted};
 use crate::BusId;
 use signal::{Span, Time};
 
@@ -30,6 +30,8 @@ pub enum BoardError {
     NoChannel(ChannelId),
     /// The board cannot drive this channel.
     NotDriven(ChannelId),
+    /// The channel cannot emit such pulses.
+    NotEmitted(ChannelId, NotEmitted),
     /// The value does not fit the channel: a level for an analog one, a number for a digital one, not finite.
     BadValue(ChannelId),
     /// This fault cannot be injected on this channel.
@@ -107,6 +109,7 @@ impl fmt::Display for BoardError {
             }
             Self::NoChannel(id) => write!(f, "the board has no channel {}", id.0),
             Self::NotDriven(id) => write!(f, "the board cannot drive channel {}", id.0),
+            Self::NotEmitted(id, why) => write!(f, "channel {} does not emit this: {why}", id.0),
             Self::BadValue(id) => write!(f, "the value does not fit channel {}", id.0),
             Self::NoSuchFault(id) => write!(f, "this fault cannot be injected on channel {}", id.0),
             Self::BadFaultTime(id) => write!(f, "the times of a fault on channel {} must be above 0", id.0),

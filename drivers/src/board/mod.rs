@@ -1,6 +1,7 @@
 //! What every board is to the rest of the rig: channels, writes, events, faults and a safe state.
 
 mod channel;
+mod emission;
 mod error;
 mod event;
 mod fault;
@@ -11,6 +12,7 @@ use crate::{Bus, BusEvent, BusId, Frame, HeldLines};
 use signal::{Span, Time, Value, When};
 
 pub use channel::{Channel, ChannelId, ChannelKind, TimestampSource};
+pub use emission::{Emission, Emits, NotEmitted};
 pub use error::{BoardError, Call};
 pub use event::{BoardEvent, Health, LossReason, Origin};
 pub use fault::{Fault, FaultKind, FaultSet};
@@ -42,6 +44,16 @@ pub trait Board: Send + fmt::Debug {
     /// [`BoardError::BadValue`], [`BoardError::Latched`], [`BoardError::NotStarted`], [`BoardError::Backwards`],
     /// [`BoardError::Storm`], [`BoardError::Os`].
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError>;
+
+    /// Has the channel emit pulses by itself, from as soon as its device can. What it emitted before ends, as
+    /// [`Emission::Square`] says; a write to the channel ends it, too.
+    ///
+    /// # Errors
+    /// [`BoardError::NotEmitted`] where the channel's [`Channel::emits`] does not have it, and as [`Board::write`].
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        let _ = (now, emission);
+        Err(BoardError::NotEmitted(channel, NotEmitted::Nothing))
+    }
 
     /// Appends to `out` all that happened up to and including `now` and was not reported yet, oldest first.
     ///
@@ -158,6 +170,9 @@ impl<B: Board + ?Sized> Board for Box<B> {
     }
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
         (**self).write(now, writes)
+    }
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        (**self).emit(now, channel, emission)
     }
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
         (**self).poll(now, out)

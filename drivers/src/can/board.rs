@@ -11,15 +11,13 @@ use super::find::find;
 use super::node::Node;
 use super::running::{Manner, Running};
 use super::spec::CanBusSpec;
+use crate::account::{Account, START, drives_none, known};
 use crate::file::{BoardFile, codes};
 use crate::real::RealSpec;
 use crate::{
     Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Call, Channel, ChannelId, Fault, Frame, Health,
     Surroundings,
 };
-
-/// How long a start waits for an interface at least.
-const START: Span = Span::from_secs(2);
 
 /// How long an interface may take to be put back as it was.
 const PUT_BACK: Span = Span::from_secs(5);
@@ -38,9 +36,7 @@ pub struct CanBoard {
     channels: Vec<Channel>,
     buses: Vec<Bus>,
     nodes: Vec<Node>,
-    started: bool,
-    latched: bool,
-    last: Time,
+    account: Account,
 }
 
 impl CanBoard {
@@ -76,9 +72,7 @@ impl CanBoard {
             channels: crate::real::blank(file),
             buses,
             nodes: Vec::new(),
-            started: false,
-            latched: false,
-            last: Time::ZERO,
+            account: Account::default(),
         }
     }
 
@@ -124,22 +118,6 @@ impl CanBoard {
         self.nodes.push(Node::new(bus.clone(), running.map_err(refused)?, manner.limit));
         Ok(())
     }
-
-    fn check_time(&mut self, now: Time) -> Result<(), BoardError> {
-        if !self.started {
-            return Err(BoardError::NotStarted);
-        }
-        if now < self.last {
-            return Err(BoardError::Backwards { now, last: self.last });
-        }
-        self.last = now;
-        Ok(())
-    }
-
-    fn known(&self, channel: ChannelId) -> Result<(), BoardError> {
-        let known = usize::from(channel.0) < self.channels.len();
-        if known { Ok(()) } else { Err(BoardError::NoChannel(channel)) }
-    }
 }
 
 impl Board for CanBoard {
@@ -149,7 +127,7 @@ impl Board for CanBoard {
 
     /// Waits for the interfaces, as long as one may be silent or two seconds.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.started = false;
+        self.account.end();
         let starts: Vec<u64> = self.nodes.iter_mut().map(Node::ask_start).collect();
         let silent_after = self.silent_after.max(START);
         let patience = || monotonic().saturating_add(silent_after.as_nanos());
@@ -172,46 +150,38 @@ impl Board for CanBoard {
                 return Err(node.is_lost());
             }
         }
-        (self.started, self.latched, self.last) = (true, false, now);
+        self.account.begin(now);
         Ok(())
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.check_time(now)?;
-        match writes.first() {
-            Some((channel, _)) => self.known(*channel).and(Err(BoardError::NotDriven(*channel))),
-            None => Ok(()),
-        }
+        self.account.come_to(now)?;
+        drives_none(&self.channels, writes)
     }
 
     fn poll(&mut self, now: Time, _out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.check_time(now)
+        self.account.come_to(now)
     }
 
     /// What lies ahead of the last poll, and when an interface that owes an answer counts as lost.
     fn next_event(&self) -> Option<Time> {
-        if !self.started {
-            return None;
-        }
-        let silent = self.nodes.iter().filter_map(Node::overdue).min();
-        let silent = silent.map(|stamp| self.surroundings.time.at(stamp.saturating_add(1)));
-        self.nodes.iter().filter_map(|node| node.ahead).chain(silent).min()
+        let owed = self.nodes.iter().filter_map(Node::overdue);
+        self.account.next_event(&self.surroundings.time, owed)
     }
 
     fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.check_time(now)?;
+        self.account.come_to(now)?;
         Err(BoardError::NoSuchFault(fault.channel))
     }
 
     fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.check_time(now)?;
-        self.known(channel)
+        self.account.come_to(now)?;
+        known(&self.channels, channel)
     }
 
     /// Nothing is sent from now on. What the kernel has already may still reach the bus.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.latched = true;
-        self.last = self.last.max(now);
+        self.account.latch(now);
         let asked: Vec<u64> = self.nodes.iter_mut().map(Node::ask_safe).collect();
         let due = monotonic().saturating_add(self.silent_after.as_nanos());
         let mut outcome = Ok(());
@@ -229,7 +199,7 @@ impl Board for CanBoard {
             lost: self.nodes.iter().filter(|node| node.lost.is_some()).count() as u32,
             dropped: self.nodes.iter().map(|node| node.dropped).sum(),
             failed_calls: self.nodes.iter().map(Node::failed).sum(),
-            latched_safe: self.latched,
+            latched_safe: self.account.is_latched(),
             ..Health::default()
         }
     }
@@ -243,22 +213,20 @@ impl Board for CanBoard {
     }
 
     fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
-        self.check_time(now)?;
-        if self.latched {
-            return Err(BoardError::Latched);
-        }
+        self.account.drive_at(now)?;
         let stamp = self.surroundings.time.stamp(now);
         let node = self.nodes.iter_mut().find(|node| node.spec.bus == bus).ok_or(BoardError::NoBus(bus))?;
         node.send(stamp, frame)
     }
 
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
-        self.check_time(now)?;
+        self.account.come_to(now)?;
         let first = out.len();
         for node in &mut self.nodes {
             node.poll(&self.surroundings.time, now, out);
         }
         crate::real::sort(&mut out[first..], BusEvent::latest);
+        self.account.lies_ahead(self.nodes.iter().filter_map(|node| node.ahead).min());
         Ok(())
     }
 }

@@ -8,6 +8,7 @@ use rtrb::{Consumer, Producer};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::adapter::{Adapter, Change};
+use super::arrivals::{Arrivals, BATCH};
 use super::port::Port;
 use super::report::Reported;
 use super::running::{Manner, REPORTS};
@@ -15,8 +16,6 @@ use super::shared::{Report, Shared};
 use super::wire::{FD, Told, decode, encode};
 use crate::{BusError, BusState, Frame};
 
-/// The most frames of one turn, either way: then the other way has its turn.
-const BATCH: usize = 256;
 /// How long the kernel's full queue is left alone, and how long the thread is without a look at the clocks.
 const AGAIN: i64 = 1_000_000;
 const IDLE: i64 = 100_000_000;
@@ -52,6 +51,7 @@ pub(super) struct Device {
     waiting: u32,
     since: i64,
     late: bool,
+    arrivals: Arrivals,
     /// The newest instant that was told.
     newest: i64,
     /// The answer to a start, until there is room for it.
@@ -90,6 +90,7 @@ impl Device {
             waiting: 0,
             since: 0,
             late: false,
+            arrivals: Arrivals::new(),
             newest: i64::MIN,
             begun: None,
             told_lost: false,
@@ -270,16 +271,28 @@ impl Device {
         let before = self.clocks;
         self.clocks = Bracket::measure();
         let clocks = before.or(self.clocks);
+        let mut refused = None;
         let mut bytes = [0; FD];
         for _ in 0..BATCH {
             self.called();
-            let Some(port) = &mut self.port else { return };
+            let Some(port) = &mut self.port else { break };
             match port.receive(&mut bytes) {
-                Ok(received) => self.take(&bytes, received, clocks),
-                Err(Errno::AGAIN) => return,
+                Ok(received) => self.arrivals.put((bytes, received)),
+                Err(Errno::AGAIN) => break,
                 Err(Errno::INTR) => {}
-                Err(error) => return self.refused(error),
+                Err(error) => {
+                    refused = Some(error);
+                    break;
+                }
             }
+        }
+        for at in 0..BATCH {
+            let Some((bytes, received)) = self.arrivals.get(at) else { break };
+            self.take(&bytes, received, clocks);
+        }
+        self.arrivals.clear();
+        if let Some(error) = refused {
+            self.refused(error);
         }
     }
 

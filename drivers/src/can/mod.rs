@@ -2,6 +2,7 @@
 //! report, and whether an interface is set up as the board file says.
 
 mod adapter;
+mod arrivals;
 mod board;
 mod configure;
 mod device;

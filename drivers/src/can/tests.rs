@@ -244,6 +244,27 @@ fn frames_that_were_lost_on_their_way_are_counted() {
     assert!(bench.told(|event| matches!(event, BusEvent::Dropped { count: 5, .. })));
 }
 
+/// On several processors the kernel hands over what their interrupts bring in any order.
+#[test]
+fn frames_come_in_the_order_of_their_stamps() {
+    let mut bench = Bench::new(Span::from_secs(60));
+    bench.change(|script| {
+        for (id, wall) in [(1, 1_000_000), (3, 3_000_000), (2, 2_000_000), (4, 4_000_000)] {
+            script.arrive.push_back((bytes(id), Received { wall: Some(wall), ..Received::default() }));
+        }
+    });
+    bench.node.shared.ask();
+    let ids = |bench: &Bench| -> Vec<u32> {
+        let id = |event: &BusEvent| match event {
+            BusEvent::Frame { frame, .. } => Some(frame.id),
+            _ => None,
+        };
+        bench.events.iter().filter_map(id).collect()
+    };
+    bench.until("all of them", |bench| ids(bench).len() == 4);
+    assert_eq!(ids(&bench), [1, 2, 3, 4]);
+}
+
 #[test]
 fn a_run_begins_whatever_was_left_unread_before() {
     let mut bench = Bench::new(Span::from_secs(60));

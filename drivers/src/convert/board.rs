@@ -6,15 +6,14 @@ use signal::{Span, Time, Value};
 
 use super::watched::Watched;
 use super::{Converter, ConverterKind, ConverterSpec, ConvertersSpec, Refusal, SampleSpec, iio, spi};
+use crate::account::{Account, START, drives_none, known};
 use crate::file::{BoardFile, codes};
-use crate::gpio::telling::Telling;
 use crate::real::RealSpec;
+use crate::telling::Telling;
+use crate::thread::not_started;
 use crate::{
     Board, BoardError, BoardEvent, Channel, ChannelId, Fault, FaultSet, Health, Surroundings, TimestampSource,
 };
-
-/// How long a start waits for a converter at least: nothing runs yet that it could hold up, and threads are new.
-const START: Span = Span::from_secs(2);
 
 /// Describes the channels that have inputs of converters.
 pub fn describe(file: &BoardFile, spec: &ConvertersSpec, channels: &mut [Channel]) {
@@ -35,6 +34,8 @@ pub fn describe(file: &BoardFile, spec: &ConvertersSpec, channels: &mut [Channel
             shortest_pulse: apart,
             deadband: sample.scale.deadband,
             max_pulse_hz: 0,
+            emits: None,
+            counts_hz: None,
             faults: FaultSet::NONE,
             safe: Value::HighZ,
         };
@@ -87,13 +88,7 @@ pub struct ConverterBoard {
     retake: bool,
     surroundings: Surroundings,
     devices: Vec<Watched>,
-    started: bool,
-    latched: bool,
-    /// The start, until it was told what the inputs showed then.
-    fresh: Option<Time>,
-    last: Time,
-    ahead: Option<Time>,
-    dropped: u64,
+    account: Account,
 }
 
 impl ConverterBoard {
@@ -125,11 +120,8 @@ impl ConverterBoard {
         if !found.is_empty() {
             return Err(found);
         }
-        ConverterBoard::on(file, spec, surroundings, sources).map_err(|error| {
-            let message = format!("the thread of a converter cannot be started: {error}");
-            let help = "the machine has no room for another thread: see `ulimit -u`";
-            vec![Diagnostic::error(codes::HOST, message).at(file.name.clone(), 0..0, "").help(help)]
-        })
+        ConverterBoard::on(file, spec, surroundings, sources)
+            .map_err(|error| not_started(file, "the thread of a converter", &error))
     }
 
     /// A board of converters that are open.
@@ -162,24 +154,8 @@ impl ConverterBoard {
             retake: spec.retake,
             surroundings: surroundings.clone(),
             devices: sources.into_iter().map(start).collect::<Result<_, _>>()?,
-            started: false,
-            latched: false,
-            fresh: None,
-            last: Time::ZERO,
-            ahead: None,
-            dropped: 0,
+            account: Account::default(),
         })
-    }
-
-    fn check_time(&mut self, now: Time) -> Result<(), BoardError> {
-        if !self.started {
-            return Err(BoardError::NotStarted);
-        }
-        if now < self.last {
-            return Err(BoardError::Backwards { now, last: self.last });
-        }
-        self.last = now;
-        Ok(())
     }
 }
 
@@ -190,7 +166,7 @@ impl Board for ConverterBoard {
 
     /// Waits until every input was read, as long as a converter may be silent or two seconds.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.started = false;
+        self.account.end();
         let starts: Vec<u64> = self.devices.iter_mut().map(Watched::ask_start).collect();
         let due = monotonic().saturating_add(self.silent_after.max(START).as_nanos());
         for (device, start) in self.devices.iter_mut().zip(starts) {
@@ -198,62 +174,48 @@ impl Board for ConverterBoard {
                 return Err(device.is_lost());
             }
         }
-        (self.started, self.latched, self.fresh) = (true, false, Some(now));
-        (self.last, self.ahead, self.dropped) = (now, None, 0);
+        self.account.begin(now);
+        self.account.owes_start();
         Ok(())
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.check_time(now)?;
-        match writes.first() {
-            None => Ok(()),
-            Some((channel, _)) if usize::from(channel.0) < self.channels.len() => {
-                Err(BoardError::NotDriven(*channel))
-            }
-            Some((channel, _)) => Err(BoardError::NoChannel(*channel)),
-        }
+        self.account.come_to(now)?;
+        drives_none(&self.channels, writes)
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.check_time(now)?;
+        self.account.come_to(now)?;
         let mut telling = Telling::new(out, &self.surroundings.time, now);
-        if let Some(start) = self.fresh.take() {
+        if let Some(start) = self.account.take_fresh() {
             self.devices.iter().for_each(|device| device.present(start, &mut telling));
         }
         for device in &mut self.devices {
             device.poll(&mut telling);
         }
-        self.dropped += telling.dropped;
-        self.ahead = telling.ahead;
-        telling.sort();
+        self.account.told(telling);
         Ok(())
     }
 
     /// What lies ahead of the last poll, and when a converter that owes an answer counts as lost.
     fn next_event(&self) -> Option<Time> {
-        if !self.started {
-            return None;
-        }
-        let silent = self.devices.iter().filter_map(Watched::overdue).min();
-        let silent = silent.map(|stamp| self.surroundings.time.at(stamp.saturating_add(1)));
-        [self.fresh, self.ahead, silent].into_iter().flatten().min()
+        let owed = self.devices.iter().filter_map(Watched::overdue);
+        self.account.next_event(&self.surroundings.time, owed)
     }
 
     fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.check_time(now)?;
+        self.account.come_to(now)?;
         Err(BoardError::NoSuchFault(fault.channel))
     }
 
     fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.check_time(now)?;
-        let known = usize::from(channel.0) < self.channels.len();
-        if known { Ok(()) } else { Err(BoardError::NoChannel(channel)) }
+        self.account.come_to(now)?;
+        known(&self.channels, channel)
     }
 
     /// Nothing is driven: the converters rest until the next start.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.latched = true;
-        self.last = self.last.max(now);
+        self.account.latch(now);
         self.devices.iter().for_each(Watched::rest);
         Ok(())
     }
@@ -270,9 +232,9 @@ impl Board for ConverterBoard {
     fn health(&self) -> Health {
         Health {
             lost: self.devices.iter().map(Watched::lost_channels).sum(),
-            dropped: self.dropped,
+            dropped: self.account.dropped(),
             failed_calls: self.devices.iter().map(Watched::failed_calls).sum(),
-            latched_safe: self.latched,
+            latched_safe: self.account.is_latched(),
             ..Health::default()
         }
     }

@@ -2,14 +2,13 @@
 
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI32, AtomicI64, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 
-use host::{Bell, Realtime, Role, monotonic};
-use rtrb::Producer;
+use host::{Realtime, Role, monotonic};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::io::Errno;
 
 use super::{Converter, Pace, Reading, Resolution, Scale, Shown};
+use crate::thread::Reporter;
 
 /// How a converter is opened: at first, and again when it was gone.
 pub(super) type Opener = Box<dyn FnMut() -> Option<Box<dyn Converter>> + Send>;
@@ -36,23 +35,11 @@ pub(super) struct Shared {
     pub(super) starts: AtomicU64,
     /// The stamp since when readings are owed; 0 for none.
     pub(super) owes: AtomicI64,
-    /// The error that ended the work with the device; 0 for none.
-    pub(super) gone: AtomicI32,
-    /// The stamp of that.
-    pub(super) gone_at: AtomicI64,
-    /// Calls that failed.
-    pub(super) failed: AtomicU64,
-    /// Reports that found no room.
-    pub(super) unreported: AtomicU64,
     /// The noise of each input in its last reading, in the unit of its channel: bits of a number, which is none while
     /// there is no reading of several samples.
     pub(super) noise: Vec<AtomicU64>,
-    pub(super) stop: AtomicBool,
-    pub(super) ended: AtomicBool,
     /// Wakes the thread: it can be waited for beside the device.
     pub(super) wake: OwnedFd,
-    /// Wakes whoever waits for the thread.
-    pub(super) answer: Bell,
 }
 
 impl Shared {
@@ -84,14 +71,10 @@ pub(super) struct Device {
     pub(super) converter: Option<Box<dyn Converter>>,
     pub(super) opener: Opener,
     pub(super) shared: Arc<Shared>,
-    pub(super) reports: Producer<Report>,
-    /// Is rung when there is something to report.
-    pub(super) bell: Arc<Bell>,
+    pub(super) reporter: Reporter<Report>,
     pub(super) inputs: Vec<Known>,
     /// The readings of one call.
     pub(super) found: Vec<Reading>,
-    /// How long a call may last, and how long calls may go on to fail.
-    pub(super) limit: i64,
     /// The longest time between two readings of an input that its channel allows for.
     pub(super) apart: i64,
     /// A device that was gone is taken back.
@@ -101,11 +84,8 @@ pub(super) struct Device {
     pub(super) complete: bool,
     /// When the next reading is due.
     pub(super) due: i64,
-    /// Since when calls fail.
-    pub(super) failing: Option<i64>,
     /// Readings that the device lost, as it told last.
     pub(super) lost: u64,
-    pub(super) told: bool,
 }
 
 impl Device {
@@ -113,16 +93,13 @@ impl Device {
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is told once for all threads, by whoever set up the run.
         let _ = realtime.enter(Role::Devices);
-        while !self.shared.stop.load(Ordering::Acquire) {
+        while !self.reporter.is_stopped() {
             let until = self.turn();
-            if std::mem::take(&mut self.told) {
-                self.bell.ring();
-            }
+            self.reporter.ring();
             self.wait(until);
         }
         drop(self.converter.take());
-        self.shared.ended.store(true, Ordering::Release);
-        self.shared.answer.ring();
+        self.reporter.end();
     }
 
     /// One look at what is asked, and at most one call. Says until when there is nothing to do.
@@ -149,7 +126,8 @@ impl Device {
 
     /// A new run: what was known is forgotten.
     fn begin(&mut self, start: u64) {
-        (self.started, self.complete, self.failing) = (start, false, None);
+        (self.started, self.complete) = (start, false);
+        self.reporter.works();
         self.forget();
         // What waits in the device is from before.
         if let Some(Err(error)) = self.converter.as_mut().map(|converter| converter.begin()) {
@@ -178,7 +156,7 @@ impl Device {
                 false
             }
             _ => {
-                self.failing = None;
+                self.reporter.works();
                 true
             }
         }
@@ -213,8 +191,8 @@ impl Device {
         }
         if !self.complete && self.inputs.iter().all(|known| known.told.is_some()) {
             self.complete = true;
-            self.report(Report::Started { start: self.started });
-            self.shared.answer.ring();
+            self.reporter.report(Report::Started { start: self.started });
+            self.reporter.answer();
         }
     }
 
@@ -241,36 +219,27 @@ impl Device {
                 self.missed(input, u32::try_from(count).unwrap_or(u32::MAX), reading.after);
             }
             let sample = Report::Sample { input: reading.input, from, to: reading.after, shown };
-            if news && self.report(sample) {
+            if news && self.reporter.report(sample) {
                 self.inputs[input].told = Some(shown);
             }
         }
     }
 
     fn missed(&mut self, input: usize, count: u32, at: i64) {
-        self.report(Report::Missed { input: input as u16, count, at });
+        self.reporter.report(Report::Missed { input: input as u16, count, at });
     }
 
     fn refused(&mut self, error: &std::io::Error) {
-        let now = monotonic();
-        self.shared.failed.fetch_add(1, Ordering::AcqRel);
-        self.told = true;
-        let code = error.raw_os_error().unwrap_or(Errno::IO.raw_os_error());
-        let since = *self.failing.get_or_insert(now);
-        if is_gone(code) || now - since > self.limit {
+        if self.reporter.refused(error) {
             self.converter = None;
-            self.failing = None;
             self.shared.owes.store(0, Ordering::Release);
-            self.shared.gone_at.store(now, Ordering::Release);
-            self.shared.gone.store(code, Ordering::Release);
-            self.due = now.saturating_add(self.limit);
-            self.shared.answer.ring();
+            self.due = monotonic().saturating_add(self.reporter.limit());
         }
     }
 
     /// Whether a device that was gone is there again.
     fn look_again(&mut self, now: i64) {
-        self.due = if self.retake { now.saturating_add(self.limit) } else { i64::MAX };
+        self.due = if self.retake { now.saturating_add(self.reporter.limit()) } else { i64::MAX };
         if !self.retake {
             return;
         }
@@ -278,20 +247,9 @@ impl Device {
         if let Some(converter) = &self.converter {
             self.lost = converter.lost();
             self.forget();
-            self.shared.gone.store(0, Ordering::Release);
-            self.report(Report::Returned { at: monotonic() });
+            self.reporter.returned(Report::Returned { at: monotonic() });
             self.due = monotonic();
         }
-    }
-
-    /// Whether it found room.
-    fn report(&mut self, report: Report) -> bool {
-        self.told = true;
-        let room = self.reports.push(report).is_ok();
-        if !room {
-            self.shared.unreported.fetch_add(1, Ordering::AcqRel);
-        }
-        room
     }
 
     /// Until somebody wakes the thread, until the device has something, or until then.
@@ -314,10 +272,4 @@ impl Device {
         // Nothing to be read is no failure.
         let _ = rustix::io::read(&self.shared.wake, &mut [0u8; 8]);
     }
-}
-
-/// Whether an error says that the device is not there any more.
-fn is_gone(code: i32) -> bool {
-    let gone = [Errno::NODEV, Errno::NXIO, Errno::SHUTDOWN, Errno::BADF, Errno::NOENT];
-    gone.iter().any(|gone| gone.raw_os_error() == code)
 }

@@ -143,6 +143,11 @@ impl<'t> Bench<'t> {
         let spec = &self.file.circuit.channels[usize::from(channel.0)];
         let external = self.file.subject.is_external();
         let (message, help) = match (address.size(), &spec.kind, address.area()) {
+            (Size::Bit, ChannelKind::Count, Area::Input) if !external => return true,
+            (_, ChannelKind::Count, _) => (
+                format!("{address} carries no count, as `{}` does", spec.name),
+                "a count goes with an input of the rig's own controller: name its channel in the plan",
+            ),
             // The terminal makes a level of a voltage; nothing else has one to make it of (io:STD-IN-02).
             (Size::Bit, ChannelKind::Analog { unit }, area) if area != Area::Input || unit != "V" => (
                 format!("{address} is a level, `{}` an analog channel", spec.name),
@@ -240,7 +245,12 @@ fn bad_address(text: &str, error: AddressError) -> String {
 }
 
 fn channel(name: &str, fields: &Fields, out: &mut Findings) -> Option<ChannelSpec> {
-    let digital = fields.text("kind")? == "digital";
+    let kind = fields.text("kind")?;
+    if kind == "count" {
+        // What else it has depends on the board, and is read there.
+        return Some(ChannelSpec::count(name));
+    }
+    let digital = kind == "digital";
     let mut spec = if digital {
         ChannelSpec::digital(name, Pull::Down)
     } else {

@@ -5,7 +5,7 @@ use signal::{Quantity, QuantityRange, Span, Unit};
 
 use super::bench::Bench;
 use super::real::channels;
-use super::{codes, iio, keys, number, spi};
+use super::{codes, generators, iio, keys, number, spi};
 use crate::ChannelId;
 use crate::convert::{
     Accuracy, Certificate, ConverterKind, ConverterSpec, ConvertersSpec, Date, FindInput, Point, SampleSpec,
@@ -44,9 +44,16 @@ pub(super) fn converters(fields: &Fields, bench: &mut Bench, out: &mut Findings)
     }
     for (entry, fields) in channels(fields) {
         let Some(channel) = bench.file.find(&entry.key) else { continue };
-        if fields.text("kind") != Some("analog") {
-            strangers(&fields, OF_INPUT, "a digital channel", out);
+        if generators::is_generated(&fields) {
             continue;
+        }
+        match fields.text("kind") {
+            Some("analog") => {}
+            Some("count") => continue,
+            _ => {
+                strangers(&fields, OF_INPUT, "a digital channel", out);
+                continue;
+            }
         }
         if strangers(&fields, super::real::OF_LINE, "an analog channel", out) {
             continue;
@@ -73,7 +80,7 @@ pub(super) fn converters(fields: &Fields, bench: &mut Bench, out: &mut Findings)
 }
 
 /// Reports keys that belong to the other kind of channel, if there are any.
-fn strangers(fields: &Fields, keys: &[&str], what: &str, out: &mut Findings) -> bool {
+pub(super) fn strangers(fields: &Fields, keys: &[&str], what: &str, out: &mut Findings) -> bool {
     for entry in keys.iter().filter_map(|key| fields.entry(key)) {
         let message = format!("{what} has no `{}`", entry.key);
         out.error(codes::CHANNEL_PROPERTY, entry.key_span.clone(), message, "remove it, or change the kind");

@@ -3,7 +3,11 @@
 use document::{KeySpec, KeyType};
 use host::Processors;
 
-use crate::convert::iio::MAX_BUFFER;
+use super::counter;
+
+mod devices;
+
+pub(super) use devices::{ACCURACY, CALIBRATION, CONVERTER, GENERATOR, SCALE};
 
 const NAME: KeyType = KeyType::Text;
 
@@ -25,6 +29,16 @@ pub const KEYS: &[KeySpec] = &[
         "Converters of voltages, by a name of your own",
     ),
     KeySpec::optional(
+        "counters",
+        KeyType::Map(&KeyType::Table(counter::KEYS)),
+        "Counts of counters in hardware, by a name of your own",
+    ),
+    KeySpec::optional(
+        "generators",
+        KeyType::Map(&KeyType::Table(GENERATOR)),
+        "Devices that make pulses by themselves, by a name of your own",
+    ),
+    KeySpec::optional(
         "buses",
         KeyType::Map(&KeyType::Table(BUS)),
         "CAN buses and serial lines, by a name of your own",
@@ -41,6 +55,11 @@ pub const KEYS: &[KeySpec] = &[
         "guard",
         KeyType::Table(GUARD),
         "The process that makes outputs safe when the rig cannot",
+    ),
+    KeySpec::optional(
+        "control",
+        KeyType::Table(CONTROL),
+        "The socket by which a rig that is kept running is looked at and worked",
     ),
     KeySpec::optional("faults", KeyType::Table(FAULTS), "Trouble that the board makes by itself"),
     KeySpec::optional("realtime", KeyType::Table(REALTIME), "How punctual a run on real lines has to be"),
@@ -146,8 +165,8 @@ const LINE: KeyType = KeyType::Either(&[KeyType::Integer(0, 65_535), KeyType::Te
 pub(super) const CHANNEL: &[KeySpec] = &[
     KeySpec::required(
         "kind",
-        KeyType::Choice(&["digital", "analog"]),
-        "What it carries: a level or a quantity",
+        KeyType::Choice(&["digital", "analog", "count"]),
+        "What it carries: a level, a quantity, or how far a counter has counted",
     ),
     KeySpec::optional("unit", KeyType::Text, "Unit of an analog channel"),
     KeySpec::optional("drives", KeyType::Bool, "Whether the rig can drive it; true if left out"),
@@ -197,93 +216,27 @@ pub(super) const CHANNEL: &[KeySpec] = &[
         KeyType::Quantity,
         "Above this its sensor fails or its wire is shorted, as in \"21 mA\"",
     ),
+    KeySpec::optional("counter", NAME, "The counter behind a count; the only one if left out"),
+    KeySpec::optional(
+        "of",
+        KeyType::List(&NAME),
+        "The lines of a simulated board that a count counts: A, or A and B",
+    ),
+    KeySpec::optional("function", counter::FUNCTION, "What is made of them; \"increase\" if left out"),
+    KeySpec::optional("edge", counter::EDGE, "The edge of A that counts alone; \"rising\" if left out"),
     KeySpec::optional("readback", LINE, "A GPIO line of the same chip, wired to it, that tells its level"),
-];
-
-pub(super) const CONVERTER: &[KeySpec] = &[
-    KeySpec::required(
-        "kind",
-        KeyType::Choice(&["spi", "iio"]),
-        "\"spi\": a converter on an SPI bus, read by the rig; \"iio\": one that the kernel has a driver for",
-    ),
-    KeySpec::optional("period", KeyType::Duration, "Time between two readings of an input; \"10 ms\""),
+    KeySpec::optional("generator", NAME, "The generator that makes its pulses"),
+    KeySpec::optional("output", KeyType::Integer(0, 65_535), "The number of its output; 0 if left out"),
     KeySpec::optional(
-        "path",
-        KeyType::Text,
-        "Its device: the chip select, as in \"/dev/spidev0.0\", or the place in /sys or /dev",
-    ),
-    KeySpec::optional(
-        "part",
-        KeyType::Choice(&[
-            "mcp3004", "mcp3008", "mcp3204", "mcp3208", "ads8684", "ads8688", "max1110", "max1111",
-            "max1112", "max1113",
-        ]),
-        "What it is",
-    ),
-    KeySpec::optional(
-        "speed",
+        "counts-up-to",
         KeyType::Quantity,
-        "Clock rate of the bus; \"1 MHz\", or what the part can follow",
-    ),
-    KeySpec::optional("mode", KeyType::Integer(0, 3), "SPI mode; that of the part if left out"),
-    KeySpec::optional("reference", KeyType::Quantity, "Its reference voltage; its own if it has one"),
-    KeySpec::optional("oversample", KeyType::Integer(1, 4_096), "Sweeps whose mean is a reading; 1"),
-    KeySpec::optional(
-        "sequence",
-        KeyType::Choice(&["auto", "manual"]),
-        "Whether a part that can goes through its inputs by itself; \"auto\"",
-    ),
-    KeySpec::optional("name", KeyType::Text, "What the kernel's driver calls it, as in \"ads8688\""),
-    KeySpec::optional("label", KeyType::Text, "What the description of the machine calls it"),
-    KeySpec::optional(
-        "buffered",
-        KeyType::Bool,
-        "Whether the kernel samples by itself, by a timer that the rig makes; true with a `trigger`",
-    ),
-    KeySpec::optional("trigger", KeyType::Text, "The kernel's trigger that starts each sample"),
-    KeySpec::optional(
-        "buffer",
-        KeyType::Integer(1, MAX_BUFFER as i64),
-        "Scans that the kernel keeps; 1024 if left out",
+        "The fastest pulses of which its GPIO line tells every one, as in \"20 kHz\"",
     ),
     KeySpec::optional(
-        "watermark",
-        KeyType::Integer(1, MAX_BUFFER as i64),
-        "Scans that come at once; 1 if left out",
+        "pulses-up-to",
+        KeyType::Quantity,
+        "The fastest pulses that are emitted on its GPIO line, as in \"1 kHz\"; none if left out",
     ),
-];
-
-pub(super) const SCALE: &[KeySpec] = &[
-    KeySpec::optional(
-        "divider",
-        KeyType::List(&KeyType::Quantity),
-        "Resistors in front of the input: to the signal, to ground",
-    ),
-    KeySpec::optional("shunt", KeyType::Quantity, "Resistor across which the input sees a current"),
-    KeySpec::optional(
-        "from",
-        KeyType::List(&KeyType::Quantity),
-        "Two points, in volts, or in amperes behind a shunt",
-    ),
-    KeySpec::optional("to", KeyType::List(&KeyType::Quantity), "What the channel shows at these points"),
-];
-
-pub(super) const ACCURACY: &[KeySpec] = &[
-    KeySpec::optional("of-value", KeyType::Quantity, "A part of the value, as in \"0.1 %\"; 0"),
-    KeySpec::optional("of-range", KeyType::Quantity, "A part of the input's range, as in \"0.05 %\"; 0"),
-    KeySpec::optional("plus", KeyType::Quantity, "In the unit of the channel, the same everywhere; 0"),
-];
-
-pub(super) const CALIBRATION: &[KeySpec] = &[
-    KeySpec::required(
-        "points",
-        KeyType::List(&KeyType::List(&KeyType::Quantity)),
-        "Pairs of what the channel showed and what it truly was, rising",
-    ),
-    KeySpec::optional("date", KeyType::Text, "The day of the calibration, as in \"2026-01-31\""),
-    KeySpec::optional("expires", KeyType::Text, "The last day on which it counts"),
-    KeySpec::optional("by", KeyType::Text, "Who calibrated it"),
-    KeySpec::optional("certificate", KeyType::Text, "The number of the certificate"),
 ];
 
 pub(super) const BUS: &[KeySpec] = &[
@@ -459,6 +412,25 @@ pub(super) const GUARD: &[KeySpec] = &[
         KeyType::Choice(&["guard-lost", "rig-lost"]),
         "When it is left to bite: when nobody keeps the outputs safe (if left out), or whenever the rig is lost",
     ),
+];
+
+pub(super) const CONTROL: &[KeySpec] = &[
+    KeySpec::optional(
+        "socket",
+        KeyType::Text,
+        "Its whole path, as in \"/run/scanrig/rig.sock\"; one named as the board file in the user's or the machine's folder for running programs if left out",
+    ),
+    KeySpec::optional(
+        "group",
+        KeyType::Text,
+        "The group whose members may use it, as in \"scanrig\"; that of the process if left out",
+    ),
+    KeySpec::optional(
+        "on-disconnect",
+        KeyType::Choice(&["keep", "release", "stop"]),
+        "What happens when a client is lost that forced something: its forces stay (if left out), they end, or they end and the application is stopped",
+    ),
+    KeySpec::optional("clients", KeyType::Integer(1, 4_096), "Clients at once; 64 if left out"),
 ];
 
 pub(super) const FAULTS: &[KeySpec] = &[

@@ -7,7 +7,7 @@ use signal::{Span, Value};
 
 use super::bench::Bench;
 use super::real::channels;
-use super::{codes, keys};
+use super::{codes, generators, keys, number};
 use crate::ChannelId;
 use crate::gpio::{
     Backend, Bias, ChipSpec, Direction, Drive, FindChip, FindLine, GpioSpec, LineSpec, MAX_CONSUMER,
@@ -16,6 +16,8 @@ use crate::gpio::{
 
 /// What the kernel is told of a debounce time: microseconds in 32 bits.
 const MICROSECOND: i64 = 1_000;
+/// The fastest pulses whose levels last a nanosecond, in Hz.
+const FASTEST: f64 = 500e6;
 
 /// The GPIO lines of a file whose channels and bindings were read. `None` where something is wrong with them.
 pub(super) fn gpio(
@@ -36,7 +38,7 @@ pub(super) fn gpio(
     for (entry, fields) in channels(fields) {
         // A channel that is no channel was reported where it was read.
         let Some(ChannelId(at)) = bench.file.find(&entry.key) else { continue };
-        if fields.text("kind") != Some("digital") {
+        if fields.text("kind") != Some("digital") || generators::is_generated(&fields) {
             continue;
         }
         lines.extend(line(entry, &fields, usize::from(at), &chips, bench, out));
@@ -101,6 +103,8 @@ fn line(
         return None;
     };
     let readback = fields.get("readback").and_then(named);
+    let debounce_us = debounce(fields, out)?;
+    let (counts_hz, pulses_hz) = promises(fields, debounce_us, out)?;
     let direction = direction(fields, at, bench);
     unsuitable(fields, direction, out);
     let channel = &mut bench.file.circuit.channels[at];
@@ -121,7 +125,7 @@ fn line(
             _ => None,
         },
         active_low: fields.boolean("active-low").unwrap_or(false),
-        debounce_us: debounce(fields, out)?,
+        debounce_us,
         drive: match fields.text("drive") {
             Some("open-drain") => Drive::OpenDrain,
             Some("open-source") => Drive::OpenSource,
@@ -129,7 +133,38 @@ fn line(
         },
         safe,
         readback,
+        counts_hz,
+        pulses_hz,
     })
+}
+
+/// What the file promises of the line: the fastest pulses that are told without a loss, and the fastest that are emitted;
+/// none where it does not say.
+fn promises(fields: &Fields, debounce_us: u32, out: &mut Findings) -> Option<(Option<u64>, u64)> {
+    let counts = fields.get("counts-up-to").map(|node| hertz(node, out));
+    let pulses = fields.get("pulses-up-to").map(|node| hertz(node, out));
+    let (counts, pulses) = (counts.map_or(Some(None), |hz| hz.map(Some))?, pulses.unwrap_or(Some(0))?);
+    if let (Some(hz), Some(node)) = (counts, fields.get("counts-up-to"))
+        && u128::from(hz) * 2 * u128::from(debounce_us) > 1_000_000
+    {
+        let message =
+            format!("a line that is debounced for {debounce_us} us does not keep pulses of {hz} Hz");
+        let help = "lower it, or shorten `debounce`: each level has to last longer than that";
+        out.bad(codes::FREQUENCY, node, message, help);
+        return None;
+    }
+    Some((counts, pulses))
+}
+
+/// A frequency in whole Hz.
+fn hertz(node: &Node, out: &mut Findings) -> Option<u64> {
+    let hz = number::quantity(node, "Hz", out)?;
+    let fits = (1.0..=FASTEST).contains(&hz) && hz.fract() == 0.0;
+    if !fits {
+        let help = "write whole Hz from 1 Hz to 500 MHz, as in \"20 kHz\"";
+        out.bad(codes::FREQUENCY, node, "no line has pulses of this frequency", help);
+    }
+    fits.then_some(hz as u64)
 }
 
 /// The chip that a channel names, or the only one.
@@ -190,10 +225,10 @@ fn direction(fields: &Fields, at: usize, bench: &Bench) -> Direction {
 /// Reports what is said of an input that only outputs have, and the other way round.
 fn unsuitable(fields: &Fields, direction: Direction, out: &mut Findings) {
     let (what, keys): (_, &[&str]) = match (direction, fields.has("readback")) {
-        (Direction::Input, _) => ("an input line", &["drive", "safe"]),
+        (Direction::Input, _) => ("an input line", &["drive", "safe", "pulses-up-to"]),
         // Its other line is an input.
         (Direction::Output, true) => return,
-        (Direction::Output, false) => ("an output line", &["debounce"]),
+        (Direction::Output, false) => ("an output line", &["debounce", "counts-up-to"]),
     };
     for entry in keys.iter().filter_map(|key| fields.entry(key)) {
         let message = format!("{what} has no `{}`", entry.key);

@@ -5,7 +5,10 @@ mod buses;
 mod can;
 mod check;
 pub(crate) mod codes;
+mod control;
 mod convert;
+mod counter;
+mod generators;
 mod guard;
 mod iio;
 mod keys;
@@ -30,6 +33,7 @@ use crate::wrap::{Disturbance, Faulty};
 use crate::{Board, ChannelId, Loop, RealtimeSettings, SimulatedBoard, Surroundings};
 
 pub use codes::CODES;
+pub use control::{ControlSettings, OnDisconnect};
 pub use guard::{Bite, GuardSettings, WatchdogSettings};
 pub use keys::KEYS;
 pub use read::read;
@@ -115,6 +119,8 @@ pub struct BoardFile {
     pub realtime: RealtimeSettings,
     /// What becomes of a case that loses a device.
     pub on_loss: OnLoss,
+    /// How the control socket is served while it is kept running.
+    pub control: ControlSettings,
 }
 
 impl BoardFile {
@@ -148,6 +154,7 @@ impl BoardFile {
             guard: GuardSettings::default(),
             realtime: RealtimeSettings::default(),
             on_loss: OnLoss::default(),
+            control: ControlSettings::default(),
         }
     }
 

@@ -168,8 +168,12 @@ pub(super) fn circuit(bench: &Bench, wires: &[&Node], plants: &[&Node], out: &mu
             CircuitFault::TooMany | CircuitFault::DuplicateName { .. } => (codes::TOO_MANY, String::new()),
             CircuitFault::BadSafeValue => (codes::SAFE_VALUE, String::new()),
             CircuitFault::NoChannel(_) => (codes::UNKNOWN_CHANNEL, String::new()),
+            CircuitFault::NotDigital(id) if matches!(part, Part::Channel(_)) => {
+                (codes::TALLY, format!("{} is not digital", name(id)))
+            }
             CircuitFault::NotDigital(id) => (codes::PLANT_CHANNEL, format!("{} is analog", name(id))),
-            CircuitFault::NotAnalog(id) => (codes::PLANT_CHANNEL, format!("{} is digital", name(id))),
+            CircuitFault::NotAnalog(id) => (codes::PLANT_CHANNEL, format!("{} is not analog", name(id))),
+            CircuitFault::NotCount(id) => (codes::TALLY, format!("{} is no count", name(id))),
             CircuitFault::KindsDiffer => {
                 (codes::KINDS_DIFFER, "join two digital or two analog channels, or use a plant".into())
             }

@@ -6,8 +6,8 @@ use super::bench::Bench;
 use super::realtime::realtime;
 use super::subject::{subject, subject_lines};
 use super::{
-    BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, codes, guard, keys, parts, real,
-    sim_buses,
+    BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, codes, control, counter, guard,
+    keys, parts, real, sim_buses,
 };
 
 /// Reads a board file. `terminals` tells which terminals a subject has.
@@ -71,6 +71,7 @@ pub fn read(
         None => OnLoss::GoOn,
     };
     bench.file.guard = guard::read(fields.inner("guard"), &mut out);
+    bench.file.control = control::read(fields.inner("control"), &mut out);
     if real {
         if let Some(spec) = real::real(&fields, &mut bench, &mut out) {
             bench.file.kind = BoardKind::Real(Box::new(spec));
@@ -79,6 +80,7 @@ pub fn read(
         return if out.has_errors() { Err(out.into_vec()) } else { Ok(bench.file) };
     }
     real::strangers(&fields, &mut out);
+    counter::tallies(&fields, &mut bench, &mut out);
     let wires = parts::wires(fields.each("wires"), &mut bench, &mut out);
     let plants = parts::plants(fields.each("plants"), &mut bench, &mut out);
     bench.file.circuit.buses = sim_buses::read(&fields, &mut out);

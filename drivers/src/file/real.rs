@@ -4,16 +4,17 @@ use document::{Entry, Fields, Findings, Node};
 
 use super::bench::Bench;
 use super::buses::buses;
-use super::{can, codes, convert, keys, lines, relays, serial};
+use super::{can, codes, convert, counter, generators, keys, lines, relays, serial};
 use crate::BusId;
 use crate::can::CanSpec;
 use crate::real::{RealSpec, SILENT_AFTER};
 
 /// What only a board of real devices has: tables of the file, keys of its board.
-const TABLES: &[&str] = &["chips", "converters", "fault-relays"];
+const TABLES: &[&str] = &["chips", "converters", "counters", "fault-relays", "generators"];
 const OF_BOARD: &[&str] = &["backend", "check", "consumer", "retake", "silent-after"];
 /// Of a channel with a GPIO line.
-pub(super) const OF_LINE: &[&str] = &["chip", "line", "bias", "active-low", "debounce", "drive", "readback"];
+pub(super) const OF_LINE: &[&str] =
+    &["chip", "line", "bias", "active-low", "debounce", "drive", "readback", "counts-up-to", "pulses-up-to"];
 
 /// Reports keys of real devices on a simulated board.
 pub(super) fn strangers(fields: &Fields, out: &mut Findings) {
@@ -31,6 +32,8 @@ pub(super) fn strangers(fields: &Fields, out: &mut Findings) {
     for (_, fields) in channels(fields) {
         strange(&fields, OF_LINE);
         strange(&fields, convert::OF_INPUT);
+        strange(&fields, counter::OF_COUNT);
+        strange(&fields, generators::OF_OUTPUT);
     }
 }
 
@@ -49,6 +52,8 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
     let relays = relays::relays(fields, bench, out);
     let gpio = lines::gpio(fields, silent_after, bench, out);
     let converters = convert::converters(fields, bench, out);
+    let counters = counter::counters(fields, bench, out);
+    let generators = generators::generators(fields, bench, out);
     let mut on_can = Vec::new();
     let mut ports = Vec::new();
     for (at, (entry, fields)) in buses(fields, out).into_iter().enumerate() {
@@ -72,6 +77,8 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
         retake: board.boolean("retake").unwrap_or(false),
         gpio,
         converters,
+        counters,
+        generators,
         can: CanSpec { buses: on_can },
         relays,
         serial: ports,

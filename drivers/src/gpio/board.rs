@@ -12,16 +12,15 @@ use super::lines::Lines;
 use super::make::{Chip, Maker, Served};
 use super::port::Port;
 use super::retake::{Retaken, Retaking};
-use super::telling::Telling;
 use super::{FoundChip, GpioSpec};
-use crate::file::{BoardFile, codes};
+use crate::account::{Account, START, known};
+use crate::file::BoardFile;
+use crate::telling::Telling;
+use crate::thread::not_started;
 use crate::{
     Board, BoardError, BoardEvent, Call, Channel, ChannelId, Fault, Health, HeldLines, LossReason,
     Surroundings,
 };
-
-/// How long a start waits for a chip at least: nothing runs yet that it could hold up, and threads are new.
-pub(super) const START: Span = Span::from_secs(2);
 
 /// The line that a channel drives: its chip, its place among the chip's outputs.
 type Driven = Option<(u16, u8)>;
@@ -35,13 +34,7 @@ pub struct GpioBoard {
     chips: Vec<Chip>,
     /// Looks for chips that are gone, where the board file wants them back.
     retaking: Option<Retaking>,
-    started: bool,
-    latched: bool,
-    /// The start, until it was told what the lines were then.
-    fresh: Option<Time>,
-    last: Time,
-    ahead: Option<Time>,
-    dropped: u64,
+    account: Account,
     /// Calls that had failed on chips that were replaced since.
     failed: u64,
 }
@@ -66,11 +59,8 @@ impl GpioBoard {
             board.add(claimed);
         }
         if retake {
-            let retaking = Retaking::start(board.maker.clone(), &board.chips).map_err(|error| {
-                let message = format!("the thread that takes chips back cannot be started: {error}");
-                let help = "the machine has no room for another thread: see `ulimit -u`";
-                vec![Diagnostic::error(codes::HOST, message).at(file.name.clone(), 0..0, "").help(help)]
-            })?;
+            let retaking = Retaking::start(board.maker.clone(), &board.chips)
+                .map_err(|error| not_started(file, "the thread that takes chips back", &error))?;
             board.retaking = Some(retaking);
         }
         Ok(board)
@@ -117,12 +107,7 @@ impl GpioBoard {
             drives: vec![None; file.circuit.channels.len()],
             chips: Vec::new(),
             retaking: None,
-            started: false,
-            latched: false,
-            fresh: None,
-            last: Time::ZERO,
-            ahead: None,
-            dropped: 0,
+            account: Account::default(),
             failed: 0,
         }
     }
@@ -137,17 +122,6 @@ impl GpioBoard {
         for (place, channel) in chip.lines.drives.iter().enumerate() {
             self.drives[usize::from(channel.0)] = Some((at as u16, place as u8));
         }
-    }
-
-    fn check_time(&mut self, now: Time) -> Result<(), BoardError> {
-        if !self.started {
-            return Err(BoardError::NotStarted);
-        }
-        if now < self.last {
-            return Err(BoardError::Backwards { now, last: self.last });
-        }
-        self.last = now;
-        Ok(())
     }
 
     /// Puts a chip that is back in the place of the one that went away.
@@ -166,7 +140,7 @@ impl GpioBoard {
             let old = self.replace(retaken);
             let lines = &mut self.chips[at].lines;
             lines.returned(telling);
-            if !self.latched {
+            if !self.account.is_latched() {
                 lines.follow(&old.lines, telling.time.stamp(telling.now));
             }
             self.done_with(old);
@@ -213,7 +187,7 @@ impl Board for GpioBoard {
 
     /// Waits for the chips, as long as one may be silent or two seconds.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.started = false;
+        self.account.end();
         self.return_lost()?;
         let starts: Vec<u64> = self.chips.iter_mut().map(|chip| chip.lines.ask_start()).collect();
         let due = self.due(START);
@@ -223,16 +197,14 @@ impl Board for GpioBoard {
                 return Err(chip.lines.is_lost(reason));
             }
         }
-        (self.started, self.latched, self.fresh) = (true, false, Some(now));
-        (self.last, self.ahead, self.dropped, self.failed) = (now, None, 0, 0);
+        self.account.begin(now);
+        self.account.owes_start();
+        self.failed = 0;
         Ok(())
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.check_time(now)?;
-        if self.latched {
-            return Err(BoardError::Latched);
-        }
+        self.account.drive_at(now)?;
         for chip in &mut self.chips {
             chip.lines.next = chip.lines.wanted;
         }
@@ -256,10 +228,10 @@ impl Board for GpioBoard {
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.check_time(now)?;
+        self.account.come_to(now)?;
         let time = self.maker.surroundings.time.clone();
         let mut telling = Telling::new(out, &time, now);
-        if let Some(start) = self.fresh.take() {
+        if let Some(start) = self.account.take_fresh() {
             for chip in &self.chips {
                 chip.lines.present(start, &mut telling);
             }
@@ -268,38 +240,30 @@ impl Board for GpioBoard {
         for chip in &mut self.chips {
             chip.lines.poll(&mut telling);
         }
-        self.dropped += telling.dropped;
-        self.ahead = telling.ahead;
-        telling.sort();
+        self.account.told(telling);
         Ok(())
     }
 
     /// What lies ahead of the last poll, and when a chip that owes an answer counts as lost.
     fn next_event(&self) -> Option<Time> {
-        if !self.started {
-            return None;
-        }
-        let silent = self.chips.iter().filter_map(|chip| chip.lines.overdue()).min();
-        let silent = silent.map(|stamp| self.maker.surroundings.time.at(stamp.saturating_add(1)));
-        [self.fresh, self.ahead, silent].into_iter().flatten().min()
+        let owed = self.chips.iter().filter_map(|chip| chip.lines.overdue());
+        self.account.next_event(&self.maker.surroundings.time, owed)
     }
 
     fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.check_time(now)?;
+        self.account.come_to(now)?;
         Err(BoardError::NoSuchFault(fault.channel))
     }
 
     fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.check_time(now)?;
-        let known = usize::from(channel.0) < self.maker.channels.len();
-        if known { Ok(()) } else { Err(BoardError::NoChannel(channel)) }
+        self.account.come_to(now)?;
+        known(&self.maker.channels, channel)
     }
 
     /// Waits for the chips, at most as long as one may be silent. A chip that hangs is made safe as soon as its call
     /// ends.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.latched = true;
-        self.last = self.last.max(now);
+        self.account.latch(now);
         let wanted: Vec<u64> = self.chips.iter_mut().map(|chip| chip.lines.ask_safe()).collect();
         let due = self.due(Span::ZERO);
         let mut outcome = Ok(());
@@ -317,10 +281,10 @@ impl Board for GpioBoard {
         let lines = || self.chips.iter().map(|chip| &chip.lines);
         Health {
             lost: lines().map(Lines::lost_channels).sum(),
-            dropped: self.dropped
+            dropped: self.account.dropped()
                 + lines().map(|lines| u64::from(lines.shared.open.load(Acquire))).sum::<u64>(),
             failed_calls: self.failed + lines().map(Lines::failures).sum::<u64>(),
-            latched_safe: self.latched,
+            latched_safe: self.account.is_latched(),
             ..Health::default()
         }
     }

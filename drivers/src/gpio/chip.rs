@@ -9,8 +9,9 @@ use rtrb::{Consumer, Producer};
 use rustix::event::{EventfdFlags, Timespec, eventfd};
 use rustix::io::Errno;
 
-use super::device::{Device, Report, device};
+use super::device::{Device, Image, Report, device};
 use super::edges::{Edges, Note, edges};
+use super::pace::Pace;
 use super::port::Port;
 
 /// What board and threads of a chip share.
@@ -118,7 +119,7 @@ impl Shared {
 #[derive(Debug)]
 pub(super) struct Running {
     pub(super) shared: Arc<Shared>,
-    pub(super) images: Producer<u64>,
+    pub(super) images: Producer<Image>,
     pub(super) reports: Consumer<Report>,
     pub(super) notes: Consumer<Note>,
     end: Arc<OwnedFd>,
@@ -132,12 +133,13 @@ impl Running {
     pub(super) fn new(
         port: Arc<dyn Port>,
         safe: u64,
+        pace: Pace,
         bell: &Arc<Bell>,
         silent_after: i64,
     ) -> std::io::Result<(Running, Device, Edges)> {
         let shared = Arc::new(Shared::new());
         let (device, images, reports) =
-            device(port.clone(), shared.clone(), bell.clone(), safe, silent_after);
+            device(port.clone(), shared.clone(), bell.clone(), safe, pace, silent_after);
         let end = Arc::new(eventfd(0, EventfdFlags::CLOEXEC)?);
         let (edges, notes) = edges(port, shared.clone(), bell.clone(), end.clone());
         let running =

@@ -8,10 +8,19 @@ use rtrb::{Consumer, Producer};
 use rustix::event::{PollFd, PollFlags, poll};
 
 use super::chip::{Shared, sources, timespec};
+use super::pace::Pace;
 use super::port::{Levels, Port};
 
 /// Images on their way to the device, and its reports on their way back.
 const TURNS: usize = 1_024;
+
+/// What the outputs are to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Image {
+    pub(super) bits: u64,
+    /// When that was asked for.
+    pub(super) asked: i64,
+}
 
 /// What the device did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,15 +40,17 @@ pub(super) enum Report {
 pub(super) struct Device {
     port: Arc<dyn Port>,
     shared: Arc<Shared>,
-    images: Consumer<u64>,
+    images: Consumer<Image>,
     reports: Producer<Report>,
     /// Is rung when there is something to report.
     bell: Arc<Bell>,
     safe: u64,
     /// What the outputs were driven to last; `None` where that is not known.
     driven: Option<u64>,
-    /// The newest image that was asked for.
+    /// The newest image that was asked for and may be driven.
     asked: u64,
+    /// Keeps pulses apart.
+    pace: Pace,
     started: u64,
     /// How long it may be left alone, and how long an edge may take to arrive.
     idle: i64,
@@ -63,8 +74,15 @@ impl Device {
             if stop {
                 return;
             }
-            self.shared.device.wait_until(monotonic().saturating_add(self.idle));
+            let idle = monotonic().saturating_add(self.idle);
+            self.shared.device.wait_until(self.due().map_or(idle, |due| due.min(idle)));
         }
+    }
+
+    /// When the next image may be driven, where one waits because of the pulses in it.
+    fn due(&self) -> Option<i64> {
+        let image = self.images.peek().ok()?;
+        Some(self.pace.due(image.bits ^ self.asked, image.asked))
     }
 
     /// One look at what is asked: at most one call that drives and one that reads.
@@ -92,17 +110,29 @@ impl Device {
         }
     }
 
-    /// Drives the newest image, if it is another than the last, or the safe one.
+    /// Drives the newest image, if it is another than the last, or the safe one. Edges of pulses are driven one after
+    /// another, however late they are.
     fn drive(&mut self) {
         let mut turned = 0u64;
         let mut again = 0u64;
         let mut taken = 0;
-        while let Ok(image) = self.images.pop() {
+        let mut pulses = None;
+        let latched = self.shared.latched.load(Ordering::Acquire);
+        let now = monotonic();
+        while let Ok(&image) = self.images.peek() {
+            let flips = image.bits ^ self.asked;
+            if self.pace.times(flips) {
+                if !latched && (pulses.is_some() || self.pace.due(flips, image.asked) > now) {
+                    break;
+                }
+                pulses = Some((flips, image.asked));
+            }
+            // It is the one that was looked at.
+            let _ = self.images.pop();
             taken += 1;
-            let flips = image ^ self.asked;
             again |= turned & flips;
             turned |= flips;
-            self.asked = image;
+            self.asked = image.bits;
         }
         if self.shared.latched.load(Ordering::Acquire) {
             self.asked = self.safe;
@@ -125,6 +155,9 @@ impl Device {
         match outcome {
             Ok(()) => {
                 self.driven = Some(bits);
+                if let Some((flips, asked)) = pulses {
+                    self.pace.drove(flips, asked, after);
+                }
                 self.report(Report::Set { before, after, bits });
             }
             Err(error) => {
@@ -192,6 +225,7 @@ impl Device {
             self.took(1);
         }
         self.asked = self.safe;
+        self.pace.begin();
         self.astray = 0;
         self.shared.touched.store(0, Ordering::Release);
         self.shared.in_call.store(monotonic(), Ordering::Release);
@@ -246,8 +280,9 @@ pub(super) fn device(
     shared: Arc<Shared>,
     bell: Arc<Bell>,
     safe: u64,
+    pace: Pace,
     idle: i64,
-) -> (Device, Producer<u64>, Consumer<Report>) {
+) -> (Device, Producer<Image>, Consumer<Report>) {
     let (images, asked) = rtrb::RingBuffer::new(TURNS);
     let (reports, reported) = rtrb::RingBuffer::new(TURNS);
     let device = Device {
@@ -259,6 +294,7 @@ pub(super) fn device(
         safe,
         driven: Some(safe),
         asked: safe,
+        pace,
         started: 0,
         idle,
         levels: 0,

@@ -4,7 +4,7 @@ use signal::{Span, Time, When};
 
 use super::edges::Note;
 use super::port::Levels;
-use super::telling::Telling;
+use crate::telling::Telling;
 use crate::{ChannelId, Origin};
 
 /// One input line.

@@ -7,9 +7,9 @@ use host::monotonic;
 use signal::{Span, Time, When};
 
 use super::chip::{Running, Shared};
-use super::device::Report;
+use super::device::{Image, Report};
 use super::inputs::Inputs;
-use super::telling::Telling;
+use crate::telling::Telling;
 use crate::{BoardError, BoardEvent, ChannelId, LossReason, Origin};
 
 /// Images of the outputs of a chip.
@@ -23,6 +23,8 @@ pub(super) struct Masks {
     pub(super) double: u64,
     /// Outputs that nobody wants to see.
     pub(super) unseen: u64,
+    /// Outputs that carry pulses.
+    pub(super) timed: u64,
 }
 
 /// A chip and what is known of its lines. Bits are places in its claim.
@@ -45,6 +47,9 @@ pub(super) struct Lines {
     owes: i64,
     /// The queue to the device was full: the newest image is still to be handed over.
     behind: bool,
+    /// The newest image that was handed over, and the outputs that carry pulses of which an edge found no room.
+    handed: u64,
+    eaten: u64,
     /// What the outputs were driven to last.
     driven: u64,
     pub(super) lost: Option<LossReason>,
@@ -73,6 +78,8 @@ impl Lines {
             taken: 0,
             owes: 0,
             behind: false,
+            handed: masks.safe,
+            eaten: 0,
             driven: masks.safe,
             lost: None,
             failed: 0,
@@ -100,6 +107,7 @@ impl Lines {
                 (self.asked, self.behind, self.lost) =
                     (self.shared.taken.load(Ordering::Acquire), false, None);
                 self.taken = self.asked;
+                (self.handed, self.eaten) = (bits, 0);
                 self.failed = self.shared.failed.load(Ordering::Acquire);
                 for spilled in &self.shared.spilled {
                     spilled.store(0, Ordering::Release);
@@ -147,10 +155,17 @@ impl Lines {
         if self.next == self.wanted && !self.behind {
             return;
         }
+        if self.behind {
+            // The image that found no room is replaced: what it turned is driven at one instant with what this one
+            // turns, or never.
+            let lost = (self.handed ^ self.wanted) | (self.wanted ^ self.next);
+            self.eaten |= if self.next == self.wanted { 0 } else { lost & self.masks.timed };
+        }
         self.wanted = self.next;
         self.look(now);
-        self.behind = self.running.images.push(self.next).is_err();
+        self.behind = self.running.images.push(Image { bits: self.next, asked: now }).is_err();
         if !self.behind {
+            self.handed = self.next;
             if self.taken == self.asked {
                 self.owes = now;
             }
@@ -259,6 +274,10 @@ impl Lines {
 
     /// What found no room on its way.
     fn spilled(&mut self, telling: &mut Telling<'_>) {
+        let eaten = std::mem::take(&mut self.eaten);
+        for (_, channel) in self.drives.iter().enumerate().filter(|(place, _)| eaten >> place & 1 == 1) {
+            telling.dropped(*channel, telling.now, 1);
+        }
         if self.shared.spilt.swap(false, Ordering::AcqRel) {
             for (place, channel) in self.inputs.channels().enumerate() {
                 let count = self.shared.spilled[place].swap(0, Ordering::AcqRel);

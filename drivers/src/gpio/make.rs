@@ -11,6 +11,7 @@ use super::edges::Edges;
 use super::find::{device, why};
 use super::inputs::{Input, Inputs};
 use super::lines::{Lines, Masks};
+use super::pace::Pace;
 use super::port::Port;
 use super::v1::PortV1;
 use super::v2::PortV2;
@@ -119,7 +120,10 @@ impl Maker {
             places.fold(0u64, |bits, (place, channel)| bits | u64::from(yes(channel)) << place)
         };
         let double = masked(&|channel| found.senses.contains(channel));
-        let masks = Masks { safe, released, double, unseen: masked(&|channel| !senses(channel)) };
+        let promised = |channel: &ChannelId| self.channels[usize::from(channel.0)].max_pulse_hz;
+        let pace = Pace::new(found.drives.iter().map(promised));
+        let unseen = masked(&|channel| !senses(channel));
+        let masks = Masks { safe, released, double, unseen, timed: pace.timed() };
         let inputs = found.senses.iter().map(|channel| Input {
             channel: *channel,
             resolution: self.channels[usize::from(channel.0)].resolution,
@@ -128,7 +132,8 @@ impl Maker {
         });
         let inputs = Inputs::new(inputs.collect());
         let limit = self.spec.silent_after.as_nanos();
-        let (running, of_device, edges) = Running::new(port.clone(), safe, &self.surroundings.bell, limit)?;
+        let (running, of_device, edges) =
+            Running::new(port.clone(), safe, pace, &self.surroundings.bell, limit)?;
         let device = device(&found.info);
         let lines = Lines::new(running, found.drives, inputs, masks, limit);
         Ok((Chip { spec: found.spec, device, port, lines }, Served { device: of_device, edges }))

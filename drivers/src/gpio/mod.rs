@@ -11,10 +11,10 @@ mod info;
 mod inputs;
 mod lines;
 mod make;
+mod pace;
 mod port;
 mod retake;
 mod spec;
-pub(crate) mod telling;
 mod track;
 mod v1;
 mod v2;
@@ -51,7 +51,9 @@ pub(crate) fn describe(file: &BoardFile, spec: &GpioSpec, channels: &mut [Channe
             // before the kernel looks.
             shortest_pulse: if sensed && debounce > Span::ZERO { debounce } else { Span::MAX },
             deadband: 0.0,
-            max_pulse_hz: 0,
+            max_pulse_hz: line.pulses_hz,
+            emits: None,
+            counts_hz: line.counts_hz,
             faults: FaultSet::NONE,
             safe: if line.direction == Direction::Output { Value::Bool(line.safe) } else { Value::HighZ },
         };

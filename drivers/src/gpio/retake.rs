@@ -8,10 +8,10 @@ use std::thread::JoinHandle;
 use host::{Bell, monotonic};
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use super::board::START;
 use super::chip::Shared;
 use super::find::find_again;
 use super::make::{Chip, Maker};
+use crate::account::START;
 
 /// How often a chip that is gone is looked for, in nanoseconds.
 const EVERY: i64 = 100_000_000;

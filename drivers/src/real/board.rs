@@ -6,12 +6,14 @@ use signal::{Time, Value};
 use super::{RealSpec, channels, relays};
 use crate::can::CanBoard;
 use crate::convert::ConverterBoard;
+use crate::counter::CounterBoard;
+use crate::emit::EmitBoard;
 use crate::file::BoardFile;
 use crate::gpio::GpioBoard;
 use crate::serial::SerialBoard;
 use crate::{
-    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, Frame, Health, HeldLines,
-    Surroundings,
+    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Emission, Fault, Frame, Health,
+    HeldLines, Surroundings,
 };
 
 /// Finds and claims the devices of a file, outputs at their safe values.
@@ -47,6 +49,22 @@ pub fn open(
         match ConverterBoard::open(file, spec, surroundings) {
             Ok(inputs) => {
                 board.add(Box::new(inputs), spec.converters.samples.iter().map(|sample| sample.channel))
+            }
+            Err(more) => found.extend(more),
+        }
+    }
+    if !spec.counters.counts.is_empty() {
+        match CounterBoard::open(file, spec, surroundings) {
+            Ok(counts) => {
+                board.add(Box::new(counts), spec.counters.counts.iter().map(|count| count.channel));
+            }
+            Err(more) => found.extend(more),
+        }
+    }
+    if !spec.generators.outputs.is_empty() {
+        match EmitBoard::open(file, spec, surroundings) {
+            Ok(outputs) => {
+                board.add(Box::new(outputs), spec.generators.outputs.iter().map(|output| output.channel))
             }
             Err(more) => found.extend(more),
         }
@@ -133,7 +151,9 @@ impl Board for RealBoard {
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
         for (channel, _) in writes {
             let behind = self.behind.get(usize::from(channel.0)).ok_or(BoardError::NoChannel(*channel))?;
-            if behind.is_none() || !self.channels[usize::from(channel.0)].drives {
+            let of = &self.channels[usize::from(channel.0)];
+            // A write ends what a channel emits by itself, even where it can be driven no other way.
+            if behind.is_none() || !of.drives && of.emits.is_none() {
                 return Err(BoardError::NotDriven(*channel));
             }
         }
@@ -146,6 +166,14 @@ impl Board for RealBoard {
             }
         }
         Ok(())
+    }
+
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        match self.behind.get(usize::from(channel.0)) {
+            None => Err(BoardError::NoChannel(channel)),
+            Some(None) => Err(BoardError::NotDriven(channel)),
+            Some(Some(part)) => self.parts[usize::from(*part)].emit(now, channel, emission),
+        }
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {

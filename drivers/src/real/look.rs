@@ -2,10 +2,13 @@
 
 use document::Diagnostic;
 use rustix::fs::{Access, access};
+use std::path::Path;
 
 use super::RealSpec;
 use crate::can::{self, CanBusSpec};
 use crate::convert::{ConverterKind, ConverterSpec, FindInput, Refusal, SampleSpec, iio, spi};
+use crate::counter;
+use crate::emit::{self, GeneratorSpec, OutputSpec};
 use crate::file::BoardFile;
 use crate::serial::{self, OpenError, SerialSpec};
 use crate::{BusId, ChannelId};
@@ -13,7 +16,7 @@ use crate::{BusId, ChannelId};
 /// What was found, and what is wrong.
 #[derive(Debug, Default)]
 pub struct Look {
-    /// What is behind a channel that a converter measures, in words; `None` where it cannot be had.
+    /// What is behind a channel that has no line, in words; `None` where it cannot be had.
     pub inputs: Vec<(ChannelId, Option<String>)>,
     /// What a bus is, in words; `None` where it cannot be had.
     pub buses: Vec<(BusId, String, Option<String>)>,
@@ -21,7 +24,7 @@ pub struct Look {
     pub found: Vec<Diagnostic>,
 }
 
-/// Looks at converters and buses. Nothing is set up, and nothing is kept.
+/// Looks at converters, counters, generators and buses. Nothing is set up, and nothing is kept.
 pub fn look(file: &BoardFile, spec: &RealSpec) -> Look {
     let mut look = Look::default();
     for (at, converter) in spec.converters.converters.iter().enumerate() {
@@ -40,6 +43,26 @@ pub fn look(file: &BoardFile, spec: &RealSpec) -> Look {
                 let finding = |refusal: Refusal| refusal.finding(&file.name, converter.place.clone());
                 look.found.extend(refused.into_iter().map(finding));
             }
+        }
+    }
+    for count in &spec.counters.counts {
+        let Some(counter) = spec.counters.counters.get(count.counter) else { continue };
+        let words = match counter::look(Path::new("/"), counter) {
+            Ok((device, hardware)) => {
+                let function = counter.function.map_or(&*hardware.function, |function| function.kernel());
+                Some(format!("count {} of {}, {function}", hardware.number, counter::named(&device)))
+            }
+            Err(refusal) => {
+                look.found.push(refusal.finding(&file.name, counter.place.clone()));
+                None
+            }
+        };
+        look.inputs.push((count.channel, words));
+    }
+    for (at, generator) in spec.generators.generators.iter().enumerate() {
+        let outputs = spec.generators.outputs_of(at);
+        if !outputs.is_empty() {
+            generated(file, generator, &outputs, &mut look);
         }
     }
     for bus in &spec.can.buses {
@@ -83,6 +106,20 @@ fn inputs_of(converter: &ConverterSpec, inputs: &[SampleSpec]) -> Result<Vec<Str
                 format!("measures {input} of {of}, free")
             };
             Ok(places.iter().map(words).collect())
+        }
+    }
+}
+
+/// What is behind each output of a generator.
+fn generated(file: &BoardFile, generator: &GeneratorSpec, outputs: &[OutputSpec], look: &mut Look) {
+    match emit::look(generator, outputs) {
+        Ok(words) => {
+            let words = outputs.iter().zip(words).map(|(output, words)| (output.channel, Some(words)));
+            look.inputs.extend(words);
+        }
+        Err(refusal) => {
+            look.inputs.extend(outputs.iter().map(|output| (output.channel, None)));
+            look.found.push(refusal.finding(&file.name, generator.place.clone()));
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::file::BoardFile;
 use crate::{
     Board, BoardError, BoardEvent, Bus, Channel, ChannelId, Fault, FaultSet, Health, TimestampSource,
 };
-use crate::{can, convert, gpio, serial};
+use crate::{can, convert, counter, emit, gpio, serial};
 use signal::{Span, Time, Value};
 
 /// The channels and buses of real devices that nobody opened: what a plan is checked against on any machine. It never starts.
@@ -29,6 +29,8 @@ pub(crate) fn channels(file: &BoardFile, spec: &RealSpec) -> Vec<Channel> {
     let mut channels = blank(file);
     gpio::describe(file, &spec.gpio, &mut channels);
     convert::describe(file, &spec.converters, &mut channels);
+    counter::describe(file, spec, Span::ZERO, &mut channels);
+    emit::describe(file, &spec.generators, &mut channels);
     wire::describe(&spec.relays, &mut channels);
     channels
 }
@@ -53,6 +55,8 @@ pub(crate) fn blank(file: &BoardFile) -> Vec<Channel> {
         shortest_pulse: Span::MAX,
         deadband: 0.0,
         max_pulse_hz: 0,
+        emits: None,
+        counts_hz: None,
         faults: FaultSet::NONE,
         safe: Value::HighZ,
     };

@@ -10,8 +10,8 @@ use super::RealSpec;
 use super::wire::{self, FaultWay, WireRelays};
 use crate::sim::MAX_FAULTS;
 use crate::{
-    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, FaultKind, Frame, Health,
-    HeldLines, Surroundings,
+    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Emission, Fault, FaultKind,
+    Frame, Health, HeldLines, Surroundings,
 };
 
 /// A fault that was asked for.
@@ -247,6 +247,10 @@ impl<B: Board> Board for FaultRelays<B> {
             return Err(BoardError::NotDriven(*relay));
         }
         self.inner.write(now, writes)
+    }
+
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        self.inner.emit(now, channel, emission)
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {

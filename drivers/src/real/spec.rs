@@ -2,6 +2,8 @@
 
 use crate::can::CanSpec;
 use crate::convert::ConvertersSpec;
+use crate::counter::CountersSpec;
+use crate::emit::GeneratorsSpec;
 use crate::gpio::GpioSpec;
 use crate::real::WireRelays;
 use crate::serial::SerialSpec;
@@ -21,6 +23,10 @@ pub struct RealSpec {
     pub gpio: GpioSpec,
     /// Converters and their inputs.
     pub converters: ConvertersSpec,
+    /// Counters and their channels.
+    pub counters: CountersSpec,
+    /// Generators and their outputs.
+    pub generators: GeneratorsSpec,
     /// CAN buses.
     pub can: CanSpec,
     /// Relays that put faults on wires.

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use super::RealSpec;
 use crate::convert::{ConverterKind, iio};
-use crate::{can, gpio};
+use crate::counter::CounterSpec;
+use crate::emit::{self, GeneratorKind};
+use crate::{can, counter, gpio};
 
 /// A device of this machine that a board uses, or some lines of one.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,6 +20,15 @@ pub struct Used {
 impl Used {
     fn whole(device: impl Into<String>) -> Used {
         Used { device: device.into(), lines: None }
+    }
+
+    /// One of the counts of a counter; `None` where there is none now. Others of the same device are free.
+    fn count(root: &Path, spec: &CounterSpec) -> Option<Used> {
+        let (device, count) = counter::look(root, spec).ok()?;
+        // The events of a device go to one user alone.
+        let whole = !spec.events.is_empty();
+        let lines = (!whole).then(|| vec![u32::from(count.number)]);
+        Some(Used { device: device.number, lines })
     }
 
     /// The device behind a path; `None` where there is none now.
@@ -50,6 +61,23 @@ pub fn uses(spec: &RealSpec) -> Vec<Used> {
             ConverterKind::Iio(spec) => {
                 iio::find(Path::new("/"), spec).ok().map(|device| Used::whole(device.number))
             }
+        });
+    }
+    for count in &spec.counters.counts {
+        let counter = spec.counters.counters.get(count.counter);
+        used.extend(counter.and_then(|counter| Used::count(Path::new("/"), counter)));
+    }
+    for (at, generator) in spec.generators.generators.iter().enumerate() {
+        let outputs = spec.generators.outputs_of(at);
+        if outputs.is_empty() {
+            continue;
+        }
+        used.extend(match &generator.kind {
+            GeneratorKind::Stream(stream) => Used::behind(&stream.path),
+            GeneratorKind::Pwm(pwm) => emit::find(Path::new("/"), pwm).ok().map(|chip| Used {
+                device: chip.name,
+                lines: Some(outputs.iter().map(|output| u32::from(output.output)).collect()),
+            }),
         });
     }
     // What is named twice is refused when it is opened; here it must not meet itself.

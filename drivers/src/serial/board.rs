@@ -12,6 +12,7 @@ use tokio::runtime::Builder;
 use super::find::Identity;
 use super::work::{Running, Shared, Worker};
 use super::{OpenError, SerialPort, SerialSpec};
+use crate::account::{Account, START, drives_none, known};
 use crate::file::{BoardFile, codes};
 use crate::holder::{all_holders, words};
 use crate::real::RealSpec;
@@ -19,9 +20,6 @@ use crate::{
     Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, Frame, Health,
     LossReason, Surroundings,
 };
-
-/// How long a start waits at least for a port that is being taken back.
-const START: Span = Span::from_secs(2);
 
 /// The serial lines of a board: held for the rig alone while it lives, each by a thread of its own. Their bytes are the
 /// business of who speaks a protocol on them.
@@ -33,9 +31,7 @@ pub struct SerialBoard {
     surroundings: Surroundings,
     silent_after: Span,
     retake: bool,
-    started: bool,
-    latched: bool,
-    last: Time,
+    account: Account,
 }
 
 #[derive(Debug)]
@@ -69,9 +65,7 @@ impl SerialBoard {
             surroundings: surroundings.clone(),
             silent_after: spec.silent_after,
             retake: file.retakes(),
-            started: false,
-            latched: false,
-            last: Time::ZERO,
+            account: Account::default(),
         };
         let mut found = Vec::new();
         for line in &spec.serial {
@@ -108,21 +102,6 @@ impl SerialBoard {
         let running = Running::start(worker, runtime, port, patience).map_err(cannot)?;
         let device = spec.port.path.display().to_string();
         Ok(Line { bus: spec.bus, device, running, lost: None, losses: 0, failed: 0 })
-    }
-
-    fn check_time(&mut self, now: Time) -> Result<(), BoardError> {
-        if !self.started {
-            return Err(BoardError::NotStarted);
-        }
-        if now < self.last {
-            return Err(BoardError::Backwards { now, last: self.last });
-        }
-        self.last = now;
-        Ok(())
-    }
-
-    fn knows(&self, channel: ChannelId) -> bool {
-        usize::from(channel.0) < self.channels.len()
     }
 }
 
@@ -210,7 +189,7 @@ impl Board for SerialBoard {
 
     /// Waits for ports that are being taken back, for two seconds or as long as one may be silent.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.started = false;
+        self.account.end();
         let due = monotonic().saturating_add(self.silent_after.max(START).as_nanos());
         for line in &mut self.lines {
             let shared = &line.running.shared;
@@ -226,47 +205,39 @@ impl Board for SerialBoard {
             line.losses = shared.losses.load(Ordering::Acquire);
             line.failed = shared.failed.load(Ordering::Acquire);
         }
-        (self.started, self.latched, self.last) = (true, false, now);
+        self.account.begin(now);
         Ok(())
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.check_time(now)?;
-        match writes.first() {
-            Some((channel, _)) if self.knows(*channel) => Err(BoardError::NotDriven(*channel)),
-            Some((channel, _)) => Err(BoardError::NoChannel(*channel)),
-            None => Ok(()),
-        }
+        self.account.come_to(now)?;
+        drives_none(&self.channels, writes)
     }
 
     fn poll(&mut self, now: Time, _out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.check_time(now)
+        self.account.come_to(now)
     }
 
     /// When a port whose call is under way counts as lost.
     fn next_event(&self) -> Option<Time> {
-        if !self.started {
-            return None;
-        }
         let answering = self.lines.iter().filter(|line| line.lost.is_none());
-        let silent = answering.filter_map(|line| line.overdue(self.silent_after)).min()?;
-        Some(self.surroundings.time.at(silent.saturating_add(1)))
+        let owed = answering.filter_map(|line| line.overdue(self.silent_after));
+        self.account.next_event(&self.surroundings.time, owed)
     }
 
     fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.check_time(now)?;
+        self.account.come_to(now)?;
         Err(BoardError::NoSuchFault(fault.channel))
     }
 
     fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.check_time(now)?;
-        if self.knows(channel) { Ok(()) } else { Err(BoardError::NoChannel(channel)) }
+        self.account.come_to(now)?;
+        known(&self.channels, channel)
     }
 
     /// Nothing is driven: a line that nobody sends on is idle.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.latched = true;
-        self.last = self.last.max(now);
+        self.account.latch(now);
         Ok(())
     }
 
@@ -275,7 +246,7 @@ impl Board for SerialBoard {
         Health {
             lost: self.lines.iter().filter(|line| line.lost.is_some()).count() as u32,
             failed_calls: self.lines.iter().map(failed).sum(),
-            latched_safe: self.latched,
+            latched_safe: self.account.is_latched(),
             ..Health::default()
         }
     }
@@ -289,13 +260,13 @@ impl Board for SerialBoard {
     }
 
     fn send(&mut self, now: Time, bus: BusId, _frame: &Frame) -> Result<(), BoardError> {
-        self.check_time(now)?;
+        self.account.come_to(now)?;
         let known = self.lines.iter().any(|line| line.bus == bus);
         Err(if known { BoardError::BadFrame(bus) } else { BoardError::NoBus(bus) })
     }
 
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
-        self.check_time(now)?;
+        self.account.come_to(now)?;
         let stamp = self.surroundings.time.stamp(now);
         for line in &mut self.lines {
             line.poll(now, stamp, self.silent_after, out);

@@ -8,6 +8,8 @@ use signal::{Span, Time, Value, When};
 use super::bus::Buses;
 use super::checks;
 use super::line::{Line, MAX_FAULTS};
+use super::links::{Links, PlantAt};
+use super::tally::Tallies;
 use super::wire::Wire;
 use crate::board::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, LossReason, Origin};
 use crate::bus::{Bus, BusEvent, BusId, Frame};
@@ -32,6 +34,7 @@ pub struct SimulatedBoard {
     announce: Vec<bool>,
     wires: Vec<Wire>,
     plants: Vec<PlantAt>,
+    tallies: Tallies,
     links: Vec<Links>,
     ranks: Vec<u16>,
     /// Lines to look at, lowest rank first, with whether they are in the heap, by line.
@@ -47,24 +50,6 @@ pub struct SimulatedBoard {
     health: Health,
     seed: u64,
     buses: Buses,
-}
-
-/// A plant and the lines that it drives.
-#[derive(Debug)]
-struct PlantAt {
-    plant: Box<dyn Plant>,
-    outputs: Vec<ChannelId>,
-    /// What the outputs drive.
-    driving: Vec<Value>,
-}
-
-/// What hangs on a line.
-#[derive(Debug, Default)]
-struct Links {
-    wires_in: Vec<usize>,
-    plants_in: Vec<(usize, usize)>,
-    wires_out: Vec<usize>,
-    plants_out: Vec<(usize, usize)>,
 }
 
 impl SimulatedBoard {
@@ -89,6 +74,7 @@ impl SimulatedBoard {
             announce: vec![false; circuit.channels.len()],
             wires: Vec::new(),
             plants: Vec::new(),
+            tallies: Tallies::new(&circuit.tallies),
             links: circuit.channels.iter().map(|_| Links::default()).collect(),
             ranks,
             dirty: BinaryHeap::with_capacity(circuit.channels.len()),
@@ -109,6 +95,12 @@ impl SimulatedBoard {
             let switches = spec.switches.iter().map(|switch| switch.channel);
             let outputs = std::iter::once(spec.output).chain(switches).collect();
             board.add_plant(Box::new(Lag::new(spec)), &[spec.input], outputs);
+        }
+        for (place, tally) in circuit.tallies.iter().enumerate() {
+            board.links[usize::from(tally.channel.0)].tally = Some(place);
+            for signal in tally.signals() {
+                board.links[usize::from(signal.0)].tallies_out.push(tally.channel);
+            }
         }
         Ok(board)
     }
@@ -168,6 +160,9 @@ impl SimulatedBoard {
         while let Some(Reverse((_, place))) = self.dirty.pop() {
             let place = usize::from(place);
             self.is_dirty[place] = false;
+            if let Some(tally) = self.links[place].tally {
+                self.tallies.look(tally, &mut self.lines);
+            }
             let (raw, contended) = self.resolve(place);
             let line = &mut self.lines[place];
             self.health.contentions += u64::from(contended && !line.contended);
@@ -194,6 +189,10 @@ impl SimulatedBoard {
             let (plant, port) = self.links[place].plants_out[link];
             self.plants[plant].plant.input(now, port, level);
             self.stale = true;
+        }
+        for link in 0..self.links[place].tallies_out.len() {
+            let count = self.links[place].tallies_out[link];
+            self.mark(usize::from(count.0), Origin::Outside);
         }
     }
 
@@ -351,6 +350,7 @@ impl SimulatedBoard {
                 wire.settle(self.lines[usize::from(wire.spec.from.0)].level);
             }
         }
+        self.tallies.start(&mut self.lines);
         self.health.contentions = self.lines.iter().map(|line| u64::from(line.contended)).sum();
         for place in order {
             self.announce[place] = self.channels[place].senses;
@@ -457,6 +457,10 @@ impl Board for SimulatedBoard {
         let outcome = self.advance(now, false);
         let now = self.now;
         for place in 0..self.lines.len() {
+            // What is counted is driven by nobody.
+            if self.links[place].tally.is_some() {
+                continue;
+            }
             let safe = self.channels[place].safe;
             self.lines[place].wanted = safe;
             if !self.lost[place] && self.lines[place].driven != safe {

@@ -20,7 +20,13 @@ pub(super) fn channel(spec: &ChannelSpec) -> Channel {
         // A nanosecond on, a nanosecond off.
         deadband: 0.0,
         max_pulse_hz: if digital && spec.drives { 500_000_000 } else { 0 },
-        faults: if digital { FaultSet::DIGITAL } else { FaultSet::ANALOG },
+        emits: None,
+        counts_hz: None,
+        faults: match spec.kind {
+            ChannelKind::Digital => FaultSet::DIGITAL,
+            ChannelKind::Analog { .. } => FaultSet::ANALOG,
+            ChannelKind::Count => FaultSet::NONE.with(FaultKind::Lost),
+        },
         safe: fit(&spec.kind, spec.safe).unwrap_or(Value::HighZ),
     }
 }

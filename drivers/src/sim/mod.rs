@@ -4,9 +4,12 @@ mod board;
 mod bus;
 mod checks;
 mod line;
+mod links;
+mod tally;
 mod wire;
 mod wire_time;
 
 pub use board::{MAX_PENDING, SimulatedBoard};
 pub use bus::{BusSpec, MAX_QUEUED};
 pub use line::MAX_FAULTS;
+pub use tally::TallySpec;

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use signal::{Span, Time, Value, When};
 
 use crate::board::{
-    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Fault, Health, LossReason, Origin,
+    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Emission, Fault, Health, LossReason, Origin,
 };
 use crate::{Bus, BusEvent, BusId, Frame, HeldLines};
 use signal::Random;
@@ -92,6 +92,24 @@ impl<B: Board> Faulty<B> {
     /// The board within.
     pub fn into_inner(self) -> B {
         self.inner
+    }
+
+    /// A call on channels of which one is lost fails.
+    fn reachable(
+        &mut self,
+        channels: impl IntoIterator<Item = ChannelId>,
+        now: Time,
+    ) -> Result<(), BoardError> {
+        let lost = |channel: ChannelId| {
+            self.state
+                .get(usize::from(channel.0))
+                .is_some_and(|state| state.back.is_some_and(|back| back > now))
+        };
+        if channels.into_iter().any(lost) {
+            self.health.failed_calls += 1;
+            return Err(BoardError::Os { call: Call::Write, code: ENODEV });
+        }
+        Ok(())
     }
 
     fn disturb_call(&mut self, call: Call) -> Result<(), BoardError> {
@@ -227,16 +245,14 @@ impl<B: Board> Board for Faulty<B> {
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
         self.disturb_call(Call::Write)?;
-        let lost = |(channel, _): &(ChannelId, Value)| {
-            self.state
-                .get(usize::from(channel.0))
-                .is_some_and(|state| state.back.is_some_and(|back| back > now))
-        };
-        if writes.iter().any(lost) {
-            self.health.failed_calls += 1;
-            return Err(BoardError::Os { call: Call::Write, code: ENODEV });
-        }
+        self.reachable(writes.iter().map(|(channel, _)| *channel), now)?;
         self.inner.write(now, writes)
+    }
+
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        self.disturb_call(Call::Write)?;
+        self.reachable([channel], now)?;
+        self.inner.emit(now, channel, emission)
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {

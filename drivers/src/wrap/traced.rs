@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use signal::{Span, Time, Value, When};
 
-use crate::board::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health};
+use crate::board::{Board, BoardError, BoardEvent, Channel, ChannelId, Emission, Fault, Health};
 use crate::{Bus, BusEvent, BusId, Frame, HeldLines};
 
 /// Something that passed through a traced board.
@@ -19,6 +19,8 @@ pub enum Entry {
         /// What it was to be driven to.
         value: Value,
     },
+    /// A channel was to emit pulses.
+    Emit(ChannelId),
     /// A fault was injected.
     Inject(Fault),
     /// The faults of a channel were cleared.
@@ -40,6 +42,8 @@ pub struct Counts {
     pub writes: u64,
     /// Channels written in all.
     pub written: u64,
+    /// Calls of emit.
+    pub emissions: u64,
     /// Calls of poll.
     pub polls: u64,
     /// Events reported.
@@ -118,6 +122,13 @@ impl<B: Board> Board for Traced<B> {
             self.note(now, Entry::Write { channel: *channel, value: *value });
         }
         let outcome = self.inner.write(now, writes);
+        self.outcome(now, outcome)
+    }
+
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        self.counts.emissions += 1;
+        self.note(now, Entry::Emit(channel));
+        let outcome = self.inner.emit(now, channel, emission);
         self.outcome(now, outcome)
     }
 

@@ -2,11 +2,17 @@
 //! run in this program, not even a harness of tests.
 
 mod convert;
+mod counter;
+mod emit;
 #[path = "../fake/mod.rs"]
 mod fake;
+#[path = "../generating/mod.rs"]
+mod generating;
 mod gpio;
 #[path = "../scripted/mod.rs"]
 mod scripted;
+#[path = "../scripted_counter/mod.rs"]
+mod scripted_counter;
 
 #[global_allocator]
 static COUNTING: counting::Counting = counting::Counting;
@@ -14,5 +20,7 @@ static COUNTING: counting::Counting = counting::Counting;
 fn main() {
     gpio::scans_allocate_nothing();
     convert::readings_allocate_nothing();
-    println!("boards of GPIO lines and of converters allocate nothing");
+    counter::counts_allocate_nothing();
+    emit::pulses_allocate_nothing();
+    println!("boards of GPIO lines, converters, counters and generators allocate nothing");
 }

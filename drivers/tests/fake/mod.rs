@@ -146,6 +146,9 @@ impl Port for Fake {
     }
 }
 
+/// Outputs that carry pulses up to 1 kHz.
+pub const PULSED: [usize; 2] = [12, 13];
+
 /// The board file of the chip: outputs `o0` ..., inputs `i0` ..., a chip that is lost after so long.
 pub fn file(silent_after: &str) -> BoardFile {
     let mut text = format!(
@@ -154,7 +157,9 @@ pub fn file(silent_after: &str) -> BoardFile {
     );
     for line in 0..LINES {
         text += &format!("i{line} = {{ kind = \"digital\", line = {line} }}\n");
-        text += &format!("o{line} = {{ kind = \"digital\", line = {}, drives = true }}\n", LINES + line);
+        let pulses = if PULSED.contains(&line) { ", pulses-up-to = \"1 kHz\"" } else { "" };
+        let number = LINES + line;
+        text += &format!("o{line} = {{ kind = \"digital\", line = {number}, drives = true{pulses} }}\n");
     }
     read(&SourceFile::new("fake.toml", text), &|_| Ok(Terminals::default())).unwrap()
 }

@@ -41,7 +41,7 @@ pub(crate) fn figure(name: &str, unit: &str) -> SignalInfo {
 }
 
 impl Band {
-    /// Reads `is`, or `min` and `max`. Every number has to have its unit: 50 could be hertz or kilohertz.
+    /// Reads `is`, or `min` and `max`. Every number has to have its unit, if there is one: 50 could be hertz or kilohertz.
     pub(super) fn read(
         fields: &Fields<'_>,
         name: &str,
@@ -56,14 +56,18 @@ impl Band {
             Condition::Near { middle, tolerance } => vec![middle, tolerance],
         };
         let measured = |limit: &&Literal| limit.quantity().is_some_and(|quantity| !quantity.unit.is_none());
-        let bound = match limits.iter().all(measured) {
+        let bound = match unit.is_empty() || limits.iter().all(measured) {
             true => words.bind(&figure(name, unit)),
             false => Err(format!("the {name} has the unit {unit}, and a limit has none")),
         };
         let test = match bound {
             Ok(test) => test,
             Err(why) => {
-                cx.out.bad(codes::UNIT, place, why, format!("write it with its unit, as in \"10 {unit}\""));
+                let help = match unit {
+                    "" => String::from("write a number without a unit"),
+                    unit => format!("write it with its unit, as in \"10 {unit}\""),
+                };
+                cx.out.bad(codes::UNIT, place, why, help);
                 return None;
             }
         };

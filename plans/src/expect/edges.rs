@@ -116,6 +116,11 @@ impl Claim for Edges {
         change.into_iter().chain([self.between.demand()]).collect()
     }
 
+    fn counts(&self) -> Option<f64> {
+        // Entries of a log are no pulses.
+        (!self.entries).then_some(0.0)
+    }
+
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;

@@ -17,17 +17,23 @@ mod follows;
 mod frames;
 pub(crate) mod happens;
 mod indicator;
+pub(crate) mod jitter;
 mod keeps;
 mod order;
 mod pairs;
 mod period;
 mod phase;
+pub(crate) mod position;
+pub(crate) mod profile;
 mod pulse;
 mod rate;
 mod settles;
+mod shape;
+pub(crate) mod speed;
 mod state;
 mod task;
 mod together;
+pub(crate) mod train;
 mod value;
 
 use std::fmt::{self, Debug};
@@ -126,6 +132,11 @@ pub trait Claim: Debug + Send + Sync {
     fn demands(&self) -> Vec<Demand<'_>> {
         Vec::new()
     }
+    /// Of a claim for which every pulse of its signals counts: how fast they have to be in Hz for it to hold, at least; 0
+    /// where it says nothing of that.
+    fn counts(&self) -> Option<f64> {
+        None
+    }
     /// Starts judging; every instant that the claim hangs on is known by now, or known not to have come.
     ///
     /// # Errors
@@ -146,7 +157,11 @@ pub static VERBS: &[&Verb] = &[
     &period::PERIOD,
     &rate::FREQUENCY,
     &rate::DUTY,
+    &jitter::JITTER,
     &phase::PHASE,
+    &position::POSITION,
+    &profile::PROFILE,
+    &speed::SPEED,
     &settles::SETTLES,
     &follows::FOLLOWS,
     &frames::FRAMES,

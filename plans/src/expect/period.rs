@@ -111,6 +111,11 @@ impl Claim for Period {
         vec![Demand::Change(&self.signal), self.between.demand()]
     }
 
+    fn counts(&self) -> Option<f64> {
+        // A limit in nanoseconds that is none is beyond all time.
+        Some(1e9 / self.limits.1.max(1) as f64)
+    }
+
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;

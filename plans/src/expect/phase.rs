@@ -104,6 +104,10 @@ impl Claim for Phase {
         vec![Demand::Change(&self.of), Demand::Change(&self.behind), self.between.demand()]
     }
 
+    fn counts(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let window = scene.window(&self.between.from, &self.between.until)?;
         let side = |name: &String| {

@@ -91,6 +91,10 @@ impl Claim for Widths {
         vec![Demand::Change(&self.signal), self.between.demand()]
     }
 
+    fn counts(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;

@@ -118,6 +118,11 @@ impl Claim for Rate {
         vec![Demand::Change(&self.signal), self.between.demand()]
     }
 
+    fn counts(&self) -> Option<f64> {
+        let least = if self.kind == Kind::Frequency { self.band.min } else { 0.0 };
+        Some(least.max(0.0))
+    }
+
     fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;

@@ -7,6 +7,7 @@ use record::{Origin, Verdict, Window};
 use signal::{Event, SignalInfo, Span, When};
 
 use super::anchors::Anchors;
+use super::counting::Counting;
 use super::live::Live;
 use super::order::Orderer;
 use super::told::{claim_record, writer};
@@ -249,6 +250,7 @@ impl Judge {
         let scene = Scene { signals, anchors, disordered: &disordered, open_from: None, closing: false };
         let why = note("ended").unwrap_or_default();
         let mut stage = Stage::new(&self.scenario, &scene, &why);
+        stage.counting = Counting::new(&self.signals, note);
         let last = scene.end().max(Scene { closing: true, ..scene }.end());
         let mut place = 0;
         let mut fault = None;
@@ -319,11 +321,12 @@ impl Follower {
 struct Stage {
     running: Vec<Running>,
     lines: Vec<Line>,
+    counting: Counting,
 }
 
 impl Stage {
     fn new(scenario: &Scenario, scene: &Scene<'_>, why: &str) -> Stage {
-        let mut stage = Stage { running: Vec::new(), lines: Vec::new() };
+        let mut stage = Stage { running: Vec::new(), lines: Vec::new(), counting: Counting::default() };
         for at in 0..scene.signals.len() {
             let hold = scene.disordered.get(at).copied().unwrap_or(false);
             stage.lines.push(Line {
@@ -374,6 +377,7 @@ impl Stage {
         }
         line.observed = true;
         line.unknown.see(event);
+        self.counting.see(event);
         let (followers, running) = (&line.followers, &mut self.running);
         line.orderer.push(event, place, |seen| {
             followers.iter().for_each(|follower| follower.feed(running, seen));
@@ -406,6 +410,7 @@ impl Stage {
         let writer = |cause| writer(cause, &scenario.steps, note);
         let (mut claims, mut measurements) = (Vec::new(), Vec::new());
         let mut running = self.running.into_iter();
+        let counting = self.counting;
         // The guards stand behind the case's own claims.
         let own = scenario.expectations.len() - scenario.guards.len();
         for ((place, expectation), running) in scenario.expectations.iter().enumerate().zip(running.by_ref())
@@ -416,6 +421,13 @@ impl Stage {
             let mut record = claim_record(expectation, finding, silent, &writer);
             if record.verdict == Verdict::Inconclusive {
                 why(&expectation.claim.signals(), record.window.as_ref(), &mut record.reason);
+            }
+            if record.verdict != Verdict::Error
+                && let Some(wanted) = expectation.claim.counts()
+                && let names = expectation.claim.signals()
+                && let Some(why) = counting.doubt(signals, &names, record.window.as_ref(), wanted)
+            {
+                (record.verdict, record.reason) = (Verdict::Inconclusive, why);
             }
             if let Some(guard) = place.checked_sub(own).and_then(|place| scenario.guards.get(place)) {
                 record.guard = true;
@@ -440,6 +452,17 @@ impl Stage {
                     Window { from_ns, until_ns: taken.to_ns.unwrap_or(from_ns), ..Window::default() };
                 why(&measurement.signals(), Some(&window), &mut taken.reason);
             }
+            if let Some(wanted) = measurement.counts() {
+                let window = taken.from_ns.map(|from_ns| Window {
+                    from_ns,
+                    until_ns: taken.to_ns.unwrap_or(from_ns),
+                    ..Window::default()
+                });
+                let doubt = counting.doubt(signals, &measurement.signals(), window.as_ref(), wanted);
+                if let Some(why) = doubt {
+                    (taken.verdict, taken.reason) = (Verdict::Inconclusive, why);
+                }
+            }
             measurements.push(taken);
         }
         Outcome::of(claims, measurements)
@@ -454,7 +477,7 @@ impl Running {
             Running::Claim(Err(_)) => {}
             Running::Gauge(gauge) => {
                 if let Ok(gauge) = gauge.as_mut() {
-                    gauge.feed(seen);
+                    gauge.feed(slot, seen);
                 }
             }
         }

@@ -5,6 +5,9 @@ use signal::{Kind, SignalInfo};
 
 use super::window::Over;
 use super::{Limits, Measurement, Quantity};
+use crate::expect::band::figure;
+use crate::expect::position::Counting;
+use crate::expect::profile::Following;
 use crate::expect::{Around, number};
 use crate::judge::edges::{Finder, First};
 use crate::judge::reading::Reader;
@@ -78,6 +81,8 @@ enum Taking {
     Edge { from: Point, finder: Finder, first: First, past: &'static str },
     Value { point: Point, info: SignalInfo, reader: Reader },
     Over(Box<Over>),
+    Position(Box<Counting>),
+    Profile(Box<Following>),
 }
 
 /// Follows the signal of one measurement.
@@ -109,6 +114,14 @@ impl Gauge {
                 let window = scene.window(from, until)?;
                 Taking::Over(Box::new(Over::new(window, *figure, found, scene.end())))
             }
+            Quantity::Position { train, from, until } => {
+                info = figure("position", "");
+                Taking::Position(Box::new(Counting::new(train, scene, from, until)?))
+            }
+            Quantity::Profile { shaped, from, until } => {
+                info = figure("frequency", "Hz");
+                Taking::Profile(Box::new(shaped.follow(scene, from, until)?))
+            }
         };
         let bounds = Bounds::new(&measurement.limits, &info).map_err(NotJudged::NoMeaning)?;
         let record = MeasurementRecord {
@@ -126,9 +139,9 @@ impl Gauge {
         Ok(Gauge { record, bounds, taking })
     }
 
-    /// The next event of the measurement's signal.
+    /// The next event of the signal at this place among the measurement's.
     #[inline]
-    pub fn feed(&mut self, seen: &Seen) {
+    pub fn feed(&mut self, slot: usize, seen: &Seen) {
         match &mut self.taking {
             Taking::Between(..) => {}
             Taking::Edge { finder, first, .. } => {
@@ -138,6 +151,8 @@ impl Gauge {
             }
             Taking::Value { reader, .. } => reader.see(seen),
             Taking::Over(over) => over.feed(seen),
+            Taking::Position(counting) => counting.see(slot, seen),
+            Taking::Profile(following) => following.see(slot, seen),
         }
     }
 
@@ -197,6 +212,23 @@ impl Gauge {
                 judge(record, &bounds, low, high)
             }
             Taking::Over(over) => over.finish(record, &bounds),
+            Taking::Position(counting) => {
+                let (sum, window, missed) = counting.finish();
+                record.from_ns = interval(&window.from);
+                record.to_ns = interval(&window.until);
+                let record = judge(record, &bounds, sum.extent.0 as f64, sum.extent.1 as f64);
+                seen_whole(record, sum.doubtful, missed)
+            }
+            Taking::Profile(following) => {
+                let (found, window, missed) = following.finish();
+                record.from_ns = interval(&window.from);
+                record.to_ns = interval(&window.until);
+                if found.counts.1 == 0 && !found.doubtful {
+                    return failed(record, "nothing counted in the window");
+                }
+                let record = judge(record, &bounds, found.needed.0, found.needed.1);
+                seen_whole(record, found.doubtful, missed)
+            }
         }
     }
 }
@@ -222,6 +254,15 @@ pub(super) fn judge(
         (true, true) => (Verdict::Inconclusive, String::from("a limit lies within the uncertainty")),
     };
     record
+}
+
+/// The same, open where something may have gone unseen.
+fn seen_whole(record: MeasurementRecord, doubtful: bool, missed: Option<String>) -> MeasurementRecord {
+    match (doubtful, missed) {
+        (true, _) => open(record, "a signal is not known for a part of the window"),
+        (false, Some(missed)) => open(record, &missed),
+        (false, None) => record,
+    }
 }
 
 /// The same, open where it was a pass or had no verdict.

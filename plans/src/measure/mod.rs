@@ -23,7 +23,10 @@ use signal::{Kind, SignalInfo};
 
 use crate::expect::Place;
 use crate::expect::band::figure;
+use crate::expect::profile::Shaped;
+use crate::expect::train::Train;
 use crate::judge::edges::Edge;
+use crate::judge::jitter::Asked;
 use crate::judge::{NotJudged, Scene, Wiring};
 use crate::lang::{Anchor, Literal};
 
@@ -67,6 +70,24 @@ pub enum Quantity {
         /// What is asked.
         figure: Figure,
     },
+    /// By how much a pulse train went forwards over a window.
+    Position {
+        /// The train.
+        train: Train,
+        /// Where the window begins.
+        from: Anchor,
+        /// Where it ends, itself not included.
+        until: Anchor,
+    },
+    /// By how much the frequency of a pulse train is off its shape at most, over a window.
+    Profile {
+        /// The train and its shape.
+        shaped: Box<Shaped>,
+        /// Where the window and the shape begin.
+        from: Anchor,
+        /// Where the window ends, itself not included.
+        until: Anchor,
+    },
 }
 
 /// What is asked of a signal over a window.
@@ -85,8 +106,12 @@ pub enum Figure {
         /// Which of them.
         take: Take,
     },
+    /// How far it comes off an even grid.
+    Jitter(Asked),
     /// Its values.
     Value(Take),
+    /// Its change per second.
+    Speed,
 }
 
 /// What is taken of several figures.
@@ -135,8 +160,12 @@ impl Figure {
     pub(crate) fn info(self, signal: &SignalInfo) -> Result<SignalInfo, String> {
         match self {
             Figure::Frequency => Ok(figure("frequency", "Hz")),
+            Figure::Speed => {
+                crate::expect::speed::countable(signal)?;
+                Ok(figure("speed", crate::expect::speed::UNIT))
+            }
             Figure::Duty => Ok(figure("duty", "%")),
-            Figure::Period(_) | Figure::Width { .. } => Ok(gauge::time()),
+            Figure::Period(_) | Figure::Width { .. } | Figure::Jitter(_) => Ok(gauge::time()),
             Figure::Value(_) if matches!(signal.kind, Kind::State | Kind::Mark) => {
                 Err(format!("`{}` has named values, of which there is no least or mean one", signal.name))
             }
@@ -154,9 +183,9 @@ impl Figure {
     /// The unit that it has whatever the signal's is.
     pub(crate) fn own_unit(self) -> Option<&'static str> {
         match self {
-            Figure::Frequency => Some("Hz"),
+            Figure::Frequency | Figure::Speed => Some("Hz"),
             Figure::Duty => Some("%"),
-            Figure::Period(_) | Figure::Width { .. } => Some("ns"),
+            Figure::Period(_) | Figure::Width { .. } | Figure::Jitter(_) => Some("ns"),
             Figure::Value(_) => None,
         }
     }
@@ -185,9 +214,18 @@ impl fmt::Display for Quantity {
                         let low = if *high { "" } else { "low " };
                         write!(f, "{} width of the {low}pulses of `{signal}`", take.name())?;
                     }
+                    Figure::Jitter(asked) => write!(f, "{asked} of `{signal}`")?,
                     Figure::Value(take) => write!(f, "{} of `{signal}`", take.name())?,
+                    Figure::Speed => write!(f, "speed of `{signal}`")?,
                 }
                 write!(f, " from {from} until {until}")
+            }
+            Quantity::Position { train, from, until } => {
+                write!(f, "position of {} from {from} until {until}", train.words())
+            }
+            Quantity::Profile { shaped, from, until } => {
+                let train = shaped.train.words();
+                write!(f, "distance of the frequency of {train} from its shape from {from} until {until}")
             }
         }
     }
@@ -224,7 +262,19 @@ impl Measurement {
             Quantity::Between { from, to } => vec![from, to],
             Quantity::ToEdge { from, .. } => vec![from],
             Quantity::Value { when, .. } => vec![when],
-            Quantity::Over { from, until, .. } => vec![from, until],
+            Quantity::Over { from, until, .. }
+            | Quantity::Position { from, until, .. }
+            | Quantity::Profile { from, until, .. } => vec![from, until],
+        }
+    }
+
+    /// Of a figure for which every pulse counts: how fast they have to be in Hz for its limits to hold, at least; 0 where
+    /// that is not said.
+    pub(crate) fn counts(&self) -> Option<f64> {
+        let Quantity::Over { figure, .. } = &self.quantity else { return None };
+        match figure {
+            Figure::Value(_) => None,
+            _ => Some(0.0),
         }
     }
 
@@ -235,6 +285,8 @@ impl Measurement {
             Quantity::ToEdge { signal, .. }
             | Quantity::Value { signal, .. }
             | Quantity::Over { signal, .. } => vec![signal.clone()],
+            Quantity::Position { train, .. } => train.signals(),
+            Quantity::Profile { shaped, .. } => shaped.train.signals(),
         }
     }
 
@@ -249,6 +301,14 @@ impl Measurement {
                     Ok(asked) => info = asked,
                     Err(why) => return crate::expect::meant(Err(why), out),
                 },
+                Quantity::Position { train, .. } => {
+                    train.check(wiring, out);
+                    info = figure("position", "");
+                }
+                Quantity::Profile { shaped, .. } => {
+                    shaped.check(wiring, out);
+                    info = figure("frequency", "Hz");
+                }
                 Quantity::Between { .. } | Quantity::ToEdge { .. } => {}
             }
         }

@@ -9,7 +9,10 @@ use super::gauge::{Bounds, time};
 use super::{Figure, Limits, Measurement, Quantity, Take};
 use crate::codes;
 use crate::expect::band::figure;
-use crate::expect::{Between, Context, literal};
+use crate::expect::jitter::{COMPARES, GRID, asked};
+use crate::expect::profile::Shaped;
+use crate::expect::train::Train;
+use crate::expect::{Between, Context, literal, position, profile};
 use crate::judge::edges::Edge;
 use crate::lang::{Anchor, Literal};
 
@@ -49,6 +52,20 @@ pub const KEYS: &[KeySpec] = &[
     ),
     KeySpec::optional("period-of", KeyType::SignalRef, "The signal whose cycles are measured"),
     KeySpec::optional("width-of", KeyType::SignalRef, "The signal whose pulses are measured"),
+    KeySpec::optional("speed-of", KeyType::SignalRef, "The count whose change per second is measured"),
+    KeySpec::optional("jitter-of", KeyType::SignalRef, "The signal whose jitter is measured"),
+    COMPARES,
+    GRID,
+    KeySpec::optional(
+        "position-of",
+        KeyType::Table(position::KEYS),
+        "The pulse train whose position is measured: by how much it goes forwards from `from` until `until`",
+    ),
+    KeySpec::optional(
+        "profile-of",
+        KeyType::Table(profile::KEYS),
+        "The pulse train and the shape of its frequency: by how much it is off at most is measured",
+    ),
     KeySpec::optional(
         "take",
         KeyType::Choice(Take::NAMES),
@@ -85,6 +102,8 @@ pub fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Measurement> {
         Quantity::Value { .. } => None,
         Quantity::Between { .. } | Quantity::ToEdge { .. } => Some("ns"),
         Quantity::Over { figure, .. } => figure.own_unit(),
+        Quantity::Position { .. } => None,
+        Quantity::Profile { .. } => Some("Hz"),
     };
     if let Some(unit) = own {
         has_units(fields, unit, cx)?;
@@ -135,17 +154,28 @@ fn has_units(fields: &Fields<'_>, unit: &str, cx: &mut Context<'_>) -> Option<()
 }
 
 /// The keys that name what is measured of a signal.
-const OF: &[&str] = &["value-of", "frequency-of", "duty-of", "period-of", "width-of"];
+const OF: &[&str] = &[
+    "value-of",
+    "frequency-of",
+    "duty-of",
+    "period-of",
+    "width-of",
+    "speed-of",
+    "jitter-of",
+    "position-of",
+    "profile-of",
+];
 
 fn quantity(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
     let given: Vec<&str> = OF.iter().copied().filter(|key| fields.has(key)).collect();
     match given.as_slice() {
         [] if fields.has("from") || fields.has("to") => {
-            lacks(fields, &["when", "take", "level", "until"], "a time", cx)
+            lacks(fields, &["when", "take", "level", "until", "compares", "grid"], "a time", cx)
                 .and_then(|()| time_between(fields, cx))
         }
         ["value-of"] if !fields.has("take") => {
-            lacks(fields, &["from", "to", "until", "level"], "a value at an instant", cx)?;
+            let others = ["from", "to", "until", "level", "compares", "grid"];
+            lacks(fields, &others, "a value at an instant", cx)?;
             let (signal, at) = cx.names.at_value(fields.get("value-of")?, cx.out)?;
             let when = match fields.get("when") {
                 Some(node) => cx.names.anchor(node, cx.out)?,
@@ -153,6 +183,7 @@ fn quantity(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
             };
             Some(Quantity::Value { signal, when })
         }
+        [key @ ("position-of" | "profile-of")] => train(fields, key, cx),
         [key] => over(fields, key, cx),
         _ => {
             let message = "a measurement is a time with `from` and `to`, or of one signal";
@@ -176,6 +207,24 @@ fn lacks(fields: &Fields<'_>, keys: &[&str], what: &str, cx: &mut Context<'_>) -
     None
 }
 
+/// Reads what is measured of a pulse train.
+fn train(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity> {
+    let what = if key == "position-of" { "a position" } else { "a profile" };
+    lacks(fields, &["to", "when", "take", "level", "compares", "grid"], what, cx)?;
+    let inner = fields.inner(key)?;
+    let place = std::mem::replace(&mut cx.place, fields.get(key)?.span.clone());
+    let quantity = match key {
+        "position-of" => Train::read(&inner, cx)
+            .zip(Between::read(fields, cx))
+            .map(|(train, between)| Quantity::Position { train, from: between.from, until: between.until }),
+        _ => Shaped::read(&inner, cx).zip(Between::read(fields, cx)).map(|(shaped, between)| {
+            Quantity::Profile { shaped: Box::new(shaped), from: between.from, until: between.until }
+        }),
+    };
+    cx.place = place;
+    quantity
+}
+
 /// Reads what is measured over a window.
 fn over(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity> {
     let what = match key {
@@ -183,6 +232,8 @@ fn over(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity
         "frequency-of" => "a frequency",
         "duty-of" => "a duty",
         "period-of" => "a period",
+        "speed-of" => "a speed",
+        "jitter-of" => "a jitter",
         _ => "a width",
     };
     lacks(fields, &["to", "when"], what, cx)?;
@@ -190,10 +241,14 @@ fn over(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity
         "value-of" => &[Take::Min, Take::Max, Take::Mean, Take::Rms, Take::Span],
         "period-of" => &[Take::Mean, Take::Min, Take::Max, Take::Span],
         "width-of" => &[Take::First, Take::Mean, Take::Min, Take::Max, Take::Span],
+        "jitter-of" => &[Take::Span, Take::Rms],
         _ => &[],
     };
     if key != "width-of" {
         lacks(fields, &["level"], what, cx)?;
+    }
+    if key != "jitter-of" {
+        lacks(fields, &["compares", "grid"], what, cx)?;
     }
     if takes.is_empty() {
         lacks(fields, &["take"], what, cx)?;
@@ -214,6 +269,8 @@ fn over(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity
         "frequency-of" => Figure::Frequency,
         "duty-of" => Figure::Duty,
         "period-of" => Figure::Period(take),
+        "speed-of" => Figure::Speed,
+        "jitter-of" => Figure::Jitter(asked(fields, cx)?),
         "width-of" => Figure::Width { high: fields.text("level") != Some("low"), take },
         _ => Figure::Value(take),
     };

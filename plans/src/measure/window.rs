@@ -8,8 +8,10 @@ use super::{Figure, Take};
 use crate::judge::cycles::Cycles;
 use crate::judge::edges::{Edge, Finder};
 use crate::judge::extremes::Extremes;
+use crate::judge::jitter::Jitter;
 use crate::judge::levels::Levels;
 use crate::judge::pulses::{FirstPulse, Pulse};
+use crate::judge::speed::Speed;
 use crate::judge::{Seen, Window, slack};
 
 /// What follows the signal.
@@ -23,8 +25,12 @@ pub(super) enum Follow {
     Pulses(Levels, Many),
     /// The distances of edges one by one.
     Edges { finder: Finder, before: Option<Seen>, many: Many },
+    /// The distances of edges from a grid.
+    Jitter(Box<Jitter>),
     /// The values.
     Values(Box<Extremes>),
+    /// The values at both ends.
+    Speed(Box<Speed>),
 }
 
 /// What is measured over a window.
@@ -106,7 +112,9 @@ impl Over {
                 Follow::First(Levels::new(high, slack), FirstPulse::new(window, (0, i64::MAX)))
             }
             Figure::Width { high, .. } => Follow::Pulses(Levels::new(high, slack), Many::default()),
+            Figure::Jitter(asked) => Follow::Jitter(Box::new(Jitter::new(asked, Edge::Rises, window, slack))),
             Figure::Value(_) => Follow::Values(Box::new(Extremes::new(window))),
+            Figure::Speed => Follow::Speed(Box::new(Speed::new(window))),
         };
         Over { window, figure, follow, end, slack }
     }
@@ -143,7 +151,9 @@ impl Over {
                 }
                 None => {}
             },
+            Follow::Jitter(jitter) => jitter.see(seen),
             Follow::Values(extremes) => extremes.see(seen),
+            Follow::Speed(speed) => speed.see(seen),
         }
     }
 
@@ -200,6 +210,22 @@ impl Over {
                 many.doubtful |= finder.rest().is_some_and(|rest| window.can_hold(&rest.seen));
                 many_judged(record, bounds, &many, figure, "fewer than two edges lie in the window")
             }
+            Follow::Jitter(jitter) => {
+                let found = jitter.finish();
+                let Some((low, high)) = found.extent else {
+                    return missing(record, found.doubtful, "fewer than three edges lie in the window");
+                };
+                let record = judge(record, bounds, low, high);
+                match (found.doubtful, found.can_be_missing) {
+                    (true, _) => open(record, NOT_KNOWN),
+                    (_, true) => open(record, "it is open whether three edges lie in the window"),
+                    _ => record,
+                }
+            }
+            Follow::Speed(speed) => match speed.finish(slack) {
+                Some(found) => judge(record, bounds, found.speed.0, found.speed.1),
+                None => open(record, "the signal is not known at both ends of the window"),
+            },
             Follow::Values(extremes) => {
                 let Some(found) = extremes.finish() else {
                     return open(record, NOT_KNOWN);
@@ -241,7 +267,7 @@ fn many_judged(
 ) -> MeasurementRecord {
     let take = match figure {
         Figure::Period(take) | Figure::Width { take, .. } | Figure::Value(take) => take,
-        Figure::Frequency | Figure::Duty => Take::Mean,
+        Figure::Frequency | Figure::Duty | Figure::Speed | Figure::Jitter(_) => Take::Mean,
     };
     let Some((low, high)) = many.finish(take) else {
         return missing(record, many.doubtful || many.possible.is_some(), none);

@@ -308,6 +308,41 @@ impl FunctionSettings {
     }
 }
 
+impl FunctionSettings {
+    /// What a plan says of it, key by key with values as TOML has them.
+    pub fn written(&self) -> impl Iterator<Item = (&str, String)> {
+        let kind = TYPES.get(self.kind as usize).map(|kind| ("kind", format!("{kind:?}")));
+        let of = |(key, value, _): &'_ (String, FunctionValue, Range<usize>)| -> String {
+            match value {
+                FunctionValue::Terminal(n) => {
+                    let takes = MEANINGS.iter().find(|(name, ..)| name == key).map(|(_, takes, _)| *takes);
+                    let area = match takes.map(|takes| self.area(takes)) {
+                        Some(Area::Output) => 'Q',
+                        _ => 'I',
+                    };
+                    format!("\"%{area}X{}.{}\"", n / 8, n % 8)
+                }
+                FunctionValue::Number(number) => number.to_string(),
+                FunctionValue::Time(span) => format!("\"{span}\""),
+                FunctionValue::Flag(on) => on.to_string(),
+                FunctionValue::Word(word) => format!("{word:?}"),
+                FunctionValue::Numbers(numbers) => format!("{numbers:?}"),
+                FunctionValue::Words(words) => format!("{words:?}"),
+            }
+        };
+        kind.into_iter().chain(self.values.iter().map(move |value| (value.0.as_str(), of(value))))
+    }
+
+    /// Where the terminals of a key lie.
+    const fn area(&self, takes: Takes) -> Area {
+        match takes {
+            Takes::Output => Area::Output,
+            Takes::Terminal if self.kind.bit() & (PTO | WAVES) != 0 => Area::Output,
+            _ => Area::Input,
+        }
+    }
+}
+
 /// Reads `expert`, which was held against its keys.
 pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Vec<FunctionSettings> {
     let mut functions: Vec<FunctionSettings> = Vec::new();

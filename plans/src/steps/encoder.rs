@@ -165,6 +165,15 @@ impl Encoder {
         [&self.a, &self.b].into_iter().chain(self.index.as_ref().map(|(line, _)| line)).map(String::as_str)
     }
 
+    /// How long so many counts last at the highest speed, rounded down.
+    pub fn lasts_at_most_speed(&self, counts: u64) -> Span {
+        let lasts = |motion: &Motion| {
+            let nanos = u128::from(counts) * u128::from(motion.nanos) / u128::from(motion.counts_in);
+            Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX))
+        };
+        self.motions.iter().map(lasts).min().unwrap_or(Span::MAX)
+    }
+
     /// Periods of A per time at the highest speed, in thousandths of a Hertz, rounded up.
     pub fn millihertz(&self) -> u64 {
         let rate = |motion: &Motion| {

@@ -213,6 +213,17 @@ impl Wave {
         }
     }
 
+    /// The shortest time that a square wave keeps a level; 0 of any other wave.
+    pub fn shortest(&self) -> Span {
+        match &self.shape {
+            Shape::Square { periodic, duty } => {
+                let high = periodic.cycle.after(u128::from(*duty), 1_000_000);
+                high.min(periodic.cycle.after(1, 1) - high)
+            }
+            _ => Span::ZERO,
+        }
+    }
+
     /// The verb that it is written with.
     pub fn verb(&self) -> &'static str {
         match self.shape {

@@ -62,6 +62,10 @@ pub enum Command {
     New(crate::new::NewArgs),
     /// Keep the modelled controller running on a board, until it is interrupted.
     Run(crate::run::RunArgs),
+    /// Look at a controller that `rig run` keeps running, and work it, from a shell or a script.
+    Ctl(crate::ctl::CtlArgs),
+    /// Look at such a controller on this terminal, and work it: inputs, outputs, trends, tasks, buses, plans.
+    Dash(crate::dash::DashArgs),
     /// Go through one case step by step, with its signals and claims, in virtual time.
     Step(StepArgs),
     /// Say what the code of a finding means, with an example and the mend.

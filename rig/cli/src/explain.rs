@@ -42,6 +42,11 @@ pub fn run(args: &ExplainArgs) -> Exit {
     }
 }
 
+/// The code as the pages have it: whoever hears of a code at run time can show it as a finding.
+pub fn known(code: &str) -> Option<&'static str> {
+    page::all().iter().map(|page| page.code).find(|known| *known == code)
+}
+
 fn unknown(given: &str, code: &str, pages: &[Page<'_>]) -> Diagnostic {
     let found = Diagnostic::error(UNKNOWN, format!("there is no code `{given}`"));
     match suggest(code, pages.iter().map(|page| page.code)) {

@@ -5,6 +5,9 @@ mod bench;
 mod board;
 mod check;
 mod completions;
+mod ctl;
+mod dash;
+mod decoder;
 mod diff;
 mod doctor;
 mod exit;
@@ -16,18 +19,22 @@ mod judge;
 mod kind;
 mod library;
 mod new;
+mod notify;
 mod output;
 mod parameters;
 mod person;
 mod plans;
 mod program;
 mod provenance;
+mod reach;
+mod recordings;
 mod report;
 mod requirements;
 mod run;
 mod runs;
 mod schema;
 mod select;
+mod serve;
 mod shard;
 mod step;
 mod store;
@@ -72,6 +79,8 @@ fn main() -> ExitCode {
         Command::Bench(command) => bench::run(&command),
         Command::New(args) => new::run(&args),
         Command::Run(args) => run::run(&args),
+        Command::Ctl(args) => ctl::run(&args),
+        Command::Dash(args) => dash::run(&args),
         Command::Step(args) => step::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Schema(args) => schema::run(&args),

@@ -1,6 +1,8 @@
 //! What goes to the terminal.
 
+use crate::explain;
 use clap::ValueEnum;
+use control::Fault;
 use document::{Diagnostic, SourceFile};
 use std::io::{IsTerminal, Write};
 use std::sync::OnceLock;
@@ -36,6 +38,15 @@ pub fn color_out() -> bool {
     takes_color(std::io::stdout().is_terminal())
 }
 
+/// Whether a screen takes colour that has some: the command line and NO_COLOR have the last word.
+pub fn color_on_screen(has: bool) -> bool {
+    match CHOICE.get().copied().unwrap_or_default() {
+        ColorChoice::Always => true,
+        ColorChoice::Never => false,
+        ColorChoice::Auto => has && color_out(),
+    }
+}
+
 fn takes_color(terminal: bool) -> bool {
     let said = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
     decide(CHOICE.get().copied().unwrap_or_default(), terminal, &said)
@@ -69,6 +80,18 @@ pub fn new_findings(found: &[Diagnostic], told: &mut Vec<Diagnostic>, sources: &
     let new: Vec<Diagnostic> = found.iter().filter(|one| !told.contains(one)).cloned().collect();
     findings(&new, sources);
     told.extend(new);
+}
+
+/// Prints why a rig did not do what it was asked for, on standard error. A younger rig may have codes without a page.
+pub fn fault(fault: &Fault) {
+    match explain::known(&fault.code) {
+        Some(code) => {
+            let found = Diagnostic::error(code, fault.message.as_str());
+            let found = if fault.help.is_empty() { found } else { found.help(fault.help.as_str()) };
+            findings(&[found], &[]);
+        }
+        None => complain(&format!("{} ({})", fault.message, fault.code)),
+    }
 }
 
 /// Prints one line on standard error.

@@ -19,12 +19,16 @@ pub struct Person {
 }
 
 impl Person {
-    /// Somebody who can be asked: standard input and standard error are a terminal, and no CI runs this.
+    /// Somebody who can be asked.
     pub fn here() -> Option<Person> {
-        let watched = std::env::var_os("CI").is_none_or(|ci| ci.is_empty() || ci == "false");
-        let terminal = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
-        (watched && terminal).then(Person::default)
+        is_here().then(Person::default)
     }
+}
+
+/// Whether there is somebody who can be asked: standard input and standard error are a terminal, and no CI runs this.
+pub fn is_here() -> bool {
+    let watched = std::env::var_os("CI").is_none_or(|ci| ci.is_empty() || ci == "false");
+    watched && std::io::stdin().is_terminal() && std::io::stderr().is_terminal()
 }
 
 /// Reads lines beside the run, so that waiting for one can end without one.

@@ -2,26 +2,36 @@
 
 use crate::exit::Exit;
 use crate::library::Embedded;
+use crate::notify::Notifier;
 use crate::output;
+use crate::serve::{ControlArgs, Plans, serve};
 use crate::wait::WaitArgs;
 use clap::Args;
 use document::{Diagnostic, SourceFile};
 use drivers::BoardFile;
 use runtime::hardware::Hardware;
+use runtime::live;
 use runtime::play::{self, Course, Played, Told};
 use runtime::suite::{self, Disk, Files};
-use runtime::{CaseFiles, ClockKind, RunOptions};
+use runtime::{CaseFiles, ClockKind, RunOptions, Turns};
 use serde_json::Value as Json;
 use signal::{Span, Time};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver};
+use std::sync::{Arc, Mutex};
 
 /// Set by the signal handler: the controller stops with its outputs safe.
 static INTERRUPT: AtomicBool = AtomicBool::new(false);
 
+/// What the executor has done: the service manager is told that it goes on.
+static TURNS: Turns = Turns::new();
+
 /// How long an interrupt takes at most to be seen where nothing happens.
 const SLICE: Span = Span::from_millis(50);
+
+/// The same where lines are modelled, and nobody's bell ends a wait: orders of clients are seen as soon.
+const MODELLED: Span = Span::from_millis(10);
 
 /// Lines that wait to be printed.
 const WAITING: usize = 1_024;
@@ -54,6 +64,9 @@ pub struct RunArgs {
     /// The seed of everything that is left to chance.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// How clients work it.
+    #[command(flatten)]
+    control: ControlArgs,
 }
 
 /// Keeps a controller running.
@@ -72,12 +85,18 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     let lasts = args.duration.as_deref().map(duration).transpose().map_err(|found| vec![found])?;
     let board = suite::load_board(&Disk, &args.board.to_string_lossy(), sources)?;
     if board.0.subject.is_external() {
-        let message = format!("the subject of `{}` is a real controller, which runs by itself", board.0.name);
-        let help = "run plans on it with `rig test`, or name a board with kind = \"model\"";
-        return Err(vec![Diagnostic::error("R0221", message).at(&board.0.name, 0..0, "").help(help)]);
+        return Err(vec![play::not_played(&board.0)]);
     }
     let (case, files) = case(args, &board, sources)?;
-    if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
+    let notifier = Notifier::start(&TURNS).map_err(|found| vec![found])?;
+    let teller = notifier.teller();
+    let interrupted = move || {
+        INTERRUPT.store(true, Ordering::Relaxed);
+        if let Some(teller) = &teller {
+            teller.stopping();
+        }
+    };
+    if let Err(error) = ctrlc::set_handler(interrupted) {
         output::complain(&format!("interrupts cannot be caught: {error}"));
         return Ok(Exit::Error);
     }
@@ -87,20 +106,34 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     };
     let hardware = Hardware::open(&board.0)?.map(|hardware| hardware.with_lock(lock));
     output::findings(&hardware.as_ref().map(Hardware::warnings).unwrap_or_default(), sources);
+    let plans = live::Bench { shelf: Arc::new(Plans), board: board.clone(), seed: args.seed };
+    let led = args.control.led;
+    let (rig, port) =
+        live::open(&case, &files, hardware.as_ref(), led, env!("CARGO_PKG_VERSION"), Some(plans))?;
+    let serving = serve(&args.control, &board.0, rig).map_err(|found| vec![found])?;
+    let port = Mutex::new(port);
     let options = RunOptions {
-        slice: SLICE,
+        slice: if hardware.is_some() { SLICE } else { MODELLED },
         hardware: hardware.as_ref(),
-        ..RunOptions::new(ClockKind::Real, &INTERRUPT)
+        turns: Some(&TURNS),
+        live: serving.is_some().then_some(&port),
+        ..RunOptions::new(if led { ClockKind::Virtual } else { ClockKind::Real }, &INTERRUPT)
     };
     let course = Course { lasts, booted: args.booted };
     let (tell, told) = mpsc::sync_channel(WAITING);
     let played = std::thread::scope(|scope| {
-        let controller = scope.spawn(|| play::play(&case, &files, &options, course, tell));
-        show(&told);
+        let controller = scope.spawn(|| {
+            let tell = tell;
+            live::keep(&case, &files, &options, course, &tell)
+        });
+        show(&told, &notifier);
         controller.join()
     });
+    if let Some(serving) = serving {
+        serving.end("the rig ends");
+    }
     match played {
-        Ok(played) => Ok(end(&played?)),
+        Ok(played) => Ok(end(&played?, &notifier)),
         Err(_) => {
             // The panic has printed its words.
             Ok(Exit::Error)
@@ -181,31 +214,45 @@ fn seconds(at: Time) -> f64 {
 }
 
 /// Prints what the controller tells until it is gone.
-fn show(told: &Receiver<Told>) {
+fn show(told: &Receiver<Told>, notifier: &Notifier) {
     let line = |at: Time, text: &str| output::print(&format!("{:>12.3} s  {text}\n", seconds(at)));
     for told in told {
         match told {
-            Told::Ready => line(Time::ZERO, "ready"),
-            Told::State(at, state) => line(at, state.name()),
+            Told::Ready => {
+                line(Time::ZERO, "ready");
+                notifier.ready();
+            }
+            Told::State(at, state) => {
+                line(at, state.name());
+                notifier.status(state.name());
+            }
             Told::Log(at, text) => line(at, &format!("  {text}")),
         }
     }
 }
 
 /// Says how it was, and how the command ends: an interrupt is how a controller that is kept running stops.
-fn end(played: &Played) -> Exit {
+fn end(played: &Played, notifier: &Notifier) -> Exit {
     let lasted = seconds(played.ran.closed);
     let milliseconds = |span: Span| span.as_nanos() as f64 / 1e6;
     let (late, outputs) = (milliseconds(played.late), milliseconds(played.ran.late_outputs));
     output::say(&format!(
         "stopped after {lasted:.3} s, outputs safe; late by {late:.3} ms at worst, outputs by {outputs:.3} ms"
     ));
+    if let Some(wakes) = &played.ran.wakes {
+        let (half, most) = (wakes.p50_ns as f64 / 1e3, wakes.p99_ns as f64 / 1e3);
+        output::say(&format!(
+            "woken up {} times: half within {half:.1} us, 99 of 100 within {most:.1} us",
+            wakes.count
+        ));
+    }
     for (name, _, figures) in &played.tasks {
         output::say(&format!("{name}: {} cycles, the longest {}", figures.cycles, figures.max));
     }
     match &played.trouble {
         Some(trouble) => {
             output::complain(trouble);
+            notifier.status(trouble);
             Exit::Error
         }
         None => Exit::Passed,

@@ -99,6 +99,9 @@ pub trait Application: Send {
     /// From now on, a change of the variable ends a slice with [`Stop::Touched`].
     fn watch(&mut self, variable: u32);
 
+    /// Ends [`Application::watch`], also of variables that share its memory.
+    fn unwatch(&mut self, variable: u32);
+
     /// Answers what a task asked for with [`Stop::Service`]; its cycle goes on with the next slice.
     fn answer(&mut self, task: usize, result: i64);
 

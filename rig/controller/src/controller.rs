@@ -21,8 +21,8 @@ use crate::task::Task;
 use crate::turn::find_peers;
 use crate::watch::Watches;
 use crate::{
-    Application, Config, ConfigError, Effects, LoadError, Loader, Memory, NonVolatile, OutputState, Probe,
-    RegisterFact, State, TaskConfig, TaskFigures, TaskKind, WriteError,
+    Application, Config, ConfigError, Effects, JitterCounts, LoadError, Loader, Memory, NonVolatile,
+    OutputState, Probe, RegisterFact, State, TaskConfig, TaskFigures, TaskKind, WriteError,
 };
 use profile::StopCause;
 use signal::{Cause, Level, Size, Span, Time, Value};
@@ -259,11 +259,32 @@ impl Controller {
         self.tasks.iter().find(|at| at.place == task).map(|at| at.figures)
     }
 
+    /// How late the cycles of a task began, by its place in the configuration.
+    pub fn task_jitter(&self, task: usize) -> Option<&JitterCounts> {
+        self.tasks.iter().find(|at| at.place == task).map(|at| &at.jitter_counts)
+    }
+
     /// The physical level at terminal I`input` from `now` on. Numbers beyond the reference's inputs are ignored.
     pub fn input(&mut self, now: Time, input: usize, level: Level) {
         self.inputs.set(now, input, level);
         if self.state != State::Off {
             self.functions.edge(now, input, level.is_high());
+        }
+    }
+
+    /// So many edges at terminal I`input` are known to be missing before `now`: an expert function that counts them is off by
+    /// up to so many, and says so (io:STD-HSC-16).
+    pub fn lose(&mut self, now: Time, input: usize, edges: u32) {
+        if self.state != State::Off {
+            self.functions.lose(now, input, edges);
+        }
+    }
+
+    /// Hardware behind terminal I`input` counted so many steps more by `now`, below 0 backwards. Only inputs that
+    /// [`crate::Config::counted`] names are counted at.
+    pub fn count(&mut self, now: Time, input: usize, steps: i64) {
+        if self.state != State::Off {
+            self.functions.count(now, input, steps);
         }
     }
 
@@ -325,6 +346,7 @@ impl Controller {
         if self.state.status().is_none() {
             return Err(WriteError::State(self.state));
         }
+        self.mend_watches();
         match *probe {
             Probe::Address(at) => {
                 let number = value.as_int().ok_or(WriteError::NotANumber)?;

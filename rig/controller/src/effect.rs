@@ -1,7 +1,7 @@
 //! What the controller hands back, and what of it can be observed.
 
 use crate::{Entry, Figure, InputPart, Led, RegisterFact, State, SystemVariable};
-use signal::{Address, Cause, Level, Time, Value};
+use signal::{Address, Cause, Level, Span, Time, Value};
 
 /// Something that happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +16,27 @@ pub enum Effect {
         level: Level,
         /// Who wrote it.
         cause: Cause,
+    },
+    /// An output terminal pulses until it changes, without an edge being told: [`crate::Controller::delegate`]. Where it
+    /// pulses already, from the end of its period on.
+    Wave {
+        /// When.
+        at: Time,
+        /// The output: n for Qn.
+        output: usize,
+        /// The period.
+        period: Span,
+        /// How long of it the terminal is high; above 0 and below the period.
+        high: Span,
+        /// Who wrote it.
+        cause: Cause,
+    },
+    /// The period of such a wave begins anew.
+    Anew {
+        /// When.
+        at: Time,
+        /// The output: n for Qn.
+        output: usize,
     },
     /// The controller changed its state.
     State {

@@ -24,6 +24,10 @@ pub(crate) struct Functions {
     /// The place of the next effect.
     place: usize,
     observed: bool,
+    /// Outputs whose square waves somebody else makes, bit n for Qn.
+    delegated: u32,
+    /// Outputs that protection has switched off, as the functions were told, bit n for Qn.
+    cut: u32,
 }
 
 impl Functions {
@@ -32,14 +36,22 @@ impl Functions {
         let is_axis = |kind: &FunctionKind| matches!(kind, FunctionKind::Axis(_));
         let axes = config.expert.functions.iter().filter(|function| is_axis(&function.kind));
         Functions {
-            expert: Expert::new(&config.expert, &config.input_conditions()),
+            expert: Expert::new(&config.expert, &config.input_conditions()).counted(config.counted),
             operation: Operation::Off,
             pulses: axes.fold(0, |mask, axis| mask | axis.kind.outputs()),
             rest: 0,
             due: Time::MAX,
             place: 0,
             observed: false,
+            delegated: 0,
+            cut: 0,
         }
+    }
+
+    /// Somebody else makes the square waves on these outputs.
+    fn delegate(&mut self, outputs: u32) {
+        self.delegated = outputs;
+        self.expert.delegate(outputs);
     }
 
     /// The outputs that functions drive, bit n for Qn.
@@ -72,6 +84,18 @@ impl Functions {
         }
     }
 
+    /// So many edges at terminal I`input` are known to be missing before `now`.
+    pub(crate) fn lose(&mut self, now: Time, input: usize, edges: u32) {
+        self.expert.lose(now, input, edges);
+        self.due = now;
+    }
+
+    /// Hardware behind terminal I`input` has counted so far, by `now`.
+    pub(crate) fn count(&mut self, now: Time, input: usize, steps: i64) {
+        self.expert.count(now, input, steps);
+        self.due = now;
+    }
+
     /// When something here happens by itself; [`Time::MAX`] for never.
     #[inline]
     pub(crate) fn next(&self) -> Time {
@@ -96,11 +120,14 @@ impl Functions {
         effect
     }
 
-    /// Protection switched the stages of these outputs off at `now` (io:STD-PTO-14).
+    /// Protection has the stages of these outputs switched off from `now` on (io:STD-PTO-14).
     pub(crate) fn protect(&mut self, now: Time, cut: u32) {
-        if cut & self.outputs() != 0 {
+        let cut = cut & self.outputs();
+        // That it let go is to be known, too: an axis can be reset then.
+        if cut | self.cut != 0 {
             self.expert.protect(now, cut);
         }
+        self.cut = cut;
     }
 
     /// A cold reset or a download (io:STD-HSC-15).
@@ -120,10 +147,17 @@ const fn operation_in(state: State) -> Operation {
 }
 
 impl Controller {
+    /// Square waves of expert functions on these outputs, bit n for Qn, are made by somebody else: what is told of them is
+    /// [`crate::Effect::Wave`], and no edges. To be called without power; it stays so.
+    pub fn delegate(&mut self, outputs: u32) {
+        self.functions.delegate(outputs);
+    }
+
     /// The electronics of the inputs come up: everything behind the terminals begins anew, with the levels there.
     pub(crate) fn power_functions(&mut self, now: Time) {
-        let observed = self.functions.observed;
+        let (observed, delegated) = (self.functions.observed, self.functions.delegated);
         self.functions = Functions::new(&self.config);
+        self.functions.delegate(delegated);
         if observed {
             self.functions.observe();
         }
@@ -157,6 +191,13 @@ impl Controller {
                         driven = true;
                     }
                 }
+                Effect::Wave { output, period, high } => {
+                    if self.functions.operation == Operation::Running {
+                        self.outputs.pulse(at, output, period, high);
+                        driven = true;
+                    }
+                }
+                Effect::Anew { output } => fx.push(crate::Effect::Anew { at, output: output.into() }),
                 Effect::Threshold { counter, threshold } => {
                     self.external_event(EventSource::Threshold { counter, threshold }, at, fx);
                 }

@@ -83,7 +83,7 @@ impl LedPattern {
     }
 
     /// Time lit and time dark of a flash.
-    const fn times(self) -> Option<(Span, Span)> {
+    pub const fn times(self) -> Option<(Span, Span)> {
         match self {
             LedPattern::Off | LedPattern::On => None,
             LedPattern::FastFlash => Some((Span::from_millis(50), Span::from_millis(50))),

@@ -24,6 +24,7 @@ mod exchange;
 mod external;
 mod files;
 mod forcing;
+mod front;
 mod functions;
 mod input;
 mod led;
@@ -67,6 +68,7 @@ pub use effect::{Effect, Effects, OutputState, Probe, ProbeId};
 pub use event::EventSource;
 pub use external::{Disturbance, FAULT_BITS};
 pub use files::{FileError, FileFact, FileUser, LONGEST_PATH};
+pub use front::Front;
 pub use input::{InputConfig, InputFault, InputPart, RunStopFault};
 pub use led::{Led, LedPattern};
 pub use load::Overload;
@@ -81,5 +83,5 @@ pub use store::{
     RETAIN_MAP, RIGHTS_FILE, STATE_FILE,
 };
 pub use system::{SystemType, SystemVariable};
-pub use task::{Figure, TaskFigures};
+pub use task::{Figure, JITTER_BORDERS, JitterCounts, TaskFigures};
 pub use warnings::Warning;

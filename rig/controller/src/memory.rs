@@ -89,6 +89,11 @@ impl Memory {
         self.watched[at.area() as usize].set(at, u64::MAX);
     }
 
+    /// Ends [`Memory::watch`], also of other places that it covers.
+    pub(crate) fn unwatch(&mut self, at: Address) {
+        self.watched[at.area() as usize].set(at, 0);
+    }
+
     /// Who wrote a bit of %Q last; unknown for a bit that nobody wrote since the memory was cleared.
     pub(crate) fn writer(&self, output_bit: u32) -> Cause {
         self.writers.get(output_bit as usize).copied().unwrap_or_default()

@@ -4,16 +4,27 @@ use crate::{Effect, Effects, Memory};
 use profile::{Output, OutputKind};
 use signal::{Cause, Level, Span, Time};
 
+/// What a terminal does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shown {
+    /// It keeps a level.
+    Level(Level),
+    /// It pulses, and somebody else makes the edges.
+    Wave { period: Span, high: Span },
+}
+
 /// One terminal. Its delays are inertial: a command that is taken back before its edge came out leaves none.
 #[derive(Clone, Debug)]
 struct Terminal {
     on_delay: Span,
     off_delay: Span,
-    level: Level,
-    /// The level to come and when, while they differ.
-    next: Level,
+    shown: Shown,
+    /// What is to come and when, while they differ.
+    next: Shown,
     at: Time,
     cause: Cause,
+    /// The pulses that are commanded, where they are.
+    wave: Shown,
 }
 
 /// All embedded outputs.
@@ -25,6 +36,8 @@ pub(crate) struct Outputs {
     /// What the drivers are commanded: 1, and not driven at all.
     on: u32,
     undriven: u32,
+    /// What of it pulses.
+    pulsing: u32,
     /// Outputs whose stages are switched off whatever they are commanded, by protection or for want of a supply.
     cut: u32,
     /// Terminals with an edge to come, and the first of these edges.
@@ -40,18 +53,28 @@ impl Outputs {
             .map(|output| {
                 let floats = output.kind == OutputKind::Fast;
                 floating |= u32::from(floats) << output.index;
-                let level = if floats { Level::HighZ } else { Level::Low };
+                let shown = Shown::Level(if floats { Level::HighZ } else { Level::Low });
                 Terminal {
                     on_delay: output.on_delay,
                     off_delay: output.off_delay,
-                    level,
-                    next: level,
+                    shown,
+                    next: shown,
                     at: Time::MAX,
                     cause: Cause::Controller,
+                    wave: shown,
                 }
             })
             .collect();
-        Outputs { terminals, floating, on: 0, undriven: floating, cut: 0, pending: 0, first: Time::MAX }
+        Outputs {
+            terminals,
+            floating,
+            on: 0,
+            undriven: floating,
+            pulsing: 0,
+            cut: 0,
+            pending: 0,
+            first: Time::MAX,
+        }
     }
 
     /// A 1 for every output.
@@ -59,9 +82,12 @@ impl Outputs {
         ((1u64 << self.terminals.len()) - 1) as u32
     }
 
-    /// The level at a terminal; none beyond the reference's outputs.
+    /// The level at a terminal; none beyond the reference's outputs, and while somebody else makes its pulses.
     pub(crate) fn level(&self, output: usize) -> Option<Level> {
-        self.terminals.get(output).map(|terminal| terminal.level)
+        match self.terminals.get(output)?.shown {
+            Shown::Level(level) => Some(level),
+            Shown::Wave { .. } => None,
+        }
     }
 
     /// What the drivers are commanded, a 1 for on; 0 for outputs that are not driven.
@@ -87,10 +113,20 @@ impl Outputs {
         self.command_by(now, bits, which, |_| Cause::Controller);
     }
 
+    /// Has an output pulse at `now`, for an expert function whose pulses somebody else makes.
+    pub(crate) fn pulse(&mut self, now: Time, output: u8, period: Span, high: Span) {
+        let bit = 1 << output & self.mask();
+        let Some(terminal) = self.terminals.get_mut(usize::from(output)) else { return };
+        terminal.wave = Shown::Wave { period, high };
+        (self.on, self.undriven, self.pulsing) = (self.on | bit, self.undriven & !bit, self.pulsing | bit);
+        self.aim(now, bit, |_| Cause::Controller);
+    }
+
     #[inline]
     fn command_by(&mut self, now: Time, bits: u32, which: u32, cause: impl Fn(u32) -> Cause) {
-        let changed = (bits ^ self.on | self.undriven) & self.mask() & which;
+        let changed = (bits ^ self.on | self.undriven | self.pulsing) & self.mask() & which;
         if changed != 0 {
+            self.pulsing &= !changed;
             (self.on, self.undriven) = (self.on ^ (bits ^ self.on) & changed, self.undriven & !changed);
             self.aim(now, changed, cause);
         }
@@ -98,7 +134,7 @@ impl Outputs {
 
     /// Commands hardware initialization values at `now` (controller:OUT-02).
     pub(crate) fn initialize(&mut self, now: Time) {
-        (self.on, self.undriven) = (0, self.floating);
+        (self.on, self.undriven, self.pulsing) = (0, self.floating, 0);
         self.aim(now, self.mask(), |_| Cause::Controller);
     }
 
@@ -116,22 +152,23 @@ impl Outputs {
             which &= which - 1;
             let has = |mask: u32| mask >> n & 1 == 1;
             let cut = has(self.cut);
-            let level = match cut || has(self.undriven) {
-                true if has(self.floating) => Level::HighZ,
-                true => Level::Low,
-                false => Level::from_bool(has(self.on)),
-            };
             let terminal = &mut self.terminals[n as usize];
-            if level == terminal.level {
-                terminal.next = level;
+            let shown = match cut || has(self.undriven) {
+                true if has(self.floating) => Shown::Level(Level::HighZ),
+                true => Shown::Level(Level::Low),
+                false if has(self.pulsing) => terminal.wave,
+                false => Shown::Level(Level::from_bool(has(self.on))),
+            };
+            if shown == terminal.shown {
+                terminal.next = shown;
                 self.pending &= !(1 << n);
-            } else if level != terminal.next || cut {
-                let delay = match (cut, level) {
+            } else if shown != terminal.next || cut {
+                let delay = match (cut, shown) {
                     (true, _) => Span::ZERO,
-                    (false, Level::High) => terminal.on_delay,
+                    (false, Shown::Level(Level::High) | Shown::Wave { .. }) => terminal.on_delay,
                     (false, _) => terminal.off_delay,
                 };
-                (terminal.next, terminal.at, terminal.cause) = (level, now.saturating_add(delay), cause(n));
+                (terminal.next, terminal.at, terminal.cause) = (shown, now.saturating_add(delay), cause(n));
                 self.pending |= 1 << n;
             }
         }
@@ -164,10 +201,13 @@ impl Outputs {
             left &= left - 1;
             let terminal = &mut self.terminals[n as usize];
             if terminal.at <= now {
-                terminal.level = terminal.next;
+                terminal.shown = terminal.next;
                 self.pending &= !(1 << n);
-                let (output, level, cause) = (n as usize, terminal.level, terminal.cause);
-                fx.push(Effect::Terminal { at: terminal.at, output, level, cause });
+                let (output, at, cause) = (n as usize, terminal.at, terminal.cause);
+                fx.push(match terminal.shown {
+                    Shown::Level(level) => Effect::Terminal { at, output, level, cause },
+                    Shown::Wave { period, high } => Effect::Wave { at, output, period, high, cause },
+                });
             }
         }
         self.find_first();

@@ -21,6 +21,7 @@ impl Controller {
     /// Operations that complete at `limit` take effect, cycles that end there write their outputs; a cycle that could
     /// start there starts with the next call, when everything else of that instant is known.
     pub fn run(&mut self, limit: Time, fx: &mut Effects) -> Time {
+        self.mend_watches();
         let before = fx.len();
         loop {
             if fx.len() > before {

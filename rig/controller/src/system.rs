@@ -190,13 +190,21 @@ impl Controller {
         for variable in SystemVariable::ALL {
             if let Some(number) = application.variable(variable.name()) {
                 self.system.links.push((*variable, number));
-                if variable.is_written() {
-                    application.watch(number);
-                }
             }
         }
+        self.watch_system();
         self.start_clocks();
         self.show_system();
+    }
+
+    /// Has the application stop where it writes a system variable.
+    pub(crate) fn watch_system(&mut self) {
+        let Some(application) = &mut self.application else { return };
+        for (variable, number) in &self.system.links {
+            if variable.is_written() {
+                application.watch(*number);
+            }
+        }
     }
 
     /// Shows the program the system variables that it mentions.

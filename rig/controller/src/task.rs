@@ -38,6 +38,32 @@ pub struct TaskFigures {
     pub load: Span,
 }
 
+/// The borders of [`JitterCounts`], in nanoseconds: 1, 2 and 5 of each decade from a microsecond to a second.
+pub const JITTER_BORDERS: [i64; 19] = [
+    1_000,
+    2_000,
+    5_000,
+    10_000,
+    20_000,
+    50_000,
+    100_000,
+    200_000,
+    500_000,
+    1_000_000,
+    2_000_000,
+    5_000_000,
+    10_000_000,
+    20_000_000,
+    50_000_000,
+    100_000_000,
+    200_000_000,
+    500_000_000,
+    1_000_000_000,
+];
+
+/// How many cycles of a task began how long after their release: up to each of [`JITTER_BORDERS`], and beyond the last.
+pub type JitterCounts = [u64; JITTER_BORDERS.len() + 1];
+
 /// One figure of [`TaskFigures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Figure {
@@ -166,6 +192,7 @@ pub(crate) struct Task {
     /// Processor time in the second under way.
     pub used: Span,
     pub figures: TaskFigures,
+    pub jitter_counts: JitterCounts,
 }
 
 impl Task {
@@ -197,12 +224,14 @@ impl Task {
             overload: (Span::ZERO, 0),
             used: Span::ZERO,
             figures: TaskFigures::default(),
+            jitter_counts: JitterCounts::default(),
         }
     }
 
     /// A new application was loaded: figures start anew, the interval is the configured one.
     pub(crate) fn begin_application(&mut self) {
         self.figures = TaskFigures::default();
+        self.jitter_counts = JitterCounts::default();
         self.consecutive = 0;
         if let TaskKind::Cyclic { interval } = self.kind {
             (self.interval, self.set_interval) = (Some(interval), Some(interval));
@@ -260,6 +289,7 @@ impl Task {
         figures.max_jitter = figures.max_jitter.max(jitter);
         figures.jitter = jitter;
         figures.starts += 1;
+        self.jitter_counts[JITTER_BORDERS.partition_point(|border| *border < jitter.as_nanos())] += 1;
         self.cycle = Cycle {
             start: now,
             used: Span::ZERO,

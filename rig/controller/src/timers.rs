@@ -33,6 +33,7 @@ impl Controller {
     /// terminals by number, tasks that wake, releases by priority, events, default values behind initialization values,
     /// update in STOPPED, flashes of indicators. [`Controller::run`] must have come to `now` before.
     pub fn fire(&mut self, now: Time, fx: &mut Effects) {
+        self.mend_watches();
         self.come_to(now);
         self.fire_watchdogs(now, fx);
         if self.power.hold_up.is_some_and(|end| end <= now) {

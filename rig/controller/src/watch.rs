@@ -35,24 +35,28 @@ fn class_of(probe: &Probe) -> u16 {
 /// The observed probes with their last values.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Watches {
-    list: Vec<(Probe, Value)>,
+    /// Nothing at the places of those that are observed no more: the next ones take them.
+    list: Vec<Option<(Probe, Value)>>,
+    /// Of the observed probes; of some that were, too, while `torn`.
     classes: u16,
+    /// A probe went, and marks that it had in common with others went with it.
+    torn: bool,
 }
 
 impl Watches {
     /// Whether a probe is observed.
     pub(crate) fn has(&self, probe: &Probe) -> bool {
-        self.list.iter().any(|(known, _)| known == probe)
+        self.list.iter().flatten().any(|(known, _)| known == probe)
     }
 
-    /// How many probes are observed.
+    /// Behind the last place of an observed probe.
     pub(crate) fn len(&self) -> usize {
         self.list.len()
     }
 
     /// The probe of this number.
     pub(crate) fn get(&self, place: usize) -> Option<Probe> {
-        self.list.get(place).map(|(probe, _)| *probe)
+        self.list.get(place)?.map(|(probe, _)| probe)
     }
 }
 
@@ -61,9 +65,27 @@ impl Controller {
     /// value at this moment is not reported: [`Controller::read`] tells it. A probe that is observed already has its
     /// number again. Variables stay observed over power cycles and downloads.
     pub fn watch(&mut self, probe: Probe) -> ProbeId {
-        if let Some(place) = self.watches.list.iter().position(|(at, _)| *at == probe) {
+        let known = self.watches.list.iter().position(|at| at.is_some_and(|(at, _)| at == probe));
+        if let Some(place) = known {
             return ProbeId(place as u32);
         }
+        self.attend_to(probe);
+        self.watches.classes |= class_of(&probe);
+        let watched = Some((probe, self.read(&probe)));
+        let free = self.watches.list.iter().position(Option::is_none);
+        let place = free.unwrap_or(self.watches.list.len());
+        match self.watches.list.get_mut(place) {
+            Some(free) => *free = watched,
+            None => self.watches.list.push(watched),
+        }
+        if matches!(probe, Probe::System(_)) {
+            self.start_clocks();
+        }
+        ProbeId(place as u32)
+    }
+
+    /// Has the parts behind a probe tell of its changes.
+    fn attend_to(&mut self, probe: Probe) {
         match probe {
             Probe::Address(at) => self.memory.watch(at),
             Probe::Variable(variable) => {
@@ -76,16 +98,57 @@ impl Controller {
             Probe::Expert { .. } => self.functions.observe(),
             _ => {}
         }
-        self.watches.classes |= class_of(&probe);
-        self.watches.list.push((probe, self.read(&probe)));
+    }
+
+    /// Room for so many observed probes: to observe them takes no memory then.
+    pub fn reserve_watches(&mut self, probes: usize) {
+        self.watches.list.reserve(probes.saturating_sub(self.watches.list.len()));
+    }
+
+    /// Ends [`Controller::watch`]. Its number may be that of another probe from now on.
+    pub fn unwatch(&mut self, probe: ProbeId) {
+        let place = self.watches.list.get_mut(probe.0 as usize);
+        let Some((probe, _)) = place.and_then(Option::take) else { return };
+        match probe {
+            Probe::Address(at) => self.memory.unwatch(at),
+            Probe::Variable(variable) => {
+                if let Some(application) = &mut self.application {
+                    application.unwatch(variable);
+                }
+            }
+            // What tells of the others costs little, or is shared.
+            _ => {}
+        }
+        self.watches.torn = true;
+    }
+
+    /// Has everything tell of its changes again that stopped doing so when another probe went. However many went, it
+    /// is done once, before the next of what the marks are for.
+    #[inline]
+    pub(crate) fn mend_watches(&mut self) {
+        if std::mem::take(&mut self.watches.torn) {
+            self.attend_again();
+        }
+    }
+
+    #[cold]
+    fn attend_again(&mut self) {
+        self.watches.classes = 0;
+        for place in 0..self.watches.list.len() {
+            let Some((probe, _)) = self.watches.list[place] else { continue };
+            self.watches.classes |= class_of(&probe);
+            if matches!(probe, Probe::Address(_) | Probe::Variable(_) | Probe::Register(_)) {
+                self.attend_to(probe);
+            }
+        }
+        self.watch_system();
         self.start_clocks();
-        ProbeId(self.watches.list.len() as u32 - 1)
     }
 
     /// Has a new application watch the variables that are observed.
     pub(crate) fn watch_again(&mut self) {
         let Some(application) = &mut self.application else { return };
-        for (probe, _) in &self.watches.list {
+        for (probe, _) in self.watches.list.iter().flatten() {
             if let Probe::Variable(variable) = probe {
                 application.watch(*variable);
             }
@@ -111,13 +174,13 @@ impl Controller {
     fn report(&mut self, classes: u16, at: Time, cause: Cause, fx: &mut Effects) {
         self.leds.seen = at;
         for place in 0..self.watches.list.len() {
-            let (probe, last) = self.watches.list[place];
+            let Some((probe, last)) = self.watches.list[place] else { continue };
             if class_of(&probe) & classes == 0 {
                 continue;
             }
             let value = self.read(&probe);
             if value != last {
-                self.watches.list[place].1 = value;
+                self.watches.list[place] = Some((probe, value));
                 let cause = match probe {
                     Probe::Address(address) if address.area() == Area::Output => {
                         self.memory.writer(address.bit_offset())
@@ -138,6 +201,6 @@ impl Controller {
             Probe::LedLit(led) => self.next_flash(*led, now),
             _ => Time::MAX,
         };
-        self.watches.list.iter().map(next).min().unwrap_or(Time::MAX)
+        self.watches.list.iter().flatten().map(next).min().unwrap_or(Time::MAX)
     }
 }

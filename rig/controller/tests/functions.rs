@@ -206,3 +206,60 @@ fn levels_at_power_on_reach_the_functions() {
     rig.after(ms(10));
     assert!(edges(&rig, 0, again + ms(1)).is_empty(), "EN is 0");
 }
+
+/// What Q0 was told to do, waves and levels.
+fn told(rig: &Rig, from: Time) -> Vec<(Time, &'static str)> {
+    let what = |effect: &Effect| match *effect {
+        Effect::Terminal { at, output: 0, level, .. } if at >= from => Some((
+            at,
+            match level {
+                Level::Low => "0",
+                Level::High => "1",
+                Level::HighZ => "Z",
+            },
+        )),
+        Effect::Wave { at, output: 0, period, high, .. } if at >= from => {
+            assert_eq!((period, high), (ms(1), us(500)));
+            Some((at, "pulses"))
+        }
+        _ => None,
+    };
+    rig.seen.iter().filter_map(what).collect()
+}
+
+// io:OUT-19, io:OUT-20, io:OUT-06: whoever makes the pulses of an output is told of all that ends them.
+#[test]
+fn an_output_whose_pulses_somebody_else_makes_follows_state_protection_and_supply() {
+    let mut config = config();
+    config.expert = functions();
+    let mut rig = Rig::off(config, script());
+    rig.plc.commission(b"app", State::Running).unwrap();
+    rig.plc.delegate(0b1);
+    rig.power_on();
+    let begin = run_at(Span::ZERO);
+    rig.to(begin + ms(50));
+    assert_eq!(told(&rig, begin), [(begin + us(3), "pulses")]);
+    assert_eq!(rig.plc.read(&Probe::Terminal(0)), Value::Unknown);
+    let mut at = rig.now;
+    rig.plc.disturb(at, Disturbance::IoSupply(false), &mut rig.fx);
+    rig.after(ms(10));
+    rig.plc.disturb(rig.now, Disturbance::IoSupply(true), &mut rig.fx);
+    rig.after(ms(10));
+    let back = at + ms(10) + us(2);
+    assert_eq!(told(&rig, at), [(at, "Z"), (back, "pulses")]);
+    at = rig.now;
+    rig.command(Command::Stop).unwrap();
+    rig.after(ms(30));
+    assert_eq!(told(&rig, at).iter().map(|(_, what)| *what).collect::<Vec<_>>(), ["0"]);
+    at = rig.now;
+    rig.command(Command::Run).unwrap();
+    rig.after(ms(30));
+    assert_eq!(told(&rig, at).iter().map(|(_, what)| *what).collect::<Vec<_>>(), ["pulses"]);
+    // It stays so over a power cycle.
+    at = rig.now;
+    rig.power_off();
+    rig.after(ms(500));
+    rig.power_on();
+    rig.after(Span::from_secs(3));
+    assert_eq!(told(&rig, at).last().map(|(_, what)| *what), Some("pulses"));
+}

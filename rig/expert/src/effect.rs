@@ -1,6 +1,6 @@
 //! What expert functions do to the rest of the controller.
 
-use signal::Time;
+use signal::{Span, Time};
 
 /// Something that a function does at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +11,21 @@ pub enum Effect {
         output: u8,
         /// Whether it is switched on.
         on: bool,
+    },
+    /// The stage of output Q`output`, which was delegated, pulses until it is commanded something else. Where it pulses
+    /// already, from the end of its period on.
+    Wave {
+        /// n for Qn.
+        output: u8,
+        /// The period, to the nanosecond.
+        period: Span,
+        /// How long of it the output is on, to the nanosecond; above 0 and below the period.
+        high: Span,
+    },
+    /// The period of such a wave begins anew.
+    Anew {
+        /// n for Qn.
+        output: u8,
     },
     /// A threshold of a counter raises its event (io:STD-HSC-11).
     Threshold {

@@ -109,6 +109,30 @@ impl Expert {
         }
     }
 
+    /// Hardware counts the pulses at these inputs, bit n for In: counters whose pulses they are take what it counted by
+    /// [`Expert::count`], and no edges of their phases.
+    #[must_use]
+    pub fn counted(mut self, inputs: u32) -> Expert {
+        for unit in &mut self.units {
+            if let Unit::Counter(counter) = unit {
+                counter.counted(inputs);
+            }
+        }
+        self
+    }
+
+    /// Hardware at terminal I`input` counted so many steps more by `at`, below 0 backwards, in the direction that it found.
+    /// Instants never go backwards.
+    pub fn count(&mut self, at: Time, input: usize, steps: i64) {
+        self.fire(at);
+        let listening = self.listeners.get(input).copied().unwrap_or(0);
+        for (place, unit) in self.units.iter_mut().enumerate() {
+            if let (1, Unit::Counter(counter)) = (listening >> place & 1, unit) {
+                counter.take_steps(at, input as u8, steps, &mut self.fx);
+            }
+        }
+    }
+
     /// Somebody looks at what functions show, from now on: whoever calls blocks has to say so each time.
     pub fn observe(&mut self) {
         self.observed = true;
@@ -124,6 +148,18 @@ impl Expert {
     #[inline]
     pub const fn outputs(&self) -> u32 {
         self.outputs
+    }
+
+    /// Square waves on these outputs, bit n for Qn, are made by somebody else from now on: their functions bring about
+    /// [`crate::Effect::Wave`] in place of edges, and nobody counts their pulses.
+    pub fn delegate(&mut self, outputs: u32) {
+        for unit in &mut self.units {
+            if let Unit::Pwm(wave) | Unit::Generator(wave) = unit
+                && wave.outputs() & outputs != 0
+            {
+                wave.delegate();
+            }
+        }
     }
 
     /// The level at terminal I`input` from `at` on. Instants never go backwards.

@@ -1,7 +1,7 @@
 //! The rig's side of its guard.
 
 use crate::page::Page;
-use crate::wire::{Message, Tag};
+use crate::wire::{Message, PWM, Tag};
 use crate::{GuardError, Lacks, Reason};
 use drivers::{Bite, GuardSettings, HeldLines, Keeper, LineApi};
 use host::{Unstoppable, monotonic, never_stops};
@@ -153,6 +153,7 @@ impl GuardHandle {
             let count = match held.api {
                 LineApi::V1 { lines } => i64::from(lines),
                 LineApi::V2 => 0,
+                LineApi::Pwm => PWM,
             };
             let numbers = [count, held.mask.cast_signed(), held.safe.cast_signed(), 0];
             let message = Message::new(Tag::Hold, numbers).with(&held.device);
@@ -239,11 +240,7 @@ impl GuardHandle {
     ///
     /// # Errors
     /// [`GuardError::Unsafe`]: the guard stays, goes on trying, and lets the watchdog bite. [`GuardError::Gone`].
-    pub fn close(self) -> Result<(), GuardError> {
-        self.goodbye()
-    }
-
-    fn goodbye(&self) -> Result<(), GuardError> {
+    pub fn close(&self) -> Result<(), GuardError> {
         let mut inner = self.inner();
         if std::mem::replace(&mut inner.closed, true) {
             return Ok(());
@@ -293,7 +290,7 @@ impl GuardHandle {
 impl Drop for GuardHandle {
     fn drop(&mut self) {
         // In a panic nobody knows what the rig's board still does: the guard latches, and sees this process die.
-        let _ = if std::thread::panicking() && !self.inner().closed { self.trip() } else { self.goodbye() };
+        let _ = if std::thread::panicking() && !self.inner().closed { self.trip() } else { self.close() };
     }
 }
 

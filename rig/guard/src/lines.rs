@@ -2,6 +2,7 @@
 
 use drivers::{HeldLines, LineApi};
 use gpiocdev_uapi::{Error, v1, v2};
+use rustix::io::{Errno, pread, pwrite};
 use std::fs::File;
 use std::io;
 
@@ -20,7 +21,7 @@ pub trait Lines: Send {
     fn read(&mut self) -> io::Result<u64>;
 }
 
-/// Lines of a GPIO chip, behind either of the kernel's interfaces.
+/// Lines of a GPIO chip, behind either of the kernel's interfaces, or an output of a PWM chip.
 #[derive(Debug)]
 pub struct KernelLines {
     claim: File,
@@ -56,6 +57,7 @@ impl Lines for KernelLines {
                 }
                 v1::set_line_values(&self.claim, &values)
             }
+            LineApi::Pwm => return self.rest(levels),
         }
         .map_err(plain)
     }
@@ -73,7 +75,24 @@ impl Lines for KernelLines {
                 let bits = values.0.iter().enumerate().take(usize::from(lines));
                 Ok(bits.fold(0, |bits, (line, value)| bits | u64::from(*value != 0) << line) & self.mask)
             }
+            LineApi::Pwm => {
+                let mut text = [0; 24];
+                let used = pread(&self.claim, &mut text, 0)?;
+                // Anything but a 0 and the end of its line is a wave, or nonsense.
+                Ok(u64::from(text[..used].trim_ascii() != b"0") & self.mask)
+            }
         }
+    }
+}
+
+impl KernelLines {
+    /// Brings an output of a PWM chip to rest: all that can be asked of it without its period.
+    fn rest(&self, levels: u64) -> io::Result<()> {
+        if levels & self.mask != 0 {
+            return Err(Errno::INVAL.into());
+        }
+        pwrite(&self.claim, b"0\n", 0)?;
+        Ok(())
     }
 }
 
@@ -103,6 +122,20 @@ mod tests {
             assert!(lines.drive(0).unwrap_err().raw_os_error().is_some());
             assert!(lines.read().is_err());
         }
+    }
+
+    #[test]
+    fn an_output_of_a_pwm_chip_is_made_to_rest_and_nothing_else() {
+        let path = std::env::temp_dir().join(format!("duty-{}", std::process::id()));
+        std::fs::write(&path, "7\n").unwrap();
+        let claim = File::options().read(true).write(true).open(&path).unwrap().into();
+        let held = HeldLines { device: "pwmchip0".into(), claim, api: LineApi::Pwm, mask: 1, safe: 0 };
+        let mut lines = KernelLines::new(held);
+        assert_eq!(lines.read().unwrap(), 1);
+        assert!(lines.drive(1).is_err());
+        lines.drive(0).unwrap();
+        assert_eq!((lines.read().unwrap(), std::fs::read_to_string(&path).unwrap().as_str()), (0, "0\n"));
+        std::fs::remove_file(&path).unwrap();
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::driver::Driver;
 use crate::lines::Lines;
 use crate::page::Page;
 use crate::takeover::{Guest, Listener};
-use crate::wire::{Descriptors, Message, Tag};
+use crate::wire::{Descriptors, Message, PWM, Tag};
 use drivers::{Bite, HeldLines, LineApi};
 use host::{Watchdog, monotonic};
 use nix::sys::signalfd::SignalFd;
@@ -371,6 +371,7 @@ impl<'a> Watch<'a> {
         let api = match u8::try_from(lines) {
             Ok(0) => LineApi::V2,
             Ok(lines @ 1..=64) => LineApi::V1 { lines },
+            Err(_) if lines == PWM => LineApi::Pwm,
             _ => return Err("a claim has at most 64 lines".into()),
         };
         let (mask, device) = (mask.cast_unsigned(), message.text().to_owned());

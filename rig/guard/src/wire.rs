@@ -13,6 +13,8 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 pub(crate) const MOST_TEXT: usize = 200;
 /// Most descriptors in a message.
 const MOST_DESCRIPTORS: usize = 2;
+/// What stands in place of the number of lines for an output of a PWM chip.
+pub(crate) const PWM: i64 = -1;
 /// Numbers in a message.
 const NUMBERS: usize = 4;
 /// Bytes before the text: the tag and the numbers.

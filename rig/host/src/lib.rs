@@ -4,6 +4,7 @@
 //! name. Not goals: devices (`drivers`), what runs when (`runtime`).
 
 mod bell;
+mod counter;
 mod datagram;
 mod descriptor;
 mod histogram;
@@ -19,20 +20,24 @@ mod time;
 mod watchdog;
 
 pub use bell::{Bell, Woken};
+pub use counter::{
+    COUNTER_RECORD, CounterEvent, CounterEventKind, disable_counter_events, enable_counter_events,
+    watch_count,
+};
 pub use datagram::{Received, receive, stamp_arrivals};
 pub use descriptor::duplicate;
 pub use histogram::Histogram;
 pub use latency::{Wakeups, wakeups};
 pub use lock::lock_bytes;
 pub use machine::{Machine, Preemption};
-pub use process::{Punctual, lock_memory};
+pub use process::{Punctual, ask_to_end, lock_memory};
 pub use refused::{Privilege, Refused};
 pub use rustix::io::Errno;
 pub use serial::{
     LineCounters, Rs485, is_exclusive, line_counters, low_latency, rs485, set_low_latency, set_rs485,
     transmitter_is_empty,
 };
-pub use stop::Unstoppable;
+pub use stop::{Unstoppable, stop_here};
 pub use thread::{Entered, Processors, Realtime, Role, go_before_all};
 pub use time::{Bracket, TimeBase, monotonic, resolution};
 pub use watchdog::{Watchdog, never_stops};

@@ -3,9 +3,10 @@
 use crate::refused::{Privilege, Refused};
 use rustix::io::Errno;
 use rustix::mm::{MlockAllFlags, mlockall, munlockall};
-use rustix::process::{Resource, getrlimit};
+use rustix::process::{Pid, Resource, Signal, getrlimit, kill_process};
 use std::fs::File;
 use std::io::Write;
+use std::process::Child;
 
 /// CAP_IPC_LOCK in the bits of a capability set.
 const IPC_LOCK: u32 = 14;
@@ -65,6 +66,17 @@ pub fn lock_memory() -> Result<(), Errno> {
         return Err(Errno::PERM);
     }
     mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE)
+}
+
+/// Asks a process that this one started to end (SIGTERM), so that it can put its things in order. One that has ended is
+/// left alone: as long as nobody waited for it its number belongs to nobody else.
+///
+/// # Errors
+/// What the kernel says.
+pub fn ask_to_end(child: &Child) -> Result<(), Errno> {
+    let Ok(number) = i32::try_from(child.id()) else { return Err(Errno::SRCH) };
+    let Some(pid) = Pid::from_raw(number) else { return Err(Errno::SRCH) };
+    kill_process(pid, Signal::TERM)
 }
 
 /// Whether a capability is in effect, as far as /proc tells.

@@ -34,3 +34,12 @@ fn on_stop(action: libc::sighandler_t) -> io::Result<libc::sighandler_t> {
         before => Ok(before),
     }
 }
+
+/// Stops this process as the key does, until somebody lets it go on: job control of a shell.
+#[allow(unsafe_code)]
+pub fn stop_here() {
+    // SAFETY: raise takes a number and touches no memory; the signal's action is the default, or one of `on_stop`.
+    // It is sent to this very thread, so it has taken effect when the call returns. Whether it could be sent makes no
+    // difference to what follows.
+    let _ = unsafe { libc::raise(libc::SIGTSTP) };
+}

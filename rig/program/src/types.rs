@@ -199,16 +199,27 @@ impl Elementary {
         if self.wide_unsigned() { cell as u64 as i128 } else { cell as i128 }
     }
 
+    /// Nanoseconds in one step of a duration, a time of day or a date; `None` for what is no time.
+    pub const fn nanos(self) -> Option<u64> {
+        match self {
+            Ltime | Ldate | Ltod | Ldt => Some(1),
+            Time | Tod => Some(1_000_000),
+            Date | Dt => Some(1_000_000_000),
+            _ => None,
+        }
+    }
+
     /// A cell as the value that plans and traces speak of; TIME in nanoseconds.
     pub(crate) const fn value(self, cell: i64) -> Value {
         match self {
             Bool => Value::Bool(cell & 1 == 1),
-            Time | Tod => Value::Int(cell * 1_000_000),
-            Date | Dt => Value::Int(cell * 1_000_000_000),
             Real => Value::Real(f32::from_bits(cell as u32) as f64),
             Lreal => Value::Real(f64::from_bits(cell as u64)),
             Ulint | Byte | Word | Dword | Lword => Value::Word(cell as u64),
-            _ => Value::Int(cell),
+            _ => match self.nanos() {
+                Some(nanos) => Value::Int(cell * nanos as i64),
+                None => Value::Int(cell),
+            },
         }
     }
 
@@ -222,12 +233,7 @@ impl Elementary {
             _ => {}
         }
         let number = value.as_int()? as i64;
-        let unit = match self {
-            Time | Tod => 1_000_000,
-            Date | Dt => 1_000_000_000,
-            _ => 1,
-        };
-        Some(self.wrap(number.div_euclid(unit)))
+        Some(self.wrap(number.div_euclid(self.nanos().unwrap_or(1) as i64)))
     }
 
     /// Whether a located variable of this type covers exactly an address of `size`.

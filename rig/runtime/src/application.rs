@@ -344,6 +344,12 @@ impl Application for ProgramApplication {
         }
     }
 
+    fn unwatch(&mut self, variable: u32) {
+        if let Some(variable) = self.resolved.of(variable) {
+            self.machine.unwatch(variable);
+        }
+    }
+
     fn answer(&mut self, task: usize, result: i64) {
         self.machine.answer(task, result);
     }

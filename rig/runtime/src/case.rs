@@ -6,9 +6,10 @@ use crate::configure::initial_state;
 use crate::coverage::{Collector, Covered};
 use crate::executor::{Executor, Limits, Parts, Ran};
 use crate::hardware::{Hardware, in_virtual_time};
+use crate::live::{self, Port};
 use crate::needs::{Unmet, unmet};
 use crate::operator::Operator;
-use crate::prepare::Prepared;
+use crate::prepare::{NOT_PROMISED, Prepared};
 use crate::recorder::Recorder;
 
 use crate::schedule::Schedule;
@@ -17,6 +18,7 @@ use crate::stepping::Stepper;
 use crate::subject::Subject;
 use crate::suite::nobody;
 use crate::trouble::Trouble;
+use crate::turns::Turns;
 use crate::{describe, lanes, reach, refusal, spill};
 use document::{Diagnostic, Joined, SourceFile};
 use drivers::BoardFile;
@@ -28,8 +30,8 @@ use profile::{Profile, Reference};
 use record::{CaseRecord, CaseStatus, FramesKept, RigTiming, StepRecord, TaskFigures, Verdict};
 use signal::{SignalId, Span, Time, Trace, Value, When};
 use std::borrow::Cow;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 /// The memory that a trace takes before it goes on in a file, in bytes: enough for the traces of all but the longest
@@ -68,6 +70,10 @@ pub struct RunOptions<'a> {
     pub operator: Option<&'a dyn Operator>,
     /// The real lines of the cases whose board file is theirs, if there are any.
     pub hardware: Option<&'a Hardware>,
+    /// Is shown every turn of the executor.
+    pub turns: Option<&'a Turns>,
+    /// Serves the clients of a rig that is kept running.
+    pub live: Option<&'a Mutex<Port>>,
 }
 
 /// The least that a rig without real-time priority can be asked to keep on the host's clock.
@@ -86,6 +92,8 @@ impl<'a> RunOptions<'a> {
             interrupt,
             operator: None,
             hardware: None,
+            turns: None,
+            live: None,
         }
     }
 }
@@ -311,10 +319,17 @@ fn run_here(
     if !found.is_empty() {
         return Err(found);
     }
+    // Lines that are not known to make the pulses of a step are no instrument for it.
+    if let Some(warning) = prepared.warnings.iter().find(|warning| warning.code == NOT_PROMISED) {
+        record.verdict = Verdict::Inconclusive;
+        record.reason = format!("{}; {}", warning.message, warning.help);
+        return Ok(CaseResult::not_run(record));
+    }
     let Stage { mut subject, mut board, program, .. } = stage;
     let initial = initial_state(case.settings.initial);
     let Prepared { mut trace, mut wiring, steps, probes, mut alarms, .. } = prepared;
     describe::annotate(&mut trace, case, files, &*subject, clock.name());
+    describe::promises(&mut trace, &wiring, board.channels());
     let mut judge = Judge::new(case.scenario(), trace.signals())?;
     if !options.fail_fast {
         judge = judge.unhurried();
@@ -346,14 +361,17 @@ fn run_here(
         interrupt: options.interrupt,
         operator: options.operator,
         heart: hardware.and_then(Hardware::heart),
+        turns: options.turns,
     };
-    let executor = Executor::new(parts, limits);
+    let mut port = options.live.map(live::held);
+    let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), live::Role::Case);
     let entered = hardware.map(Hardware::enter);
     let mut ran = match stepper {
         Some(stepper) => executor.stepping(stepper).run(),
         None => executor.run(),
     };
     drop(entered);
+    drop(port);
     if let Err(error) = subject.unload(options.interrupt) {
         ran.trouble.get_or_insert(Trouble::Hook(error));
     }

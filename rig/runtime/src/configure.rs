@@ -72,6 +72,10 @@ pub fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, V
     config.tool_connected = settings.login.unwrap_or(config.tool_connected);
     config.alarm_output = settings.alarm_output.map(|address| address.bit_offset() as usize);
     config.expert = functions::configure(settings, &files.plan.name)?;
+    if !files.board.subject.is_external() {
+        config.counted = functions::counted(&files.board, files.reference);
+        functions::check_counted(&config.expert, config.counted, settings, &files.plan.name)?;
+    }
     inputs::configure(&mut config, settings, &files.plan.name)?;
     for (address, on) in &settings.output_defaults {
         if address.bit_offset() as usize >= files.reference.output_count() {

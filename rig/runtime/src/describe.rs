@@ -2,8 +2,11 @@
 
 use crate::case::CaseFiles;
 use crate::subject::Subject;
+use crate::wiring::Wiring;
 use document::Joined;
+use drivers::Channel;
 use plans::Case;
+use plans::judge::counts_note;
 use plans::plan::ProgramRef;
 use plans::steps::{Command, Disturbance, FaultKind, FileDeed, Shape, Stimulus};
 use record::{CaseRecord, Hashes, Origin, Parameter, StepRecord};
@@ -73,6 +76,17 @@ pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
             })
             .collect(),
         ..CaseRecord::default()
+    }
+}
+
+/// Writes into the trace up to which frequency its board tells every pulse, where the board says it.
+pub fn promises(trace: &mut Trace, wiring: &Wiring, channels: &[Channel]) {
+    for (channel, signals) in channels.iter().zip(&wiring.channels) {
+        for signal in signals.iter().filter(|_| channel.is_digital()) {
+            if let (Some(hz), Some(info)) = (channel.counts_hz, trace.signals().get(signal.0 as usize)) {
+                trace.set_note(&counts_note(&info.name), hz.to_string());
+            }
+        }
     }
 }
 

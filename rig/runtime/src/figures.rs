@@ -29,6 +29,73 @@ fn folder_of(state: Option<OsString>, home: Option<OsString>) -> Option<PathBuf>
     Some(state.join("rig"))
 }
 
+/// The kind of the figures of `rig bench counts`.
+pub const COUNTS: &str = "counts";
+
+/// How fast pulses can be for a board to count every one, and how fast it makes them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counted {
+    /// The fastest pulses of which all were counted each time, in Hz.
+    pub counted_hz: u64,
+    /// The fastest that were made, in Hz.
+    pub made_hz: u64,
+    /// Faster ones were made, and some of them were missing.
+    pub is_limit: bool,
+}
+
+impl Counted {
+    /// As settings of the figures that are kept.
+    pub fn settings(&self) -> [(String, String); 3] {
+        let limit = if self.is_limit { "yes" } else { "no" };
+        [
+            (String::from("counted Hz"), self.counted_hz.to_string()),
+            (String::from("made Hz"), self.made_hz.to_string()),
+            (String::from("faster ones were lost"), String::from(limit)),
+        ]
+    }
+
+    /// Out of figures that were kept.
+    pub fn of(record: &MachineRecord) -> Option<Counted> {
+        let text = |name: &str| {
+            let found = record.settings.iter().find(|(known, _)| known == name);
+            found.map(|(_, text)| text.as_str())
+        };
+        Some(Counted {
+            counted_hz: text("counted Hz")?.parse().ok()?,
+            made_hz: text("made Hz")?.parse().ok()?,
+            is_limit: text("faster ones were lost")? == "yes",
+        })
+    }
+
+    /// What was counted, in words.
+    pub fn counted(&self) -> String {
+        let hz = self.counted_hz;
+        match (hz, self.is_limit) {
+            (0, _) => String::from("no pulses, not even the slowest"),
+            (hz, true) => format!("up to {hz} Hz"),
+            (hz, false) => format!("up to {hz} Hz at least: no faster pulses could be made"),
+        }
+    }
+
+    /// A promise of an input that was not kept when it was measured, as a finding.
+    pub fn broken(&self, input: &str, promised_hz: u64) -> Option<Diagnostic> {
+        if promised_hz <= self.counted_hz {
+            return None;
+        }
+        let counted = self.counted();
+        let message =
+            format!("the board file promises to count {promised_hz} Hz of `{input}`; measured: {counted}");
+        let help = match self.is_limit || self.counted_hz == 0 {
+            true => format!(
+                "write counts-up-to = \"{} Hz\" or less, or count with a counter of the kernel",
+                self.counted_hz.max(1)
+            ),
+            false => String::from("measure with a faster output: a generator by --out, wired to the input"),
+        };
+        Some(Diagnostic::warning("R0316", message).help(help))
+    }
+}
+
 /// What a histogram says, under a name. `None` of an empty one.
 pub fn durations(name: &str, of: &Histogram) -> Option<Durations> {
     (of.count() > 0).then(|| Durations {

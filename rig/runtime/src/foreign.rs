@@ -302,7 +302,7 @@ impl Replay {
                     self.schedule.begin(step, at, &[]);
                 }
                 Due::Emit(n) => {
-                    self.schedule.emitted(step, n, &mut self.emitted);
+                    self.schedule.emitted(step, n, None, &mut self.emitted);
                     self.emitted.clear();
                 }
                 Due::Done if !self.schedule.is_done(step) => {}

@@ -109,6 +109,11 @@ fn settings(case: &Case) -> String {
         let key = format!("inputs.\"{}\"", input.address);
         line(&format!("{key}.latch"), input.latch.then(|| String::from("true")));
     }
+    for function in &given.expert {
+        for (key, value) in function.written() {
+            line(&format!("expert.{:?}.{key}", function.name), Some(value));
+        }
+    }
     for task in &given.tasks {
         let span = |span: Option<Span>| span.map(|span| format!("\"{span}\""));
         let key = if task.name == "MAST" { String::from("mast") } else { format!("tasks.\"{}\"", task.name) };

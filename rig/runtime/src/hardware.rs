@@ -9,8 +9,8 @@ use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
 use drivers::convert::Date;
 use drivers::{
-    Board, BoardError, BoardEvent, BoardFile, BoardKind, Bus, BusEvent, BusId, Channel, ChannelId, Fault,
-    Frame, Health, HeldLines, Loop, RealtimeSettings, Surroundings,
+    Board, BoardError, BoardEvent, BoardFile, BoardKind, Bus, BusEvent, BusId, Channel, ChannelId, Emission,
+    Fault, Frame, Health, HeldLines, Loop, RealtimeSettings, Surroundings,
 };
 use guard::{Guard, GuardError, GuardHandle, Lacks};
 use host::{Entered, Privilege, Punctual, Refused, Role};
@@ -249,6 +249,12 @@ impl Hardware {
         facts
     }
 
+    /// Whether the threads of the run have real-time priority.
+    pub fn has_priority(&self) -> bool {
+        let refused = self.refused.iter().any(|refused| refused.what == Privilege::Priority);
+        self.settings.priority.is_some() && !refused
+    }
+
     /// Whether the memory of the process stays in place.
     pub fn is_locked(&self) -> bool {
         self.punctual.is_locked()
@@ -286,8 +292,13 @@ impl Drop for Hardware {
     fn drop(&mut self) {
         let board = self.place.lock().take();
         if let Some(mut board) = board {
-            // Lines that cannot be reached any more are the guard's, to which the goodbye comes last.
+            // Lines that cannot be reached any more are the guard's.
             let _ = board.safe(self.surroundings.time.now());
+            // It looks at the outputs once more, and a PWM output that was given back is not there to be looked at. In a
+            // panic it sees this process die.
+            if let Some(heart) = self.heart.as_ref().filter(|_| !std::thread::panicking()) {
+                let _ = heart.close();
+            }
         }
     }
 }
@@ -324,6 +335,10 @@ impl Board for Lent {
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
         self.board()?.write(now, writes)
+    }
+
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        self.board()?.emit(now, channel, emission)
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {

@@ -1,7 +1,7 @@
 //! What a plan needs of subject, board and rig.
 
 use crate::subject::{Capability, Subject};
-use drivers::{Board, FaultSet};
+use drivers::{Board, Channel, FaultSet};
 use plans::Case;
 use plans::lang::{Amount, Need, Relation};
 use plans::steps::Stimulus;
@@ -30,17 +30,18 @@ fn unmet_need(need: &Need, subject: &dyn Subject, board: &dyn Board, late: Span)
     let lines = || board.channels().iter().filter(|channel| channel.is_digital());
     match (need.word, need.bound) {
         ("pulse", bound) => {
-            let fastest = lines().filter(|channel| channel.drives).map(|channel| channel.max_pulse_hz).max();
-            let fastest = u128::from(fastest.unwrap_or(0)) * 1_000;
+            let fastest = lines().map(fastest_pulses).max().unwrap_or(0);
             let wanted = match bound.map(|bound| (bound.relation, bound.amount)) {
                 Some((Relation::AtLeast, Amount::Millihertz(wanted))) => u128::from(wanted),
                 _ => 1,
             };
             (fastest < wanted).then(|| {
-                Unmet::Instrument(format!(
-                    "the board emits pulses up to {} Hz, the plan needs more",
-                    fastest / 1_000
-                ))
+                Unmet::Instrument(match fastest / 1_000 {
+                    0 => String::from(
+                        "the board promises no pulses: `pulses-up-to` of a channel says what its line can make",
+                    ),
+                    hz => format!("the board emits pulses up to {hz} Hz, the plan needs more"),
+                })
             })
         }
         ("timestamp", bound) => {
@@ -64,4 +65,13 @@ fn unmet_need(need: &Need, subject: &dyn Subject, board: &dyn Board, late: Span)
             _ => Some(Unmet::Power(format!("the subject does not have the power `{word}`"))),
         },
     }
+}
+
+/// The fastest pulses that a channel emits, written edge by edge or made by itself, in thousandths of a Hertz.
+fn fastest_pulses(channel: &Channel) -> u128 {
+    let written = if channel.drives { u128::from(channel.max_pulse_hz) * 1_000 } else { 0 };
+    let made = channel.emits.map_or(0, |emits| {
+        1_000_000_000_000 / u128::from(emits.shortest.as_nanos().max(1).unsigned_abs()) / 2
+    });
+    written.max(made)
 }

@@ -1,11 +1,12 @@
 //! The steps of a case on their way to their instants. Prepared before the start: nothing is allocated while the
 //! case runs.
 
+mod awaited;
 mod course;
 
-use crate::generator::Generator;
+use crate::generator::{Generator, Order};
 use controller::{Command, Disturbance, FileUser, Probe};
-use drivers::{BusId, ChannelId, Fault, Frame};
+use drivers::{ChannelId, Fault};
 use plans::lang::{Anchor, Base};
 use plans::plan::{Phase, Repeat};
 use plans::steps::{FileDeed, Question};
@@ -14,6 +15,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::sync::Arc;
 
+pub use awaited::Awaited;
 use course::Course;
 pub use course::EndReason;
 
@@ -77,46 +79,6 @@ pub enum Expected {
     Obeyed,
     /// Obedience is trouble.
     Refused,
-}
-
-/// What an awaited step waits for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Awaited {
-    /// The signal becomes this value.
-    Becomes(Value),
-    /// It becomes TRUE.
-    Rises,
-    /// It becomes FALSE.
-    Falls,
-    /// It changes.
-    Changes,
-    /// It moves from at or below to above this.
-    Above(f64),
-    /// It moves from at or above to below this.
-    Below(f64),
-}
-
-impl Awaited {
-    /// Whether a change of the signal is what is waited for.
-    fn met(self, before: Option<Value>, value: Value) -> bool {
-        let real = |value: Option<Value>| value.and_then(Value::as_real);
-        match self {
-            Awaited::Becomes(wanted) => value == wanted,
-            Awaited::Rises => value.as_bool() == Some(true) && before.and_then(Value::as_bool) != Some(true),
-            Awaited::Falls => {
-                value.as_bool() == Some(false) && before.and_then(Value::as_bool) != Some(false)
-            }
-            Awaited::Changes => true,
-            Awaited::Above(limit) => {
-                real(Some(value)).is_some_and(|now| now > limit)
-                    && real(before).is_none_or(|then| then <= limit)
-            }
-            Awaited::Below(limit) => {
-                real(Some(value)).is_some_and(|now| now < limit)
-                    && real(before).is_none_or(|then| then >= limit)
-            }
-        }
-    }
 }
 
 /// When a step comes.
@@ -216,6 +178,9 @@ impl Root {
         found.unwrap_or(Root::Never)
     }
 }
+
+/// An edge that the rig is late with keeps this much of its distance from the one before it, as a fraction.
+const KEPT: (i64, i64) = (3, 4);
 
 /// How far the generator of a step has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -412,7 +377,7 @@ impl Schedule {
         let ticket = self.running[step].ticket + 1;
         self.running[step] = Running { ticket, ..Running::default() };
         if !self.runs(step) {
-            self.emit(step);
+            self.emit(step, None);
         }
         self.again(step, n, now);
         for place in 0..self.roots.len() {
@@ -441,8 +406,24 @@ impl Schedule {
         Some(self.begun[step]?.saturating_add(rises))
     }
 
-    /// Queues the next act of a generator. Behind the last one that comes within the step's time the step is done.
-    fn emit(&mut self, step: usize) {
+    /// When the next act of a step's generator is to come, however late the rig is.
+    pub fn planned(&self, step: usize) -> Option<Time> {
+        let after = self.steps[step].generator.as_ref()?.after(self.running[step].act)?;
+        Some(self.begun[step]?.saturating_add(after))
+    }
+
+    /// Whether edges that were to come by this instant are still to come.
+    pub fn is_behind(&self, end: Time) -> bool {
+        let late = |step: &usize| {
+            let edges = self.steps[*step].generator.as_ref().is_some_and(Generator::is_of_edges);
+            edges && !self.running[*step].stopped && self.planned(*step).is_some_and(|at| at <= end)
+        };
+        (0..self.steps.len()).any(|step| late(&step))
+    }
+
+    /// Queues the next act of a generator. Behind the last one that comes within the step's time the step is done. Where
+    /// the act before came at `reached`, edges of pulses keep apart from it.
+    fn emit(&mut self, step: usize, reached: Option<Time>) {
         let Some(begun) = self.begun[step] else { return };
         let Running { ticket, act, .. } = self.running[step];
         let after = self.steps[step].generator.as_ref().and_then(|generator| generator.after(act));
@@ -450,7 +431,14 @@ impl Schedule {
             self.done_later(step, begun);
         }
         if let Some(after) = after {
-            self.put(begun.saturating_add(after), step, Due::Emit(ticket));
+            let apart = reached.and_then(|reached| {
+                let generator =
+                    self.steps[step].generator.as_ref().filter(|generator| generator.is_of_edges())?;
+                let distance = after - generator.after(act.checked_sub(1)?)?;
+                Some(reached.saturating_add(Span::from_nanos(distance.as_nanos() / KEPT.1 * KEPT.0)))
+            });
+            let at = begun.saturating_add(after);
+            self.put(apart.map_or(at, |apart| apart.max(at)), step, Due::Emit(ticket));
         }
     }
 
@@ -461,15 +449,16 @@ impl Schedule {
         }
     }
 
-    /// What the next act of a step's generator writes is appended to `out`, what it sends is handed back, and the one
-    /// behind it queued. Nothing where
-    /// the generator was stopped, or has begun again since the act was queued.
+    /// What the next act of a step's generator writes is appended to `out`, what else it asks of the board is handed back,
+    /// and the one behind it queued. Nothing where the generator was stopped, or has begun again since the act was queued.
+    /// On real lines the act comes at `reached`: what a late rig catches up with keeps three quarters of its distance.
     pub fn emitted(
         &mut self,
         step: usize,
         ticket: u64,
+        reached: Option<Time>,
         out: &mut Vec<(ChannelId, Value)>,
-    ) -> Option<(BusId, Frame)> {
+    ) -> Option<Order> {
         let running = &mut self.running[step];
         if running.stopped || running.ticket != ticket {
             return None;
@@ -477,12 +466,12 @@ impl Schedule {
         let act = running.act;
         running.act += 1;
         let generator = self.steps[step].generator.as_ref();
-        let frame = generator.and_then(|generator| {
+        let order = generator.and_then(|generator| {
             generator.writes(act, out);
-            generator.frame()
+            generator.order(act)
         });
-        self.emit(step);
-        frame
+        self.emit(step, reached);
+        order
     }
 
     /// A step drives a channel, with its generator or without one: what drove it before goes no further.

@@ -32,6 +32,8 @@ pub(crate) struct Stage {
     /// Those of the programs that steps bring.
     others: Vec<(ProgramRef, Vec<u8>)>,
     pub(crate) program: Option<Arc<program::Program>>,
+    /// The PROGRAMs that each task runs, as the plan and the program say it.
+    pub(crate) tasks: Vec<(String, Vec<String>)>,
     /// What the controller accepts with a warning.
     pub(crate) warnings: Vec<Diagnostic>,
 }
@@ -103,7 +105,7 @@ pub(crate) fn stage(
         known.push(program);
     }
     let bundle = match &program {
-        Some(_) => Bundle { sources: files.sources.clone(), tasks }.to_bytes(),
+        Some(_) => Bundle { sources: files.sources.clone(), tasks: tasks.clone() }.to_bytes(),
         None => Vec::new(),
     };
     let refused = |error: &dyn std::fmt::Display| refused(files, error);
@@ -125,7 +127,7 @@ pub(crate) fn stage(
             error => refused(&error),
         })?;
     }
-    Ok(Stage { subject: Box::new(model), board, bundle, others, program, warnings })
+    Ok(Stage { subject: Box::new(model), board, bundle, others, program, tasks, warnings })
 }
 
 fn refused(files: &CaseFiles, error: &dyn std::fmt::Display) -> Vec<Diagnostic> {
@@ -152,6 +154,7 @@ fn outside(case: &Case, files: &CaseFiles, settings: &Settings) -> Result<Stage,
         bundle: Vec::new(),
         others: Vec::new(),
         program: None,
+        tasks: Vec::new(),
         warnings: Vec::new(),
     })
 }

@@ -2,21 +2,20 @@
 
 use crate::application::BundleLoader;
 pub use crate::capability::Capability;
+use crate::catalogue::Catalogue;
 use crate::coverage::Collector;
 use crate::functions;
 use crate::hook::HookError;
-use crate::inputs;
 use crate::names::Names;
 use crate::schedule::FileAct;
 use controller::{
-    Command, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError, FileFact, Led,
-    LedPattern, LoadError, NonVolatile, OutputState, Probe, ProbeId, Refusal, State, SystemType,
-    SystemVariable, TaskFigures, WriteError,
+    Command, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError, FileFact, Front,
+    JitterCounts, LedPattern, LoadError, NonVolatile, OutputState, Probe, ProbeId, Refusal, State,
+    TaskFigures, WriteError,
 };
-use expert::ExpertConfig;
 use plans::steps::FileDeed;
-use program::{Elementary, Program, Storage};
-use signal::{Address, Cause, Kind, Level, Span, Time, Value, When};
+use program::Program;
+use signal::{Cause, Kind, Level, Span, Time, Value, When};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -63,6 +62,10 @@ pub trait Subject: Send {
     fn load(&mut self, _interrupt: &AtomicBool) -> Result<(), HookError> {
         Ok(())
     }
+
+    /// What stands behind these outputs, bit n for Qn, makes square waves by itself: those of its functions are told as
+    /// [`Effect::Wave`]. Before it has power.
+    fn delegate(&mut self, _outputs: u32) {}
 
     /// The rig has something to say that is no part of what it judges: a device was lost, or is back.
     fn notice(&mut self, _at: Time, _text: &str) {}
@@ -117,6 +120,13 @@ pub trait Subject: Send {
     /// An input terminal has this level from `now` on; its line changed `at` the instant before.
     fn input(&mut self, now: Time, at: When, input: usize, level: Level, effects: &mut Effects);
 
+    /// So many changes of an input terminal's line are known to be missing before `now`.
+    fn lose(&mut self, _now: Time, _input: usize, _edges: u32) {}
+
+    /// Hardware behind an input terminal counted so many steps more by `now`, below 0 backwards. Only a model has terminals
+    /// that counts can be given to.
+    fn count(&mut self, _now: Time, _input: usize, _steps: i64) {}
+
     /// Obeys a command.
     ///
     /// # Errors
@@ -161,6 +171,11 @@ pub trait Subject: Send {
     /// Names that mean something inside the subject, for suggestions.
     fn names(&self) -> Vec<String>;
 
+    /// What its names mean, where the rig plays it.
+    fn catalogue(&self) -> Option<&Catalogue> {
+        None
+    }
+
     /// What a name means inside the subject: a system variable, an address, or a variable's path.
     fn observable(&self, name: &str) -> Option<Observable>;
 
@@ -172,6 +187,12 @@ pub trait Subject: Send {
 
     /// From now on changes of this are reported as effects.
     fn watch(&mut self, probe: Probe) -> ProbeId;
+
+    /// There will be so many of these at once: that takes no memory later.
+    fn reserve(&mut self, _watches: usize) {}
+
+    /// Ends [`Subject::watch`].
+    fn unwatch(&mut self, _probe: ProbeId) {}
 
     /// Its value now.
     fn read(&self, probe: &Probe) -> Value;
@@ -192,6 +213,16 @@ pub trait Subject: Send {
     /// Its state.
     fn state(&self) -> State;
 
+    /// What is on its front, and what is forced; nothing is known of a real controller.
+    fn front(&self) -> Option<Front> {
+        None
+    }
+
+    /// What a task did, by its place.
+    fn task_status(&self, _task: usize) -> Option<(TaskFigures, JitterCounts)> {
+        None
+    }
+
     /// What its tasks did, in the order of the configuration.
     fn figures(&self) -> Vec<(String, Span, TaskFigures)>;
 }
@@ -200,12 +231,7 @@ pub trait Subject: Send {
 #[derive(Debug)]
 pub struct Model {
     controller: Controller,
-    /// What its variables' names mean: the case's own program, then those that steps bring.
-    programs: Vec<Arc<Program>>,
-    names: Names,
-    /// Names and intervals; 0 for a task that is not cyclic.
-    tasks: Vec<(String, Span)>,
-    functions: ExpertConfig,
+    catalogue: Catalogue,
 }
 
 impl Model {
@@ -222,21 +248,13 @@ impl Model {
     ) -> Result<Model, ConfigError> {
         let names = Names::default();
         let loader = Box::new(BundleLoader::new(config.profile).covered(collector).named(names.clone()));
-        let tasks = config.tasks.iter();
-        let tasks = tasks.map(|task| (task.name.clone(), task.interval().unwrap_or(Span::ZERO))).collect();
-        let functions = config.expert.clone();
-        Ok(Model {
-            controller: Controller::new(config, loader, store)?,
-            programs: program.into_iter().collect(),
-            names,
-            tasks,
-            functions,
-        })
+        let catalogue = Catalogue::new(&config, program, names);
+        Ok(Model { controller: Controller::new(config, loader, store)?, catalogue })
     }
 
     /// Names of further programs mean something too, behind those that it knows.
     pub fn know(&mut self, programs: Vec<Arc<Program>>) {
-        self.programs.extend(programs);
+        self.catalogue.know(programs);
     }
 
     /// Prepares the storage as if this application had been downloaded and the controller left in state `left`.
@@ -298,6 +316,10 @@ impl Subject for Model {
         true
     }
 
+    fn delegate(&mut self, outputs: u32) {
+        self.controller.delegate(outputs);
+    }
+
     fn next_timer(&self) -> Option<Time> {
         self.controller.next_timer()
     }
@@ -310,6 +332,14 @@ impl Subject for Model {
 
     fn input(&mut self, now: Time, _at: When, input: usize, level: Level, _effects: &mut Effects) {
         self.controller.input(now, input, level);
+    }
+
+    fn lose(&mut self, now: Time, input: usize, edges: u32) {
+        self.controller.lose(now, input, edges);
+    }
+
+    fn count(&mut self, now: Time, input: usize, steps: i64) {
+        self.controller.count(now, input, steps);
     }
 
     fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {
@@ -346,112 +376,60 @@ impl Subject for Model {
     }
 
     fn task(&self, name: &str) -> Option<usize> {
-        self.tasks.iter().position(|(task, _)| task.eq_ignore_ascii_case(name))
+        self.catalogue.tasks().iter().position(|task| task.name.eq_ignore_ascii_case(name))
     }
 
     fn task_name(&self, task: usize) -> Option<&str> {
-        self.tasks.get(task).map(|(name, _)| name.as_str())
+        self.catalogue.tasks().get(task).map(|task| task.name.as_str())
     }
 
     fn function_name(&self, function: usize) -> Option<&str> {
-        self.functions.functions.get(function).map(|function| function.name.as_str())
+        self.catalogue.functions().functions.get(function).map(|function| function.name.as_str())
     }
 
     fn file_name(&self, file: u16) -> Option<&str> {
-        self.programs.first()?.files().get(usize::from(file)).map(String::as_str)
+        self.catalogue.programs().first()?.files().get(usize::from(file)).map(String::as_str)
     }
 
     fn source_files(&self) -> Vec<(u16, String)> {
         let files = |program: &Arc<Program>| program.files().to_vec();
-        self.programs.iter().flat_map(|program| (0..).zip(files(program))).collect()
+        self.catalogue.programs().iter().flat_map(|program| (0..).zip(files(program))).collect()
     }
 
     fn names(&self) -> Vec<String> {
-        let variables = self.programs.iter().flat_map(|program| program.variables());
-        let variables = variables.map(|variable| variable.path.clone());
-        let variables = variables.chain(inputs::names(self.controller.reference().input_count()));
-        let variables = variables.chain(functions::names(&self.functions));
-        let leds = Led::ALL.iter().flat_map(|led| ["", ".lit"].map(|end| format!("LED.{}{end}", led.name())));
-        let system = SystemVariable::ALL.iter().map(|variable| variable.name().to_owned());
-        variables.chain(system).chain(leds).collect()
+        self.catalogue.names()
     }
 
     fn observable(&self, name: &str) -> Option<Observable> {
-        if let Some(variable) = SystemVariable::find(name) {
-            let kind = if variable.ty() == SystemType::Bool { Kind::Bool } else { Kind::Word };
-            return Some(Observable { probe: Probe::System(variable), kind });
-        }
-        if let Some(found) = indicator(name, self.controller.reference().output_count()) {
-            return Some(found);
-        }
-        if let Some(found) = inputs::observable(name, self.controller.reference().input_count()) {
-            return Some(found);
-        }
-        if let Some(found) = functions::observable(name, &self.functions) {
-            return Some(found);
-        }
-        if name.starts_with('%') {
-            return Address::parse(name).ok().map(of_address);
-        }
-        let variable = self.programs.iter().find_map(|program| program.find(name))?;
-        if !variable.dimensions.is_empty() {
-            return None;
-        }
-        Some(match variable.storage {
-            // The memory knows no types: what is located is its bits.
-            Storage::Located(address) => of_address(address),
-            Storage::Cell(_) => Observable {
-                probe: Probe::Variable(self.names.number(&variable.path, variable.ty)),
-                kind: kind_of(variable.ty),
-            },
-        })
+        self.catalogue.observable(name)
     }
 
     fn bounds(&self, name: &str) -> Option<(i128, i128)> {
-        if let Some(variable) = SystemVariable::find(name) {
-            let bits = match variable.ty() {
-                SystemType::Bool => 1,
-                SystemType::Word | SystemType::Uint => 16,
-                SystemType::Dword => 32,
-                SystemType::Lword => 64,
-            };
-            return Some((0, (1 << bits) - 1));
-        }
-        if indicator(name, self.controller.reference().output_count()).is_some()
-            || inputs::observable(name, self.controller.reference().input_count()).is_some()
-            || functions::observable(name, &self.functions).is_some()
-        {
-            return None;
-        }
-        // Of several programs the value may be of any.
-        let mut variables = self.programs.iter().filter_map(|program| program.find(name));
-        let first = variables.next()?;
-        if variables.any(|other| other.ty != first.ty) {
-            return None;
-        }
-        match first.storage {
-            Storage::Located(address) => Some((0, (1i128 << address.size().bits()) - 1)),
-            Storage::Cell(_) => match first.ty {
-                Elementary::Bool
-                | Elementary::Sint
-                | Elementary::Usint
-                | Elementary::Int
-                | Elementary::Uint
-                | Elementary::Dint
-                | Elementary::Udint
-                | Elementary::Lint
-                | Elementary::Ulint
-                | Elementary::Byte
-                | Elementary::Word
-                | Elementary::Dword
-                | Elementary::Lword => Some(first.ty.range()),
-                _ => None,
-            },
-        }
+        self.catalogue.bounds(name)
+    }
+
+    fn catalogue(&self) -> Option<&Catalogue> {
+        Some(&self.catalogue)
     }
 
     fn watch(&mut self, probe: Probe) -> ProbeId {
         self.controller.watch(probe)
+    }
+
+    fn reserve(&mut self, watches: usize) {
+        self.controller.reserve_watches(watches);
+    }
+
+    fn unwatch(&mut self, probe: ProbeId) {
+        self.controller.unwatch(probe);
+    }
+
+    fn front(&self) -> Option<Front> {
+        Some(self.controller.front())
+    }
+
+    fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {
+        Some((self.controller.task_figures(task)?, *self.controller.task_jitter(task)?))
     }
 
     fn read(&self, probe: &Probe) -> Value {
@@ -474,44 +452,12 @@ impl Subject for Model {
     }
 
     fn figures(&self) -> Vec<(String, Span, TaskFigures)> {
-        let named = self.tasks.iter().enumerate();
+        let named = self.catalogue.tasks().iter().enumerate();
         named
-            .filter_map(|(task, (name, interval))| {
-                Some((name.clone(), *interval, self.controller.task_figures(task)?))
+            .filter_map(|(place, task)| {
+                let interval = task.interval().unwrap_or(Span::ZERO);
+                Some((task.name.clone(), interval, self.controller.task_figures(place)?))
             })
             .collect()
-    }
-}
-
-/// `LED.RUN`, `LED.RUN.lit` or `OUTPUT.Q0`, in any case of letters.
-fn indicator(name: &str, outputs: usize) -> Option<Observable> {
-    let upper = name.to_ascii_uppercase();
-    if let Some(led) = upper.strip_prefix("LED.") {
-        let (led, lit) = match led.strip_suffix(".LIT") {
-            Some(led) => (Led::find(led)?, true),
-            None => (Led::find(led)?, false),
-        };
-        return Some(match lit {
-            true => Observable { probe: Probe::LedLit(led), kind: Kind::Bool },
-            false => Observable { probe: Probe::Led(led), kind: Kind::State },
-        });
-    }
-    let output = upper.strip_prefix("OUTPUT.Q")?.parse().ok().filter(|output| *output < outputs)?;
-    Some(Observable { probe: Probe::Output(output), kind: Kind::State })
-}
-
-fn of_address(address: Address) -> Observable {
-    let kind = if address.bit_len() == 1 { Kind::Bool } else { Kind::Word };
-    Observable { probe: Probe::Address(address), kind }
-}
-
-fn kind_of(ty: Elementary) -> Kind {
-    match ty {
-        Elementary::Bool => Kind::Bool,
-        Elementary::Real | Elementary::Lreal => Kind::Real,
-        Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword | Elementary::Ulint => {
-            Kind::Word
-        }
-        _ => Kind::Int,
     }
 }

@@ -124,6 +124,13 @@ pub enum Trouble {
         /// How late it may be.
         limit: Span,
     },
+    /// The program had the period of a square wave begin anew that a device makes.
+    NotAnew {
+        /// When.
+        at: Time,
+        /// The channel.
+        channel: ChannelId,
+    },
     /// The subject did not come into the state in which the case begins.
     Prelude {
         /// The state it was in.
@@ -208,6 +215,9 @@ impl Shown<'_> {
         match *error {
             BoardError::NotDriven(channel) => write!(f, "the board cannot drive {}", self.name(channel)),
             BoardError::BadValue(channel) => write!(f, "the value does not fit {}", self.name(channel)),
+            BoardError::NotEmitted(channel, why) => {
+                write!(f, "{} cannot emit what was asked: {why}", self.name(channel))
+            }
             BoardError::NoSuchFault(channel) => {
                 write!(f, "this fault cannot be injected on {}", self.name(channel))
             }
@@ -302,6 +312,14 @@ impl fmt::Display for Shown<'_> {
             Trouble::Guard { at, why } => write!(f, "at {at}: {why}"),
             Trouble::Late { at, late, limit } => {
                 write!(f, "the rig was {late} late at {at}, where {limit} is the limit")
+            }
+            Trouble::NotAnew { at, channel } => {
+                let name = self.name(*channel);
+                write!(
+                    f,
+                    "at {at} the program began the period of {name} anew, which the device that makes its pulses cannot: \
+                     leave out `Sync`, or take a line that the rig drives"
+                )
             }
             Trouble::Prelude { state, refusal: Some(refusal) } => {
                 write!(

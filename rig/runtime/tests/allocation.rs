@@ -72,10 +72,10 @@ alarms = [
 ";
 
 /// Virtual time that notes the allocations up to each of its instants.
-struct Noting {
-    now: Time,
-    at: [Time; 3],
-    allocations: [Option<u64>; 3],
+pub struct Noting {
+    pub now: Time,
+    pub at: [Time; 3],
+    pub allocations: [Option<u64>; 3],
 }
 
 impl Clock for Noting {

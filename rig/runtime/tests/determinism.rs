@@ -35,7 +35,7 @@ fn on_all(jobs: &[Job], check: impl Fn(&Job) -> Option<String> + Sync) {
 
 #[test]
 fn slices_do_not_show_in_the_trace() {
-    let library = Library::load();
+    let library = Library::sample();
     let short = AtomicUsize::new(0);
     on_all(&library.jobs, |job| {
         let whole = facts(&library, job, Span::MAX);
@@ -53,7 +53,7 @@ fn slices_do_not_show_in_the_trace() {
 
 #[test]
 fn jobs_do_not_show_in_the_traces() {
-    let library = Library::load();
+    let library = Library::sample();
     let interrupt = AtomicBool::new(false);
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
     let traces = |at_once| {

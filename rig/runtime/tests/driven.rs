@@ -122,7 +122,11 @@ expect = [{ stays = { signal = \"lamp\", is = false } }]
 
 /// A case on a board that is so slow.
 fn run(by: Span) -> (Ran, Parted) {
-    let (_, mut parts) = Texts(&[("plan.toml", PLAN), ("board.toml", BOARD)]).parts(1);
+    run_plan(PLAN, by)
+}
+
+fn run_plan(plan: &str, by: Span) -> (Ran, Parted) {
+    let (_, mut parts) = Texts(&[("plan.toml", plan), ("board.toml", BOARD)]).parts(1);
     let real = |channel: &Channel| Channel { timestamp: TimestampSource::Kernel, ..channel.clone() };
     let channels = parts.board.channels().iter().map(real).collect();
     parts.board = Box::new(Slow { channels, by, told: Vec::new() });
@@ -155,5 +159,45 @@ fn the_mark_of_a_step_ends_when_its_lines_were_driven() {
 #[test]
 fn a_line_that_is_driven_too_late_is_the_rigs_trouble() {
     let (ran, _) = run(Span::from_millis(40));
+    assert!(matches!(ran.trouble, Some(Trouble::Late { .. })), "{:?}", ran.trouble);
+}
+
+/// What counts the pulses of a train up to its end counts all of them.
+#[test]
+fn a_train_is_done_when_its_last_edge_was_driven() {
+    let plan = PLAN
+        .replace(
+            "set = { signal = \"button\", value = true }",
+            "train = { signal = \"button\", frequency = \"100 Hz\", count = 3 }",
+        )
+        .replace("press + 100 ms", "press.done + 50 ms");
+    let (ran, parts) = run_plan(&plan, Span::from_millis(7));
+    assert_eq!(ran.trouble, None);
+    let trace = parts.recorder.trace();
+    let button = trace.find("button").unwrap();
+    let edges: Vec<When> = trace
+        .events()
+        .map(Result::unwrap)
+        .filter(|event| event.signal == button)
+        .map(|event| event.at)
+        .collect();
+    let done = event(&parts, "step:press.done", Value::Int(1));
+    // The level before the train is no edge.
+    let last = edges.last().unwrap();
+    assert_eq!(edges.len(), 6, "{edges:?}");
+    assert!(done.earliest >= last.latest, "{done:?} {last:?}");
+    assert!(done.latest <= last.latest + MILLISECOND + MILLISECOND, "{done:?} {last:?}");
+}
+
+/// A device that does not come to the end of a train in time is too late for it.
+#[test]
+fn the_last_edge_of_a_train_is_not_waited_for_without_end() {
+    let plan = PLAN
+        .replace(
+            "set = { signal = \"button\", value = true }",
+            "train = { signal = \"button\", frequency = \"20 Hz\", count = 3 }",
+        )
+        .replace("press + 100 ms", "press.done + 50 ms");
+    let (ran, _) = run_plan(&plan, Span::from_millis(30));
     assert!(matches!(ran.trouble, Some(Trouble::Late { .. })), "{:?}", ran.trouble);
 }

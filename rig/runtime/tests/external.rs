@@ -175,11 +175,12 @@ fn commands_bring_the_program_and_take_it_away() {
     let load = command("echo $RIG_CASE $RIG_PROFILE $(cat $RIG_PROGRAM) $RIG_SETTINGS");
     let unload = command("echo gone");
     let subject = format!("{LINES}load = {load}\nunload = {unload}\n");
-    let rest = format!("settings = {{ filter = \"1 ms\" }}\n{PRESS}");
+    let rest = format!(
+        "settings = {{ filter = \"1 ms\", expert = {{ PWM0 = {{ kind = \"pwm\", a = \"%QX0.1\" }} }} }}\n{PRESS}"
+    );
     expect(&run(&subject, &rest), Verdict::Pass);
     let text = std::fs::read_to_string(&log).unwrap();
-    let expected =
-        "plan m241-2019 PROGRAM MAIN lamp := button; END_PROGRAM initial = \"running\" filter = \"1 ms\"\n";
+    let expected = "plan m241-2019 PROGRAM MAIN lamp := button; END_PROGRAM initial = \"running\" filter = \"1 ms\" expert.\"PWM0\".kind = \"pwm\" expert.\"PWM0\".a = \"%QX0.1\"\n";
     assert_eq!(text, format!("{expected}gone\n"));
     // With a program to load a case may begin in a state that only that brings about.
     let stopped = format!("{subject}boot = \"3 s\"\n");

@@ -51,6 +51,8 @@ fn channel(name: &str) -> Channel {
         shortest_pulse: Span::ZERO,
         deadband: 0.0,
         max_pulse_hz: 0,
+        emits: None,
+        counts_hz: None,
         faults: FaultSet::NONE,
         safe: Value::Bool(false),
     }

@@ -56,7 +56,7 @@ fn every_case_passes_and_its_trace_says_so_again() {
 /// Every segment of a trace but the one that grows goes to the disk, and comes back for the verdicts and the lanes.
 #[test]
 fn a_trace_without_memory_comes_to_the_same() {
-    let library = Library::load();
+    let library = Library::sample();
     let interrupt = AtomicBool::new(false);
     let run = |trace_memory| {
         let options = RunOptions { trace_memory, ..RunOptions::new(ClockKind::Virtual, &interrupt) };

@@ -7,6 +7,7 @@ use controller::{Config, InputConfig};
 use drivers::{Board, ChannelId};
 use profile::Filter;
 use scanrig_runtime::executor::Ran;
+use scanrig_runtime::trouble::Trouble;
 use signal::{Span, Time, Value};
 
 /// The bench has a controller of the usual configuration, but inputs without a filter: a cycle each 20 ms.
@@ -199,4 +200,64 @@ steps = [{ id = \"long\", at = \"start + 100 ms\", overload = { task = \"MAST\",
     };
     assert!(within(ms(100), ms(180)) >= 3 * 75, "{}", within(ms(100), ms(180)));
     assert!(within(ms(200), ms(250)) < 40, "{}", within(ms(200), ms(250)));
+}
+
+/// A train of 10 ms on a line of the bench, while one wait ends so late.
+fn train(late: Span) -> (Ran, Vec<(Time, Value)>, Time) {
+    train_to("pulses.done + 50 ms", 20, late)
+}
+
+/// The same with another end of the case, and a wait that ends so late at so many milliseconds.
+fn train_to(ends: &str, at: i64, late: Span) -> (Ran, Vec<(Time, Value)>, Time) {
+    let rest = format!("ends = \"{ends}\"
+steps = [{{ id = \"pulses\", at = \"start + 100 ms\", train = {{ signal = \"%IX0.1\", frequency = \"100 Hz\", count = 10 }} }}]");
+    let rest = rest.as_str();
+    let mut bench = Bench::new(rest);
+    let begins = started() + ms(100);
+    bench.late(begins + ms(at), late);
+    let ran = bench.run();
+    let line = bench.channel("I1");
+    let world = bench.world.lock().unwrap();
+    let writes = world.writes.iter().filter(|write| write.1 == line);
+    (ran, writes.map(|(at, _, value)| (*at, *value)).collect(), begins)
+}
+
+#[test]
+fn a_late_train_has_all_its_edges_none_of_them_close_together_and_catches_up() {
+    let (ran, edges, begins) = train(ms(14));
+    assert_eq!(ran.trouble, None);
+    let levels: Vec<Value> = edges.iter().map(|(_, value)| *value).collect();
+    let planned: Vec<Value> = (0..20).map(|n| Value::Bool(n % 2 == 0)).collect();
+    assert_eq!(levels, planned);
+    // 5 ms apart as planned, and three quarters of that while it catches up.
+    for pair in edges.windows(2) {
+        assert!(pair[1].0 - pair[0].0 >= Span::from_micros(3_750), "{pair:?}");
+    }
+    assert_eq!(edges[4].0, begins + ms(34));
+    assert_eq!(edges[5].0, begins + ms(34) + Span::from_micros(3_750));
+    assert_eq!(edges[19].0, begins + ms(95));
+}
+
+#[test]
+fn a_train_that_is_later_than_the_rig_may_be_is_trouble_of_the_rig() {
+    // Each wait is in time for what is planned by then, but the train has fallen behind.
+    let rest = "ends = \"pulses.done + 50 ms\"
+steps = [{ id = \"pulses\", at = \"start + 100 ms\", train = { signal = \"%IX0.1\", frequency = \"100 Hz\", count = 8 } }]";
+    let mut bench = Bench::new(rest);
+    let begins = started() + ms(100);
+    for n in 0..8 {
+        bench.late(begins + ms(5 * n), ms(15));
+    }
+    let ran = bench.run();
+    assert!(matches!(ran.trouble, Some(Trouble::Late { .. })), "{:?}", ran.trouble);
+}
+
+#[test]
+fn a_case_does_not_end_before_what_its_train_owes() {
+    // 10 ms late just before the end, which is that of the train.
+    for (ends, edges) in [("pulses.done", 20), ("pulses + 70.1 ms", 15)] {
+        let (ran, written, _) = train_to(ends, 65, ms(10));
+        assert_eq!(ran.trouble, None);
+        assert_eq!(written.len(), edges, "{ends}");
+    }
 }

@@ -6,6 +6,7 @@ mod checks;
 mod common;
 mod determinism;
 mod driven;
+mod emission;
 mod external;
 mod flow;
 mod guards;
@@ -13,6 +14,7 @@ mod instrument;
 mod late;
 mod library;
 mod lines;
+mod live;
 mod refused;
 #[path = "common/scripted.rs"]
 mod scripted;

@@ -10,16 +10,22 @@
 
 mod adc;
 mod chip;
+mod counter;
+mod pwm;
 mod relay;
 mod serial;
+mod sink;
 mod spi;
 mod stall;
 mod wait;
 
 pub use adc::{ADC, Adc};
 pub use chip::{AUX, Chip, Line, MAIN, SimChip};
+pub use counter::{Count, Counter};
+pub use pwm::{Pin, PwmChip};
 pub use relay::Contact;
 pub use serial::{SERIAL_A, SERIAL_B, SERIAL_C, SERIAL_D, Serial, Unplugged};
+pub use sink::{Sink, Transfer};
 pub use spi::{ADS8688, LOOPBACK, MAX1111, MCP3008, SpiAdc, bind_spi, unbind_spi};
 pub use stall::Call;
 pub use wait::{PATIENCE, wait_for};

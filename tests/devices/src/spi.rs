@@ -38,6 +38,11 @@ impl SpiAdc {
         self
     }
 
+    /// A part without inputs at another chip select.
+    pub(crate) fn at(self, select: u8) -> SpiAdc {
+        SpiAdc { select, inputs: 0, ..self }
+    }
+
     /// Its device file.
     pub fn path(self) -> PathBuf {
         PathBuf::from(format!("/dev/spidev0.{}", self.select))

@@ -1,12 +1,12 @@
 //! `rig bench loopback`.
 
+use super::looped::LoopArgs;
 use super::{INTERRUPT, board, interrupted, keep, measured, refuse, show};
 use crate::args::Format;
 use crate::exit::Exit;
 use crate::output;
 use crate::wait::WaitArgs;
 use clap::Args;
-use drivers::{ChannelId, Loop};
 use record::Durations;
 use runtime::figures::{devices, durations};
 use runtime::instrument::{LoopFault, loopback, names};
@@ -22,12 +22,9 @@ pub struct LoopbackArgs {
     /// The board file. Its `[board] check` names the loop.
     #[arg(long, value_name = "FILE")]
     board: PathBuf,
-    /// The output at which another loop begins. It is driven up and down as fast as the loop lets it.
-    #[arg(long, value_name = "CHANNEL", requires = "input")]
-    out: Option<String>,
-    /// The input to which that output is wired; the same channel where the board reads it back.
-    #[arg(long = "in", value_name = "CHANNEL", requires = "out")]
-    input: Option<String>,
+    /// Which loop.
+    #[command(flatten)]
+    looped: LoopArgs,
     /// How many edges to measure.
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     count: u64,
@@ -51,23 +48,7 @@ fn try_run(args: &LoopbackArgs) -> Result<Exit, Exit> {
     }
     let (file, hardware) = board::open(&args.board, &args.wait)?;
     let mut board = hardware.lend();
-    let looped = match (&args.out, &args.input, file.check) {
-        (Some(out), Some(input), _) => {
-            let channel = |option: &str, name: &str| -> Result<ChannelId, Exit> {
-                file.find(name).ok_or_else(|| {
-                    let message = format!("{option} {name}: the board has no such channel");
-                    refuse("R0254", message, "name a channel of the board file")
-                })
-            };
-            Loop { out: channel("--out", out)?, input: channel("--in", input)? }
-        }
-        (_, _, Some(looped)) => looped,
-        _ => {
-            let message = format!("`{}` names no loop", args.board.display());
-            let help = "add `check = { out = ..., in = ... }` to its `[board]`, or give --out and --in";
-            return Err(refuse("R0254", message, help));
-        }
-    };
+    let looped = args.looped.find(&file, &args.board)?;
     let names = names(&board, looped);
     let mut settings = board::settings(&hardware);
     settings.push((String::from("loop"), names.join(" to ")));

@@ -1,8 +1,10 @@
 //! `rig bench`: what this machine and its board can do, in figures that are kept for the runs that follow.
 
 mod board;
+mod counts;
 mod latency;
 mod loopback;
+mod looped;
 mod scan;
 mod show;
 
@@ -10,6 +12,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::provenance::rfc3339;
 use clap::Subcommand;
+use counts::CountsArgs;
 use document::Diagnostic;
 use host::Machine;
 use latency::LatencyArgs;
@@ -33,6 +36,8 @@ pub enum BenchCommand {
     Scan(ScanArgs),
     /// Measure how long an edge takes from an output to the input that it is wired to.
     Loopback(LoopbackArgs),
+    /// Measure how fast pulses can be for a board to count every one, and how fast it makes them.
+    Counts(CountsArgs),
 }
 
 /// Measures.
@@ -44,6 +49,7 @@ pub fn run(command: &BenchCommand) -> Exit {
         BenchCommand::Latency(args) => latency::run(args),
         BenchCommand::Scan(args) => scan::run(args),
         BenchCommand::Loopback(args) => loopback::run(args),
+        BenchCommand::Counts(args) => counts::run(args),
     }
 }
 

@@ -5,6 +5,7 @@ use crate::output;
 use document::{Diagnostic, SourceFile};
 use drivers::circuit::ChannelSpec;
 use drivers::convert::SampleSpec;
+use drivers::counter::CountSpec;
 use drivers::file::{BoardFile, BoardKind};
 use drivers::gpio::{Direction, LineSpec};
 use drivers::real::{FaultWay, RealSpec};
@@ -90,12 +91,20 @@ impl Bench {
         self.spec.converters.samples.iter().find(|sample| usize::from(sample.channel.0) == channel)
     }
 
+    /// What counts for a channel.
+    fn count(&self, channel: usize) -> Option<&CountSpec> {
+        self.spec.counters.counts.iter().find(|count| usize::from(count.channel.0) == channel)
+    }
+
     /// The board of some of the lines: each as `keep` has it, or not at all; and with what else there is, converters and
     /// buses, or with lines alone. Nothing is bound on it.
     pub fn some(&self, keep: impl Fn(usize, &LineSpec) -> Option<LineSpec>, others: Others) -> BoardFile {
         let mut spec = self.spec.clone();
         spec.gpio.lines.clear();
         spec.converters.samples.clear();
+        spec.counters.counts.clear();
+        // What makes pulses tells nothing by itself, and is not to be moved.
+        spec.generators.outputs.clear();
         if others == Others::Left {
             spec.can.buses.clear();
             spec.serial.clear();
@@ -110,11 +119,13 @@ impl Bench {
             let Ok(place) = u16::try_from(file.circuit.channels.len()) else { break };
             let id = ChannelId(place);
             let drives = line.as_ref().is_some_and(|line| line.direction == Direction::Output);
-            if line.is_none() && sample.is_none() {
+            let count = self.count(at).filter(|_| others == Others::Kept);
+            if line.is_none() && sample.is_none() && count.is_none() {
                 continue;
             }
             file.circuit.channels.push(ChannelSpec { drives, senses: true, ..channel.clone() });
             spec.gpio.lines.extend(line.map(|line| LineSpec { channel: id, ..line }));
+            spec.counters.counts.extend(count.map(|count| CountSpec { channel: id, ..*count }));
             spec.converters.samples.extend(sample.map(|sample| SampleSpec { channel: id, ..sample.clone() }));
         }
         file.kind = BoardKind::Real(Box::new(spec));

@@ -1,8 +1,9 @@
-//! Converters and buses of this machine, as a board file describes them.
+//! Converters, counters and buses of this machine, as a board file describes them.
 
 use super::scan::{bare, is_name, quoted};
 use drivers::can::{self, Link, Modes};
 use drivers::convert::iio::{self, IioDevice};
+use drivers::counter::{self, CounterDevice, Function};
 use drivers::inventory::{Device, DeviceKind};
 use host::Machine;
 use std::path::Path;
@@ -15,6 +16,10 @@ const PERIOD: &str = "100 ms";
 pub struct Found {
     /// Lines under `[converters]`.
     pub converters: String,
+    /// Lines under `[counters]`.
+    pub counters: String,
+    /// Lines under `[generators]`.
+    pub generators: String,
     /// Lines under `[channels]`.
     pub channels: String,
     /// Lines under `[buses]`.
@@ -31,9 +36,17 @@ pub fn look(root: &Path, devices: &[Device]) -> Found {
     for device in &all {
         converter(&machine, device, &all, &mut found);
     }
+    let all = counter::list(root);
+    for device in &all {
+        counts(&machine, device, &all, &mut found);
+    }
     for device in devices {
         match device.kind {
-            DeviceKind::Spi => found.converters += &spi(device),
+            DeviceKind::Spi => {
+                found.converters += &spi(device);
+                found.generators += &stream(device);
+            }
+            DeviceKind::Pwm => found.generators += &pwm(device),
             DeviceKind::Serial => found.buses += &serial(device),
             DeviceKind::Can => {
                 let link = if machine.is_here() { can::ask(&device.path).ok() } else { None };
@@ -84,6 +97,46 @@ fn converter(machine: &Machine, device: &IioDevice, all: &[IioDevice], found: &m
     }
 }
 
+/// A device of the counter subsystem, with a channel for each of its counts.
+fn counts(machine: &Machine, device: &CounterDevice, all: &[CounterDevice], found: &mut Found) {
+    let twin = all.iter().filter(|other| other.name == device.name).count() > 1;
+    let named = !twin && is_name(&device.name);
+    let place = device.folder.canonicalize().ok();
+    let key = if named { &device.name } else { &device.number };
+    let by = match place.as_deref().and_then(Path::parent).and_then(Path::to_str) {
+        _ if named => format!("name = {}", quoted(&device.name)),
+        // Its number may be another with the next start, and the place of what it hangs on is not.
+        Some(place) => format!("path = {}", quoted(place)),
+        None => format!("path = {}", quoted(&format!("/dev/{}", device.number))),
+    };
+    let node = format!("/dev/{}", device.number);
+    let usable = device.node.is_none() || machine.may_use(&node);
+    let mark = if usable { "" } else { "# " };
+    found.live |= usable && !device.counts.is_empty();
+    for count in &device.counts {
+        let name = format!("{key}-{}", count.number);
+        let known = |kernel: &String| Function::ALL.iter().find(|(.., other)| other == kernel);
+        let functions: Vec<&str> =
+            count.functions.iter().filter_map(known).map(|(_, name, _)| *name).collect();
+        let mut what = format!("{}, can be {}", device.number, functions.join(", "));
+        if !usable {
+            what += &format!(", {node} is not to be used: see `rig doctor`");
+        }
+        let function = known(&count.function)
+            .map_or_else(String::new, |(_, name, _)| format!(", function = {}", quoted(name)));
+        found.counters += &format!(
+            "{mark}{} = {{ {by}, count = {}{function}, period = \"{PERIOD}\" }} # {what}\n",
+            bare(&name),
+            count.number
+        );
+        found.channels += &format!(
+            "{mark}{} = {{ kind = \"count\", counter = {} }}\n",
+            bare(&format!("{name}-count")),
+            quoted(&name)
+        );
+    }
+}
+
 /// A chip select: what hangs on it cannot be asked.
 fn spi(device: &Device) -> String {
     let name = device.path.trim_start_matches("/dev/").replace('.', "-");
@@ -92,6 +145,22 @@ fn spi(device: &Device) -> String {
     format!(
         "# {name} = {{ kind = \"spi\", path = {path}, part = {part}, reference = \"3.3 V\" }} # if that is what hangs there\n"
     )
+}
+
+/// The data line of a chip select, which moves something as soon as it is taken.
+fn stream(device: &Device) -> String {
+    let name = device.path.trim_start_matches("/dev/").replace('.', "-");
+    let path = quoted(&device.path);
+    format!(
+        "# {name}-out = {{ kind = \"spi\", path = {path} }} # if nothing hangs there but a wire from its data line\n"
+    )
+}
+
+/// A PWM chip: its outputs move something as soon as they are taken.
+fn pwm(device: &Device) -> String {
+    let name = device.path.rsplit('/').find(|part| *part != "pwm").unwrap_or("pwm");
+    let (key, path) = (name.replace(['.', ':', '@'], "-"), quoted(&device.path));
+    format!("# {} = {{ kind = \"pwm\", path = {path} }} # {}\n", bare(&key), device.what)
 }
 
 /// A serial port: to open it may move its control lines.
@@ -173,11 +242,21 @@ mod tests {
         {
             fs::write(at.join(file), text).unwrap();
         }
+        let at = root.join("sys/bus/counter/devices/counter0");
+        fs::create_dir_all(at.join("count1")).unwrap();
+        for (file, text) in [
+            ("name", "ti-eqep"),
+            ("count1/function", "quadrature x4"),
+            ("count1/function_available", "increase\nquadrature x4\n"),
+        ] {
+            fs::write(at.join(file), text).unwrap();
+        }
         let found = look(
             &root,
             &[
                 device(DeviceKind::Spi, "/dev/spidev0.0", "spi:mcp3208"),
                 device(DeviceKind::Serial, "/dev/serial/by-id/usb-x", "ttyUSB0, ftdi"),
+                device(DeviceKind::Pwm, "/sys/devices/platform/soc/fe20c000.pwm", "2 outputs"),
             ],
         );
         let _ = fs::remove_dir_all(&root);
@@ -189,9 +268,21 @@ mod tests {
              # if that is what hangs there\n"
         );
         assert_eq!(
+            found.counters,
+            "ti-eqep-1 = { name = \"ti-eqep\", count = 1, function = \"quadrature-x4\", period = \"100 ms\" } \
+             # counter0, can be increase, quadrature-x4\n"
+        );
+        assert_eq!(
             found.channels,
             "ads8688-temp = { kind = \"analog\", unit = \"degC\", converter = \"ads8688\", input = \"temp\" } # box\n\
-             ads8688-voltage0 = { kind = \"analog\", unit = \"V\", converter = \"ads8688\", input = \"voltage0\" }\n"
+             ads8688-voltage0 = { kind = \"analog\", unit = \"V\", converter = \"ads8688\", input = \"voltage0\" }\n\
+             ti-eqep-1-count = { kind = \"count\", counter = \"ti-eqep-1\" }\n"
+        );
+        assert_eq!(
+            found.generators,
+            "# spidev0-0-out = { kind = \"spi\", path = \"/dev/spidev0.0\" } # if nothing hangs there but a wire \
+             from its data line\n\
+             # fe20c000-pwm = { kind = \"pwm\", path = \"/sys/devices/platform/soc/fe20c000.pwm\" } # 2 outputs\n"
         );
         assert_eq!(
             found.buses,

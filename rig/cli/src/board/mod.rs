@@ -18,7 +18,7 @@ use signal::Span;
 pub enum BoardCommand {
     /// Write a first board file from the devices of this machine. Nothing is claimed and nothing moves.
     Scan(scan::ScanArgs),
-    /// Look whether every line, converter and bus of a board file is there and free. Nothing is claimed and nothing moves.
+    /// Look whether every line, converter, counter and bus of a board file is there and free. Nothing is claimed and nothing moves.
     Check(check::CheckArgs),
     /// Show the inputs and buses of a board as they change, with counts and times. Outputs are left alone.
     Watch(watch::WatchArgs),

@@ -108,7 +108,7 @@ fn write_new(path: &Path, text: &str) -> Result<(), Diagnostic> {
 
 const HEAD: &str = "\
 # A first board file: the GPIO lines of this machine that nobody holds, each as an input, so that nothing moves,
-# and its converters and buses.
+# and its converters, counters, generators of pulses and buses.
 # Strike out what is not wired, and name terminals of the controller under [bind]. For a line that the rig is to
 # drive write `drives = true, safe = false` (or true) in place of `drives = false`.
 format = 1
@@ -135,7 +135,13 @@ fn board_file(chips: &[ChipInfo], others: &Found, devices: &[Device]) -> String 
         let (path, lines, backend) = (chip.path.display(), chip.lines.len(), chip.backend.name());
         text.push_str(&format!("{key} = {{ {by} }} # {path}, {lines} lines, interface {backend}\n"));
     }
-    for (title, lines) in [("converters", &others.converters), ("buses", &others.buses)] {
+    let parts = [
+        ("converters", &others.converters),
+        ("counters", &others.counters),
+        ("generators", &others.generators),
+        ("buses", &others.buses),
+    ];
+    for (title, lines) in parts {
         if !lines.is_empty() {
             text.push_str(&format!("\n[{title}]\n{lines}"));
         }
@@ -172,7 +178,7 @@ fn board_file(chips: &[ChipInfo], others: &Found, devices: &[Device]) -> String 
 
 /// Whether a board can have such a device beside its lines.
 fn is_part(kind: DeviceKind) -> bool {
-    matches!(kind, DeviceKind::Spi | DeviceKind::Serial | DeviceKind::Can | DeviceKind::Iio)
+    !matches!(kind, DeviceKind::Watchdog)
 }
 
 /// Why a line is written down as a comment only.
@@ -299,6 +305,8 @@ mod tests {
         ];
         let others = Found {
             converters: "adc = {}\n".into(),
+            counters: "wheel = {}\n".into(),
+            generators: "# fan = {}\n".into(),
             channels: "adc-0 = {}\n".into(),
             buses: "can0 = {}\n".into(),
             live: true,
@@ -312,6 +320,12 @@ gpiochip1 = {{ label = \"raspberrypi,expander\" }} # /dev/gpiochip1, 3 lines, in
 
 [converters]
 adc = {{}}
+
+[counters]
+wheel = {{}}
+
+[generators]
+# fan = {{}}
 
 [buses]
 can0 = {{}}
@@ -330,7 +344,6 @@ adc-0 = {{}}
 # \"%IX0.0\" = \"ID_SDA\"
 
 # Other devices of this machine, which a board has no use for:
-#   counter   /dev/counter0  ti-eqep
 #   watchdog  /dev/watchdog0 ab
 "
         );

@@ -1,6 +1,6 @@
 //! What happens on channels, counted.
 
-use drivers::{BoardEvent, Channel, ChannelKind, LossReason, Origin};
+use drivers::{BoardEvent, Channel, LossReason, Origin};
 use signal::{Gap, Value, When};
 
 /// What happened on a channel since it was looked at first.
@@ -69,7 +69,7 @@ impl Tally {
             }
             BoardEvent::Changed {
                 at,
-                value: value @ (Value::Real(_) | Value::Measured(..) | Value::Unknown),
+                value: value @ (Value::Int(_) | Value::Real(_) | Value::Measured(..) | Value::Unknown),
                 origin,
                 ..
             } => {
@@ -144,7 +144,8 @@ pub fn row(channel: &Channel, tally: &Tally, wide: usize) -> String {
         count => format!("  {count} missed"),
     };
     let (name, level, rises, falls) = (&channel.name, tally.word(), tally.rises, tally.falls);
-    if let ChannelKind::Analog { unit } = &channel.kind {
+    if !channel.is_digital() {
+        let unit = channel.unit();
         let shown = match tally.quantity {
             Some(shown) if tally.lost.is_none() => quantity(shown, unit),
             _ => level.to_owned(),

@@ -165,6 +165,7 @@ impl View {
                 News::First(level) | News::Change(level, _) => u8::from(level).to_string(),
                 News::Quantity(now) => match &channel.kind {
                     ChannelKind::Analog { unit } => quantity(now, unit),
+                    ChannelKind::Count => quantity(now, ""),
                     ChannelKind::Digital => return,
                 },
                 News::Lost(reason) => loss(reason).to_owned(),

@@ -1,17 +1,56 @@
 //! What was measured of this machine and is kept.
 
 use super::check::Check;
+use drivers::file::{BoardFile, BoardKind};
 use host::Machine;
-use runtime::figures;
+use runtime::figures::{self, Counted};
 use signal::Span;
+
+const GROUP: &str = "figures";
 
 /// The figures that are kept of this machine; of another one nothing is known here.
 pub fn checks(machine: &Machine) -> Vec<Check> {
     if machine.is_here() { vec![latency(machine)] } else { Vec::new() }
 }
 
+/// How fast a board counts, as it was measured last, beside what its file promises. `None` for a board without GPIO
+/// lines.
+pub fn counts(file: &BoardFile) -> Option<Check> {
+    const NAME: &str = "counting";
+    let BoardKind::Real(spec) = &file.kind else { return None };
+    let promised = spec.gpio.lines.iter().filter_map(|line| Some((line, line.counts_hz?)));
+    let promised = promised.max_by_key(|(_, hz)| *hz);
+    if spec.gpio.lines.is_empty() {
+        return None;
+    }
+    let mend = format!("rig bench counts {}", file.name);
+    let open = |found: String| Some(Check::open(GROUP, NAME, found).mend(mend.clone()));
+    let Some(folder) = figures::folder() else { return open(String::from("nothing can be kept")) };
+    let kept = match figures::kept(&folder, figures::COUNTS, &figures::devices(file)) {
+        Ok(Some(kept)) => kept,
+        Ok(None) => return open(String::from("not measured")),
+        Err(error) => return open(format!("the figures cannot be read: {error}")),
+    };
+    if let Some((name, then, now)) = kept.differences(&Machine::here().identity()).first() {
+        return open(format!("measured when the {name} was `{then}`; now it is `{now}`"));
+    }
+    let Some(came) = Counted::of(&kept) else {
+        return open(String::from("the figures that were kept are empty"));
+    };
+    let found = format!("{}, made up to {} Hz, on {}", came.counted(), came.made_hz, kept.measured);
+    Some(match promised {
+        Some((line, hz)) if hz > came.counted_hz => {
+            let name = file.circuit.channels.get(usize::from(line.channel.0));
+            let name = name.map_or("", |channel| channel.name.as_str());
+            let check =
+                Check::poor(GROUP, NAME, format!("{found}; the board file promises {hz} Hz of `{name}`"));
+            check.means("counts of faster pulses may be wrong, and nobody is told").mend(mend)
+        }
+        _ => Check::good(GROUP, NAME, found),
+    })
+}
+
 fn latency(machine: &Machine) -> Check {
-    const GROUP: &str = "figures";
     const NAME: &str = "wake-up latency";
     const MEND: &str = "rig bench latency --count 100000";
     let open = |found: String| Check::open(GROUP, NAME, found).mend(MEND);

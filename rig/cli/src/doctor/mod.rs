@@ -54,7 +54,10 @@ pub fn run(args: &DoctorArgs) -> Exit {
     let mut checks = groups.iter().flat_map(|group| group(&machine)).collect::<Vec<_>>();
     if let Some(board) = &args.board {
         match used::devices(board) {
-            Ok(used) => used::judge(&mut checks, &used, &machine),
+            Ok(mut used) => {
+                used::judge(&mut checks, &used, &machine);
+                used::measured(&mut checks, &mut used, &machine);
+            }
             Err(exit) => return exit,
         }
     }

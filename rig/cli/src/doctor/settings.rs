@@ -5,6 +5,9 @@ use host::Machine;
 
 const GROUP: &str = "devices";
 
+/// The check of what the driver of SPI takes at once.
+pub const TRANSFERS: &str = "SPI transfers";
+
 /// Where the kernel makes timers for its converters.
 const TIMERS: &str = "/sys/kernel/config/iio/triggers/hrtimer";
 
@@ -21,14 +24,18 @@ pub fn checks(machine: &Machine) -> Vec<Check> {
 
 /// How much the driver of SPI takes at once.
 fn transfer(machine: &Machine) -> Option<Check> {
-    const NAME: &str = "SPI transfers";
     if machine.list("/dev", "spidev").is_empty() {
         return None;
     }
-    Some(match machine.read("/sys/module/spidev/parameters/bufsiz") {
-        Some(bytes) => Check::good(GROUP, NAME, format!("of up to {bytes} bytes")),
-        None => Check::open(GROUP, NAME, "the driver does not say how long they may be"),
+    Some(match buffer(machine) {
+        Some(bytes) => Check::good(GROUP, TRANSFERS, format!("of up to {bytes} bytes")),
+        None => Check::open(GROUP, TRANSFERS, "the driver does not say how long they may be"),
     })
+}
+
+/// Bytes that the driver of SPI takes at once.
+pub fn buffer(machine: &Machine) -> Option<u32> {
+    machine.read("/sys/module/spidev/parameters/bufsiz")?.trim().parse().ok()
 }
 
 /// Whether converters can sample by themselves without a trigger of their own.

@@ -2,9 +2,11 @@
 
 use super::check::{Check, State};
 use super::devices::{GROUP, grant};
+use super::settings::{self, TRANSFERS};
 use crate::exit::Exit;
 use crate::output;
 use drivers::convert::ConverterKind;
+use drivers::emit::GeneratorKind;
 use drivers::file::{BoardFile, BoardKind};
 use host::Machine;
 use runtime::suite::{self, Disk};
@@ -18,6 +20,10 @@ const SERIAL: &str = "serial";
 pub struct Used {
     /// The names of the checks of its devices, but for serial ports.
     names: Vec<&'static str>,
+    /// What was measured of how fast it counts.
+    counts: Option<Check>,
+    /// The bytes that its longest stream of bits has at once; 0 without one.
+    buffer: u32,
     /// Its serial ports: a machine has more of them than can be listed without opening them, so the board file is asked.
     ports: Vec<String>,
 }
@@ -53,11 +59,21 @@ fn of(file: &BoardFile) -> Used {
             kind.is_some_and(|kind| matches!(kind, ConverterKind::Spi(_)) == spi)
         })
     };
-    uses("SPI", read(true));
+    let generators = || {
+        spec.generators.outputs.iter().filter_map(|output| spec.generators.generators.get(output.generator))
+    };
+    let streams = generators().filter_map(|generator| match &generator.kind {
+        GeneratorKind::Stream(stream) => Some(stream.buffer),
+        GeneratorKind::Pwm(_) => None,
+    });
+    let buffer = streams.max().unwrap_or(0);
+    uses("SPI", read(true) || buffer > 0);
+    uses("PWM", generators().any(|generator| matches!(generator.kind, GeneratorKind::Pwm(_))));
     uses("ADC", read(false));
+    uses("counter", !spec.counters.counts.is_empty());
     uses("CAN", !spec.can.buses.is_empty());
     let ports = spec.serial.iter().map(|serial| serial.port.path.to_string_lossy().into_owned());
-    Used { names: used, ports: ports.collect() }
+    Used { names: used, buffer, ports: ports.collect(), counts: super::figures::counts(file) }
 }
 
 /// The first of the board's ports that cannot be had makes it unfit.
@@ -75,11 +91,34 @@ fn ports(machine: &Machine, ports: &[String]) -> Check {
     }
 }
 
+/// Adds what was measured of the board.
+pub fn measured(checks: &mut Vec<Check>, used: &mut Used, machine: &Machine) {
+    checks.extend(used.counts.take().filter(|_| machine.is_here()));
+}
+
+/// A stream that the driver does not take at once makes the board unfit.
+fn transfers(machine: &Machine, buffer: u32) -> Check {
+    match settings::buffer(machine) {
+        Some(bytes) if bytes < buffer => {
+            Check::bad(GROUP, TRANSFERS, format!("of up to {bytes} bytes, and a stream of the board has {buffer}"))
+                .means("the board cannot be opened")
+                .mend(format!("echo 'options spidev bufsiz={buffer}' | sudo tee /etc/modprobe.d/rig-spidev.conf"))
+                .then(format!("start the machine again; where the driver is built in: spidev.bufsiz={buffer} on the kernel's command line"))
+        }
+        Some(bytes) => Check::good(GROUP, TRANSFERS, format!("of up to {bytes} bytes, enough for the board's streams")),
+        None => Check::open(GROUP, TRANSFERS, "the driver does not say how long they may be"),
+    }
+}
+
 /// Devices that the board does not use are no drawback, whatever they are; without one that it uses it cannot run.
 pub fn judge(checks: &mut [Check], used: &Used, machine: &Machine) {
     for check in checks.iter_mut().filter(|check| check.group == GROUP) {
         if check.name == SERIAL && !used.ports.is_empty() {
             *check = ports(machine, &used.ports);
+            continue;
+        }
+        if check.name == TRANSFERS && used.buffer > 0 {
+            *check = transfers(machine, used.buffer);
             continue;
         }
         match (used.names.contains(&check.name), check.state) {
@@ -110,12 +149,32 @@ mod tests {
             Check::good(GROUP, "CAN", "can0"),
             Check::poor("kernel", "kind", "PREEMPT"),
         ];
-        let used = Used { names: vec!["SPI", "CAN"], ports: Vec::new() };
+        let used = Used { names: vec!["SPI", "CAN"], ..Used::default() };
         judge(&mut checks, &used, &Machine::here());
         assert_eq!(
             checks.each_ref().map(|check| check.state),
             [State::Open, State::Bad, State::Good, State::Poor]
         );
         assert_eq!((&checks[0].mend, checks[1].means), (&None, "the board uses it"));
+    }
+
+    #[test]
+    fn a_stream_that_is_longer_than_the_driver_takes_makes_a_machine_unfit() {
+        let root = std::env::temp_dir().join(format!("scanrig-used-{}", std::process::id()));
+        let at = root.join("sys/module/spidev/parameters");
+        std::fs::create_dir_all(&at).unwrap();
+        std::fs::write(at.join("bufsiz"), "4096\n").unwrap();
+        let machine = Machine::below(&root);
+        let with = |buffer: u32| {
+            let mut checks = [Check::good(GROUP, TRANSFERS, "of up to 4096 bytes")];
+            judge(&mut checks, &Used { buffer, ..Used::default() }, &machine);
+            let [check] = checks;
+            (check.state, check.mend)
+        };
+        assert_eq!(with(0), (State::Good, None));
+        assert_eq!(with(4_096), (State::Good, None));
+        let mend = "echo 'options spidev bufsiz=65536' | sudo tee /etc/modprobe.d/rig-spidev.conf";
+        assert_eq!(with(65_536), (State::Bad, Some(mend.to_owned())));
+        std::fs::remove_dir_all(&root).unwrap();
     }
 }

@@ -54,6 +54,8 @@ pub struct Config {
     pub always_update: AlwaysUpdate,
     /// Fast counters and pulse generators (io: section 6).
     pub expert: ExpertConfig,
+    /// Inputs behind whose terminals hardware counts, bit n for In: fast counters take its counts in place of edges.
+    pub counted: u32,
 }
 
 impl Config {
@@ -80,6 +82,7 @@ impl Config {
             bus_cycle_task: BusCycle::default(),
             always_update: AlwaysUpdate::default_of(profile),
             expert: ExpertConfig::default(),
+            counted: 0,
         }
     }
 

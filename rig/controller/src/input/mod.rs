@@ -176,8 +176,10 @@ impl Inputs {
             return;
         }
         let high = level.is_high();
+        let before = self.filtered;
         // At rest the filter stands at its end, so the time since then adds nothing.
         self.settle(input, now);
+        let turned = (before ^ self.filtered) & self.roles.watched != 0;
         let rose = self.channels[input].set(now, high) && high;
         if !high && !self.channels[input].out() {
             // What was on at power-on is off again before it was accepted: no falling edge of it will come.
@@ -188,6 +190,10 @@ impl Inputs {
             self.note_speed(input, now);
         }
         self.plan(now);
+        if turned {
+            // The filter turned at the very instant of the change: whoever observes it is to see that.
+            self.next = now;
+        }
     }
 
     /// io:REF-03, controller:HW-03: rising edges that come sooner than the period of the highest frequency.

@@ -221,6 +221,9 @@ impl Application for Player {
     fn watch(&mut self, variable: u32) {
         self.watched[variable as usize] = true;
     }
+    fn unwatch(&mut self, variable: u32) {
+        self.watched[variable as usize] = false;
+    }
     /// No operation asks for a service.
     fn answer(&mut self, _: usize, _: i64) {}
     /// Operations are lines.

@@ -69,6 +69,15 @@ impl Compare {
         self.from <= value && value < self.to
     }
 
+    /// Where a value that goes from here to there next comes into another zone; there where it stays in its own.
+    pub fn onward(&self, value: i64, to: i64) -> i64 {
+        match to > value {
+            true if self.to > value => to.min(self.to),
+            false if self.from <= value => to.max(self.from.saturating_sub(1)),
+            _ => to,
+        }
+    }
+
     /// The value moved to this. Returns the thresholds whose events that raises.
     #[cold]
     pub fn moved(&mut self, value: i64) -> u8 {

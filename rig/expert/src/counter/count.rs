@@ -107,7 +107,7 @@ impl Counter {
 
     /// Changed parameters count from here on (io:STD-HSC-14).
     #[cold]
-    fn take_params(&mut self, at: Time, fx: &mut Effects) {
+    pub(super) fn take_params(&mut self, at: Time, fx: &mut Effects) {
         self.params.take();
         let raised = self.compare.change(self.params.thresholds(), self.value);
         self.raise(at, raised, fx);

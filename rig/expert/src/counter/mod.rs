@@ -9,6 +9,7 @@ mod decode;
 mod meter;
 mod pace;
 mod param;
+mod steps;
 
 pub use config::{
     CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, Limits, Measured,
@@ -124,6 +125,8 @@ pub(crate) struct Counter {
     paces: [Pace; 2],
     compare: Compare,
     meter: Meter,
+    /// The input at which hardware counts its pulses.
+    fed: Option<u8>,
     /// Levels of the reflex outputs.
     out: [bool; 2],
     /// The value at the start of each task's cycle (io:STD-HSC-07).
@@ -193,6 +196,7 @@ impl Counter {
             paces: [pace(config.a), pace(b)],
             compare: compare.clone(),
             meter: Meter::new(config.mode),
+            fed: None,
             out: [false; 2],
             samples: [0; TASKS],
             initial: Initial { params, compare },
@@ -338,6 +342,7 @@ impl Counter {
         let role = self.roles[usize::from(input & 31)];
         self.diag |= diag::LOST;
         let counts = match role {
+            _ if self.fed == Some(input) => u64::from(edges),
             role::A => self.lost.of_a(edges),
             role::B => self.lost.of_b(edges, self.since_b),
             role::ENABLE if !self.controls.has(Controls::BY_EN) => 0,

@@ -1,6 +1,8 @@
 //! Pulse width modulation and frequency generators: a square wave on one output (io:STD-PWM-01, io:STD-FG-01).
 
 mod period;
+#[cfg(test)]
+mod tests;
 
 use crate::{Effect, Effects, Fact, Operation};
 use period::Period;
@@ -130,6 +132,10 @@ pub(crate) struct Wave {
     due: Time,
     /// Rising edges since power-on.
     pulses: u64,
+    /// Somebody else makes the pulses.
+    delegated: bool,
+    /// What they make now, if anything.
+    told: Option<Shape>,
 }
 
 impl Wave {
@@ -163,7 +169,14 @@ impl Wave {
             level: false,
             due: Time::MAX,
             pulses: 0,
+            delegated: false,
+            told: None,
         }
+    }
+
+    /// Somebody else makes the pulses from now on.
+    pub fn delegate(&mut self) {
+        self.delegated = true;
     }
 
     /// One call of a block: what is asked for holds from now on, and stays behind the call.
@@ -206,13 +219,18 @@ impl Wave {
             if shape != period.shape {
                 self.begin(now, 0, fx);
             }
-        } else if period.is_constant() {
+        } else if period.is_constant() || self.delegated {
             self.due = if period.shape == shape {
                 Time::MAX
             } else {
                 period.skip(now);
                 period.end().0
             };
+            let next = Period { shape, ..*period };
+            if self.told.is_some() && !next.is_constant() {
+                // Whoever makes the pulses waits for the end of a period of their own.
+                self.tell(now, &next, fx);
+            }
         }
     }
 
@@ -220,16 +238,31 @@ impl Wave {
     /// how many there are.
     fn begin(&mut self, at: Time, rest: u32, fx: &mut Effects) {
         let period = Period { shape: self.wanted, start: at, rest };
-        self.drive(at, period.shape.frequency != 0 && period.shape.duty != 0, fx);
-        self.due = if period.is_constant() { Time::MAX } else { period.fall() };
+        let is_made = self.delegated && !period.is_constant();
+        if is_made {
+            self.tell(at, &period, fx);
+        } else {
+            self.drive(at, period.shape.frequency != 0 && period.shape.duty != 0, fx);
+        }
+        self.due = if is_made || period.is_constant() { Time::MAX } else { period.fall() };
         self.period = Some(period);
     }
 
     fn drive(&mut self, at: Time, on: bool, fx: &mut Effects) {
-        if self.level != on {
+        let pulsed = self.told.take().is_some();
+        if self.level != on || pulsed {
             self.level = on;
             self.pulses += u64::from(on);
             fx.push(at, Effect::Output { output: self.output, on });
+        }
+    }
+
+    /// Tells whoever makes the pulses what a period that is not constant looks like, where that is news.
+    fn tell(&mut self, at: Time, period: &Period, fx: &mut Effects) {
+        if self.told != Some(period.shape) {
+            self.told = Some(period.shape);
+            let (period, high) = period.rounded();
+            fx.push(at, Effect::Wave { output: self.output, period, high });
         }
     }
 
@@ -248,6 +281,9 @@ impl Wave {
     /// Sync: the period begins anew (io:STD-PWM-02).
     fn restart(&mut self, now: Time, fx: &mut Effects) {
         if self.period.is_some() {
+            if self.told.is_some() {
+                fx.push(now, Effect::Anew { output: self.output });
+            }
             self.begin(now, 0, fx);
         }
     }
@@ -273,7 +309,7 @@ impl Wave {
             let at = self.due;
             // Without a period nothing is due.
             let Some(period) = &self.period else { return };
-            if self.level && !period.is_constant() {
+            if self.level && !period.is_constant() && !self.delegated {
                 self.due = period.end().0;
                 self.drive(at, false, fx);
             } else {
@@ -311,6 +347,8 @@ impl Wave {
             Fact::Frequency => Some(Value::Int(shape.frequency.into())),
             Fact::Duty => Some(Value::Int(shape.duty.into())),
             Fact::Error => Some(Value::Int(if self.refused { INVALID_PARAMETER } else { 0 })),
+            // Nobody counts those that somebody else makes.
+            Fact::Pulses if self.delegated => Some(Value::Unknown),
             Fact::Pulses => Some(Value::Word(self.pulses)),
             _ => None,
         }

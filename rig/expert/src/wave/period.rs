@@ -34,6 +34,13 @@ impl Period {
         self.place(TENTH)
     }
 
+    /// Its length and how long of it the output is on, to the nanosecond; not for constant ones.
+    pub fn rounded(&self) -> (Span, Span) {
+        let frequency = u64::from(self.shape.frequency);
+        let nearest = |parts: u64| Span::from_nanos(((parts + frequency / 2) / frequency) as i64);
+        (nearest(TENTH), nearest(STEP * u64::from(self.shape.duty)))
+    }
+
     /// The instant `parts` behind its begin, of which the frequency makes a nanosecond.
     fn place(&self, parts: u64) -> (Time, u32) {
         let (sum, frequency) = (u64::from(self.rest) + parts, u64::from(self.shape.frequency));

@@ -7,3 +7,4 @@ mod pace;
 mod props;
 mod records;
 mod rig;
+mod steps;

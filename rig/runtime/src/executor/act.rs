@@ -1,6 +1,7 @@
 //! The steps that are due, and what they do to subject and board.
 
 use super::Executor;
+use crate::generator::Order;
 use crate::operator::{AskError, Operator};
 use crate::schedule::{Act, Due, EndReason, Expected};
 use crate::stepping::Pause;
@@ -15,20 +16,25 @@ impl Executor<'_> {
     pub(super) fn steps(&mut self, now: Time) -> Result<(), Trouble> {
         while let Some((_, step, due)) = self.schedule.take(now) {
             match due {
+                Due::Arm | Due::Begin if self.is_past_end(now) => {}
                 Due::Arm => self.schedule.arm(step, now),
                 Due::Begin if !self.schedule.begins(step, now) => {}
                 Due::Begin => {
                     self.pause(Some(step))?;
                     self.begin_mark(step);
+                    self.tell_step(step, false);
                     self.schedule.begin(step, now, &self.driven);
                 }
                 Due::Act(act) => self.act(step, act as usize)?,
                 Due::Emit(n) => self.emit(step, n)?,
-                Due::Done if !self.schedule.is_done(step) => {}
+                Due::Done if self.awaits_edges(step) => {}
+                Due::Done if self.emits_yet(step) || !self.schedule.is_done(step) => {}
                 Due::Done => {
                     self.await_relay(step)?;
                     let done = self.schedule.steps()[step].done;
-                    self.recorder.mark(done, self.seen(self.now));
+                    let at = self.emissions.end(step).unwrap_or_else(|| self.seen(self.now));
+                    self.recorder.mark(done, at);
+                    self.tell_step(step, true);
                     self.schedule.finish(step, now);
                 }
                 // The step's own claim fails with what was waited for. The case goes on without the step, unless
@@ -78,19 +84,28 @@ impl Executor<'_> {
     /// The next act of a step's generator, all of its lines at once.
     fn emit(&mut self, step: usize, n: u64) -> Result<(), Trouble> {
         self.writes.clear();
-        if let Some((bus, frame)) = self.schedule.emitted(step, n, &mut self.writes) {
-            self.send(step, bus, &frame)?;
+        let reached = (!self.modelled).then_some(self.actual);
+        if reached.is_some() {
+            self.note_late_edge(step);
         }
+        match self.schedule.emitted(step, n, reached, &mut self.writes) {
+            Some(Order::Send(bus, frame)) => self.send(step, bus, &frame)?,
+            Some(Order::Emit(channel, emission)) => self.emit_pulses(step, channel, &emission)?,
+            None => {}
+        }
+        self.expect_edges();
         if self.writes.is_empty() { Ok(()) } else { self.write(step) }
     }
 
     /// Hands what a step drives to the board.
     fn write(&mut self, step: usize) -> Result<(), Trouble> {
-        for (channel, value) in &self.writes {
+        for write in 0..self.writes.len() {
+            let (channel, value) = self.writes[write];
             let place = usize::from(channel.0);
             self.wiring.writers[place] = Cause::Step(step as u16);
             self.restore[place] = self.driven[place];
-            self.driven[place] = *value;
+            self.driven[place] = value;
+            self.stop_pulses(channel);
         }
         self.expect_writes();
         let at = self.board_time();

@@ -15,6 +15,7 @@ impl Executor<'_> {
         events.clear();
         let polled = self.board.poll_buses(now, &mut events);
         for event in &events {
+            self.tell_bus(event);
             self.see_bus(event);
         }
         self.polled_buses = events;

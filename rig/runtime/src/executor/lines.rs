@@ -39,6 +39,14 @@ pub trait Heart: Sync + std::fmt::Debug {
     /// # Errors
     /// They are not.
     fn end(&self) -> Result<(), GuardError>;
+
+    /// Nobody drives any more, and devices are about to be given back: from then on nothing of them can be looked at.
+    ///
+    /// # Errors
+    /// Outputs are not safe.
+    fn close(&self) -> Result<(), GuardError> {
+        Ok(())
+    }
 }
 
 impl Heart for GuardHandle {
@@ -61,6 +69,10 @@ impl Heart for GuardHandle {
     fn end(&self) -> Result<(), GuardError> {
         self.disarm()
     }
+
+    fn close(&self) -> Result<(), GuardError> {
+        GuardHandle::close(self)
+    }
 }
 
 /// A change of an input terminal that the modelled time has not reached yet.
@@ -68,7 +80,16 @@ impl Heart for GuardHandle {
 struct Pending {
     at: When,
     input: usize,
-    level: Level,
+    what: Arrival,
+}
+
+/// What comes to an input terminal.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Arrival {
+    /// A level.
+    Level(Level),
+    /// So many steps that hardware counted, below 0 backwards.
+    Steps(i64),
 }
 
 /// What the executor keeps for real lines.
@@ -78,6 +99,8 @@ pub(super) struct Lines {
     pending: VecDeque<Pending>,
     /// When the wait for the next thing ended, while nothing has passed since.
     woke: Option<Time>,
+    /// How far each channel has counted, as far as it was told.
+    counts: Vec<i64>,
     /// How late the subject's last write of each channel was.
     lag: Vec<Span>,
     /// The worst of them.
@@ -89,13 +112,18 @@ pub(super) struct Lines {
 }
 
 impl Lines {
+    /// For so many channels of modelled lines, which nothing is late on.
+    pub(super) fn modelled(channels: usize) -> Lines {
+        Lines { counts: vec![0; channels], ..Lines::default() }
+    }
+
     /// For so many channels.
     pub(super) fn new(channels: usize) -> Lines {
         Lines {
             pending: VecDeque::with_capacity(MOST_PENDING),
             lag: vec![Span::ZERO; channels],
             wrote: vec![Time::MAX; channels],
-            ..Lines::default()
+            ..Lines::modelled(channels)
         }
     }
 
@@ -181,6 +209,9 @@ impl Executor<'_> {
         let future = to > self.actual;
         self.actual = self.reach(to).max(self.actual);
         let late = self.actual - to;
+        if future && let Some(live) = &mut self.live {
+            live.woke(late);
+        }
         if future && let Some(punctuality) = &mut self.punctuality {
             punctuality.note(to, late);
         }
@@ -203,9 +234,9 @@ impl Executor<'_> {
     }
 
     /// An input terminal changes at `at`, which the modelled time may not have reached.
-    pub(super) fn input(&mut self, channel: ChannelId, at: When, input: usize, level: Level) {
+    pub(super) fn input(&mut self, channel: ChannelId, at: When, input: usize, what: Arrival) {
         if self.modelled || at.latest <= self.now {
-            self.subject.input(self.now.max(at.latest), at, input, level, &mut self.effects);
+            self.arrive(self.now.max(at.latest), at, input, what);
             return;
         }
         if self.lines.pending.len() >= MOST_PENDING {
@@ -213,7 +244,7 @@ impl Executor<'_> {
             return;
         }
         let place = self.lines.pending.partition_point(|pending| pending.at.latest <= at.latest);
-        self.lines.pending.insert(place, Pending { at, input, level });
+        self.lines.pending.insert(place, Pending { at, input, what });
     }
 
     /// The inputs that are due.
@@ -222,8 +253,21 @@ impl Executor<'_> {
             self.lines.pending.front().copied().filter(|first| first.at.latest <= self.now)
         {
             self.lines.pending.pop_front();
-            self.subject.input(self.now, pending.at, pending.input, pending.level, &mut self.effects);
+            self.arrive(self.now, pending.at, pending.input, pending.what);
         }
+    }
+
+    fn arrive(&mut self, now: Time, at: When, input: usize, what: Arrival) {
+        match what {
+            Arrival::Level(level) => self.subject.input(now, at, input, level, &mut self.effects),
+            Arrival::Steps(steps) => self.subject.count(now, input, steps),
+        }
+    }
+
+    /// By how much a channel has counted on that has counted so far now.
+    pub(super) fn counted_on(&mut self, channel: ChannelId, count: i64) -> i64 {
+        let last = self.lines.counts.get_mut(usize::from(channel.0));
+        last.map_or(0, |last| count.saturating_sub(std::mem::replace(last, count)))
     }
 
     /// When something that the board saw happened. What a late rig did to a wire, it should have done earlier; what a

@@ -89,8 +89,11 @@ impl Executor<'_> {
     }
 
     /// What whoever watches has to know of the devices, and whoever reads the record later.
-    fn notice(&mut self, at: Time, text: String) {
+    pub(super) fn notice(&mut self, at: Time, text: String) {
         self.subject.notice(at, &text);
+        if let Some(live) = &mut self.live {
+            live.log(at, &text);
+        }
         if !self.modelled && self.ran.log.len() < LOG_LINES {
             self.ran.log.push((at, text));
         }

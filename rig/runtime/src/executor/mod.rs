@@ -7,15 +7,20 @@ mod act;
 mod alarms;
 mod buses;
 mod confirm;
+mod emission;
 mod lines;
+mod live;
 mod loss;
 mod prelude;
+mod pulses;
+mod seen;
 mod settle;
 mod teardown;
 mod terms;
 
 use crate::clock::Clock;
 use crate::frame_log::FrameLog;
+use crate::live::Port;
 use crate::operator::Operator;
 use crate::prepare::Armed;
 use crate::punctuality::Punctuality;
@@ -24,14 +29,17 @@ use crate::schedule::{EndReason, Schedule};
 use crate::stepping::{Stepper, Stepping};
 use crate::subject::Subject;
 use crate::trouble::Trouble;
+use crate::turns::Turns;
 use crate::wiring::Wiring;
 use confirm::Awaited;
 use controller::{Effect, Effects};
-use drivers::{Board, BoardEvent, BusEvent, BusState, ChannelId, LossReason, Origin, TimestampSource};
+use drivers::{Board, BoardEvent, BusEvent, BusState, ChannelId, Emission, TimestampSource};
+use emission::Emissions;
 use lines::Lines;
 use plans::plan::Phase;
+use pulses::Pulses;
 use settle::Settling;
-use signal::{Cause, Level, Span, Time, Value, When};
+use signal::{Cause, Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use lines::Heart;
@@ -56,6 +64,7 @@ pub struct Executor<'a> {
     interrupt: &'a AtomicBool,
     operator: Option<&'a dyn Operator>,
     heart: Option<&'a dyn Heart>,
+    turns: Option<&'a Turns>,
     /// The guard counts on its beats.
     beating: bool,
     effects: Effects,
@@ -79,7 +88,9 @@ pub struct Executor<'a> {
     /// What real lines need.
     lines: Lines,
     awaited: Awaited,
+    pulses: Pulses,
     settling: Settling,
+    emissions: Emissions,
     punctuality: Option<Punctuality>,
     same: u32,
     over: bool,
@@ -90,6 +101,8 @@ pub struct Executor<'a> {
     ran: Ran,
     /// Somebody who goes through the case step by step.
     stepping: Option<Stepping<'a>>,
+    /// Clients of a rig that is kept running.
+    live: Option<&'a mut Port>,
 }
 
 impl std::fmt::Debug for Executor<'_> {
@@ -131,6 +144,8 @@ pub struct Parts<'a> {
     pub operator: Option<&'a dyn Operator>,
     /// Is shown that the executor goes on turning.
     pub heart: Option<&'a dyn Heart>,
+    /// Counts its turns.
+    pub turns: Option<&'a Turns>,
 }
 
 impl std::fmt::Debug for Parts<'_> {
@@ -149,10 +164,13 @@ impl<'a> Executor<'a> {
             && parts.board.buses().iter().all(|bus| bus.timestamp == TimestampSource::Virtual);
         let exact = parts.clock.is_exact();
         let frames = FrameLog::of(parts.board.buses());
+        parts.subject.delegate(emission::delegated(parts.wiring, channels));
         Executor {
             awaited: Awaited::new(channels),
+            pulses: Pulses::new(channels.len(), parts.schedule.steps().len()),
             settling: Settling::new(channels.len()),
-            lines: if modelled { Lines::default() } else { Lines::new(channels.len()) },
+            emissions: Emissions::new(channels),
+            lines: if modelled { Lines::modelled(channels.len()) } else { Lines::new(channels.len()) },
             punctuality: (!exact).then(|| Punctuality::new(limits.horizon)),
             effects: Effects::new(),
             spare: Vec::with_capacity(256),
@@ -172,6 +190,7 @@ impl<'a> Executor<'a> {
             interrupt: parts.interrupt,
             operator: parts.operator,
             heart: parts.heart,
+            turns: parts.turns,
             beating: false,
             limits,
             now: Time::ZERO,
@@ -184,6 +203,7 @@ impl<'a> Executor<'a> {
             safe: false,
             ran: Ran { log: Vec::with_capacity(64), frames, ..Ran::default() },
             stepping: None,
+            live: None,
         }
     }
 
@@ -241,10 +261,16 @@ impl<'a> Executor<'a> {
         // Steps at the start itself come before the first operation of the first cycle.
         while !self.over {
             let timeout = self.loaded.saturating_add(self.limits.timeout);
-            let end = self.schedule.end().unwrap_or(Time::MAX);
+            let end = self.end();
+            if self.live.is_some() && !self.attend()? {
+                continue;
+            }
             if !self.turn(end.min(timeout))? {
                 if self.now >= timeout && end > timeout {
                     return Err(Trouble::Timeout { limit: self.limits.timeout });
+                }
+                if self.puts_off_end() {
+                    continue;
                 }
                 break;
             }
@@ -255,6 +281,9 @@ impl<'a> Executor<'a> {
     /// One turn: everything up to the next instant at which something happens. FALSE at `end`, or when nothing
     /// will ever happen again.
     fn turn(&mut self, end: Time) -> Result<bool, Trouble> {
+        if let Some(turns) = self.turns {
+            turns.add();
+        }
         let timer = self.subject.next_timer().unwrap_or(Time::MAX);
         let board = self.board.next_event().unwrap_or(Time::MAX);
         let step = self.schedule.next_due().unwrap_or(Time::MAX);
@@ -262,7 +291,9 @@ impl<'a> Executor<'a> {
         let wake = self.stepping.as_ref().map_or(Time::MAX, |stepping| stepping.wake(self.now));
         let slice = self.now.saturating_add(self.limits.slice);
         let input = self.lines.next().unwrap_or(Time::MAX);
-        let due = timer.min(board).min(step).min(alarm).min(end).min(slice).min(wake).min(input);
+        let pulses = self.pulses.next().unwrap_or(Time::MAX);
+        let due = timer.min(board).min(step).min(alarm).min(end).min(slice).min(wake).min(input).min(pulses);
+        let due = due.min(self.lead());
         if due == Time::MAX {
             return Err(Trouble::Stuck { at: self.now });
         }
@@ -288,6 +319,7 @@ impl<'a> Executor<'a> {
             self.feed();
             self.apply()?;
         }
+        self.end_pulses();
         if step <= due {
             self.steps(due)?;
         }
@@ -334,6 +366,7 @@ impl<'a> Executor<'a> {
         }
         std::mem::swap(&mut self.effects.list, &mut self.spare);
         self.writes.clear();
+        let mut outcome = Ok(());
         for index in 0..self.spare.len() {
             let effect = self.spare[index];
             match effect {
@@ -341,8 +374,16 @@ impl<'a> Executor<'a> {
                     let Some(channel) = self.wiring.output(output) else { continue };
                     self.wiring.writers[usize::from(channel.0)] = cause;
                     self.lines.wrote(channel, at, self.actual);
+                    self.keep_edge(channel, level)?;
                     self.writes.push((channel, Value::from(level)));
                 }
+                Effect::Wave { at, output, period, high, cause } => {
+                    let emission = Emission::Square { period, high };
+                    let made =
+                        self.write_effects().and_then(|_| self.emit_wave(at, output, &emission, cause));
+                    outcome = outcome.and(made);
+                }
+                Effect::Anew { at, output } => self.cannot_begin_anew(at, output),
                 Effect::State { at, state } => {
                     if let Some(signal) = self.wiring.state {
                         let at = self.seen(at);
@@ -351,12 +392,18 @@ impl<'a> Executor<'a> {
                 }
                 Effect::Changed { at, probe, value, cause } => {
                     let at = self.seen(at);
+                    if let Some(live) = &mut self.live {
+                        live.probe(probe, at, value);
+                    }
                     for place in 0..self.wiring.probes.get(probe.0 as usize).map_or(0, Vec::len) {
                         let signal = self.wiring.probes[probe.0 as usize][place];
                         self.record(signal, at, value, cause);
                     }
                 }
                 Effect::Log { at, entry } => {
+                    if let Some(live) = &mut self.live {
+                        live.log(at, &crate::log::show(&entry, &*self.subject));
+                    }
                     if self.ran.log.len() < LOG_LINES {
                         self.ran.log.push((at, crate::log::show(&entry, &*self.subject)));
                     } else {
@@ -366,16 +413,20 @@ impl<'a> Executor<'a> {
             }
         }
         self.spare.clear();
-        if !self.writes.is_empty() {
-            self.expect_writes();
-            let writes = std::mem::take(&mut self.writes);
-            let at = self.board_time();
-            let written = self.board.write(at, &writes);
-            self.writes = writes;
-            written.map_err(|error| Trouble::Board { at, error })?;
-            self.poll()?;
+        if outcome.and(self.write_effects())? { self.poll() } else { Ok(()) }
+    }
+
+    /// Hands what the subject wrote to the board, if anything.
+    fn write_effects(&mut self) -> Result<bool, Trouble> {
+        if self.writes.is_empty() {
+            return Ok(false);
         }
-        Ok(())
+        self.expect_writes();
+        let at = self.board_time();
+        let written = self.board.write(at, &self.writes);
+        self.writes.clear();
+        written.map_err(|error| Trouble::Board { at, error })?;
+        Ok(true)
     }
 
     /// When something that happened at a modelled instant was seen: exactly in virtual time, else up to now.
@@ -395,70 +446,6 @@ impl<'a> Executor<'a> {
                 self.schedule.changed(signal, before.map(|event| event.value), value, self.now);
             }
             self.alarmed(signal, at, value);
-        }
-    }
-
-    /// What the board saw up to now goes to the trace and to the subject's inputs.
-    fn poll(&mut self) -> Result<(), Trouble> {
-        let mut events = std::mem::take(&mut self.polled);
-        events.clear();
-        let now = self.board_time();
-        let polled = self.board.poll(now, &mut events);
-        self.mark_come();
-        for event in &events {
-            self.see(event);
-        }
-        self.polled = events;
-        polled.map_err(|error| Trouble::Board { at: now, error })?;
-        self.poll_buses(now)?;
-        // A line may have told the subject's state.
-        self.apply()
-    }
-
-    fn see(&mut self, event: &BoardEvent) {
-        let channel = event.channel();
-        let place = usize::from(channel.0);
-        let (at, value, cause, origin) = match *event {
-            BoardEvent::Changed { at, value, origin, .. } => {
-                let cause = match origin {
-                    Origin::Write => self.wiring.writers[place],
-                    Origin::Gap(gap) => Cause::Gap(gap),
-                    _ => Cause::Board,
-                };
-                self.awaited.seen(channel);
-                self.lines.reached(channel, at.latest, origin);
-                (at, value, cause, origin)
-            }
-            BoardEvent::Lost { at, reason, .. } => {
-                if reason != LossReason::Injected {
-                    self.lose_channel(at, channel, reason);
-                }
-                (When::exactly(at), Value::Unknown, Cause::Board, Origin::Outside)
-            }
-            BoardEvent::Returned { at, .. } => return self.regain_channel(at, channel),
-            BoardEvent::Dropped { at, count, channel } => {
-                self.ran.trouble.get_or_insert(Trouble::Dropped { at, channel, count });
-                return;
-            }
-        };
-        for index in 0..self.wiring.channels[place].len() {
-            let signal = self.wiring.channels[place][index];
-            self.record(signal, self.seen_by_board(at, channel, origin), value, cause);
-        }
-        if !self.wiring.inputs[place].is_empty() {
-            let level = match value {
-                Value::Bool(high) => Level::from_bool(high),
-                // Between the two levels of a voltage an input keeps the one that it had.
-                Value::Real(volts) | Value::Measured(volts, _) => match profile::input_level(volts) {
-                    Some(high) => Level::from_bool(high),
-                    None => return,
-                },
-                _ => Level::HighZ,
-            };
-            for index in 0..self.wiring.inputs[place].len() {
-                let input = self.wiring.inputs[place][index];
-                self.input(channel, at, input, level);
-            }
         }
     }
 }

@@ -12,6 +12,7 @@ impl Executor<'_> {
     pub(super) fn tear_down(&mut self) {
         // Nothing of the case comes any more, an interrupt apart: that has been obeyed.
         (self.over, self.same) = (false, 0);
+        self.end_waves();
         if !self.schedule.begin_teardown(self.now) {
             return;
         }

@@ -182,7 +182,7 @@ fn reflex(said: &FunctionSettings, output: &str, zones: &str) -> Reflex {
 }
 
 /// The key that says which input or output has a role.
-const fn key_of(role: Role) -> &'static str {
+pub(super) const fn key_of(role: Role) -> &'static str {
     match role {
         Role::Counter(CounterRole::A) | Role::Wave(WaveRole::A) => "a",
         Role::Axis(role) => axis::key_of(role),

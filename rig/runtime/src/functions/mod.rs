@@ -3,8 +3,12 @@
 
 mod axis;
 mod configure;
+mod counted;
+mod lines;
 
 pub use configure::{check, configure, warnings};
+pub use counted::{check as check_counted, counted};
+pub(crate) use lines::on_lines;
 
 use crate::subject::Observable;
 use controller::Probe;

@@ -5,14 +5,16 @@
 //! a generator that is stopped leaves nothing behind.
 
 mod band;
+mod emission;
 mod sequence;
 mod wave;
 
 pub use band::Band;
+pub use emission::{Emitted, Unmade};
 pub use sequence::{Given, Rows};
 pub use wave::{Curve, Form, Shape};
 
-use drivers::{BusId, ChannelId, Frame};
+use drivers::{BusId, ChannelId, Emission, Frame};
 use plans::frames::Send;
 use plans::steps::{Encoder, Train};
 use signal::{Random, Span, Value};
@@ -56,6 +58,17 @@ pub enum Generator {
         /// What their jitter is drawn from.
         seed: u64,
     },
+    /// Pulses that the board makes by itself.
+    Emitted(Emitted),
+}
+
+/// What an act of a generator asks of the board besides levels and values.
+#[derive(Clone, Debug)]
+pub enum Order {
+    /// To send a frame.
+    Send(BusId, Frame),
+    /// To emit pulses.
+    Emit(ChannelId, Emission),
 }
 
 impl Generator {
@@ -73,6 +86,7 @@ impl Generator {
             },
             Generator::Sequence(rows) => rows.after(n),
             Generator::Frames { send, seed, .. } => (n < u64::from(send.count)).then(|| send.after(n, *seed)),
+            Generator::Emitted(emitted) => emitted.after(n),
         }
     }
 
@@ -80,6 +94,7 @@ impl Generator {
     pub fn rises(&self, n: u32) -> Option<Span> {
         match self {
             Generator::Train { train, seed, .. } => Some(pulse_edge(train, *seed, n, true)),
+            Generator::Emitted(emitted) => emitted.rises(n),
             _ => None,
         }
     }
@@ -95,6 +110,7 @@ impl Generator {
             }
             Generator::Sequence(rows) => rows.writes(n, out),
             Generator::Frames { .. } => {}
+            Generator::Emitted(emitted) => emitted.writes(n, out),
             Generator::Encoder { lines, encoder } => {
                 let before = n.checked_sub(1).map(|before| match before {
                     0 => encoder.from,
@@ -118,10 +134,22 @@ impl Generator {
         }
     }
 
-    /// The frame that each of its acts sends, if it sends any.
-    pub fn frame(&self) -> Option<(BusId, Frame)> {
+    /// Whether its acts are edges, whose distances count where nobody can make up for a late one.
+    pub fn is_of_edges(&self) -> bool {
         match self {
-            Generator::Frames { bus, frame, .. } => Some((*bus, *frame)),
+            Generator::Train { .. } | Generator::Encoder { .. } | Generator::Sequence(_) => true,
+            Generator::Wave { curve, .. } => matches!(curve.shape, Shape::Square { .. }),
+            Generator::Frames { .. } | Generator::Emitted(_) => false,
+        }
+    }
+
+    /// What act `n` asks of the board besides, if anything.
+    pub fn order(&self, n: u64) -> Option<Order> {
+        match self {
+            Generator::Frames { bus, frame, .. } => Some(Order::Send(*bus, *frame)),
+            Generator::Emitted(emitted) if n == 0 => {
+                Some(Order::Emit(emitted.channel, emitted.emission.clone()))
+            }
             _ => None,
         }
     }
@@ -144,6 +172,7 @@ impl Generator {
             }
             Generator::Encoder { lines, .. } => (*lines, None),
             Generator::Sequence(rows) => ([None; 3], Some(rows)),
+            Generator::Emitted(emitted) => ([Some(emitted.channel), None, None], None),
             Generator::Frames { .. } => ([None; 3], None),
         };
         few.into_iter().flatten().chain(rows.into_iter().flat_map(Rows::channels))

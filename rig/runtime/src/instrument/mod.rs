@@ -4,10 +4,12 @@
 //! Goals: an instrument that is not what it should be is found out before it judges anything; figures that follow from
 //! the calls that a run makes. Not goals: what a plan claims.
 
+mod counts;
 mod loopback;
 mod scan;
 mod square;
 
+pub use counts::{Counts, Train, counts, is_countable};
 pub use loopback::{Loopback, loopback};
 pub use scan::{Phases, ScanFault, phases};
 pub use square::{EDGES, PERIOD, Square, square};

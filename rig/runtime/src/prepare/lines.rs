@@ -10,7 +10,10 @@ use drivers::{BoardKind, Channel, ChannelId, FaultKind};
 use plans::Step;
 use plans::lang::Literal;
 use plans::steps::FaultKind as PlannedFault;
-use signal::{Area, Level, Value};
+use signal::{Area, Level, Span, Value};
+
+/// The code of pulses that the board does not promise: a case with such a step gets no verdict.
+pub(crate) const NOT_PROMISED: &str = "R0315";
 
 /// The channel of a line.
 pub(super) fn line(name: &str, names: &Names<'_>, step: &Step, out: &mut Findings) -> Option<ChannelId> {
@@ -44,8 +47,12 @@ pub(super) fn driven(
         out.error("R0110", step.span.clone(), format!("`{name}` is driven by the controller"), help);
         return None;
     }
-    if !bench.board.channels()[usize::from(channel.0)].drives {
+    let known = &bench.board.channels()[usize::from(channel.0)];
+    if !known.drives {
         let help = match bench.file.kind {
+            _ if known.emits.is_some() => {
+                "it makes pulses and keeps no level: take `train`, `square` or `sequence`"
+            }
             BoardKind::Real(_) => {
                 "name the line that drives it as `line` of its channel, and the one wired to it as `readback`"
             }
@@ -176,4 +183,38 @@ pub(super) fn warn_if_too_fast(
         let help = format!("{} allows it up to {hertz} Hz", bench.profile.name());
         out.warn("R0134", step.span.clone(), message, help);
     }
+}
+
+/// Reports pulses that the board does not promise on this line. A level of them lasts `shortest` at least.
+pub(super) fn warn_if_not_promised(
+    channel: ChannelId,
+    shortest: Span,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) {
+    let channel = &bench.board.channels()[usize::from(channel.0)];
+    let promised = channel.max_pulse_hz;
+    let shortest = u128::try_from(shortest.as_nanos()).unwrap_or(0).max(1);
+    // Instants are rounded to the nanosecond.
+    let slow = (shortest + 1) * 2 * u128::from(promised) >= 1_000_000_000;
+    // What makes pulses by itself says by itself which.
+    if promised > 0 && slow || channel.emits.is_some() {
+        return;
+    }
+    let needs = 1_000_000_000u128.div_ceil(2 * shortest);
+    let name = &channel.name;
+    let (message, help) = match promised {
+        0 => (
+            format!("the step needs pulses of {needs} Hz on `{name}`, of which the board promises none"),
+            format!("write `pulses-up-to = \"{needs} Hz\"` behind its `line`, if it can make them"),
+        ),
+        _ => (
+            format!("the step needs pulses of {needs} Hz on `{name}`, which makes them up to {promised} Hz"),
+            String::from(
+                "slow the step down, or raise `pulses-up-to` of the channel as far as its line follows",
+            ),
+        ),
+    };
+    out.warn(NOT_PROMISED, step.span.clone(), message, help);
 }

@@ -1,6 +1,7 @@
 //! From the names of a plan to terminals, channels, probes and signals.
 
 mod alarms;
+mod emission;
 mod lines;
 mod meaning;
 mod signals;
@@ -10,6 +11,7 @@ mod waves;
 use crate::external::NOT_RUNNING;
 use crate::facts;
 use crate::frames::{self, Watch};
+use crate::functions;
 use crate::schedule::{Act, Planned};
 use crate::subject::Subject;
 use crate::suite::beside;
@@ -28,7 +30,7 @@ use std::sync::Arc;
 use steps::plan_step;
 
 pub use alarms::Armed;
-pub(crate) use lines::fault_on;
+pub(crate) use lines::{NOT_PROMISED, fault_on};
 
 /// What the names of a case are looked up in.
 pub struct Bench<'a> {
@@ -160,6 +162,7 @@ pub fn prepare(
     }
     let mut found = out.into_vec();
     found.extend(foreign);
+    found.extend(functions::on_lines(&case.settings, &plan.name, bench));
     let names = Names { list: &names, state: wiring.state };
     let alarms = alarms::alarms(case, &names, &mut trace, &mut found);
     if found.iter().any(Diagnostic::is_error) {

@@ -1,7 +1,7 @@
 //! How the trace records a bound name.
 
 use document::Findings;
-use drivers::{Channel, TimestampSource};
+use drivers::{Channel, ChannelKind, TimestampSource};
 use plans::plan::{Recording, SignalBinding};
 use signal::{ClockDomain, Kind, Policy, Sampling, SignalId, SignalInfo, Trace, TraceError, Value};
 
@@ -65,7 +65,11 @@ pub(super) fn clocked(mut info: SignalInfo, exact: bool) -> SignalInfo {
 }
 
 pub(super) fn channel_info(name: &str, channel: &Channel) -> SignalInfo {
-    let kind = if channel.is_digital() { Kind::Bool } else { Kind::Real };
+    let kind = match channel.kind {
+        ChannelKind::Digital => Kind::Bool,
+        ChannelKind::Analog { .. } => Kind::Real,
+        ChannelKind::Count => Kind::Int,
+    };
     let sampling = match channel.timestamp {
         TimestampSource::Sampled { period } => Sampling::Sampled { period },
         _ => Sampling::Edges { resolution: channel.resolution },

@@ -1,7 +1,8 @@
 //! From stimuli that go on to their generators: values in the units of their channels.
 
 use super::Bench;
-use super::lines::{driven, warn_if_too_fast};
+use super::emission::{by_itself, emitting};
+use super::lines::{driven, warn_if_not_promised, warn_if_too_fast};
 use super::meaning::Names;
 use crate::frames;
 use crate::generator::{Band, Curve, Form, Generator, Given, Rows, Shape};
@@ -12,23 +13,35 @@ use plans::steps::{Encoder, Periodic, Sequence, Shape as Planned, Stimulus, Wave
 use plans::table::Cell;
 use signal::{Decimal, Quantity, QuantityRange, Random, Unit, Value};
 
-/// The generator of a step that has one.
+/// Place of the index among the lines of an encoder.
+const INDEX: usize = 2;
+
+/// The generator of a step that has one: what the rig does, or what it has the board do.
 pub(super) fn generator(
     step: &Step,
     names: &Names<'_>,
     bench: &Bench<'_>,
     out: &mut Findings,
 ) -> Option<Generator> {
+    by_itself(by_rig(step, names, bench, out)?, step, names, bench, out)
+}
+
+/// What the rig would write itself, edge by edge.
+fn by_rig(step: &Step, names: &Names<'_>, bench: &Bench<'_>, out: &mut Findings) -> Option<Generator> {
     match &step.stimulus {
         Stimulus::Train(train) => {
-            let channel = driven(&train.signal, names, bench, step, out)?;
+            let channel = pulsed(&train.signal, names, bench, step, out)?;
             warn_if_too_fast(channel, train.millihertz(), bench, step, out);
+            let high = train.falls(1);
+            let shortest = high.min(train.rises(2) - high) - train.jitter - train.jitter;
+            warn_if_not_promised(channel, shortest, bench, step, out);
             Some(Generator::Train { channel, train: train.clone(), seed: bench.seed })
         }
         Stimulus::Wave(wave) => {
-            let channel = driven(&wave.signal, names, bench, step, out)?;
+            let channel = pulsed(&wave.signal, names, bench, step, out)?;
             if let Some(rate) = wave.millihertz() {
                 warn_if_too_fast(channel, rate, bench, step, out);
+                warn_if_not_promised(channel, wave.shortest(), bench, step, out);
             }
             Some(Generator::Wave { channel, curve: curve(wave, channel, bench, step, out)? })
         }
@@ -38,7 +51,7 @@ pub(super) fn generator(
         }
         Stimulus::Sequence(sequence) => {
             let columns = sequence.columns.iter().map(|(column, name)| {
-                let channel = driven(name, names, bench, step, out)?;
+                let channel = pulsed(name, names, bench, step, out)?;
                 Some((channel, values(sequence, *column, channel, bench, step, out)?))
             });
             let columns: Option<Vec<_>> = columns.collect();
@@ -56,6 +69,20 @@ pub(super) fn generator(
             Some(Generator::Frames { bus, frame: frame.ok()?, send: send.clone(), seed })
         }
         _ => None,
+    }
+}
+
+/// The channel of a line that the plan may drive, or that makes pulses by itself.
+fn pulsed(
+    name: &str,
+    names: &Names<'_>,
+    bench: &Bench<'_>,
+    step: &Step,
+    out: &mut Findings,
+) -> Option<ChannelId> {
+    match emitting(name, names, bench) {
+        Some((channel, _)) => Some(channel),
+        None => driven(name, names, bench, step, out),
     }
 }
 
@@ -120,14 +147,17 @@ fn encoder_lines(
     out: &mut Findings,
 ) -> Option<[Option<ChannelId>; 3]> {
     let mut lines = [None; 3];
-    for (line, name) in lines.iter_mut().zip(encoder.lines()) {
-        let channel = driven(name, names, bench, step, out)?;
+    for (place, (line, name)) in lines.iter_mut().zip(encoder.lines()).enumerate() {
+        let channel = pulsed(name, names, bench, step, out)?;
         if !is_level(channel, bench) {
             let message = format!("`{name}` is no line: it has {}", carries(channel, bench));
             out.error("R0107", step.span.clone(), message, "an encoder drives levels");
             return None;
         }
         warn_if_too_fast(channel, encoder.millihertz(), bench, step, out);
+        // The index is high for one count, A and B keep a level for two.
+        let counts = if place == INDEX { 1 } else { 2 };
+        warn_if_not_promised(channel, encoder.lasts_at_most_speed(counts), bench, step, out);
         *line = Some(channel);
     }
     Some(lines)

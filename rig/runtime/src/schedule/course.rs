@@ -4,8 +4,10 @@
 //! came about. Steps of a group are steps like others; the one that runs the group is done when all of them are.
 
 use super::{Due, Planned, Root, Schedule};
+use crate::generator::Generator;
+use drivers::ChannelId;
 use plans::plan::{Phase, Repeat};
-use signal::{Span, Time};
+use signal::{Span, Time, Value};
 use std::collections::BTreeMap;
 
 /// Why a case ends before its end.
@@ -241,6 +243,28 @@ impl Schedule {
         };
         // Of two times that touch each other the end of the first may come behind the beginning of the last.
         last && !std::mem::replace(&mut self.course.done[step], true)
+    }
+
+    /// Looks again at this instant whether a step is done.
+    pub fn done_at(&mut self, step: usize, at: Time) {
+        self.put(at, step, Due::Done);
+    }
+
+    /// Ends the next of the waves without end that the board makes for steps: its channel, with the level that it has now.
+    pub fn end_emission(&mut self, now: Time) -> Option<(ChannelId, Value)> {
+        for (step, planned) in self.steps.iter().enumerate() {
+            let Some(Generator::Emitted(emitted)) = &planned.generator else { continue };
+            let running = &mut self.running[step];
+            if let Some(begun) = self.begun[step]
+                && emitted.is_endless()
+                && running.act == 1
+                && !running.stopped
+            {
+                running.stopped = true;
+                return Some((emitted.channel, emitted.level(now - begun)));
+            }
+        }
+        None
     }
 
     /// Tells those who wait for it that a step is done.

@@ -4,7 +4,7 @@
 #![allow(dead_code)]
 
 use controller::{Config, State};
-use document::SourceFile;
+use document::{Diagnostic, SourceFile};
 use drivers::{Board, OnLoss};
 use plans::judge::Judge;
 use record::Verdict;
@@ -13,6 +13,7 @@ use scanrig_runtime::bundle::Bundle;
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::{Executor, Limits, Parts, Ran};
 use scanrig_runtime::functions;
+use scanrig_runtime::live::{Port, Role};
 use scanrig_runtime::prepare::{Armed, Bench, Prepared, prepare};
 use scanrig_runtime::recorder::Recorder;
 use scanrig_runtime::schedule::Schedule;
@@ -70,6 +71,16 @@ impl Texts<'_> {
 
     /// The same with another configuration of the controller.
     pub fn parts_with(&self, seed: u64, change: impl FnOnce(&mut Config)) -> (Model, Parted) {
+        self.parts_on(seed, change, |board| board).unwrap_or_else(|found| panic!("{found:#?}"))
+    }
+
+    /// The same on another board in the place of the one in the file, or what does not fit it.
+    pub fn parts_on(
+        &self,
+        seed: u64,
+        change: impl FnOnce(&mut Config),
+        other: impl FnOnce(Box<dyn Board>) -> Box<dyn Board>,
+    ) -> Result<(Model, Parted), Vec<Diagnostic>> {
         let (loaded, jobs) = self.load(seed);
         let case = loaded.plan.case(jobs[0].case).unwrap();
         let files = loaded.files(&case, &jobs[0]).unwrap();
@@ -80,7 +91,7 @@ impl Texts<'_> {
         change(&mut config);
         let tasks = vec![("MAST".to_owned(), Vec::new())];
         let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
-        let board = drivers::build(&files.board, seed).unwrap();
+        let board = other(drivers::build(&files.board, seed).unwrap());
         let mut model = Model::new(config, Some(program), Box::new(MemoryStore::default()), None).unwrap();
         model.commission(&bundle, State::Running).unwrap();
         let mut bench = Bench {
@@ -94,15 +105,17 @@ impl Texts<'_> {
             seed,
             exact: true,
         };
-        let prepared = prepare(&case, &files.plan, Trace::new(), &mut bench).unwrap();
-        let Prepared { trace, wiring, steps, alarms, .. } = prepared;
+        let prepared = prepare(&case, &files.plan, Trace::new(), &mut bench)?;
+        let Prepared { trace, wiring, steps, alarms, warnings, .. } = prepared;
         let judge = Judge::new(case.scenario(), trace.signals()).unwrap();
         let schedule = Schedule::new(steps, case.ends.clone());
         let recorder = Recorder::new(trace, judge);
         let (timeout, teardown) = (case.timeout, case.teardown);
         let late = Span::from_millis(20);
         let on_loss = files.board.on_loss;
-        (model, Parted { board, recorder, schedule, wiring, alarms, timeout, teardown, late, on_loss })
+        let parts =
+            Parted { board, recorder, schedule, wiring, warnings, alarms, timeout, teardown, late, on_loss };
+        Ok((model, parts))
     }
 }
 
@@ -113,6 +126,8 @@ pub struct Parted {
     pub recorder: Recorder,
     pub schedule: Schedule,
     pub wiring: Wiring,
+    /// What is wrong with the plan on this board and does not keep it from running.
+    pub warnings: Vec<Diagnostic>,
     alarms: Vec<Armed>,
     timeout: Span,
     teardown: Span,
@@ -124,6 +139,16 @@ pub struct Parted {
 impl Parted {
     /// Runs it on this clock; the parts are there to be looked into afterwards.
     pub fn run(&mut self, clock: &mut dyn Clock, subject: &mut dyn Subject) -> Ran {
+        self.serve(clock, subject, None)
+    }
+
+    /// The same, and clients are served.
+    pub fn serve(
+        &mut self,
+        clock: &mut dyn Clock,
+        subject: &mut dyn Subject,
+        port: Option<&mut Port>,
+    ) -> Ran {
         let interrupt = AtomicBool::new(false);
         let limits = Limits {
             initial: State::Running,
@@ -147,8 +172,9 @@ impl Parted {
             interrupt: &interrupt,
             operator: None,
             heart: None,
+            turns: None,
         };
-        Executor::new(parts, limits).run()
+        Executor::new(parts, limits).serving(port, Role::Rig).run()
     }
 }
 

@@ -70,6 +70,7 @@ impl Claim {
                 let values = v2::LineValues { bits: levels, mask: self.mask() };
                 v2::set_line_values(&self.lines, &values)
             }
+            LineApi::Pwm => unreachable!("claims are of GPIO lines"),
         }
         .unwrap();
     }
@@ -81,6 +82,7 @@ impl Claim {
             LineApi::V2 => {
                 v2::get_line_values(&self.lines, &mut v2::LineValues { bits: 0, mask: self.mask() })
             }
+            LineApi::Pwm => unreachable!("claims are of GPIO lines"),
         }
         .unwrap();
     }

@@ -77,12 +77,15 @@ impl Places {
     }
 }
 
-/// What became of the command of a block, as its memory holds it.
+/// What became of the command of a block, as its memory holds it; below 0 the number of its error.
 const IDLE: i64 = 0;
 const RUNNING: i64 = 1;
 const DONE: i64 = 2;
 const ABORTED: i64 = 3;
-const FAILED: i64 = 4;
+
+fn failed(fault: AxisFault) -> i64 {
+    -i64::from(fault.number())
+}
 
 /// What a block does with its axis.
 struct Body<'a> {
@@ -109,13 +112,11 @@ fn execute(
         let mut body = Body { now, axis, pins: &mut *pins, fx };
         if wanted && body.pins.get(last) == 0 {
             let started = start(&mut body);
-            pins.set(outcome, if started.is_ok() { RUNNING } else { FAILED });
-            pins.set(places.error_id, started.err().map_or(0, |fault| fault.number().into()));
+            pins.set(outcome, started.map_or_else(failed, |_| RUNNING));
             pins.set(ticket, started.unwrap_or(0).into());
             pins.set(shown, 0);
         } else if !wanted && pins.get(shown) != 0 {
             pins.set(outcome, IDLE);
-            pins.set(places.error_id, 0);
             pins.set(shown, 0);
         }
         pins.set(last, wanted.into());
@@ -125,15 +126,12 @@ fn execute(
             match phase(axis, command) {
                 Phase::Done => pins.set(outcome, DONE),
                 Phase::Aborted => pins.set(outcome, ABORTED),
-                Phase::Failed(fault) => {
-                    pins.set(outcome, FAILED);
-                    pins.set(places.error_id, fault.number().into());
-                }
+                Phase::Failed(fault) => pins.set(outcome, failed(fault)),
                 other => going = Some(other),
             }
         }
         let outcome = pins.get(outcome);
-        pins.set(shown, (outcome >= DONE).into());
+        pins.set(shown, (!(IDLE..DONE).contains(&outcome)).into());
         // MoveVelocity has InVelocity in the place of Done.
         pins.set(places.done, (outcome == DONE || going == Some(Phase::InVelocity)).into());
         pins.set(places.busy, (outcome == RUNNING).into());
@@ -143,10 +141,8 @@ fn execute(
         if let Some(aborted) = places.aborted {
             pins.set(aborted, (outcome == ABORTED).into());
         }
-        pins.set(places.error, (outcome == FAILED).into());
-        if outcome != FAILED {
-            pins.set(places.error_id, 0);
-        }
+        pins.set(places.error, (outcome < IDLE).into());
+        pins.set(places.error_id, (-outcome).max(IDLE));
     });
     if known.is_none() {
         // What the block shows of its command waits until it knows the axis again.

@@ -255,6 +255,21 @@ fn every_block_reports_an_unknown_axis_and_does_nothing() {
     assert_eq!(BLOCKS.iter().copied().flatten().filter(|block| block.name.ends_with("_PTO")).count(), 18);
 }
 
+// io:EXP-06
+#[test]
+fn an_error_waits_for_its_axis_to_be_known_again() {
+    let mut program = Program::new(config());
+    let mut home = Block::new("MC_Home_PTO", &[("Execute", 1), ("Mode", 77)]);
+    let refused = program.call(&mut home);
+    assert!(refused.starts_with("Error ErrorID=3"), "{refused}");
+    home.set("Axis", 0);
+    assert_eq!(program.call(&mut home), "Error ErrorID=1");
+    home.set("Axis", 1);
+    assert_eq!(program.call(&mut home), refused);
+    home.set("Execute", 0);
+    assert_eq!(program.call(&mut home), "");
+}
+
 // io:STD-PTO-03
 #[test]
 fn a_stop_holds_the_axis_until_execute_is_false() {

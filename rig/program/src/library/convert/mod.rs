@@ -41,7 +41,7 @@ pub(crate) fn convert(from: Elementary, to: Elementary, cell: i64) -> i64 {
         Real => i64::from((cell as f32).to_bits()),
         Lreal if from.wide_unsigned() => (cell as u64 as f64).to_bits() as i64,
         Lreal => (cell as f64).to_bits() as i64,
-        _ => match (unit(from), unit(to)) {
+        _ => match (from.nanos(), to.nanos()) {
             (Some(from_unit), Some(to_unit)) => {
                 // Never more than 2^64: the units of a millisecond and a second have 32 bits.
                 let nanos = (cell as u64).wrapping_mul(from_unit);
@@ -81,16 +81,6 @@ pub(in crate::library) fn rounded(ty: Elementary, number: f64) -> i64 {
 /// makes 0 of a NaN.
 fn whole(ty: Elementary, number: f64) -> i64 {
     if ty.wide_unsigned() && number > 0.0 { number as u64 as i64 } else { number as i64 }
-}
-
-/// Nanoseconds of the unit in which a type counts time.
-const fn unit(ty: Elementary) -> Option<u64> {
-    match ty {
-        Time | Tod => Some(1_000_000),
-        Date | Dt => Some(1_000_000_000),
-        Ltime | Ldate | Ltod | Ldt => Some(1),
-        _ => None,
-    }
 }
 
 #[cfg(test)]

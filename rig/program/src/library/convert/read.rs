@@ -1,6 +1,6 @@
 //! Texts as values: what can be read is taken, from the left as far as it goes.
 
-use super::{real_cell, unit};
+use super::real_cell;
 use crate::library::Text;
 use crate::library::calendar::{DAY, days_of};
 use crate::types::Elementary::{self, *};
@@ -34,7 +34,7 @@ pub(crate) fn from_text(text: Text<'_>, to: Elementary) -> i64 {
         Dt | Ldt => reader.date_and_clock(),
         _ => return to.wrap(reader.integer()),
     };
-    let count = nanos.unwrap_or(0) / u128::from(unit(to).unwrap_or(1));
+    let count = nanos.unwrap_or(0) / u128::from(to.nanos().unwrap_or(1));
     to.wrap(count as i64)
 }
 

@@ -1,0 +1,204 @@
+//! What a board file says of counters.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use host::CounterEventKind;
+use signal::Span;
+
+use super::Way;
+use crate::ChannelId;
+
+/// The counters of a board, and the channels behind which they count.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CountersSpec {
+    /// The counters.
+    pub counters: Vec<CounterSpec>,
+    /// The channels, in their order.
+    pub counts: Vec<CountSpec>,
+}
+
+/// The channel behind which a counter counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CountSpec {
+    /// The channel.
+    pub channel: ChannelId,
+    /// Place of its counter in [`CountersSpec::counters`].
+    pub counter: usize,
+}
+
+/// A count of a counter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CounterSpec {
+    /// Its name in the board file.
+    pub name: String,
+    /// Where the file names it.
+    pub place: Range<usize>,
+    /// Which device.
+    pub find: FindCounter,
+    /// Which of its counts.
+    pub count: FindCount,
+    /// What it counts; as it is if left out.
+    pub function: Option<Function>,
+    /// The edge that it counts; as it is if left out.
+    pub edge: Option<Edge>,
+    /// The highest number that it shows; as it is if left out.
+    pub ceiling: Option<u64>,
+    /// Time between two readings.
+    pub period: Span,
+    /// What it tells by itself.
+    pub events: Vec<CounterEventKind>,
+    /// How many events the kernel keeps.
+    pub buffer: u32,
+    /// The fastest that it has to follow, in counts a second; where the file says so.
+    pub counts_hz: Option<u64>,
+}
+
+impl CounterSpec {
+    /// The most counts a second that it is to follow.
+    pub fn fastest(&self) -> u64 {
+        self.counts_hz.unwrap_or(FASTEST)
+    }
+
+    /// The longest time between two readings that is not told as a loss, where a call on the device may last so long.
+    pub fn longest(&self, silent_after: Span) -> Span {
+        let periods = self.period.as_nanos().saturating_mul(2);
+        Span::from_nanos(silent_after.as_nanos().saturating_add(periods))
+    }
+
+    /// Whether it tells when it wraps.
+    pub fn tells_wraps(&self) -> bool {
+        let tells = |kind| self.events.contains(&kind);
+        tells(CounterEventKind::OverflowUnderflow)
+            || tells(CounterEventKind::Overflow)
+                && (self.way() == Way::Up || tells(CounterEventKind::Underflow))
+    }
+
+    /// Whether it tells of every count.
+    pub fn tells_steps(&self) -> bool {
+        self.events.contains(&CounterEventKind::ChangeOfState)
+    }
+
+    /// The ways that it counts, as far as the file says.
+    pub fn way(&self) -> Way {
+        match self.function {
+            Some(Function::Increase) => Way::Up,
+            Some(Function::Decrease) => Way::Down,
+            _ => Way::Both,
+        }
+    }
+}
+
+/// Faster than any input of a counter: what has to be followed where nobody says how fast it gets.
+const FASTEST: u64 = 100_000_000;
+
+/// Events by their names in a board file.
+pub(crate) const EVENTS: [(&str, CounterEventKind); 7] = [
+    ("overflow", CounterEventKind::Overflow),
+    ("underflow", CounterEventKind::Underflow),
+    ("overflow-underflow", CounterEventKind::OverflowUnderflow),
+    ("threshold", CounterEventKind::Threshold),
+    ("index", CounterEventKind::Index),
+    ("change-of-state", CounterEventKind::ChangeOfState),
+    ("capture", CounterEventKind::Capture),
+];
+
+/// The name of an event.
+pub(super) fn event_name(kind: CounterEventKind) -> &'static str {
+    EVENTS.iter().find(|(_, known)| *known == kind).map_or("", |(name, _)| name)
+}
+
+/// How a device is found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FindCounter {
+    /// By what its driver calls it.
+    Name(String),
+    /// By a path in `/dev` or `/sys`.
+    Path(PathBuf),
+}
+
+/// How a count is found on its device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FindCount {
+    /// By its number.
+    Number(u8),
+    /// By its name.
+    Name(String),
+}
+
+/// The edge of its first signal that a counter of single pulses counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edge {
+    /// From 0 to 1.
+    Rising,
+    /// From 1 to 0.
+    Falling,
+    /// Each.
+    Both,
+}
+
+impl Edge {
+    /// As the kernel writes it.
+    pub const fn kernel(self) -> &'static str {
+        match self {
+            Edge::Rising => "rising edge",
+            Edge::Falling => "falling edge",
+            Edge::Both => "both edges",
+        }
+    }
+}
+
+/// What is made of the signals of a count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Function {
+    /// Pulses on A count up.
+    Increase,
+    /// Pulses on A count down.
+    Decrease,
+    /// Pulses on A count, B says which way.
+    PulseDirection,
+    /// One count for each period of A and B.
+    QuadratureX1,
+    /// The same, by the edges of B.
+    QuadratureX1B,
+    /// A count for each edge of A.
+    QuadratureX2,
+    /// A count for each edge of B.
+    QuadratureX2B,
+    /// A count for each edge of either.
+    QuadratureX4,
+}
+
+impl Function {
+    /// All with their names in a board file and in the kernel.
+    pub const ALL: [(Function, &'static str, &'static str); 8] = [
+        (Function::Increase, "increase", "increase"),
+        (Function::Decrease, "decrease", "decrease"),
+        (Function::PulseDirection, "pulse-direction", "pulse-direction"),
+        (Function::QuadratureX1, "quadrature-x1", "quadrature x1 a"),
+        (Function::QuadratureX1B, "quadrature-x1-b", "quadrature x1 b"),
+        (Function::QuadratureX2, "quadrature-x2", "quadrature x2 a"),
+        (Function::QuadratureX2B, "quadrature-x2-b", "quadrature x2 b"),
+        (Function::QuadratureX4, "quadrature-x4", "quadrature x4"),
+    ];
+
+    /// Its name in a board file.
+    pub fn name(self) -> &'static str {
+        self.names().0
+    }
+
+    /// Its name in the kernel.
+    pub fn kernel(self) -> &'static str {
+        self.names().1
+    }
+
+    fn names(self) -> (&'static str, &'static str) {
+        let own = Function::ALL.iter().find(|(function, ..)| *function == self);
+        own.map_or(("", ""), |(_, name, kernel)| (name, kernel))
+    }
+
+    /// The function of this name in a board file.
+    pub fn named(name: &str) -> Option<Function> {
+        Function::ALL.iter().find(|(_, known, _)| *known == name).map(|(function, ..)| *function)
+    }
+}

@@ -1,0 +1,345 @@
+//! The generators of a board.
+
+use document::Diagnostic;
+use host::monotonic;
+use rustix::io::Errno;
+use signal::{Span, Time, Value};
+
+use super::device::{Opener, Order};
+use super::spec::{GeneratorKind, GeneratorSpec, GeneratorsSpec, OutputSpec};
+use super::stream::Stream;
+use super::watched::Watched;
+use super::{Generator, Pwm, pwm, stream};
+use crate::account::{Account, START, known};
+use crate::convert::Refusal;
+use crate::file::{BoardFile, codes};
+use crate::real::RealSpec;
+use crate::telling::Telling;
+use crate::thread::not_started;
+use crate::{
+    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Emission, Fault, FaultSet, Health, HeldLines,
+    Surroundings, TimestampSource,
+};
+
+/// Describes the channels that have outputs of generators.
+pub fn describe(file: &BoardFile, spec: &GeneratorsSpec, channels: &mut [Channel]) {
+    for output in &spec.outputs {
+        let at = usize::from(output.channel.0);
+        let known =
+            (channels.get_mut(at), file.circuit.channels.get(at), spec.generators.get(output.generator));
+        let (Some(channel), Some(known), Some(generator)) = known else { continue };
+        let emits = generator.kind.emits();
+        let is_stream = matches!(generator.kind, GeneratorKind::Stream(_));
+        *channel = Channel {
+            name: known.name.clone(),
+            kind: known.kind.clone(),
+            // A stream keeps no level but that at rest.
+            drives: !is_stream,
+            senses: known.senses,
+            timestamp: TimestampSource::Device,
+            resolution: emits.resolution,
+            // What was sent is known to the bit.
+            shortest_pulse: if is_stream { emits.shortest } else { Span::MAX },
+            deadband: 0.0,
+            max_pulse_hz: 0,
+            emits: Some(emits),
+            counts_hz: None,
+            faults: FaultSet::NONE,
+            safe: Value::Bool(output.safe),
+        };
+    }
+}
+
+/// Opens a generator for these outputs, all of them at rest.
+///
+/// # Errors
+/// It is not there, not free, not permitted, or does not do what the file says.
+pub fn open(generator: &GeneratorSpec, outputs: &[OutputSpec]) -> Result<Box<dyn Generator>, Refusal> {
+    Ok(match (&generator.kind, outputs) {
+        (GeneratorKind::Stream(spec), [output, ..]) => Box::new(Stream::open(spec, output)?),
+        (GeneratorKind::Stream(_), []) => {
+            let message = format!("no channel takes the pulses of `{}`", generator.name);
+            return Err(Refusal::new(codes::OUTPUT, message, "name it as `generator` of a channel"));
+        }
+        (GeneratorKind::Pwm(spec), _) => Box::new(Pwm::open(spec, outputs)?),
+    })
+}
+
+/// What is behind each of these outputs, in words. Nothing is set up, and nothing is kept.
+///
+/// # Errors
+/// As [`open`], as far as that can be seen.
+pub fn look(generator: &GeneratorSpec, outputs: &[OutputSpec]) -> Result<Vec<String>, Refusal> {
+    match &generator.kind {
+        GeneratorKind::Stream(spec) => {
+            stream::look(spec)?;
+            let words = format!("emits pulses by {} at {} Hz, free", spec.path.display(), spec.clock.hz());
+            Ok(outputs.iter().map(|_| words.clone()).collect())
+        }
+        GeneratorKind::Pwm(spec) => {
+            let chip = pwm::look(spec, outputs)?;
+            let words =
+                |output: &OutputSpec| format!("emits waves by output {} of {chip}, free", output.output);
+            Ok(outputs.iter().map(words).collect())
+        }
+    }
+}
+
+/// A generator with the outputs that it was opened for, and how it is opened again.
+pub struct Source {
+    /// The generator.
+    pub generator: Box<dyn Generator>,
+    /// What it is.
+    pub kind: GeneratorKind,
+    /// Its outputs, in the order of their numbers.
+    pub outputs: Vec<OutputSpec>,
+    /// Opens it again when it was gone; is called on the device's thread.
+    pub again: Opener,
+}
+
+impl std::fmt::Debug for Source {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Source").field("generator", &self.generator).field("outputs", &self.outputs).finish()
+    }
+}
+
+/// Generators as a board. A thread of each carries out what it is asked; no call of the board waits for one but its
+/// start and its safe state.
+#[derive(Debug)]
+pub struct EmitBoard {
+    channels: Vec<Channel>,
+    /// The generator behind each channel, and the place of its output there.
+    behind: Vec<Option<(u16, u8)>>,
+    silent_after: Span,
+    retake: bool,
+    surroundings: Surroundings,
+    devices: Vec<Watched>,
+    /// Claims for whoever makes outputs rest when the rig cannot, until they are asked for.
+    held: Vec<HeldLines>,
+    account: Account,
+}
+
+impl EmitBoard {
+    /// Opens the board's generators, outputs at rest.
+    ///
+    /// # Errors
+    /// All that is not there, not free, not permitted or cannot be done, by place.
+    pub fn open(
+        file: &BoardFile,
+        spec: &RealSpec,
+        surroundings: &Surroundings,
+    ) -> Result<EmitBoard, Vec<Diagnostic>> {
+        let (mut sources, mut found) = (Vec::new(), Vec::new());
+        for (at, generator) in spec.generators.generators.iter().enumerate() {
+            let outputs = spec.generators.outputs_of(at);
+            // A generator that no channel uses may be missing.
+            if outputs.is_empty() {
+                continue;
+            }
+            match open(generator, &outputs) {
+                Ok(opened) => {
+                    let again =
+                        again(generator.clone(), outputs.clone(), surroundings.clone(), opened.device());
+                    sources.push(Source { generator: opened, kind: generator.kind.clone(), outputs, again });
+                }
+                Err(refusal) => found.push(refusal.finding(&file.name, generator.place.clone())),
+            }
+        }
+        if !found.is_empty() {
+            return Err(found);
+        }
+        EmitBoard::on(file, spec, surroundings, sources)
+            .map_err(|error| not_started(file, "the thread of a generator", &error))
+    }
+
+    /// A board of generators that are open.
+    ///
+    /// # Errors
+    /// A thread could not be started, or there is no descriptor left.
+    pub fn on(
+        file: &BoardFile,
+        spec: &RealSpec,
+        surroundings: &Surroundings,
+        sources: Vec<Source>,
+    ) -> std::io::Result<EmitBoard> {
+        let mut channels = crate::real::blank(file);
+        describe(file, &spec.generators, &mut channels);
+        let mut board = EmitBoard {
+            behind: vec![None; channels.len()],
+            channels,
+            silent_after: spec.silent_after,
+            retake: spec.retake,
+            surroundings: surroundings.clone(),
+            devices: Vec::with_capacity(sources.len()),
+            held: Vec::new(),
+            account: Account::default(),
+        };
+        for (device, source) in sources.into_iter().enumerate() {
+            for (output, of) in source.outputs.iter().enumerate() {
+                if let Some(behind) = board.behind.get_mut(usize::from(of.channel.0)) {
+                    *behind = Some((device as u16, output as u8));
+                }
+            }
+            board.held.extend(source.generator.held()?);
+            let senses =
+                |channel: ChannelId| board.channels.get(usize::from(channel.0)).is_some_and(|of| of.senses);
+            let limits = (spec.silent_after, spec.retake);
+            let around = (&surroundings.bell, surroundings.realtime);
+            let watched = Watched::start(source, senses, limits, around)?;
+            board.devices.push(watched);
+        }
+        Ok(board)
+    }
+
+    /// The device and the output behind a channel.
+    fn output(&self, channel: ChannelId) -> Result<(usize, u8), BoardError> {
+        let behind = self.behind.get(usize::from(channel.0)).ok_or(BoardError::NoChannel(channel))?;
+        behind.map(|(device, output)| (usize::from(device), output)).ok_or(BoardError::NotDriven(channel))
+    }
+}
+
+/// How a generator is opened when it is there again: guarded as before, then handed over.
+fn again(generator: GeneratorSpec, outputs: Vec<OutputSpec>, at: Surroundings, device: &str) -> Opener {
+    let device = device.to_owned();
+    Box::new(move || {
+        let opened = open(&generator, &outputs).ok()?;
+        let held = opened.held().ok()?;
+        // A board without a guard has nobody to ask, and not everything needs one.
+        if let Some(keeper) = at.keeper.as_ref().filter(|_| !held.is_empty()) {
+            keeper.upgrade()?.replace(&device, held).ok()?;
+        }
+        Some(opened)
+    })
+}
+
+impl Board for EmitBoard {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Waits until all is at rest: for pulses that are under way, and as long as a generator may be silent or two
+    /// seconds.
+    fn start(&mut self, now: Time) -> Result<(), BoardError> {
+        self.account.end();
+        let requests: Vec<u64> = self.devices.iter_mut().map(Watched::ask_rest).collect();
+        let due = monotonic().saturating_add(self.silent_after.max(START).as_nanos());
+        for (device, request) in self.devices.iter_mut().zip(requests) {
+            if !device.await_rest(request, due, self.retake) {
+                return Err(device.is_lost());
+            }
+            device.begin();
+        }
+        self.account.begin(now);
+        self.account.owes_start();
+        Ok(())
+    }
+
+    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
+        self.account.drive_at(now)?;
+        for (channel, value) in writes {
+            let (device, output) = self.output(*channel)?;
+            self.devices[device].takes(output, *value)?;
+        }
+        for (channel, value) in writes {
+            let (device, output) = self.output(*channel)?;
+            self.devices[device].write(output, *value)?;
+        }
+        Ok(())
+    }
+
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        self.account.drive_at(now)?;
+        let (device, output) = self.output(channel)?;
+        if let Some(emits) = &self.channels[usize::from(channel.0)].emits {
+            emits.check(emission).map_err(|why| BoardError::NotEmitted(channel, why))?;
+        }
+        let order = match emission {
+            Emission::Square { period, high } => Order::Square { period: *period, high: *high },
+            Emission::Pulses(edges) => Order::Pulses(edges.clone()),
+        };
+        self.devices[device].emit(output, order)
+    }
+
+    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        self.account.come_to(now)?;
+        let mut telling = Telling::new(out, &self.surroundings.time, now);
+        if let Some(start) = self.account.take_fresh() {
+            self.devices.iter().for_each(|device| device.present(start, &mut telling));
+        }
+        let mut more = false;
+        for device in &mut self.devices {
+            more |= device.poll(self.account.is_latched(), &mut telling);
+        }
+        if more {
+            telling.goes_on();
+            self.surroundings.bell.ring();
+        }
+        self.account.told(telling);
+        Ok(())
+    }
+
+    /// What lies ahead of the last poll or was left to the next, and when a generator that owes an answer counts as lost.
+    fn next_event(&self) -> Option<Time> {
+        let owed = self.devices.iter().filter_map(Watched::overdue);
+        self.account.next_event(&self.surroundings.time, owed)
+    }
+
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        self.account.come_to(now)?;
+        Err(BoardError::NoSuchFault(fault.channel))
+    }
+
+    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        self.account.come_to(now)?;
+        known(&self.channels, channel)
+    }
+
+    /// Waits for the generators, as long as one may be silent. Pulses that are under way then cannot be called back: they
+    /// end at rest by themselves. One that hangs is brought to rest as soon as its call ends.
+    fn safe(&mut self, now: Time) -> Result<(), BoardError> {
+        self.account.latch(now);
+        let requests: Vec<u64> = self.devices.iter_mut().map(Watched::ask_rest).collect();
+        let due = monotonic().saturating_add(self.silent_after.as_nanos());
+        let mut outcome = Ok(());
+        for (device, request) in self.devices.iter().zip(requests) {
+            if !device.await_safe(request, due) {
+                let code = if device.is_gone() { Errno::NODEV } else { Errno::TIMEDOUT }.raw_os_error();
+                outcome = outcome.and(Err(BoardError::Os { call: Call::Write, code }));
+            }
+        }
+        outcome
+    }
+
+    fn health(&self) -> Health {
+        Health {
+            lost: self.devices.iter().map(Watched::lost_channels).sum(),
+            dropped: self.account.dropped(),
+            failed_calls: self.devices.iter().map(Watched::failed_calls).sum(),
+            latched_safe: self.account.is_latched(),
+            ..Health::default()
+        }
+    }
+
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        let mine = |device: &&Watched| device.outputs.iter().any(|output| output.channel == channel);
+        self.devices.iter().find(mine).map(|device| device.device.as_str())
+    }
+
+    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+        let copy = |held: &HeldLines| {
+            let claim = held.claim.try_clone()?;
+            Ok(HeldLines {
+                device: held.device.clone(),
+                claim,
+                api: held.api,
+                mask: held.mask,
+                safe: held.safe,
+            })
+        };
+        let refused = |error: std::io::Error| BoardError::Os {
+            call: Call::Open,
+            code: error.raw_os_error().unwrap_or(Errno::MFILE.raw_os_error()),
+        };
+        self.held.iter().map(copy).collect::<std::io::Result<_>>().map_err(refused)
+    }
+}

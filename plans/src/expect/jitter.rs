@@ -1,0 +1,272 @@
+//! `jitter`: how far the edges of a pulse train come off an even grid, or how much its periods differ.
+//!
+//! ```toml
+//! { jitter = { signal = "pulses", max = "200 ns", from = "train", until = "train.done" } }
+//! { jitter = { signal = "pulses", compares = "periods", take = "rms", grid = "100 kHz", max = "50 ns" } }
+//! ```
+//! The figures are defined in [`crate::judge::jitter`]. With fewer than three edges the claim fails.
+
+use std::fmt;
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{SignalInfo, Span};
+
+use super::band::{Band, IS_RANGE, shown};
+use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, count_range, delay_words, signal};
+use super::condition::{MAX, MIN};
+use super::{Claim, Context, Demand, Verb};
+use crate::codes;
+use crate::judge::edges::Edge;
+use crate::judge::jitter::{Asked, Compared, Found, Grid, Jitter};
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::lang::{Anchor, millihertz};
+
+/// What is compared.
+pub(crate) const COMPARES: KeySpec = KeySpec::optional(
+    "compares",
+    KeyType::Choice(&["edges", "periods"]),
+    "What jitter is told from: the distances of edges from an even grid, or the lengths of periods; `edges` if left out",
+);
+/// The grid.
+pub(crate) const GRID: KeySpec = KeySpec::optional(
+    "grid",
+    KeyType::Text,
+    "The frequency or the period of the grid of `jitter`, as in \"100 kHz\" or \"10 us\"; what suits the edges best if left out",
+);
+
+/// `jitter`.
+pub(super) const JITTER: Verb = Verb {
+    name: "jitter",
+    doc: "The edges of a signal keep to an even grid, or its periods have one length, to within limits",
+    keys: &[
+        SIGNAL,
+        IS_RANGE,
+        MIN,
+        MAX,
+        COMPARES,
+        KeySpec::optional(
+            "take",
+            KeyType::Choice(&["span", "rms"]),
+            "From the least to the greatest, or the root of the mean square; `span` if left out",
+        ),
+        GRID,
+        KeySpec::optional(
+            "edge",
+            KeyType::Choice(&["rises", "falls", "changes"]),
+            "Which edges; `rises` if left out",
+        ),
+        FROM,
+        UNTIL,
+        LONGER,
+    ],
+    read,
+};
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Jittering {
+    signal: String,
+    asked: Asked,
+    edge: Edge,
+    band: Band,
+    between: Between,
+    longer_than: Option<Span>,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let signal = signal(fields, "signal", cx);
+    let between = Between::read(fields, cx);
+    let asked = asked(fields, cx);
+    let band = Band::read(fields, "jitter", "ns", cx)?;
+    if band.max < 0.0 || band.min <= 0.0 && band.max == f64::INFINITY {
+        let message = "a jitter is never below 0";
+        cx.out.error(
+            codes::CLAIM,
+            cx.place.clone(),
+            message,
+            "say how large it may be, as in max = \"200 ns\"",
+        );
+        return None;
+    }
+    let edge = match fields.text("edge") {
+        Some("falls") => Edge::Falls,
+        Some("changes") => Edge::Changes,
+        _ => Edge::Rises,
+    };
+    let longer_than = fields.duration("pulses-longer-than");
+    Some(Arc::new(Jittering { signal: signal?, asked: asked?, edge, band, between: between?, longer_than }))
+}
+
+/// Reads `compares`, `take` and `grid`.
+pub(crate) fn asked(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Asked> {
+    let compared = match fields.text("compares") {
+        Some("periods") => Compared::Periods,
+        _ => Compared::Edges,
+    };
+    let rms = fields.text("take") == Some("rms");
+    let Some(node) = fields.get("grid") else {
+        return (!fields.has("grid")).then_some(Asked { compared, rms, grid: None });
+    };
+    let grid = node.as_text().and_then(grid);
+    let Some(grid) = grid else {
+        let message = "`grid` is neither a frequency nor a period";
+        cx.out.bad(codes::GRID, node, message, "write it as \"100 kHz\" or \"10 us\"");
+        return None;
+    };
+    if compared == Compared::Periods && !rms {
+        let message = "how far periods lie apart does not hang on a grid";
+        cx.out.bad(codes::GRID, node, message, "remove `grid`, or take = \"rms\"");
+        return None;
+    }
+    Some(Asked { compared, rms, grid: Some(grid) })
+}
+
+fn grid(text: &str) -> Option<Grid> {
+    const NANOS_IN_A_MILLIHERTZ: u64 = 1_000_000_000_000;
+    if let Some(rate) = millihertz(text).filter(|rate| *rate > 0) {
+        let divisor = common_divisor(NANOS_IN_A_MILLIHERTZ, rate);
+        return Some(Grid { nanos: NANOS_IN_A_MILLIHERTZ / divisor, parts: rate / divisor });
+    }
+    let period = Span::parse(text).ok().and_then(|period| u64::try_from(period.as_nanos()).ok());
+    period.filter(|nanos| *nanos > 0).map(|nanos| Grid { nanos, parts: 1 })
+}
+
+const fn common_divisor(mut a: u64, mut b: u64) -> u64 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+impl fmt::Display for Asked {
+    /// `rms jitter of the periods`, `peak-to-peak jitter of the edges`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.rms { "rms jitter of the " } else { "peak-to-peak jitter of the " })?;
+        f.write_str(match self.compared {
+            Compared::Edges => "edges",
+            Compared::Periods => "periods",
+        })
+    }
+}
+
+impl Claim for Jittering {
+    fn expected(&self) -> String {
+        format!("the {} of `{}` is {}{}", self.asked, self.signal, self.band, self.between.words())
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        super::known(&self.signal, wiring, out);
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        vec![Demand::Change(&self.signal), self.between.demand()]
+    }
+
+    fn counts(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        let window = scene.window(&self.between.from, &self.between.until)?;
+        Ok(Box::new(Follow {
+            claim: self.clone(),
+            info: info.clone(),
+            window,
+            jitter: Jitter::new(self.asked, self.edge.clone(), window, slack(info)),
+            missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
+        }))
+    }
+}
+
+/// The judge.
+struct Follow {
+    claim: Jittering,
+    info: SignalInfo,
+    window: Window,
+    jitter: Jitter,
+    missed: Option<String>,
+}
+
+impl Monitor for Follow {
+    #[inline]
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        self.jitter.see(seen);
+    }
+
+    fn finish(self: Box<Self>) -> Finding {
+        let Follow { claim, info, window, jitter, missed } = *self;
+        finding(&claim, &info, &window, &jitter.finish(), missed)
+    }
+}
+
+fn finding(
+    claim: &Jittering,
+    info: &SignalInfo,
+    window: &Window,
+    found: &Found,
+    missed: Option<String>,
+) -> Finding {
+    // Edges that are hidden can make any figure.
+    let open = found.doubtful || missed.is_some();
+    let mut finding = Finding {
+        can_hold: open,
+        can_break: open || found.can_be_missing,
+        window: Some(window.shown()),
+        ..Finding::default()
+    };
+    let unclear = || match (&missed, found.doubtful) {
+        (_, true) => format!("`{}` is not known for a part of the window", info.name),
+        (Some(missed), false) => missed.clone(),
+        (None, false) => String::from("the uncertainty of the instants reaches over a limit"),
+    };
+    let Some(extent) = found.extent else {
+        finding.observed = format!("fewer than three edges{}", claim.between.words());
+        finding.reason = match finding.can_hold {
+            true => unclear(),
+            false => format!("`{}` has fewer than three edges in the window", info.name),
+        };
+        return finding;
+    };
+    let (can_hold, can_break) = claim.band.hold(extent);
+    finding.can_hold |= can_hold;
+    finding.can_break |= can_break;
+    let edges = count_range(found.edges);
+    finding.observed = format!("{} over {edges} edges", shown(extent, claim.band.unit));
+    finding.margin = Some(Figure::new(claim.band.margin(extent), claim.band.unit));
+    let spread = extent.1 - extent.0;
+    finding.uncertainty = (spread > 0.0 && spread.is_finite()).then(|| Figure::new(spread, claim.band.unit));
+    finding.reason = if finding.can_hold { unclear() } else { claim.band.miss(extent) };
+    let Some((late, early)) = found.farthest else { return finding };
+    if !finding.can_hold {
+        let from = &window.from;
+        let words = |seen: &Seen| {
+            delay_words((seen.a.saturating_sub(from.b), seen.b.saturating_sub(from.a)), &claim.between.from)
+        };
+        finding.reason = match claim.asked.compared {
+            Compared::Edges => format!(
+                "{}: the latest edge against the grid came {}, the earliest {}",
+                finding.reason,
+                words(&late),
+                words(&early)
+            ),
+            Compared::Periods => format!(
+                "{}: the longest period ended {}, the shortest {}",
+                finding.reason,
+                words(&late),
+                words(&early)
+            ),
+        };
+    }
+    finding.decided_by(&late)
+}

@@ -1,0 +1,305 @@
+//! `profile`: the frequency of a pulse train follows a shape over time.
+//!
+//! ```toml
+//! { profile = { signal = "A", direction = "B", move = { by = 4000, speed = "20 kHz", acceleration = "500 Hz/ms" },
+//!     tolerance = "100 Hz", within = "1 ms", from = "go" } }
+//! { profile = { signal = "A", points = [{ at = "0 ms", frequency = "1 kHz" }, { at = "1 s", frequency = "5 kHz" }],
+//!     tolerance = "50 Hz", from = "go", until = "go + 2 s" } }
+//! ```
+//! What it means to follow stands in [`crate::judge::course`]. A window without a count fails the claim.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use record::Figure;
+use signal::{Quantity, Span, Unit};
+
+use super::common::{Between, FROM, LONGER, UNTIL, count_range, delay_words};
+use super::shape::{MOVE, POINTS};
+use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, Train};
+use super::{Claim, Context, Demand, Verb, shape};
+use crate::codes;
+use crate::judge::course::{Course, Deciding, Found, Held};
+use crate::judge::shape::Shape;
+use crate::judge::track::{Step, Track};
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring};
+use crate::lang::Anchor;
+
+/// How far off in time.
+const WITHIN: KeySpec = KeySpec::optional(
+    "within",
+    KeyType::Duration,
+    "By how much an instant of the shape may be off; not at all if left out",
+);
+/// How long a stretch.
+const OVER: KeySpec = KeySpec::optional(
+    "over",
+    KeyType::Duration,
+    "The frequency is a mean over stretches at least this long; from each pulse to the next if left out",
+);
+
+/// The keys that `profile` and its measurement share.
+pub(crate) const KEYS: &[KeySpec] =
+    &[PULSES, DIRECTION, INVERTED, BACKWARDS, QUADRATURE, POINTS, MOVE, WITHIN, OVER, LONGER];
+
+/// `profile`.
+pub(super) const PROFILE: Verb = Verb {
+    name: "profile",
+    doc: "The frequency of a pulse train follows a shape over time",
+    keys: &[
+        PULSES,
+        DIRECTION,
+        INVERTED,
+        BACKWARDS,
+        QUADRATURE,
+        POINTS,
+        MOVE,
+        KeySpec::required(
+            "tolerance",
+            KeyType::Text,
+            "By how much the frequency may be off, as in \"100 Hz\", or a part of the highest one, as in \"2 %\"",
+        ),
+        WITHIN,
+        OVER,
+        FROM,
+        UNTIL,
+        LONGER,
+    ],
+    read,
+};
+
+/// A train and the shape that it should have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shaped {
+    pub(crate) train: Train,
+    shape: Shape,
+    within: Span,
+    over: Span,
+}
+
+impl Shaped {
+    /// Reads [`KEYS`].
+    pub(crate) fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Shaped> {
+        let train = Train::read(fields, cx);
+        let shape = shape::read(fields, cx);
+        let duration = |key| fields.duration(key).unwrap_or(Span::ZERO);
+        let (within, over) = (duration("within"), duration("over"));
+        Some(Shaped { train: train?, shape: shape?, within, over })
+    }
+
+    /// Finds what cannot be followed.
+    pub(crate) fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        self.train.check(wiring, out);
+        let known = wiring.find(&self.train.signal);
+        if self.shape.turns() && known.is_some_and(|info| !self.train.is_signed(info)) {
+            let message = format!("the shape goes backwards, and `{}` tells no direction", self.train.signal);
+            let help = "add `direction`, `backwards` or `quadrature`";
+            out.push(Diagnostic::error(codes::SHAPE, message).help(help));
+        }
+    }
+
+    /// Starts following it. `from` is where its shape begins.
+    pub(crate) fn follow(
+        &self,
+        scene: &Scene<'_>,
+        from: &Anchor,
+        until: &Anchor,
+    ) -> Result<Following, NotJudged> {
+        let window = scene.window(from, until)?;
+        let info = scene.signal(&self.train.signal)?;
+        let held = Held {
+            shape: self.shape.clone(),
+            within: self.within.as_nanos(),
+            over: self.over.as_nanos(),
+            signed: self.train.is_signed(info),
+            coarse: self.train.is_coarse(info),
+        };
+        let (track, missed) = self.train.track(scene)?;
+        Ok(Following { track, course: Course::new(held, scene.point(from)?, window), window, missed })
+    }
+}
+
+/// Follows a train along its shape.
+#[derive(Debug)]
+pub struct Following {
+    track: Track,
+    course: Course,
+    window: Window,
+    missed: Option<String>,
+}
+
+impl Following {
+    /// The next event of a line.
+    #[inline]
+    pub(crate) fn see(&mut self, slot: usize, seen: &Seen) {
+        let course = &mut self.course;
+        self.track.see(slot, seen, |step| taken(course, step));
+    }
+
+    /// What it came to, its window, and which line can hide pulses.
+    pub(crate) fn finish(mut self) -> (Found, Window, Option<String>) {
+        let course = &mut self.course;
+        self.track.finish(|step| taken(course, step));
+        (self.course.finish(), self.window, self.missed)
+    }
+}
+
+fn taken(course: &mut Course, step: Step) {
+    match step {
+        Step::Count(count) => course.see(&count),
+        Step::Unknown(seen) => course.unknown(&seen),
+    }
+}
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Profile {
+    shaped: Shaped,
+    tolerance: f64,
+    between: Between,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let shaped = Shaped::read(fields, cx);
+    let between = Between::read(fields, cx);
+    let shaped = shaped?;
+    let node = fields.get("tolerance")?;
+    let quantity = node.as_text().and_then(|text| Quantity::parse(text).ok());
+    let tolerance = quantity.and_then(|quantity| match quantity.is_part() {
+        true => Some(quantity.in_unit(&Unit::new("%"))?.as_f64() / 100.0 * shaped.shape.highest()),
+        false => Some(quantity.in_unit(&Unit::new("Hz"))?.as_f64()),
+    });
+    let Some(tolerance) = tolerance.filter(|tolerance| *tolerance > 0.0) else {
+        let message = "`tolerance` is no tolerance of a frequency";
+        let help = "a frequency above 0, as in \"100 Hz\", or a part of the highest one, as in \"2 %\"";
+        cx.out.bad(codes::SHAPE, node, message, help);
+        return None;
+    };
+    if tolerance >= shaped.shape.highest() {
+        let message = "no pulse at all would be within the tolerance";
+        cx.out.bad(codes::CLAIM, node, message, "give it less than the highest frequency of the shape");
+        return None;
+    }
+    Some(Arc::new(Profile { shaped, tolerance, between: between? }))
+}
+
+impl Claim for Profile {
+    fn expected(&self) -> String {
+        let within = match self.shaped.within {
+            Span::ZERO => String::new(),
+            within => format!(" and {within}"),
+        };
+        let tolerance = Figure::new(self.tolerance, "Hz");
+        let train = self.shaped.train.words();
+        format!(
+            "the frequency of {train} follows its shape to within {tolerance}{within}{}",
+            self.between.words()
+        )
+    }
+
+    fn signals(&self) -> Vec<String> {
+        self.shaped.train.signals()
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        self.shaped.check(wiring, out);
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        vec![Demand::Change(&self.shaped.train.signal), self.between.demand()]
+    }
+
+    fn counts(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let following = self.shaped.follow(scene, &self.between.from, &self.between.until)?;
+        Ok(Box::new(Follow { claim: self.clone(), following }))
+    }
+}
+
+/// The judge.
+struct Follow {
+    claim: Profile,
+    following: Following,
+}
+
+impl Monitor for Follow {
+    #[inline]
+    fn feed(&mut self, slot: usize, seen: &Seen) {
+        self.following.see(slot, seen);
+    }
+
+    fn finish(self: Box<Self>) -> Finding {
+        let Follow { claim, following } = *self;
+        let (found, window, missed) = following.finish();
+        let open = found.doubtful || missed.is_some();
+        let (best, worst) = found.needed;
+        let none = found.counts.1 == 0;
+        let mut finding = Finding {
+            can_hold: open || best <= claim.tolerance && !none,
+            can_break: open || worst > claim.tolerance || found.counts.0 == 0,
+            window: Some(window.shown()),
+            ..Finding::default()
+        };
+        let counts = count_range(found.counts);
+        let noun = if found.counts.1 == 1 { "count" } else { "counts" };
+        finding.observed = match none {
+            true => format!("no count{}", claim.between.words()),
+            false => format!("{} over {counts} {noun}", off((best, worst))),
+        };
+        let deciding = if finding.can_hold { found.deciding[1] } else { found.deciding[0] };
+        finding.reason = match (finding.can_hold, &missed, deciding) {
+            (true, ..) if found.doubtful => String::from("a signal is not known for a part of the window"),
+            (true, Some(missed), _) => missed.clone(),
+            (true, ..) => String::from("the uncertainty of the instants reaches over a limit"),
+            (false, ..) if none => String::from("nothing counted in the window"),
+            (false, _, Some(deciding)) => words(&deciding, &claim.between.from),
+            (false, _, None) => String::new(),
+        };
+        if none {
+            return finding;
+        }
+        if worst.is_finite() {
+            finding.margin = Some(Figure::new(claim.tolerance - worst, "Hz"));
+        }
+        let spread = worst - best;
+        finding.uncertainty = (spread > 0.0 && spread.is_finite()).then(|| Figure::new(spread, "Hz"));
+        match deciding.and_then(|deciding| deciding.until.or(deciding.from)) {
+            Some(seen) => finding.decided_by(&seen),
+            None => finding,
+        }
+    }
+}
+
+/// `12 Hz off`, `at least 12 Hz off`, `12 Hz .. 30 Hz off`.
+fn off((best, worst): (f64, f64)) -> String {
+    match worst.is_finite() {
+        true => format!("{} off", super::band::shown((best, worst), "Hz")),
+        false => format!("at least {} off", Figure::new(best, "Hz")),
+    }
+}
+
+/// `3 counts in 1 ms (3000 Hz) from 20 ms after go on, at most 2.1 (2100 Hz) by the shape`.
+fn words(deciding: &Deciding, from: &Anchor) -> String {
+    let Deciding { length, begins, counts, many, due, .. } = *deciding;
+    let noun = if counts == 1 { "count" } else { "counts" };
+    let way = if deciding.backwards { " backwards" } else { "" };
+    let span = |nanos: f64| Span::from_nanos(libm::round(nanos) as i64);
+    let rate = |counts: f64| Figure::new(libm::round(counts / length * 1e12) / 1e3, "Hz");
+    let begin = span(begins).as_nanos();
+    let due = libm::round(due * 1e3) / 1e3;
+    let (bound, lone) = if many { ("at most", "") } else { ("at least", "only ") };
+    format!(
+        "{lone}{counts} {noun}{way} in {} ({}) from {} on, {bound} {due} ({}) by the shape",
+        span(length),
+        rate(counts as f64),
+        delay_words((begin, begin), from),
+        rate(due),
+    )
+}

@@ -1,0 +1,136 @@
+//! `speed`: how fast a number without a unit changes over a window, in counts per second.
+//!
+//! ```toml
+//! { speed = { signal = "shaft", is = "200 kHz ± 0.1 %", from = "run", until = "run + 1 s" } }
+//! { speed = { signal = "shaft", max = "-10 kHz", from = "back", until = "back.done" } }
+//! ```
+//! It is by how much the number differs between the two ends, over the time between them; below 0 where it shrank. What
+//! it did in between is not asked. With a count that is read now and then, each end is known to within what it counts
+//! between two readings, so a longer window is more exact.
+
+use std::sync::Arc;
+
+use document::{Diagnostic, Fields};
+use record::Figure;
+use signal::{Kind, SignalInfo};
+
+use super::band::{Band, IS_RANGE, shown};
+use super::common::{Between, FROM, SIGNAL, UNTIL, signal};
+use super::condition::{MAX, MIN};
+use super::{Claim, Context, Demand, Verb};
+use crate::judge::speed::Speed;
+use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
+use crate::lang::Anchor;
+
+/// Its unit.
+pub(crate) const UNIT: &str = "Hz";
+
+/// `speed`.
+pub(super) const SPEED: Verb = Verb {
+    name: "speed",
+    doc: "The change of a number over a window, per second, is within limits",
+    keys: &[SIGNAL, IS_RANGE, MIN, MAX, FROM, UNTIL],
+    read,
+};
+
+/// The claim.
+#[derive(Clone, Debug)]
+struct Fast {
+    signal: String,
+    band: Band,
+    between: Between,
+}
+
+fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+    let signal = signal(fields, "signal", cx);
+    let between = Between::read(fields, cx);
+    let band = Band::read(fields, "speed", UNIT, cx)?;
+    Some(Arc::new(Fast { signal: signal?, band, between: between? }))
+}
+
+/// Whether a signal is a number that can be counted.
+///
+/// # Errors
+/// Why it is not, one sentence.
+pub(crate) fn countable(info: &SignalInfo) -> Result<(), String> {
+    match info.kind {
+        Kind::Int | Kind::Word if info.unit.is_empty() => Ok(()),
+        _ => Err(format!("`{}` is no count: a speed is that of a whole number without a unit", info.name)),
+    }
+}
+
+impl Claim for Fast {
+    fn expected(&self) -> String {
+        format!("the speed of `{}` is {}{}", self.signal, self.band, self.between.words())
+    }
+
+    fn signals(&self) -> Vec<String> {
+        vec![self.signal.clone()]
+    }
+
+    fn anchors(&self) -> Vec<&Anchor> {
+        self.between.anchors()
+    }
+
+    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        if let Some(info) = super::known(&self.signal, wiring, out) {
+            super::meant(countable(info), out);
+        }
+    }
+
+    fn demands(&self) -> Vec<Demand<'_>> {
+        vec![self.between.demand()]
+    }
+
+    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let info = scene.signal(&self.signal)?;
+        countable(info).map_err(NotJudged::NoMeaning)?;
+        let window = scene.window(&self.between.from, &self.between.until)?;
+        let (claim, speed) = (self.clone(), Speed::new(window));
+        Ok(Box::new(Follow { claim, slack: slack(info), window, speed }))
+    }
+}
+
+/// The judge.
+struct Follow {
+    claim: Fast,
+    slack: f64,
+    window: Window,
+    speed: Speed,
+}
+
+impl Monitor for Follow {
+    #[inline]
+    fn feed(&mut self, _slot: usize, seen: &Seen) {
+        self.speed.see(seen);
+    }
+
+    fn finish(self: Box<Self>) -> Finding {
+        let Follow { claim, slack, window, speed } = *self;
+        let mut finding = Finding { window: Some(window.shown()), ..Finding::default() };
+        let Some(found) = speed.finish(slack) else {
+            (finding.can_hold, finding.can_break) = (true, true);
+            finding.observed = String::from("not known");
+            finding.reason = format!("`{}` is not known at both ends of the window", claim.signal);
+            return finding;
+        };
+        let band = &claim.band;
+        (finding.can_hold, finding.can_break) = band.hold(found.speed);
+        let counts = match found.change {
+            (low, high) if low == high => format!("{low}"),
+            (low, high) => format!("{low} .. {high}"),
+        };
+        finding.observed = format!("{}, {counts} in all", shown(found.speed, UNIT));
+        finding.margin = Some(Figure::new(band.margin(found.speed), UNIT));
+        let spread = found.speed.1 - found.speed.0;
+        finding.uncertainty = (spread > 0.0).then(|| Figure::new(spread, UNIT));
+        finding.reason = match finding.can_hold {
+            true => String::from("the uncertainty of both ends reaches over a limit"),
+            false => band.miss(found.speed),
+        };
+        match found.last {
+            Some(seen) => finding.decided_by(&seen),
+            None => finding,
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Pulse trains with a position: how the keys of a plan say which lines carry it.
+
+use document::{Diagnostic, Fields, KeySpec, KeyType};
+use signal::{Kind, Sampling, SignalInfo, Span};
+
+use super::Context;
+use super::common::{blind_words, signal};
+use crate::codes;
+use crate::judge::track::{Carried, Track};
+use crate::judge::{NotJudged, Scene, Wiring, blind, slack};
+
+/// The pulses.
+pub(crate) const PULSES: KeySpec = KeySpec::required(
+    "signal",
+    KeyType::SignalRef,
+    "The line of the pulses: their rising edges count; or a number that counts itself",
+);
+/// The line of direction.
+pub(crate) const DIRECTION: KeySpec = KeySpec::optional(
+    "direction",
+    KeyType::SignalRef,
+    "The line of direction: TRUE while pulses count up, FALSE while they count down",
+);
+/// Its sense.
+pub(crate) const INVERTED: KeySpec = KeySpec::optional(
+    "inverted",
+    KeyType::Bool,
+    "`true`: pulses count up while the line of direction is FALSE",
+);
+/// The other line of pulses.
+pub(crate) const BACKWARDS: KeySpec = KeySpec::optional(
+    "backwards",
+    KeyType::SignalRef,
+    "The line of the pulses that count down, beside those of `signal` that count up",
+);
+/// Phase B.
+pub(crate) const QUADRATURE: KeySpec = KeySpec::optional(
+    "quadrature",
+    KeyType::SignalRef,
+    "Phase B of a quadrature whose phase A is `signal`: every edge of both counts, four to a period",
+);
+
+/// The lines of a pulse train.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Train {
+    /// The pulses, phase A, or the number.
+    pub(crate) signal: String,
+    /// The line that tells or shares the direction, and how.
+    pub(crate) second: Option<(Carried, String)>,
+    /// What a sampled channel may miss.
+    longer_than: Option<Span>,
+}
+
+impl Train {
+    /// Reads the keys above and `pulses-longer-than`.
+    pub(crate) fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Train> {
+        let first = signal(fields, "signal", cx);
+        let given: Vec<&str> =
+            ["direction", "backwards", "quadrature"].into_iter().filter(|key| fields.has(key)).collect();
+        let inverted = fields.boolean("inverted").unwrap_or(false);
+        if let Some(entry) = fields.entry("inverted").filter(|_| given != ["direction"]) {
+            let message = "`inverted` goes with a line of `direction`";
+            cx.out.error(codes::TRAIN, entry.key_span.clone(), message, "remove it, or name the line");
+            return None;
+        }
+        let second = match given.as_slice() {
+            [] => None,
+            [key] => {
+                let carried = match *key {
+                    "direction" => Carried::Direction { inverted },
+                    "backwards" => Carried::Backwards,
+                    _ => Carried::Quadrature,
+                };
+                Some((carried, signal(fields, key, cx)?))
+            }
+            [_, key, ..] => {
+                let place = fields.entry(key)?.key_span.clone();
+                let message = "a direction is told in two ways";
+                let help = "give one of `direction`, `backwards` and `quadrature`";
+                cx.out.error(codes::TRAIN, place, message, help);
+                return None;
+            }
+        };
+        let first = first?;
+        if let Some((_, other)) = second.as_ref().filter(|(_, other)| *other == first) {
+            let place = fields.get(given.first()?)?;
+            let message = format!("`{other}` is the line of the pulses, too");
+            cx.out.bad(codes::TRAIN, place, message, "name another signal");
+            return None;
+        }
+        Some(Train { signal: first, second, longer_than: fields.duration("pulses-longer-than") })
+    }
+
+    /// Its signals, in the order of the slots of its track.
+    pub(crate) fn signals(&self) -> Vec<String> {
+        std::iter::once(&self.signal).chain(self.second.as_ref().map(|(_, other)| other)).cloned().collect()
+    }
+
+    /// Whether a position can shrink.
+    pub(crate) fn is_signed(&self, info: &SignalInfo) -> bool {
+        self.second.is_some() || is_number(info)
+    }
+
+    /// Finds what cannot be followed.
+    pub(crate) fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+        for (at, name) in self.signals().iter().enumerate() {
+            let Some(info) = super::known(name, wiring, out) else { continue };
+            let right = match info.kind {
+                Kind::Bool => true,
+                Kind::Int => at == 0 && self.second.is_none(),
+                _ => false,
+            };
+            if !right {
+                let why = match at == 0 && self.second.is_none() {
+                    true => format!("`{name}` is neither a line nor a whole number, so it does not count"),
+                    false => format!("`{name}` is no line, so it has no pulses and no direction"),
+                };
+                super::meant(Err(why), out);
+            }
+        }
+    }
+
+    /// What follows it, and which line can hide pulses, in words.
+    pub(crate) fn track(&self, scene: &Scene<'_>) -> Result<(Track, Option<String>), NotJudged> {
+        let line = |name: &String| -> Result<_, NotJudged> {
+            let info = scene.signal(name)?;
+            Ok((
+                (slack(info), scene.lag(name)),
+                blind(info, self.longer_than).map(|span| blind_words(info, span)),
+            ))
+        };
+        let (first, missed) = line(&self.signal)?;
+        let info = scene.signal(&self.signal)?;
+        let Some((carried, other)) = &self.second else {
+            // A number that was read counts what came in between.
+            let (carried, missed) = match (is_number(info), self.is_coarse(info)) {
+                (true, true) => (Carried::Read, None),
+                (true, false) => (Carried::Number, None),
+                (false, _) => (Carried::Pulses, missed),
+            };
+            return Ok((Track::new(carried, first, None), missed));
+        };
+        let (second, also) = line(other)?;
+        Ok((Track::new(*carried, first, Some(second)), missed.or(also)))
+    }
+
+    /// Whether it is a number that is read from time to time.
+    pub(crate) fn is_coarse(&self, info: &SignalInfo) -> bool {
+        is_number(info) && matches!(info.sampling, Sampling::Sampled { .. })
+    }
+
+    /// What carries it: `` `A` and `B` ``.
+    pub(crate) fn words(&self) -> String {
+        match &self.second {
+            None => format!("`{}`", self.signal),
+            Some((_, other)) => format!("`{}` and `{other}`", self.signal),
+        }
+    }
+}
+
+fn is_number(info: &SignalInfo) -> bool {
+    info.kind != Kind::Bool
+}

@@ -1,0 +1,323 @@
+//! Jitter: how far edges come off an even grid, or how much the lengths of periods differ.
+//!
+//! Three figures of the field, from the same edges. *Of edges, span*: the width of the narrowest band around an even
+//! grid that holds every edge. *Of edges, rms*: the root of the mean square of their distances from the grid that makes
+//! it least. *Of periods*: the longest less the shortest, or the standard deviation. A grid of a given period can only
+//! be shifted, and the rms of periods is then that of their distances from the given one.
+//!
+//! Each is a distance to the nearest of a family of grids. So an edge that is known to within `2w` changes the span by
+//! at most that, and the rms of all by at most the rms of all `w`: which is how intervals are honoured. Sums are kept in
+//! whole numbers, so that nothing is rounded off however long a train is.
+
+use super::edges::{Edge, Finder};
+use super::hull::{Corner, Side, narrowest};
+use super::{Seen, Window};
+
+/// What is compared with the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compared {
+    /// The instants of edges.
+    Edges,
+    /// The lengths of periods.
+    Periods,
+}
+
+/// The period of a given grid: `nanos / parts` nanoseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    /// Nanoseconds in so many periods.
+    pub nanos: u64,
+    /// How many.
+    pub parts: u64,
+}
+
+/// What is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Asked {
+    /// Of what.
+    pub compared: Compared,
+    /// The root of the mean square, and not how far from the least to the greatest.
+    pub rms: bool,
+    /// The grid, where it is given.
+    pub grid: Option<Grid>,
+}
+
+/// What it came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Found {
+    /// Least and greatest jitter of all placements, nanoseconds.
+    pub extent: Option<(f64, f64)>,
+    /// How many edges lie in the window in every placement, and how many may.
+    pub edges: (u64, u64),
+    /// Some placement has fewer than three edges in the window.
+    pub can_be_missing: bool,
+    /// More edges may be hidden where nothing is known, or there were too many to look at each.
+    pub doubtful: bool,
+    /// Of a span: the edge that is latest, or ends the longest period, and the earliest or that of the shortest one.
+    pub farthest: Option<(Seen, Seen)>,
+}
+
+/// Fewest edges that have a jitter: any two fit a grid.
+const FEWEST: u64 = 3;
+
+/// Sums over many points, for the line that leaves the least squares. All are of whole numbers; `None` once one did not fit.
+#[derive(Clone, Copy, Debug)]
+struct Sums {
+    count: u64,
+    n: i128,
+    nn: i128,
+    x: i128,
+    xx: i128,
+    nx: i128,
+    /// Squares of the widths of intervals.
+    ww: i128,
+}
+
+impl Sums {
+    const NONE: Sums = Sums { count: 0, n: 0, nn: 0, x: 0, xx: 0, nx: 0, ww: 0 };
+
+    fn add(&self, n: i64, x: i128, w: i128) -> Option<Sums> {
+        let n = i128::from(n);
+        Some(Sums {
+            count: self.count + 1,
+            n: self.n + n,
+            nn: self.nn.checked_add(n * n)?,
+            x: self.x.checked_add(x)?,
+            xx: self.xx.checked_add(x.checked_mul(x)?)?,
+            nx: self.nx.checked_add(x.checked_mul(n)?)?,
+            ww: self.ww.checked_add(w.checked_mul(w)?)?,
+        })
+    }
+
+    /// Sum of the squared distances from 0.
+    fn about_zero(&self) -> f64 {
+        self.xx as f64
+    }
+
+    /// Sum of the squared distances from the mean.
+    fn about_mean(&self) -> Option<f64> {
+        let count = i128::from(self.count);
+        let spread = count.checked_mul(self.xx)?.checked_sub(self.x.checked_mul(self.x)?)?;
+        Some(spread as f64 / count as f64)
+    }
+
+    /// Sum of the squared distances from the best line.
+    fn about_line(&self) -> Option<f64> {
+        let count = i128::from(self.count);
+        let xx = count.checked_mul(self.xx)?.checked_sub(self.x.checked_mul(self.x)?)?;
+        let nn = count.checked_mul(self.nn)?.checked_sub(self.n.checked_mul(self.n)?)?;
+        let nx = count.checked_mul(self.nx)?.checked_sub(self.n.checked_mul(self.x)?)?;
+        if nn == 0 {
+            return Some(0.0);
+        }
+        // Most of the slope is taken away in whole numbers: what is left is small, and floats are good enough for it.
+        let slope = nx.div_euclid(nn);
+        let rest = nx - slope * nn;
+        let flat = xx.checked_sub(slope.checked_mul(nx.checked_add(rest)?)?)?;
+        Some((flat as f64 - rest as f64 * (rest as f64 / nn as f64)).max(0.0) / count as f64)
+    }
+}
+
+/// Points that lie in the window, in every placement or in some.
+#[derive(Clone, Debug)]
+enum Points {
+    /// For the root of a mean square; `None` once a sum did not fit.
+    Sums(Option<Sums>),
+    /// For the span around a grid that can only be shifted, or of periods: greatest and least by their earliest ends, then
+    /// by their latest ones.
+    Ends([Option<(Corner, Corner)>; 2]),
+    /// For the span around any grid: upper and lower side by earliest ends, then by latest ones.
+    Hulls(Box<[(Side, Side); 2]>),
+}
+
+impl Points {
+    fn new(asked: &Asked) -> Points {
+        let sides = || (Side::new(true), Side::new(false));
+        match (asked.rms, asked.compared, asked.grid) {
+            (true, ..) => Points::Sums(Some(Sums::NONE)),
+            (false, Compared::Edges, None) => Points::Hulls(Box::new([sides(), sides()])),
+            (false, ..) => Points::Ends([None; 2]),
+        }
+    }
+
+    fn add(&mut self, n: i64, (low, high): (i128, i128), seen: &Seen) {
+        let corners = [low, high].map(|x| Corner { n, x, seen: *seen });
+        match self {
+            // Twice the middle, and the whole width: whole numbers, all doubled.
+            Points::Sums(sums) => *sums = sums.and_then(|sums| sums.add(n, low + high, high - low)),
+            Points::Ends(ends) => {
+                for (end, corner) in ends.iter_mut().zip(corners) {
+                    let (most, least) = end.get_or_insert((corner, corner));
+                    if corner.x > most.x {
+                        *most = corner;
+                    }
+                    if corner.x < least.x {
+                        *least = corner;
+                    }
+                }
+            }
+            Points::Hulls(hulls) => {
+                for ((upper, lower), corner) in hulls.iter_mut().zip(corners) {
+                    upper.add(corner);
+                    lower.add(corner);
+                }
+            }
+        }
+    }
+
+    /// How far apart the farthest two are at least (`sure`: each as near to the other as it can be), or at most.
+    fn span(&self, sure: bool) -> Option<(f64, Corner, Corner)> {
+        // The greatest by its earliest end and the least by its latest one are as near to one another as can be.
+        let (top, bottom) = if sure { (0, 1) } else { (1, 0) };
+        match self {
+            Points::Ends(ends) => {
+                let (most, least) = (ends[top]?.0, ends[bottom]?.1);
+                Some(((most.x - least.x) as f64, most, least))
+            }
+            Points::Hulls(hulls) => {
+                let (upper, lower) = (&hulls[top].0, &hulls[bottom].1);
+                let band = narrowest(upper, lower)?;
+                let cut = !sure && (upper.is_full() || lower.is_full());
+                Some(if cut { (f64::INFINITY, band.1, band.2) } else { band })
+            }
+            Points::Sums(_) => None,
+        }
+    }
+
+    /// The root of the sum of squares and that of the squared widths, with their number.
+    fn roots(&self, asked: &Asked) -> Option<(f64, f64, u64)> {
+        let Points::Sums(Some(sums)) = self else { return None };
+        let squares = match (asked.compared, asked.grid) {
+            (Compared::Edges, None) => sums.about_line()?,
+            (Compared::Periods, Some(_)) => sums.about_zero(),
+            _ => sums.about_mean()?,
+        };
+        // All were doubled.
+        Some((libm::sqrt(squares) / 2.0, libm::sqrt(sums.ww as f64) / 2.0, sums.count))
+    }
+}
+
+/// Follows the edges of one kind.
+#[derive(Clone, Debug)]
+pub struct Jitter {
+    asked: Asked,
+    window: Window,
+    finder: Finder,
+    first: Option<Seen>,
+    last: Option<Seen>,
+    /// Edges so far.
+    number: i64,
+    /// The grid that distances are taken from: the given one, or a rough one by the first period.
+    grid: Option<Grid>,
+    sure: Points,
+    all: Points,
+    /// How many lie in the window in every placement, and how many may.
+    edges: (u64, u64),
+    doubtful: bool,
+}
+
+impl Jitter {
+    /// Nothing seen yet.
+    pub fn new(asked: Asked, edge: Edge, window: Window, slack: f64) -> Jitter {
+        Jitter {
+            asked,
+            window,
+            finder: Finder::new(edge, slack),
+            first: None,
+            last: None,
+            number: 0,
+            grid: asked.grid,
+            sure: Points::new(&asked),
+            all: Points::new(&asked),
+            edges: (0, 0),
+            doubtful: false,
+        }
+    }
+
+    /// The next event.
+    #[inline]
+    pub fn see(&mut self, seen: &Seen) {
+        match self.finder.see(seen) {
+            Some(found) if found.certain => self.edge(seen),
+            Some(found) => self.unknown(&found.seen),
+            None => {}
+        }
+    }
+
+    fn edge(&mut self, seen: &Seen) {
+        if !self.window.can_hold(seen) {
+            return;
+        }
+        let certain = self.window.must_hold(seen);
+        self.edges = (self.edges.0 + u64::from(certain), self.edges.1 + 1);
+        let first = *self.first.get_or_insert(*seen);
+        let before = self.last.replace(*seen);
+        if let (None, Some(before)) = (self.grid, before) {
+            let nanos = (seen.a.saturating_sub(before.a)).midpoint(seen.b.saturating_sub(before.b));
+            self.grid = Some(Grid { nanos: nanos.unsigned_abs(), parts: 1 });
+        }
+        // The first edge is where the grid is laid: its distance hangs on no period.
+        let grid = self.grid.unwrap_or(Grid { nanos: 0, parts: 1 });
+        let away = |length: i64, periods: i64| {
+            i128::from(length) * i128::from(grid.parts) - i128::from(periods) * i128::from(grid.nanos)
+        };
+        let (n, extent, certain) = match (self.asked.compared, before) {
+            (Compared::Edges, _) => {
+                let from = |at: i64| away(at.saturating_sub(first.a), self.number);
+                (self.number, (from(seen.a), from(seen.b)), certain)
+            }
+            (Compared::Periods, Some(before)) => {
+                let least = away(seen.a.saturating_sub(before.b), 1);
+                let most = away(seen.b.saturating_sub(before.a), 1);
+                (self.number, (least, most), certain && self.window.must_hold(&before))
+            }
+            (Compared::Periods, None) => {
+                self.number += 1;
+                return;
+            }
+        };
+        self.number += 1;
+        self.all.add(n, extent, seen);
+        if certain {
+            self.sure.add(n, extent, seen);
+        }
+    }
+
+    fn unknown(&mut self, seen: &Seen) {
+        self.doubtful |= self.window.can_hold(seen);
+    }
+
+    /// What it came to when nothing comes any more.
+    pub fn finish(mut self) -> Found {
+        if let Some(rest) = self.finder.rest() {
+            self.unknown(&rest.seen);
+        }
+        let mut found = Found {
+            edges: self.edges,
+            can_be_missing: self.edges.0 < FEWEST,
+            doubtful: self.doubtful,
+            ..Found::default()
+        };
+        if self.edges.1 < FEWEST {
+            return found;
+        }
+        let parts = self.grid.map_or(1.0, |grid| grid.parts as f64);
+        if !self.asked.rms {
+            let most = self.all.span(false);
+            let least = self.sure.span(true).map_or(0.0, |band| band.0.max(0.0));
+            found.farthest = most.map(|(_, above, below)| (above.seen, below.seen));
+            found.extent = most.map(|(most, ..)| (least / parts, most / parts));
+            return found;
+        }
+        let Some((all, wide, most)) = self.all.roots(&self.asked) else {
+            found.doubtful = true;
+            return found;
+        };
+        // More points have no smaller sum of squares, whichever grid suits them best.
+        let (sure, narrow, least) = self.sure.roots(&self.asked).unwrap_or((0.0, 0.0, 0));
+        let low = (sure - narrow).max(0.0) / libm::sqrt(most as f64);
+        let high = (all + wide) / libm::sqrt(least.max(1) as f64);
+        found.extent = Some((low / parts, high / parts));
+        found
+    }
+}

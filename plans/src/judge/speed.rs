@@ -1,0 +1,148 @@
+//! How fast a number changes over a window: by how much it differs between the two ends, per second.
+
+use super::reading::{Candidate, Reader};
+use super::{Seen, Window};
+
+/// Least and greatest change per second of all placements, and what it was made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Changes per second.
+    pub speed: (f64, f64),
+    /// Least and greatest change.
+    pub change: (f64, f64),
+    /// The last event before the end of the window.
+    pub last: Option<Seen>,
+}
+
+/// Follows one signal.
+#[derive(Clone, Debug)]
+pub struct Speed {
+    window: Window,
+    from: Reader,
+    until: Reader,
+}
+
+impl Speed {
+    /// Over this window.
+    pub fn new(window: Window) -> Speed {
+        Speed { window, from: Reader::new(window.from), until: Reader::new(window.until) }
+    }
+
+    /// The next event.
+    #[inline]
+    pub fn see(&mut self, seen: &Seen) {
+        self.from.see(seen);
+        self.until.see(seen);
+    }
+
+    /// What came of it; `None` where the number is not known at one of the ends, or the window may have no length. Each value
+    /// may be off by `slack`.
+    ///
+    /// While a number goes from one value to the next it may be any between the two, and every placement of both ends is
+    /// taken with every value of both: the extent may be too wide, never too narrow.
+    pub fn finish(self, slack: f64) -> Option<Found> {
+        let Speed { window, from, until } = self;
+        let until = until.finish();
+        let last = until.last().map(|candidate| candidate.seen);
+        let (begin, end) = (extent(&from.finish(), slack)?, extent(&until, slack)?);
+        let change = (end.0 - begin.1, end.1 - begin.0);
+        let length = match window.link {
+            Some(length) => (length, length),
+            None => {
+                let (from, until) = (window.from, window.until);
+                (until.a.saturating_sub(from.b), until.b.saturating_sub(from.a))
+            }
+        };
+        if length.0 <= 0 {
+            return None;
+        }
+        let per_second = |change: f64, length: i64| change / (length as f64 / 1e9);
+        let (short, long) = (length.0, length.1);
+        // A change down is fastest, and so least, in the shorter time.
+        let low = per_second(change.0, if change.0 < 0.0 { short } else { long });
+        let high = per_second(change.1, if change.1 < 0.0 { long } else { short });
+        Some(Found { speed: (low, high), change, last })
+    }
+}
+
+/// Least and greatest number of some candidates; `None` where one is not known.
+fn extent(candidates: &[Candidate], slack: f64) -> Option<(f64, f64)> {
+    let mut extent: Option<(f64, f64)> = None;
+    for candidate in candidates {
+        let value = candidate.seen.value;
+        let real = value.as_real().filter(|real| real.is_finite())?;
+        let off = slack + value.uncertainty();
+        let own = (real - off, real + off);
+        extent = Some(extent.map_or(own, |old| (old.0.min(own.0), old.1.max(own.1))));
+    }
+    extent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use signal::{Cause, Event, SignalId, Span, Time, Value, When};
+
+    use crate::judge::Point;
+
+    fn event(a: i64, b: i64, value: i64, place: u64) -> Seen {
+        let at = When::within(Time::from_nanos(a), Time::from_nanos(b));
+        let event = Event { signal: SignalId(0), at, value: Value::Int(value), cause: Cause::Board };
+        Seen::of(&event, a, b, place)
+    }
+
+    fn point(a: i64, b: i64, base: u32) -> Point {
+        let at = When::within(Time::from_nanos(a), Time::from_nanos(b));
+        Point::new(at, 100, base, Span::from_nanos(1))
+    }
+
+    proptest! {
+        /// Wherever events and ends lie within their intervals, the speed lies within what is told; where all of them are
+        /// exact it is that.
+        #[test]
+        fn no_placement_has_a_speed_beyond_what_is_told(
+            steps in prop::collection::vec((1i64..6, 0i64..3, -5i64..6), 1..6),
+            from in (5i64..15, 0i64..3),
+            until in (18i64..30, 0i64..3),
+        ) {
+            let (mut at, mut value) = (0, 0);
+            let mut events = vec![event(0, 0, 0, 0)];
+            for (place, (gap, wide, by)) in (1..).zip(steps) {
+                at += gap + 3;
+                value += by;
+                events.push(event(at, at + wide, value, place));
+            }
+            let window = Window::new(point(from.0, from.0 + from.1, 1), point(until.0, until.0 + until.1, 2)).unwrap();
+            let mut speed = Speed::new(window);
+            events.iter().for_each(|seen| speed.see(seen));
+            let found = speed.finish(0.0).unwrap();
+            // A number is any on the way from one to the next while that may be under way.
+            let values = |at: i64| {
+                let mut possible = Vec::new();
+                for (place, seen) in events.iter().enumerate() {
+                    let next = events.get(place + 1);
+                    if seen.a <= at && next.is_none_or(|next| next.b > at) {
+                        possible.push(seen.value.as_real().unwrap());
+                    }
+                }
+                possible
+            };
+            let mut exact = Vec::new();
+            for begin in window.from.a..=window.from.b {
+                for end in window.until.a..=window.until.b {
+                    for old in values(begin) {
+                        for new in values(end) {
+                            let told = (new - old) / ((end - begin) as f64 / 1e9);
+                            prop_assert!(found.speed.0 <= told + 1e-3 && told - 1e-3 <= found.speed.1, "{told} {found:?}");
+                            exact.push(told);
+                        }
+                    }
+                }
+            }
+            if let [only] = exact[..] {
+                prop_assert!((found.speed.0 - only).abs() < 1e-3 && (found.speed.1 - only).abs() < 1e-3);
+            }
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Counts out of the lines that carry them: pulses alone, with a line of direction, on a line for each direction, the two
+//! phases of a quadrature, or a number that counts itself.
+//!
+//! Events of two lines are put into the order of their instants. Where that is not known, because intervals overlap, it
+//! is not known either which way a count goes: it may be one up or one down.
+
+use std::collections::VecDeque;
+
+use signal::Value;
+
+use super::Seen;
+use super::edges::{Edge, Finder, LAST};
+
+/// How counts are carried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carried {
+    /// Each rising edge is one up.
+    Pulses,
+    /// The second line is TRUE for pulses that count up, or with `inverted` for those that count down.
+    Direction {
+        /// Whether it is the other way round.
+        inverted: bool,
+    },
+    /// Rising edges of the second line are one down each.
+    Backwards,
+    /// The second line is phase B: every edge of both is one count, up where A goes first.
+    Quadrature,
+    /// The signal is a number; it counts by as much as it changes.
+    Number,
+    /// The same of a number that is read from time to time: what it is, it is at the end of its interval.
+    Read,
+}
+
+/// A change of the position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Count {
+    /// When.
+    pub seen: Seen,
+    /// Least and greatest number by which it counts up.
+    pub up: (u64, u64),
+    /// The same downwards.
+    pub down: (u64, u64),
+    /// One of the other direction may come before or behind it.
+    pub blurred: bool,
+}
+
+/// What comes next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// A count.
+    Count(Count),
+    /// A stretch of which nothing is known ends here.
+    Unknown(Seen),
+}
+
+/// Most events of one line that wait for those of the other. Beyond it their order counts as unknown.
+const WAITING: usize = 256;
+
+/// Follows the lines.
+#[derive(Clone, Debug)]
+pub struct Track {
+    carried: Carried,
+    lines: [Line; 2],
+}
+
+#[derive(Clone, Debug)]
+struct Line {
+    finder: Finder,
+    /// How far behind the newest event of the trace one of this line can begin, nanoseconds.
+    lag: i64,
+    waiting: VecDeque<Seen>,
+    /// No later event of the line begins before this.
+    reached: i64,
+    /// The latest end and the greatest place of those that were taken.
+    taken: Option<(i64, u64)>,
+    level: Option<bool>,
+}
+
+impl Track {
+    /// Nothing seen yet. Each line has its slack and its lag; the second one may be left out where one is enough.
+    pub fn new(carried: Carried, first: (f64, i64), second: Option<(f64, i64)>) -> Track {
+        let line = |(slack, lag): (f64, i64), edge| Line {
+            finder: Finder::new(edge, slack),
+            lag,
+            waiting: VecDeque::with_capacity(WAITING + 1),
+            reached: if second.is_some() { i64::MIN } else { i64::MAX },
+            taken: None,
+            level: None,
+        };
+        let edges = match carried {
+            Carried::Pulses | Carried::Backwards => [Edge::Rises, Edge::Rises],
+            Carried::Direction { .. } => [Edge::Rises, Edge::Changes],
+            Carried::Quadrature | Carried::Number | Carried::Read => [Edge::Changes, Edge::Changes],
+        };
+        let [one, other] = edges;
+        Track { carried, lines: [line(first, one), line(second.unwrap_or((0.0, 0)), other)] }
+    }
+
+    /// The next event of a line.
+    #[inline]
+    pub fn see(&mut self, slot: usize, seen: &Seen, mut out: impl FnMut(Step)) {
+        match self.carried {
+            Carried::Pulses | Carried::Number => return self.take(0, seen, false, &mut out),
+            Carried::Read => return self.take(0, &Seen { a: seen.b, ..*seen }, false, &mut out),
+            Carried::Direction { .. } | Carried::Backwards | Carried::Quadrature => {}
+        }
+        for line in &mut self.lines {
+            line.reached = line.reached.max(seen.a.saturating_sub(line.lag));
+        }
+        let Some(line) = self.lines.get_mut(slot) else { return };
+        line.reached = line.reached.max(seen.a);
+        line.waiting.push_back(*seen);
+        self.advance(false, &mut out);
+    }
+
+    /// Nothing comes any more.
+    pub fn finish(&mut self, mut out: impl FnMut(Step)) {
+        self.advance(true, &mut out);
+        for line in &self.lines {
+            // A line without events at all says nothing: the case has none, and somebody else tells that.
+            if let Some(rest) = line.finder.rest().filter(|_| line.taken.is_some()) {
+                out(Step::Unknown(Seen { place: LAST, ..rest.seen }));
+            }
+        }
+    }
+
+    fn advance(&mut self, over: bool, out: &mut impl FnMut(Step)) {
+        loop {
+            let fronts = [0, 1].map(|slot| self.lines[slot].waiting.front().copied());
+            let slot = match fronts {
+                [None, None] => return,
+                [Some(_), None] => 0,
+                [None, Some(_)] => 1,
+                [Some(first), Some(second)] => usize::from((second.a, second.place) < (first.a, first.place)),
+            };
+            let (Some(seen), other) = (fronts[slot], fronts[1 - slot]) else { return };
+            let full = self.lines[slot].waiting.len() > WAITING;
+            let settled = other.is_some() || self.lines[1 - slot].reached > seen.b;
+            if !over && !settled && !full {
+                return;
+            }
+            let apart = |b: i64, place: u64, next: &Seen| b < next.a || b == next.a && place < next.place;
+            let before = self.lines[1 - slot].taken.is_none_or(|(b, place)| apart(b, place, &seen));
+            let behind = other.is_none_or(|other| apart(seen.b, seen.place, &other));
+            self.lines[slot].waiting.pop_front();
+            self.take(slot, &seen, !before || !behind || (full && !settled), out);
+        }
+    }
+
+    /// Takes an event in its turn. `blurred`: it may come before or behind one of the other line.
+    fn take(&mut self, slot: usize, seen: &Seen, blurred: bool, out: &mut impl FnMut(Step)) {
+        let line = &mut self.lines[slot];
+        let taken = line.taken.unwrap_or((i64::MIN, 0));
+        line.taken = Some((taken.0.max(seen.b), taken.1.max(seen.place)));
+        let old = line.finder.value();
+        let found = line.finder.see(seen);
+        line.level = match seen.value {
+            Value::Unknown => None,
+            value => Some(matches!(value, Value::Bool(true))),
+        };
+        let Some(found) = found else { return };
+        if !found.certain {
+            // Of a line of direction the level counts, whatever it was before.
+            if !(matches!(self.carried, Carried::Direction { .. }) && slot == 1) {
+                out(Step::Unknown(found.seen));
+            }
+            return;
+        }
+        const BOTH: ((u64, u64), (u64, u64)) = ((0, 1), (0, 1));
+        const UP: ((u64, u64), (u64, u64)) = ((1, 1), (0, 0));
+        const DOWN: ((u64, u64), (u64, u64)) = ((0, 0), (1, 1));
+        let way = |up: bool| if up { UP } else { DOWN };
+        let (up, down) = match (self.carried, slot) {
+            (Carried::Direction { .. }, 1) => return,
+            (Carried::Pulses, _) | (Carried::Backwards, 0) => UP,
+            (Carried::Backwards, _) => DOWN,
+            (Carried::Direction { inverted }, _) => match self.lines[1].level {
+                Some(level) if !blurred => way(level != inverted),
+                _ => BOTH,
+            },
+            (Carried::Quadrature, _) => match (self.lines[0].level, self.lines[1].level) {
+                // Behind an edge of A going first the levels differ, behind one of B they are alike.
+                (Some(a), Some(b)) if !blurred => way((a != b) == (slot == 0)),
+                _ => BOTH,
+            },
+            (Carried::Number | Carried::Read, _) => {
+                match (old.and_then(Value::as_int), seen.value.as_int()) {
+                    (Some(old), Some(new)) => {
+                        let by = |by: i128| u64::try_from(by).unwrap_or(0);
+                        let (up, down) = (by(new - old), by(old - new));
+                        ((up, up), (down, down))
+                    }
+                    _ => return out(Step::Unknown(*seen)),
+                }
+            }
+        };
+        out(Step::Count(Count { seen: *seen, up, down, blurred }));
+    }
+}

@@ -1,0 +1,147 @@
+//! `rig ctl read`, `write`, `force` and `release`: values and forces.
+
+use super::show::{self, columns};
+use super::{Stop, interrupt, value};
+use crate::exit::Exit;
+use crate::output;
+use clap::Args;
+use control::{Ask, Client, Description, Done, Forces, Signal, SignalKind, Values, WireValue};
+use serde_json::{Map, json};
+use signal::Span;
+use std::time::{Duration, Instant};
+
+/// How long an interrupt may go unseen.
+const LOOK_UP: Duration = Duration::from_millis(50);
+
+/// `rig ctl read`.
+#[derive(Debug, Args)]
+pub struct ReadArgs {
+    /// Variables, addresses, terminals or lines of the board.
+    #[arg(value_name = "NAME", required = true)]
+    names: Vec<String>,
+    /// Print the values alone, a line each.
+    #[arg(long)]
+    plain: bool,
+    /// Print JSON for a program: an object of names and values.
+    #[arg(long, conflicts_with = "plain")]
+    json: bool,
+}
+
+/// Prints values.
+pub fn read(client: &mut Client, args: &ReadArgs) -> Result<Exit, Stop> {
+    let read: Values = client.ask(Ask::Read { names: args.names.clone() })?;
+    let named = args.names.iter().zip(&read.values);
+    if args.json {
+        let map: Map<String, serde_json::Value> =
+            named.map(|(name, value)| (name.clone(), json!(value))).collect();
+        show::json(&map.into());
+    } else if args.plain {
+        for (_, WireValue(value)) in named {
+            output::print(&format!("{}\n", show::field(*value)));
+        }
+    } else {
+        let it: Description = client.ask(Ask::Describe)?;
+        let row = |(name, value): (&String, &WireValue)| vec![name.clone(), shown(&it, name, *value)];
+        output::print(&columns(&named.map(row).collect::<Vec<_>>()));
+    }
+    Ok(Exit::Passed)
+}
+
+/// The value with what the description knows of its signal.
+fn shown(it: &Description, name: &str, WireValue(value): WireValue) -> String {
+    if let Some(signal) = it.signal(name) {
+        return show::value(value, signal);
+    }
+    let channels = it.points.iter().filter_map(|point| point.channel.as_ref());
+    let unit =
+        channels.into_iter().find(|line| line.name.eq_ignore_ascii_case(name)).map(|line| line.unit.clone());
+    let line = Signal {
+        number: 0,
+        name: name.to_owned(),
+        kind: SignalKind::Real,
+        unit: unit.unwrap_or_default(),
+        labels: Vec::new(),
+        writable: false,
+    };
+    show::value(value, &line)
+}
+
+/// `rig ctl write`.
+#[derive(Debug, Args)]
+pub struct WriteArgs {
+    /// What gets which value, as in level=42, %MW3=16#FF, delay=T#500ms.
+    #[arg(value_name = "NAME=VALUE", required = true)]
+    pairs: Vec<String>,
+}
+
+/// Writes values, one after the other.
+pub fn write(client: &mut Client, args: &WriteArgs) -> Result<Exit, Stop> {
+    for (name, value) in pairs(client, &args.pairs)? {
+        client.ask::<Done>(Ask::Write { name, value })?;
+    }
+    Ok(Exit::Passed)
+}
+
+/// All pairs: what cannot be read is refused before anything moves.
+fn pairs(client: &mut Client, words: &[String]) -> Result<Vec<(String, WireValue)>, Stop> {
+    words.iter().map(|words| value::pair(client, words)).collect()
+}
+
+/// `rig ctl force`.
+#[derive(Debug, Args)]
+pub struct ForceArgs {
+    /// What is forced to which value, as in %QX0.3=1 or I2=FALSE.
+    #[arg(value_name = "NAME=VALUE", required = true)]
+    pairs: Vec<String>,
+    /// Release them again after so long, or when interrupted; if this program is killed, the board's `on-disconnect` says
+    /// what becomes of them.
+    #[arg(long = "for", value_name = "TIME", value_parser = crate::board::above_zero)]
+    lasts: Option<Span>,
+}
+
+/// Forces inputs and outputs.
+pub fn force(client: &mut Client, args: &ForceArgs) -> Result<Exit, Stop> {
+    let pairs = pairs(client, &args.pairs)?;
+    let Some(lasts) = args.lasts else {
+        for (name, value) in pairs {
+            client.ask::<Done>(Ask::Force { name, value })?;
+        }
+        // Else the forces would be those of a client that is gone.
+        client.ask::<Done>(Ask::Leave { forces: Forces::Keep })?;
+        return Ok(Exit::Passed);
+    };
+    let interrupted = interrupt::catch()?;
+    for (name, value) in pairs {
+        client.ask::<Done>(Ask::Force { name, value })?;
+    }
+    let until = Instant::now() + Duration::from_nanos(lasts.as_nanos().unsigned_abs());
+    while !interrupted() && Instant::now() < until {
+        let left = until.saturating_duration_since(Instant::now()).min(LOOK_UP);
+        // A rig that ends has nothing forced any more, and is an error all the same.
+        client.next(left)?;
+    }
+    client.ask::<Done>(Ask::Leave { forces: Forces::Release })?;
+    Ok(if interrupted() { Exit::Interrupted } else { Exit::Passed })
+}
+
+/// `rig ctl release`.
+#[derive(Debug, Args)]
+pub struct ReleaseArgs {
+    /// What is not to be forced any more.
+    #[arg(value_name = "NAME", required_unless_present = "all")]
+    names: Vec<String>,
+    /// All that is forced.
+    #[arg(long, conflicts_with = "names")]
+    all: bool,
+}
+
+/// Ends forces.
+pub fn release(client: &mut Client, args: &ReleaseArgs) -> Result<Exit, Stop> {
+    if args.all {
+        client.ask::<Done>(Ask::ReleaseAll)?;
+    }
+    for name in &args.names {
+        client.ask::<Done>(Ask::Release { name: name.clone() })?;
+    }
+    Ok(Exit::Passed)
+}

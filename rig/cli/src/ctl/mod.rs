@@ -1,0 +1,157 @@
+//! `rig ctl`: a rig that runs, from a shell or a script.
+
+mod frames;
+mod inside;
+mod interrupt;
+mod list;
+mod log;
+mod orders;
+mod plan;
+mod raw;
+mod show;
+mod status;
+mod value;
+mod wait;
+mod watch;
+
+use crate::exit::Exit;
+use crate::output;
+use crate::reach::Reach;
+use clap::{Args, Subcommand};
+use control::ClientError;
+
+/// What the client is called in the rig's log.
+const NAME: &str = "rig ctl";
+
+/// `rig ctl`.
+#[derive(Debug, Args)]
+pub struct CtlArgs {
+    /// Which rig.
+    #[command(flatten)]
+    pub reach: Reach,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: CtlCommand,
+}
+
+/// What can be done.
+#[derive(Debug, Subcommand)]
+pub enum CtlCommand {
+    /// List the rigs that run on this machine.
+    Rigs,
+    /// Print the state of the controller, as in RUNNING.
+    State,
+    /// Print how the rig is: state, indicators, tasks, forces, troubles.
+    Status(status::StatusArgs),
+    /// Print what the rig is: controller, board, program, tasks, functions, buses, devices.
+    Describe(status::StatusArgs),
+    /// List what can be read: terminals, lines of the board, variables.
+    List(list::ListArgs),
+    /// Print values now.
+    Read(inside::ReadArgs),
+    /// Write variables, places in memory or lines of the board.
+    Write(inside::WriteArgs),
+    /// Force embedded inputs and outputs. They stay forced until they are released.
+    Force(inside::ForceArgs),
+    /// End forces.
+    Release(inside::ReleaseArgs),
+    /// Give the controller a command.
+    #[command(flatten)]
+    Act(orders::ActCommand),
+    /// Print signals as they change.
+    Watch(watch::WatchArgs),
+    /// Wait until signals are what is asked for; exit with 1 if they are not in time.
+    Await(wait::AwaitArgs),
+    /// Print the log.
+    Log(log::LogArgs),
+    /// Print the frames of the buses as they pass.
+    Frames(frames::FramesArgs),
+    /// List the cases that the rig can run on its board.
+    Plans(plan::PlansArgs),
+    /// Run a case, or all cases of a plan, in place of the controller's program, and tell how it goes.
+    Plan(plan::PlanArgs),
+    /// End the plan that runs.
+    Abort,
+    /// Freeze what was commissioned: until it is unlocked nobody can write, force, command or run plans.
+    Lock(orders::LockArgs),
+    /// End the lock.
+    Unlock,
+    /// Let time pass on a rig that was started with `--led`.
+    Advance(orders::AdvanceArgs),
+    /// Send lines of the protocol from standard input as they are, and print what the rig says.
+    Raw(raw::RawArgs),
+}
+
+/// Why a command did not come to its end.
+#[derive(Debug)]
+pub enum Stop {
+    /// Something between client and rig.
+    Client(ClientError),
+    /// It ends so, and why was printed.
+    Exit(Exit),
+}
+
+impl From<ClientError> for Stop {
+    fn from(error: ClientError) -> Stop {
+        Stop::Client(error)
+    }
+}
+
+/// Does what the command line asks.
+pub fn run(args: &CtlArgs) -> Exit {
+    match try_run(args) {
+        Ok(exit) | Err(Stop::Exit(exit)) => exit,
+        Err(Stop::Client(error)) => {
+            output::fault(&error.fault());
+            exit_of(&error)
+        }
+    }
+}
+
+/// Whose fault it is: what was asked for, or the rig.
+pub fn exit_of(error: &ClientError) -> Exit {
+    match error {
+        ClientError::Refused(_)
+        | ClientError::NoRig(_)
+        | ClientError::SeveralRigs(_)
+        | ClientError::Unreachable(..)
+        | ClientError::NotARig(_)
+        | ClientError::OtherProtocol(..) => Exit::UserFiles,
+        ClientError::Lost(_) | ClientError::Ended(_) | ClientError::Silent(..) | ClientError::Garbled(_) => {
+            Exit::Error
+        }
+    }
+}
+
+fn try_run(args: &CtlArgs) -> Result<Exit, Stop> {
+    match &args.command {
+        CtlCommand::Rigs => return Ok(list::rigs()),
+        CtlCommand::Raw(raw) => return raw::run(&args.reach, raw),
+        _ => {}
+    }
+    let mut client = args.reach.connect(NAME)?;
+    let client = &mut client;
+    match &args.command {
+        // Done above, without a client that says hello by itself.
+        CtlCommand::Rigs | CtlCommand::Raw(_) => Ok(Exit::Passed),
+        CtlCommand::State => status::state(client),
+        CtlCommand::Status(args) => status::status(client, args),
+        CtlCommand::Describe(args) => status::describe(client, args),
+        CtlCommand::List(args) => list::list(client, args),
+        CtlCommand::Read(args) => inside::read(client, args),
+        CtlCommand::Write(args) => inside::write(client, args),
+        CtlCommand::Force(args) => inside::force(client, args),
+        CtlCommand::Release(args) => inside::release(client, args),
+        CtlCommand::Act(command) => orders::act(client, command),
+        CtlCommand::Watch(args) => watch::run(client, args),
+        CtlCommand::Await(args) => wait::run(client, args),
+        CtlCommand::Log(args) => log::run(client, args),
+        CtlCommand::Frames(args) => frames::run(client, args),
+        CtlCommand::Plans(args) => plan::list(client, args),
+        CtlCommand::Plan(args) => plan::run(client, args),
+        CtlCommand::Abort => orders::abort(client),
+        CtlCommand::Lock(args) => orders::lock(client, args),
+        CtlCommand::Unlock => orders::unlock(client),
+        CtlCommand::Advance(args) => orders::advance(client, args),
+    }
+}

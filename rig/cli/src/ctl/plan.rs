@@ -1,0 +1,194 @@
+//! `rig ctl plans` and `rig ctl plan`: cases on the board of a rig that runs.
+
+use super::show::{seconds, tell};
+use super::{Stop, interrupt, orders};
+use crate::exit::Exit;
+use crate::output;
+use clap::Args;
+use control::{Ask, Client, Done, Event, Measured, PlanEvent, Plans, Subscribed, Topic};
+use record::Verdict;
+use serde_json::json;
+use signal::Span;
+use std::time::Duration;
+
+/// How long the controller may take to stop, and the plan to be read.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// How long an interrupt may go unseen.
+const LOOK_UP: Duration = Duration::from_millis(100);
+
+/// `rig ctl plans`.
+#[derive(Debug, Args)]
+pub struct PlansArgs {
+    /// A plan or a folder with plans as the rig sees it [default: the plans that ship with it].
+    #[arg(value_name = "PLAN|DIR")]
+    path: Option<String>,
+}
+
+/// Lists cases.
+pub fn list(client: &mut Client, args: &PlansArgs) -> Result<Exit, Stop> {
+    let known: Plans = client.ask_within(Ask::Plans { path: args.path.clone() }, PATIENCE)?;
+    known.plans.iter().for_each(|name| output::print(&format!("{name}\n")));
+    Ok(if known.plans.is_empty() { Exit::UserFiles } else { Exit::Passed })
+}
+
+/// `rig ctl plan`.
+#[derive(Debug, Args)]
+pub struct PlanArgs {
+    /// The case, or the plan with all its cases, as `rig ctl plans` names it.
+    name: String,
+    /// Print JSON for a program: what the plan tells, an object a line.
+    #[arg(long)]
+    json: bool,
+    /// Do not ask on a terminal whether it is meant.
+    #[arg(long, short)]
+    yes: bool,
+}
+
+/// Runs a plan and tells of it; an interrupt ends it.
+pub fn run(client: &mut Client, args: &PlanArgs) -> Result<Exit, Stop> {
+    orders::confirm(client, args.yes, &format!("run {}", args.name))?;
+    let interrupted = interrupt::catch()?;
+    client.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Plan })?;
+    client.ask_within::<Done>(Ask::Plan { name: args.name.clone() }, PATIENCE)?;
+    let mut aborted = false;
+    let mut course = Course::default();
+    loop {
+        if interrupted() && !aborted {
+            aborted = true;
+            output::note("interrupted: the plan ends, outputs become safe");
+            client.ask_within::<Done>(Ask::Abort, PATIENCE)?;
+        }
+        match client.next(LOOK_UP)? {
+            Some(Event::Plan { told, .. }) => {
+                tell(&if args.json { format!("{}\n", json!(told)) } else { course.shown(&told) });
+                if let PlanEvent::Over { verdict, .. } = told {
+                    return Ok(if aborted { Exit::Interrupted } else { exit_of(&verdict) });
+                }
+            }
+            Some(Event::Missed { lines, .. }) => output::note(&format!("{lines} lines were left out")),
+            _ => {}
+        }
+    }
+}
+
+/// The exit of a verdict, as `rig test` has it; a word that is not known is no pass.
+fn exit_of(verdict: &str) -> Exit {
+    let all = [Verdict::None, Verdict::Pass, Verdict::Inconclusive, Verdict::Fail, Verdict::Error];
+    all.into_iter().find(|known| known.word() == verdict).map_or(Exit::Error, Exit::of)
+}
+
+/// What is known of the case that runs.
+#[derive(Debug, Default)]
+struct Course {
+    steps: Vec<(String, String)>,
+}
+
+impl Course {
+    /// What was told, for a person.
+    fn shown(&mut self, told: &PlanEvent) -> String {
+        match told {
+            PlanEvent::Case { name, place, steps, .. } => {
+                self.steps.clone_from(steps);
+                format!("{name} ({} of {})\n", place.0, place.1)
+            }
+            // What a step comes to is seen when it is done.
+            PlanEvent::Step { done: false, .. } => String::new(),
+            PlanEvent::Step { step, at, done: true } => {
+                let known = self.steps.get(*step as usize);
+                let (name, what) = known.map_or(("", ""), |(name, what)| (name.as_str(), what.as_str()));
+                let line = format!("{:>16}  {name}  {what}", seconds(*at));
+                format!("{}\n", line.trim_end())
+            }
+            PlanEvent::Verdict { name, verdict, reason, claims, measured } => {
+                let mut text = String::new();
+                for (claim, verdict, reason) in
+                    claims.iter().filter(|(_, verdict, _)| verdict != Verdict::Pass.word())
+                {
+                    text.push_str(&format!("  {verdict}: {claim}: {reason}\n"));
+                }
+                for one in measured {
+                    text.push_str(&format!("  {}: {}: {}\n", one.verdict, one.name, figure(one)));
+                }
+                let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
+                text.push_str(&format!("{verdict}: {name}{reason}\n"));
+                text
+            }
+            PlanEvent::Over { verdict, report } => {
+                let report = report.as_ref().map(|path| format!(", report in {path}")).unwrap_or_default();
+                format!("all: {verdict}{report}\n")
+            }
+        }
+    }
+}
+
+/// A measurement and its limits.
+fn figure(one: &Measured) -> String {
+    // Durations are nanoseconds on the wire, and shown in the unit that fits.
+    let (unit, number): (&str, fn(f64) -> String) = match one.unit.as_str() {
+        "ns" => ("", |nanos| Span::from_nanos(nanos.round() as i64).to_string()),
+        unit => (unit, |number| number.to_string()),
+    };
+    let value = match one.value {
+        None => "not measured".to_owned(),
+        Some((low, high)) if low.to_bits() == high.to_bits() => format!("{} {unit}", number(low)),
+        Some((low, high)) => format!("{} .. {} {unit}", number(low), number(high)),
+    };
+    let limit = |limit: Option<f64>| limit.map(number).unwrap_or_default();
+    format!("{} in {} .. {}", value.trim_end(), limit(one.low), limit(one.high))
+        .replace("  ", " ")
+        .trim_end()
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_verdict_has_the_exit_of_a_test() {
+        let exits = ["pass", "fail", "inconclusive", "error", "none", "a younger word"].map(exit_of);
+        assert_eq!(
+            exits,
+            [Exit::Passed, Exit::Failed, Exit::Inconclusive, Exit::Error, Exit::Passed, Exit::Error]
+        );
+    }
+
+    #[test]
+    fn the_course_of_a_case_is_told() {
+        let mut course = Course::default();
+        let case = PlanEvent::Case {
+            name: "lamp".to_owned(),
+            place: (1, 2),
+            steps: vec![("press".to_owned(), "set I0 to TRUE".to_owned())],
+            claims: Vec::new(),
+        };
+        assert_eq!(course.shown(&case), "lamp (1 of 2)\n");
+        let step = |step, done| PlanEvent::Step { step, at: 2_000_000, done };
+        assert_eq!(course.shown(&step(0, false)), "");
+        assert_eq!(course.shown(&step(0, true)), "      0.002000 s  press  set I0 to TRUE\n");
+        assert_eq!(course.shown(&step(9, true)), "      0.002000 s\n");
+        let measured = Measured {
+            name: "delay".to_owned(),
+            value: Some((9.5, 10.5)),
+            low: None,
+            high: Some(10.0),
+            unit: "ms".to_owned(),
+            verdict: "inconclusive".to_owned(),
+        };
+        let verdict = PlanEvent::Verdict {
+            name: "lamp".to_owned(),
+            verdict: "fail".to_owned(),
+            reason: "it stayed dark".to_owned(),
+            claims: vec![
+                ("a".to_owned(), "pass".to_owned(), String::new()),
+                ("b".to_owned(), "fail".to_owned(), "dark".to_owned()),
+            ],
+            measured: vec![measured],
+        };
+        assert_eq!(
+            course.shown(&verdict),
+            "  fail: b: dark\n  inconclusive: delay: 9.5 .. 10.5 ms in .. 10\nfail: lamp: it stayed dark\n"
+        );
+    }
+}

@@ -1,0 +1,71 @@
+//! Values as they are typed: `TRUE`, `42`, `16#FF`, `T#500ms`, `500 mV`, `RUNNING`. They are those of plans.
+
+use super::Stop;
+use crate::exit::Exit;
+use crate::output;
+use control::{Ask, Client, Description, SignalKind, WireValue};
+use document::Diagnostic;
+use plans::Literal;
+use signal::{Kind, SignalInfo, Value};
+
+/// Why words give no value.
+pub fn refuse(words: &str, why: &str, help: &str) -> Stop {
+    let found = Diagnostic::error("R0649", format!("`{words}` gives no value: {why}"));
+    output::findings(&[found.help(help)], &[]);
+    Stop::Exit(Exit::UserFiles)
+}
+
+/// Reads `NAME=VALUE`.
+pub fn pair(client: &mut Client, words: &str) -> Result<(String, WireValue), Stop> {
+    match words.split_once('=') {
+        Some((name, text)) if !name.trim().is_empty() => {
+            Ok((name.trim().to_owned(), of(client, name.trim(), words, text)?))
+        }
+        _ => Err(refuse(words, "no name with a value", "write NAME=VALUE, as in %QX0.3=1")),
+    }
+}
+
+/// Reads the value of a name. The rig is asked for what it means only where units and labels matter.
+pub fn of(client: &mut Client, name: &str, words: &str, text: &str) -> Result<WireValue, Stop> {
+    let help = "write a number, TRUE, 16#0010, T#500ms, a quantity such as '24 V', the name of a state, or Z";
+    let literal = Literal::parse(text).map_err(|why| refuse(words, &why.to_string(), help))?;
+    if let Some(value) = literal.value() {
+        return Ok(WireValue(value));
+    }
+    if matches!(&literal, Literal::Label(label) if label.eq_ignore_ascii_case("z")) {
+        return Ok(WireValue(Value::HighZ));
+    }
+    let described: Description = client.ask(Ask::Describe)?;
+    let info = info(&described, name);
+    plans::value_of(&literal, &info).map(WireValue).map_err(|why| refuse(words, &why, help))
+}
+
+/// What is known of a signal by its name, in any case of letters.
+fn info(described: &Description, name: &str) -> SignalInfo {
+    let known = described.signal(name);
+    let line = |channel: &&control::Channel| channel.name.eq_ignore_ascii_case(name);
+    let channel = described.points.iter().filter_map(|point| point.channel.as_ref()).find(line);
+    let kind = match (known, channel) {
+        (Some(signal), _) => kind(signal.kind),
+        (None, Some(_)) => Kind::Real,
+        (None, None) => Kind::Int,
+    };
+    let mut info = SignalInfo::exact(name, kind);
+    if let Some(signal) = known {
+        info.unit.clone_from(&signal.unit);
+        info.labels.clone_from(&signal.labels);
+    } else if let Some(channel) = channel {
+        info.unit.clone_from(&channel.unit);
+    }
+    info
+}
+
+const fn kind(kind: SignalKind) -> Kind {
+    match kind {
+        SignalKind::Bool => Kind::Bool,
+        SignalKind::Int => Kind::Int,
+        SignalKind::Word => Kind::Word,
+        SignalKind::Real => Kind::Real,
+        SignalKind::State => Kind::State,
+    }
+}

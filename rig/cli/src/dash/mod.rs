@@ -1,0 +1,100 @@
+//! `rig dash`: the dashboard on this terminal.
+
+mod demonstration;
+
+use crate::ctl;
+use crate::exit::Exit;
+use crate::output;
+use crate::reach::Reach;
+use crate::recordings::Recordings;
+use clap::Args;
+use dash::glyphs::Look;
+use demonstration::Demonstration;
+use document::Diagnostic;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Set by the signals that end programs: the terminal is given back, and the rig does what its board file says.
+static END: AtomicBool = AtomicBool::new(false);
+
+/// The name of the board that a rig is started on for the dashboard.
+const DEMONSTRATION: &str = "sim";
+
+/// `rig dash`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "`rig dash --board sim` starts a rig with a conveyor on a simulated board, and ends it when you \
+leave."
+)]
+pub struct DashArgs {
+    /// Which rig.
+    #[command(flatten)]
+    reach: Reach,
+    /// Draw with the characters of ASCII alone. Without this it is so where LANG, LC_ALL or TERM say that the terminal has
+    /// no others.
+    #[arg(long)]
+    ascii: bool,
+    /// Leave the mouse to the terminal.
+    #[arg(long)]
+    no_mouse: bool,
+}
+
+/// Shows the dashboard until somebody leaves.
+pub fn run(args: &DashArgs) -> Exit {
+    if !std::io::stdin().is_terminal() || !std::io::stdout().is_terminal() {
+        let found = Diagnostic::error("R0660", "the dashboard needs a terminal for its keys and its screen");
+        output::findings(&[found.help("start it without pipes; scripts use `rig ctl`")], &[]);
+        return Exit::UserFiles;
+    }
+    if let Err(error) = ctrlc::set_handler(|| END.store(true, Ordering::Relaxed)) {
+        output::complain(&format!("interrupts cannot be caught: {error}"));
+        return Exit::Error;
+    }
+    let wanted = args.reach.board.as_ref().is_some_and(|board| board.as_os_str() == DEMONSTRATION);
+    if !wanted {
+        return attach(args);
+    }
+    match Demonstration::start(&END) {
+        Ok(own) => show(args, own.socket().to_owned(), true),
+        Err(found) => {
+            output::findings(&[found], &[]);
+            Exit::Error
+        }
+    }
+}
+
+/// A rig that runs. One that is not there now is told before the screen is taken.
+fn attach(args: &DashArgs) -> Exit {
+    match args.reach.connect("rig dash") {
+        Ok(client) => show(args, client.socket().to_owned(), false),
+        Err(error) => {
+            output::fault(&error.fault());
+            ctl::exit_of(&error)
+        }
+    }
+}
+
+fn show(args: &DashArgs, socket: PathBuf, own: bool) -> Exit {
+    let mut look = Look::of_environment(|name| std::env::var(name).ok());
+    look.utf8 &= !args.ascii;
+    look.color = output::color_on_screen(look.color);
+    let setting = dash::Setting {
+        socket,
+        files: Box::new(Recordings),
+        look,
+        mouse: !args.no_mouse,
+        own,
+        stop: &END,
+        suspend: host::stop_here,
+    };
+    let shown = dash::run(setting);
+    match shown {
+        _ if END.load(Ordering::Relaxed) => Exit::Interrupted,
+        Ok(()) => Exit::Passed,
+        Err(error) => {
+            output::complain(&format!("the terminal is lost: {error}"));
+            Exit::Error
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! Which of the rigs that run is meant.
+
+use clap::Args;
+use control::client::{PATIENCE, by_name, only};
+use control::{Client, ClientError};
+use runtime::suite::{self, Disk};
+use signal::Span;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// How often it is looked whether a rig is there that is waited for.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Which rig is meant, as the command line says it; the only one that runs if it does not.
+#[derive(Clone, Debug, Default, Args)]
+pub struct Reach {
+    /// The rig at this socket.
+    #[arg(long, value_name = "PATH", global = true)]
+    pub socket: Option<PathBuf>,
+    /// The rig of this board: its file, or the file's name without `.toml`.
+    #[arg(long, value_name = "FILE|NAME", global = true, conflicts_with = "socket")]
+    pub board: Option<PathBuf>,
+    /// Wait at most so long for the rig to be there.
+    #[arg(long, value_name = "TIME", global = true, value_parser = crate::board::above_zero)]
+    pub wait: Option<Span>,
+}
+
+impl Reach {
+    /// Connects under a name, once the rig is there if it may be waited for.
+    ///
+    /// # Errors
+    /// See [`Client::connect`]; and nobody said which rig, and there is none or more than one.
+    pub fn connect(&self, name: &str) -> Result<Client, ClientError> {
+        let mut client = self.meet()?;
+        client.hello(name)?;
+        Ok(client)
+    }
+
+    /// Connects as [`Reach::connect`] does, and says nothing.
+    ///
+    /// # Errors
+    /// See [`Reach::connect`].
+    pub fn meet(&self) -> Result<Client, ClientError> {
+        let patience =
+            self.wait.map_or(Duration::ZERO, |wait| Duration::from_nanos(wait.as_nanos().unsigned_abs()));
+        let until = Instant::now() + patience;
+        loop {
+            match self.now() {
+                Err(error) if comes(&error) && Instant::now() < until => std::thread::sleep(LOOK),
+                met => return met,
+            }
+        }
+    }
+
+    fn now(&self) -> Result<Client, ClientError> {
+        match (&self.socket, &self.board) {
+            (Some(socket), _) => Client::meet(socket, PATIENCE),
+            (None, Some(board)) => Client::meet(&of_board(board), PATIENCE),
+            (None, None) => only(),
+        }
+    }
+}
+
+/// Whether it may be otherwise in a moment: the rig is not there yet.
+fn comes(error: &ClientError) -> bool {
+    match error {
+        ClientError::NoRig(_) => true,
+        ClientError::Unreachable(_, kind) => {
+            matches!(kind, ErrorKind::NotFound | ErrorKind::ConnectionRefused)
+        }
+        _ => false,
+    }
+}
+
+/// The socket of a board: the one that its file names, if that can be read and does; else the usual one.
+fn of_board(board: &Path) -> PathBuf {
+    let named = if board.is_file() {
+        let read = suite::load_board(&Disk, &board.to_string_lossy(), &mut Vec::new());
+        read.ok().and_then(|(file, _)| file.control.socket)
+    } else {
+        None
+    };
+    named.unwrap_or_else(|| by_name(board))
+}

@@ -1,0 +1,105 @@
+//! How the control socket of `rig run` is made, and which plans its clients can run.
+
+use crate::find;
+use crate::library::{self, Embedded};
+use crate::output;
+use clap::Args;
+use control::place;
+use document::Diagnostic;
+use drivers::{BoardFile, OnDisconnect};
+use runtime::live::{LiveRig, Shelf};
+use runtime::suite::{Disk, Files};
+use services::control::{Limits, Serving, Settings};
+use std::path::{Path, PathBuf};
+
+/// Where a service manager says that what lasts is kept.
+const STATE: &str = "STATE_DIRECTORY";
+
+/// What a command line says of the socket.
+#[derive(Debug, Args)]
+pub struct ControlArgs {
+    /// The control socket, by which `rig ctl` and `rig dash` work it: else as the board file says, or the usual place.
+    #[arg(long, value_name = "PATH")]
+    control: Option<PathBuf>,
+    /// A folder in which the lock outlasts the rig: else $STATE_DIRECTORY.
+    #[arg(long, value_name = "FOLDER")]
+    state: Option<PathBuf>,
+    /// Let time stand still until a client of the control socket leads it on: for tests, on simulated boards.
+    #[arg(long)]
+    pub led: bool,
+}
+
+/// Serves clients where that is wanted. A socket that nobody asked for and that cannot be made is said and done without.
+///
+/// # Errors
+/// One that was asked for cannot be made.
+pub fn serve(args: &ControlArgs, board: &BoardFile, rig: LiveRig) -> Result<Option<Serving>, Diagnostic> {
+    let named = args.control.clone().or_else(|| board.control.socket.clone());
+    let wanted = named.is_some() || board.control.group.is_some() || args.led;
+    let socket = named.unwrap_or_else(|| place::default_socket(Path::new(&board.name)));
+    match services::control::serve(rig, settings(args, board, socket), output::say) {
+        Ok(serving) => {
+            output::say(&format!("control socket {}", serving.path().display()));
+            Ok(Some(serving))
+        }
+        Err(fault) if wanted => {
+            let found = Diagnostic::error(known(&fault.code), fault.message);
+            Err(if fault.help.is_empty() { found } else { found.help(fault.help) })
+        }
+        Err(fault) => {
+            output::say(&format!("no control socket: {}", fault.message));
+            Ok(None)
+        }
+    }
+}
+
+fn settings(args: &ControlArgs, board: &BoardFile, socket: PathBuf) -> Settings {
+    let said = &board.control;
+    let usual = Settings::of(socket);
+    // A service may have several folders; the first is its own.
+    let kept =
+        || std::env::split_paths(&std::env::var_os(STATE)?).next().filter(|folder| folder.is_absolute());
+    Settings {
+        group: said.group.clone(),
+        on_disconnect: match said.on_disconnect {
+            OnDisconnect::Keep => services::control::OnDisconnect::Keep,
+            OnDisconnect::Release => services::control::OnDisconnect::Release,
+            OnDisconnect::Stop => services::control::OnDisconnect::Stop,
+        },
+        state: args.state.clone().or_else(kept),
+        limits: Limits { clients: said.clients.map_or(usual.limits.clients, usize::from), ..usual.limits },
+        ..usual
+    }
+}
+
+/// The code as the registers have it.
+fn known(code: &str) -> &'static str {
+    services::CODES.iter().map(|(known, _)| *known).find(|known| *known == code).unwrap_or("R0631")
+}
+
+/// The plans of this machine, and those that ship.
+#[derive(Clone, Copy, Debug)]
+pub struct Plans;
+
+impl Shelf for Plans {
+    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, String> {
+        let Some(path) = path else { return Ok(library::plans()) };
+        let found = std::fs::metadata(path);
+        // A pipe would keep every client waiting.
+        if found.as_ref().is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            return Err(format!("`{path}` is neither a file nor a folder"));
+        }
+        if found.is_err() {
+            let (file, folder) = (format!("{path}.toml"), format!("{path}/"));
+            let within = |plan: &String| *plan == path || *plan == file || plan.starts_with(&folder);
+            let shipped: Vec<String> = library::plans().into_iter().filter(within).collect();
+            let none = || format!("`{path}` is not there");
+            return if shipped.is_empty() { Err(none()) } else { Ok(shipped) };
+        }
+        find::find(&[PathBuf::from(path)]).map_err(|_| format!("`{path}` holds no plan"))
+    }
+
+    fn files(&self, plan: &str) -> &'static dyn Files {
+        if Disk.has(plan) { &Disk } else { &Embedded }
+    }
+}

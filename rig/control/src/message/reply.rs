@@ -1,0 +1,58 @@
+//! What replies hold, request by request: the `ok` of a [`crate::Reply`].
+
+use crate::WireValue;
+use crate::message::{Change, PlanEvent, Signal};
+use serde::{Deserialize, Serialize};
+
+/// The reply to what has nothing to tell: `{}`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Done {}
+
+/// The reply to [`crate::Ask::Read`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Values {
+    /// The values, in the order of the names.
+    pub values: Vec<WireValue>,
+}
+
+/// The reply to [`crate::Ask::Subscribe`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Subscribed {
+    /// The subscription's number, which its events have.
+    pub subscription: u64,
+    /// The signals, in the order of the names: their numbers stand in changes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub signals: Vec<Signal>,
+    /// Their present values, as far as there are any yet; those of the others come as their first change.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub values: Vec<Change>,
+    /// The last lines of the log so far.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub log: Vec<LogLine>,
+    /// What the case that runs has told so far.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plan: Vec<PlanEvent>,
+}
+
+/// A line of the log.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LogLine {
+    /// When, nanoseconds since the rig began.
+    pub at: i64,
+    /// The line.
+    pub text: String,
+}
+
+/// The reply to [`crate::Ask::Plans`].
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Plans {
+    /// The cases, as [`crate::Ask::Plan`] takes them.
+    pub plans: Vec<String>,
+}
+
+/// The reply to [`crate::Ask::Advance`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Advanced {
+    /// The instant that was reached, nanoseconds since the rig began.
+    pub at: i64,
+}

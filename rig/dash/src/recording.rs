@@ -1,0 +1,63 @@
+//! What a trend recorded, and who reads and writes files: the dashboard itself knows no format.
+
+use crate::meaning::Decoder;
+use control::{Fault, SignalKind, WireValue};
+
+/// What was recorded.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recording {
+    /// The signals.
+    pub tracks: Vec<Track>,
+    /// Their changes, in the order of their latest instants.
+    pub samples: Vec<Sample>,
+    /// The first and the last instant that it tells of, nanoseconds.
+    pub span: (i64, i64),
+}
+
+/// A signal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Its name.
+    pub name: String,
+    /// The unit of its values; empty for none.
+    pub unit: String,
+    /// What its values are.
+    pub kind: SignalKind,
+    /// The names of its values, where they have any.
+    pub labels: Vec<(i64, String)>,
+}
+
+/// A change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// The place of its track.
+    pub track: usize,
+    /// The earliest and the latest instant, nanoseconds.
+    pub when: (i64, i64),
+    /// The value from then on.
+    pub value: WireValue,
+}
+
+/// Reads and writes files. The ending of a path says the format.
+pub trait Files: std::fmt::Debug {
+    /// The formats that it writes, as the endings of paths.
+    fn endings(&self) -> &[&str];
+
+    /// Writes one; a file that is there is not overwritten.
+    ///
+    /// # Errors
+    /// An ending that is not known, a file that is there or cannot be written.
+    fn save(&self, path: &str, recording: &Recording) -> Result<(), Fault>;
+
+    /// Reads one.
+    ///
+    /// # Errors
+    /// A file that cannot be read or understood.
+    fn load(&self, path: &str) -> Result<Recording, Fault>;
+
+    /// Reads what frames mean.
+    ///
+    /// # Errors
+    /// A file that cannot be read or understood.
+    fn decoder(&self, path: &str) -> Result<Box<dyn Decoder>, Fault>;
+}

@@ -1,0 +1,290 @@
+//! The screen: header, tabs, the view, the bottom line, and what stands over them.
+
+use super::dialog::Dialog;
+use super::input::KEYS;
+use super::{Shell, menu};
+use crate::model::Model;
+use crate::page::{self, Page};
+use crate::show;
+use control::{Clock, Led};
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier, Style};
+
+/// The least that it can be drawn on.
+const WIDTH: u16 = 80;
+const HEIGHT: u16 = 24;
+
+/// Rows of the header, without its warnings.
+const HEADER: u16 = 2;
+
+impl Shell {
+    /// Draws everything.
+    pub fn draw(&mut self, frame: &mut Frame<'_>) {
+        let area = frame.area();
+        self.tabs.clear();
+        self.choices.clear();
+        self.body = Rect::default();
+        if area.width < WIDTH || area.height < HEIGHT {
+            let mut page = Page::new(frame, area, self.look);
+            let text = format!("{} x {} is too small: {WIDTH} x {HEIGHT} is needed", area.width, area.height);
+            page.text(0, 0, &text, Style::new());
+            for (row, (warning, _)) in self.warnings().into_iter().enumerate() {
+                page.text(0, row as u16 + 1, &warning, page::bold());
+            }
+            return;
+        }
+        let warnings = self.warnings();
+        let mut page = Page::new(frame, area, self.look);
+        self.draw_header(&mut page);
+        for (row, (text, style)) in warnings.iter().enumerate() {
+            let y = HEADER + row as u16;
+            page.shade(y, *style);
+            page.text(1, y, text, *style);
+        }
+        let tabs = HEADER + warnings.len() as u16;
+        self.draw_tabs(&mut page, tabs);
+        self.draw_bottom(&mut page, area.height - 1);
+        self.body = Rect::new(area.x, area.y + tabs + 1, area.width, area.height - tabs - 2);
+        if let Some(view) = self.views.get_mut(self.at) {
+            view.draw(frame, self.body, &self.model, self.look);
+        }
+        if let Some(dialog) = self.dialog.clone() {
+            self.draw_dialog(frame, &dialog);
+        }
+    }
+
+    /// What makes figures untrustworthy, and what is forced: rows of the header.
+    fn warnings(&self) -> Vec<(String, Style)> {
+        let alarm = warning(self.look.color, Color::Red);
+        let mut rows = Vec::new();
+        if let Some(why) = &self.model.gone {
+            rows.push((format!("!! No connection: {why}"), alarm));
+        }
+        let troubles: Vec<&str> = self.model.status.troubles.iter().map(|trouble| &*trouble.text).collect();
+        if !troubles.is_empty() {
+            rows.push((format!("!! Do not trust figures: {}", troubles.join("; ")), alarm));
+        }
+        if self.model.status.rig.latched_safe {
+            rows.push(("!! Outputs are held at their safe values".to_owned(), alarm));
+        }
+        if let Some(locked) = &self.model.status.locked {
+            let note = if locked.note.is_empty() { String::new() } else { format!(": {}", locked.note) };
+            rows.push((format!("Locked by {}{note}", locked.by), warning(self.look.color, Color::Blue)));
+        }
+        if let Some(plan) = &self.model.status.plan {
+            let (place, count) = plan.place;
+            let text = format!("Plan {}: case {place} of {count}, {}", plan.name, plan.case);
+            rows.push((text, warning(self.look.color, Color::Blue)));
+        }
+        let forced = &self.model.status.forced;
+        if !forced.is_empty() {
+            let one =
+                |forced: &control::Forced| format!("{}={}", forced.address, show::value(forced.value, &[]));
+            let all: Vec<String> = forced.iter().map(one).collect();
+            let text = format!("FORCED {}: {}", all.len(), all.join("  "));
+            rows.push((text, warning(self.look.color, Color::Yellow)));
+        }
+        rows
+    }
+
+    fn draw_header(&self, page: &mut Page<'_>) {
+        let (model, status) = (&self.model, &self.model.status);
+        let untrusted = model.gone.is_some() || !status.troubles.is_empty();
+        let board = model.description.board.rsplit('/').next().unwrap_or_default();
+        let mut x = page.text_in(1, 0, 18, board, page::bold()) + 1;
+        x = page.text(x, 0, &model.description.reference, Style::new()) + 2;
+        let state = if status.state.is_empty() { "?" } else { &status.state };
+        x = page.text(x, 0, &format!(" {state} "), page::chosen()) + 2;
+        if status.power {
+            page.text(x, 0, if status.switch { "switch RUN" } else { "switch STOP" }, Style::new());
+        } else if !status.state.is_empty() {
+            page.text(x, 0, "SUPPLY OFF", page::bold());
+        }
+        let led = if model.description.clock == Clock::Led { " (led)" } else { "" };
+        let figures =
+            format!("load {}  {} s{led}", show::per_mille(status.load), show::seconds(model.now, 1));
+        page.right(page.width() - 1, 0, &figures, Style::new());
+        let mut x = 1;
+        for led in &status.leds {
+            x = draw_led(page, x, led, model) + 2;
+        }
+        let many = if status.clients == 1 { "" } else { "s" };
+        let clients = format!("{} client{many}", status.clients);
+        page.right(page.width() - 1, 1, &clients, page.dim());
+        if untrusted && self.look.color {
+            for y in 0..HEADER {
+                page.shade(y, Style::new().bg(Color::Red).fg(Color::White));
+            }
+        }
+    }
+
+    fn draw_tabs(&mut self, page: &mut Page<'_>, y: u16) {
+        page.rule(y, "");
+        let mut x = 1;
+        for (place, view) in self.views.iter().enumerate() {
+            let style = if place == self.at { page::chosen() } else { Style::new() };
+            let end = page.text(x, y, &format!(" {} {} ", place + 1, view.name()), style);
+            self.tabs.push(Rect::new(page.area().x + x, page.area().y + y, end - x, 1));
+            x = end + 1;
+        }
+    }
+
+    fn draw_bottom(&self, page: &mut Page<'_>, y: u16) {
+        if let Some(note) = &self.note {
+            let style = if note.bad { warning(self.look.color, Color::Red) } else { page::bold() };
+            page.text(1, y, if note.bad { "!!" } else { "" }, style);
+            page.text(if note.bad { 4 } else { 1 }, y, &note.text, style);
+            return;
+        }
+        let rest = [(":", "commands"), ("?", "help"), ("q", "leave")];
+        let width: usize = rest.iter().map(|(key, does)| key.len() + does.len() + 3).sum();
+        let begin = page.width() - width as u16;
+        let mut x = begin;
+        for (key, does) in rest {
+            x = page.text(x, y, key, page::bold()) + 1;
+            x = page.text(x, y, does, page.dim()) + 2;
+        }
+        let mut x = 1;
+        for (key, does) in self.views.get(self.at).map(|view| view.keys()).unwrap_or_default() {
+            // What has no room stands in the help.
+            let width = (key.chars().count() + does.chars().count() + 1) as u16;
+            if x + width >= begin {
+                break;
+            }
+            x = page.text(x, y, key, page::bold()) + 1;
+            x = page.text(x, y, does, page.dim()) + 2;
+        }
+    }
+
+    fn draw_dialog(&mut self, frame: &mut Frame<'_>, dialog: &Dialog) {
+        let area = frame.area();
+        match dialog {
+            Dialog::Prompt { ask, editor, .. } => self.draw_prompt(frame, ask, editor),
+            Dialog::Help => {
+                let own = self.views.get(self.at).map(|view| view.keys()).unwrap_or_default();
+                let mut page = Page::new(frame, area, self.look);
+                let rows = (KEYS.len() + own.len() + 3) as u16;
+                let mut page = window(&mut page, 76, rows);
+                let mut page = page.framed(&format!("Help: {}", self.views[self.at].name()));
+                for (row, (key, does)) in own.iter().chain([&("", "")]).chain(&KEYS).enumerate() {
+                    page.text(1, row as u16, key, page::bold());
+                    page.text(14, row as u16, does, Style::new());
+                }
+            }
+            Dialog::Menu { chosen } => {
+                let entries: Vec<String> =
+                    menu::entries(&self.model).into_iter().map(|(label, _)| label.to_owned()).collect();
+                self.draw_choices(frame, "Commands", &[], &entries, *chosen);
+            }
+            Dialog::Confirm { question, .. } => {
+                let answers = ["y  yes".to_owned(), "n  no".to_owned()];
+                self.draw_choices(frame, "Sure?", &lines(question, 60), &answers, usize::MAX);
+            }
+            Dialog::Leave { chosen } => {
+                let forced = &self.model.status.forced;
+                let mut text = Vec::new();
+                if self.own {
+                    text.push("The rig was started with this dashboard.".to_owned());
+                    text.push("It ends with it; outputs become safe.".to_owned());
+                } else if !forced.is_empty() {
+                    text.push(format!("Forced: {}", forced.len()));
+                }
+                let answers: Vec<String> =
+                    self.leavings().iter().map(|(key, label, _)| format!("{key}  {label}")).collect();
+                self.draw_choices(frame, "Leave", &text, &answers, *chosen);
+            }
+        }
+    }
+
+    fn draw_choices(
+        &mut self,
+        frame: &mut Frame<'_>,
+        title: &str,
+        text: &[String],
+        choices: &[String],
+        chosen: usize,
+    ) {
+        let widest = text.iter().chain(choices).map(|line| line.chars().count()).max().unwrap_or(0);
+        let width = (widest.max(title.len() + 2) + 4) as u16;
+        let gap = u16::from(!text.is_empty());
+        let height = (text.len() + choices.len()) as u16 + gap + 2;
+        let area = frame.area();
+        let mut page = Page::new(frame, area, self.look);
+        let mut page = window(&mut page, width, height);
+        let mut page = page.framed(title);
+        for (row, line) in text.iter().enumerate() {
+            page.text(1, row as u16, line, Style::new());
+        }
+        for (place, line) in choices.iter().enumerate() {
+            let y = text.len() as u16 + gap + place as u16;
+            page.text(1, y, line, Style::new());
+            if place == chosen {
+                page.shade(y, page::chosen());
+            }
+            self.choices.push(Rect::new(page.area().x, page.area().y + y, page.width(), 1));
+        }
+    }
+
+    fn draw_prompt(&self, frame: &mut Frame<'_>, ask: &str, editor: &crate::editor::Editor) {
+        let area = frame.area();
+        let y = area.height - 1;
+        let mut page = Page::new(frame, area, self.look);
+        let mut page = page.part(0, y, area.width, 1);
+        page.clear();
+        let x = page.text_in(1, 0, area.width / 2, &format!("{ask}:"), page::bold()) + 1;
+        let (text, at) = editor.window(usize::from(area.width - x - 1));
+        let style = if editor.is_proposed() { page::chosen() } else { Style::new() };
+        page.text(x, 0, &text, style);
+        frame.set_cursor_position((area.x + x + at as u16, area.y + y));
+    }
+}
+
+/// A part in the middle that nothing else is drawn in.
+fn window<'a>(page: &'a mut Page<'_>, width: u16, height: u16) -> Page<'a> {
+    let (width, height) = (width.min(page.width()), height.min(page.height()));
+    let (x, y) = ((page.width() - width) / 2, (page.height() - height) / 2);
+    let mut part = page.part(x, y, width, height);
+    part.clear();
+    part
+}
+
+/// A row that has to be seen, with and without colours.
+fn warning(color: bool, of: Color) -> Style {
+    if !color {
+        return Style::new().add_modifier(Modifier::BOLD | Modifier::REVERSED);
+    }
+    let text = if of == Color::Yellow { Color::Black } else { Color::White };
+    Style::new().bg(of).fg(text).add_modifier(Modifier::BOLD)
+}
+
+/// An indicator with its name; the column behind it.
+fn draw_led(page: &mut Page<'_>, x: u16, led: &Led, model: &Model) -> u16 {
+    let lit = match (led.pattern.as_str(), led.times) {
+        ("off", _) => false,
+        (_, Some((on, off))) if on > 0 && off > 0 => {
+            (model.now - led.since).rem_euclid(on.saturating_add(off).max(1)) < on
+        }
+        _ => true,
+    };
+    let color = if led.name.starts_with("ERR") { Color::Red } else { Color::Green };
+    let x = page.text(x, 1, &led.name, Style::new()) + 1;
+    let glyph = if lit { page.look.or("●", "(*)") } else { page.look.or("○", "( )") };
+    let style = if lit { page.tint(color).add_modifier(Modifier::BOLD) } else { Style::new() };
+    page.text(x, 1, glyph, style)
+}
+
+/// A text in lines of at most so many characters.
+fn lines(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + word.chars().count() < width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}

@@ -1,0 +1,95 @@
+//! The commands that can be given from every view.
+
+use crate::model::Model;
+use crate::show;
+use control::{Action, Ask};
+
+/// What an entry of the menu does.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Does {
+    /// Asks the rig, once the user has said yes: it moves outputs.
+    Moves(Ask),
+    /// Asks the rig.
+    Asks(Ask),
+    /// Lets the user say why, and locks.
+    Lock,
+}
+
+/// The entries: what they are called, and what they do.
+pub(super) fn entries(model: &Model) -> Vec<(&'static str, Does)> {
+    let mut entries: Vec<(&'static str, Does)> = Action::ALL
+        .iter()
+        .map(|action| (label(*action), Does::Moves(Ask::Command { action: *action })))
+        .collect();
+    entries.push(("Release all forces", Does::Moves(Ask::ReleaseAll)));
+    if model.status.plan.is_some() {
+        entries.push(("Abort the plan", Does::Moves(Ask::Abort)));
+    }
+    if model.status.locked.is_some() {
+        entries.push(("Unlock", Does::Asks(Ask::Unlock)));
+    } else {
+        entries.push(("Lock", Does::Lock));
+    }
+    entries
+}
+
+const fn label(action: Action) -> &'static str {
+    match action {
+        Action::Run => "Run",
+        Action::Stop => "Stop",
+        Action::ResetWarm => "Reset warm",
+        Action::ResetCold => "Reset cold",
+        Action::ResetOrigin => "Reset origin",
+        Action::Reboot => "Reboot",
+        Action::SwitchRun => "Run/Stop switch to Run",
+        Action::SwitchStop => "Run/Stop switch to Stop",
+        Action::PowerOn => "Supply on",
+        Action::PowerOff => "Supply off",
+    }
+}
+
+/// What the user is asked before.
+pub(super) fn question(ask: &Ask, model: &Model) -> String {
+    let what = match ask {
+        Ask::Command { action } => match action {
+            Action::Run => "Start the application? Outputs follow the program.",
+            Action::Stop => "Stop the application? Outputs go to their fallback values.",
+            Action::ResetWarm => "Reset warm? The application stops; retained values stay.",
+            Action::ResetCold => {
+                "Reset cold? The application stops; retained values go, persistent ones stay."
+            }
+            Action::ResetOrigin => "Reset origin? The application is removed from the controller.",
+            Action::Reboot => "Reboot the controller? Outputs go off until it has booted.",
+            Action::SwitchRun => "Move the Run/Stop switch to Run? The application may start.",
+            Action::SwitchStop => "Move the Run/Stop switch to Stop? The application stops.",
+            Action::PowerOn => "Switch the supply on? The controller boots and may start its application.",
+            Action::PowerOff => "Switch the supply off? Outputs go off.",
+        },
+        Ask::ReleaseAll => {
+            return match model.status.forced.len() {
+                0 => "Nothing is forced. Release all nevertheless?".to_owned(),
+                1 => "Release what is forced? It follows the program or its line again.".to_owned(),
+                count => format!("Release all {count} forces? They follow the program or their lines again."),
+            };
+        }
+        Ask::Abort => "Abort the plan? Outputs go to their safe values, then the controller begins anew.",
+        _ => "Do it?",
+    };
+    what.to_owned()
+}
+
+/// What is said when it is done.
+pub(super) fn done(ask: &Ask) -> String {
+    match ask {
+        Ask::Write { name, value } => format!("{name} := {}", show::value(*value, &[])),
+        Ask::Force { name, value } => format!("{name} is forced to {}", show::value(*value, &[])),
+        Ask::Release { name } => format!("{name} is released"),
+        Ask::ReleaseAll => "all forces are released".to_owned(),
+        Ask::Command { action } => format!("{}: done", label(*action)),
+        Ask::Plan { name } => format!("{name} begins"),
+        Ask::Abort => "the plan is aborted".to_owned(),
+        Ask::Lock { .. } => "locked".to_owned(),
+        Ask::Unlock => "unlocked".to_owned(),
+        _ => "done".to_owned(),
+    }
+}

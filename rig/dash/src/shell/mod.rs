@@ -1,0 +1,354 @@
+//! The dashboard without its terminal: messages of the rig and keys go in, requests and frames come out. It neither
+//! waits nor reads a clock.
+
+mod dialog;
+mod draw;
+mod input;
+mod menu;
+mod signals;
+
+use crate::glyphs::Look;
+use crate::model::Model;
+use crate::views::{View, Wish};
+use control::client::{self, ClientError};
+use control::{Ask, Done, Event, Fault, Forces, Greeting, Plans, Reply, Request, Subscribed, Topic};
+use dialog::Dialog;
+use ratatui::layout::Rect;
+use signals::Signals;
+use std::collections::BTreeMap;
+
+/// At most one status in so many milliseconds: the frames of the screen.
+const STATUS_EVERY: u32 = 100;
+
+/// What comes from the rig.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Heard {
+    /// There is a connection, and this is the rig behind it.
+    Found(Box<Greeting>),
+    /// An answer.
+    Reply(Reply),
+    /// Something of a subscription.
+    Event(Event),
+    /// There is no connection, for this reason. It is tried again.
+    Lost(String),
+}
+
+/// What an answer is for.
+#[derive(Clone, Debug)]
+enum Purpose {
+    /// Nothing is done with it.
+    Silent,
+    Describe,
+    Status,
+    Log,
+    Frames,
+    Plan,
+    Plans,
+    Signals {
+        all: bool,
+        round: u64,
+        names: Vec<String>,
+    },
+    /// Somebody wanted it: these words say that it is done.
+    Wanted(String),
+    /// It is the last one.
+    Leave,
+}
+
+/// What stands in the bottom line until the next key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Note {
+    text: String,
+    bad: bool,
+}
+
+/// What the dashboard wants of the program around it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Want {
+    /// To be stopped as ctrl-z stops programs, with the terminal given back.
+    Suspend,
+    /// To draw everything anew: something else wrote on the terminal.
+    Redraw,
+    /// To end.
+    End,
+}
+
+/// The dashboard.
+#[derive(Debug)]
+pub struct Shell {
+    model: Model,
+    views: Vec<Box<dyn View>>,
+    /// The place of the view that is shown.
+    at: usize,
+    look: Look,
+    /// The rig was started for this dashboard and ends with it.
+    own: bool,
+    dialog: Option<Dialog>,
+    note: Option<Note>,
+    requests: Vec<Request>,
+    waiting: BTreeMap<u64, Purpose>,
+    asked: u64,
+    signals: Signals,
+    /// The subscription to frames, where there is one or one is asked for.
+    frames: Option<Option<u64>>,
+    /// There was a connection before.
+    was_there: bool,
+    wants: Vec<Want>,
+    /// Where tabs were drawn last, and what can be chosen in a dialog.
+    tabs: Vec<Rect>,
+    choices: Vec<Rect>,
+    /// Where the view was.
+    body: Rect,
+}
+
+impl Shell {
+    /// A dashboard with these views. `own` says that the rig was started for it and ends with it.
+    pub fn new(views: Vec<Box<dyn View>>, look: Look, own: bool) -> Shell {
+        let mut shell = Shell {
+            model: Model { gone: Some("connecting".to_owned()), ..Model::default() },
+            views,
+            at: 0,
+            look,
+            own,
+            dialog: None,
+            note: None,
+            requests: Vec::new(),
+            waiting: BTreeMap::new(),
+            asked: 0,
+            signals: Signals::default(),
+            frames: None,
+            was_there: false,
+            wants: Vec::new(),
+            tabs: Vec::new(),
+            choices: Vec::new(),
+            body: Rect::default(),
+        };
+        if let Some(view) = shell.views.first_mut() {
+            view.shown(true);
+        }
+        shell
+    }
+
+    /// What the rig is and how, as far as it told.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// What is to be sent to the rig, in this order.
+    pub fn take_requests(&mut self) -> Vec<Request> {
+        std::mem::take(&mut self.requests)
+    }
+
+    /// What the program around is to do.
+    pub fn take_wants(&mut self) -> Vec<Want> {
+        std::mem::take(&mut self.wants)
+    }
+
+    /// So much time passed since the last status came, nanoseconds.
+    pub fn pass(&mut self, nanos: i64) {
+        self.model.pass(nanos);
+    }
+
+    /// Something came from the rig.
+    pub fn hear(&mut self, heard: Heard) {
+        match heard {
+            Heard::Found(greeting) => self.found(&greeting),
+            Heard::Lost(why) => self.lost(why),
+            Heard::Reply(reply) => self.answered(reply),
+            Heard::Event(event) => self.told(event),
+        }
+        self.settle();
+    }
+
+    fn found(&mut self, greeting: &Greeting) {
+        self.waiting.clear();
+        self.requests.clear();
+        self.signals.reset();
+        self.frames = None;
+        self.model = Model { plans: self.model.plans.take(), ..Model::default() };
+        if std::mem::replace(&mut self.was_there, true) {
+            for view in &mut self.views {
+                view.reconnected();
+            }
+            self.say(format!("connected again to {}", greeting.board));
+        }
+        self.ask(Ask::Describe, Purpose::Describe);
+        self.ask(Ask::Subscribe { topic: Topic::Status { every_ms: STATUS_EVERY } }, Purpose::Status);
+        self.ask(Ask::Subscribe { topic: Topic::Log }, Purpose::Log);
+        self.ask(Ask::Subscribe { topic: Topic::Plan }, Purpose::Plan);
+    }
+
+    fn lost(&mut self, why: String) {
+        if self.waiting.values().any(|purpose| matches!(purpose, Purpose::Leave)) {
+            self.wants.push(Want::End);
+        }
+        self.waiting.clear();
+        self.requests.clear();
+        self.model.gone = Some(why);
+    }
+
+    fn ask(&mut self, ask: Ask, purpose: Purpose) {
+        self.asked += 1;
+        self.requests.push(Request { id: self.asked, ask });
+        self.waiting.insert(self.asked, purpose);
+    }
+
+    fn ask_all(&mut self, asks: Vec<(Ask, Purpose)>) {
+        for (ask, purpose) in asks {
+            self.ask(ask, purpose);
+        }
+    }
+
+    fn answered(&mut self, reply: Reply) {
+        let Some(purpose) = reply.id.and_then(|id| self.waiting.remove(&id)) else { return };
+        if let Err(fault) = self.take_answer(purpose, reply) {
+            self.complain(&fault);
+        }
+    }
+
+    fn take_answer(&mut self, purpose: Purpose, reply: Reply) -> Result<(), Fault> {
+        match purpose {
+            Purpose::Silent | Purpose::Status => drop(client::answer::<Done>(reply).map_err(told)?),
+            Purpose::Describe => {
+                self.model.description = client::answer(reply).map_err(told)?;
+                self.model.gone = None;
+            }
+            Purpose::Log => {
+                let answer: Subscribed = client::answer(reply).map_err(told)?;
+                answer.log.into_iter().for_each(|line| self.model.take_log(line.at, line.text));
+            }
+            Purpose::Plan => {
+                let answer: Subscribed = client::answer(reply).map_err(told)?;
+                answer.plan.into_iter().for_each(|told| self.model.take_plan(told));
+            }
+            Purpose::Plans => self.model.plans = Some(client::answer::<Plans>(reply).map_err(told)?.plans),
+            Purpose::Frames => {
+                self.frames = None;
+                let answer: Subscribed = client::answer(reply).map_err(told)?;
+                self.frames = Some(Some(answer.subscription));
+            }
+            Purpose::Signals { all, round, names } => {
+                let asks = match client::answer(reply).map_err(told) {
+                    Ok(answer) => {
+                        let (signals, views) = (&mut self.signals, &mut self.views);
+                        signals.subscribed((all, round), names, answer, views, &mut self.model)
+                    }
+                    Err(fault) => self.signals.refused((all, round), names).map_err(|_| fault)?,
+                };
+                self.ask_all(asks);
+            }
+            Purpose::Wanted(done) => {
+                client::answer::<Done>(reply).map_err(told)?;
+                self.say(done);
+            }
+            Purpose::Leave => {
+                client::answer::<Done>(reply).map_err(told)?;
+                self.wants.push(Want::End);
+            }
+        }
+        Ok(())
+    }
+
+    fn told(&mut self, event: Event) {
+        match event {
+            Event::Signals { subscription, changes, missed } => {
+                self.signals.changed(subscription, &changes, missed, &mut self.views, &mut self.model);
+            }
+            Event::Status { status, .. } => self.model.take_status(*status),
+            Event::Log { at, text, .. } => self.model.take_log(at, text),
+            Event::Frame { frame, .. } => self.model.take_frame(frame),
+            Event::Plan { told, .. } => self.model.hear_plan(told),
+            Event::Missed { lines, .. } => {
+                self.say(format!("{lines} lines of the rig were not told: they came too fast"));
+            }
+            Event::Gone { why } => self.model.gone = Some(why),
+        }
+    }
+
+    /// Asks for what the views want now.
+    fn settle(&mut self) {
+        if self.model.gone.is_some() {
+            return;
+        }
+        let asks = self.signals.settle(&mut self.views, &mut self.model);
+        self.ask_all(asks);
+        let frames = self.views.iter().any(|view| view.wants_frames());
+        match self.frames {
+            None if frames => {
+                self.frames = Some(None);
+                self.ask(Ask::Subscribe { topic: Topic::Frames }, Purpose::Frames);
+            }
+            Some(Some(subscription)) if !frames => {
+                self.frames = None;
+                self.ask(Ask::Unsubscribe { subscription }, Purpose::Silent);
+            }
+            _ => {}
+        }
+    }
+
+    fn show(&mut self, view: usize) {
+        if view < self.views.len() && view != self.at {
+            self.views[self.at].shown(false);
+            self.at = view;
+            self.views[view].shown(true);
+            let wishes = self.views[view].opened(&self.model);
+            self.fulfil(wishes);
+        }
+    }
+
+    fn say(&mut self, text: String) {
+        self.note = Some(Note { text, bad: false });
+    }
+
+    fn complain(&mut self, fault: &Fault) {
+        let mut text = format!("{} {}", fault.code, fault.message);
+        if !fault.help.is_empty() {
+            text.push_str(": ");
+            text.push_str(&fault.help);
+        }
+        self.note = Some(Note { text, bad: true });
+    }
+
+    /// Does what the view that is shown wants.
+    fn fulfil(&mut self, wishes: Vec<Wish>) {
+        for wish in wishes {
+            match wish {
+                Wish::Ask(ask) => self.want(ask),
+                Wish::Confirm(question, ask) => {
+                    self.dialog = Some(Dialog::confirm(question, ask));
+                }
+                Wish::Prompt { ask, text } => self.dialog = Some(Dialog::prompt(ask, &text, self.at)),
+                Wish::Say(text) => self.say(text),
+                Wish::Complain(fault) => self.complain(&fault),
+            }
+        }
+    }
+
+    /// Asks the rig for something that somebody wanted.
+    fn want(&mut self, ask: Ask) {
+        if let Some(why) = &self.model.gone {
+            let text = format!("there is no connection to the rig: {why}");
+            self.note = Some(Note { text, bad: true });
+            return;
+        }
+        let purpose = match &ask {
+            Ask::Plans { .. } => Purpose::Plans,
+            other => Purpose::Wanted(menu::done(other)),
+        };
+        self.ask(ask, purpose);
+    }
+
+    /// Leaves, after the rig knows what becomes of forces. Where there is none, at once.
+    fn leave(&mut self, forces: Forces) {
+        if self.model.gone.is_some() {
+            self.wants.push(Want::End);
+        } else {
+            self.ask(Ask::Leave { forces }, Purpose::Leave);
+        }
+    }
+}
+
+/// What keeps an answer from being one, as the rig would tell it.
+fn told(error: ClientError) -> Fault {
+    error.fault()
+}

@@ -1,0 +1,458 @@
+//! The buses: their states and counters, and the frames on them.
+
+use super::{View, Wish};
+use crate::glyphs::Look;
+use crate::meaning::{Decoder, Meaning};
+use crate::model::{KEPT, Model};
+use crate::page::{self, Column, Page, column};
+use crate::recording::Files;
+use crate::show;
+use control::{BusInfo, BusStatus, FrameSeen};
+use ratatui::Frame;
+use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseEvent, MouseEventKind};
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+const BUSES: [Column; 8] = [
+    column("Bus", 14, false, 0),
+    column("Kind", 7, false, 0),
+    column("Settings", 18, false, 0),
+    column("State", 14, false, 0),
+    column("Received", 9, true, 0),
+    column("Sent", 9, true, 0),
+    column("Errors", 9, true, 110),
+    column("Dropped", 9, true, 110),
+];
+
+/// Counters that a narrow screen has no columns for stand below the table where they are not 0.
+const WIDE: u16 = 110;
+
+/// How frames are listed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum List {
+    /// One below the other, as they came.
+    #[default]
+    Course,
+    /// The last one of each identifier, with how many there were and how far apart.
+    Each,
+}
+
+/// How data are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Form {
+    #[default]
+    Hex,
+    Text,
+    /// By a description of the frames.
+    Meaning,
+}
+
+/// What the user is typing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Typing {
+    #[default]
+    Filter,
+    Description,
+}
+
+/// The view of the buses.
+#[derive(Debug)]
+pub struct Buses {
+    files: Rc<dyn Files>,
+    /// What frames mean, and the file that says it.
+    decoder: Option<(String, Box<dyn Decoder>)>,
+    form: Form,
+    typing: Typing,
+    shown: bool,
+    list: List,
+    /// What frames have to match, as it was typed.
+    filter: String,
+    /// The frames that are looked at while new ones pass by unseen.
+    held: Option<Vec<FrameSeen>>,
+    /// Rows from the newest frame, or from the first identifier.
+    back: usize,
+    /// Rows of frames that were drawn last.
+    rows: usize,
+}
+
+impl View for Buses {
+    fn name(&self) -> &'static str {
+        "Buses"
+    }
+
+    fn keys(&self) -> Vec<(&'static str, &'static str)> {
+        vec![
+            ("/", "filter"),
+            ("Space", if self.held.is_some() { "go on" } else { "hold" }),
+            ("o", if self.list == List::Course { "one line per id" } else { "every frame" }),
+            ("x", self.form_after().1),
+            ("d", "DBC file"),
+            ("Up/Down", "scroll"),
+        ]
+    }
+
+    fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
+        Vec::new()
+    }
+
+    fn shown(&mut self, shown: bool) {
+        self.shown = shown;
+    }
+
+    fn wants_frames(&self) -> bool {
+        self.shown
+    }
+
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
+        let mut page = Page::new(frame, area, look);
+        if model.description.buses.is_empty() {
+            page.text(1, 0, "The board has no buses.", Style::new());
+            return;
+        }
+        let below = draw_buses(&mut page, &model.description.buses, &model.status.buses);
+        let height = page.height().saturating_sub(below);
+        let mut rest = page.part(0, below, area.width, height);
+        let held = if self.held.is_some() { ", held" } else { "" };
+        let filter = if self.filter.is_empty() { String::new() } else { format!(", only `{}`", self.filter) };
+        let by = match (&self.decoder, self.form) {
+            (Some((path, _)), Form::Meaning) => format!(" by {path}"),
+            _ => String::new(),
+        };
+        rest.rule(0, &format!("Frames{by}{filter}{held}"));
+        self.rows = usize::from(height.saturating_sub(2));
+        let all: Box<dyn DoubleEndedIterator<Item = &FrameSeen>> = match &self.held {
+            Some(held) => Box::new(held.iter()),
+            None => Box::new(model.frames.iter()),
+        };
+        let wanted: Vec<&FrameSeen> = all.filter(|frame| matches(frame, &self.filter)).collect();
+        self.back = match self.list {
+            List::Course => self.draw_course(&mut rest, &wanted),
+            List::Each => self.draw_each(&mut rest, &wanted),
+        };
+    }
+
+    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<Wish>> {
+        match key.code {
+            KeyCode::Char('/') => {
+                self.typing = Typing::Filter;
+                return Some(vec![Wish::Prompt {
+                    ask: "Only frames with this bus, id or data: ".to_owned(),
+                    text: self.filter.clone(),
+                }]);
+            }
+            KeyCode::Char(' ') => {
+                self.held = match self.held {
+                    Some(_) => None,
+                    None => Some(model.frames.iter().cloned().collect()),
+                };
+                self.back = 0;
+            }
+            KeyCode::Char('o') => {
+                self.list = if self.list == List::Course { List::Each } else { List::Course };
+                self.back = 0;
+            }
+            KeyCode::Char('x') => self.form = self.form_after().0,
+            KeyCode::Char('d') => {
+                self.typing = Typing::Description;
+                let text = self.decoder.as_ref().map_or(String::new(), |(path, _)| path.clone());
+                return Some(vec![Wish::Prompt { ask: "DBC file (empty: none): ".to_owned(), text }]);
+            }
+            KeyCode::Up => self.scroll(true, 1, model),
+            KeyCode::Down => self.scroll(false, 1, model),
+            KeyCode::PageUp => self.scroll(true, self.rows, model),
+            KeyCode::PageDown => self.scroll(false, self.rows, model),
+            KeyCode::Home if self.list == List::Each => self.back = 0,
+            KeyCode::End if self.list == List::Course => self.back = 0,
+            _ => return None,
+        }
+        Some(Vec::new())
+    }
+
+    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<Wish> {
+        match mouse.kind {
+            MouseEventKind::ScrollUp => self.scroll(true, 3, model),
+            MouseEventKind::ScrollDown => self.scroll(false, 3, model),
+            _ => {}
+        }
+        Vec::new()
+    }
+
+    fn typed(&mut self, text: &str, _model: &Model) -> Vec<Wish> {
+        let text = text.trim();
+        match self.typing {
+            Typing::Filter => {
+                self.filter = text.to_owned();
+                self.back = 0;
+            }
+            Typing::Description if text.is_empty() => {
+                self.decoder = None;
+                self.form = Form::Hex;
+            }
+            Typing::Description => match self.files.decoder(text) {
+                Ok(decoder) => {
+                    self.decoder = Some((text.to_owned(), decoder));
+                    self.form = Form::Meaning;
+                }
+                Err(fault) => return vec![Wish::Complain(fault)],
+            },
+        }
+        Vec::new()
+    }
+}
+
+impl Buses {
+    /// Buses of which nothing is known yet.
+    pub fn new(files: Rc<dyn Files>) -> Buses {
+        Buses {
+            files,
+            decoder: None,
+            form: Form::Hex,
+            typing: Typing::Filter,
+            shown: false,
+            list: List::Course,
+            filter: String::new(),
+            held: None,
+            back: 0,
+            rows: 0,
+        }
+    }
+
+    /// The form behind this one, and what it is called.
+    fn form_after(&self) -> (Form, &'static str) {
+        match self.form {
+            Form::Hex => (Form::Text, "text"),
+            Form::Text if self.decoder.is_some() => (Form::Meaning, "meaning"),
+            Form::Text | Form::Meaning => (Form::Hex, "hex"),
+        }
+    }
+
+    /// Up or down the list.
+    fn scroll(&mut self, up: bool, rows: usize, model: &Model) {
+        // The course stands on its newest frame, the identifiers begin with the first.
+        let away = up == (self.list == List::Course);
+        // Frames that come meanwhile would push older ones along, so they are held.
+        if away && self.list == List::Course && self.held.is_none() {
+            self.held = Some(model.frames.iter().cloned().collect());
+        }
+        self.back = if away { (self.back + rows).min(KEPT) } else { self.back.saturating_sub(rows) };
+    }
+
+    /// Draws the newest frames but some; the row from which they were really drawn.
+    fn draw_course(&self, page: &mut Page<'_>, wanted: &[&FrameSeen]) -> usize {
+        let columns = [
+            column("Time [s]", 12, true, 0),
+            column("Bus", 10, false, 0),
+            column("", 4, false, 0),
+            column("Id", 8, true, 0),
+            column("Len", 3, true, 0),
+            column("Data", page.width().saturating_sub(44), false, 0),
+        ];
+        page::titles(page, 1, &columns);
+        let back = self.back.min(wanted.len().saturating_sub(self.rows));
+        let end = wanted.len() - back;
+        for (row, frame) in wanted[end.saturating_sub(self.rows)..end].iter().enumerate() {
+            let style = style_of(page, frame);
+            page::cells(
+                page,
+                row as u16 + 2,
+                &columns,
+                [
+                    show::seconds(frame.at, 6),
+                    frame.bus.clone(),
+                    if frame.sent { "sent" } else { "" }.to_owned(),
+                    frame.id.clone(),
+                    (frame.data.len() / 2).to_string(),
+                    self.data(frame),
+                ],
+                style,
+            );
+        }
+        back
+    }
+
+    /// Draws the identifiers but some; the row from which they were really drawn.
+    fn draw_each(&self, page: &mut Page<'_>, wanted: &[&FrameSeen]) -> usize {
+        let columns = [
+            column("Bus", 10, false, 0),
+            column("", 4, false, 0),
+            column("Id", 8, true, 0),
+            column("Count", 7, true, 0),
+            column("Every", 9, true, 0),
+            column("Len", 3, true, 0),
+            column("Data", page.width().saturating_sub(49), false, 0),
+        ];
+        page::titles(page, 1, &columns);
+        let mut each: BTreeMap<(&str, bool, usize, &str), Each<'_>> = BTreeMap::new();
+        for frame in wanted {
+            // Shorter identifiers first: the order of numbers.
+            each.entry((&frame.bus, frame.sent, frame.id.len(), &frame.id))
+                .and_modify(|each| {
+                    each.every = Some(frame.at.saturating_sub(each.last.at));
+                    each.count += 1;
+                    each.last = frame;
+                })
+                .or_insert(Each { last: frame, count: 1, every: None });
+        }
+        let back = self.back.min(each.len().saturating_sub(self.rows));
+        for (row, each) in each.values().skip(back).take(self.rows).enumerate() {
+            let frame = each.last;
+            let style = style_of(page, frame);
+            page::cells(
+                page,
+                row as u16 + 2,
+                &columns,
+                [
+                    frame.bus.clone(),
+                    if frame.sent { "sent" } else { "" }.to_owned(),
+                    frame.id.clone(),
+                    each.count.to_string(),
+                    each.every.map_or("-".to_owned(), show::span),
+                    (frame.data.len() / 2).to_string(),
+                    self.data(frame),
+                ],
+                style,
+            );
+        }
+        back
+    }
+
+    /// The bytes of a frame with its flags.
+    fn data(&self, frame: &FrameSeen) -> String {
+        let meaning = match (&self.decoder, self.form) {
+            (Some((_, decoder)), Form::Meaning) => decoder.decode(frame),
+            _ => None,
+        };
+        let mut text = match (meaning, self.form) {
+            (Some(meaning), _) => words(&meaning),
+            (None, Form::Text) => characters(&frame.data),
+            (None, _) => spaced(&frame.data),
+        };
+        for flag in &frame.flags {
+            text = if text.is_empty() { format!("[{flag}]") } else { format!("{text} [{flag}]") };
+        }
+        text
+    }
+}
+
+/// All frames of one identifier.
+struct Each<'a> {
+    last: &'a FrameSeen,
+    count: u64,
+    every: Option<i64>,
+}
+
+fn style_of(page: &Page<'_>, frame: &FrameSeen) -> Style {
+    let wrong = ["error", "parity", "framing", "overrun", "break", "bus-off"];
+    let wrong = frame.flags.iter().any(|flag| wrong.contains(&flag.as_str()));
+    if wrong { page.alarm() } else { Style::new() }
+}
+
+/// The table of the buses; the row behind it.
+fn draw_buses(page: &mut Page<'_>, infos: &[BusInfo], statuses: &[BusStatus]) -> u16 {
+    page::titles(page, 0, &BUSES);
+    let mut y = 1;
+    for (info, status) in infos.iter().zip(statuses) {
+        let sound = matches!(status.state.as_str(), "error-active" | "open" | "");
+        let style = if sound && status.errors + status.dropped == 0 { Style::new() } else { page.alarm() };
+        page::cells(
+            page,
+            y,
+            &BUSES,
+            [
+                info.name.clone(),
+                info.kind.clone(),
+                info.settings.clone(),
+                status.state.clone(),
+                status.received.to_string(),
+                status.sent.to_string(),
+                status.errors.to_string(),
+                status.dropped.to_string(),
+            ],
+            style,
+        );
+        y += 1;
+        if page.width() < WIDE && status.errors + status.dropped > 0 {
+            let text = format!("{} errors, {} dropped", status.errors, status.dropped);
+            page.text(16, y, &text, style);
+            y += 1;
+        }
+    }
+    y
+}
+
+/// Whether a frame has a text in its bus's name, its identifier, its flags or its data, in hexadecimal with or without
+/// spaces, or as characters. Upper and lower case are the same.
+fn matches(frame: &FrameSeen, filter: &str) -> bool {
+    if filter.is_empty() {
+        return true;
+    }
+    let filter = filter.to_ascii_lowercase();
+    let bytes: String = filter.chars().filter(|letter| *letter != ' ').collect();
+    frame.bus.to_ascii_lowercase().contains(&filter)
+        || frame.id.to_ascii_lowercase().contains(&filter)
+        || frame.flags.iter().any(|flag| flag.to_ascii_lowercase().contains(&filter))
+        || aligned(&frame.data.to_ascii_lowercase(), &bytes)
+        || characters(&frame.data).to_ascii_lowercase().contains(&filter)
+}
+
+/// Whether bytes in hexadecimal hold others; a byte's second digit does not begin one.
+fn aligned(data: &str, bytes: &str) -> bool {
+    data.match_indices(bytes).any(|(at, _)| at % 2 == 0)
+}
+
+/// What a frame says, in one line.
+fn words(meaning: &Meaning) -> String {
+    let fields: Vec<String> = meaning.fields.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    format!("{}: {}", meaning.name, fields.join(" "))
+}
+
+/// Bytes with a space between two.
+fn spaced(data: &str) -> String {
+    let mut text = String::with_capacity(data.len() * 3 / 2);
+    for (place, digit) in data.chars().enumerate() {
+        if place > 0 && place % 2 == 0 {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Bytes as characters, with a dot for those that are none.
+fn characters(data: &str) -> String {
+    let digits: Vec<u32> = data.chars().filter_map(|digit| digit.to_digit(16)).collect();
+    digits
+        .chunks(2)
+        .map(|pair| pair.iter().fold(0, |byte, digit| byte * 16 + digit))
+        .map(|byte| char::from_u32(byte).filter(|c| c.is_ascii_graphic() || *c == ' ').unwrap_or('.'))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(id: &str, data: &str) -> FrameSeen {
+        let (bus, id, data) = ("drive".to_owned(), id.to_owned(), data.to_owned());
+        FrameSeen { bus, at: 0, sent: false, id, flags: vec!["fd".to_owned()], data }
+    }
+
+    #[test]
+    fn a_filter_finds_bus_id_flag_and_bytes() {
+        let seen = frame("18F", "014142FF");
+        for found in ["", "DRIVE", "8f", "FD", "41 42", "4142", "ff", "ab"] {
+            assert!(matches(&seen, found), "{found}");
+        }
+        for other in ["7", "14 14", "1414", "brs"] {
+            assert!(!matches(&seen, other), "{other}");
+        }
+    }
+
+    #[test]
+    fn bytes_are_shown_as_they_are() {
+        assert_eq!(spaced("014142F"), "01 41 42 F");
+        assert_eq!(characters("014142FF2"), ".AB..");
+    }
+}

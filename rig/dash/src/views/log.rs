@@ -1,0 +1,118 @@
+//! What the rig said.
+
+use super::{View, Wish};
+use crate::glyphs::Look;
+use crate::model::Model;
+use crate::page::{self, Page};
+use crate::show;
+use ratatui::Frame;
+use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseEvent, MouseEventKind};
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+
+/// Rows that a turn of the wheel moves.
+const WHEEL: usize = 3;
+
+/// The log. It follows its end until somebody goes up.
+#[derive(Debug, Default)]
+pub struct Log {
+    /// Lines between the last one shown and the end.
+    back: usize,
+    /// Only lines with this in them.
+    filter: String,
+    /// The lines that were there when `back` was counted: new ones do not move what somebody reads.
+    known: usize,
+    rows: usize,
+}
+
+impl Log {
+    fn up(&mut self, rows: usize) {
+        self.back = self.back.saturating_add(rows);
+    }
+
+    fn down(&mut self, rows: usize) {
+        self.back = self.back.saturating_sub(rows);
+    }
+}
+
+impl View for Log {
+    fn name(&self) -> &'static str {
+        "Log"
+    }
+
+    fn keys(&self) -> Vec<(&'static str, &'static str)> {
+        vec![("Up/Down/PgUp/PgDn", "scroll"), ("End", "follow"), ("/", "filter")]
+    }
+
+    fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
+        Vec::new()
+    }
+
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
+        let mut page = Page::new(frame, area, look);
+        let wanted = self.filter.to_lowercase();
+        let lines: Vec<&(i64, String)> =
+            model.log.iter().filter(|(_, text)| text.to_lowercase().contains(&wanted)).collect();
+        if self.back > 0 {
+            self.back += lines.len().saturating_sub(self.known);
+        }
+        self.known = lines.len();
+        let head = u16::from(!self.filter.is_empty());
+        self.rows = usize::from(page.height() - head.min(page.height()));
+        self.back = self.back.min(lines.len().saturating_sub(self.rows));
+        if head > 0 {
+            let text = format!("filter: {}   {} of {} lines", self.filter, lines.len(), model.log.len());
+            page.text(1, 0, &text, page::bold());
+        }
+        if lines.is_empty() {
+            page.text(1, head, "Nothing yet.", page.dim());
+        }
+        let end = lines.len() - self.back;
+        let first = end.saturating_sub(self.rows);
+        for (row, (at, text)) in lines[first..end].iter().enumerate() {
+            let y = head + row as u16;
+            page.right(14, y, &show::seconds(*at, 3), page.dim());
+            page.text(16, y, text, Style::new());
+        }
+        if self.back > 0 {
+            page.right(
+                area.width - 1,
+                area.height - 1,
+                &format!(" {} more below ", self.back),
+                page::chosen(),
+            );
+        }
+    }
+
+    fn key(&mut self, key: KeyEvent, _model: &Model) -> Option<Vec<Wish>> {
+        match key.code {
+            KeyCode::Up => self.up(1),
+            KeyCode::Down => self.down(1),
+            KeyCode::PageUp => self.up(self.rows.max(1)),
+            KeyCode::PageDown => self.down(self.rows.max(1)),
+            KeyCode::Home => self.back = usize::MAX,
+            KeyCode::End => self.back = 0,
+            KeyCode::Char('/') => {
+                return Some(vec![Wish::Prompt { ask: "Lines with".to_owned(), text: self.filter.clone() }]);
+            }
+            KeyCode::Esc if !self.filter.is_empty() => self.filter.clear(),
+            _ => return None,
+        }
+        Some(Vec::new())
+    }
+
+    fn mouse(&mut self, mouse: MouseEvent, _model: &Model) -> Vec<Wish> {
+        match mouse.kind {
+            MouseEventKind::ScrollUp => self.up(WHEEL),
+            MouseEventKind::ScrollDown => self.down(WHEEL),
+            _ => {}
+        }
+        Vec::new()
+    }
+
+    fn typed(&mut self, text: &str, _model: &Model) -> Vec<Wish> {
+        self.filter = text.trim().to_owned();
+        self.back = 0;
+        Vec::new()
+    }
+}

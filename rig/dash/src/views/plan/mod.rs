@@ -1,0 +1,387 @@
+//! The plans: choose one, run it, follow it.
+
+mod band;
+mod course;
+
+use super::{View, Wish};
+use crate::glyphs::Look;
+use crate::model::Model;
+use crate::page::{self, Page};
+use crate::show;
+use control::Ask;
+use course::{Case, Course, Step};
+use ratatui::Frame;
+use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+
+/// What the user is typing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Typing {
+    #[default]
+    Filter,
+    Folder,
+}
+
+/// The view of the plans.
+#[derive(Debug, Default)]
+pub struct Plan {
+    /// The list is looked at; else the course of the plan.
+    list: bool,
+    typing: Typing,
+    filter: String,
+    /// The chosen case of the list.
+    chosen: usize,
+    first: usize,
+    /// The case of the course that is looked at; the newest where there is none.
+    case: Option<usize>,
+    /// Rows of its details that were scrolled away.
+    down: usize,
+    /// Where the rows of the list or of the cases were drawn, and which was first.
+    rows: Rect,
+    top: usize,
+}
+
+impl View for Plan {
+    fn name(&self) -> &'static str {
+        "Plan"
+    }
+
+    fn keys(&self) -> Vec<(&'static str, &'static str)> {
+        if self.list {
+            vec![("Enter", "run"), ("/", "filter"), ("o", "open a folder"), ("l", "course")]
+        } else {
+            vec![("l", "plans"), ("x", "abort"), ("Up/Down", "case"), ("PgUp/PgDn", "details")]
+        }
+    }
+
+    fn opened(&mut self, model: &Model) -> Vec<Wish> {
+        self.list = model.status.plan.is_none() && model.plan.is_empty();
+        if model.plans.is_none() { vec![Wish::Ask(Ask::Plans { path: None })] } else { Vec::new() }
+    }
+
+    fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
+        Vec::new()
+    }
+
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
+        let mut page = Page::new(frame, area, look);
+        if self.list {
+            self.draw_list(&mut page, model);
+        } else {
+            self.draw_course(&mut page, model);
+        }
+    }
+
+    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<Wish>> {
+        match key.code {
+            KeyCode::Char('l') => self.list = !self.list,
+            KeyCode::Char('x') if model.status.plan.is_some() => {
+                let question = "Abort the plan? The controller begins anew.".to_owned();
+                return Some(vec![Wish::Confirm(question, Ask::Abort)]);
+            }
+            KeyCode::Char('o') => {
+                self.typing = Typing::Folder;
+                let ask = "Plans in this file or folder (empty: those that ship): ".to_owned();
+                return Some(vec![Wish::Prompt { ask, text: String::new() }]);
+            }
+            KeyCode::Char('/') if self.list => {
+                self.typing = Typing::Filter;
+                let ask = "Only plans with: ".to_owned();
+                return Some(vec![Wish::Prompt { ask, text: self.filter.clone() }]);
+            }
+            KeyCode::Enter if self.list => return Some(self.run(model)),
+            KeyCode::Up => self.step(-1, model),
+            KeyCode::Down => self.step(1, model),
+            KeyCode::PageUp => self.page(-10, model),
+            KeyCode::PageDown => self.page(10, model),
+            KeyCode::End if !self.list => self.case = None,
+            _ => return None,
+        }
+        Some(Vec::new())
+    }
+
+    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<Wish> {
+        let inside = self.rows.contains((mouse.column, mouse.row).into());
+        match mouse.kind {
+            MouseEventKind::Down(MouseButton::Left) if inside => {
+                let place = self.top + usize::from(mouse.row - self.rows.y);
+                if self.list {
+                    self.chosen = place;
+                } else {
+                    self.case = Some(place);
+                    self.down = 0;
+                }
+            }
+            MouseEventKind::ScrollUp => self.step(-1, model),
+            MouseEventKind::ScrollDown => self.step(1, model),
+            _ => {}
+        }
+        Vec::new()
+    }
+
+    fn typed(&mut self, text: &str, _model: &Model) -> Vec<Wish> {
+        let text = text.trim();
+        match self.typing {
+            Typing::Filter => self.filter = text.to_owned(),
+            Typing::Folder => {
+                self.list = true;
+                let path = (!text.is_empty()).then(|| text.to_owned());
+                return vec![Wish::Ask(Ask::Plans { path })];
+            }
+        }
+        Vec::new()
+    }
+}
+
+impl Plan {
+    /// The plans that the filter lets through.
+    fn wanted<'a>(&self, model: &'a Model) -> Vec<&'a str> {
+        let filter = self.filter.to_lowercase();
+        let plans = model.plans.iter().flatten();
+        plans.map(String::as_str).filter(|name| name.to_lowercase().contains(&filter)).collect()
+    }
+
+    fn run(&mut self, model: &Model) -> Vec<Wish> {
+        if model.status.plan.is_some() {
+            return vec![Wish::Say("A plan runs already; x aborts it.".to_owned())];
+        }
+        let Some(name) = self.wanted(model).get(self.chosen).map(|name| (*name).to_owned()) else {
+            return Vec::new();
+        };
+        self.list = false;
+        self.case = None;
+        let question = format!(
+            "Run `{name}` on the board? The controller stops with safe outputs, the plan moves the outputs, and the \
+             controller begins anew."
+        );
+        vec![Wish::Confirm(question, Ask::Plan { name })]
+    }
+
+    /// Up or down the list, or the cases.
+    fn step(&mut self, by: isize, model: &Model) {
+        if self.list {
+            let last = self.wanted(model).len().saturating_sub(1);
+            self.chosen = self.chosen.saturating_add_signed(by).min(last);
+            return;
+        }
+        let last = Course::of(&model.plan).cases.len().saturating_sub(1);
+        let to = self.case.unwrap_or(last).saturating_add_signed(by).min(last);
+        // At the end the newest is followed again.
+        self.case = (to < last).then_some(to);
+        self.down = 0;
+    }
+
+    fn page(&mut self, by: isize, model: &Model) {
+        if self.list {
+            self.step(by, model);
+        } else {
+            self.down = self.down.saturating_add_signed(by);
+        }
+    }
+
+    fn draw_list(&mut self, page: &mut Page<'_>, model: &Model) {
+        let filter = if self.filter.is_empty() { String::new() } else { format!(" with `{}`", self.filter) };
+        let Some(plans) = &model.plans else {
+            page.text(1, 0, "The rig told of no plans. o: those of a file or folder.", Style::new());
+            return;
+        };
+        let wanted = self.wanted(model);
+        page.rule(0, &format!("{} of {} plans{filter}", wanted.len(), plans.len()));
+        self.chosen = self.chosen.min(wanted.len().saturating_sub(1));
+        let height = page.height().saturating_sub(1);
+        self.first = page::scrolled(self.first, self.chosen, usize::from(height));
+        self.top = self.first;
+        self.rows = page.part(0, 1, page.width(), height).area();
+        for (row, name) in wanted.iter().skip(self.first).take(usize::from(height)).enumerate() {
+            let y = row as u16 + 1;
+            page.text(1, y, name, Style::new());
+            if self.first + row == self.chosen {
+                page.shade(y, page::chosen());
+            }
+        }
+    }
+
+    fn draw_course(&mut self, page: &mut Page<'_>, model: &Model) {
+        let course = Course::of(&model.plan);
+        if course.cases.is_empty() {
+            let text = match &model.status.plan {
+                Some(plan) => format!("`{}` begins.", plan.name),
+                None => "No plan ran yet: l lists the plans.".to_owned(),
+            };
+            page.text(1, 0, &text, Style::new());
+            return;
+        }
+        draw_progress(page, &course, model);
+        let shown = self.case.unwrap_or(course.cases.len() - 1).min(course.cases.len() - 1);
+        let left = (page.width() * 2 / 5).min(60);
+        let (width, height) = (page.width(), page.height().saturating_sub(2));
+        let mut cases = page.part(0, 2, left, height);
+        cases.rule(0, "Cases");
+        let room = usize::from(height.saturating_sub(1));
+        self.top = page::scrolled(self.top.min(course.cases.len().saturating_sub(room)), shown, room);
+        self.rows = cases.part(0, 1, left, height.saturating_sub(1)).area();
+        for (row, case) in course.cases.iter().skip(self.top).take(room).enumerate() {
+            let y = row as u16 + 1;
+            let verdict = case.end.as_ref().map_or("runs", |end| end.verdict);
+            let style = style_of(&cases, verdict);
+            let x = cases.text_in(1, y, 7, word(verdict), style);
+            cases.text(x.max(8) + 1, y, case.name, Style::new());
+            if self.top + row == shown {
+                cases.shade(y, page::chosen());
+            }
+        }
+        let mut details = page.part(left + 1, 2, width.saturating_sub(left + 1), height);
+        self.down = draw_case(&mut details, &course.cases[shown], self.down);
+    }
+}
+
+/// How far the plan is, and how it went by now.
+fn draw_progress(page: &mut Page<'_>, course: &Course<'_>, model: &Model) {
+    let place = course.cases.last().map_or((0, 0), |case| case.place);
+    let name = model.status.plan.as_ref().map_or("", |plan| plan.name.as_str());
+    let ended = course.cases.iter().filter(|case| case.end.is_some()).count();
+    let tally: Vec<String> =
+        course.tally().iter().map(|(verdict, count)| format!("{count} {verdict}")).collect();
+    let share = if course.over.is_some() {
+        1.0
+    } else {
+        f64::from(place.0.saturating_sub(1)) / f64::from(place.1.max(1))
+    };
+    let bar = page.width() / 4;
+    page.bar(1, 0, bar, share, None, Style::new());
+    let x = page.text(bar + 2, 0, &format!("case {} of {}", place.0, place.1), page::bold());
+    page.text(x + 2, 0, &if ended > 0 { tally.join(", ") } else { name.to_owned() }, Style::new());
+    match course.over {
+        Some((verdict, report)) => {
+            let style = style_of(page, verdict);
+            let x = page.text(1, 1, &format!("Over: {verdict}"), style.patch(page::bold()));
+            if let Some(report) = report {
+                page.text(x + 2, 1, &format!("report: {report}"), Style::new());
+            }
+        }
+        None if model.status.plan.is_none() => {
+            page.text(1, 1, "It ended before its last case: nothing more is told.", page.alarm());
+        }
+        None => {
+            page.text(1, 1, &format!("Running {name}"), Style::new());
+        }
+    }
+}
+
+/// A row of a case's details.
+enum Row<'a> {
+    Rule(&'a str),
+    Text(String, Style),
+    Band(&'a control::Measured),
+}
+
+/// Draws steps, claims and measurements of a case from a row on; the row that it was really drawn from.
+fn draw_case(page: &mut Page<'_>, case: &Case<'_>, down: usize) -> usize {
+    let plain = Style::new();
+    let mut rows = vec![Row::Rule(case.name)];
+    let verdict_of = |name: &str| {
+        let claims = case.end.iter().flat_map(|end| end.claims);
+        let measured = case.end.iter().flat_map(|end| end.measured).find(|one| one.name == name);
+        claims
+            .into_iter()
+            .find(|(claim, ..)| claim == name)
+            .map(|(_, verdict, why)| (verdict.as_str(), why.as_str()))
+            .or(measured.map(|one| (one.verdict.as_str(), "")))
+    };
+    if let Some(end) = &case.end {
+        let style = style_of(page, end.verdict).patch(page::bold());
+        rows.push(Row::Text(format!("{}: {}", end.verdict, end.reason), style));
+    }
+    let now = (page.look.utf8, case.end.is_none());
+    for ((name, what), step) in case.steps.iter().zip(case.progress()) {
+        let (mark, at) = match step {
+            Step::Ahead => (' ', String::new()),
+            Step::Begun(at) => (if now == (true, true) { '▶' } else { '>' }, show::span(at)),
+            Step::Done(at) => (if now.0 { '✓' } else { '+' }, show::span(at)),
+        };
+        let style = if step == Step::Ahead { page.dim() } else { plain };
+        rows.push(Row::Text(format!("{mark} {at:>9}  {name}: {what}"), style));
+    }
+    if !case.claims.is_empty() {
+        rows.push(Row::Rule("Claims"));
+    }
+    for (name, what) in case.claims {
+        match verdict_of(name) {
+            None => rows.push(Row::Text(format!("{:7} {name}: {what}", ""), plain)),
+            Some((verdict, why)) => {
+                let style = style_of(page, verdict);
+                rows.push(Row::Text(format!("{:7} {name}: {what}", word(verdict)), style));
+                if verdict != "pass" && !why.is_empty() {
+                    rows.push(Row::Text(format!("{:10}{why}", ""), style));
+                }
+            }
+        }
+    }
+    let measured = case.end.as_ref().map_or(&[][..], |end| end.measured);
+    if !measured.is_empty() {
+        rows.push(Row::Rule("Measured"));
+    }
+    for one in measured {
+        let style = style_of(page, &one.verdict);
+        rows.push(Row::Text(format!("{:7} {}: {}", word(&one.verdict), one.name, band::words(one)), style));
+        rows.push(Row::Band(one));
+    }
+    let width = usize::from(page.width().saturating_sub(2));
+    let rows: Vec<Row<'_>> = rows.into_iter().flat_map(|row| wrapped(row, width)).collect();
+    let down = down.min(rows.len().saturating_sub(usize::from(page.height())));
+    for (y, row) in (0..page.height()).zip(&rows[down..]) {
+        match row {
+            Row::Rule(title) => page.rule(y, title),
+            Row::Text(text, style) => {
+                page.text(1, y, text, *style);
+            }
+            Row::Band(measured) => band::draw(page, 9, y, page.width().saturating_sub(11), measured),
+        }
+    }
+    down
+}
+
+/// A row in as many as it needs; those behind the first are set in.
+fn wrapped(row: Row<'_>, width: usize) -> Vec<Row<'_>> {
+    const SET_IN: usize = 10;
+    let Row::Text(text, style) = row else { return vec![row] };
+    if text.chars().count() <= width || width < 2 * SET_IN {
+        return vec![Row::Text(text, style)];
+    }
+    let mut lines = Vec::new();
+    let mut rest: Vec<char> = text.chars().collect();
+    loop {
+        let set_in = if lines.is_empty() { 0 } else { SET_IN };
+        let room = width - set_in;
+        // At the last blank, else within a word.
+        let fits = rest.len() <= room;
+        let blank = rest.iter().take(room + 1).rposition(|c| *c == ' ').filter(|at| *at > SET_IN);
+        let end = if fits { rest.len() } else { blank.unwrap_or(room) };
+        let line: String = rest.drain(..end).collect();
+        lines.push(Row::Text(format!("{:set_in$}{line}", ""), style));
+        if fits {
+            return lines;
+        }
+        if rest.first() == Some(&' ') {
+            rest.remove(0);
+        }
+    }
+}
+
+fn style_of(page: &Page<'_>, verdict: &str) -> Style {
+    match verdict {
+        "pass" => page.good(),
+        "fail" | "error" => page.alarm(),
+        "inconclusive" => page::bold(),
+        _ => Style::new(),
+    }
+}
+
+/// A verdict in seven letters.
+fn word(verdict: &str) -> &str {
+    match verdict {
+        "inconclusive" => "inconcl",
+        other => other,
+    }
+}

@@ -1,0 +1,290 @@
+//! Views before a rig that is made by hand, for what no rig on a simulated board does. What they look like otherwise is
+//! told by goldens of a rig that runs: `tests/end_to_end/dashboard`.
+
+mod scene;
+
+use super::{View, Wish};
+use crate::glyphs::Look;
+use crate::meaning::{Decoder, Meaning};
+use crate::model::Model;
+use crate::recording::{Files, Recording};
+use control::{Fault, FrameSeen, Value, WireValue};
+use ratatui::Terminal;
+use ratatui::backend::TestBackend;
+use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
+use ratatui::layout::Rect;
+
+/// What the shell leaves to a view on the smallest screen and on a large one.
+const SIZES: [(u16, u16); 2] = [(80, 19), (200, 55)];
+
+const FULL: Look = Look { utf8: true, color: true };
+
+/// A view with its rig.
+struct Stage {
+    view: Box<dyn View>,
+    model: Model,
+}
+
+/// Files that hold one recording and take all.
+#[derive(Debug)]
+struct Shelf(Option<Recording>);
+
+impl Files for Shelf {
+    fn endings(&self) -> &[&str] {
+        &["vcd", "csv"]
+    }
+
+    fn save(&self, _: &str, _: &Recording) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn load(&self, path: &str) -> Result<Recording, Fault> {
+        let (code, help) = ("R0681".to_owned(), "look at its name".to_owned());
+        self.0.clone().ok_or(Fault { code, message: format!("{path} cannot be read"), help })
+    }
+
+    fn decoder(&self, path: &str) -> Result<Box<dyn Decoder>, Fault> {
+        let (code, message) = ("R0683".to_owned(), format!("{path} cannot be read"));
+        let fault = Fault { code, message, help: String::new() };
+        if path == "drive.dbc" { Ok(Box::new(Drive)) } else { Err(fault) }
+    }
+}
+
+/// Knows one message.
+#[derive(Debug)]
+struct Drive;
+
+impl Decoder for Drive {
+    fn decode(&self, frame: &FrameSeen) -> Option<Meaning> {
+        let field = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+        let fields = vec![field("Mode", "on"), field("Speed", &format!("{} 1/min", frame.data))];
+        (frame.id == "18F").then(|| Meaning { name: "Drive".to_owned(), fields })
+    }
+}
+
+impl Stage {
+    fn new(name: &str) -> Stage {
+        Stage::with(name, None)
+    }
+
+    fn with(name: &str, recording: Option<Recording>) -> Stage {
+        let view = super::all(Box::new(Shelf(recording))).into_iter().find(|view| view.name() == name);
+        let mut stage = Stage { view: view.unwrap(), model: scene::model() };
+        stage.view.shown(true);
+        stage.view.opened(&stage.model);
+        stage
+    }
+
+    fn draw(&mut self, (width, height): (u16, u16), look: Look) -> String {
+        let mut terminal = Terminal::new(TestBackend::new(width, height)).unwrap();
+        terminal
+            .draw(|frame| self.view.draw(frame, Rect::new(0, 0, width, height), &self.model, look))
+            .unwrap();
+        text(terminal.backend())
+    }
+
+    /// What it shows on the smallest screen.
+    fn screen(&mut self) -> String {
+        self.draw(SIZES[0], FULL)
+    }
+
+    fn key(&mut self, code: KeyCode) {
+        self.view.key(KeyEvent::new(code, KeyModifiers::NONE), &self.model);
+    }
+
+    fn keys(&mut self, keys: &str) {
+        for key in keys.chars() {
+            match key {
+                '\n' => self.key(KeyCode::Enter),
+                '\x1b' => self.key(KeyCode::Esc),
+                'v' => self.key(KeyCode::Down),
+                '^' => self.key(KeyCode::Up),
+                '<' => self.key(KeyCode::Left),
+                '>' => self.key(KeyCode::Right),
+                letter => self.key(KeyCode::Char(letter)),
+            }
+        }
+    }
+
+    /// Chooses signals of the trend by parts of their names, and lets them change as the scene has it.
+    fn trend(&mut self, names: &[&str]) {
+        for name in names {
+            self.keys("i");
+            for letter in name.chars() {
+                self.key(KeyCode::Char(letter));
+            }
+            self.keys("\n\x1b");
+        }
+        for (name, at, value) in scene::changes() {
+            self.view.changed(name, (at - 500_000, at), value);
+        }
+        // A key finds the place that was drawn last.
+        self.draw(SIZES[0], FULL);
+    }
+}
+
+/// What stands on a screen, without the spaces at the ends of its rows.
+fn text(backend: &TestBackend) -> String {
+    let buffer = backend.buffer();
+    let rows = (0..buffer.area.height).map(|y| {
+        let row: String = (0..buffer.area.width).map(|x| buffer[(x, y)].symbol()).collect();
+        format!("{}\n", row.trim_end())
+    });
+    rows.collect()
+}
+
+/// Whether a row of a screen has all these words, in this order.
+fn has_row(screen: &str, words: &str) -> bool {
+    screen.lines().any(|row| row.split_whitespace().collect::<Vec<_>>().join(" ").contains(words))
+}
+
+#[test]
+fn tasks_that_overrun_and_lose() {
+    let screen = Stage::new("Tasks").screen();
+    assert!(has_row(&screen, "FAST 1 2 ms 310 us 300 us 335 us 4.6 ms 90 us 2 1"), "{screen}");
+    assert!(has_row(&screen, "Free 31 free - - - - - 0 0"), "{screen}");
+}
+
+#[test]
+fn measured_values_show_how_well_they_are_known() {
+    let screen = Stage::new("Expert").screen();
+    assert!(has_row(&screen, "Frequency 49998.2 +-12 Hz"), "{screen}");
+    assert!(has_row(&screen, "State COUNTING"), "{screen}");
+}
+
+#[test]
+fn bytes_of_serial_lines_and_strange_frames() {
+    let mut stage = Stage::new("Buses");
+    let screen = stage.screen();
+    for row in [
+        "scale serial 19200 8E1 open 88 0",
+        "3 errors, 0 dropped",
+        "9.910000 scale 2 0D 0A [parity]",
+        "9.920000 drive 7E8 5 48 65 6C 6C 6F [fd] [brs]",
+        "9.930000 drive 7DF 0 [remote]",
+    ] {
+        assert!(has_row(&screen, row), "{row}:\n{screen}");
+    }
+    stage.keys("ox");
+    let screen = stage.screen();
+    assert!(has_row(&screen, "scale 2 10 ms 2 .. [parity]"), "{screen}");
+    stage.keys("d");
+    let wrong = stage.view.typed("none.dbc", &stage.model);
+    assert!(matches!(&wrong[..], [Wish::Complain(fault)] if fault.code == "R0683"));
+}
+
+/// Whatever is pressed and clicked in whatever order, on whatever screen, at whatever time.
+#[test]
+fn no_key_breaks_a_view() {
+    // A generator of the simplest kind: the same keys with every run.
+    let mut state = 1_u64;
+    let mut chance = move |of: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % of
+    };
+    let codes = [
+        KeyCode::Up,
+        KeyCode::Down,
+        KeyCode::Left,
+        KeyCode::Right,
+        KeyCode::PageUp,
+        KeyCode::PageDown,
+        KeyCode::Home,
+        KeyCode::End,
+        KeyCode::Enter,
+        KeyCode::Esc,
+        KeyCode::Delete,
+        KeyCode::Backspace,
+    ];
+    let letters: Vec<char> = "abcdefhilostTxyE+- /%q1X0.".chars().collect();
+    let typed = ["", "0..10", "9e999", "-1e308 .. 1e308", "level", "old.vcd", "drive.dbc", "-5", "auto"];
+    for name in ["Trend", "Tasks", "Expert", "Buses", "Plan"] {
+        let mut stage = Stage::with(name, Some(scene::recording()));
+        if name == "Trend" {
+            stage.trend(&["lamp", "level", "state", "%IX0.1"]);
+        }
+        let changes = scene::changes();
+        for round in 0..3_000 {
+            match chance(8) {
+                0..=3 => stage.key(KeyCode::Char(letters[chance(letters.len())])),
+                4 => stage.key(codes[chance(codes.len())]),
+                5 => {
+                    stage.view.typed(typed[chance(typed.len())], &stage.model);
+                }
+                6 => {
+                    let (name, at, value) = changes[chance(changes.len())];
+                    let strange = [i64::MIN, -1, 0, at, i64::MAX - 1][chance(5)];
+                    let at = if round % 7 == 0 { strange } else { at };
+                    stage.view.changed(name, (at.saturating_sub(1), at), value);
+                }
+                _ => {
+                    let kinds = [
+                        MouseEventKind::Down(MouseButton::Left),
+                        MouseEventKind::Down(MouseButton::Right),
+                        MouseEventKind::ScrollUp,
+                        MouseEventKind::ScrollDown,
+                    ];
+                    let kind = kinds[chance(kinds.len())];
+                    let (column, row) = (chance(90) as u16, chance(30) as u16);
+                    let modifiers = KeyModifiers::NONE;
+                    stage.view.mouse(MouseEvent { kind, column, row, modifiers }, &stage.model);
+                }
+            }
+            if round % 97 == 0 {
+                // The rig is another one, or has nothing any more.
+                stage.model = if chance(2) == 0 { scene::model() } else { Model::default() };
+                stage.view.reconnected();
+            }
+            if round % 5 == 0 {
+                stage.draw([(80, 19), (200, 55), (24, 6), (2, 2)][chance(4)], FULL);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_measurement_that_was_not_taken_is_said() {
+    let mut stage = Stage::new("Plan");
+    stage.keys("^");
+    let screen = stage.screen();
+    assert!(has_row(&screen, "delay: 562.1 .. 562.3 ms (500 .. 550"), "{screen}");
+    assert!(has_row(&screen, "inconcl current: not taken (<= 0.5 A)"), "{screen}");
+}
+
+#[test]
+fn levels_that_nobody_drives_and_times_that_are_not_exact() {
+    let mut stage = Stage::new("Trend");
+    stage.trend(&["lamp", "%IX0.1"]);
+    stage.keys("a<<<eb>>>ee");
+    let screen = stage.screen();
+    assert!(has_row(&screen, "B-A 1.5 s +-500 us"), "{screen}");
+    assert!(has_row(&screen, "%IX0.1"), "{screen}");
+}
+
+#[test]
+fn what_a_trigger_shows_makes_no_room_for_what_comes() {
+    let mut stage = Stage::new("Trend");
+    stage.trend(&["level", "lamp"]);
+    stage.keys("t>>>v>\n");
+    let second = 1_000_000_000;
+    stage.view.changed("lamp", (11 * second, 11 * second), WireValue(Value::Bool(true)));
+    stage.model.now = 17 * second;
+    let before = stage.screen();
+    assert!(before.contains("done: lamp rises"), "{before}");
+    // More than are kept.
+    for n in 0..40_000 {
+        let at = 18 * second + n;
+        stage.view.changed("level", (at, at), WireValue(Value::Real((n % 2) as f64)));
+    }
+    assert_eq!(stage.screen(), before);
+}
+
+#[test]
+fn a_file_is_looked_at() {
+    let mut stage = Stage::with("Trend", Some(scene::recording()));
+    stage.keys("o");
+    stage.view.typed("old.vcd", &stage.model);
+    assert!(has_row(&stage.screen(), "FILE window"));
+    stage.keys("c");
+    assert!(stage.draw(SIZES[0], FULL).contains("No signals yet"));
+}

@@ -1,0 +1,132 @@
+//! The list from which the signals of a trend are chosen.
+
+use super::store::{LINES, Line, Store};
+use crate::model::Model;
+use crate::page::{self, Page};
+use crate::recording::Track;
+use control::SignalKind;
+use ratatui::crossterm::event::{KeyCode, KeyEvent};
+use ratatui::style::Style;
+
+/// The list.
+#[derive(Debug, Default)]
+pub struct Picker {
+    filter: String,
+    chosen: usize,
+    first: usize,
+}
+
+/// What can be chosen.
+struct Offer {
+    track: Track,
+    /// What else it is called.
+    also: String,
+}
+
+/// What a key came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Picked {
+    /// The list stays.
+    Open,
+    /// It is closed.
+    Closed,
+    /// There is no room for another signal.
+    Full,
+}
+
+impl Picker {
+    /// A key; every letter narrows the list.
+    pub fn key(&mut self, key: KeyEvent, model: &Model, store: &mut Store) -> Picked {
+        match key.code {
+            KeyCode::Esc => return Picked::Closed,
+            KeyCode::Enter => {
+                let offers = offers(model, &self.filter);
+                let Some(offer) = offers.into_iter().nth(self.chosen) else { return Picked::Closed };
+                match store.lines.iter().position(|line| line.track.name == offer.track.name) {
+                    Some(place) => drop(store.lines.remove(place)),
+                    None if store.lines.len() >= LINES => return Picked::Full,
+                    None => store.lines.push(Line::new(offer.track)),
+                }
+            }
+            KeyCode::Up => self.chosen = self.chosen.saturating_sub(1),
+            KeyCode::Down => self.chosen += 1,
+            KeyCode::PageUp => self.chosen = self.chosen.saturating_sub(10),
+            KeyCode::PageDown => self.chosen += 10,
+            KeyCode::Backspace => {
+                self.filter.pop();
+                self.chosen = 0;
+            }
+            KeyCode::Char(letter) => {
+                self.filter.push(letter);
+                self.chosen = 0;
+            }
+            _ => {}
+        }
+        Picked::Open
+    }
+
+    /// Draws it over the page.
+    pub fn draw(&mut self, page: &mut Page<'_>, model: &Model, store: &Store) {
+        let width = page.width().min(90);
+        let (x, height) = ((page.width() - width) / 2, page.height());
+        let mut whole = page.part(x, 0, width, height);
+        whole.clear();
+        let mut list = whole.framed("Signals of the trend: type to find, Enter takes or drops, Esc closes");
+        let offers = offers(model, &self.filter);
+        self.chosen = self.chosen.min(offers.len().saturating_sub(1));
+        list.text(1, 0, &format!("find: {}_", self.filter), page::bold());
+        let rows = usize::from(list.height().saturating_sub(1));
+        self.first = page::scrolled(self.first, self.chosen, rows);
+        for (row, (place, offer)) in offers.iter().enumerate().skip(self.first).take(rows).enumerate() {
+            let y = row as u16 + 1;
+            let taken = store.lines.iter().any(|line| line.track.name == offer.track.name);
+            list.text(1, y, if taken { "[x]" } else { "[ ]" }, Style::new());
+            list.text_in(5, y, 34, &offer.track.name, Style::new());
+            list.text(40, y, &offer.also, Style::new());
+            if place == self.chosen {
+                list.shade(y, page::chosen());
+            }
+        }
+        if offers.is_empty() {
+            list.text(1, 1, "no signal has this in its name", Style::new());
+        }
+    }
+}
+
+/// Signals whose names hold a text, each name once: those that are called so first, then terminals and lines.
+fn offers(model: &Model, filter: &str) -> Vec<Offer> {
+    let filter = filter.to_lowercase();
+    let mut seen = std::collections::BTreeSet::new();
+    let mut offers = Vec::new();
+    let mut offer = |name: &str, unit: &str, kind: SignalKind, labels: &[(i64, String)], also: String| {
+        let wanted = name.to_lowercase().contains(&filter) || also.to_lowercase().contains(&filter);
+        if wanted && seen.insert(name.to_owned()) {
+            let (name, unit, labels) = (name.to_owned(), unit.to_owned(), labels.to_vec());
+            offers.push(Offer { track: Track { name, unit, kind, labels }, also });
+        }
+    };
+    for point in &model.description.points {
+        let variable = point.variable.as_deref().unwrap_or_default();
+        if let Some(image) = &point.image {
+            offer(image, "", point.kind, &[], format!("{} {variable}", point.name).trim_end().to_owned());
+        }
+        if let Some(channel) = &point.channel {
+            offer(&channel.name, &channel.unit, point.kind, &[], format!("line at {}", point.name));
+        }
+    }
+    for signal in &model.description.signals {
+        offer(&signal.name, &signal.unit, signal.kind, &signal.labels, signal.unit.clone());
+    }
+    // Any place in memory has an address.
+    if filter.starts_with('%')
+        && filter.len() > 3
+        && !offers.iter().any(|offer| offer.track.name.to_lowercase() == filter)
+    {
+        let kind = if filter.contains('x') { SignalKind::Bool } else { SignalKind::Int };
+        let track = Track { name: filter.to_uppercase(), unit: String::new(), kind, labels: Vec::new() };
+        offers.push(Offer { track, also: "the address as typed".to_owned() });
+    }
+    // Stable: the rest keeps its order.
+    offers.sort_by_key(|offer| offer.track.name.to_lowercase() != filter);
+    offers
+}

@@ -1,0 +1,258 @@
+//! The trigger: what the trend waits for, and the part of time that it then shows.
+
+use super::store::{Point, Store};
+use control::Value;
+
+/// What it waits for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum On {
+    /// FALSE becomes TRUE; a number comes above the level.
+    #[default]
+    Rise,
+    /// TRUE becomes FALSE; a number comes below the level.
+    Fall,
+    /// Any change.
+    Change,
+}
+
+/// What it does behind a trigger.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// There is no trigger: the newest is shown.
+    #[default]
+    Off,
+    /// The newest is shown while no trigger comes.
+    Auto,
+    /// The last trigger is shown until another comes.
+    Normal,
+    /// One trigger, and no other.
+    Single,
+}
+
+impl On {
+    /// All.
+    pub const ALL: [On; 3] = [On::Rise, On::Fall, On::Change];
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            On::Rise => "rises",
+            On::Fall => "falls",
+            On::Change => "changes",
+        }
+    }
+}
+
+impl Mode {
+    /// All.
+    pub const ALL: [Mode; 4] = [Mode::Off, Mode::Auto, Mode::Normal, Mode::Single];
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Mode::Off => "off",
+            Mode::Auto => "auto",
+            Mode::Normal => "normal",
+            Mode::Single => "single",
+        }
+    }
+}
+
+/// The trigger.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trigger {
+    /// What it does.
+    pub mode: Mode,
+    /// The signal.
+    pub signal: String,
+    /// What it waits for.
+    pub on: On,
+    /// The level of numbers.
+    pub level: f64,
+    /// How much of the window lies before the trigger, per cent.
+    pub before: u8,
+    /// It looks at changes behind this instant only.
+    armed: i64,
+    /// A trigger whose time behind it is not over yet.
+    fired: Option<i64>,
+    /// The last trigger whose window is whole.
+    whole: Option<i64>,
+}
+
+impl Default for Trigger {
+    fn default() -> Trigger {
+        Trigger {
+            mode: Mode::Off,
+            signal: String::new(),
+            on: On::Rise,
+            level: 0.5,
+            before: 50,
+            armed: i64::MAX,
+            fired: None,
+            whole: None,
+        }
+    }
+}
+
+/// How it stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stand {
+    /// There is none.
+    Off,
+    /// It waits.
+    Armed,
+    /// It came; what lies behind it is still to come.
+    Fired,
+    /// It came, its window is whole, and no other is waited for.
+    Done,
+}
+
+impl Trigger {
+    /// Begins to wait, now.
+    pub fn arm(&mut self, now: i64) {
+        self.armed = if self.mode == Mode::Off { i64::MAX } else { now };
+        self.fired = None;
+        self.whole = None;
+    }
+
+    /// How it stands.
+    pub fn stand(&self) -> Stand {
+        match (self.mode, self.fired, self.whole) {
+            (Mode::Off, ..) => Stand::Off,
+            (Mode::Single, _, Some(_)) => Stand::Done,
+            (_, Some(_), _) => Stand::Fired,
+            _ => Stand::Armed,
+        }
+    }
+
+    /// Whether a change is what it waits for.
+    fn fits(&self, before: Value, after: Value) -> bool {
+        match self.on {
+            // What it is when it is first seen is no change.
+            On::Change => before != Value::Unknown && before != after,
+            On::Rise => self.above(before) == Some(false) && self.above(after) == Some(true),
+            On::Fall => self.above(before) == Some(true) && self.above(after) == Some(false),
+        }
+    }
+
+    fn above(&self, value: Value) -> Option<bool> {
+        match value {
+            Value::Bool(on) => Some(on),
+            other => other.as_real().map(|number| number >= self.level),
+        }
+    }
+
+    /// Looks at a change before it goes into the store.
+    pub fn look(&mut self, name: &str, before: Value, point: &Point) {
+        let waits = self.stand() == Stand::Armed && name == self.signal && point.at > self.armed;
+        if waits && self.fits(before, point.value) {
+            self.fired = Some(point.at);
+        }
+    }
+
+    /// Time passed; the window is `base` long.
+    pub fn until(&mut self, now: i64, base: i64) {
+        let Some(at) = self.fired else { return };
+        let end = at.saturating_add(self.behind(base));
+        if now >= end {
+            self.whole = self.fired.take();
+            // The next one is waited for behind the window that is shown.
+            self.armed = if self.mode == Mode::Single { i64::MAX } else { end };
+        }
+    }
+
+    fn behind(&self, base: i64) -> i64 {
+        base - base / 100 * i64::from(self.before)
+    }
+
+    /// The end of the window that is to be shown, if a trigger says so, and the trigger in it.
+    pub fn window(&self, now: i64, base: i64) -> Option<(i64, i64)> {
+        let at = match (self.fired, self.whole) {
+            // One that has just come is drawn into as time goes on.
+            (Some(at), _) => at,
+            (None, Some(at)) => {
+                let stale = at.saturating_add(self.behind(base)).saturating_add(base.max(WAIT)) < now;
+                if self.mode == Mode::Auto && stale {
+                    return None;
+                }
+                at
+            }
+            (None, None) => return None,
+        };
+        (self.mode != Mode::Off).then(|| (at.saturating_add(self.behind(base)), at))
+    }
+}
+
+/// How long at least a trigger is shown where the newest follows it, nanoseconds.
+const WAIT: i64 = 500_000_000;
+
+impl Trigger {
+    /// The first instant that it may yet need of the store.
+    pub fn keeps(&self, store: &Store, base: i64) -> Option<i64> {
+        let at = self.fired.or(self.whole.filter(|_| self.mode == Mode::Single))?;
+        Some(at.saturating_sub(base / 100 * i64::from(self.before)).max(store.begin()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn armed(mode: Mode, on: On) -> Trigger {
+        let mut trigger = Trigger { mode, on, signal: "a".to_owned(), before: 20, ..Trigger::default() };
+        trigger.arm(0);
+        trigger
+    }
+
+    fn look(trigger: &mut Trigger, at: i64, before: Value, value: Value) {
+        trigger.look("a", before, &Point { earliest: at, at, value });
+    }
+
+    #[test]
+    fn each_condition_fires_on_what_it_says_and_on_nothing_else() {
+        let (low, high) = (Value::Real(0.1), Value::Real(0.9));
+        for (on, before, after, fires) in [
+            (On::Rise, low, high, true),
+            (On::Rise, high, low, false),
+            (On::Rise, Value::Unknown, high, false),
+            (On::Rise, Value::Bool(false), Value::Bool(true), true),
+            (On::Rise, high, Value::Real(2.0), false),
+            (On::Fall, high, low, true),
+            (On::Fall, Value::Bool(true), Value::HighZ, false),
+            (On::Change, high, Value::Real(2.0), true),
+            (On::Change, Value::Unknown, high, false),
+        ] {
+            let mut trigger = armed(Mode::Normal, on);
+            look(&mut trigger, 5, before, after);
+            assert_eq!(trigger.stand() == Stand::Fired, fires, "{on:?} {before:?} {after:?}");
+        }
+    }
+
+    #[test]
+    fn single_takes_one_and_normal_the_next_behind_its_window() {
+        for (mode, second) in [(Mode::Single, 10), (Mode::Normal, 100)] {
+            let mut trigger = armed(mode, On::Rise);
+            let edge = |trigger: &mut Trigger, at| look(trigger, at, Value::Bool(false), Value::Bool(true));
+            edge(&mut trigger, 10);
+            trigger.until(89, 100);
+            assert_eq!((trigger.stand(), trigger.window(89, 100)), (Stand::Fired, Some((90, 10))));
+            trigger.until(90, 100);
+            edge(&mut trigger, 90);
+            edge(&mut trigger, 100);
+            assert_eq!(trigger.window(200, 100).map(|(_, at)| at), Some(second), "{mode:?}");
+        }
+    }
+
+    #[test]
+    fn auto_shows_the_newest_when_no_trigger_comes() {
+        let base = 1_000_000_000;
+        let mut trigger = armed(Mode::Auto, On::Change);
+        assert_eq!(trigger.window(5, base), None);
+        look(&mut trigger, 10, Value::Int(1), Value::Int(2));
+        trigger.until(base, base);
+        assert!(trigger.window(base + 10, base).is_some());
+        assert_eq!(trigger.window(3 * base, base), None);
+        trigger.mode = Mode::Normal;
+        assert!(trigger.window(3 * base, base).is_some());
+    }
+}

@@ -1,0 +1,284 @@
+//! A dashboard on a terminal that is none, and a rig that answers from what it was told to say.
+
+use control::{
+    Ask, Change, Description, Event, Fault, Greeting, LogLine, PROTOCOL, PlanEvent, Plans, Reply, Request,
+    Signal, SignalKind, Status, Subscribed, Topic, WireValue,
+};
+use ratatui::Terminal;
+use ratatui::backend::TestBackend;
+use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
+use scanrig_dash::glyphs::Look;
+use scanrig_dash::meaning::Decoder;
+use scanrig_dash::recording::{Files, Recording};
+use scanrig_dash::views::View;
+use scanrig_dash::{Heard, Shell, Want};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+/// A terminal with everything but colours.
+pub const LOOK: Look = Look { utf8: true, color: false };
+
+/// A terminal with nothing.
+pub const PLAIN: Look = Look { utf8: false, color: false };
+
+/// The smallest window.
+pub const SMALL: (u16, u16) = (80, 24);
+
+/// Files that are kept as long as the test runs.
+#[derive(Debug, Default)]
+pub struct Shelf(RefCell<BTreeMap<String, Recording>>);
+
+impl Files for Shelf {
+    fn endings(&self) -> &[&str] {
+        &["vcd", "csv"]
+    }
+
+    fn save(&self, path: &str, recording: &Recording) -> Result<(), Fault> {
+        if self.0.borrow_mut().insert(path.to_owned(), recording.clone()).is_some() {
+            let message = format!("there is a file {path}");
+            return Err(Fault { code: "R0680".to_owned(), message, help: String::new() });
+        }
+        Ok(())
+    }
+
+    fn load(&self, path: &str) -> Result<Recording, Fault> {
+        let message = format!("there is no file {path}");
+        let none = Fault { code: "R0681".to_owned(), message, help: String::new() };
+        self.0.borrow().get(path).cloned().ok_or(none)
+    }
+
+    fn decoder(&self, path: &str) -> Result<Box<dyn Decoder>, Fault> {
+        let (code, message) = ("R0683".to_owned(), format!("{path} cannot be read"));
+        Err(Fault { code, message, help: String::new() })
+    }
+}
+
+/// Every view.
+pub fn views() -> Vec<Box<dyn View>> {
+    scanrig_dash::views::all(Box::new(Shelf::default()))
+}
+
+/// What the rig is and says.
+#[derive(Debug, Default)]
+pub struct Scripted {
+    pub description: Description,
+    pub status: Status,
+    /// Signals by their names, with their values and since when.
+    pub signals: BTreeMap<String, (i64, WireValue)>,
+    pub log: Vec<LogLine>,
+    pub plan: Vec<PlanEvent>,
+    pub plans: Vec<String>,
+    /// What it answers to an order in place of doing it.
+    pub fault: Option<Fault>,
+}
+
+/// A dashboard before such a rig.
+#[derive(Debug)]
+pub struct Bench {
+    pub shell: Shell,
+    pub rig: Scripted,
+    /// What the rig was asked, subscriptions apart.
+    pub asked: Vec<Ask>,
+    pub wants: Vec<Want>,
+    /// Names of the subscriptions to signals, by their numbers.
+    pub subscriptions: BTreeMap<u64, (Vec<String>, bool)>,
+    pub others: BTreeMap<u64, Topic>,
+    next: u64,
+    terminal: Terminal<TestBackend>,
+}
+
+impl Bench {
+    /// A dashboard that is connected and has everything that it wanted.
+    pub fn new(rig: Scripted, (width, height): (u16, u16), look: Look) -> Bench {
+        Bench::with(Shell::new(views(), look, false), rig, (width, height))
+    }
+
+    /// The same of a dashboard that was made otherwise.
+    pub fn with(shell: Shell, rig: Scripted, (width, height): (u16, u16)) -> Bench {
+        let mut bench = Bench {
+            shell,
+            rig,
+            asked: Vec::new(),
+            wants: Vec::new(),
+            subscriptions: BTreeMap::new(),
+            others: BTreeMap::new(),
+            next: 0,
+            terminal: Terminal::new(TestBackend::new(width, height)).unwrap(),
+        };
+        bench.connect();
+        bench
+    }
+
+    /// There is a connection.
+    pub fn connect(&mut self) {
+        self.shell.hear(Heard::Found(Box::new(Greeting {
+            rig: "scanrig".to_owned(),
+            protocol: PROTOCOL,
+            version: "1".to_owned(),
+            board: self.rig.description.board.clone(),
+            reference: self.rig.description.reference.clone(),
+            client: 1,
+        })));
+        self.answer();
+        self.tell_status();
+    }
+
+    /// The rig answers whatever was asked.
+    pub fn answer(&mut self) {
+        loop {
+            let requests = self.shell.take_requests();
+            self.wants.extend(self.shell.take_wants());
+            if requests.is_empty() {
+                return;
+            }
+            for Request { id, ask } in requests {
+                let answer = self.answer_to(ask);
+                let (ok, error) = match answer {
+                    Ok(ok) => (Some(ok), None),
+                    Err(fault) => (None, Some(fault)),
+                };
+                self.shell.hear(Heard::Reply(Reply { id: Some(id), ok, error }));
+            }
+        }
+    }
+
+    fn answer_to(&mut self, ask: Ask) -> Result<serde_json::Value, Fault> {
+        let json = |of: serde_json::Result<serde_json::Value>| Ok(of.unwrap());
+        match ask {
+            Ask::Hello { .. } => Ok(serde_json::json!({})),
+            Ask::Describe => json(serde_json::to_value(&self.rig.description)),
+            Ask::Subscribe { topic } => {
+                self.next += 1;
+                let mut answer = Subscribed { subscription: self.next, ..Subscribed::default() };
+                match &topic {
+                    Topic::Signals { names, all, .. } => {
+                        for name in names {
+                            let place = self.rig.signals.keys().position(|known| known == name);
+                            let Some(place) = place else {
+                                let message = format!("nothing is called `{name}`");
+                                return Err(Fault { code: "R0600".to_owned(), message, help: String::new() });
+                            };
+                            let (at, value) = self.rig.signals[name];
+                            answer.signals.push(signal(place as u32, name));
+                            answer.values.push(Change(place as u32, at, at, value));
+                        }
+                        self.subscriptions.insert(self.next, (names.clone(), *all));
+                    }
+                    Topic::Log => answer.log = self.rig.log.clone(),
+                    Topic::Plan => answer.plan = self.rig.plan.clone(),
+                    Topic::Status { .. } | Topic::Frames => {}
+                }
+                self.others.insert(self.next, topic);
+                json(serde_json::to_value(&answer))
+            }
+            Ask::Unsubscribe { subscription } => {
+                self.subscriptions.remove(&subscription);
+                self.others.remove(&subscription);
+                Ok(serde_json::json!({}))
+            }
+            Ask::Plans { .. } => json(serde_json::to_value(Plans { plans: self.rig.plans.clone() })),
+            other => {
+                self.asked.push(other);
+                self.rig.fault.take().map_or(Ok(serde_json::json!({})), Err)
+            }
+        }
+    }
+
+    /// The rig tells its status.
+    pub fn tell_status(&mut self) {
+        self.tell(Event::Status { subscription: 0, status: Box::new(self.rig.status.clone()) });
+    }
+
+    /// A signal changes; all who subscribed to it are told.
+    pub fn change(&mut self, name: &str, at: i64, value: WireValue) {
+        let place = self.rig.signals.keys().position(|known| known == name).unwrap() as u32;
+        self.rig.signals.insert(name.to_owned(), (at, value));
+        let whose: Vec<u64> = self
+            .subscriptions
+            .iter()
+            .filter_map(|(number, (names, _))| names.iter().any(|n| n == name).then_some(*number))
+            .collect();
+        for subscription in whose {
+            let changes = vec![Change(place, at, at, value)];
+            self.tell(Event::Signals { subscription, changes, missed: 0 });
+        }
+    }
+
+    /// The rig tells something.
+    pub fn tell(&mut self, event: Event) {
+        self.shell.hear(Heard::Event(event));
+        self.answer();
+    }
+
+    /// A key.
+    pub fn key(&mut self, code: KeyCode) -> &mut Bench {
+        self.shell.key(KeyEvent::new(code, KeyModifiers::NONE));
+        self.answer();
+        self
+    }
+
+    /// A key with Control.
+    pub fn control(&mut self, key: char) -> &mut Bench {
+        self.shell.key(KeyEvent::new(KeyCode::Char(key), KeyModifiers::CONTROL));
+        self.answer();
+        self
+    }
+
+    /// Characters, one key after the other.
+    pub fn press(&mut self, keys: &str) -> &mut Bench {
+        for key in keys.chars() {
+            self.key(KeyCode::Char(key));
+        }
+        self
+    }
+
+    /// A line behind a prompt.
+    pub fn enter(&mut self, line: &str) -> &mut Bench {
+        self.press(line).key(KeyCode::Enter)
+    }
+
+    /// The left button of the mouse, on the first place where the screen shows this.
+    pub fn click(&mut self, text: &str) -> &mut Bench {
+        let screen = self.screen();
+        let found = screen.lines().enumerate().find_map(|(row, line)| {
+            line.find(text).map(|at| (line[..at].chars().count() as u16, row as u16))
+        });
+        let (column, row) = found.unwrap_or_else(|| panic!("no `{text}` in\n{screen}"));
+        let kind = MouseEventKind::Down(MouseButton::Left);
+        self.shell.mouse(MouseEvent { kind, column, row, modifiers: KeyModifiers::NONE });
+        self.answer();
+        self
+    }
+
+    /// What is shown, without spaces at the ends of rows.
+    pub fn screen(&mut self) -> String {
+        self.terminal.draw(|frame| self.shell.draw(frame)).unwrap();
+        let buffer = self.terminal.backend().buffer();
+        let width = usize::from(buffer.area.width);
+        let rows = buffer.content.chunks(width).map(|row| {
+            let row: String = row.iter().map(|cell| cell.symbol()).collect();
+            format!("{}\n", row.trim_end())
+        });
+        rows.collect()
+    }
+
+    /// Whether some part of a row is shown in reverse, or with a weight, that holds this text.
+    pub fn stands_out(&mut self, text: &str) -> bool {
+        let screen = self.screen();
+        let buffer = self.terminal.backend().buffer();
+        screen.lines().enumerate().any(|(row, line)| {
+            line.find(text).is_some_and(|at| {
+                let column = line[..at].chars().count() as u16;
+                let style = buffer[(column, row as u16)].style();
+                !style.add_modifier.is_empty()
+                    || style.bg.is_some_and(|bg| bg != ratatui::style::Color::Reset)
+            })
+        })
+    }
+}
+
+/// A signal as a rig describes it.
+fn signal(number: u32, name: &str) -> Signal {
+    let (kind, name) = (SignalKind::Int, name.to_owned());
+    Signal { number, name, kind, unit: String::new(), labels: Vec::new(), writable: false }
+}

@@ -1,0 +1,203 @@
+//! What the names of a modelled controller mean: variables, system variables, indicators, inputs, facts of functions.
+
+use crate::functions;
+use crate::inputs;
+use crate::names::Names;
+use crate::subject::Observable;
+use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
+use expert::ExpertConfig;
+use profile::Reference;
+use program::{Elementary, Program, Storage};
+use signal::{Address, Kind};
+use std::sync::Arc;
+
+/// The names, without the controller that has them: they can be looked up while it runs elsewhere.
+#[derive(Clone, Debug)]
+pub struct Catalogue {
+    /// The case's own program, then those that steps bring.
+    programs: Vec<Arc<Program>>,
+    /// Numbers for variables that hold for every program; none where there is one program only, whose own numbers hold.
+    names: Option<Names>,
+    reference: &'static Reference,
+    functions: ExpertConfig,
+    tasks: Vec<TaskConfig>,
+}
+
+impl Catalogue {
+    /// The names of a controller of this configuration with this program, if it has one.
+    pub fn new(config: &Config, program: Option<Arc<Program>>, names: Names) -> Catalogue {
+        Catalogue {
+            programs: program.into_iter().collect(),
+            names: Some(names),
+            reference: config.reference,
+            functions: config.expert.clone(),
+            tasks: config.tasks.clone(),
+        }
+    }
+
+    /// Names of further programs mean something too, behind those that it knows.
+    pub fn know(&mut self, programs: Vec<Arc<Program>>) {
+        self.programs.extend(programs);
+    }
+
+    /// The same for a controller that never gets another program: nothing is shared with it then.
+    #[must_use]
+    pub fn of_one_program(&self) -> Catalogue {
+        Catalogue { names: None, ..self.clone() }
+    }
+
+    /// The programs.
+    pub fn programs(&self) -> &[Arc<Program>] {
+        &self.programs
+    }
+
+    /// The controller that is modelled.
+    pub const fn reference(&self) -> &'static Reference {
+        self.reference
+    }
+
+    /// The expert functions.
+    pub const fn functions(&self) -> &ExpertConfig {
+        &self.functions
+    }
+
+    /// The tasks, in the order of the configuration.
+    pub fn tasks(&self) -> &[TaskConfig] {
+        &self.tasks
+    }
+
+    /// Names that mean something, for suggestions.
+    pub fn names(&self) -> Vec<String> {
+        let variables = self.programs.iter().flat_map(|program| program.variables());
+        let variables = variables.map(|variable| variable.path.clone());
+        let variables = variables.chain(inputs::names(self.reference.input_count()));
+        let variables = variables.chain(functions::names(&self.functions));
+        let leds = Led::ALL.iter().flat_map(|led| ["", ".lit"].map(|end| format!("LED.{}{end}", led.name())));
+        let system = SystemVariable::ALL.iter().map(|variable| variable.name().to_owned());
+        variables.chain(system).chain(leds).collect()
+    }
+
+    /// What a name means: a system variable, an indicator, a fact of a function, an address, or a variable's path.
+    pub fn observable(&self, name: &str) -> Option<Observable> {
+        if let Some(variable) = SystemVariable::find(name) {
+            let kind = if variable.ty() == SystemType::Bool { Kind::Bool } else { Kind::Word };
+            return Some(Observable { probe: Probe::System(variable), kind });
+        }
+        if let Some(found) = indicator(name, self.reference.output_count()) {
+            return Some(found);
+        }
+        if let Some(found) = inputs::observable(name, self.reference.input_count()) {
+            return Some(found);
+        }
+        if let Some(found) = functions::observable(name, &self.functions) {
+            return Some(found);
+        }
+        if name.starts_with('%') {
+            return Address::parse(name).ok().map(of_address);
+        }
+        let variable = self.programs.iter().find_map(|program| program.find(name))?;
+        if !variable.dimensions.is_empty() {
+            return None;
+        }
+        Some(match variable.storage {
+            // The memory knows no types: what is located is its bits.
+            Storage::Located(address) => of_address(address),
+            Storage::Cell(cell) => Observable {
+                probe: Probe::Variable(match &self.names {
+                    Some(names) => names.number(&variable.path, variable.ty),
+                    None => cell.0,
+                }),
+                kind: kind_of(variable.ty),
+            },
+        })
+    }
+
+    /// The least and the greatest value of a duration, a time of day or a date, in nanoseconds; `None` for what is no time.
+    pub fn times(&self, name: &str) -> Option<(i64, i64)> {
+        let of = |ty: Elementary| {
+            let greatest = ty.range().1.saturating_mul(i128::from(ty.nanos()?));
+            Some((0, i64::try_from(greatest).unwrap_or(i64::MAX)))
+        };
+        let mut variables = self.programs.iter().filter_map(|program| program.find(name));
+        let first = variables.next()?.ty;
+        // Of several programs the value may be of any.
+        if variables.all(|other| other.ty == first) { of(first) } else { None }
+    }
+
+    /// The least and the greatest value that a whole number can have; `None` for times, real numbers and what is not known.
+    pub fn bounds(&self, name: &str) -> Option<(i128, i128)> {
+        if let Some(variable) = SystemVariable::find(name) {
+            let bits = match variable.ty() {
+                SystemType::Bool => 1,
+                SystemType::Word | SystemType::Uint => 16,
+                SystemType::Dword => 32,
+                SystemType::Lword => 64,
+            };
+            return Some((0, (1 << bits) - 1));
+        }
+        if indicator(name, self.reference.output_count()).is_some()
+            || inputs::observable(name, self.reference.input_count()).is_some()
+            || functions::observable(name, &self.functions).is_some()
+        {
+            return None;
+        }
+        // Of several programs the value may be of any.
+        let mut variables = self.programs.iter().filter_map(|program| program.find(name));
+        let first = variables.next()?;
+        if variables.any(|other| other.ty != first.ty) {
+            return None;
+        }
+        match first.storage {
+            Storage::Located(address) => Some((0, (1i128 << address.size().bits()) - 1)),
+            Storage::Cell(_) => match first.ty {
+                Elementary::Bool
+                | Elementary::Sint
+                | Elementary::Usint
+                | Elementary::Int
+                | Elementary::Uint
+                | Elementary::Dint
+                | Elementary::Udint
+                | Elementary::Lint
+                | Elementary::Ulint
+                | Elementary::Byte
+                | Elementary::Word
+                | Elementary::Dword
+                | Elementary::Lword => Some(first.ty.range()),
+                _ => None,
+            },
+        }
+    }
+}
+
+/// `LED.RUN`, `LED.RUN.lit` or `OUTPUT.Q0`, in any case of letters.
+fn indicator(name: &str, outputs: usize) -> Option<Observable> {
+    let upper = name.to_ascii_uppercase();
+    if let Some(led) = upper.strip_prefix("LED.") {
+        let (led, lit) = match led.strip_suffix(".LIT") {
+            Some(led) => (Led::find(led)?, true),
+            None => (Led::find(led)?, false),
+        };
+        return Some(match lit {
+            true => Observable { probe: Probe::LedLit(led), kind: Kind::Bool },
+            false => Observable { probe: Probe::Led(led), kind: Kind::State },
+        });
+    }
+    let output = upper.strip_prefix("OUTPUT.Q")?.parse().ok().filter(|output| *output < outputs)?;
+    Some(Observable { probe: Probe::Output(output), kind: Kind::State })
+}
+
+fn of_address(address: Address) -> Observable {
+    let kind = if address.bit_len() == 1 { Kind::Bool } else { Kind::Word };
+    Observable { probe: Probe::Address(address), kind }
+}
+
+fn kind_of(ty: Elementary) -> Kind {
+    match ty {
+        Elementary::Bool => Kind::Bool,
+        Elementary::Real | Elementary::Lreal => Kind::Real,
+        Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword | Elementary::Ulint => {
+            Kind::Word
+        }
+        _ => Kind::Int,
+    }
+}

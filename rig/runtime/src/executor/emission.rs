@@ -1,0 +1,189 @@
+//! Pulses that the board makes by itself, for steps and for functions of the model. A device takes its time to begin: the end
+//! of such a step is its last edge, as far as the board tells its edges.
+
+use super::Executor;
+use crate::trouble::Trouble;
+use crate::wiring::Wiring;
+use drivers::{Channel, ChannelId, Emission, Origin};
+use plans::plan::Phase;
+use signal::{Cause, Time, Value, When};
+
+/// The outputs of the subject, bit n for Qn, behind which a channel makes waves without end.
+pub(super) fn delegated(wiring: &Wiring, channels: &[Channel]) -> u32 {
+    let makes = |channel: ChannelId| {
+        let known = channels.get(usize::from(channel.0));
+        known.and_then(|known| known.emits).is_some_and(|emits| emits.endless)
+    };
+    let outputs = (0..u32::BITS).zip(&wiring.outputs);
+    outputs.fold(0, |mask, (n, channel)| mask | u32::from(channel.is_some_and(makes)) << n)
+}
+
+/// Pulses of a step that the board tells one by one.
+#[derive(Clone, Copy, Debug)]
+struct Emitting {
+    step: usize,
+    channel: ChannelId,
+    /// Edges that were not told yet.
+    left: usize,
+    /// When the last one was.
+    last: When,
+    /// The step is over but for them; until when they have to be told.
+    until: Option<Time>,
+}
+
+/// The steps whose pulses the board makes and tells: of each channel at most one.
+#[derive(Debug)]
+pub(super) struct Emissions(Vec<Emitting>);
+
+impl Emissions {
+    /// For these channels.
+    pub(super) fn new(channels: &[Channel]) -> Emissions {
+        Emissions(Vec::with_capacity(channels.iter().filter(|channel| channel.emits.is_some()).count()))
+    }
+
+    /// Something else is driven on the channel: what is left of its pulses never comes. Hands back a step that is over
+    /// but for these.
+    #[inline]
+    pub(super) fn stop(&mut self, channel: ChannelId) -> Option<usize> {
+        let place = self.0.iter().position(|emitting| emitting.channel == channel)?;
+        let Emitting { step, until, .. } = self.0.swap_remove(place);
+        until.map(|_| step)
+    }
+
+    /// A step is done: when its last edge was, where the board told.
+    #[inline]
+    pub(super) fn end(&mut self, step: usize) -> Option<When> {
+        let place = self.0.iter().position(|emitting| emitting.step == step)?;
+        Some(self.0.swap_remove(place).last)
+    }
+}
+
+impl Executor<'_> {
+    /// A step drives a channel: whatever the board made there is over.
+    #[inline]
+    pub(super) fn stop_pulses(&mut self, channel: ChannelId) {
+        if let Some(step) = self.emissions.stop(channel) {
+            self.schedule.done_at(step, self.now);
+        }
+    }
+
+    /// Has the board emit pulses for a step.
+    pub(super) fn emit_pulses(
+        &mut self,
+        step: usize,
+        channel: ChannelId,
+        emission: &Emission,
+    ) -> Result<(), Trouble> {
+        let place = usize::from(channel.0);
+        self.wiring.writers[place] = Cause::Step(step as u16);
+        self.restore[place] = self.driven[place];
+        self.driven[place] = Value::Bool(false);
+        self.stop_pulses(channel);
+        let at = self.board_time();
+        self.board.emit(at, channel, emission).map_err(|error| Trouble::Board { at, error })?;
+        let senses = self.board.channels().get(place).is_some_and(|channel| channel.senses);
+        if let (Emission::Pulses(edges), true) = (emission, senses) {
+            let (left, last, until) = (edges.len(), When::exactly(at), None);
+            self.emissions.0.push(Emitting { step, channel, left, last, until });
+        }
+        self.poll()
+    }
+
+    /// Has the board make the square wave of an output.
+    pub(super) fn emit_wave(
+        &mut self,
+        at: Time,
+        output: usize,
+        emission: &Emission,
+        cause: Cause,
+    ) -> Result<(), Trouble> {
+        let Some(channel) = self.wiring.output(output) else { return Ok(()) };
+        self.wiring.writers[usize::from(channel.0)] = cause;
+        self.lines.wrote(channel, at, self.actual);
+        let at = self.board_time();
+        self.board.emit(at, channel, emission).map_err(|error| Trouble::Board { at, error })
+    }
+
+    /// The program has the period of such a wave begin anew, which no device does.
+    pub(super) fn cannot_begin_anew(&mut self, at: Time, output: usize) {
+        if let Some(channel) = self.wiring.output(output) {
+            self.ran.trouble.get_or_insert(Trouble::NotAnew { at, channel });
+        }
+    }
+
+    /// A line moved: one of the pulses that the board makes may be told by that.
+    #[inline]
+    pub(super) fn see_pulse(&mut self, channel: ChannelId, at: When, value: Value, origin: Origin) {
+        if self.emissions.0.is_empty() || origin != Origin::Write {
+            return;
+        }
+        let told = |emitting: &&mut Emitting| {
+            // The first edge of a pulse rises: what was written before may be told only now.
+            let rises = emitting.left.is_multiple_of(2);
+            emitting.channel == channel && emitting.left > 0 && value == Value::Bool(rises)
+        };
+        let Some(emitting) = self.emissions.0.iter_mut().find(told) else { return };
+        emitting.left -= 1;
+        if emitting.left > 0 {
+            return;
+        }
+        let (step, waited) = (emitting.step, emitting.until.is_some());
+        let at = self.seen_by_board(at, channel, origin);
+        for emitting in self.emissions.0.iter_mut().filter(|emitting| emitting.step == step) {
+            emitting.last = at;
+        }
+        if waited {
+            self.schedule.done_at(step, self.now);
+        }
+    }
+
+    /// Whether edges of a step that should be over were not told yet. They have as long as the rig may be late.
+    pub(super) fn emits_yet(&mut self, step: usize) -> bool {
+        let of = |emitting: &&mut Emitting| emitting.step == step && emitting.left > 0;
+        let Some(emitting) = self.emissions.0.iter_mut().find(of) else { return false };
+        let (now, limit) = (self.now, self.limits.late);
+        match emitting.until {
+            None => {
+                let until = now.saturating_add(limit);
+                emitting.until = Some(until);
+                self.schedule.done_at(step, until);
+                true
+            }
+            Some(until) if now < until => true,
+            Some(_) => {
+                let late = self.actual - now + limit;
+                // What was not told by now is not waited for any longer.
+                (emitting.left, emitting.last) = (0, When::within(emitting.last.earliest, self.actual));
+                self.ran.trouble.get_or_insert(Trouble::Late { at: now, late, limit });
+                false
+            }
+        }
+    }
+
+    /// Whether the case goes on although its end has come: pulses under way are told when they are over, and claims ask
+    /// for all of them. Not where something ended it early.
+    #[inline]
+    pub(super) fn holds_end(&self) -> bool {
+        self.emissions.0.iter().any(|emitting| emitting.left > 0) && self.schedule.ended().is_none()
+    }
+
+    /// Whether the end of the case has come, and only waits for pulses: no step comes behind it.
+    pub(super) fn is_past_end(&self, now: Time) -> bool {
+        self.schedule.phase() == Phase::Main && self.schedule.end().is_some_and(|end| now > end)
+    }
+
+    /// The case is over: waves without an end of their own end, as they would if the rig drove them.
+    pub(super) fn end_waves(&mut self) {
+        self.writes.clear();
+        while let Some(write) = self.schedule.end_emission(self.now) {
+            self.writes.push(write);
+        }
+        if self.writes.is_empty() {
+            return;
+        }
+        let at = self.board_time();
+        if let Err(error) = self.board.write(at, &self.writes) {
+            self.ran.trouble.get_or_insert(Trouble::Board { at, error });
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! Between two turns: what clients of a rig that is kept running ask for, and what is left for them.
+
+use super::Executor;
+use crate::live::{Port, Refused, Role, Source, Want, Wish};
+use crate::trouble::Trouble;
+use control::Action;
+use controller::{Channel, Command, Probe, ProbeId};
+use drivers::{BusEvent, ChannelId, LossReason};
+use signal::{Cause, Time, Value, When};
+use std::sync::atomic::Ordering;
+
+/// What is no probe of the controller.
+const NO_PROBE: ProbeId = ProbeId(u32::MAX);
+
+/// Whether a probe of the rig's own controller means the same in the one that an executor has: the program and the functions
+/// of a case are others.
+fn is_there(probe: Probe, role: Role) -> bool {
+    role == Role::Rig
+        || !matches!(probe, Probe::Variable(_) | Probe::Expert { .. } | Probe::TaskFigure { .. })
+}
+
+/// What a client's order came to here: trouble of the rig apart, a value or a refusal.
+type Came = Result<Option<Value>, Refused>;
+
+impl<'a> Executor<'a> {
+    /// The same, and clients are served by this port.
+    #[must_use]
+    pub fn serving(mut self, port: Option<&'a mut Port>, role: Role) -> Executor<'a> {
+        self.live = port;
+        if let Some(live) = &mut self.live {
+            self.subject.reserve(live.watches());
+            live.begin(role, |of| match of {
+                Source::Inside(probe) if is_there(probe, role) => self.subject.watch(probe),
+                _ => NO_PROBE,
+            });
+        }
+        self
+    }
+
+    /// Serves the clients. FALSE where time stands still until they lead it on.
+    #[inline]
+    pub(super) fn attend(&mut self) -> Result<bool, Trouble> {
+        while let Some(wish) = self.live.as_mut().and_then(|live| live.wish()) {
+            self.obey(wish)?;
+        }
+        if let Some(live) = &mut self.live {
+            live.served();
+        }
+        if self.live.as_ref().is_some_and(|live| live.stands_still(self.now)) && !self.has_more() {
+            return self.stand_still();
+        }
+        let Some(live) = &mut self.live else { return Ok(true) };
+        live.passes();
+        if live.is_due(self.now) {
+            self.leave();
+        }
+        Ok(true)
+    }
+
+    /// Up to where clients lead the time.
+    #[inline]
+    pub(super) fn lead(&self) -> Time {
+        self.live.as_ref().map_or(Time::MAX, |live| live.until())
+    }
+
+    /// Whether something is due by now.
+    fn has_more(&self) -> bool {
+        let due = [
+            self.subject.next_timer(),
+            self.board.next_event(),
+            self.schedule.next_due(),
+            self.next_alarm(),
+            self.pulses.next(),
+        ];
+        due.into_iter().flatten().any(|due| due <= self.now)
+    }
+
+    fn stand_still(&mut self) -> Result<bool, Trouble> {
+        if self.live.as_ref().is_some_and(|live| live.is_stale()) {
+            self.leave();
+        }
+        if let Some(live) = &mut self.live {
+            live.arrive();
+            live.rest();
+        }
+        if self.interrupt.load(Ordering::Relaxed) { Err(Trouble::Interrupted) } else { Ok(false) }
+    }
+
+    /// Leaves a snapshot.
+    fn leave(&mut self) {
+        let Some(live) = &mut self.live else { return };
+        let (subject, board) = (&*self.subject, &*self.board);
+        let (late, late_outputs) = (self.recorder.late(), self.lines.late_outputs());
+        let tasks = live.tasks();
+        live.leave(self.now, |snapshot| {
+            snapshot.state = subject.state();
+            snapshot.front = subject.front();
+            for place in 0..tasks {
+                if let (Some(kept), Some(task)) = (snapshot.tasks.get_mut(place), subject.task_status(place))
+                {
+                    *kept = task;
+                }
+            }
+            snapshot.health = board.health();
+            (snapshot.late, snapshot.late_outputs) = (late, late_outputs);
+        });
+    }
+
+    fn obey(&mut self, wish: Wish) -> Result<(), Trouble> {
+        match wish {
+            Wish::Watch(source, of) => {
+                let role = self.live.as_ref().map_or(Role::Rig, |live| live.role());
+                let probe = match of {
+                    Source::Inside(probe) if is_there(probe, role) => self.subject.watch(probe),
+                    _ => NO_PROBE,
+                };
+                let (at, value) = self.look(of);
+                if let Some(live) = &mut self.live {
+                    live.follow(source, of, probe);
+                    live.change(source, at, value);
+                }
+            }
+            Wish::Unwatch(source) => {
+                if let Some(probe) = self.live.as_mut().and_then(|live| live.unfollow(source)) {
+                    self.subject.unwatch(probe);
+                }
+            }
+            Wish::Order(ticket, want) if self.is_case() => return self.obey_in_case(ticket, want),
+            Wish::Order(ticket, Want::Plan) => {
+                if let Some(live) = &mut self.live {
+                    live.make_room();
+                    live.answer(ticket, Ok(None));
+                }
+                // The controller ends as it does behind its time.
+                self.over = true;
+            }
+            Wish::Order(ticket, Want::Advance(by)) => {
+                let now = self.now;
+                if let Some(live) = &mut self.live
+                    && !live.advance(ticket, now, by)
+                {
+                    live.answer(ticket, Err(Refused::NotLed));
+                }
+            }
+            Wish::Order(ticket, want) => {
+                let came = self.carry_out(want);
+                self.apply()?;
+                // Whoever leads the time finds what an order did in the status behind it.
+                if self.live.as_ref().is_some_and(|live| live.is_led()) {
+                    self.leave();
+                }
+                if let Some(live) = &mut self.live {
+                    live.answer(ticket, came);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn is_case(&self) -> bool {
+        self.live.as_ref().is_some_and(|live| live.role() == Role::Case)
+    }
+
+    /// While a case runs the board is its own: clients may look, and end it.
+    fn obey_in_case(&mut self, ticket: u64, want: Want) -> Result<(), Trouble> {
+        let came = match want {
+            Want::Read(of) => Ok(Some(self.look(of).1)),
+            Want::Abort => Ok(None),
+            _ => Err(Refused::PlanRuns),
+        };
+        let aborts = want == Want::Abort;
+        if let Some(live) = &mut self.live {
+            if aborts {
+                live.abort();
+            }
+            live.answer(ticket, came);
+        }
+        if aborts { Err(Trouble::Interrupted) } else { Ok(()) }
+    }
+
+    /// A step of the case began, or is done.
+    pub(super) fn tell_step(&mut self, step: usize, done: bool) {
+        let at = self.now - self.ran.start.unwrap_or(self.now);
+        if let Some(live) = &mut self.live {
+            live.step(step, at, done);
+        }
+    }
+
+    /// What a source shows now.
+    fn look(&self, of: Source) -> (When, Value) {
+        match of {
+            Source::Inside(probe) if self.is_case() && !is_there(probe, Role::Case) => {
+                (self.seen(self.now), Value::Unknown)
+            }
+            Source::Inside(probe) => (self.seen(self.now), self.subject.read(&probe)),
+            Source::Channel(channel) => {
+                let unseen = (When::exactly(self.now), Value::Unknown);
+                self.live.as_ref().map_or(unseen, |live| live.seen(channel))
+            }
+        }
+    }
+
+    fn carry_out(&mut self, want: Want) -> Came {
+        match want {
+            Want::Read(of) => Ok(Some(self.look(of).1)),
+            Want::Write(Source::Inside(probe), value) => {
+                let written = self.subject.write(self.now, &probe, value, Cause::Unknown, &mut self.effects);
+                written.map(|()| None).map_err(Refused::Write)
+            }
+            Want::Write(Source::Channel(channel), value) => self.put(channel, value),
+            Want::Force(channel, on) => self.command(&Command::Force { channel, on }),
+            Want::Release(channel) => self.command(&Command::Unforce(channel)),
+            Want::ReleaseAll => self.release_all(),
+            Want::Command(action) => self.act_on(action),
+            Want::Abort => Err(Refused::NoPlan),
+            // Answered when they have come to pass.
+            Want::Advance(_) | Want::Plan => Ok(None),
+        }
+    }
+
+    /// Puts a value on a line that nothing else of the rig drives.
+    fn put(&mut self, channel: ChannelId, value: Value) -> Came {
+        self.writes.clear();
+        self.writes.push((channel, value));
+        if let Some(writer) = self.wiring.writers.get_mut(usize::from(channel.0)) {
+            *writer = Cause::Unknown;
+        }
+        let written = self.board.write(self.board_time(), &self.writes);
+        self.writes.clear();
+        written.map_err(Refused::Board)?;
+        if let Some(driven) = self.driven.get_mut(usize::from(channel.0)) {
+            *driven = value;
+        }
+        Ok(None)
+    }
+
+    fn command(&mut self, command: &Command) -> Came {
+        let obeyed = self.subject.command(self.now, command, &mut self.effects);
+        obeyed.map(|()| None).map_err(Refused::Command)
+    }
+
+    fn release_all(&mut self) -> Came {
+        let Some(front) = self.subject.front() else { return Err(Refused::NotPlayed) };
+        for (mask, channel) in [
+            (front.forced_inputs.0, Channel::Input as fn(usize) -> Channel),
+            (front.forced_outputs.0, Channel::Output),
+        ] {
+            for place in (0..u32::BITS as usize).filter(|place| mask >> place & 1 == 1) {
+                self.command(&Command::Unforce(channel(place)))?;
+            }
+        }
+        Ok(None)
+    }
+
+    fn act_on(&mut self, action: Action) -> Came {
+        let command = match action {
+            Action::Run => Command::Run,
+            Action::Stop => Command::Stop,
+            Action::ResetWarm => Command::ResetWarm,
+            Action::ResetCold => Command::ResetCold,
+            Action::ResetOrigin => Command::ResetOrigin,
+            Action::Reboot => Command::Reboot,
+            Action::SwitchRun => Command::Switch(true),
+            Action::SwitchStop => Command::Switch(false),
+            Action::PowerOn | Action::PowerOff => {
+                self.subject.power(self.now, action == Action::PowerOn, &mut self.effects);
+                return Ok(None);
+            }
+        };
+        self.command(&command)
+    }
+
+    /// Clients learn what a channel has.
+    #[inline]
+    pub(super) fn tell_channel(
+        &mut self,
+        channel: ChannelId,
+        at: When,
+        value: Value,
+        lost: Option<LossReason>,
+    ) {
+        if let Some(live) = &mut self.live {
+            live.channel(channel, at, value, lost);
+        }
+    }
+
+    /// Clients learn what was on a bus.
+    #[inline]
+    pub(super) fn tell_bus(&mut self, event: &BusEvent) {
+        if let Some(live) = &mut self.live {
+            live.bus(event);
+        }
+    }
+}

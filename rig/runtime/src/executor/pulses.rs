@@ -1,0 +1,195 @@
+//! Pulses on real lines: every edge that a step or the subject makes reaches the board by itself, what the rig is late
+//! with keeps apart, and a step is done when its last edge was seen.
+
+use super::Executor;
+use crate::generator::Generator;
+use crate::trouble::Trouble;
+use drivers::ChannelId;
+use signal::{Level, Span, Time, Value};
+
+/// The edges that steps asked for and nobody has seen yet.
+#[derive(Debug, Default)]
+pub(super) struct Pulses {
+    /// How many of each channel.
+    asked: Vec<u32>,
+    /// Whether one of its edges was seen since it had none to come.
+    followed: Vec<bool>,
+    /// Whether changes of each were lost.
+    missed: Vec<bool>,
+    /// Steps that are done but for their last edges, and until when these are waited for.
+    ending: Vec<(usize, Time)>,
+    /// How late the pulses of a step ended at worst.
+    late: Span,
+    /// The end of the case has come, and waits for edges that were to come before it.
+    put_off: bool,
+}
+
+impl Pulses {
+    /// For so many channels and steps.
+    pub(super) fn new(channels: usize, steps: usize) -> Pulses {
+        Pulses {
+            asked: vec![0; channels],
+            followed: vec![false; channels],
+            missed: vec![false; channels],
+            ending: Vec::with_capacity(steps),
+            late: Span::ZERO,
+            put_off: false,
+        }
+    }
+
+    /// Until when the next step waits.
+    #[inline]
+    pub(super) fn next(&self) -> Option<Time> {
+        self.ending.iter().map(|(_, until)| *until).min()
+    }
+
+    /// A change of a channel was seen.
+    #[inline]
+    pub(super) fn seen(&mut self, channel: ChannelId) {
+        let place = usize::from(channel.0);
+        if let Some(asked) = self.asked.get_mut(place).filter(|asked| **asked > 0) {
+            *asked -= 1;
+            self.followed[place] = true;
+        }
+    }
+
+    fn ask(&mut self, channel: ChannelId) {
+        let place = usize::from(channel.0);
+        self.followed[place] &= self.asked[place] > 0;
+        self.asked[place] += 1;
+    }
+
+    /// Whether the channel owes an edge.
+    fn owes(&self, channel: ChannelId) -> bool {
+        self.asked.get(usize::from(channel.0)).is_some_and(|asked| *asked > 0)
+    }
+
+    /// Nothing of it is waited for any more. Whether it had followed before.
+    fn forget(&mut self, channel: ChannelId) -> bool {
+        let place = usize::from(channel.0);
+        let owed = std::mem::take(&mut self.asked[place]) > 0;
+        std::mem::take(&mut self.followed[place]) && owed
+    }
+}
+
+impl Executor<'_> {
+    /// An edge of a step's generator comes later than the rig may be: what counts on its instant is not what was
+    /// planned.
+    pub(super) fn note_late_edge(&mut self, step: usize) {
+        let of_edges = |generator: &Generator| generator.is_of_edges();
+        let generator = self.schedule.steps()[step].generator.as_ref();
+        let Some(at) = self.schedule.planned(step).filter(|_| generator.is_some_and(of_edges)) else {
+            return;
+        };
+        let late = self.actual - at;
+        if late > self.limits.late {
+            self.ran.trouble.get_or_insert(Trouble::Late { at, late, limit: self.limits.late });
+        }
+    }
+
+    /// These writes of a generator are about to be made: the edges among them are to be seen.
+    pub(super) fn expect_edges(&mut self) {
+        if self.modelled {
+            return;
+        }
+        for (channel, value) in &self.writes {
+            let place = usize::from(channel.0);
+            let sensed = self.board.channels().get(place).is_some_and(|channel| channel.senses);
+            if sensed && matches!(value, Value::Bool(_)) && self.driven.get(place) != Some(value) {
+                self.pulses.ask(*channel);
+            }
+        }
+    }
+
+    /// Whether the end of a step waits for edges that it asked for.
+    pub(super) fn awaits_edges(&mut self, step: usize) -> bool {
+        if self.modelled || self.ran.trouble.is_some() {
+            return false;
+        }
+        let planned = &self.schedule.steps()[step];
+        let Some(generator) = &planned.generator else { return false };
+        if let Some(begun) = self.schedule.begun(step).filter(|_| planned.repeat.is_none()) {
+            // What follows from late pulses has as much time as it was to have.
+            self.pulses.late = self.pulses.late.max(self.now - begun.saturating_add(planned.lasts));
+        }
+        if !generator.channels().any(|channel| self.pulses.owes(channel)) {
+            return false;
+        }
+        let until = self.actual.saturating_add(self.limits.late);
+        self.pulses.ending.push((step, until));
+        true
+    }
+
+    /// The end of the case; not before pulses that the rig is late with have come that were to come before it.
+    pub(super) fn end(&self) -> Time {
+        match self.schedule.end() {
+            Some(end) if self.pulses.put_off && self.is_behind(end) => Time::MAX,
+            Some(end) => end.saturating_add(self.pulses.late),
+            None => Time::MAX,
+        }
+    }
+
+    /// Whether the case, whose end has come, goes on for what the rig is late with.
+    pub(super) fn puts_off_end(&mut self) -> bool {
+        let early = self.over || self.schedule.ended().is_some() || self.ran.trouble.is_some();
+        self.pulses.put_off = !early && self.schedule.end().is_some_and(|end| self.is_behind(end));
+        self.pulses.put_off
+    }
+
+    fn is_behind(&self, end: Time) -> bool {
+        self.holds_end() || !self.modelled && (!self.pulses.ending.is_empty() || self.schedule.is_behind(end))
+    }
+
+    /// Ends the steps whose last edges were seen, or are not waited for any longer.
+    pub(super) fn end_pulses(&mut self) {
+        for place in (0..self.pulses.ending.len()).rev() {
+            let (step, until) = self.pulses.ending[place];
+            let Some(generator) = &self.schedule.steps()[step].generator else { continue };
+            let owed = generator.channels().any(|channel| self.pulses.owes(channel));
+            let over = self.actual >= until || self.ran.trouble.is_some();
+            if owed && !over {
+                continue;
+            }
+            let mut late = false;
+            for channel in generator.channels() {
+                late |= self.pulses.forget(channel);
+            }
+            // A line that never followed is cut, or held: what that means is for the claims to say.
+            if late && self.ran.trouble.is_none() {
+                let limit = self.limits.late;
+                self.ran.trouble =
+                    Some(Trouble::Late { at: until.saturating_add(-limit), late: limit, limit });
+            }
+            self.pulses.ending.remove(place);
+            self.schedule.done_at(step, self.now);
+        }
+    }
+
+    /// Changes of a line were lost. The model's counters that look at it are off by up to so many, and say so
+    /// (io:STD-HSC-16); who plays a controller goes on with them.
+    pub(super) fn miss_edges(&mut self, at: Time, channel: ChannelId, count: u32) {
+        let trouble = Trouble::Dropped { at, channel, count };
+        let place = usize::from(channel.0);
+        if !std::mem::replace(&mut self.pulses.missed[place], true) {
+            self.notice(at, trouble.show(self.board.channels()).to_string());
+        }
+        self.ran.trouble.get_or_insert(trouble);
+        for index in 0..self.wiring.inputs[place].len() {
+            let input = self.wiring.inputs[place][index];
+            self.subject.lose(self.now, input, count);
+        }
+    }
+
+    /// The subject turns an output that it has turned already since the board was told: both are edges.
+    pub(super) fn keep_edge(&mut self, channel: ChannelId, level: Level) -> Result<(), Trouble> {
+        let turns = |(known, value): &(ChannelId, Value)| *known == channel && *value != Value::from(level);
+        if self.modelled || !self.writes.iter().any(turns) {
+            return Ok(());
+        }
+        let at = self.board_time();
+        self.expect_writes();
+        let written = self.board.write(at, &self.writes);
+        self.writes.clear();
+        written.map_err(|error| Trouble::Board { at, error })
+    }
+}

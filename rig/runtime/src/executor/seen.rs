@@ -1,0 +1,84 @@
+//! What the board saw: into the trace, to the subject's inputs, and to whoever looks.
+
+use super::Executor;
+use super::lines::Arrival;
+use crate::trouble::Trouble;
+use drivers::{BoardEvent, ChannelKind, LossReason, Origin};
+use signal::{Cause, Level, Value, When};
+
+impl Executor<'_> {
+    /// What the board saw up to now goes to the trace and to the subject's inputs.
+    pub(super) fn poll(&mut self) -> Result<(), Trouble> {
+        let mut events = std::mem::take(&mut self.polled);
+        events.clear();
+        let now = self.board_time();
+        let polled = self.board.poll(now, &mut events);
+        self.mark_come();
+        for event in &events {
+            self.see(event);
+        }
+        self.polled = events;
+        polled.map_err(|error| Trouble::Board { at: now, error })?;
+        self.poll_buses(now)?;
+        // A line may have told the subject's state.
+        self.apply()
+    }
+
+    fn see(&mut self, event: &BoardEvent) {
+        let channel = event.channel();
+        let place = usize::from(channel.0);
+        let mut lost = None;
+        let (at, value, cause, origin) = match *event {
+            BoardEvent::Changed { at, value, origin, .. } => {
+                let cause = match origin {
+                    Origin::Write => self.wiring.writers[place],
+                    Origin::Gap(gap) => Cause::Gap(gap),
+                    _ => Cause::Board,
+                };
+                self.awaited.seen(channel);
+                self.pulses.seen(channel);
+                self.lines.reached(channel, at.latest, origin);
+                self.see_pulse(channel, at, value, origin);
+                (at, value, cause, origin)
+            }
+            BoardEvent::Lost { at, reason, .. } => {
+                if reason != LossReason::Injected {
+                    self.lose_channel(at, channel, reason);
+                }
+                lost = Some(reason);
+                (When::exactly(at), Value::Unknown, Cause::Board, Origin::Outside)
+            }
+            BoardEvent::Returned { at, .. } => {
+                if let Some(live) = &mut self.live {
+                    live.regained(channel);
+                }
+                return self.regain_channel(at, channel);
+            }
+            BoardEvent::Dropped { at, count, channel } => return self.miss_edges(at, channel, count),
+        };
+        if self.live.is_some() {
+            self.tell_channel(channel, self.seen_by_board(at, channel, origin), value, lost);
+        }
+        for index in 0..self.wiring.channels[place].len() {
+            let signal = self.wiring.channels[place][index];
+            self.record(signal, self.seen_by_board(at, channel, origin), value, cause);
+        }
+        if !self.wiring.inputs[place].is_empty() {
+            let what = match value {
+                Value::Bool(high) => Arrival::Level(Level::from_bool(high)),
+                Value::Int(count) => Arrival::Steps(self.counted_on(channel, count)),
+                // Between the two levels of a voltage an input keeps the one that it had.
+                Value::Real(volts) | Value::Measured(volts, _) => match profile::input_level(volts) {
+                    Some(high) => Arrival::Level(Level::from_bool(high)),
+                    None => return,
+                },
+                _ if self.board.channels()[place].kind == ChannelKind::Count => return,
+                _ => Arrival::Level(Level::HighZ),
+            };
+            for index in 0..self.wiring.inputs[place].len() {
+                let input = self.wiring.inputs[place][index];
+                self.input(channel, at, input, what);
+            }
+        }
+    }
+}

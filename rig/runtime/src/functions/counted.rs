@@ -1,0 +1,70 @@
+//! Inputs at which hardware counts: fast counters take its counts in place of edges.
+
+use super::configure::key_of;
+use document::Diagnostic;
+use drivers::{BoardFile, ChannelKind};
+use expert::{CounterMode, CounterRole, ExpertConfig, FunctionKind, Role, Terminal};
+use plans::plan::Settings;
+use profile::Reference;
+use signal::Area;
+
+/// The inputs of the model behind whose terminals hardware counts, bit n for In.
+pub fn counted(board: &BoardFile, reference: &Reference) -> u32 {
+    let counts = |channel: drivers::ChannelId| {
+        let channel = board.circuit.channels.get(usize::from(channel.0));
+        channel.is_some_and(|channel| channel.kind == ChannelKind::Count)
+    };
+    let inputs = board.bind.iter().filter(|binding| binding.address.area() == Area::Input);
+    inputs.filter(|binding| counts(binding.channel)).fold(0, |mask, binding| {
+        match controller::Channel::at(binding.address, reference) {
+            Some(controller::Channel::Input(input)) => mask | 1u32.checked_shl(input as u32).unwrap_or(0),
+            _ => mask,
+        }
+    })
+}
+
+/// What functions cannot do with counts.
+///
+/// # Errors
+/// The findings, each at the key that names such an input.
+pub fn check(
+    config: &ExpertConfig,
+    counted: u32,
+    settings: &Settings,
+    plan: &str,
+) -> Result<(), Vec<Diagnostic>> {
+    let mut found = Vec::new();
+    for (function, said) in config.functions.iter().zip(&settings.expert) {
+        for (role, terminal) in function.kind.terminals() {
+            let Terminal::Input(input) = terminal else { continue };
+            if counted.checked_shr(input.into()).is_none_or(|bits| bits & 1 == 0) {
+                continue;
+            }
+            let (code, message, help) = match (&function.kind, role) {
+                (FunctionKind::Counter(counter), Role::Counter(CounterRole::A)) => match counter.mode {
+                    CounterMode::OneShot { .. }
+                    | CounterMode::ModuloLoop { .. }
+                    | CounterMode::FreeLarge { .. } => continue,
+                    CounterMode::EventCounting { .. }
+                    | CounterMode::Frequency { .. }
+                    | CounterMode::Period { .. } => (
+                        "R0300",
+                        format!(
+                            "`{}` measures when its pulses come, and I{input} tells how many came",
+                            said.name
+                        ),
+                        "bind the input to a line whose edges the board tells, or measure the speed of the count in the plan",
+                    ),
+                },
+                _ => (
+                    "R0301",
+                    format!("`{}` needs the level of I{input}, behind which the board counts", said.name),
+                    "take an input that is bound to a line: a count has no level",
+                ),
+            };
+            let place = said.place(key_of(role));
+            found.push(Diagnostic::error(code, message).at(plan, place, "").help(help));
+        }
+    }
+    if found.is_empty() { Ok(()) } else { Err(found) }
+}

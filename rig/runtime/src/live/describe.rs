@@ -1,0 +1,230 @@
+//! What a rig tells of itself once: its points, tasks, functions, buses and devices.
+
+use crate::catalogue::Catalogue;
+use control::{
+    BusInfo, Channel as OnBoard, DeviceInfo, Direction, FrameSeen, FunctionInfo, Point, SignalKind, TaskInfo,
+};
+use controller::{TaskConfig, TaskKind};
+use drivers::{Board, BoardFile, BusId, BusKind, ChannelId, ChannelKind, Frame};
+use expert::{CounterKind, CounterMode, FunctionKind, Terminal};
+use program::Storage;
+use signal::{Address, Area, Time};
+
+/// The devices behind a board's channels and buses, each once.
+#[derive(Debug)]
+pub struct Devices {
+    /// As they are told.
+    pub list: Vec<DeviceInfo>,
+    /// The device behind each channel.
+    pub of_channels: Vec<Option<usize>>,
+    /// The device behind each bus.
+    pub of_buses: Vec<Option<usize>>,
+}
+
+impl Devices {
+    /// Those of a board.
+    pub fn of(board: &dyn Board) -> Devices {
+        let mut list: Vec<DeviceInfo> = Vec::new();
+        let mut place = |name: Option<&str>| {
+            let name = name?;
+            if let Some(known) = list.iter().position(|known| known.name == name) {
+                return Some(known);
+            }
+            let path = name.split(' ').next().filter(|path| path.starts_with('/')).unwrap_or_default();
+            list.push(DeviceInfo { name: name.to_owned(), kind: kind_of(name), path: path.to_owned() });
+            Some(list.len() - 1)
+        };
+        let channels = 0..board.channels().len() as u16;
+        let of_channels = channels.map(|channel| place(board.device(ChannelId(channel)))).collect();
+        let buses = 0..board.buses().len() as u16;
+        let of_buses = buses.map(|bus| place(board.bus_device(BusId(bus)))).collect();
+        Devices { list, of_channels, of_buses }
+    }
+}
+
+/// The kind of a device by what its driver calls it.
+fn kind_of(name: &str) -> String {
+    const KINDS: [(&str, &str); 8] = [
+        ("gpiochip", "gpio"),
+        ("spidev", "spi"),
+        ("iio:", "iio"),
+        ("counter", "counter"),
+        ("pwm", "pwm"),
+        ("tty", "serial"),
+        ("pts/", "serial"),
+        ("can", "can"),
+    ];
+    let kind = KINDS.iter().find(|(part, _)| name.contains(part));
+    kind.map_or_else(|| String::from("other"), |(_, kind)| (*kind).to_owned())
+}
+
+/// The terminals of the controller, then the lines of the board that have none.
+pub fn points(catalogue: &Catalogue, file: &BoardFile, board: &dyn Board, devices: &Devices) -> Vec<Point> {
+    let reference = catalogue.reference();
+    let (inputs, outputs) = (reference.input_count() as u32, reference.output_count() as u32);
+    let expert = catalogue.functions().functions.iter().fold(0, |mask, known| mask | known.kind.outputs());
+    let channel = |id: ChannelId| {
+        let channel = board.channels().get(usize::from(id.0))?;
+        Some(OnBoard {
+            name: channel.name.clone(),
+            unit: channel.unit().to_owned(),
+            device: devices.of_channels.get(usize::from(id.0)).copied().flatten(),
+            drives: file.is_driven(id).unwrap_or(channel.drives),
+        })
+    };
+    let terminal = |area: Area, letter: char, number: u32| {
+        let address = Address::bit(area, number);
+        Point {
+            name: format!("{letter}{number}"),
+            address: Some(address.to_string()),
+            variable: variable_at(catalogue, address),
+            direction: if area == Area::Input { Direction::Input } else { Direction::Output },
+            kind: SignalKind::Bool,
+            channel: file.channel_of(address).and_then(channel),
+            image: Some(address.to_string()),
+            forcible: area == Area::Input || expert >> number & 1 == 0,
+        }
+    };
+    let inputs = (0..inputs).map(|number| terminal(Area::Input, 'I', number));
+    let outputs = (0..outputs).map(|number| terminal(Area::Output, 'Q', number));
+    let terminals: Vec<Point> = inputs.chain(outputs).collect();
+    // A simulated board has a line for each terminal. Nothing is on that of one which is bound elsewhere, and its name means
+    // the terminal.
+    let leads_nowhere =
+        |name: &str| !file.is_real() && terminals.iter().any(|terminal| terminal.name == name);
+    let loose = (0..board.channels().len() as u16)
+        .map(ChannelId)
+        .filter(|id| !file.bind.iter().any(|binding| binding.channel == *id));
+    let loose = loose.filter_map(|id| {
+        let known = board.channels().get(usize::from(id.0)).filter(|known| !leads_nowhere(&known.name))?;
+        Some(Point {
+            name: known.name.clone(),
+            address: None,
+            variable: None,
+            direction: Direction::Loose,
+            kind: match known.kind {
+                ChannelKind::Digital => SignalKind::Bool,
+                ChannelKind::Analog { .. } => SignalKind::Real,
+                ChannelKind::Count => SignalKind::Int,
+            },
+            channel: channel(id),
+            image: None,
+            forcible: false,
+        })
+    });
+    let loose: Vec<Point> = loose.collect();
+    terminals.into_iter().chain(loose).collect()
+}
+
+/// The channel behind each point, in their order.
+pub fn channels(points: &[Point], board: &dyn Board) -> Vec<Option<usize>> {
+    let place = |point: &Point| {
+        let channel = point.channel.as_ref()?;
+        board.channels().iter().position(|known| known.name == channel.name)
+    };
+    points.iter().map(place).collect()
+}
+
+fn variable_at(catalogue: &Catalogue, address: Address) -> Option<String> {
+    let mut variables = catalogue.programs().first()?.variables().iter();
+    let found = variables
+        .find(|variable| variable.dimensions.is_empty() && variable.storage == Storage::Located(address));
+    found.map(|variable| variable.path.clone())
+}
+
+/// The tasks, with the programs that each runs.
+pub fn tasks(catalogue: &Catalogue, programs: &[(String, Vec<String>)]) -> Vec<TaskInfo> {
+    let known = catalogue.programs().first();
+    let places = known.and_then(|program| crate::application::assign(program, programs));
+    let named = |name: &str| -> Vec<String> {
+        let place = programs.iter().position(|(task, _)| task.eq_ignore_ascii_case(name));
+        let run = place.and_then(|place| places.as_ref()?.get(place)).cloned().unwrap_or_default();
+        run.iter().filter_map(|place| known?.programs().get(*place).cloned()).collect()
+    };
+    let task = |config: &TaskConfig| TaskInfo {
+        name: config.name.clone(),
+        kind: match config.kind {
+            TaskKind::Cyclic { .. } => "cyclic",
+            TaskKind::Freewheeling => "freewheeling",
+            TaskKind::Event { .. } => "event",
+            TaskKind::ExternalEvent { .. } => "external-event",
+        }
+        .into(),
+        interval: config.interval().map_or(0, |interval| interval.as_nanos()),
+        priority: config.priority,
+        watchdog: config.watchdog.map(|watchdog| watchdog.time.as_nanos()),
+        programs: named(&config.name),
+    };
+    catalogue.tasks().iter().map(task).collect()
+}
+
+/// The expert functions.
+pub fn functions(catalogue: &Catalogue) -> Vec<FunctionInfo> {
+    let config = catalogue.functions();
+    let facts: Vec<String> = crate::functions::names(config).collect();
+    let function = |known: &expert::Function| {
+        let prefix = format!("{}.", known.name);
+        let terminal = |terminal: &Terminal| match terminal {
+            Terminal::Input(n) => format!("I{n}"),
+            Terminal::Output(n) => format!("Q{n}"),
+        };
+        FunctionInfo {
+            name: known.name.clone(),
+            kind: words(&known.kind).into(),
+            signals: facts.iter().filter(|fact| fact.starts_with(&prefix)).cloned().collect(),
+            terminals: known.kind.terminals().iter().map(|(_, it)| terminal(it)).collect(),
+        }
+    };
+    config.functions.iter().map(function).collect()
+}
+
+fn words(kind: &FunctionKind) -> &'static str {
+    match kind {
+        FunctionKind::Counter(counter) => match (counter.mode, counter.kind) {
+            (CounterMode::Frequency { .. }, _) => "HSC frequency meter",
+            (CounterMode::Period { .. }, _) => "HSC period meter",
+            (CounterMode::EventCounting { .. }, _) => "HSC event counter",
+            (_, CounterKind::Simple) => "HSC simple",
+            (_, CounterKind::Single) => "HSC main, single phase",
+            (_, CounterKind::Dual { .. }) => "HSC main, dual phase",
+        },
+        FunctionKind::Axis(_) => "PTO",
+        FunctionKind::Pwm(_) => "PWM",
+        FunctionKind::Generator(_) => "frequency generator",
+    }
+}
+
+/// The buses of a board.
+pub fn buses(board: &dyn Board) -> Vec<BusInfo> {
+    let kilobits = |rate: u32| format!("{} kbit/s", f64::from(rate) / 1_000.0);
+    let bus = |bus: &drivers::Bus| {
+        let (kind, settings) = match bus.kind {
+            BusKind::Can { bitrate, data_bitrate: None } => ("can", kilobits(bitrate)),
+            BusKind::Can { bitrate, data_bitrate: Some(data) } => {
+                ("can-fd", format!("{}, data {}", kilobits(bitrate), kilobits(data)))
+            }
+            BusKind::Serial { baud } => ("serial", format!("{baud} baud")),
+        };
+        BusInfo { name: bus.name.clone(), kind: kind.into(), settings }
+    };
+    board.buses().iter().map(bus).collect()
+}
+
+/// A frame as clients are told of it.
+pub fn frame(bus: Option<&BusInfo>, at: Time, frame: &Frame, own: bool) -> FrameSeen {
+    let serial = bus.is_some_and(|bus| bus.kind == "serial");
+    let flags = [(frame.remote, "remote"), (frame.fd, "fd"), (frame.brs, "brs"), (frame.esi, "esi")];
+    let flags = flags.into_iter().filter(|(set, _)| *set).map(|(_, flag)| flag.to_owned());
+    FrameSeen {
+        bus: bus.map_or_else(String::new, |bus| bus.name.clone()),
+        at: at.as_nanos(),
+        sent: own,
+        id: match (serial, frame.extended) {
+            (true, _) => String::new(),
+            (false, true) => format!("{:08X}", frame.id),
+            (false, false) => format!("{:03X}", frame.id),
+        },
+        flags: flags.collect(),
+        data: frame.data().iter().map(|byte| format!("{byte:02X}")).collect(),
+    }
+}

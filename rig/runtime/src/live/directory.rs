@@ -1,0 +1,283 @@
+//! What names mean to the clients of a rig: numbers for signals, and what is behind each.
+
+use super::fault;
+use super::wire::Source;
+use crate::catalogue::Catalogue;
+use crate::prepare::state_labels;
+use crate::subject::Observable;
+use control::{Fault, Signal, SignalKind};
+use controller::{Channel as Terminal, Probe};
+use drivers::{BoardFile, Channel, ChannelId, ChannelKind};
+use signal::{Address, AddressLimits, Area, Kind, Span, Value};
+use std::collections::BTreeMap;
+
+/// Names that can be told of one program: a description stays short enough to be sent.
+const MOST_LISTED: usize = 10_000;
+
+/// Names that clients may find beside those that are listed.
+const MOST_FOUND: usize = 4_096;
+
+/// A signal with what is behind it.
+#[derive(Clone, Debug)]
+struct Known {
+    signal: Signal,
+    source: u32,
+}
+
+/// The directory of a rig.
+#[derive(Debug)]
+pub struct Directory {
+    catalogue: Catalogue,
+    limits: AddressLimits,
+    /// Name, unit, kind, whether a client may drive it, and the terminal behind each channel.
+    channels: Vec<Line>,
+    signals: Vec<Known>,
+    /// By names in small letters.
+    names: BTreeMap<String, u32>,
+    sources: Vec<Source>,
+    /// Signals of each source.
+    shown: Vec<Vec<u32>>,
+    /// Signals beyond this number were found.
+    listed: usize,
+}
+
+/// A channel of the board.
+#[derive(Clone, Debug)]
+struct Line {
+    name: String,
+    unit: String,
+    kind: SignalKind,
+    drives: bool,
+    terminal: Option<Address>,
+}
+
+impl Directory {
+    /// What names mean on this board with this controller.
+    pub fn new(
+        catalogue: Catalogue,
+        file: &BoardFile,
+        channels: &[Channel],
+        limits: AddressLimits,
+    ) -> Directory {
+        let line = |(place, channel): (usize, &Channel)| {
+            let id = ChannelId(place as u16);
+            let bound = file.bind.iter().find(|binding| binding.channel == id);
+            Line {
+                name: channel.name.clone(),
+                unit: channel.unit().to_owned(),
+                kind: match channel.kind {
+                    ChannelKind::Digital => SignalKind::Bool,
+                    ChannelKind::Analog { .. } => SignalKind::Real,
+                    ChannelKind::Count => SignalKind::Int,
+                },
+                drives: channel.drives && file.is_driven(id) != Some(true),
+                terminal: bound.map(|binding| binding.address),
+            }
+        };
+        let mut directory = Directory {
+            channels: channels.iter().enumerate().map(line).collect(),
+            catalogue,
+            limits,
+            signals: Vec::new(),
+            names: BTreeMap::new(),
+            sources: Vec::new(),
+            shown: Vec::new(),
+            listed: usize::MAX,
+        };
+        let names: Vec<String> = directory.catalogue.names();
+        for name in std::iter::once(String::from("state")).chain(names.into_iter().take(MOST_LISTED)) {
+            // Whole arrays are in the list, and are no signals.
+            let _ = directory.find(&name);
+        }
+        directory.listed = directory.signals.len();
+        directory
+    }
+
+    /// Sources that there can ever be.
+    pub fn most(&self) -> usize {
+        self.listed + MOST_FOUND
+    }
+
+    /// The signals that are listed.
+    pub fn listed(&self) -> Vec<Signal> {
+        self.signals.iter().take(self.listed).map(|known| known.signal.clone()).collect()
+    }
+
+    /// The signal of a name.
+    ///
+    /// # Errors
+    /// A name that means nothing, or one more than can be found.
+    pub fn find(&mut self, name: &str) -> Result<Signal, Fault> {
+        let name = name.trim();
+        let small = name.to_ascii_lowercase();
+        if let Some(known) = self.names.get(&small).and_then(|number| self.signals.get(*number as usize)) {
+            return Ok(known.signal.clone());
+        }
+        let (source, signal) = self.meaning(name)?;
+        if self.signals.len() >= self.listed.saturating_add(MOST_FOUND) {
+            return Err(fault::too_many(&format!("{MOST_FOUND} names were looked up besides those listed")));
+        }
+        let number = self.signals.len() as u32;
+        let place = self.sources.iter().position(|known| *known == source).unwrap_or_else(|| {
+            self.sources.push(source);
+            self.shown.push(Vec::new());
+            self.sources.len() - 1
+        });
+        self.shown[place].push(number);
+        let signal = Signal { number, ..signal };
+        self.signals.push(Known { signal: signal.clone(), source: place as u32 });
+        self.names.insert(small, number);
+        Ok(signal)
+    }
+
+    /// What is behind a signal, under its own number.
+    pub fn source(&self, signal: u32) -> Option<(u32, Source)> {
+        let source = self.signals.get(signal as usize)?.source;
+        Some((source, *self.sources.get(source as usize)?))
+    }
+
+    /// What a source is.
+    pub fn of(&self, source: u32) -> Option<Source> {
+        self.sources.get(source as usize).copied()
+    }
+
+    /// The signals that show a source.
+    pub fn shown(&self, source: u32) -> &[u32] {
+        self.shown.get(source as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// The signal of this number.
+    pub fn signal(&self, signal: u32) -> Option<&Signal> {
+        self.signals.get(signal as usize).map(|known| &known.signal)
+    }
+
+    /// The embedded input or output whose image or line a signal is.
+    pub fn terminal(&self, signal: u32) -> Option<Terminal> {
+        let address = match self.source(signal)?.1 {
+            Source::Inside(Probe::Address(address)) => address,
+            Source::Inside(_) => return None,
+            Source::Channel(channel) => self.channels.get(usize::from(channel.0))?.terminal?,
+        };
+        Terminal::at(address, self.catalogue.reference())
+    }
+
+    /// The value as a signal takes it.
+    ///
+    /// # Errors
+    /// It cannot be written, or not with this value.
+    pub fn fitting(&self, signal: u32, value: Value) -> Result<Value, Fault> {
+        let Some(known) = self.signal(signal) else { return Err(fault::unknown(&signal.to_string(), None)) };
+        if !known.writable {
+            return Err(fault::not_written(&known.name));
+        }
+        let whole = |value: Value| value.as_int().ok_or_else(|| fault::unfit(&known.name, "a whole number"));
+        let fitting = match known.kind {
+            SignalKind::Bool => {
+                let number = whole(value).map_err(|_| fault::unfit(&known.name, "TRUE or FALSE"))?;
+                match number {
+                    0 => Value::Bool(false),
+                    1 => Value::Bool(true),
+                    _ => return Err(fault::unfit(&known.name, "TRUE or FALSE")),
+                }
+            }
+            SignalKind::Real => {
+                let number = value.as_real().ok_or_else(|| fault::unfit(&known.name, "a number"))?;
+                Value::Real(number)
+            }
+            SignalKind::Int | SignalKind::Word | SignalKind::State => {
+                let number = whole(value)?;
+                let bounds = self.catalogue.bounds(&known.name);
+                if let Some((low, high)) = bounds.filter(|(low, high)| number < *low || number > *high) {
+                    return Err(fault::unfit(&known.name, &format!("a number from {low} to {high}")));
+                }
+                if let Some((low, high)) = self.catalogue.times(&known.name)
+                    && !(i128::from(low)..=i128::from(high)).contains(&number)
+                {
+                    let (low, high) = (Span::from_nanos(low), Span::from_nanos(high));
+                    return Err(fault::unfit(&known.name, &format!("a time from {low} to {high}")));
+                }
+                value
+            }
+        };
+        Ok(fitting)
+    }
+
+    fn meaning(&self, name: &str) -> Result<(Source, Signal), Fault> {
+        let signal = |name: &str, kind, writable| Signal {
+            number: 0,
+            name: name.to_owned(),
+            kind,
+            unit: String::new(),
+            labels: Vec::new(),
+            writable,
+        };
+        let place = self.channels.iter().position(|line| line.name.eq_ignore_ascii_case(name));
+        // Whoever says Q0 means the terminal, unless the line of this name is the one behind it.
+        let terminal = self.of_terminal(name);
+        let behind = place.and_then(|place| self.channels[place].terminal);
+        if let Some(address) = terminal.filter(|_| terminal != behind) {
+            return self.meaning(&address.to_string());
+        }
+        if let Some(place) = place {
+            let line = &self.channels[place];
+            let found = Signal { unit: line.unit.clone(), ..signal(&line.name, line.kind, line.drives) };
+            return Ok((Source::Channel(ChannelId(place as u16)), found));
+        }
+        if name.eq_ignore_ascii_case("state") {
+            let found = Signal { labels: state_labels(), ..signal("state", SignalKind::State, false) };
+            return Ok((Source::Inside(Probe::State), found));
+        }
+        if let Ok(address) = Address::parse(name)
+            && let Err(error) = address.check(&self.limits)
+        {
+            return Err(fault::beyond(name, &error.to_string()));
+        }
+        let Some(found) = self.catalogue.observable(name) else { return Err(self.unknown(name)) };
+        let Observable { probe, kind } = found;
+        let writable = match probe {
+            Probe::Address(_) | Probe::Variable(_) => true,
+            Probe::System(variable) => variable.is_written(),
+            _ => false,
+        };
+        let spelling = match probe {
+            Probe::Address(address) if name.starts_with('%') => address.to_string(),
+            _ => {
+                let mut programs = self.catalogue.programs().iter();
+                let path = programs.find_map(|program| program.find(name)).map(|variable| variable.path);
+                path.unwrap_or_else(|| name.to_owned())
+            }
+        };
+        let is_time = matches!(probe, Probe::Variable(_)) && self.catalogue.times(name).is_some();
+        let unit = if is_time { String::from("ns") } else { String::new() };
+        let found = Signal { unit, labels: found.labels(), ..signal(&spelling, kind_of(kind), writable) };
+        Ok((Source::Inside(probe), found))
+    }
+
+    /// The address of `I3` or `Q0`.
+    fn of_terminal(&self, name: &str) -> Option<Address> {
+        let (letter, number) = name.split_at_checked(1)?;
+        let number: u32 = number.parse().ok().filter(|_| number.bytes().all(|c| c.is_ascii_digit()))?;
+        let (area, count) = match letter {
+            "I" | "i" => (Area::Input, self.catalogue.reference().input_count()),
+            "Q" | "q" => (Area::Output, self.catalogue.reference().output_count()),
+            _ => return None,
+        };
+        ((number as usize) < count).then(|| Address::bit(area, number))
+    }
+
+    fn unknown(&self, name: &str) -> Fault {
+        let channels = self.channels.iter().map(|line| line.name.as_str());
+        let names = channels.chain(self.signals.iter().map(|known| known.signal.name.as_str()));
+        fault::unknown(name, document::suggest(name, names))
+    }
+}
+
+const fn kind_of(kind: Kind) -> SignalKind {
+    match kind {
+        Kind::Bool => SignalKind::Bool,
+        Kind::Int | Kind::Mark => SignalKind::Int,
+        Kind::Word => SignalKind::Word,
+        Kind::Real => SignalKind::Real,
+        Kind::State => SignalKind::State,
+    }
+}

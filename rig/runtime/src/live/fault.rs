@@ -1,0 +1,116 @@
+//! What is said to a client whose order is not carried out.
+
+use super::wire::Refused;
+use control::Fault;
+use controller::{Refusal, State, WriteError};
+
+fn fault(code: &str, message: String, help: &str) -> Fault {
+    Fault { code: code.into(), message, help: help.into() }
+}
+
+/// A name that means nothing.
+pub fn unknown(name: &str, meant: Option<&str>) -> Fault {
+    let help = match meant {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => String::from("`describe` lists the names; addresses such as %MW12 can be named besides"),
+    };
+    fault("R0601", format!("`{name}` means nothing to this rig"), &help)
+}
+
+/// An address that the controller does not have.
+pub fn beyond(name: &str, why: &str) -> Fault {
+    fault("R0601", format!("`{name}` means nothing to this rig: {why}"), "name an address of this controller")
+}
+
+/// Something that is only looked at.
+pub fn not_written(name: &str) -> Fault {
+    let help = "write a variable, a %M address, or a line of the board that nothing of the rig drives; force an output";
+    fault("R0602", format!("`{name}` cannot be written"), help)
+}
+
+/// A value that does not fit.
+pub fn unfit(name: &str, wanted: &str) -> Fault {
+    fault("R0603", format!("the value does not fit `{name}`"), &format!("it takes {wanted}"))
+}
+
+/// More than there is room for.
+pub fn too_many(what: &str) -> Fault {
+    fault("R0604", format!("too much at once: {what}"), "end what is not needed, or ask again later")
+}
+
+/// Something that is no embedded input or output.
+pub fn not_forced(name: &str) -> Fault {
+    let help = "force an embedded input or output, as in %IX0.2 or Q3; write anything else";
+    fault("R0605", format!("`{name}` cannot be forced"), help)
+}
+
+/// Why the scan did not carry out an order.
+pub fn refused(why: Refused) -> Fault {
+    match why {
+        Refused::Command(refusal) => {
+            fault("R0606", format!("the controller does not obey: {refusal}"), mend(refusal))
+        }
+        Refused::Write(WriteError::State(state)) => fault(
+            "R0606",
+            format!("nothing is written in state {state}"),
+            "switch it on, and wait until it has booted",
+        ),
+        Refused::Write(error) => {
+            fault("R0602", error.to_string(), "write a variable, or an address of %M, %Q or %I")
+        }
+        Refused::Board(error) => fault("R0608", format!("the board does not do it: {error}"), ""),
+        Refused::NotLed => fault(
+            "R0607",
+            "time passes by itself here".into(),
+            "start the rig with `rig run --led` to lead it",
+        ),
+        Refused::PlanRuns => plan_runs(),
+        Refused::NoPlan => fault("R0612", "no plan runs".into(), ""),
+        Refused::NotPlayed => {
+            fault("R0606", "the controller is a real one: its memory is out of reach".into(), "")
+        }
+    }
+}
+
+const fn mend(refusal: Refusal) -> &'static str {
+    match refusal {
+        Refusal::State(State::Off) => "switch its supply on first",
+        Refusal::State(State::Booting) => "wait until it has booted",
+        Refusal::State(State::Empty) => "it has no application any more: start the rig again",
+        Refusal::State(State::Halt) => "reset it first",
+        Refusal::SwitchAtStop => "move the Run/Stop switch to Run first",
+        Refusal::RunStopInput => "give the Run/Stop input a 1 first",
+        Refusal::Stopping => "wait until the cycle under way has ended",
+        Refusal::ExpertOutput(_) => "a function drives it: act on the function",
+        _ => "",
+    }
+}
+
+/// Clients lead the time of modelled lines alone.
+pub const LED: &str = "R0600";
+
+/// A plan that cannot be run.
+pub fn plan(why: &str) -> Fault {
+    fault("R0610", format!("the plan cannot be run: {why}"), "`rig check` says more of it")
+}
+
+/// A case that a plan does not have.
+pub fn no_case(name: &str, meant: Option<&str>) -> Fault {
+    let help = meant
+        .map_or_else(|| String::from("`plans` lists the cases"), |meant| format!("did you mean `{meant}`?"));
+    fault("R0610", format!("there is no case `{name}`"), &help)
+}
+
+/// A plan has the board.
+pub fn plan_runs() -> Fault {
+    fault(
+        "R0611",
+        "a plan runs: the board is its own until it ends".into(),
+        "wait until it is over, or abort it",
+    )
+}
+
+/// A rig that runs no plans.
+pub fn no_plans() -> Fault {
+    fault("R0609", "this rig runs no plans".into(), "run them with `rig test`")
+}

@@ -1,0 +1,373 @@
+//! The handle of a rig that runs, as the control socket holds it. None of its calls waits for the scan.
+
+use super::describe;
+use super::desk::{Bench, Chosen, Desk, held};
+use super::directory::Directory;
+use super::fault;
+use super::status::Instruments;
+use super::wire::{News, Outcome, Outside, Want, Wish};
+use control::{Description, Fault, FrameSeen, Greeting, PROTOCOL, PlanEvent, PlanStatus, Signal, Status};
+use host::Bell;
+use services::control::{Answer, MOST_ORDERS, Order, Rig, Ticket, Told};
+use signal::{Value, When};
+use std::collections::{BTreeSet, VecDeque};
+use std::sync::Arc;
+use std::sync::mpsc::{self, Receiver, TryRecvError};
+
+/// Sources that can be watched at once.
+pub(super) const MOST_WATCHED: usize = 1_024;
+
+/// How a source is watched.
+#[derive(Clone, Copy, Debug, Default)]
+struct Watched {
+    /// As often as clients want it.
+    wanted: u32,
+    /// The scan knows of it.
+    known: bool,
+    last: Option<(When, Value)>,
+}
+
+/// How plans are chosen, and where those that were wait.
+#[derive(Debug)]
+pub(super) struct Orders {
+    pub bench: Option<Arc<Bench>>,
+    pub desk: Desk,
+}
+
+/// The handle.
+pub struct LiveRig {
+    pub(super) ends: Outside,
+    pub(super) bell: Arc<Bell>,
+    pub(super) description: Description,
+    pub(super) version: String,
+    pub(super) directory: Directory,
+    pub(super) instruments: Instruments,
+    /// By source.
+    watched: Vec<Watched>,
+    /// How often each signal is wanted.
+    signals: Vec<u32>,
+    /// Sources that are watched, or will be.
+    watching: usize,
+    /// Sources of which the scan does not know yet how they are wanted.
+    stale: BTreeSet<u32>,
+    /// Orders that found no room.
+    waiting: VecDeque<Wish>,
+    /// What is told with the next call although the scan does not tell it.
+    own: Vec<Told>,
+    outcomes: Vec<(u64, Outcome)>,
+    orders: Orders,
+    /// A plan that is being read, and for which order.
+    reading: Option<(u64, Receiver<Result<Chosen, Fault>>)>,
+    plan: Option<PlanStatus>,
+    ended: bool,
+}
+
+impl std::fmt::Debug for LiveRig {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("LiveRig").field("board", &self.description.board).finish_non_exhaustive()
+    }
+}
+
+impl LiveRig {
+    pub(super) fn new(
+        ends: Outside,
+        bell: Arc<Bell>,
+        description: Description,
+        version: &str,
+        directory: Directory,
+        instruments: Instruments,
+        orders: Orders,
+    ) -> LiveRig {
+        LiveRig {
+            watched: vec![Watched::default(); directory.most()],
+            signals: vec![0; directory.most()],
+            ends,
+            bell,
+            description,
+            version: version.to_owned(),
+            directory,
+            instruments,
+            watching: 0,
+            stale: BTreeSet::new(),
+            waiting: VecDeque::with_capacity(MOST_ORDERS),
+            own: Vec::new(),
+            outcomes: Vec::new(),
+            orders,
+            reading: None,
+            plan: None,
+            ended: false,
+        }
+    }
+
+    /// Hands the scan what waits for it, as far as there is room.
+    fn flush(&mut self) {
+        let mut rings = false;
+        while let Some(source) = self.stale.first().copied() {
+            let place = source as usize;
+            let wanted = self.watched.get(place).is_some_and(|watched| watched.wanted > 0);
+            let of = self.directory.of(source);
+            let (Some(watched), Some(of)) = (self.watched.get_mut(place), of) else {
+                self.stale.pop_first();
+                continue;
+            };
+            if watched.known != wanted {
+                let wish = if wanted { Wish::Watch(source, of) } else { Wish::Unwatch(source) };
+                if self.ends.wishes.push(wish).is_err() {
+                    break;
+                }
+                watched.known = wanted;
+                rings = true;
+            }
+            self.stale.pop_first();
+        }
+        // An order sees what was watched before it.
+        while self.stale.is_empty()
+            && let Some(wish) = self.waiting.pop_front()
+        {
+            if let Err(rtrb::PushError::Full(wish)) = self.ends.wishes.push(wish) {
+                self.waiting.push_front(wish);
+                break;
+            }
+            rings = true;
+        }
+        if rings {
+            self.bell.ring();
+        }
+    }
+
+    /// The order with its names resolved.
+    fn want(&self, order: &Order) -> Result<Want, Fault> {
+        let source = |signal: u32| {
+            let found = self.directory.source(signal);
+            found.ok_or_else(|| fault::unknown(&signal.to_string(), None)).map(|(_, of)| of)
+        };
+        let terminal = |signal: u32| {
+            let name = self.directory.signal(signal).map_or("", |signal| signal.name.as_str());
+            self.directory.terminal(signal).ok_or_else(|| fault::not_forced(name)).map(|found| (found, name))
+        };
+        Ok(match *order {
+            Order::Read(signal) => Want::Read(source(signal)?),
+            Order::Write(signal, value) => {
+                Want::Write(source(signal)?, self.directory.fitting(signal, value)?)
+            }
+            Order::Force(signal, value) => {
+                let (channel, name) = terminal(signal)?;
+                match value.as_int() {
+                    Some(0) => Want::Force(channel, false),
+                    Some(1) => Want::Force(channel, true),
+                    _ => return Err(fault::unfit(name, "TRUE or FALSE")),
+                }
+            }
+            Order::Release(signal) => Want::Release(terminal(signal)?.0),
+            Order::ReleaseAll => Want::ReleaseAll,
+            Order::Command(action) => Want::Command(action),
+            Order::Advance(by) => Want::Advance(by),
+            // Its words do not go into the scan: the plan waits on the desk.
+            Order::Plan(_) => Want::Plan,
+            Order::Abort => Want::Abort,
+        })
+    }
+
+    /// Has a plan read by a thread of its own, which may take its time.
+    fn read_plan(&mut self, ticket: Ticket, name: &str) -> Result<(), Fault> {
+        let bench = self.orders.bench.clone().ok_or_else(fault::no_plans)?;
+        if self.reading.is_some() || self.plan.is_some() {
+            return Err(fault::plan_runs());
+        }
+        let (send, chosen) = mpsc::sync_channel(1);
+        let name = name.to_owned();
+        let read = move || {
+            // Whoever asked may be gone with the rig.
+            let _ = send.send(bench.choose(&name));
+        };
+        let thread = std::thread::Builder::new().name("plan".into()).spawn(read);
+        thread.map_err(|error| fault::plan(&error.to_string()))?;
+        self.reading = Some((ticket.0, chosen));
+        Ok(())
+    }
+
+    /// The plan that was read, if one is.
+    fn take_plan(&mut self, told: &mut dyn FnMut(Told)) {
+        let Some((ticket, chosen)) = &self.reading else { return };
+        let ticket = *ticket;
+        let chosen = match chosen.try_recv() {
+            Ok(chosen) => chosen,
+            Err(TryRecvError::Empty) => return,
+            Err(TryRecvError::Disconnected) => Err(fault::plan("it cannot be read")),
+        };
+        self.reading = None;
+        match chosen {
+            Ok(chosen) => {
+                *held(&self.orders.desk) = Some(chosen);
+                self.waiting.push_back(Wish::Order(ticket, Want::Plan));
+            }
+            Err(fault) => told(Told::Answer(Ticket(ticket), Err(fault))),
+        }
+    }
+
+    fn hear_plan(&mut self, event: PlanEvent, told: &mut dyn FnMut(Told)) {
+        match &event {
+            PlanEvent::Case { name, place, .. } => {
+                self.plan = Some(PlanStatus::of(name, *place));
+            }
+            PlanEvent::Over { .. } => self.plan = None,
+            _ => {}
+        }
+        told(Told::Plan(event));
+    }
+
+    fn frame(&self, bus: drivers::BusId, at: signal::Time, frame: &drivers::Frame, own: bool) -> FrameSeen {
+        let info = self.description.buses.get(usize::from(bus.0));
+        describe::frame(info, at, frame, own)
+    }
+}
+
+impl Rig for LiveRig {
+    fn greeting(&self) -> Greeting {
+        Greeting {
+            rig: "scanrig".into(),
+            protocol: PROTOCOL,
+            version: self.version.clone(),
+            board: self.description.board.clone(),
+            reference: self.description.reference.clone(),
+            client: 0,
+        }
+    }
+
+    fn describe(&self) -> Description {
+        self.description.clone()
+    }
+
+    fn status(&self) -> Status {
+        Status { plan: self.plan.clone(), ..self.instruments.status(&self.description) }
+    }
+
+    fn find(&mut self, name: &str) -> Result<Signal, Fault> {
+        self.directory.find(name)
+    }
+
+    fn watch(&mut self, signal: u32) -> Result<(), Fault> {
+        let Some((source, _)) = self.directory.source(signal) else {
+            return Err(fault::unknown(&signal.to_string(), None));
+        };
+        let (Some(watched), Some(count)) =
+            (self.watched.get_mut(source as usize), self.signals.get_mut(signal as usize))
+        else {
+            return Err(fault::too_many("signals"));
+        };
+        if watched.wanted == 0 {
+            if self.watching >= MOST_WATCHED {
+                return Err(fault::too_many(&format!("{MOST_WATCHED} signals are watched")));
+            }
+            self.watching += 1;
+            self.stale.insert(source);
+        } else if *count == 0
+            && let Some((at, value)) = watched.last
+        {
+            // Another name of what is watched already.
+            self.own.push(Told::Change { signal, at, value });
+        }
+        watched.wanted += 1;
+        *count += 1;
+        Ok(())
+    }
+
+    fn unwatch(&mut self, signal: u32) {
+        let Some((source, _)) = self.directory.source(signal) else { return };
+        let (Some(watched), Some(count)) =
+            (self.watched.get_mut(source as usize), self.signals.get_mut(signal as usize))
+        else {
+            return;
+        };
+        if *count == 0 {
+            return;
+        }
+        *count -= 1;
+        watched.wanted -= 1;
+        if watched.wanted == 0 {
+            watched.last = None;
+            self.watching -= 1;
+            self.stale.insert(source);
+        }
+    }
+
+    fn last(&self, signal: u32) -> Option<(When, Value)> {
+        let (source, _) = self.directory.source(signal)?;
+        self.watched.get(source as usize)?.last
+    }
+
+    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, Fault> {
+        let bench = self.orders.bench.as_ref().ok_or_else(fault::no_plans)?;
+        bench.list(path)
+    }
+
+    fn order(&mut self, ticket: Ticket, order: Order) -> Result<(), Fault> {
+        if let Order::Plan(name) = &order {
+            return self.read_plan(ticket, name);
+        }
+        let want = self.want(&order)?;
+        if self.waiting.len() >= MOST_ORDERS {
+            return Err(fault::too_many("orders wait"));
+        }
+        self.waiting.push_back(Wish::Order(ticket.0, want));
+        self.flush();
+        Ok(())
+    }
+
+    fn poll(&mut self, told: &mut dyn FnMut(Told)) {
+        self.take_plan(told);
+        self.flush();
+        for own in self.own.drain(..) {
+            told(own);
+        }
+        let gone = self.ends.news.is_abandoned();
+        // What is answered by now was told before.
+        while let Ok(outcome) = self.ends.outcomes.pop() {
+            self.outcomes.push(outcome);
+        }
+        while let Ok(news) = self.ends.news.pop() {
+            match news {
+                News::Change(source, at, value) => {
+                    let Some(watched) = self.watched.get_mut(source as usize) else { continue };
+                    if watched.wanted == 0 {
+                        continue;
+                    }
+                    watched.last = Some((at, value));
+                    for signal in self.directory.shown(source) {
+                        if self.signals.get(*signal as usize).is_some_and(|count| *count > 0) {
+                            told(Told::Change { signal: *signal, at, value });
+                        }
+                    }
+                }
+                News::Log(at, text) => told(Told::Log(at, text)),
+                News::Frame(bus, at, frame, own) => told(Told::Frame(self.frame(bus, at, &frame, own))),
+                News::Step(step, at, done) => {
+                    told(Told::Plan(PlanEvent::Step { step, at: at.as_nanos(), done }));
+                }
+                News::Plan(event) => self.hear_plan(*event, told),
+            }
+        }
+        while let Ok(snapshot) = self.ends.full.pop() {
+            if let Some(back) = self.instruments.take(snapshot) {
+                // It came from there.
+                let _ = self.ends.empty.push(back);
+            }
+        }
+        for (ticket, outcome) in self.outcomes.drain(..) {
+            let answer = match outcome {
+                Ok(Some(value)) => Ok(Answer::Value(value)),
+                Ok(None) => Ok(Answer::Done),
+                Err(why) => Err(fault::refused(why)),
+            };
+            told(Told::Answer(Ticket(ticket), answer));
+        }
+        self.instruments.look_at_host();
+        // A rig that is led may wait for room.
+        if self.description.clock == control::Clock::Led {
+            self.bell.ring();
+        }
+        if gone && !std::mem::replace(&mut self.ended, true) {
+            told(Told::Ended("the rig ends".into()));
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! A rig that is kept running, for the control socket: orders into the scan, and out of it what happens and how it is.
+//!
+//! Goals: the scan never waits for whoever looks, takes no memory for them, and pays next to nothing where nobody does.
+//! Not a goal: what is sent to whom, which is the socket's (`services::control`).
+//!
+//! Between the two are queues of a fixed size. What finds no room in them is counted and left out, but for a rig whose
+//! time clients lead: its time waits.
+
+mod describe;
+mod desk;
+mod directory;
+mod fault;
+mod handle;
+mod port;
+mod snapshot;
+mod status;
+mod wire;
+
+use crate::case::{CaseFiles, DEFAULT_LATE};
+use crate::hardware::Hardware;
+use crate::stage::stage;
+use control::{Clock, Description, Subject};
+use describe::Devices;
+use directory::Directory;
+use document::Diagnostic;
+use handle::{MOST_WATCHED, Orders};
+use plans::Case;
+use port::Room;
+use profile::OVERLOAD_PERCENT;
+use snapshot::Snapshot;
+use status::Instruments;
+use std::sync::Arc;
+
+pub(crate) use desk::held;
+pub use desk::{Bench, Shelf, keep};
+pub use handle::LiveRig;
+pub use port::{Port, Role};
+pub(crate) use wire::{Refused, Source, Want, Wish};
+
+/// The two ends of a rig that is about to be kept running: the handle for the socket, the port for the scan.
+///
+/// # Errors
+/// Findings in the user's files, and a rig on real lines whose time clients are to lead.
+pub fn open(
+    case: &Case,
+    files: &CaseFiles,
+    hardware: Option<&Hardware>,
+    led: bool,
+    version: &str,
+    plans: Option<Bench>,
+) -> Result<(LiveRig, Port), Vec<Diagnostic>> {
+    let file = &files.board;
+    if led && file.is_real() {
+        let message = format!("`{}` has real lines, whose time nobody leads", file.name);
+        let found = Diagnostic::error(fault::LED, message).at(&file.name, 0..0, "");
+        return Err(vec![found.help("leave `--led` out, or take a simulated board")]);
+    }
+    let mut stage = stage(case, files, None)?;
+    if let Some(hardware) = hardware {
+        stage.board = Box::new(hardware.lend());
+    }
+    let board = &*stage.board;
+    let Some(catalogue) = stage.subject.catalogue() else {
+        return Err(vec![crate::play::not_played(file)]);
+    };
+    let catalogue = catalogue.of_one_program();
+    let devices = Devices::of(board);
+    let points = describe::points(&catalogue, file, board, &devices);
+    let channels = describe::channels(&points, board);
+    let limits = files.profile.address_limits();
+    let tasks = describe::tasks(&catalogue, &stage.tasks);
+    let functions = describe::functions(&catalogue);
+    let directory = Directory::new(catalogue, file, board.channels(), limits);
+    let description = Description {
+        board: file.name.clone(),
+        reference: files.reference.name.into(),
+        profile: files.profile.name().into(),
+        program: files.sources.iter().map(|source| source.name.clone()).collect(),
+        clock: if led { Clock::Led } else { Clock::Real },
+        subject: Subject::Model,
+        points,
+        signals: directory.listed(),
+        tasks,
+        functions,
+        buses: describe::buses(board),
+        devices: devices.list.clone(),
+        on_disconnect: String::new(),
+        load_limit: u32::try_from(OVERLOAD_PERCENT * 10).unwrap_or_default(),
+    };
+    let snapshot = Snapshot::new(description.tasks.len(), board.channels().len(), board.buses().len());
+    let bell = Port::bell(hardware.map(Hardware::surroundings));
+    let (inside, outside) = wire::wires(&snapshot);
+    let late = hardware.and_then(Hardware::late).unwrap_or(DEFAULT_LATE);
+    let room = Room { sources: directory.most(), watches: MOST_WATCHED, led, late };
+    let desk = desk::Desk::default();
+    let port = Port::new(inside, bell.clone(), snapshot.clone(), room, desk.clone());
+    let realtime = hardware.is_some_and(Hardware::has_priority);
+    let instruments = Instruments::new(snapshot, devices, channels, hardware.is_some(), realtime);
+    let orders = Orders { bench: plans.map(Arc::new), desk };
+    let handle = LiveRig::new(outside, bell, description, version, directory, instruments, orders);
+    Ok((handle, port))
+}

@@ -1,0 +1,503 @@
+//! The end of the scan: it takes wishes, tells news and leaves snapshots, and never waits for anybody.
+//!
+//! Only a rig whose time clients lead waits: for what they ask, and for room where they do not take what it tells.
+
+use super::desk::{Chosen, Desk, held};
+use super::snapshot::{Line, Snapshot};
+use super::wire::{Inside, News, Outcome, Refused, Source, Want, Wish};
+use control::PlanEvent;
+use controller::{JITTER_BORDERS, ProbeId};
+use drivers::{BusEvent, ChannelId, LossReason, Surroundings};
+use host::Bell;
+use signal::{Span, Time, Value, When};
+use std::sync::Arc;
+
+/// From one snapshot to the next.
+const EVERY: Span = Span::from_millis(50);
+
+/// The longest that a rig that is led waits at a stretch, so that an interrupt is seen: nanoseconds.
+const GLANCE: i64 = 50_000_000;
+
+/// Wishes that are taken at once: the scan goes on however fast clients ask.
+const AT_ONCE: u32 = 32;
+
+/// No source.
+const NONE: u32 = u32::MAX;
+
+/// What was last seen of a channel.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    at: When,
+    value: Value,
+    /// Under which number changes are told.
+    source: u32,
+}
+
+/// The end of the scan.
+#[derive(Debug)]
+pub struct Port {
+    ends: Inside,
+    bell: Arc<Bell>,
+    /// Up to where time may go; [`Time::MAX`] where nobody leads it.
+    until: Time,
+    led: bool,
+    /// The order that waits for time to pass.
+    advancing: Option<u64>,
+    /// Wishes that were taken since the scan went on last.
+    taken: u32,
+    /// Waits that end later than this are overruns.
+    late: Span,
+    /// What is watched, by source.
+    watched: Vec<Option<(Source, ProbeId)>>,
+    /// The source of each probe.
+    probes: Vec<u32>,
+    channels: Vec<Seen>,
+    /// The next snapshot in the making: counts go there.
+    now: Snapshot,
+    next: Time,
+    /// Something may be otherwise than in the last snapshot of a rig whose time stands still.
+    stale: bool,
+    desk: Desk,
+    /// What the executor is for that serves it.
+    role: Role,
+    /// The rig's time at the beginning of the executor's.
+    base: Span,
+    /// The host's time when the rig began, in nanoseconds.
+    began: Option<i64>,
+    /// The last instant that was told.
+    last: Time,
+    /// A plan was asked for, and the controller makes room for it.
+    leaves: bool,
+    aborted: bool,
+}
+
+/// What an executor is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// It keeps a controller running.
+    Rig,
+    /// It runs a case.
+    Case,
+}
+
+/// What a port is made with.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// Sources that there can ever be.
+    pub sources: usize,
+    /// Those that can be watched at once.
+    pub watches: usize,
+    /// Clients lead the time.
+    pub led: bool,
+    /// How late the rig may be.
+    pub late: Span,
+}
+
+impl Port {
+    pub(super) fn new(ends: Inside, bell: Arc<Bell>, snapshot: Snapshot, room: Room, desk: Desk) -> Port {
+        let unseen = Seen { at: When::exactly(Time::ZERO), value: Value::Unknown, source: NONE };
+        Port {
+            ends,
+            bell,
+            until: if room.led { Time::ZERO } else { Time::MAX },
+            led: room.led,
+            advancing: None,
+            taken: 0,
+            late: room.late,
+            watched: vec![None; room.sources],
+            probes: vec![NONE; room.watches],
+            channels: vec![unseen; snapshot.lines.len()],
+            now: snapshot,
+            next: Time::ZERO,
+            stale: true,
+            desk,
+            role: Role::Rig,
+            base: Span::ZERO,
+            began: None,
+            last: Time::ZERO,
+            leaves: false,
+            aborted: false,
+        }
+    }
+
+    /// The bell that clients ring. One of a board is that which ends the waits of its clock.
+    pub fn bell(surroundings: Option<&Surroundings>) -> Arc<Bell> {
+        surroundings.map_or_else(Arc::default, |surroundings| surroundings.bell.clone())
+    }
+
+    /// Probes that may be watched at once.
+    pub(crate) fn watches(&self) -> usize {
+        self.probes.len()
+    }
+
+    /// Tasks that a snapshot has.
+    pub(crate) fn tasks(&self) -> usize {
+        self.now.tasks.len()
+    }
+
+    /// An executor begins at its time 0. What was watched before is to be watched again in its controller.
+    pub(crate) fn begin(&mut self, role: Role, mut watch: impl FnMut(Source) -> ProbeId) {
+        let now = host::monotonic();
+        let began = *self.began.get_or_insert(now);
+        self.base = if self.led { self.last - Time::ZERO } else { Span::from_nanos(now - began) };
+        (self.role, self.next) = (role, Time::ZERO);
+        self.until = if self.led && role == Role::Rig { Time::ZERO } else { Time::MAX };
+        for seen in &mut self.channels {
+            (seen.at, seen.value) = (When::exactly(Time::ZERO), Value::Unknown);
+        }
+        self.probes.fill(NONE);
+        for source in 0..self.watched.len() {
+            if let Some((of, _)) = self.watched[source] {
+                let probe = watch(of);
+                self.follow(source as u32, of, probe);
+            }
+        }
+    }
+
+    /// What the executor that it serves is for.
+    pub(crate) const fn role(&self) -> Role {
+        self.role
+    }
+
+    /// An instant of the executor in the rig's own time.
+    #[inline]
+    fn own(&self, at: Time) -> Time {
+        at.saturating_add(self.base)
+    }
+
+    /// The controller is to make room for a plan.
+    pub(crate) fn make_room(&mut self) {
+        self.leaves = true;
+    }
+
+    /// The plan that it made room for.
+    pub(crate) fn chosen(&mut self) -> Option<Chosen> {
+        self.aborted = false;
+        std::mem::take(&mut self.leaves).then(|| held(&self.desk).take()).flatten()
+    }
+
+    /// The plan is to end.
+    pub(crate) fn abort(&mut self) {
+        self.aborted = true;
+    }
+
+    /// Whether it is.
+    pub(crate) const fn is_aborted(&self) -> bool {
+        self.aborted
+    }
+
+    /// No plan is run any more.
+    pub(crate) fn ends_plan(&mut self) {
+        self.aborted = false;
+    }
+
+    /// Answers between two cases. TRUE where the plan is to end.
+    pub(crate) fn between(&mut self) -> bool {
+        while let Some(wish) = self.wish() {
+            match wish {
+                Wish::Watch(source, of) => {
+                    if let Some(watched) = self.watched.get_mut(source as usize) {
+                        *watched = Some((of, ProbeId(u32::MAX)));
+                    }
+                }
+                Wish::Unwatch(source) => {
+                    self.unfollow(source);
+                }
+                Wish::Order(ticket, Want::Abort) => {
+                    self.abort();
+                    self.answer(ticket, Ok(None));
+                }
+                Wish::Order(ticket, _) => self.answer(ticket, Err(Refused::PlanRuns)),
+            }
+        }
+        self.served();
+        self.aborted
+    }
+
+    /// Tells of a plan.
+    pub(crate) fn plan(&mut self, event: PlanEvent) {
+        self.tell(News::Plan(Box::new(event)));
+    }
+
+    /// A step of the case began, or is done.
+    pub(crate) fn step(&mut self, step: usize, at: Span, done: bool) {
+        self.tell(News::Step(step as u32, at, done));
+    }
+
+    /// The next wish, if it may be taken before the scan goes on. A rig that is led carries out nothing while time passes
+    /// for somebody.
+    #[inline]
+    pub(crate) fn wish(&mut self) -> Option<Wish> {
+        if self.advancing.is_some() || self.taken >= AT_ONCE {
+            return None;
+        }
+        let wish = self.ends.wishes.pop().ok()?;
+        self.taken += 1;
+        self.stale = true;
+        Some(wish)
+    }
+
+    /// The scan goes on. If more is asked for than was taken, its next wait ends at once.
+    #[inline]
+    pub(crate) fn served(&mut self) {
+        self.taken = 0;
+        if self.advancing.is_none() && !self.ends.wishes.is_empty() {
+            self.bell.ring();
+        }
+    }
+
+    /// Whether clients lead the time.
+    pub(crate) const fn is_led(&self) -> bool {
+        self.led
+    }
+
+    /// Time passes, or stood still since the last snapshot.
+    #[inline]
+    pub(crate) fn passes(&mut self) {
+        self.stale = true;
+    }
+
+    /// Whether something may have changed since the last snapshot of a rig whose time stands still.
+    pub(crate) const fn is_stale(&self) -> bool {
+        self.stale
+    }
+
+    /// Up to where time may go.
+    #[inline]
+    pub(crate) const fn until(&self) -> Time {
+        self.until
+    }
+
+    /// Time may go on by so much from `now`; FALSE where nobody leads it.
+    pub(crate) fn advance(&mut self, ticket: u64, now: Time, by: Span) -> bool {
+        if self.led {
+            let by = if by.is_negative() { Span::ZERO } else { by };
+            self.until = self.until.max(now).saturating_add(by);
+            self.advancing = Some(ticket);
+        }
+        self.led
+    }
+
+    /// Whether the time that clients asked for has passed, where they lead it.
+    #[inline]
+    pub(crate) fn stands_still(&self, now: Time) -> bool {
+        self.led && self.role == Role::Rig && now >= self.until
+    }
+
+    /// All of the time that was asked for has passed: what it brought is told.
+    pub(crate) fn arrive(&mut self) {
+        if let Some(ticket) = self.advancing.take() {
+            self.answer(ticket, Ok(None));
+        }
+    }
+
+    /// Waits for whoever leads the time.
+    pub(crate) fn rest(&self) {
+        self.bell.wait_until(host::monotonic().saturating_add(GLANCE));
+    }
+
+    /// From now on changes of a source are told.
+    pub(crate) fn follow(&mut self, source: u32, of: Source, probe: ProbeId) {
+        let Some(watched) = self.watched.get_mut(source as usize) else { return };
+        *watched = Some((of, probe));
+        match of {
+            Source::Channel(channel) => {
+                if let Some(seen) = self.channels.get_mut(usize::from(channel.0)) {
+                    seen.source = source;
+                }
+            }
+            Source::Inside(_) => {
+                if let Some(place) = self.probes.get_mut(probe.0 as usize) {
+                    *place = source;
+                }
+            }
+        }
+    }
+
+    /// Changes of a source are no longer told; hands back the probe that is to be watched no more.
+    pub(crate) fn unfollow(&mut self, source: u32) -> Option<ProbeId> {
+        let (of, probe) = self.watched.get_mut(source as usize)?.take()?;
+        match of {
+            Source::Channel(channel) => {
+                if let Some(seen) = self.channels.get_mut(usize::from(channel.0)) {
+                    seen.source = NONE;
+                }
+                None
+            }
+            Source::Inside(_) => {
+                if let Some(place) = self.probes.get_mut(probe.0 as usize) {
+                    *place = NONE;
+                }
+                Some(probe)
+            }
+        }
+    }
+
+    /// What was last seen of a channel.
+    pub(crate) fn seen(&self, channel: ChannelId) -> (When, Value) {
+        let seen = self.channels.get(usize::from(channel.0));
+        seen.map_or((When::exactly(Time::ZERO), Value::Unknown), |seen| (seen.at, seen.value))
+    }
+
+    /// Tells the value of a source.
+    #[inline]
+    pub(crate) fn change(&mut self, source: u32, at: When, value: Value) {
+        let at = When { earliest: self.own(at.earliest), latest: self.own(at.latest) };
+        self.tell(News::Change(source, at, value));
+    }
+
+    /// An observed probe changed.
+    #[inline]
+    pub(crate) fn probe(&mut self, probe: ProbeId, at: When, value: Value) {
+        let source = self.probes.get(probe.0 as usize).copied().unwrap_or(NONE);
+        if source != NONE {
+            self.change(source, at, value);
+        }
+    }
+
+    /// A channel changed.
+    #[inline]
+    pub(crate) fn channel(&mut self, channel: ChannelId, at: When, value: Value, lost: Option<LossReason>) {
+        let place = usize::from(channel.0);
+        let (Some(seen), Some(line)) = (self.channels.get_mut(place), self.now.lines.get_mut(place)) else {
+            return;
+        };
+        match (seen.value, value) {
+            (Value::Bool(false), Value::Bool(true)) => line.rising += 1,
+            (Value::Bool(true), Value::Bool(false)) => line.falling += 1,
+            _ => {}
+        }
+        line.lost = lost;
+        let news = seen.value != value;
+        (seen.at, seen.value) = (at, value);
+        let source = seen.source;
+        if news && source != NONE {
+            self.change(source, at, value);
+        }
+    }
+
+    /// Something was on a bus, or became of it.
+    pub(crate) fn bus(&mut self, event: &BusEvent) {
+        let Some(traffic) = self.now.buses.get_mut(usize::from(event.bus().0)) else { return };
+        match *event {
+            BusEvent::Frame { bus, at, frame, own } => {
+                *(if own { &mut traffic.sent } else { &mut traffic.received }) += 1;
+                let at = self.own(at.latest);
+                self.tell(News::Frame(bus, at, frame, own));
+            }
+            BusEvent::State { state, .. } => traffic.state = state,
+            BusEvent::Error { .. } => traffic.errors += 1,
+            BusEvent::Dropped { count, .. } => traffic.dropped += u64::from(count),
+            BusEvent::Lost { reason, .. } => traffic.lost = Some(reason),
+            BusEvent::Returned { .. } => traffic.lost = None,
+        }
+    }
+
+    /// A line of the log.
+    pub(crate) fn log(&mut self, at: Time, text: &str) {
+        let at = self.own(at);
+        self.tell(News::Log(at, text.to_owned()));
+    }
+
+    /// A wait ended so much later than it was to.
+    #[inline]
+    pub(crate) fn woke(&mut self, late: Span) {
+        self.now.wakes[JITTER_BORDERS.partition_point(|border| *border < late.as_nanos())] += 1;
+        self.now.overruns += u64::from(late > self.late);
+    }
+
+    /// What an order came to. There is room for every order that can be under way.
+    pub(crate) fn answer(&mut self, ticket: u64, outcome: Outcome) {
+        if self.ends.outcomes.push((ticket, outcome)).is_err() {
+            self.now.untold += 1;
+        }
+    }
+
+    #[inline]
+    fn tell(&mut self, news: News) {
+        let Err(rtrb::PushError::Full(news)) = self.ends.news.push(news) else { return };
+        if self.led {
+            self.tell_late(news);
+        } else {
+            self.now.untold += 1;
+        }
+    }
+
+    /// Time that is led can wait until somebody listens.
+    #[cold]
+    fn tell_late(&mut self, mut news: News) {
+        while !self.ends.news.is_abandoned() {
+            self.rest();
+            match self.ends.news.push(news) {
+                Ok(()) => return,
+                Err(rtrb::PushError::Full(back)) => news = back,
+            }
+        }
+    }
+
+    /// Whether it is time for a snapshot.
+    #[inline]
+    pub(crate) fn is_due(&self, now: Time) -> bool {
+        now >= self.next
+    }
+
+    /// Leaves a snapshot; `fill` adds what the port does not know. Whoever asks for one while nobody took those before
+    /// gets an older one.
+    pub(crate) fn leave(&mut self, now: Time, fill: impl FnOnce(&mut Snapshot)) {
+        self.next = now.saturating_add(EVERY);
+        self.stale = false;
+        let mut empty = self.ends.empty.pop();
+        while self.led && empty.is_err() && !self.ends.news.is_abandoned() {
+            self.rest();
+            empty = self.ends.empty.pop();
+        }
+        let Ok(mut snapshot) = empty else { return };
+        fill(&mut self.now);
+        self.last = self.last.max(self.own(now));
+        self.now.at = self.last;
+        if let Some(front) = &mut self.now.front {
+            front.since = front.since.saturating_add(self.base);
+        }
+        (*snapshot).clone_from(&self.now);
+        // As many as there are find room.
+        let _ = self.ends.full.push(snapshot);
+    }
+
+    /// A device that was lost is back: what its channel has is told next.
+    pub(crate) fn regained(&mut self, channel: ChannelId) {
+        if let Some(line) = self.now.lines.get_mut(usize::from(channel.0)) {
+            *line = Line { lost: None, ..*line };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::wire::wires;
+    use super::*;
+
+    /// A client that asks faster than it is served takes turns with the scan, and is not forgotten.
+    #[test]
+    fn the_scan_goes_on_between_wishes_however_many_there_are() {
+        let snapshot = Snapshot::new(0, 0, 0);
+        let (inside, mut outside) = wires(&snapshot);
+        let bell = Arc::<Bell>::default();
+        let room = Room { sources: 1, watches: 1, led: false, late: Span::ZERO };
+        let mut port = Port::new(inside, bell.clone(), snapshot, room, Desk::default());
+        let asked = AT_ONCE * 5 / 2;
+        for ticket in 0..asked {
+            outside.wishes.push(Wish::Order(ticket.into(), Want::ReleaseAll)).unwrap();
+        }
+        let mut turns = Vec::new();
+        while turns.iter().sum::<u32>() < asked {
+            let mut taken = 0;
+            while port.wish().is_some() {
+                taken += 1;
+            }
+            turns.push(taken);
+            port.served();
+            assert_eq!(bell.has_rung(), turns.iter().sum::<u32>() < asked, "rung while more waits");
+        }
+        assert_eq!(turns, [AT_ONCE, AT_ONCE, AT_ONCE / 2]);
+    }
+}

@@ -1,0 +1,145 @@
+//! What passes between the scan of a rig that is kept running and the handle that others hold of it. Nothing in here owns
+//! memory but lines of the log and what is told of a plan.
+
+use super::snapshot::Snapshot;
+use control::{Action, PlanEvent};
+use controller::{Channel, Probe, Refusal, WriteError};
+use drivers::{BoardError, BusId, ChannelId, Frame};
+use rtrb::{Consumer, Producer, RingBuffer};
+use signal::{Span, Time, Value, When};
+
+/// Wishes that wait for the scan: all orders under way, and as many changes of what is watched.
+const WISHES: usize = 1_024;
+
+/// What happened and nobody took yet: a busy second.
+const NEWS: usize = 16_384;
+
+/// Snapshots under way: one that is filled, one that waits, one that is looked at.
+const SNAPSHOTS: usize = 3;
+
+/// What is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A channel of the board.
+    Channel(ChannelId),
+    /// Something inside the controller.
+    Inside(Probe),
+}
+
+/// What is asked of the scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wish {
+    /// Changes of this are told from now on, under this number; its present value at once.
+    Watch(u32, Source),
+    /// No more.
+    Unwatch(u32),
+    /// An order; its outcome comes under this number.
+    Order(u64, Want),
+}
+
+/// An order, with every name resolved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Want {
+    /// A value.
+    Read(Source),
+    /// Something is written.
+    Write(Source, Value),
+    /// An embedded input or output is forced.
+    Force(Channel, bool),
+    /// No more.
+    Release(Channel),
+    /// None at all.
+    ReleaseAll,
+    /// A command.
+    Command(Action),
+    /// Time passes, where clients lead it.
+    Advance(Span),
+    /// The plan that waits is run.
+    Plan,
+    /// The one that runs is ended.
+    Abort,
+}
+
+/// What an order came to.
+pub type Outcome = Result<Option<Value>, Refused>;
+
+/// Why an order was not carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// The controller does not obey.
+    Command(Refusal),
+    /// It cannot be written.
+    Write(WriteError),
+    /// The board does not do it.
+    Board(BoardError),
+    /// Nobody leads the time of this rig.
+    NotLed,
+    /// There is no controller that the rig plays.
+    NotPlayed,
+    /// A plan has the board.
+    PlanRuns,
+    /// None does.
+    NoPlan,
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum News {
+    /// Something that is watched changed.
+    Change(u32, When, Value),
+    /// A line of the log.
+    Log(Time, String),
+    /// A frame was on a bus; the rig's own where the last says so.
+    Frame(BusId, Time, Frame, bool),
+    /// A step of the case that runs began, or is done: its place, the instant in the case.
+    Step(u32, Span, bool),
+    /// Something else of a plan.
+    Plan(Box<PlanEvent>),
+}
+
+/// The ends of the scan.
+#[derive(Debug)]
+pub struct Inside {
+    /// What is asked.
+    pub wishes: Consumer<Wish>,
+    /// What came of it.
+    pub outcomes: Producer<(u64, Outcome)>,
+    /// What happened.
+    pub news: Producer<News>,
+    /// Snapshots to be filled.
+    pub empty: Consumer<Box<Snapshot>>,
+    /// Those that are.
+    pub full: Producer<Box<Snapshot>>,
+}
+
+/// The other ends.
+#[derive(Debug)]
+pub struct Outside {
+    /// See [`Inside`].
+    pub wishes: Producer<Wish>,
+    /// See [`Inside`].
+    pub outcomes: Consumer<(u64, Outcome)>,
+    /// See [`Inside`].
+    pub news: Consumer<News>,
+    /// See [`Inside`].
+    pub empty: Producer<Box<Snapshot>>,
+    /// See [`Inside`].
+    pub full: Consumer<Box<Snapshot>>,
+}
+
+/// Both ends, with all memory that they will ever take. Snapshots are like this one.
+pub fn wires(snapshot: &Snapshot) -> (Inside, Outside) {
+    let (wishes, wished) = RingBuffer::new(WISHES);
+    let (outcomes, came) = RingBuffer::new(WISHES);
+    let (news, heard) = RingBuffer::new(NEWS);
+    let (mut empty, to_fill) = RingBuffer::new(SNAPSHOTS);
+    let (full, filled) = RingBuffer::new(SNAPSHOTS);
+    for _ in 0..SNAPSHOTS {
+        // There is room for all of them.
+        let _ = empty.push(Box::new(snapshot.clone()));
+    }
+    (
+        Inside { wishes: wished, outcomes, news, empty: to_fill, full },
+        Outside { wishes, outcomes: came, news: heard, empty, full: filled },
+    )
+}

@@ -1,0 +1,402 @@
+//! The model with the lines that it has beside its terminals.
+
+use super::Told;
+use crate::capability::Capability;
+use crate::catalogue::Catalogue;
+use crate::hook::HookError;
+use crate::schedule::FileAct;
+use crate::subject::{Observable, Subject};
+use controller::{
+    Command, Disturbance, Effect, Effects, Entry, FileError, FileFact, Front, JitterCounts, Probe, ProbeId,
+    Refusal, State, TaskFigures, WriteError,
+};
+use drivers::SubjectLines;
+use signal::{Cause, Level, Span, Time, Value, When};
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::SyncSender;
+
+/// The longest that a boot takes, in modelled time.
+const LONGEST_BOOT: Span = Span::from_secs(60);
+/// Where its lines stand, behind its terminals.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Places {
+    pub inputs: usize,
+    pub outputs: usize,
+}
+
+impl Places {
+    pub const fn power(self) -> usize {
+        self.inputs
+    }
+
+    pub const fn run_stop(self) -> usize {
+        self.inputs + 1
+    }
+
+    const fn alarm(self) -> usize {
+        self.outputs
+    }
+}
+
+/// The model with the lines that it has beside its terminals.
+pub(super) struct Kept {
+    model: Box<dyn Subject>,
+    lines: SubjectLines,
+    places: Places,
+    /// The state that it is to come into first.
+    initial: Option<State>,
+    /// It gets its supply as soon as its time begins: it has no line for it, or the line was on before.
+    waits: bool,
+    begun: bool,
+    /// Its next boot takes no time.
+    pub quick: bool,
+    /// What came of a boot before its time began.
+    booted: Vec<Effect>,
+    /// By how much its own time is ahead, behind a boot that took none.
+    ahead: Span,
+    supply: bool,
+    alarm: bool,
+    tell: SyncSender<Told>,
+}
+
+impl std::fmt::Debug for Kept {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Kept").field("lines", &self.lines).finish_non_exhaustive()
+    }
+}
+
+impl Kept {
+    pub fn new(
+        model: Box<dyn Subject>,
+        lines: SubjectLines,
+        places: Places,
+        initial: State,
+        tell: SyncSender<Told>,
+    ) -> Kept {
+        let (initial, waits) = (Some(initial), lines.power.is_none());
+        Kept {
+            model,
+            lines,
+            places,
+            initial,
+            waits,
+            begun: false,
+            quick: false,
+            booted: Vec::new(),
+            ahead: Span::ZERO,
+            supply: false,
+            alarm: false,
+            tell,
+        }
+    }
+
+    fn say(&self, told: Told) {
+        // Whoever watches may be slow, or gone.
+        let _ = self.tell.try_send(told);
+    }
+
+    fn switch(&mut self, now: Time, on: bool, effects: &mut Effects) {
+        if self.supply != on {
+            self.supply = on;
+            let before = effects.list.len();
+            self.model.power(self.own(now), on, effects);
+            if std::mem::take(&mut self.quick) {
+                self.boot(now, before, effects);
+            }
+            self.follow(now, before, effects);
+        }
+    }
+
+    /// An instant in the model's own time.
+    fn own(&self, at: Time) -> Time {
+        at.saturating_add(self.ahead)
+    }
+
+    /// Lets the model boot at once: its time runs ahead by what that takes.
+    fn boot(&mut self, now: Time, before: usize, effects: &mut Effects) {
+        let limit = now.saturating_add(LONGEST_BOOT);
+        while self.model.state() == State::Booting {
+            let Some(next) = self.model.next_timer().filter(|next| *next <= limit) else { break };
+            self.model.run(next, effects);
+            self.model.fire(next, effects);
+            self.ahead = self.ahead.max(next - now);
+        }
+        // All of it happens now.
+        for effect in effects.list.iter_mut().skip(before) {
+            *instant(effect) = self.own(now);
+        }
+    }
+
+    /// Tells what the effects behind the first `before` say, and lets the alarm line follow.
+    fn follow(&mut self, now: Time, before: usize, effects: &mut Effects) {
+        let mut place = before;
+        while let Some(effect) = effects.list.get_mut(place) {
+            place += 1;
+            let at = instant(effect);
+            *at = at.saturating_add(-self.ahead);
+            let effect = *effect;
+            match effect {
+                Effect::State { at, state } => {
+                    self.say(Told::State(at, state));
+                    let alarm = state == State::Running;
+                    if self.alarm != alarm {
+                        self.alarm = alarm;
+                        let (output, level) = (self.places.alarm(), Level::from_bool(alarm));
+                        let (at, cause) = (self.own(at), Cause::Controller);
+                        effects.list.push(Effect::Terminal { at, output, level, cause });
+                    }
+                    self.settle(now.max(at), state, effects);
+                }
+                // Changes of the state are told already.
+                Effect::Log { entry: Entry::State { .. }, .. } => {}
+                Effect::Log { at, entry } => self.say(Told::Log(at, crate::log::show(&entry, &*self.model))),
+                _ => {}
+            }
+        }
+    }
+
+    /// Where its first boot ends in another state than the case begins in, it is commanded there.
+    fn settle(&mut self, now: Time, state: State, effects: &mut Effects) {
+        if !matches!(state, State::Stopped | State::Running | State::Empty) {
+            return;
+        }
+        let command = match self.initial.take() {
+            Some(State::Running) if state == State::Stopped => Command::Run,
+            Some(State::Stopped) if state == State::Running => Command::Stop,
+            _ => return,
+        };
+        if let Err(refusal) = self.model.command(self.own(now), &command, effects) {
+            self.say(Told::Log(now, refusal.to_string()));
+        }
+    }
+}
+
+/// The instant of an effect.
+fn instant(effect: &mut Effect) -> &mut Time {
+    match effect {
+        Effect::Terminal { at, .. }
+        | Effect::Wave { at, .. }
+        | Effect::Anew { at, .. }
+        | Effect::State { at, .. }
+        | Effect::Changed { at, .. }
+        | Effect::Log { at, .. } => at,
+    }
+}
+
+impl Subject for Kept {
+    fn capabilities(&self) -> &'static [Capability] {
+        self.model.capabilities()
+    }
+
+    fn delegate(&mut self, outputs: u32) {
+        self.model.delegate(outputs);
+    }
+
+    fn power(&mut self, now: Time, on: bool, effects: &mut Effects) {
+        self.switch(now, on, effects);
+    }
+
+    fn load(&mut self, _interrupt: &AtomicBool) -> Result<(), HookError> {
+        // Its program is loaded now where it can be: that takes the host's time, and none of its own.
+        if self.quick && std::mem::take(&mut self.waits) {
+            self.quick = false;
+            self.supply = true;
+            let mut effects = Effects::new();
+            self.model.power(Time::ZERO, true, &mut effects);
+            self.boot(Time::ZERO, 0, &mut effects);
+            self.booted = effects.list;
+        }
+        self.say(Told::Ready);
+        Ok(())
+    }
+
+    fn notice(&mut self, at: Time, text: &str) {
+        self.say(Told::Log(at, text.to_owned()));
+    }
+
+    fn loaded(&mut self, now: Time, effects: &mut Effects) {
+        if self.booted.is_empty() {
+            return;
+        }
+        // Its time goes on where the boot ended.
+        self.ahead = self.ahead + -(now - Time::ZERO);
+        let before = effects.list.len();
+        effects.list.append(&mut self.booted);
+        for effect in effects.list.iter_mut().skip(before) {
+            *instant(effect) = self.own(now);
+        }
+        self.follow(now, before, effects);
+    }
+
+    fn begin(&mut self) -> Option<(Time, Value)> {
+        self.begun = true;
+        None
+    }
+
+    fn run(&mut self, limit: Time, effects: &mut Effects) -> Time {
+        let before = effects.list.len();
+        let reached = self.model.run(self.own(limit), effects).saturating_add(-self.ahead);
+        self.follow(reached, before, effects);
+        reached
+    }
+
+    fn is_computing(&self) -> bool {
+        self.model.is_computing()
+    }
+
+    fn is_played(&self) -> bool {
+        true
+    }
+
+    fn next_timer(&self) -> Option<Time> {
+        if self.waits {
+            return Some(Time::ZERO);
+        }
+        Some(self.model.next_timer()?.saturating_add(-self.ahead))
+    }
+
+    fn fire(&mut self, now: Time, effects: &mut Effects) {
+        if std::mem::take(&mut self.waits) {
+            self.switch(now, true, effects);
+            return;
+        }
+        let before = effects.list.len();
+        self.model.fire(self.own(now), effects);
+        self.follow(now, before, effects);
+    }
+
+    fn input(&mut self, now: Time, at: When, input: usize, level: Level, effects: &mut Effects) {
+        let before = effects.list.len();
+        if input == self.places.power() {
+            match self.begun {
+                true => self.switch(now, level.is_high(), effects),
+                false => self.waits = level.is_high(),
+            }
+        } else if input == self.places.run_stop() {
+            let moved = self.model.command(self.own(now), &Command::Switch(level.is_high()), effects);
+            if let Err(refusal) = moved {
+                self.say(Told::Log(now, refusal.to_string()));
+            }
+            self.follow(now, before, effects);
+        } else {
+            self.model.input(self.own(now), at, input, level, effects);
+        }
+    }
+
+    fn lose(&mut self, now: Time, input: usize, edges: u32) {
+        if input != self.places.power() && input != self.places.run_stop() {
+            self.model.lose(self.own(now), input, edges);
+        }
+    }
+
+    fn count(&mut self, now: Time, input: usize, steps: i64) {
+        let now = self.own(now);
+        self.model.count(now, input, steps);
+    }
+
+    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {
+        let before = effects.list.len();
+        let obeyed = self.model.command(self.own(now), command, effects);
+        self.follow(now, before, effects);
+        obeyed
+    }
+
+    fn file(&mut self, now: Time, act: &FileAct, effects: &mut Effects) -> Result<(), FileError> {
+        self.model.file(now, act, effects)
+    }
+
+    fn file_probe(&mut self, fact: FileFact) -> Probe {
+        self.model.file_probe(fact)
+    }
+
+    fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects) {
+        self.model.disturb(now, disturbance, effects);
+    }
+
+    fn overload(&mut self, task: usize, cycle: Span, times: u32) {
+        self.model.overload(task, cycle, times);
+    }
+
+    fn suspend(&mut self, task: usize, until: Time) {
+        self.model.suspend(task, until);
+    }
+
+    fn task(&self, name: &str) -> Option<usize> {
+        self.model.task(name)
+    }
+
+    fn task_name(&self, task: usize) -> Option<&str> {
+        self.model.task_name(task)
+    }
+
+    fn file_name(&self, file: u16) -> Option<&str> {
+        self.model.file_name(file)
+    }
+
+    fn source_files(&self) -> Vec<(u16, String)> {
+        self.model.source_files()
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.model.names()
+    }
+
+    fn observable(&self, name: &str) -> Option<Observable> {
+        self.model.observable(name)
+    }
+
+    fn catalogue(&self) -> Option<&Catalogue> {
+        self.model.catalogue()
+    }
+
+    fn watch(&mut self, probe: Probe) -> ProbeId {
+        self.model.watch(probe)
+    }
+
+    fn reserve(&mut self, watches: usize) {
+        self.model.reserve(watches);
+    }
+
+    fn unwatch(&mut self, probe: ProbeId) {
+        self.model.unwatch(probe);
+    }
+
+    fn front(&self) -> Option<Front> {
+        let front = self.model.front()?;
+        Some(Front { since: front.since.saturating_add(-self.ahead), ..front })
+    }
+
+    fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {
+        self.model.task_status(task)
+    }
+
+    fn read(&self, probe: &Probe) -> Value {
+        match *probe {
+            Probe::Terminal(output) if output == self.places.alarm() => Value::Bool(self.alarm),
+            ref probe => self.model.read(probe),
+        }
+    }
+
+    fn write(
+        &mut self,
+        now: Time,
+        probe: &Probe,
+        value: Value,
+        cause: Cause,
+        effects: &mut Effects,
+    ) -> Result<(), WriteError> {
+        let before = effects.list.len();
+        let written = self.model.write(self.own(now), probe, value, cause, effects);
+        self.follow(now, before, effects);
+        written
+    }
+
+    fn state(&self) -> State {
+        // Whatever comes of its supply comes when its time has begun.
+        if self.begun { self.model.state() } else { State::Off }
+    }
+
+    fn figures(&self) -> Vec<(String, Span, TaskFigures)> {
+        self.model.figures()
+    }
+}

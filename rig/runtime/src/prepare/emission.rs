@@ -1,0 +1,131 @@
+//! Steps on channels that make pulses by themselves: what such a channel can emit is found out before anything moves.
+
+use super::Bench;
+use super::lines::of_controller;
+use super::meaning::{Meaning, Names};
+use crate::generator::{Emitted, Generator, Shape, Unmade};
+use document::Findings;
+use drivers::{ChannelId, Emission, Emits, NotEmitted};
+use plans::Step;
+use plans::steps::{Periodic, Shape as Planned, Stimulus};
+use signal::{Area, Span};
+
+/// The channel of a line that makes pulses by itself, with what it can emit.
+pub(super) fn emitting(name: &str, names: &Names<'_>, bench: &Bench<'_>) -> Option<(ChannelId, Emits)> {
+    let Some(Meaning::Channel(channel, _)) = names.meaning(name) else { return None };
+    let emits = bench.board.channels().get(usize::from(channel.0))?.emits?;
+    (!of_controller(channel, bench)).then_some((channel, emits))
+}
+
+/// What a step does on a line, as pulses that the channel makes by itself. Where it cannot, a channel that also takes
+/// levels is driven level by level by what is not made of pulses.
+pub(super) fn by_itself(
+    generator: Generator,
+    step: &Step,
+    names: &Names<'_>,
+    bench: &Bench<'_>,
+    out: &mut Findings,
+) -> Option<Generator> {
+    let lines: Vec<&str> = step.stimulus.signals();
+    let found = lines.iter().find_map(|name| emitting(name, names, bench).map(|found| (*name, found)));
+    let Some((name, (channel, emits))) = found else { return Some(generator) };
+    let drives = bench.board.channels()[usize::from(channel.0)].drives;
+    match &step.stimulus {
+        Stimulus::Train(_) | Stimulus::Wave(_) => {}
+        // Levels of a table come one by one where the device takes them so.
+        _ if drives => return Some(generator),
+        _ if lines.len() == 1 => {}
+        _ => {
+            let message = format!("`{name}` cannot move together with other lines");
+            let help = "its pulses begin when its device comes to them: drive the others with steps of their own, or \
+                take lines that the rig drives";
+            out.error("R0306", step.span.clone(), message, help);
+            return None;
+        }
+    }
+    if feeds_model(channel, bench) {
+        let message = format!("`{name}` is an input of the model on a line that makes pulses by itself");
+        let help = "bind the input to the line or counter that the generator is wired to, and name the generator's \
+            channel in the step";
+        out.error("R0307", step.span.clone(), message, help);
+        return None;
+    }
+    match made(&generator, channel, &emits, step) {
+        Ok(emitted) => Some(Generator::Emitted(emitted)),
+        Err(why) => {
+            let message = format!("`{name}` cannot emit this: {}", words(why));
+            out.error("R0305", step.span.clone(), message, mend(why, &emits, step));
+            None
+        }
+    }
+}
+
+/// Whether an input of the model is behind the channel: what the model sees of pulses that are told only when they are
+/// over, all at once, would be none of them.
+fn feeds_model(channel: ChannelId, bench: &Bench<'_>) -> bool {
+    let feeds = |area| area == Area::Input;
+    !bench.file.subject.is_external()
+        && bench.file.bind.iter().any(|binding| binding.channel == channel && feeds(binding.address.area()))
+}
+
+fn made(generator: &Generator, channel: ChannelId, emits: &Emits, step: &Step) -> Result<Emitted, Unmade> {
+    let (lasts, counted) = match &step.stimulus {
+        Stimulus::Wave(wave) => match &wave.shape {
+            Planned::Square { periodic: Periodic { count, .. }, .. } => (wave.lasts, count.is_some()),
+            _ => (wave.lasts, false),
+        },
+        stimulus => (Some(stimulus.duration()), true),
+    };
+    if let (Generator::Wave { curve, .. }, false) = (generator, counted)
+        && let Shape::Square { cycle, phase, duty, .. } = &curve.shape
+        && (emits.endless || lasts.is_none())
+    {
+        if *phase != 0 {
+            return Err(Unmade::Phase);
+        }
+        let whole = u128::from(Periodic::WHOLE);
+        let (period, high) = (cycle.after(1, 1), cycle.after(u128::from(*duty), whole));
+        let emission = Emission::Square { period, high };
+        emits.check(&emission).map_err(Unmade::NotEmitted)?;
+        return Ok(Emitted { channel, emission, ends: lasts });
+    }
+    let emission = generator.pulses(lasts.unwrap_or(Span::MAX), emits)?;
+    Ok(Emitted { channel, emission, ends: None })
+}
+
+fn words(why: Unmade) -> String {
+    match why {
+        Unmade::NotEmitted(why) => why.to_string(),
+        Unmade::EndsHigh => String::from("what it emits begins and ends low, and this ends high"),
+        Unmade::LetGo => String::from("what it emits is high and low, and this lets the line go"),
+        Unmade::Still => String::from("the line never moves"),
+        Unmade::Phase => String::from("a wave without end begins with its rising edge"),
+    }
+}
+
+fn mend(why: Unmade, emits: &Emits, step: &Step) -> String {
+    let square = matches!(step.stimulus, Stimulus::Wave(_));
+    match why {
+        Unmade::NotEmitted(NotEmitted::Short(_)) => {
+            let fastest = 1_000_000_000 / (2 * emits.shortest.as_nanos().max(1));
+            format!("lower the frequency, up to {fastest} Hz at a duty of 50 %, or take a duty nearer to it")
+        }
+        Unmade::NotEmitted(NotEmitted::Long(_)) => String::from("raise the frequency"),
+        Unmade::NotEmitted(NotEmitted::Lasting(_)) => {
+            String::from("make it shorter, or give the generator more room: its board file says how")
+        }
+        Unmade::NotEmitted(NotEmitted::Counted) if square => {
+            String::from("leave out `count`, and say with `lasts` how long it takes")
+        }
+        Unmade::NotEmitted(NotEmitted::Counted) => {
+            String::from("emit a `square` wave, or take a line whose generator counts")
+        }
+        Unmade::NotEmitted(NotEmitted::Endless) => String::from("say with `count` or `lasts` where it ends"),
+        Unmade::NotEmitted(NotEmitted::Nothing | NotEmitted::Disorder) => String::new(),
+        Unmade::EndsHigh if square => String::from("let it last whole periods, as with `count`"),
+        Unmade::EndsHigh | Unmade::LetGo | Unmade::Still => {
+            String::from("let the table raise the line and take it back, or drive a line that the rig drives")
+        }
+        Unmade::Phase => String::from("leave out `phase`, or take a line that the rig drives"),
+    }
+}

@@ -1,0 +1,221 @@
+//! A rig that is kept running, from where the control socket holds it.
+
+mod allocation;
+mod led;
+mod plans;
+mod real;
+
+use crate::texts::Texts;
+use control::{Fault, Signal, Status};
+use scanrig_runtime::live::{self, LiveRig, Shelf};
+use scanrig_runtime::play::{Course, Played};
+use scanrig_runtime::suite::Files;
+use scanrig_runtime::{ClockKind, RunOptions};
+use services::control::{Answer, Order, Rig, Ticket, Told};
+use signal::{Span, Value};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Longer than anything here takes.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A lamp that follows a button, a counter, and a flash.
+pub const PROGRAM: &str = "PROGRAM MAIN
+VAR
+    button AT %IX0.0 : BOOL;
+    lamp AT %QX0.0 : BOOL;
+    flash AT %QX0.1 : BOOL;
+    count : INT;
+    level : REAL;
+    list : ARRAY [0..3] OF INT;
+    tick : TON;
+END_VAR
+lamp := button;
+count := count + 1;
+tick(IN := NOT tick.Q, PT := T#100ms);
+IF tick.Q THEN
+    flash := NOT flash;
+END_IF;
+END_PROGRAM
+";
+
+pub const BOARD: &str = "format = 1
+[board]
+kind = \"simulated\"
+[channels]
+start = { kind = \"digital\" }
+signal = { kind = \"digital\" }
+beacon = { kind = \"digital\" }
+[bind]
+\"%IX0.0\" = \"start\"
+\"%QX0.0\" = \"signal\"
+\"%QX0.1\" = \"beacon\"
+";
+
+pub const PLAN: &str = "format = 1
+title = \"A lamp\"
+program = \"lamp.st\"
+board = \"board.toml\"
+expect = [{ state = { stays = \"RUNNING\" } }]
+";
+
+/// A case with a step, a claim and a measurement; one that lasts; one that fails.
+const PLANS: &[(&str, &str)] = &[
+    (
+        "press.toml",
+        "format = 1
+title = \"The lamp follows the button\"
+program = \"lamp.st\"
+signals = { start = \"start\", lamp = \"signal\" }
+ends = \"press + 200 ms\"
+steps = [{ id = \"press\", at = \"start + 100 ms\", set = { signal = \"start\", value = true } }]
+expect = [{ rises = { signal = \"lamp\", from = \"press\", within = \"0 ms .. 100 ms\" } }]
+measure = [{ name = \"lag\", from = \"press\", to = { signal = \"lamp\", edge = \"rises\" }, max = \"100 ms\" }]
+",
+    ),
+    (
+        "long.toml",
+        "format = 1
+title = \"An hour\"
+program = \"lamp.st\"
+ends = \"start + 1 h\"
+expect = [{ state = { stays = \"RUNNING\" } }]
+",
+    ),
+    ("lamp.st", PROGRAM),
+];
+
+#[derive(Debug)]
+struct Library;
+
+impl Shelf for Library {
+    fn plans(&self, _path: Option<&str>) -> Result<Vec<String>, String> {
+        Ok(vec!["press.toml".into(), "long.toml".into(), "none.toml".into()])
+    }
+
+    fn files(&self, _plan: &str) -> &'static dyn Files {
+        &Texts(PLANS)
+    }
+}
+
+/// What a rig told, and the rig.
+pub struct Bench<'a> {
+    pub rig: &'a mut LiveRig,
+    pub told: Vec<Told>,
+    tickets: u64,
+}
+
+impl Bench<'_> {
+    pub fn signal(&mut self, name: &str) -> Signal {
+        self.rig.find(name).unwrap_or_else(|fault| panic!("{fault:?}"))
+    }
+
+    /// Hears what the rig tells until something is found in it.
+    pub fn until<T>(&mut self, what: &str, mut find: impl FnMut(&Told) -> Option<T>) -> T {
+        let began = Instant::now();
+        let mut looked = 0;
+        loop {
+            self.rig.poll(&mut |told| self.told.push(told));
+            while let Some(told) = self.told.get(looked) {
+                looked += 1;
+                if let Some(found) = find(told) {
+                    return found;
+                }
+            }
+            assert!(began.elapsed() < PATIENCE, "{what} does not come: {:?}", self.told);
+            std::thread::yield_now();
+        }
+    }
+
+    pub fn order(&mut self, order: Order) -> Result<Answer, Fault> {
+        self.tickets += 1;
+        let ticket = Ticket(self.tickets);
+        self.rig.order(ticket, order)?;
+        self.until("an answer", |told| match told {
+            Told::Answer(of, answer) if *of == ticket => Some(answer.clone()),
+            _ => None,
+        })
+    }
+
+    pub fn read(&mut self, name: &str) -> Value {
+        let number = self.signal(name).number;
+        match self.order(Order::Read(number)) {
+            Ok(Answer::Value(value)) => value,
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+
+    pub fn write(&mut self, name: &str, value: Value) -> Result<Answer, Fault> {
+        let number = self.signal(name).number;
+        self.order(Order::Write(number, value))
+    }
+
+    pub fn force(&mut self, name: &str, on: bool) -> Result<Answer, Fault> {
+        let number = self.signal(name).number;
+        self.order(Order::Force(number, Value::Bool(on)))
+    }
+
+    pub fn watch(&mut self, name: &str) -> u32 {
+        let number = self.signal(name).number;
+        self.rig.watch(number).unwrap();
+        number
+    }
+
+    pub fn advance(&mut self, by: Span) {
+        assert_eq!(self.order(Order::Advance(by)), Ok(Answer::Done));
+    }
+
+    /// The status when it is as wanted.
+    pub fn status(&mut self, what: &str, wanted: impl Fn(&Status) -> bool) -> Status {
+        let began = Instant::now();
+        loop {
+            self.rig.poll(&mut |told| self.told.push(told));
+            let status = self.rig.status();
+            if wanted(&status) {
+                return status;
+            }
+            assert!(began.elapsed() < PATIENCE, "{what}: {status:#?}");
+            std::thread::yield_now();
+        }
+    }
+
+    /// Every change of a signal so far: when, at the latest, and what.
+    pub fn changes(&self, signal: u32) -> Vec<(i64, Value)> {
+        let change = |told: &Told| match told {
+            Told::Change { signal: of, at, value } if *of == signal => Some((at.latest.as_nanos(), *value)),
+            _ => None,
+        };
+        self.told.iter().filter_map(change).collect()
+    }
+}
+
+/// Keeps a rig running while `act` works it, then stops it.
+pub fn with_rig(led: bool, act: impl FnOnce(&mut Bench<'_>)) -> Played {
+    let texts = Texts(&[("plan.toml", PLAN), ("lamp.st", PROGRAM), ("board.toml", BOARD)]);
+    let (loaded, jobs) = texts.load(1);
+    let case = loaded.plan.case(jobs[0].case).unwrap();
+    let files = loaded.files(&case, &jobs[0]).unwrap();
+    let board = (files.board.clone(), BOARD.to_owned());
+    let plans = live::Bench { shelf: Arc::new(Library), board, seed: 1 };
+    let (mut rig, port) = live::open(&case, &files, None, led, "0", Some(plans)).unwrap();
+    let port = Mutex::new(port);
+    let interrupt = AtomicBool::new(false);
+    let kind = if led { ClockKind::Virtual } else { ClockKind::Real };
+    let options =
+        RunOptions { slice: Span::from_millis(10), live: Some(&port), ..RunOptions::new(kind, &interrupt) };
+    let (tell, _told) = mpsc::sync_channel(1_024);
+    let course = Course { lasts: None, booted: true };
+    std::thread::scope(|scope| {
+        let scan = scope.spawn(|| live::keep(&case, &files, &options, course, &tell));
+        let mut bench = Bench { rig: &mut rig, told: Vec::new(), tickets: 0 };
+        let acted = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| act(&mut bench)));
+        interrupt.store(true, Ordering::Relaxed);
+        let played = scan.join().unwrap().unwrap_or_else(|found| panic!("{found:#?}"));
+        if let Err(panic) = acted {
+            std::panic::resume_unwind(panic);
+        }
+        played
+    })
+}

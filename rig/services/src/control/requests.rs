@@ -1,0 +1,371 @@
+//! What is done for each request.
+
+use std::collections::VecDeque;
+
+use control::{
+    Advanced, Ask, Change, Done, Fault, Forces, Greeting, Locked, PROTOCOL, Plans, Request, Signal,
+    Subscribed, Topic, Values, WireValue,
+};
+use signal::{Span, Time, Value, When};
+
+use super::client::{ClientId, Then, Work};
+use super::decode::{fault, short};
+use super::hub::Hub;
+use super::rig::Order;
+use super::topic::{Of, Subscription, Waiting};
+use crate::codes;
+
+/// What a request comes to at once.
+enum Outcome {
+    /// It is done.
+    Done,
+    /// It is done when these orders are.
+    Orders(VecDeque<Order>, Then),
+    /// It is answered already.
+    Answered,
+}
+
+impl Outcome {
+    fn order(order: Order) -> Outcome {
+        Outcome::Orders([order].into(), Then::Done)
+    }
+}
+
+impl Hub {
+    /// Does what a client asks.
+    pub(super) fn request(&mut self, id: ClientId, Request { id: number, ask }: Request, now: Time) {
+        match self.ask(id, number, ask, now) {
+            Ok(Outcome::Answered) => {}
+            Ok(Outcome::Done) => {
+                if self.is_led() {
+                    self.flush_all(Some(id), now);
+                }
+                self.answer(id, number, Ok(&Done {}), now);
+            }
+            Ok(Outcome::Orders(orders, then)) => {
+                let Some(client) = self.clients.get_mut(&id) else { return };
+                let none = orders.is_empty();
+                client.work =
+                    Some(Work { id: number, then, orders, open: 0, values: Vec::new(), fault: None });
+                if none {
+                    self.complete(id, now);
+                } else {
+                    self.orders.ask(id);
+                    self.give(now);
+                }
+            }
+            Err(fault) => self.answer(id, number, Err::<&Done, _>(fault), now),
+        }
+    }
+
+    fn ask(&mut self, id: ClientId, number: u64, ask: Ask, now: Time) -> Result<Outcome, Fault> {
+        if changes(&ask) {
+            self.lock.check()?;
+        }
+        match ask {
+            Ask::Hello { protocol, name } => return self.hello(id, number, protocol, &name, now),
+            Ask::Describe => {
+                let Some(client) = self.clients.get_mut(&id) else { return Ok(Outcome::Answered) };
+                client.out.answer(&super::hub::Answered { id: number, ok: &self.description }, now);
+                self.touch(id);
+            }
+            Ask::Status => {
+                let line = self.shot_line();
+                let Some(client) = self.clients.get_mut(&id) else { return Ok(Outcome::Answered) };
+                client.out.answer_written(&[&format!("{{\"id\":{number},\"ok\":"), &line, "}"], now);
+                self.touch(id);
+            }
+            Ask::Read { names } => {
+                self.few(names.len())?;
+                let mut orders = VecDeque::new();
+                for name in &names {
+                    orders.push_back(Order::Read(self.rig.find(name)?.number));
+                }
+                return Ok(Outcome::Orders(orders, Then::Values));
+            }
+            Ask::Write { name, value } => {
+                let signal = self.rig.find(&name)?.number;
+                return Ok(Outcome::order(Order::Write(signal, value.0)));
+            }
+            Ask::Force { name, value } => {
+                let signal = self.find_forced(&name)?;
+                self.say_of(id, &format!("forces {} = {}", signal.name, shown(value)), now);
+                return Ok(Outcome::order(Order::Force(signal.number, value.0)));
+            }
+            Ask::Release { name } => {
+                let signal = self.find_forced(&name)?;
+                self.say_of(id, &format!("releases {}", signal.name), now);
+                return Ok(Outcome::order(Order::Release(signal.number)));
+            }
+            Ask::ReleaseAll => {
+                self.say_of(id, "releases everything", now);
+                return Ok(Outcome::order(Order::ReleaseAll));
+            }
+            Ask::Command { action } => {
+                self.say_of(id, &format!("commands {}", action.name()), now);
+                return Ok(Outcome::order(Order::Command(action)));
+            }
+            Ask::Subscribe { topic } => return self.subscribe(id, &topic, now),
+            Ask::Unsubscribe { subscription } => {
+                let client = self.clients.get_mut(&id);
+                let Some(ended) = client.and_then(|client| client.subscriptions.remove(&subscription)) else {
+                    let message = format!("this connection has no subscription {subscription}");
+                    let help = "a subscription is known by the number in the answer to `subscribe`";
+                    return Err(fault(codes::SUBSCRIPTION, message, help));
+                };
+                self.unwatch(id, subscription, ended.numbers());
+                return Ok(Outcome::Done);
+            }
+            Ask::Plans { path } => {
+                let plans = self.rig.plans(path.as_deref())?;
+                self.answer(id, number, Ok(&Plans { plans }), now);
+            }
+            Ask::Plan { name } => {
+                self.say_of(id, &format!("runs the plan {}", short(&name)), now);
+                return Ok(Outcome::order(Order::Plan(name)));
+            }
+            Ask::Abort => {
+                self.say_of(id, "ends the plan", now);
+                return Ok(Outcome::order(Order::Abort));
+            }
+            Ask::Lock { note } => {
+                let by = self.called(id);
+                self.lock.set(Some(Locked { by, note: short(&note) }))?;
+                self.shot.fresh = false;
+                self.say_of(id, &format!("locks the rig: {}", short(&note)), now);
+                return Ok(Outcome::Done);
+            }
+            Ask::Unlock => {
+                self.lock.set(None)?;
+                self.shot.fresh = false;
+                self.say_of(id, "unlocks the rig", now);
+                return Ok(Outcome::Done);
+            }
+            Ask::Leave { forces } => {
+                let mut orders = VecDeque::new();
+                if forces == Forces::Release {
+                    orders.extend(self.forced_by(id).map(Order::Release));
+                }
+                if !orders.is_empty() {
+                    self.lock.check()?;
+                }
+                return Ok(Outcome::Orders(orders, Then::Leave));
+            }
+            Ask::Advance { by } => {
+                let order = Order::Advance(Span::from_nanos(by));
+                return Ok(Outcome::Orders([order].into(), Then::Advanced));
+            }
+        }
+        Ok(Outcome::Answered)
+    }
+
+    fn hello(
+        &mut self,
+        id: ClientId,
+        number: u64,
+        protocol: u32,
+        name: &str,
+        now: Time,
+    ) -> Result<Outcome, Fault> {
+        if protocol != PROTOCOL {
+            if let Some(client) = self.clients.get_mut(&id) {
+                client.leaves = true;
+            }
+            let message = format!("the client speaks version {protocol} of the protocol, the rig {PROTOCOL}");
+            return Err(fault(codes::PROTOCOL, message, "use the `rig` that the rig was started with"));
+        }
+        if let Some(client) = self.clients.get_mut(&id) {
+            client.name = (!name.trim().is_empty()).then(|| short(name.trim()));
+        }
+        self.shot.fresh = false;
+        self.say_of(id, "says hello", now);
+        let greeting = Greeting { client: id, ..self.rig.greeting() };
+        self.answer(id, number, Ok(&greeting), now);
+        Ok(Outcome::Answered)
+    }
+
+    fn subscribe(&mut self, id: ClientId, topic: &Topic, now: Time) -> Result<Outcome, Fault> {
+        let limits = self.settings.limits;
+        let Some(client) = self.clients.get(&id) else { return Ok(Outcome::Answered) };
+        if client.subscriptions.len() >= limits.subscriptions {
+            let message = format!("a client has at most {} subscriptions", limits.subscriptions);
+            return Err(fault(
+                codes::TOO_MUCH,
+                message,
+                "end one with `unsubscribe`, or put signals together",
+            ));
+        }
+        let mut signals: Vec<Signal> = Vec::new();
+        if let Topic::Signals { names, .. } = topic {
+            self.few(client.names() + names.len())?;
+            for name in names {
+                signals.push(self.rig.find(name)?);
+            }
+        }
+        let mut numbers: Vec<u32> = signals.iter().map(|signal| signal.number).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        for (place, &signal) in numbers.iter().enumerate() {
+            if let Err(fault) = self.rig.watch(signal) {
+                numbers[..place].iter().for_each(|&watched| self.rig.unwatch(watched));
+                return Err(fault);
+            }
+        }
+        // A value that nobody told so far is read; it comes with the answer.
+        let read: Vec<u32> =
+            numbers.iter().copied().filter(|&signal| self.rig.last(signal).is_none()).collect();
+        let orders = read.iter().map(|&signal| Order::Read(signal)).collect();
+        let Some(client) = self.clients.get_mut(&id) else { return Ok(Outcome::Answered) };
+        client.subscribed += 1;
+        let subscription = client.subscribed;
+        for &signal in &numbers {
+            self.watched.entry(signal).or_default().insert((id, subscription));
+        }
+        let mut begun = Subscription::new(topic, numbers, limits.changes, now);
+        // Nothing is told of it before the answer.
+        begun.due = Time::MAX;
+        client.subscriptions.insert(subscription, begun);
+        Ok(Outcome::Orders(orders, Then::Subscribed { subscription, signals, read }))
+    }
+
+    /// All orders of a request are carried out, or one was refused.
+    pub(super) fn complete(&mut self, id: ClientId, now: Time) {
+        let Some(client) = self.clients.get_mut(&id) else { return };
+        let Some(Work { id: number, then, values, fault, .. }) = client.work.take() else { return };
+        self.shot.fresh = false;
+        if self.is_led() {
+            // Whatever comes of the request is told before its answer: so a client that leads time knows it all.
+            self.flush_all(Some(id), now);
+        }
+        if let Some(fault) = fault {
+            if let Then::Subscribed { subscription, .. } = then {
+                self.end_subscription(id, subscription);
+            }
+            return self.answer(id, number, Err::<&Done, _>(fault), now);
+        }
+        match then {
+            Then::Done => self.answer(id, number, Ok(&Done {}), now),
+            Then::Values => {
+                let values = values.into_iter().map(WireValue).collect();
+                self.answer(id, number, Ok(&Values { values }), now);
+            }
+            Then::Advanced => {
+                let at = self.shot().status.at;
+                self.answer(id, number, Ok(&Advanced { at }), now);
+            }
+            Then::Subscribed { subscription, signals, read } => {
+                let read: Vec<(u32, Value)> = read.into_iter().zip(values).collect();
+                let begun = self.begin(id, subscription, signals, &read, now);
+                self.answer(id, number, Ok(&begun), now);
+            }
+            Then::Leave => {
+                self.answer(id, number, Ok(&Done {}), now);
+                if let Some(client) = self.clients.get_mut(&id) {
+                    (client.goodbye, client.leaves) = (true, true);
+                }
+            }
+        }
+    }
+
+    /// The answer to a subscription. From now on its events come.
+    fn begin(
+        &mut self,
+        id: ClientId,
+        subscription: u64,
+        signals: Vec<Signal>,
+        read: &[(u32, Value)],
+        now: Time,
+    ) -> Subscribed {
+        let shot = Time::from_nanos(self.shot().status.at);
+        let mut begun = Subscribed { subscription, signals, ..Subscribed::default() };
+        let limits = self.settings.limits;
+        let led = self.is_led();
+        let subscriptions = self.clients.get_mut(&id).map(|client| &mut client.subscriptions);
+        let Some(of) = subscriptions.and_then(|all| all.get_mut(&subscription)) else { return begun };
+        of.due = if led { shot + of.every } else { now };
+        match &mut of.of {
+            Of::Signals { numbers, waiting } => {
+                // What came meanwhile is in these values.
+                *waiting = Waiting::new(if waiting.wants_all() { limits.changes } else { 0 });
+                for &mut signal in numbers {
+                    let read = read.iter().find(|(one, _)| *one == signal);
+                    let known =
+                        self.rig.last(signal).or(read.map(|(_, value)| (When::exactly(shot), *value)));
+                    if let Some((at, value)) = known {
+                        let (earliest, latest) = (at.earliest.as_nanos(), at.latest.as_nanos());
+                        begun.values.push(Change(signal, earliest, latest, WireValue(value)));
+                    }
+                }
+            }
+            Of::Log => begun.log = self.log.iter().cloned().collect(),
+            Of::Plan => begun.plan = self.plan.clone(),
+            Of::Status { .. } | Of::Frames => {}
+        }
+        begun
+    }
+
+    fn end_subscription(&mut self, id: ClientId, subscription: u64) {
+        let ended = self.clients.get_mut(&id).and_then(|client| client.subscriptions.remove(&subscription));
+        if let Some(ended) = ended {
+            self.unwatch(id, subscription, ended.numbers());
+        }
+    }
+
+    /// Ends the watch over signals of a subscription.
+    pub(super) fn unwatch(&mut self, id: ClientId, subscription: u64, numbers: &[u32]) {
+        for signal in numbers {
+            if let Some(watchers) = self.watched.get_mut(signal) {
+                watchers.remove(&(id, subscription));
+                if watchers.is_empty() {
+                    self.watched.remove(signal);
+                }
+            }
+            self.rig.unwatch(*signal);
+        }
+    }
+
+    /// Refuses more names than one client may have.
+    fn few(&self, names: usize) -> Result<(), Fault> {
+        let most = self.settings.limits.names;
+        if names <= most {
+            return Ok(());
+        }
+        let message = format!("{names} names are more than the {most} that a client may have");
+        Err(fault(codes::TOO_MUCH, message, "ask for fewer at once, or end subscriptions"))
+    }
+
+    /// What a client is called where it is told to others.
+    pub(super) fn called(&self, id: ClientId) -> String {
+        let name = self.clients.get(&id).and_then(|client| client.name.clone());
+        name.unwrap_or_else(|| format!("client {id}"))
+    }
+}
+
+/// Whether a request changes something that a lock freezes. To end a plan is always allowed: it leads to the safe side.
+fn changes(ask: &Ask) -> bool {
+    match ask {
+        Ask::Write { .. }
+        | Ask::Force { .. }
+        | Ask::Release { .. }
+        | Ask::ReleaseAll
+        | Ask::Command { .. }
+        | Ask::Plan { .. }
+        | Ask::Lock { .. } => true,
+        Ask::Hello { .. }
+        | Ask::Describe
+        | Ask::Status
+        | Ask::Read { .. }
+        | Ask::Subscribe { .. }
+        | Ask::Unsubscribe { .. }
+        | Ask::Plans { .. }
+        | Ask::Abort
+        | Ask::Unlock
+        | Ask::Leave { .. }
+        | Ask::Advance { .. } => false,
+    }
+}
+
+/// A value as it stands in a line.
+fn shown(value: WireValue) -> String {
+    serde_json::to_string(&value).unwrap_or_default()
+}

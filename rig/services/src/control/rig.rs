@@ -1,0 +1,115 @@
+//! The rig as the control socket sees it.
+
+use control::{Action, Description, Fault, FrameSeen, Greeting, PlanEvent, Signal, Status};
+use signal::{Span, Time, Value, When};
+
+/// The most orders that are under way at once.
+pub const MOST_ORDERS: usize = 64;
+
+/// What an order's answer is known by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Ticket(pub u64);
+
+/// What the rig is to do. Orders are carried out in their order, between two turns of the scan.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Order {
+    /// Read a signal.
+    Read(u32),
+    /// Write one.
+    Write(u32, Value),
+    /// Force an embedded input or output, by the signal of its image.
+    Force(u32, Value),
+    /// End its forcing.
+    Release(u32),
+    /// End all forcing.
+    ReleaseAll,
+    /// Command the controller.
+    Command(Action),
+    /// Let time pass, where clients lead it.
+    Advance(Span),
+    /// Run a plan.
+    Plan(String),
+    /// End the plan that runs.
+    Abort,
+}
+
+/// What an order came to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// It is done.
+    Done,
+    /// What was read.
+    Value(Value),
+}
+
+/// What the rig tells.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Told {
+    /// A signal that is watched changed.
+    Change {
+        /// Its number.
+        signal: u32,
+        /// When.
+        at: When,
+        /// Its value.
+        value: Value,
+    },
+    /// An order was carried out, or not.
+    Answer(Ticket, Result<Answer, Fault>),
+    /// A line of the log.
+    Log(Time, String),
+    /// A frame.
+    Frame(FrameSeen),
+    /// A plan goes on.
+    Plan(PlanEvent),
+    /// It is over.
+    Ended(String),
+}
+
+/// The handle of a rig that runs. Its calls never wait for the scan; what they set off is told by [`Rig::poll`].
+pub trait Rig: Send {
+    /// The greeting, without the client's number.
+    fn greeting(&self) -> Greeting;
+
+    /// What it is.
+    fn describe(&self) -> Description;
+
+    /// How it is, as far as is known by now; behind [`Order::Advance`], of the instant that was reached. Who is
+    /// connected, the lock and who forced what are added by the socket.
+    fn status(&self) -> Status;
+
+    /// What a name means: a signal's, a terminal's, a channel's, an address.
+    ///
+    /// # Errors
+    /// A name that means nothing, with what may be meant.
+    fn find(&mut self, name: &str) -> Result<Signal, Fault>;
+
+    /// From now on changes of a signal are told, its present value as the first. It is watched as often as this was
+    /// called, less as often as [`Rig::unwatch`] was.
+    ///
+    /// # Errors
+    /// More signals than can be watched.
+    fn watch(&mut self, signal: u32) -> Result<(), Fault>;
+
+    /// Ends that.
+    fn unwatch(&mut self, signal: u32);
+
+    /// What a watched signal was by now, if anything was told of it.
+    fn last(&self, signal: u32) -> Option<(When, Value)>;
+
+    /// What it can run: the cases of plans, or the names of those that ship.
+    ///
+    /// # Errors
+    /// Plans that cannot be read.
+    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, Fault>;
+
+    /// Gives an order; its answer comes with [`Told::Answer`].
+    ///
+    /// # Errors
+    /// What cannot be done, if that is known already. There is room for [`MOST_ORDERS`]: the socket never has more of
+    /// them under way.
+    fn order(&mut self, ticket: Ticket, order: Order) -> Result<(), Fault>;
+
+    /// Hands on what the rig told since the last call, in its order.
+    fn poll(&mut self, told: &mut dyn FnMut(Told));
+}

@@ -1,0 +1,251 @@
+//! What the rig tells is handed on to those who want it.
+
+use std::fmt::Write;
+use std::rc::Rc;
+
+use control::{Event, LogLine, PlanEvent, Status};
+use serde::Serialize;
+use signal::{Span, Time};
+
+use super::client::ClientId;
+use super::hub::{Hub, Shot};
+use super::rig::Told;
+use super::topic::{Of, Subscription};
+
+/// Changes in one message.
+const CHANGES: usize = 512;
+/// Lines of the log that are kept for those who come later.
+const LINES: usize = 1_000;
+/// What a case told that is kept for those who come later.
+const PLAN_EVENTS: usize = 1_000;
+/// What is told of a plan may wait in a longer queue: it is little, and a verdict that is missing is missed.
+const PLAN_QUEUES: usize = 8;
+/// A status is told at least so often, so that a client knows that the rig is there.
+const SIGN_OF_LIFE: Span = Span::from_secs(1);
+
+impl Hub {
+    /// Takes what the rig tells.
+    pub(super) fn hear(&mut self, told: Told, now: Time) {
+        match told {
+            Told::Change { signal, at, value } => {
+                let Some(watchers) = self.watched.get(&signal) else { return };
+                let led = self.is_led();
+                for (id, number) in watchers {
+                    let Some(client) = self.clients.get_mut(id) else { continue };
+                    let room = client.has_room(self.settings.limits.queue);
+                    let Some(one) = client.subscriptions.get_mut(number) else { continue };
+                    let Of::Signals { waiting, .. } = &mut one.of else { continue };
+                    // Where clients lead time, messages are cut by the rig's own time: the same each time. And rather
+                    // than that something is missed, a message comes early.
+                    let due = led && at.latest >= one.due;
+                    if room && one.due != Time::MAX && (due || waiting.is_full()) {
+                        while tell_changes(*number, one, &mut client.out, now) && due {}
+                        if due {
+                            one.due = at.latest + one.every;
+                        }
+                        self.touched.insert(*id);
+                    }
+                    if let Of::Signals { waiting, .. } = &mut one.of {
+                        waiting.put(signal, at, value);
+                    }
+                }
+            }
+            Told::Answer(ticket, answer) => self.answered(ticket, answer, now),
+            Told::Log(at, text) => self.log(at.as_nanos(), &text, now),
+            Told::Frame(frame) => {
+                self.tell(|of| matches!(of, Of::Frames), "frame", "frame", &frame, 1, now);
+            }
+            Told::Plan(event) => {
+                self.tell(|of| matches!(of, Of::Plan), "plan", "told", &event, PLAN_QUEUES, now);
+                if matches!(event, PlanEvent::Case { .. }) {
+                    self.plan.clear();
+                }
+                if self.plan.len() < PLAN_EVENTS {
+                    self.plan.push(event);
+                }
+            }
+            Told::Ended(why) => self.end(&why, now),
+        }
+    }
+
+    /// Writes a line into the log.
+    pub(super) fn log(&mut self, at: i64, text: &str, now: Time) {
+        if self.log.len() == LINES {
+            self.log.pop_front();
+        }
+        self.log.push_back(LogLine { at, text: text.into() });
+        let ids: Vec<ClientId> = self.clients.keys().copied().collect();
+        for id in ids {
+            let queue = self.settings.limits.queue;
+            let Some(client) = self.clients.get_mut(&id) else { continue };
+            for (&subscription, one) in &mut client.subscriptions {
+                if !matches!(one.of, Of::Log) || one.due == Time::MAX {
+                    continue;
+                }
+                if client.out.len() >= queue {
+                    one.missed += 1;
+                    continue;
+                }
+                tell_missed(subscription, one, &mut client.out, now);
+                client.out.put(&Event::Log { subscription, at, text: text.into() }, now);
+                self.touched.insert(id);
+            }
+        }
+    }
+
+    /// Tells a line to everyone who is subscribed to its topic; it is written once for all of them.
+    fn tell(
+        &mut self,
+        is: impl Fn(&Of) -> bool,
+        event: &str,
+        field: &str,
+        what: &impl Serialize,
+        queues: usize,
+        now: Time,
+    ) {
+        let queue = self.settings.limits.queue * queues;
+        let mut line: Option<String> = None;
+        for (id, client) in &mut self.clients {
+            let room = client.has_room(queue);
+            for (number, one) in &mut client.subscriptions {
+                if !is(&one.of) || one.due == Time::MAX {
+                    continue;
+                }
+                if !room {
+                    one.missed += 1;
+                    continue;
+                }
+                tell_missed(*number, one, &mut client.out, now);
+                let line = line.get_or_insert_with(|| serde_json::to_string(what).unwrap_or_default());
+                let mut head = String::new();
+                let _ = write!(head, "{{\"event\":\"{event}\",\"subscription\":{number},\"{field}\":");
+                client.out.put_written(&[&head, line, "}"], now);
+                self.touched.insert(*id);
+            }
+        }
+    }
+
+    /// Tells what is due to those who have room for it.
+    pub(super) fn flush(&mut self, now: Time) {
+        if !self.is_led() {
+            self.flush_those(now, |one| one.due <= now, None);
+        } else {
+            self.flush_those(now, |one| one.due == Time::MIN, None);
+        }
+    }
+
+    /// Tells everything that waits: `to` even if its queue is full, since it asks for nothing more before it is read.
+    pub(super) fn flush_all(&mut self, to: Option<ClientId>, now: Time) {
+        self.flush_those(now, |one| one.due != Time::MAX, to);
+    }
+
+    fn flush_those(&mut self, now: Time, due: impl Fn(&Subscription) -> bool, all_to: Option<ClientId>) {
+        let led = self.is_led();
+        let queue = self.settings.limits.queue;
+        let at = if led { Time::from_nanos(self.shot().status.at) } else { now };
+        let ids: Vec<ClientId> = self.clients.keys().copied().collect();
+        for id in ids {
+            let Some(client) = self.clients.get(&id) else { continue };
+            if client.subscriptions.is_empty() {
+                continue;
+            }
+            let wants_status =
+                client.subscriptions.values().any(|one| matches!(one.of, Of::Status { .. }) && due(one));
+            let line = wants_status.then(|| (self.shot_line(), self.shot.edition));
+            let Some(client) = self.clients.get_mut(&id) else { continue };
+            let before = client.out.len();
+            for (number, one) in &mut client.subscriptions {
+                let room = client.out.len() < queue || all_to == Some(id);
+                if !room || !due(one) {
+                    // Where time is led nothing else would bring it up again.
+                    if led && !room && due(one) {
+                        one.due = Time::MIN;
+                    }
+                    continue;
+                }
+                tell_missed(*number, one, &mut client.out, now);
+                let next = at + one.every;
+                match &mut one.of {
+                    Of::Signals { waiting, .. } => {
+                        if waiting.is_empty() {
+                            continue;
+                        }
+                        one.due = next;
+                        while client.out.len() < queue || all_to == Some(id) {
+                            if !tell_changes(*number, one, &mut client.out, now) {
+                                break;
+                            }
+                        }
+                        if matches!(&one.of, Of::Signals { waiting, .. } if !waiting.is_empty()) {
+                            one.due = if led { Time::MIN } else { now };
+                        }
+                    }
+                    Of::Status { told, last } => {
+                        let Some((line, edition)) = &line else { continue };
+                        one.due = next;
+                        let silent = !led && now - *last >= SIGN_OF_LIFE;
+                        if *told == Some(*edition) && !silent {
+                            continue;
+                        }
+                        (*told, *last) = (Some(*edition), now);
+                        let mut head = String::new();
+                        let _ = write!(head, "{{\"event\":\"status\",\"subscription\":{number},\"status\":");
+                        client.out.put_written(&[&head, line, "}"], now);
+                    }
+                    Of::Log | Of::Frames | Of::Plan => {}
+                }
+            }
+            if client.out.len() != before {
+                self.touch(id);
+            }
+        }
+    }
+
+    /// The status as of this turn.
+    pub(super) fn shot(&mut self) -> &Shot {
+        if !self.shot.fresh {
+            let before = std::mem::replace(&mut self.shot.status, self.rig.status());
+            self.shot.status.clients = u32::try_from(self.clients.len()).unwrap_or(u32::MAX);
+            self.shot.status.locked = self.lock.now().cloned();
+            self.name_forces();
+            let status = &self.shot.status;
+            if *status != (Status { at: status.at, ..before }) {
+                self.shot.edition += 1;
+            }
+            self.shot.line = None;
+            self.shot.fresh = true;
+        }
+        &self.shot
+    }
+
+    /// The status as it stands in a line.
+    pub(super) fn shot_line(&mut self) -> Rc<str> {
+        self.shot();
+        let Shot { line, status, .. } = &mut self.shot;
+        line.get_or_insert_with(|| serde_json::to_string(status).unwrap_or_default().into()).clone()
+    }
+}
+
+/// Tells the next changes of a subscription; tells whether there were any.
+fn tell_changes(
+    subscription: u64,
+    one: &mut Subscription,
+    out: &mut super::outbox::Outbox,
+    now: Time,
+) -> bool {
+    let Of::Signals { waiting, .. } = &mut one.of else { return false };
+    if waiting.is_empty() {
+        return false;
+    }
+    let (changes, missed) = waiting.take(CHANGES);
+    out.put(&Event::Signals { subscription, changes, missed }, now);
+    true
+}
+
+/// Tells how many lines of a subscription were left out, if any were.
+fn tell_missed(subscription: u64, one: &mut Subscription, out: &mut super::outbox::Outbox, now: Time) {
+    let lines = std::mem::take(&mut one.missed);
+    if lines > 0 {
+        out.put(&Event::Missed { subscription, lines }, now);
+    }
+}

@@ -1,0 +1,8 @@
+//! The control socket over real sockets, with a rig that does what it is told.
+
+mod bench;
+mod fake;
+mod property;
+mod requests;
+mod robust;
+mod socket;

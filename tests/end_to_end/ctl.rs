@@ -1,0 +1,276 @@
+//! `rig ctl` as a script meets it.
+
+use crate::bench::{Bench, drain, run};
+use crate::led::{Led, SOCKET};
+use crate::terminal::{talk, terminal};
+use std::io::{BufRead, BufReader, Write};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+const PATIENCE: Duration = Duration::from_secs(60);
+
+const BOARD: &str = "format = 1\n[board]\nkind = \"simulated\"\n[channels]\nlevel = { kind = \"analog\", unit = \"V\" }\n\
+[buses]\nmachine = { kind = \"can\", bitrate = 250_000 }\n";
+
+const PROGRAM: &str = "PROGRAM MAIN
+VAR
+    button AT %IX0.0 : BOOL;
+    lamp AT %QX0.0 : BOOL;
+    count : INT;
+    part : REAL := 0.5;
+END_VAR
+lamp := button;
+count := count + 1;
+END_PROGRAM
+";
+
+fn rig() -> (Bench, Led) {
+    let bench = Bench::new();
+    // What a client that is lost leaves ends here, so that what stays was meant to.
+    bench.write("bench.toml", &format!("{BOARD}[control]\non-disconnect = \"release\"\n"));
+    bench.write("count.st", PROGRAM);
+    let led = Led::start(&bench, "bench.toml", "count.st");
+    led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
+    (bench, led)
+}
+
+#[test]
+fn forces_outlast_the_command_that_set_them() {
+    let (_bench, led) = rig();
+    led.expect(0, &["force", "%IX0.0=1", "Q3=TRUE"]);
+    led.expect(0, &["await", "%IX0.0=1", "%QX0.0=1", "%QX0.3=1", "--advance", "1s"]);
+    led.expect(0, &["release", "%IX0.0"]);
+    led.expect(0, &["await", "%QX0.0=0", "--advance", "1s"]);
+    let status = led.expect(0, &["status"]).out;
+    assert!(status.contains("%QX0.3 = TRUE") && !status.contains("%IX0.0 ="), "{status}");
+    led.expect(0, &["release", "--all"]);
+    assert!(!led.expect(0, &["status"]).out.contains("forced"));
+}
+
+#[test]
+fn a_force_for_a_while_ends_with_the_command_however_that_ends() {
+    let (_bench, led) = rig();
+    led.expect(0, &["force", "Q3=1", "--for", "10ms"]);
+    assert!(!led.expect(0, &["status"]).out.contains("forced"));
+    let mut child = led.command(&["force", "Q3=1", "--for", "1h"]).spawn().unwrap();
+    let began = Instant::now();
+    while !led.expect(0, &["status"]).out.contains("forced") {
+        assert!(began.elapsed() < PATIENCE, "nothing is forced");
+    }
+    nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT)
+        .unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!led.expect(0, &["status"]).out.contains("forced"));
+}
+
+#[test]
+fn what_cannot_be_is_refused_before_anything_moves() {
+    let (_bench, led) = rig();
+    let refused = |args: &[&str], words: &[&str]| {
+        let ran = led.expect(2, args);
+        assert_eq!(ran.out, "");
+        for word in words {
+            assert!(ran.err.contains(word), "{args:?}: {word} is missing in {}", ran.err);
+        }
+    };
+    refused(&["force", "Q0=1", "Q1"], &["R0649", "NAME=VALUE"]);
+    refused(&["force", "Q0=1", "Q1=?"], &["R0649"]);
+    refused(&["write", "level=2 bar"], &["R0649", "unit V"]);
+    refused(&["write", "state=RUNNNING"], &["R0649", "RUNNING"]);
+    refused(&["write", "MAIN.cuont=3"], &["R0601", "MAIN.count"]);
+    refused(&["write", "MAIN.count=40000"], &["R0603", "32767"]);
+    refused(&["force", "MAIN.part=1"], &["R0605"]);
+    refused(&["await", "state"], &["R0649", "state=RUNNING"]);
+    refused(&["watch", "nothing"], &["R0601"]);
+    refused(&["release"], &["required"]);
+    assert!(!led.expect(0, &["status"]).out.contains("forced"));
+}
+
+#[test]
+fn what_is_awaited_and_does_not_come_is_a_failure() {
+    let (_bench, led) = rig();
+    let late = led.expect(1, &["await", "state=HALT", "MAIN.part>0.1", "--advance", "100ms"]);
+    assert_eq!((&*late.out, &*late.err), ("", "state=HALT did not come: it is RUNNING\n"));
+    led.expect(1, &["await", "state!=RUNNING", "--within", "10ms"]);
+    led.expect(0, &["await", "state=running", "MAIN.part<=0.5"]);
+}
+
+#[test]
+fn every_change_is_told_in_led_time() {
+    let (_bench, led) = rig();
+    let before: i64 = led.expect(0, &["read", "--plain", "MAIN.count"]).out.trim().parse().unwrap();
+    let told = led.expect(0, &["watch", "MAIN.count", "--csv", "--all", "--advance", "10s"]);
+    assert_eq!(told.err, "");
+    let counts: Vec<i64> =
+        told.out.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
+    let all: Vec<i64> = (before..before + counts.len() as i64).collect();
+    assert_eq!(counts, all);
+    // The task runs each 20 ms; which of its cycles end within is up to the phase.
+    assert!((500..=502).contains(&counts.len()), "{}", counts.len());
+    let some = led.expect(0, &["watch", "MAIN.count", "--csv", "--advance", "10s", "--every", "1s"]);
+    assert!((10..=22).contains(&some.out.lines().count()), "{}", some.out);
+    let few = led.expect(0, &["watch", "MAIN.count", "--json", "--all", "--count", "3", "--advance", "10s"]);
+    assert_eq!(few.out.lines().count(), 4);
+}
+
+#[test]
+fn a_reader_that_goes_away_ends_the_watch() {
+    let (_bench, led) = rig();
+    let mut child = led.command(&["watch", "MAIN.count", "--all"]).stdout(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    lines.next().unwrap().unwrap();
+    drop(lines);
+    let began = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        assert!(began.elapsed() < PATIENCE, "it goes on");
+        led.expect(0, &["advance", "100ms"]);
+    }
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn a_rig_that_is_gone_is_an_error_of_the_rig() {
+    let (_bench, led) = rig();
+    let mut child =
+        led.command(&["watch", "MAIN.count"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    lines.next().unwrap().unwrap();
+    let err = drain(child.stderr.take().unwrap());
+    nix::sys::signal::kill(
+        nix::unistd::Pid::from_raw(led.process() as i32),
+        nix::sys::signal::Signal::SIGTERM,
+    )
+    .unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(4));
+    let err = err.join().unwrap();
+    assert!(err.contains("R0646") || err.contains("R0645"), "{err}");
+}
+
+#[test]
+fn raw_lines_are_answered_one_by_one() {
+    let (_bench, led) = rig();
+    let mut child = led.command(&["raw"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    for id in 0..500 {
+        writeln!(stdin, "{{\"id\":{id},\"do\":\"read\",\"names\":[\"MAIN.count\"]}}").unwrap();
+    }
+    // The last line needs no end.
+    write!(stdin, "{{\"id\":500,\"do\":\"unlock\"}}").unwrap();
+    drop(stdin);
+    let out = drain(child.stdout.take().unwrap()).join().unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    let ids: Vec<&str> = out.lines().skip(1).map(|line| line.split([':', ',']).nth(1).unwrap()).collect();
+    assert_eq!(ids, (0..=500).map(|id| id.to_string()).collect::<Vec<_>>());
+}
+
+#[test]
+fn json_is_what_the_rig_tells() {
+    let (_bench, led) = rig();
+    let json = |args: &[&str]| serde_json::from_str::<serde_json::Value>(&led.expect(0, args).out).unwrap();
+    assert_eq!(json(&["status", "--json"])["state"], "RUNNING");
+    assert_eq!(json(&["describe", "--json"])["clock"], "led");
+    assert_eq!(
+        json(&["read", "--json", "MAIN.part", "%IX0.0"]),
+        serde_json::json!({"MAIN.part": 0.5, "%IX0.0": false})
+    );
+    let listed = json(&["list", "--json", "lamp"]);
+    assert_eq!(
+        (&listed["points"][0]["name"], &listed["signals"][0]["name"]),
+        (&"Q0".into(), &"MAIN.lamp".into())
+    );
+}
+
+#[test]
+fn who_sits_at_a_terminal_is_asked_before_outputs_move() {
+    let (bench, led) = rig();
+    let state = || {
+        led.expect(0, &["advance", "100ms"]);
+        led.expect(0, &["state"]).out
+    };
+    let stop = ["ctl", "--socket", SOCKET, "stop"];
+    for answer in ["no", "", "what"] {
+        let (code, screen) = talk(terminal(&bench, &stop), &[answer]);
+        assert!(screen.contains("stop on bench.toml") && screen.contains("nothing was done"), "{screen}");
+        assert_eq!((code, &*state()), (Some(130), "RUNNING\n"));
+    }
+    assert_eq!(talk(terminal(&bench, &stop), &["yes"]).0, Some(0));
+    assert_eq!(state(), "STOPPED\n");
+    led.expect(0, &["run"]);
+    assert_eq!(state(), "RUNNING\n");
+    let (code, screen) = talk(terminal(&bench, &[&stop[..], &["--yes"]].concat()), &[]);
+    assert!(code == Some(0) && !screen.contains("yes or no"), "{screen}");
+}
+
+#[test]
+fn a_rig_is_found_by_its_board() {
+    let bench = Bench::new();
+    bench.write("count.st", PROGRAM);
+    bench.write("left.toml", BOARD);
+    let socket = bench.path("elsewhere.socket");
+    bench.write("right.toml", &format!("{BOARD}[control]\nsocket = {:?}\n", socket.display().to_string()));
+    let command = |args: &[&str]| {
+        let mut command = bench.command(args);
+        command.env("XDG_RUNTIME_DIR", bench.path("run"));
+        command
+    };
+    let ctl = |args: &[&str]| {
+        let ran = run(command(&[&["ctl"], args].concat()));
+        (ran.code, ran.out + &ran.err)
+    };
+    std::fs::create_dir(bench.path("run")).unwrap();
+    let mut rigs = Vec::new();
+    for (board, name) in [("left.toml", "left"), ("right.toml", "right.toml")] {
+        let args = ["run", "--board", board, "--program", "count.st", "--led"];
+        rigs.push(Ended(command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()));
+        let (code, said) = ctl(&["describe", "--board", name, "--wait", "60s"]);
+        assert!(code == Some(0) && said.contains(board), "{said}");
+    }
+    assert!(socket.exists());
+    let listed = ctl(&["rigs"]).1;
+    assert!(listed.contains("run/scanrig/left.sock  TM241CEC24T  left.toml"), "{listed}");
+    let second = ["run", "--board", "left.toml", "--program", "count.st", "--led", "--control"];
+    let mut second = command(&second);
+    second.arg(bench.path("run/scanrig/second.sock")).stdout(Stdio::null()).stderr(Stdio::null());
+    rigs.push(Ended(second.spawn().unwrap()));
+    assert_eq!(ctl(&["state", "--board", "second", "--wait", "60s"]).0, Some(0));
+    let (code, said) = ctl(&["state"]);
+    let named = ["R0641", "left.sock", "second.sock"].iter().all(|word| said.contains(word));
+    assert!(code == Some(2) && named, "{said}");
+    drop(rigs);
+    let (code, said) = ctl(&["state", "--board", "left"]);
+    assert!(code == Some(2) && said.contains("R0642") && said.contains("left.sock"), "{said}");
+}
+
+#[test]
+fn a_plan_has_the_course_and_the_exit_of_a_test() {
+    let (bench, led) = rig();
+    bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 499 ms");
+    assert_eq!(led.expect(0, &["plans", "lamp.toml"]).out, "lamp\n");
+    let told = led.expect(0, &["plan", "lamp"]).out;
+    assert_eq!(told, "lamp (1 of 1)\n      1.000000 s  press  button := TRUE\npass: lamp\nall: pass\n");
+    let told = led.expect(1, &["plan", "slow"]).out;
+    assert!(
+        told.contains("  fail: `lamp` rises 490 ms .. 499 ms after press") && told.ends_with("all: fail\n"),
+        "{told}"
+    );
+    let json = led.expect(0, &["plan", "lamp", "--json"]).out;
+    let events: Vec<serde_json::Value> =
+        json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let kinds: Vec<&str> = events.iter().map(|event| event["plan"].as_str().unwrap()).collect();
+    assert_eq!(kinds, ["case", "step", "step", "verdict", "over"]);
+    let missing = led.expect(2, &["plan", "lapm"]);
+    assert!(missing.err.contains("R061"), "{}", missing.err);
+    // The controller begins anew behind it.
+    led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
+}
+
+/// A process that is ended when this is dropped.
+struct Ended(std::process::Child);
+
+impl Drop for Ended {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}

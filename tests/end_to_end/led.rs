@@ -1,0 +1,64 @@
+//! A rig whose time is led by its clients: what a script does to it happens at the same instant each time.
+
+use crate::bench::{Bench, Ran, run};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+
+/// A rig that runs until this is dropped.
+pub struct Led {
+    child: Child,
+    folder: PathBuf,
+}
+
+impl Led {
+    /// Starts a rig in the bench's folder and waits until it answers.
+    pub fn start(bench: &Bench, board: &str, program: &str) -> Led {
+        let folder = bench.path("");
+        let mut command =
+            bench.command(&["run", "--board", board, "--program", program, "--led", "--control"]);
+        command.arg(folder.join(SOCKET)).stdout(Stdio::null()).stderr(Stdio::null());
+        let led = Led { child: command.spawn().unwrap(), folder };
+        let ran = led.ctl(&["state", "--wait", "60s"]);
+        assert_eq!(ran.code, Some(0), "{}", ran.err);
+        led
+    }
+
+    pub fn socket(&self) -> PathBuf {
+        self.folder.join(SOCKET)
+    }
+
+    /// `rig ctl` without running it.
+    pub fn command(&self, args: &[&str]) -> Command {
+        let mut all = vec!["ctl", "--socket", SOCKET];
+        all.extend(args);
+        crate::bench::command(&self.folder, &all)
+    }
+
+    /// Runs `rig ctl` to its end.
+    pub fn ctl(&self, args: &[&str]) -> Ran {
+        run(self.command(args))
+    }
+
+    /// Runs `rig ctl` and expects this exit code.
+    pub fn expect(&self, code: i32, args: &[&str]) -> Ran {
+        let ran = self.ctl(args);
+        assert_eq!(ran.code, Some(code), "rig ctl {args:?}\n{}{}", ran.out, ran.err);
+        ran
+    }
+
+    /// The process of the rig.
+    pub fn process(&self) -> u32 {
+        self.child.id()
+    }
+}
+
+/// The socket within the bench's folder.
+pub const SOCKET: &str = "rig.sock";
+
+impl Drop for Led {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

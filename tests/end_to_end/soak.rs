@@ -1,0 +1,198 @@
+//! A long commissioning in led time: clients come and go, force, trend, run plans, forget to read, break off. The rig stays as large
+//! as it was, and serves everybody.
+
+use crate::bench::Bench;
+use crate::led::Led;
+use control::{
+    Action, Advanced, Ask, Client, Done, Event, Forces, PlanEvent, Status, Subscribed, Topic, Values,
+    WireValue,
+};
+use signal::Value;
+use std::io::Write;
+use std::os::unix::net::UnixStream;
+use std::time::{Duration, Instant};
+
+const BOARD: &str = "format = 1
+[board]
+kind = \"simulated\"
+[channels]
+pressure = { kind = \"analog\", unit = \"bar\" }
+[[plants]]
+kind = \"lag\"
+name = \"tank\"
+input = \"Q1\"
+output = \"pressure\"
+low = 0
+high = \"6 bar\"
+tau = \"1 s\"
+sample = \"10 ms\"
+";
+
+const PROGRAM: &str = "PROGRAM MAIN
+VAR
+    button AT %IX0.0 : BOOL;
+    lamp AT %QX0.0 : BOOL;
+    valve AT %QX0.1 : BOOL;
+    count : DINT;
+    preset : DINT;
+END_VAR
+count := count + 1;
+lamp := button;
+valve := (count / 50) MOD 2 = 0;
+END_PROGRAM
+";
+
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A second of the rig's time.
+const SECOND: i64 = 1_000_000_000;
+
+/// Rounds of a second each until the rig has everything that it keeps: its log is full, for one.
+const WARM: u32 = 120;
+/// Rounds in all: ten minutes.
+const ROUNDS: u32 = 600;
+
+/// What the rig may grow by in 8 minutes: an allocator keeps pages at its own will, half a MiB within an hour. A leak of a
+/// few bytes for each change that is told meanwhile would be seen.
+const SLACK: u64 = 1024 * 1024;
+
+/// What the kernel says of the rig's process.
+#[derive(Clone, Copy, Debug)]
+struct Size {
+    bytes: u64,
+    files: usize,
+    threads: usize,
+}
+
+fn size(led: &Led) -> Size {
+    let process = format!("/proc/{}", led.process());
+    let status = std::fs::read_to_string(format!("{process}/status")).unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmRSS:")).unwrap();
+    let kib: u64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
+    let count = |folder: &str| std::fs::read_dir(format!("{process}/{folder}")).unwrap().count();
+    Size { bytes: kib * 1024, files: count("fd"), threads: count("task") }
+}
+
+fn connect(led: &Led, name: &str) -> Client {
+    Client::connect(&led.socket(), name).unwrap()
+}
+
+fn signals(names: &[&str], all: bool) -> Ask {
+    let names = names.iter().map(|name| (*name).to_owned()).collect();
+    Ask::Subscribe { topic: Topic::Signals { names, every_ms: 20, all } }
+}
+
+/// Somebody who looks at a trend for a second, and sees all of it.
+fn trend(led: &Led) {
+    let mut client = connect(led, "trend");
+    client.ask::<Subscribed>(signals(&["MAIN.count", "pressure", "Q0", "Q1", "%IX0.0"], true)).unwrap();
+    client.ask::<Advanced>(Ask::Advance { by: SECOND }).unwrap();
+    let mut seen = 0;
+    while let Some(event) = client.next(Duration::ZERO).unwrap() {
+        if let Event::Signals { changes, missed, .. } = event {
+            assert_eq!(missed, 0);
+            seen += changes.len();
+        }
+    }
+    assert!(seen >= 100, "{seen} changes");
+}
+
+/// Somebody who asks for everything and reads nothing.
+fn deaf(led: &Led) -> UnixStream {
+    let mut stream = UnixStream::connect(led.socket()).unwrap();
+    let topic = r#"{"of":"signals","names":["MAIN.count","pressure"],"every_ms":5,"all":true}"#;
+    for (id, topic) in (1..).zip([topic, r#"{"of":"status","every_ms":5}"#, r#"{"of":"log"}"#]) {
+        writeln!(stream, "{{\"id\":{id},\"do\":\"subscribe\",\"topic\":{topic}}}").unwrap();
+    }
+    stream
+}
+
+/// Somebody who runs a plan, and waits until the program runs again.
+fn plan(led: &Led) {
+    let mut client = connect(led, "plan");
+    client.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Plan }).unwrap();
+    client.ask::<Done>(Ask::Plan { name: "lamp".to_owned() }).unwrap();
+    let began = Instant::now();
+    let verdict = loop {
+        assert!(began.elapsed() < PATIENCE, "the plan does not end");
+        if let Some(Event::Plan { told: PlanEvent::Over { verdict, .. }, .. }) =
+            client.next(PATIENCE).unwrap()
+        {
+            break verdict;
+        }
+    };
+    assert_eq!(verdict, "pass");
+    led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
+}
+
+/// A round: what several people do in a second.
+fn round(led: &Led, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>, round: u32) {
+    let name = "%IX0.0".to_owned();
+    let on = WireValue(Value::Bool(round.is_multiple_of(2)));
+    if round.is_multiple_of(60) {
+        // The program begins anew behind it.
+        plan(led);
+    }
+    leader
+        .ask::<Done>(Ask::Write {
+            name: "MAIN.preset".to_owned(),
+            value: WireValue(Value::Int(round.into())),
+        })
+        .unwrap();
+    if round.is_multiple_of(3) {
+        // One who forces and goes, one who forces and is lost, one who takes it back.
+        let mut hand = connect(led, "hand");
+        hand.ask::<Done>(Ask::Force { name: name.clone(), value: on }).unwrap();
+        match round % 9 {
+            0 => drop(hand.ask::<Done>(Ask::Leave { forces: Forces::Keep }).unwrap()),
+            3 => drop(hand),
+            _ => drop(hand.ask::<Done>(Ask::Leave { forces: Forces::Release }).unwrap()),
+        }
+    }
+    if round.is_multiple_of(10) {
+        leader.ask::<Done>(Ask::ReleaseAll).unwrap();
+        deaf_ones.push(deaf(led));
+        if deaf_ones.len() > 3 {
+            deaf_ones.remove(0);
+        }
+    }
+    if round.is_multiple_of(5) {
+        trend(led);
+    } else {
+        leader.ask::<Advanced>(Ask::Advance { by: SECOND }).unwrap();
+    }
+    if round.is_multiple_of(50) {
+        leader.ask::<Done>(Ask::Command { action: Action::Stop }).unwrap();
+        leader.ask::<Advanced>(Ask::Advance { by: SECOND / 10 }).unwrap();
+        assert_eq!(leader.ask::<Status>(Ask::Status).unwrap().state, "STOPPED");
+        leader.ask::<Done>(Ask::Command { action: Action::Run }).unwrap();
+        leader.ask::<Advanced>(Ask::Advance { by: SECOND / 10 }).unwrap();
+    }
+    let read: Values = leader.ask(Ask::Read { names: vec!["MAIN.preset".to_owned()] }).unwrap();
+    assert_eq!(read.values, [WireValue(Value::Int(round.into()))]);
+    let mut told = 0;
+    while let Some(event) = leader.next(Duration::ZERO).unwrap() {
+        told += u32::from(matches!(event, Event::Status { .. }));
+    }
+    assert!(told > 0, "round {round} told nothing of the status");
+}
+
+#[test]
+fn ten_minutes_of_commissioning_leave_the_rig_as_large_as_it_was() {
+    let bench = Bench::new();
+    bench.write("soak.toml", BOARD);
+    bench.write("soak.st", PROGRAM);
+    let led = Led::start(&bench, "soak.toml", "soak.st");
+    led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
+    let mut leader = connect(&led, "leader");
+    leader.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Status { every_ms: 100 } }).unwrap();
+    let mut deaf_ones = Vec::new();
+    (1..=WARM).for_each(|place| round(&led, &mut leader, &mut deaf_ones, place));
+    let warm = size(&led);
+    (WARM + 1..=ROUNDS).for_each(|place| round(&led, &mut leader, &mut deaf_ones, place));
+    let end = size(&led);
+    assert!(end.bytes <= warm.bytes + SLACK, "{warm:?} became {end:?}");
+    assert_eq!((end.files, end.threads), (warm.files, warm.threads));
+    let status: Status = leader.ask(Ask::Status).unwrap();
+    assert_eq!((&*status.state, status.rig.untold), ("RUNNING", 0));
+}
