@@ -15,7 +15,8 @@ use expert::{
     FunctionKind, InputConditions, Limits, LineEvents, Operation, Phases, Pins, RECORD,
 };
 use host::{COUNTER_RECORD, CounterEvent, CounterEventKind};
-use plans::frames::{DataPattern, Database};
+use plans::frames::DataPattern;
+use plans::frames::can::Database;
 use plans::lang::{Need, Operand};
 use plans::{Anchor, Literal};
 use profile::Profile;

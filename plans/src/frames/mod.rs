@@ -1,18 +1,7 @@
-//! Frames of buses: which of them a name of a plan stands for, what is sent, and what values their data carry.
+//! What passes on buses, as plans name it: frames of CAN buses, and the patterns of data that they share with what else
+//! carries bytes.
 
-mod coding;
+pub mod can;
 mod data;
-mod dbc;
-mod pattern;
-mod read;
-mod send;
 
-pub use coding::{Coding, Order, Raw, Selector};
 pub use data::{DataFault, DataPattern, MAX_DATA};
-pub use dbc::{Database, DbcFault, FieldSpec, MessageSpec};
-pub(crate) use dbc::{Databases, NONE};
-pub use pattern::{FramePattern, FrameView, From, MAX_EXTENDED_ID, MAX_ID};
-pub use read::FrameSignal;
-pub(crate) use read::{FRAME_TYPE, Frames, Named, read};
-pub(crate) use send::SEND;
-pub use send::{OutFrame, Send};

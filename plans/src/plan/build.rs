@@ -17,7 +17,7 @@ use super::variants::{Variant, show};
 use super::{Case, ProgramRef, Refusal, Settings, check, facts, guards, refusal, settings, signals, times};
 use crate::codes;
 use crate::expect::{self, Context, Expectation, Names, Place};
-use crate::frames::{self, Frames};
+use crate::frames::can::{self, Frames};
 use crate::lang::{Anchor, Bindings, substitute};
 use crate::measure::{self, Measurement};
 
@@ -114,7 +114,7 @@ fn whole(
     let mut bound = bound;
     let frames = fields.get("frames").and_then(Node::as_table).map_or_else(Frames::default, |table| {
         let taken = |name: &str| bound.iter().any(|binding| binding.name == name);
-        frames::read(table, &document.text.databases, &taken, out)
+        can::read(table, &document.text.databases, &taken, out)
     });
     bound.extend(frames.bindings);
     let lists = expand::lists(document, row, &bindings, out);

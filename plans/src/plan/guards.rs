@@ -313,7 +313,7 @@ impl Guards {
             used: RefCell::default(),
             // Nothing of it drives a signal.
             tables: &crate::table::NONE,
-            databases: &crate::frames::NONE,
+            databases: &crate::frames::can::NONE,
             frames: Default::default(),
         }
     }

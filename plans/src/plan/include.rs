@@ -12,7 +12,7 @@ use super::settings::SETTINGS_KEYS;
 use super::variants::Variants;
 use super::{groups, signals};
 use crate::codes;
-use crate::frames::{self, Databases};
+use crate::frames::can::{self, Databases};
 use crate::table::Tables;
 
 /// Most files that a plan includes, whether itself or through others.
@@ -113,7 +113,7 @@ pub fn check_included(
         signals::read(table, &mut out);
     }
     if let Some(table) = fields.get("frames").and_then(Node::as_table) {
-        frames::read(table, &text.databases, &|_| false, &mut out);
+        can::read(table, &text.databases, &|_| false, &mut out);
     }
     if let Some(node) = fields.get(SETTINGS) {
         document::check_value(node, SETTINGS, &KeyType::Table(SETTINGS_KEYS), &mut out);

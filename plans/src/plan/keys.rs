@@ -7,7 +7,7 @@ use super::refusal::REFUSAL_KEYS;
 use super::settings::SETTINGS_KEYS;
 use super::signals::SIGNAL_TYPE;
 use super::variants::{PARAMETER_TYPE, ROW_TYPE, SWEEP_TYPE};
-use crate::frames::FRAME_TYPE;
+use crate::frames::can::FRAME_TYPE;
 use crate::measure;
 
 const FILES: KeyType = KeyType::OneOrMore(&KeyType::Text);

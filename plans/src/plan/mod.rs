@@ -28,7 +28,7 @@ use signal::{Address, Span};
 
 use crate::alarm::Alarm;
 use crate::expect::Expectation;
-use crate::frames::{FramePattern, FrameSignal};
+use crate::frames::can::{FramePattern, FrameSignal};
 use crate::judge::{Guard, Scenario, StepFacts};
 use crate::lang::{Anchor, Literal, Need};
 use crate::measure::Measurement;

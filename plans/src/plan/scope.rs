@@ -13,7 +13,7 @@ use super::signals::{self, BUILT_IN};
 use super::{FileFigure, Phase, Recording, RowFigure, SignalBinding, Source, TaskFigure};
 use crate::codes;
 use crate::expect::Names;
-use crate::frames::{Databases, Named};
+use crate::frames::can::{Databases, Named};
 use crate::lang::{Anchor, AnchorError, Base, Operand, OperandError};
 use crate::table::{Fault, Table, Tables};
 

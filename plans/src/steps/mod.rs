@@ -77,7 +77,7 @@ pub static VERBS: &[Verb] = &[
     application::RESET_ORIGIN_DEVICE,
     debug::RESUME,
     run::RUN,
-    crate::frames::SEND,
+    crate::frames::can::SEND,
     sequence::SEQUENCE,
     drive::SET,
     disturb::SHORT_CIRCUIT,
@@ -313,7 +313,7 @@ pub enum Stimulus {
         group: String,
     },
     /// Puts frames on a bus.
-    Send(Box<crate::frames::Send>),
+    Send(Box<crate::frames::can::Send>),
     /// Asks a person.
     Ask(Question),
     /// Nothing: marks an instant.

@@ -2,7 +2,7 @@
 
 use control::{Fault, FrameSeen, Value};
 use dash::meaning::{Decoder, Meaning};
-use plans::frames::{Database, FieldSpec, MessageSpec};
+use plans::frames::can::{Database, FieldSpec, MessageSpec};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

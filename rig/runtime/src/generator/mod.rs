@@ -15,7 +15,7 @@ pub use sequence::{Given, Rows};
 pub use wave::{Curve, Form, Shape};
 
 use drivers::{BusId, ChannelId, Emission, Frame};
-use plans::frames::Send;
+use plans::frames::can::Send;
 use plans::steps::{Encoder, Train};
 use signal::{Random, Span, Value};
 

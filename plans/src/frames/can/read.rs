@@ -12,10 +12,10 @@ use std::sync::Arc;
 
 use document::{Fields, Findings, KeySpec, KeyType, Node, Table};
 
-use super::data::DataPattern;
 use super::dbc::{Database, Databases, FieldSpec, MessageSpec};
 use super::pattern::{FramePattern, From, MAX_EXTENDED_ID, MAX_ID};
 use crate::codes;
+use crate::frames::DataPattern;
 use crate::lang::{is_id, is_path};
 use crate::plan::{AT_MOST_EVERY, BUILT_IN, DEADBAND, RECORD, SignalBinding, Source, recording};
 

@@ -11,9 +11,9 @@ use document::{Data, Diagnostic, Node, SourceFile, Table, line_col};
 use signal::Unit;
 
 use super::coding::{Coding, Order, Raw, Selector};
-use super::data::MAX_DATA;
 use super::pattern::MAX_ID;
 use crate::codes;
+use crate::frames::MAX_DATA;
 
 /// What the path of a DBC file ends with.
 const ENDING: &str = ".dbc";

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::data::DataPattern;
+use crate::frames::DataPattern;
 
 /// The greatest identifier of 11 bits, and of 29.
 pub const MAX_ID: u32 = 0x7FF;

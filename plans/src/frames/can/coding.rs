@@ -2,7 +2,7 @@
 
 use signal::{Decimal, Value};
 
-use super::data::MAX_DATA;
+use crate::frames::MAX_DATA;
 
 /// Most bits of a number.
 pub const MAX_BITS: u16 = 64;
