@@ -1,17 +1,31 @@
 //! `rig check`.
 
-use crate::args::CheckArgs;
 use crate::exit::Exit;
-use crate::find::find;
-use crate::kind::{self, Kind};
 use crate::output;
-use crate::parameters::Parameters;
+use crate::plan_files::Parameters;
+use crate::plan_files::find::find;
+use crate::plan_files::kind::{self, Kind};
+use clap::Args;
 use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
 use profile::Profile;
 use runtime::suite::{self, Disk, Files};
 use runtime::{suites, tasks};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// `rig check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Plans, board files, programs (`.st`), or folders that are searched for plans.
+    #[arg(value_name = "FILE|DIR", required_unless_present = "board")]
+    pub files: Vec<PathBuf>,
+    /// A board file, to be checked and to check the plans on in place of their own.
+    #[arg(long, value_name = "FILE")]
+    pub board: Option<PathBuf>,
+    /// Give a plan's parameter a value.
+    #[arg(long = "param", value_name = "K=V")]
+    pub params: Vec<String>,
+}
 
 /// Reads files and says what is wrong with them.
 pub fn run(args: &CheckArgs) -> Exit {

@@ -1,9 +1,8 @@
 //! `rig completions` and `rig man`: what shells and `man` know of the command, made of its arguments.
 
-use crate::args::Cli;
 use crate::exit::Exit;
 use crate::{files, output};
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 use std::path::PathBuf;
 
@@ -22,9 +21,8 @@ pub struct ManArgs {
     dir: PathBuf,
 }
 
-/// Prints the completions of a shell.
-pub fn run(args: &CompletionsArgs) -> Exit {
-    let mut command = Cli::command();
+/// Prints the completions of a shell for the command line `command`.
+pub fn run(args: &CompletionsArgs, mut command: Command) -> Exit {
     let name = command.get_name().to_owned();
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut command, name, &mut text);
@@ -33,9 +31,9 @@ pub fn run(args: &CompletionsArgs) -> Exit {
 }
 
 /// Writes a page for the command and one for each of its subcommands.
-pub fn man(args: &ManArgs) -> Exit {
+pub fn man(args: &ManArgs, command: Command) -> Exit {
     let written =
-        std::fs::create_dir_all(&args.dir).and_then(|()| clap_mangen::generate_to(Cli::command(), &args.dir));
+        std::fs::create_dir_all(&args.dir).and_then(|()| clap_mangen::generate_to(command, &args.dir));
     match written {
         Ok(()) => Exit::Passed,
         Err(error) => {

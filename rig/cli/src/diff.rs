@@ -1,8 +1,8 @@
 //! `rig diff`: what changed between two runs.
 
-use crate::args::Format;
 use crate::exit::Exit;
-use crate::{output, runs};
+use crate::output::Format;
+use crate::{output, saved_runs};
 use clap::Args;
 use record::{Thresholds, compare};
 use reports::text::Style;
@@ -36,7 +36,7 @@ fn percent(text: &str) -> Result<f64, String> {
 
 /// Compares two runs.
 pub fn run(args: &DiffArgs) -> Exit {
-    let (old, new) = match (runs::load(&args.old), runs::load(&args.new)) {
+    let (old, new) = match (saved_runs::load(&args.old), saved_runs::load(&args.new)) {
         (Ok(old), Ok(new)) => (old, new),
         (old, new) => {
             let found: Vec<_> = [old.err(), new.err()].into_iter().flatten().collect();

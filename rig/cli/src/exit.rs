@@ -3,6 +3,11 @@
 use record::Verdict;
 use std::process::ExitCode;
 
+/// The exit codes, as `--help` and the README list them.
+pub const EXIT_CODES: &str = "Exit codes: 0 all passed, 1 a case failed, 2 something is wrong with your files or \
+arguments (an empty selection too), 3 inconclusive at worst, 4 an error of the rig itself, 130 interrupted after a \
+clean teardown.";
+
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {

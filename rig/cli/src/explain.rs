@@ -1,12 +1,10 @@
 //! `rig explain`: what a code means, an example and the mend.
 
-mod page;
-
+use crate::code_pages::{self, Page, Role};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
 use document::{Diagnostic, suggest};
-use page::{Page, Role};
 use std::fmt::Write;
 
 /// A code that no register has.
@@ -24,7 +22,7 @@ pub struct ExplainArgs {
 
 /// Prints the page of a code, or the list of all.
 pub fn run(args: &ExplainArgs) -> Exit {
-    let pages = page::all();
+    let pages = code_pages::all();
     let Some(given) = &args.code else {
         pages.iter().for_each(|page| output::print(&format!("{}  {}\n", page.code, page.title)));
         return Exit::Passed;
@@ -40,11 +38,6 @@ pub fn run(args: &ExplainArgs) -> Exit {
             Exit::UserFiles
         }
     }
-}
-
-/// The code as the pages have it: whoever hears of a code at run time can show it as a finding.
-pub fn known(code: &str) -> Option<&'static str> {
-    page::all().iter().map(|page| page.code).find(|known| *known == code)
 }
 
 fn unknown(given: &str, code: &str, pages: &[Page<'_>]) -> Diagnostic {

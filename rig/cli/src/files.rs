@@ -1,4 +1,4 @@
-//! Folders that the command fills: never over what somebody has there.
+//! Files that the command writes: into new folders never over what somebody has there, and each file whole or not at all.
 
 use document::Diagnostic;
 use std::io::Write;
@@ -42,4 +42,34 @@ pub fn write_new(folder: &Path, files: &[(PathBuf, Vec<u8>)]) -> Result<(), Diag
         file.write_all(content).map_err(|error| failed(&path, &error))?;
     }
     Ok(())
+}
+
+/// Writes a file whole or not at all: a report half written is never found.
+///
+/// # Errors
+/// Why it cannot be written.
+pub fn write_whole(
+    path: &Path,
+    fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
+) -> Result<(), String> {
+    let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
+    let mut file = atomic_write_file::AtomicWriteFile::open(path).map_err(fail)?;
+    {
+        let mut buffered = std::io::BufWriter::new(&mut file);
+        fill(&mut buffered)?;
+        std::io::Write::flush(&mut buffered).map_err(fail)?;
+    }
+    file.commit().map_err(fail)
+}
+
+/// Writes a text as a file, whole or not at all; into what is no file, such as a pipe, as it comes.
+///
+/// # Errors
+/// Why it cannot be written.
+pub fn write_text(path: &Path, text: &str) -> Result<(), String> {
+    let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
+    if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        return std::fs::write(path, text).map_err(fail);
+    }
+    write_whole(path, &mut |out| out.write_all(text.as_bytes()).map_err(fail))
 }

@@ -2,47 +2,39 @@
 
 mod args;
 mod bench;
+mod bench_lock;
 mod board;
 mod check;
+mod code_pages;
 mod completions;
 mod ctl;
 mod dash;
-mod decoder;
 mod diff;
 mod doctor;
+mod duration;
 mod exit;
 mod explain;
 mod files;
-mod find;
 mod history;
 mod judge;
-mod kind;
-mod library;
 mod new;
-mod notify;
+mod operator;
 mod output;
-mod parameters;
-mod person;
+mod plan_files;
 mod plans;
 mod program;
-mod provenance;
-mod reach;
-mod recordings;
 mod report;
 mod requirements;
+mod rig_address;
 mod run;
-mod runs;
+mod saved_runs;
 mod schema;
-mod select;
-mod serve;
-mod shard;
+mod selection;
 mod step;
-mod store;
 mod test;
-mod wait;
 
-use args::{Cli, Command, ProgramCommand};
-use clap::Parser;
+use args::{Cli, Command};
+use clap::{CommandFactory, Parser};
 use exit::Exit;
 use std::process::ExitCode;
 
@@ -71,10 +63,7 @@ fn main() -> ExitCode {
         Command::Diff(args) => diff::run(&args),
         Command::History(command) => history::run(&command),
         Command::Board(command) => board::run(&command),
-        Command::Program(ProgramCommand::Check { files }) => program::check(&files),
-        Command::Program(ProgramCommand::Run(args)) => program::run(&args),
-        Command::Program(ProgramCommand::Dump { files }) => program::dump(&files),
-        Command::Program(ProgramCommand::Bench(args)) => program::bench(&args),
+        Command::Program(command) => program::run(&command),
         Command::Doctor(args) => doctor::run(&args),
         Command::Bench(command) => bench::run(&command),
         Command::New(args) => new::run(&args),
@@ -85,8 +74,8 @@ fn main() -> ExitCode {
         Command::Explain(args) => explain::run(&args),
         Command::Schema(args) => schema::run(&args),
         Command::Plans(command) => plans::run(&command),
-        Command::Completions(args) => completions::run(&args),
-        Command::Man(args) => completions::man(&args),
+        Command::Completions(args) => completions::run(&args, Cli::command()),
+        Command::Man(args) => completions::man(&args, Cli::command()),
     };
     exit.into()
 }

@@ -1,6 +1,6 @@
 //! What goes to the terminal.
 
-use crate::explain;
+use crate::code_pages;
 use clap::ValueEnum;
 use control::Fault;
 use document::{Diagnostic, SourceFile};
@@ -17,6 +17,16 @@ pub enum ColorChoice {
     Always,
     /// Never.
     Never,
+}
+
+/// For a person or for a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Columns for a person.
+    #[default]
+    Table,
+    /// JSON for a program.
+    Json,
 }
 
 /// What the command line says; set once, before anything is printed.
@@ -84,7 +94,7 @@ pub fn new_findings(found: &[Diagnostic], told: &mut Vec<Diagnostic>, sources: &
 
 /// Prints why a rig did not do what it was asked for, on standard error. A younger rig may have codes without a page.
 pub fn fault(fault: &Fault) {
-    match explain::known(&fault.code) {
+    match code_pages::known(&fault.code) {
         Some(code) => {
             let found = Diagnostic::error(code, fault.message.as_str());
             let found = if fault.help.is_empty() { found } else { found.help(fault.help.as_str()) };

@@ -1,8 +1,8 @@
 //! `rig plans`: the plans that ship.
 
-use crate::args::Format;
 use crate::exit::Exit;
-use crate::library::{self, Embedded};
+use crate::output::Format;
+use crate::plan_files::library::{self, Embedded};
 use crate::{files, output};
 use clap::{Args, Subcommand};
 use plans::Plan;

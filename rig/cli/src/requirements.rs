@@ -1,9 +1,10 @@
 //! `rig requirements`.
 
-use crate::args::{Format, RequirementsArgs};
 use crate::exit::Exit;
-use crate::library::{self, Embedded, REGISTER};
-use crate::{output, runs};
+use crate::output::Format;
+use crate::plan_files::library::{self, Embedded, REGISTER};
+use crate::{output, saved_runs};
+use clap::Args;
 use document::Diagnostic;
 use plans::register::{Class, Entry, Register};
 use profile::Profile;
@@ -12,7 +13,19 @@ use runtime::suite::{self, Done};
 use runtime::{ClockKind, RunOptions};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
+
+/// `rig requirements`.
+#[derive(Debug, Args)]
+pub struct RequirementsArgs {
+    /// How to print.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Take the last verdicts from this folder, which `rig test --report DIR` wrote, instead of running the library.
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+}
 
 /// What a requirement or a clause came to under one profile, and by which cases.
 #[derive(Debug, Default)]
@@ -74,7 +87,7 @@ pub fn run(args: &RequirementsArgs) -> Exit {
         }
     };
     let record = match &args.report {
-        Some(folder) => runs::load(folder).map(|run| run.record),
+        Some(folder) => saved_runs::load(folder).map(|run| run.record),
         None => run_library(),
     };
     let record = match record {

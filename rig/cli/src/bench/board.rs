@@ -1,9 +1,9 @@
 //! A board file for a measurement.
 
 use super::INTERRUPT;
+use crate::bench_lock::BenchLockArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::wait::WaitArgs;
 use document::{Diagnostic, SourceFile};
 use drivers::BoardFile;
 use host::Refused;
@@ -15,7 +15,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// The exit of the command, when the reason was shown.
-pub fn open(path: &Path, wait: &WaitArgs) -> Result<(BoardFile, Hardware), Exit> {
+pub fn open(path: &Path, wait: &BenchLockArgs) -> Result<(BoardFile, Hardware), Exit> {
     let mut sources: Vec<SourceFile> = Vec::new();
     let shown = |found: &[Diagnostic], sources: &[SourceFile]| {
         output::findings(found, sources);

@@ -2,10 +2,10 @@
 
 use super::looped::LoopArgs;
 use super::{INTERRUPT, board, interrupted, keep, measured, refuse};
-use crate::args::Format;
+use crate::bench_lock::BenchLockArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::wait::WaitArgs;
+use crate::output::Format;
 use clap::Args;
 use document::Diagnostic;
 use drivers::Board;
@@ -34,7 +34,7 @@ pub struct CountsArgs {
     format: Format,
     /// What it does when somebody else is on the lines.
     #[command(flatten)]
-    wait: WaitArgs,
+    wait: BenchLockArgs,
 }
 
 /// Finds the fastest pulses that a board counts, and the fastest that it makes.

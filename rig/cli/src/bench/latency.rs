@@ -1,9 +1,9 @@
 //! `rig bench latency`.
 
 use super::{INTERRUPT, board, interrupted, interval, keep, measured, refuse, show};
-use crate::args::Format;
 use crate::exit::Exit;
 use crate::output;
+use crate::output::Format;
 use clap::Args;
 use host::{Bell, Privilege, Processors, Punctual, Realtime, Role, Wakeups, wakeups};
 use record::Durations;

@@ -2,10 +2,10 @@
 
 use super::looped::LoopArgs;
 use super::{INTERRUPT, board, interrupted, keep, measured, refuse, show};
-use crate::args::Format;
+use crate::bench_lock::BenchLockArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::wait::WaitArgs;
+use crate::output::Format;
 use clap::Args;
 use record::Durations;
 use runtime::figures::{devices, durations};
@@ -33,7 +33,7 @@ pub struct LoopbackArgs {
     format: Format,
     /// What it does when somebody else is on the lines.
     #[command(flatten)]
-    wait: WaitArgs,
+    wait: BenchLockArgs,
 }
 
 /// Lets a loop drive itself and says how long its edges take.

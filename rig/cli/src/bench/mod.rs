@@ -10,7 +10,7 @@ mod show;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::provenance::rfc3339;
+use crate::saved_runs::provenance::rfc3339;
 use clap::Subcommand;
 use counts::CountsArgs;
 use document::Diagnostic;

@@ -2,10 +2,10 @@
 
 use super::loopback::failed;
 use super::{INTERRUPT, board, interrupted, interval, keep, measured, refuse, show};
-use crate::args::Format;
+use crate::bench_lock::BenchLockArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::wait::WaitArgs;
+use crate::output::Format;
 use clap::Args;
 use drivers::{Board, ChannelId};
 use profile::Profile;
@@ -47,7 +47,7 @@ pub struct ScanArgs {
     format: Format,
     /// What it does when somebody else is on the lines.
     #[command(flatten)]
-    wait: WaitArgs,
+    wait: BenchLockArgs,
 }
 
 /// Scans as the executor does and says what the phases take.

@@ -2,10 +2,10 @@
 
 use super::bench::{Bench, Others, failed, listening};
 use super::tally::{News, Tally, loss};
+use crate::bench_lock::BenchLockArgs;
 use crate::exit::Exit;
+use crate::operator::Person;
 use crate::output;
-use crate::person::Person;
-use crate::wait::WaitArgs;
 use clap::Args;
 use document::{Diagnostic, suggest};
 use drivers::gpio::{Direction, LineSpec};
@@ -38,11 +38,11 @@ pub struct ExerciseArgs {
     #[arg(long, value_name = "CHANNEL,...", value_delimiter = ',')]
     yes: Vec<String>,
     /// How long an output stays at its other level.
-    #[arg(long, value_name = "TIME", default_value = "500 ms", value_parser = super::above_zero)]
+    #[arg(long, value_name = "TIME", default_value = "500 ms", value_parser = crate::duration::above_zero)]
     hold: Span,
     /// What it does when somebody else is on the lines.
     #[command(flatten)]
-    wait: WaitArgs,
+    wait: BenchLockArgs,
 }
 
 /// Drives outputs, one after the other, each only with consent. An output is claimed while it has its turn, and safe

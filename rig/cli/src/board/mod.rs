@@ -11,7 +11,6 @@ mod watch;
 
 use crate::exit::Exit;
 use clap::Subcommand;
-use signal::Span;
 
 /// `rig board`.
 #[derive(Debug, Subcommand)]
@@ -34,10 +33,4 @@ pub fn run(command: &BoardCommand) -> Exit {
         BoardCommand::Watch(args) => watch::run(args),
         BoardCommand::Exercise(args) => exercise::run(args),
     }
-}
-
-/// A duration of an argument.
-pub fn above_zero(text: &str) -> Result<Span, String> {
-    let span = Span::parse(text).map_err(|error| error.to_string())?;
-    if span > Span::ZERO { Ok(span) } else { Err("the time must be above 0".to_owned()) }
 }

@@ -26,7 +26,7 @@ pub struct WatchArgs {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Watch for so long [default: until it is interrupted].
-    #[arg(long = "for", value_name = "TIME", value_parser = super::above_zero)]
+    #[arg(long = "for", value_name = "TIME", value_parser = crate::duration::above_zero)]
     lasts: Option<Span>,
 }
 

@@ -28,13 +28,13 @@ pub struct FramesArgs {
     #[arg(long)]
     json: bool,
     /// End after so long [default: until it is interrupted].
-    #[arg(long = "for", value_name = "TIME", value_parser = crate::board::above_zero)]
+    #[arg(long = "for", value_name = "TIME", value_parser = crate::duration::above_zero)]
     lasts: Option<Span>,
     /// End after so many frames.
     #[arg(long, value_name = "N")]
     count: Option<std::num::NonZeroU64>,
     /// Lead the rig's time on by so much, and end then.
-    #[arg(long, value_name = "TIME", conflicts_with = "lasts", value_parser = crate::board::above_zero)]
+    #[arg(long, value_name = "TIME", conflicts_with = "lasts", value_parser = crate::duration::above_zero)]
     advance: Option<Span>,
 }
 

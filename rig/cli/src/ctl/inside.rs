@@ -95,7 +95,7 @@ pub struct ForceArgs {
     pairs: Vec<String>,
     /// Release them again after so long, or when interrupted; if this program is killed, the board's `on-disconnect` says
     /// what becomes of them.
-    #[arg(long = "for", value_name = "TIME", value_parser = crate::board::above_zero)]
+    #[arg(long = "for", value_name = "TIME", value_parser = crate::duration::above_zero)]
     lasts: Option<Span>,
 }
 

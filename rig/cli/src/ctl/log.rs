@@ -20,7 +20,7 @@ pub struct LogArgs {
     #[arg(long, short)]
     follow: bool,
     /// Go on with what comes, for so long.
-    #[arg(long = "for", value_name = "TIME", value_parser = crate::board::above_zero)]
+    #[arg(long = "for", value_name = "TIME", value_parser = crate::duration::above_zero)]
     lasts: Option<Span>,
     /// Begin with the last N lines alone.
     #[arg(long, short = 'n', value_name = "N")]

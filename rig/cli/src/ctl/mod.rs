@@ -16,7 +16,7 @@ mod watch;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::reach::Reach;
+use crate::rig_address::Reach;
 use clap::{Args, Subcommand};
 use control::ClientError;
 

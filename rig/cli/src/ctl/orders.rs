@@ -4,7 +4,7 @@
 use super::Stop;
 use super::show::seconds;
 use crate::exit::Exit;
-use crate::{output, person};
+use crate::{operator, output};
 use clap::{Args, Subcommand};
 use control::{Action, Advanced, Ask, Client, Done};
 use signal::Span;
@@ -80,7 +80,7 @@ pub fn act(client: &mut Client, command: &ActCommand) -> Result<Exit, Stop> {
 /// # Errors
 /// It is not meant.
 pub fn confirm(client: &Client, yes: bool, what: &str) -> Result<(), Stop> {
-    if yes || !person::is_here() {
+    if yes || !operator::is_here() {
         return Ok(());
     }
     let board = &client.greeting().board;
@@ -125,7 +125,7 @@ pub fn abort(client: &mut Client) -> Result<Exit, Stop> {
 #[derive(Debug, Args)]
 pub struct AdvanceArgs {
     /// How much time.
-    #[arg(value_name = "TIME", value_parser = crate::board::above_zero)]
+    #[arg(value_name = "TIME", value_parser = crate::duration::above_zero)]
     by: Span,
 }
 

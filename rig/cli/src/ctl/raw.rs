@@ -4,7 +4,7 @@ use super::show::tell;
 use super::{Stop, exit_of};
 use crate::exit::Exit;
 use crate::output;
-use crate::reach::Reach;
+use crate::rig_address::Reach;
 use clap::Args;
 use control::ClientError;
 use serde_json::Value as Json;

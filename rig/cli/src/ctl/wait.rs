@@ -23,10 +23,10 @@ pub struct AwaitArgs {
     #[arg(value_name = "NAME=VALUE", required = true)]
     wanted: Vec<String>,
     /// Wait at most so long [default: as long as it takes].
-    #[arg(long, value_name = "TIME", value_parser = crate::board::above_zero)]
+    #[arg(long, value_name = "TIME", value_parser = crate::duration::above_zero)]
     within: Option<Span>,
     /// Lead the rig's time on, at most by so much.
-    #[arg(long, value_name = "TIME", conflicts_with = "within", value_parser = crate::board::above_zero)]
+    #[arg(long, value_name = "TIME", conflicts_with = "within", value_parser = crate::duration::above_zero)]
     advance: Option<Span>,
 }
 

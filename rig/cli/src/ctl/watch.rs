@@ -27,19 +27,19 @@ pub struct WatchArgs {
     #[arg(long, conflicts_with = "csv")]
     json: bool,
     /// Tell the last change of each signal so often.
-    #[arg(long, value_name = "TIME", default_value = "100 ms", value_parser = crate::board::above_zero)]
+    #[arg(long, value_name = "TIME", default_value = "100 ms", value_parser = crate::duration::above_zero)]
     every: Span,
     /// Tell every change.
     #[arg(long, conflicts_with = "every")]
     all: bool,
     /// End after so long [default: until it is interrupted].
-    #[arg(long = "for", value_name = "TIME", value_parser = crate::board::above_zero)]
+    #[arg(long = "for", value_name = "TIME", value_parser = crate::duration::above_zero)]
     lasts: Option<Span>,
     /// End after so many changes.
     #[arg(long, value_name = "N")]
     count: Option<std::num::NonZeroU64>,
     /// Lead the rig's time on by so much, and end then.
-    #[arg(long, value_name = "TIME", conflicts_with = "lasts", value_parser = crate::board::above_zero)]
+    #[arg(long, value_name = "TIME", conflicts_with = "lasts", value_parser = crate::duration::above_zero)]
     advance: Option<Span>,
 }
 

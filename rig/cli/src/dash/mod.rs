@@ -1,16 +1,18 @@
 //! `rig dash`: the dashboard on this terminal.
 
+mod decoder;
 mod demonstration;
+mod recordings;
 
 use crate::ctl;
 use crate::exit::Exit;
 use crate::output;
-use crate::reach::Reach;
-use crate::recordings::Recordings;
+use crate::rig_address::Reach;
 use clap::Args;
 use dash::glyphs::Look;
 use demonstration::Demonstration;
 use document::Diagnostic;
+use recordings::Recordings;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -10,9 +10,9 @@ mod safety;
 mod settings;
 mod used;
 
-use crate::args::Format;
 use crate::exit::Exit;
 use crate::output;
+use crate::output::Format;
 use check::{Check, State};
 use clap::Args;
 use host::Machine;

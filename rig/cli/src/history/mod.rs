@@ -5,9 +5,9 @@ mod read;
 mod show;
 mod trend;
 
-use crate::args::Format;
 use crate::exit::Exit;
-use crate::{output, runs};
+use crate::output::Format;
+use crate::{output, saved_runs};
 use clap::{Args, Subcommand};
 use database::{Added, Database};
 use document::Diagnostic;
@@ -92,7 +92,8 @@ pub fn keep(path: &Path, name: &str, run: &RunRecord) -> Result<(), Diagnostic> 
 fn add(args: &AddArgs) -> Result<(), Diagnostic> {
     let path = &args.file.file;
     // All are read before the first is written.
-    let runs: Vec<runs::Run> = args.runs.iter().map(|run| runs::load(run)).collect::<Result<_, _>>()?;
+    let runs: Vec<saved_runs::Run> =
+        args.runs.iter().map(|run| saved_runs::load(run)).collect::<Result<_, _>>()?;
     let mut database = Database::open_or_make(path)?;
     for run in &runs {
         let said = match database.add(&run.name, &run.record, args.keep.get())? {

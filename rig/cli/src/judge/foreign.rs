@@ -3,7 +3,7 @@
 use super::instant::{self, Names};
 use super::{JudgeArgs, mapping};
 use crate::output;
-use crate::parameters::Parameters;
+use crate::plan_files::Parameters;
 use capture::{Capture, CaptureError, Format, MAX_FILE};
 use document::{Diagnostic, SourceFile};
 use plans::Case;

@@ -1,9 +1,10 @@
 //! `rig program bench`.
 
+use super::args::ProgramBenchArgs;
 use super::{compile, ended, refuse};
-use crate::args::{Format, ProgramBenchArgs};
 use crate::exit::Exit;
 use crate::output;
+use crate::output::Format;
 use profile::Profile;
 use runtime::alone::{Alone, AloneTask};
 use serde_json::json;

@@ -1,14 +1,12 @@
 //! `rig program`: Structured Text without a controller and without a board.
 
+mod args;
 mod bench;
 mod check;
 mod dump;
 mod run;
 
-pub use bench::bench;
-pub use check::check;
-pub use dump::dump;
-pub use run::run;
+pub use args::ProgramCommand;
 
 use crate::exit::Exit;
 use crate::output;
@@ -20,6 +18,16 @@ use runtime::suite::{self, Disk};
 use signal::Span;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Carries out the command.
+pub fn run(command: &ProgramCommand) -> Exit {
+    match command {
+        ProgramCommand::Check { files } => check::check(files),
+        ProgramCommand::Run(args) => run::run(args),
+        ProgramCommand::Dump { files } => dump::dump(files),
+        ProgramCommand::Bench(args) => bench::bench(args),
+    }
+}
 
 /// Reads and compiles the files of one application for the default controller, and shows what is found in them.
 pub fn compile(files: &[PathBuf]) -> Result<(Arc<Program>, Vec<SourceFile>), Exit> {

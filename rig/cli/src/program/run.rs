@@ -1,9 +1,10 @@
 //! `rig program run`.
 
+use super::args::ProgramRunArgs;
 use super::{compile, duration, ended, refuse};
-use crate::args::{Format, ProgramRunArgs};
 use crate::exit::Exit;
 use crate::output;
+use crate::output::Format;
 use profile::Profile;
 use program::{Elementary, Program, SetError, Shown};
 use reports::text;

@@ -2,8 +2,8 @@
 
 use super::waves;
 use crate::requirements;
-use crate::runs::Run;
-use crate::store::Store;
+use crate::saved_runs::Run;
+use crate::saved_runs::report_folder::Store;
 use document::Diagnostic;
 use record::{CaseRecord, Provenance, RunRecord};
 use runtime::coverage::Total;

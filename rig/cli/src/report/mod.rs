@@ -5,8 +5,8 @@ mod waves;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::runs::{self, Run};
-use crate::store::{Form, Store};
+use crate::saved_runs::report_folder::{Form, Store};
+use crate::saved_runs::{self, Run};
 use clap::{Args, ValueEnum};
 use document::Diagnostic;
 use std::path::{Path, PathBuf};
@@ -48,7 +48,7 @@ fn draw(args: &ReportArgs) -> Result<Exit, Vec<Diagnostic>> {
                 .help("give one run, or put the parts of a suite together with `--merge`"),
         ]);
     };
-    let mut run = runs::load(path).map_err(one)?;
+    let mut run = saved_runs::load(path).map_err(one)?;
     let target = args.out.as_deref().unwrap_or(&run.folder);
     let mut store = Store::without_traces(target).map_err(unwritten)?;
     if forms.contains(&Form::Vcd) {
@@ -67,7 +67,7 @@ fn merge_all(args: &ReportArgs, forms: &[Form]) -> Result<Exit, Vec<Diagnostic>>
     let mut found = Vec::new();
     let mut parts: Vec<Run> = Vec::new();
     for path in &args.runs {
-        match runs::load(path) {
+        match saved_runs::load(path) {
             Ok(run) => parts.push(run),
             Err(error) => found.push(error),
         }

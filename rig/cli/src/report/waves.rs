@@ -1,8 +1,8 @@
 //! Traces that a record names: found, checked, drawn as waves.
 
 use crate::output;
-use crate::runs::Run;
-use crate::store::Store;
+use crate::saved_runs::Run;
+use crate::saved_runs::report_folder::Store;
 use document::Diagnostic;
 use record::CaseRecord;
 use signal::{LoadLimits, Trace};

@@ -4,8 +4,8 @@ mod shell;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::select::{Facts, Selection};
-use crate::test::load::{Wanted, load};
+use crate::plan_files::load::{Wanted, load};
+use crate::selection::{Facts, Selection};
 use clap::Args;
 use document::Diagnostic;
 use reports::text::{Style, case_line, details};

@@ -1,9 +1,9 @@
 //! The cases that run, out of all that the plans have.
 
-use crate::args::TestArgs;
+use super::args::TestArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::select::{Facts, Selection};
+use crate::selection::{Facts, Selection};
 use runtime::suite::{Job, LoadedPlan};
 
 /// Cases that a selection is made from.

@@ -1,14 +1,15 @@
 //! Runs the chosen cases, keeps their record, and tells an observer.
 
 use super::INTERRUPT;
+use super::args::{ClockChoice, TestArgs};
 use super::leave::{LeaveArgs, Part};
 use super::look::TraceOn;
 use super::observe::Observer;
-use crate::args::{ClockChoice, TestArgs};
 use crate::exit::Exit;
-use crate::person::Person;
-use crate::store::Store;
-use crate::{output, provenance, requirements};
+use crate::operator::Person;
+use crate::saved_runs::provenance;
+use crate::saved_runs::report_folder::Store;
+use crate::{output, requirements};
 use document::{Diagnostic, SourceFile};
 use record::{CaseRecord, RunRecord, Verdict};
 use runtime::coverage::Total;

@@ -1,9 +1,9 @@
 //! What a run leaves: which part of the suite it is, its reports, a summary, a place in a history.
 
 use crate::exit::Exit;
-use crate::shard::{self, Shard};
-use crate::store::{self, Form, Store};
-use crate::{history, output};
+use crate::saved_runs::report_folder::{Form, Store};
+use crate::selection::shard::{self, Shard};
+use crate::{files, history, output};
 use clap::{Args, ValueEnum};
 use document::Diagnostic;
 use record::RunRecord;
@@ -36,7 +36,7 @@ impl LeaveArgs {
             store.reports(run, Form::value_variants()).map_err(unwritten)?;
         }
         if let Some(path) = &self.summary {
-            store::write_text(path, &reports::markdown::render(run)).map_err(unwritten)?;
+            files::write_text(path, &reports::markdown::render(run)).map_err(unwritten)?;
         }
         if let Some(path) = &self.history {
             let name = store.map_or_else(String::new, |store| store.path(""));

@@ -1,25 +1,23 @@
 //! `rig test`: plans are loaded, cases chosen and run, and an observer tells the user.
 
+mod args;
 mod choose;
 mod estimate;
 mod events;
 mod execute;
 mod leave;
 mod lines;
-pub mod load;
 mod look;
 mod observe;
 mod screen;
 
-use crate::args::TestArgs;
 use crate::exit::Exit;
 use crate::output;
+use crate::plan_files::load::{self, Wanted};
+pub use args::TestArgs;
 use events::Events;
-pub use leave::LeaveArgs;
 use leave::Part;
 use lines::Lines;
-use load::Wanted;
-pub use look::LookArgs;
 use look::{Output, Progress};
 use observe::Observer;
 use runtime::suite::Job;

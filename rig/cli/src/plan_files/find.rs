@@ -1,8 +1,8 @@
 //! The files of a command line: as given, or searched for in folders.
 
 use crate::exit::Exit;
-use crate::kind::{self, Kind};
 use crate::output;
+use crate::plan_files::kind::{self, Kind};
 use runtime::suites::is_suite;
 use std::path::{Component, Path, PathBuf};
 

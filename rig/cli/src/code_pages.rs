@@ -2,13 +2,13 @@
 //! and examples in one file for each letter. A code that only the list has, has a page without an example.
 
 /// The list of codes.
-const LIST: &str = include_str!("../../../../docs/codes.md");
+const LIST: &str = include_str!("../../../docs/codes.md");
 /// What the codes mean, a file for each letter.
 const MEANINGS: [&str; 4] = [
-    include_str!("../../../../docs/codes/P.md"),
-    include_str!("../../../../docs/codes/B.md"),
-    include_str!("../../../../docs/codes/S.md"),
-    include_str!("../../../../docs/codes/R.md"),
+    include_str!("../../../docs/codes/P.md"),
+    include_str!("../../../docs/codes/B.md"),
+    include_str!("../../../docs/codes/S.md"),
+    include_str!("../../../docs/codes/R.md"),
 ];
 
 /// What the list says of the mend where the finding is no error.
@@ -59,6 +59,11 @@ pub fn all() -> Vec<Page<'static>> {
             Page { code, title, mend, meaning, blocks }
         })
         .collect()
+}
+
+/// The code as the pages have it: whoever hears of a code at run time can show it as a finding.
+pub fn known(code: &str) -> Option<&'static str> {
+    all().iter().map(|page| page.code).find(|known| *known == code)
 }
 
 /// `| P0102 | A key is missing | Add the key. |`

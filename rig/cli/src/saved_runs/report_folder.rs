@@ -1,5 +1,6 @@
 //! The folder of a run's reports.
 
+use crate::files::write_whole;
 use clap::ValueEnum;
 use record::{CaseRecord, RunRecord};
 use signal::Trace;
@@ -198,36 +199,6 @@ fn beside(path: &str, ending: &str) -> String {
 
 fn make(folder: &Path) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{} cannot be made: {error}", folder.display()))
-}
-
-/// Writes a file whole or not at all: a report half written is never found.
-///
-/// # Errors
-/// Why it cannot be written.
-pub fn write_whole(
-    path: &Path,
-    fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
-) -> Result<(), String> {
-    let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
-    let mut file = atomic_write_file::AtomicWriteFile::open(path).map_err(fail)?;
-    {
-        let mut buffered = std::io::BufWriter::new(&mut file);
-        fill(&mut buffered)?;
-        std::io::Write::flush(&mut buffered).map_err(fail)?;
-    }
-    file.commit().map_err(fail)
-}
-
-/// Writes a text as a file, whole or not at all; into what is no file, such as a pipe, as it comes.
-///
-/// # Errors
-/// Why it cannot be written.
-pub fn write_text(path: &Path, text: &str) -> Result<(), String> {
-    let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
-    if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
-        return std::fs::write(path, text).map_err(fail);
-    }
-    write_whole(path, &mut |out| out.write_all(text.as_bytes()).map_err(fail))
 }
 
 /// A case's name as the name of a file.

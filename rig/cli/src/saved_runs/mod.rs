@@ -1,4 +1,7 @@
-//! Runs that lie on disk.
+//! Runs on disk: read again by folder or record; the folder that a new run writes, and where a run came from.
+
+pub mod provenance;
+pub mod report_folder;
 
 use document::Diagnostic;
 use record::{MAX_JSON_BYTES, RunRecord};

@@ -11,13 +11,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What the command line says of it.
 #[derive(Clone, Debug, Args)]
-pub struct WaitArgs {
+pub struct BenchLockArgs {
     /// Wait at most so long for a bench that somebody else uses.
-    #[arg(long, value_name = "TIME", value_parser = crate::board::above_zero)]
+    #[arg(long, value_name = "TIME", value_parser = crate::duration::above_zero)]
     wait: Option<Span>,
 }
 
-impl WaitArgs {
+impl BenchLockArgs {
     /// Takes the lines of a board for this command, until what comes back is dropped.
     ///
     /// # Errors

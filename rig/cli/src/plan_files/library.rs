@@ -1,6 +1,6 @@
 //! The plans that ship, built into the binary.
 
-use crate::kind::{self, Kind};
+use crate::plan_files::kind::{self, Kind};
 use include_dir::{Dir, include_dir};
 use runtime::suite::Files;
 use runtime::suites::is_suite;
@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 static LIBRARY: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../plans/library");
 
 /// The register of requirements.
-pub const REGISTER: &str = include_str!("../../../plans/requirements.toml");
+pub const REGISTER: &str = include_str!("../../../../plans/requirements.toml");
 
 /// The files of the shipped library.
 #[derive(Clone, Copy, Debug, Default)]

@@ -22,7 +22,7 @@ pub struct Reach {
     #[arg(long, value_name = "FILE|NAME", global = true, conflicts_with = "socket")]
     pub board: Option<PathBuf>,
     /// Wait at most so long for the rig to be there.
-    #[arg(long, value_name = "TIME", global = true, value_parser = crate::board::above_zero)]
+    #[arg(long, value_name = "TIME", global = true, value_parser = crate::duration::above_zero)]
     pub wait: Option<Span>,
 }
 

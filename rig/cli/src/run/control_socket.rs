@@ -1,8 +1,8 @@
 //! How the control socket of `rig run` is made, and which plans its clients can run.
 
-use crate::find;
-use crate::library::{self, Embedded};
 use crate::output;
+use crate::plan_files::find;
+use crate::plan_files::library::{self, Embedded};
 use clap::Args;
 use control::place;
 use document::Diagnostic;

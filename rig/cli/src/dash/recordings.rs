@@ -72,7 +72,7 @@ impl Files for Recordings {
     }
 
     fn decoder(&self, path: &str) -> Result<Box<dyn Decoder>, Fault> {
-        crate::decoder::read(path)
+        super::decoder::read(path)
     }
 }
 

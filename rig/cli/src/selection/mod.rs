@@ -9,6 +9,8 @@
 //! A bare text means `name:`. Names and titles match where they hold the text, in any case; requirements match
 //! whole, or up to a `*`; tags whole; words with blanks stand in double quotes.
 
+pub mod shard;
+
 use runtime::suite::Job;
 use std::fmt;
 

@@ -1,10 +1,10 @@
 //! Plans with everything that they name.
 
 use crate::exit::Exit;
-use crate::find::find;
-use crate::library::{self, Embedded};
 use crate::output;
-use crate::parameters::Parameters;
+use crate::plan_files::Parameters;
+use crate::plan_files::find::find;
+use crate::plan_files::library::{self, Embedded};
 use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
 use runtime::suite::{self, Disk, Files, LoadedPlan};

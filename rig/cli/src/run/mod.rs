@@ -1,11 +1,14 @@
 //! `rig run`: the modelled controller kept running on a board.
 
 use crate::exit::Exit;
-use crate::library::Embedded;
-use crate::notify::Notifier;
 use crate::output;
-use crate::serve::{ControlArgs, Plans, serve};
-use crate::wait::WaitArgs;
+use crate::plan_files::library::Embedded;
+use control_socket::{ControlArgs, Plans, serve};
+use notify::Notifier;
+mod control_socket;
+mod notify;
+
+use crate::bench_lock::BenchLockArgs;
 use clap::Args;
 use document::{Diagnostic, SourceFile};
 use drivers::BoardFile;
@@ -60,7 +63,7 @@ pub struct RunArgs {
     booted: bool,
     /// What it does when somebody else is on the lines.
     #[command(flatten)]
-    wait: WaitArgs,
+    wait: BenchLockArgs,
     /// The seed of everything that is left to chance.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,

@@ -1,0 +1,9 @@
+//! The plans that a command line names, on disk or of those that ship: found, told from other files, loaded.
+
+pub mod find;
+pub mod kind;
+pub mod library;
+pub mod load;
+mod parameters;
+
+pub use parameters::Parameters;

@@ -1,0 +1,67 @@
+//! The arguments of `rig test`.
+
+use super::leave::LeaveArgs;
+use super::look::LookArgs;
+use crate::bench_lock::BenchLockArgs;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Which clock a run keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ClockChoice {
+    /// Jump from event to event: a day of scans in seconds, the same every time.
+    Virtual,
+    /// The host's clock.
+    Real,
+}
+
+/// `rig test`.
+#[derive(Debug, Args)]
+pub struct TestArgs {
+    /// Plan files, or folders that are searched for plans.
+    #[arg(value_name = "PLAN|DIR")]
+    pub plans: Vec<PathBuf>,
+    /// The board file to use in place of each plan's own.
+    #[arg(long, value_name = "FILE")]
+    pub board: Option<PathBuf>,
+    /// The clock to run on [default: virtual; real on a board with real lines].
+    #[arg(long, value_enum)]
+    pub clock: Option<ClockChoice>,
+    /// Write the record, the reports and the traces into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// Cases to run at once in virtual time [default: the number of cores].
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<std::num::NonZeroUsize>,
+    /// Run only the cases that this expression selects: words that the case's name holds, `title:WORD`,
+    /// `proves:ID`, `tag:WORD`, `profile:NAME`, joined by `and`, `or`, `not`, with brackets.
+    #[arg(long, value_name = "EXPR")]
+    pub only: Option<String>,
+    /// Give a plan's parameter a value.
+    #[arg(long = "param", value_name = "K=V")]
+    pub params: Vec<String>,
+    /// The seed of everything that is left to chance.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Run every case this many times, each with a seed of its own.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub repeat: std::num::NonZeroU32,
+    /// Start no further case after the first that did not pass.
+    #[arg(long)]
+    pub fail_fast: bool,
+    /// List the cases and run none.
+    #[arg(long)]
+    pub list: bool,
+    /// Note which statements and branches of the programs ran.
+    #[arg(long)]
+    pub coverage: bool,
+    /// What a run on real lines does when somebody else is on them.
+    #[command(flatten)]
+    pub wait: BenchLockArgs,
+    /// How the run is shown.
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// What the run leaves.
+    #[command(flatten)]
+    pub leave: LeaveArgs,
+}
