@@ -9,10 +9,10 @@ use control::{
 };
 use ratatui::crossterm::event::{KeyCode, KeyEvent};
 use ratatui::{Terminal, TerminalOptions, Viewport, backend::CrosstermBackend, layout::Rect};
-use scanrig_dash::glyphs::Look;
-use scanrig_dash::meaning::Decoder;
-use scanrig_dash::recording::{Files, Recording};
-use scanrig_dash::{Heard, Shell, views};
+use scanrig_dash::frame_decoder::FrameDecoder;
+use scanrig_dash::glyphs::TerminalFeatures;
+use scanrig_dash::recording::{TrendFiles, TrendRecording};
+use scanrig_dash::{RigMessage, Shell, views};
 use std::cell::Cell;
 use std::io::Write;
 use std::rc::Rc;
@@ -26,20 +26,20 @@ const A_SECOND: u32 = 10;
 #[derive(Debug)]
 struct None;
 
-impl Files for None {
-    fn endings(&self) -> &[&str] {
+impl TrendFiles for None {
+    fn extensions(&self) -> &[&str] {
         &[]
     }
 
-    fn save(&self, _: &str, _: &Recording) -> Result<(), Fault> {
+    fn save(&self, _: &str, _: &TrendRecording) -> Result<(), Fault> {
         Ok(())
     }
 
-    fn load(&self, _: &str) -> Result<Recording, Fault> {
-        Ok(Recording::default())
+    fn load(&self, _: &str) -> Result<TrendRecording, Fault> {
+        Ok(TrendRecording::default())
     }
 
-    fn decoder(&self, path: &str) -> Result<Box<dyn Decoder>, Fault> {
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
         panic!("nobody asks for {path}")
     }
 }
@@ -119,15 +119,15 @@ fn answer(shell: &mut Shell) -> u64 {
                 }
                 _ => Ok(serde_json::json!({})),
             };
-            shell.hear(Heard::Reply(Reply { id: Some(id), ok: ok.ok(), error: Option::None }));
+            shell.receive(RigMessage::Reply(Reply { id: Some(id), ok: ok.ok(), error: Option::None }));
         }
     }
 }
 
 fn main() {
-    let look = Look { utf8: true, color: true };
-    let mut shell = Shell::new(views::all(Box::new(None)), look, false);
-    shell.hear(Heard::Found(Box::new(Greeting {
+    let features = TerminalFeatures { utf8: true, color: true };
+    let mut shell = Shell::new(views::all(Box::new(None)), features, false);
+    shell.receive(RigMessage::Connected(Box::new(Greeting {
         rig: "scanrig".to_owned(),
         protocol: PROTOCOL,
         version: String::new(),
@@ -163,7 +163,7 @@ fn main() {
             let began = on_processor();
             for line in lines {
                 if let Some(Message::Event(event)) = Message::read(&line).expect("an event") {
-                    shell.hear(Heard::Event(event));
+                    shell.receive(RigMessage::Event(event));
                 }
             }
             terminal.draw(|frame| shell.draw(frame)).expect("a frame in memory");

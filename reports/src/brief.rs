@@ -4,38 +4,38 @@ use crate::show;
 use record::{CaseRecord, ClaimRecord, MeasurementRecord, Verdict};
 
 /// The claim or measurement that decided a case, or the case's own reason.
-pub(crate) enum Deciding<'a> {
+pub(crate) enum DecidingResult<'a> {
     Claim(&'a ClaimRecord),
     Measurement(&'a MeasurementRecord),
     Reason(&'a str),
 }
 
-impl<'a> Deciding<'a> {
+impl<'a> DecidingResult<'a> {
     /// The first that has the case's verdict: claims before measurements.
-    pub(crate) fn of(case: &'a CaseRecord) -> Deciding<'a> {
+    pub(crate) fn of(case: &'a CaseRecord) -> DecidingResult<'a> {
         let claim = case.claims.iter().find(|claim| claim.verdict == case.verdict);
         let measurement = case.measurements.iter().find(|m| m.verdict == case.verdict);
         match (claim, measurement) {
-            (Some(claim), _) => Deciding::Claim(claim),
-            (None, Some(measurement)) => Deciding::Measurement(measurement),
-            (None, None) => Deciding::Reason(show::reason(case)),
+            (Some(claim), _) => DecidingResult::Claim(claim),
+            (None, Some(measurement)) => DecidingResult::Measurement(measurement),
+            (None, None) => DecidingResult::Reason(show::reason(case)),
         }
     }
 
     /// Its line in the plan; 0 where it has none.
     pub(crate) fn line(&self) -> u32 {
         match self {
-            Deciding::Claim(claim) => claim.line,
-            Deciding::Measurement(measurement) => measurement.line,
-            Deciding::Reason(_) => 0,
+            DecidingResult::Claim(claim) => claim.line,
+            DecidingResult::Measurement(measurement) => measurement.line,
+            DecidingResult::Reason(_) => 0,
         }
     }
 }
 
 /// Why a case did not pass, in one line: the worst claim or measurement, or the case's own reason.
 pub(crate) fn message(case: &CaseRecord) -> String {
-    let mut text = match Deciding::of(case) {
-        Deciding::Claim(claim) => {
+    let mut text = match DecidingResult::of(case) {
+        DecidingResult::Claim(claim) => {
             let mut text =
                 format!("{}: expected {}, observed {}", claim.name, claim.expected, claim.observed);
             if let Some(margin) = &claim.margin {
@@ -46,10 +46,10 @@ pub(crate) fn message(case: &CaseRecord) -> String {
             }
             text
         }
-        Deciding::Measurement(m) => {
+        DecidingResult::Measurement(m) => {
             format!("{}: limits {}, measured {}", m.name, show::limits(m), show::value(m))
         }
-        Deciding::Reason(reason) => reason.to_owned(),
+        DecidingResult::Reason(reason) => reason.to_owned(),
     };
     if text.is_empty() && case.is_judged() && case.verdict != Verdict::Pass {
         text = case.verdict.word().to_owned();

@@ -8,7 +8,7 @@ const MOST_RANGES: usize = 40;
 
 /// What is shown of a source file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct CoverageRow {
     pub file: String,
     pub statements: String,
     pub branches: String,
@@ -16,9 +16,9 @@ pub(crate) struct Row {
     pub one_way: String,
 }
 
-impl Row {
-    pub fn of(file: &FileCoverage) -> Row {
-        Row {
+impl CoverageRow {
+    pub fn of(file: &FileCoverage) -> CoverageRow {
+        CoverageRow {
             file: file.file.clone(),
             statements: part(file.statements_run, file.statements, file.statement_permille()),
             branches: part(file.branches_run, file.branches, file.branch_permille()),
@@ -61,7 +61,7 @@ mod tests {
             lines_one_way: (0..50).map(|n| [2 * n, 2 * n]).collect(),
             ..FileCoverage::default()
         };
-        let row = Row::of(&file);
+        let row = CoverageRow::of(&file);
         assert_eq!((row.statements.as_str(), row.branches.as_str()), ("12 of 14 (85.7 %)", "none"));
         assert_eq!(row.missed, "3, 7-9");
         assert!(row.one_way.ends_with("78, and 10 more"), "{}", row.one_way);

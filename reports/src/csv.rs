@@ -17,7 +17,7 @@ deciding_earliest_ns,deciding_latest_ns,signal,expected,observed,seed,reason,pla
 /// Every measurement of every judged case. Limits are those that the value was judged by, whichever way they were
 /// given; a value that was never taken has none.
 pub fn measurements(run: &RunRecord) -> String {
-    let mut table = Table::new(MEASUREMENTS);
+    let mut table = CsvTable::new(MEASUREMENTS);
     for case in judged(run) {
         for m in &case.measurements {
             let (min, max) = show::bounds(m);
@@ -40,7 +40,7 @@ pub fn measurements(run: &RunRecord) -> String {
 
 /// Every claim of every judged case.
 pub fn claims(run: &RunRecord) -> String {
-    let mut table = Table::new(CLAIMS);
+    let mut table = CsvTable::new(CLAIMS);
     for case in judged(run) {
         for claim in &case.claims {
             let mut row = table.row();
@@ -61,33 +61,33 @@ fn judged(run: &RunRecord) -> impl Iterator<Item = &CaseRecord> {
 }
 
 /// Rows under a header.
-struct Table {
+struct CsvTable {
     out: String,
 }
 
-impl Table {
-    fn new(header: &str) -> Table {
-        Table { out: format!("{header}\r\n") }
+impl CsvTable {
+    fn new(header: &str) -> CsvTable {
+        CsvTable { out: format!("{header}\r\n") }
     }
 
-    fn row(&mut self) -> Row<'_> {
-        Row { out: &mut self.out, first: true }
+    fn row(&mut self) -> CsvRow<'_> {
+        CsvRow { out: &mut self.out, first: true }
     }
 }
 
 /// A row, which ends when it is dropped.
-struct Row<'a> {
+struct CsvRow<'a> {
     out: &'a mut String,
     first: bool,
 }
 
-impl Drop for Row<'_> {
+impl Drop for CsvRow<'_> {
     fn drop(&mut self) {
         self.out.push_str("\r\n");
     }
 }
 
-impl Row<'_> {
+impl CsvRow<'_> {
     fn field(&mut self, text: &str) {
         if !std::mem::take(&mut self.first) {
             self.out.push(',');

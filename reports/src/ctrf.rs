@@ -4,7 +4,7 @@
 //! `failed`, with the verdict as `rawStatus`; what does not apply or was left out is `skipped`, and a case in which
 //! nothing was judged `other`.
 
-use crate::brief::{self, Deciding};
+use crate::brief::{self, DecidingResult};
 use crate::show::{self, Outcome, clean};
 use record::{CaseRecord, ClaimRecord, Clock, Figure, MeasurementRecord, RunRecord, Verdict};
 use serde_json::{Map, Value, json};
@@ -125,7 +125,7 @@ fn test(case: &CaseRecord) -> Value {
         Value::String(brief::cut(&text, LONGEST_TRACE))
     };
     let failed = status_of(case) == "failed";
-    let line = Deciding::of(case).line();
+    let line = DecidingResult::of(case).line();
     let name = if case.name.is_empty() { "(unnamed)" } else { &case.name };
     let suite = clean(case.folder()).split('/').filter(|part| !part.is_empty()).map(text).collect();
     let parameters: Map<String, Value> = case

@@ -10,7 +10,7 @@ const MOST: usize = 50;
 
 /// The comparison in words: what got worse first, the counts last.
 pub fn render(found: &Comparison, style: Style) -> String {
-    let mut out = Out { text: String::new(), style };
+    let mut out = DiffText { text: String::new(), style };
     let (worse, others): (Vec<&CaseChange>, Vec<&CaseChange>) =
         found.cases.iter().partition(|case| case.worse);
     out.list("Worse", "31;1", &worse, case);
@@ -48,12 +48,12 @@ pub fn render(found: &Comparison, style: Style) -> String {
     out.text
 }
 
-struct Out {
+struct DiffText {
     text: String,
     style: Style,
 }
 
-impl Out {
+impl DiffText {
     fn list<T>(&mut self, title: &str, color: &str, entries: &[&T], lines: impl Fn(&T) -> Vec<String>) {
         if entries.is_empty() {
             return;

@@ -3,7 +3,7 @@
 //! Bounded, so that it fits into a comment; what was left out is said. Whatever comes from a user's file stands as
 //! code, so that no name becomes a link, a mention or markup.
 
-use crate::brief::{self, Deciding};
+use crate::brief::{self, DecidingResult};
 use crate::matrix;
 use crate::show::{self, Outcome, clean, sign};
 use record::{CaseRecord, Figure, RunRecord, Totals, Verdict};
@@ -26,7 +26,7 @@ const CELL: usize = 300;
 
 /// The summary, of at most [`MAX_BYTES`].
 pub fn render(run: &RunRecord) -> String {
-    let mut page = Page { out: String::new(), full: false };
+    let mut page = BoundedText { out: String::new(), full: false };
     head(&mut page, run);
     attention(&mut page, run);
     margins(&mut page, run);
@@ -39,13 +39,13 @@ pub fn render(run: &RunRecord) -> String {
 }
 
 /// Text with a bound.
-struct Page {
+struct BoundedText {
     out: String,
     /// Something found no room; nothing is added any more.
     full: bool,
 }
 
-impl Page {
+impl BoundedText {
     /// Adds a whole block, or nothing.
     fn add(&mut self, block: &str) {
         self.full |= self.out.len() + block.len() > MAX_BYTES - 100;
@@ -55,7 +55,7 @@ impl Page {
     }
 }
 
-fn head(page: &mut Page, run: &RunRecord) {
+fn head(page: &mut BoundedText, run: &RunRecord) {
     let Totals { passed, none, inconclusive, failed, errors, not_applicable, skipped } = run.totals;
     let verdict = run.verdict();
     let word = match verdict {
@@ -94,7 +94,7 @@ fn head(page: &mut Page, run: &RunRecord) {
 }
 
 /// Cases that did not pass, the worst first.
-fn attention(page: &mut Page, run: &RunRecord) {
+fn attention(page: &mut BoundedText, run: &RunRecord) {
     let mut cases: Vec<&CaseRecord> =
         run.cases.iter().filter(|case| case.is_judged() && case.verdict != Verdict::Pass).collect();
     if cases.is_empty() {
@@ -125,7 +125,7 @@ fn with_claims(case: &CaseRecord) -> String {
     if !case.title.is_empty() {
         out.push_str(&format!("{}\n", code(&case.title)));
     }
-    if let Deciding::Reason(reason) = Deciding::of(case) {
+    if let DecidingResult::Reason(reason) = DecidingResult::of(case) {
         let _ = writeln!(out, "\n{}", code(if reason.is_empty() { case.verdict.word() } else { reason }));
         return out;
     }
@@ -158,8 +158,8 @@ fn with_claims(case: &CaseRecord) -> String {
 
 /// What passed most narrowly: the margin as a part of what the limits leave on either side; of a claim in many rows,
 /// points and profiles the narrowest.
-fn margins(page: &mut Page, run: &RunRecord) {
-    let mut rows: Vec<Narrow<'_>> = Vec::new();
+fn margins(page: &mut BoundedText, run: &RunRecord) {
+    let mut rows: Vec<NarrowMargin<'_>> = Vec::new();
     for case in run.cases.iter().filter(|case| case.is_judged()) {
         for claim in case.claims.iter().filter(|claim| claim.verdict == Verdict::Pass) {
             let limits = claim.window.and_then(|w| Some((w.limit_from_ns?, w.limit_until_ns?)));
@@ -168,14 +168,20 @@ fn margins(page: &mut Page, run: &RunRecord) {
             {
                 let half = until.saturating_sub(from) as f64 / 2.0;
                 let observed = claim.observed.clone();
-                rows.push(Narrow { part: margin.value / half, case, name: &claim.name, observed, margin });
+                rows.push(NarrowMargin {
+                    part: margin.value / half,
+                    case,
+                    name: &claim.name,
+                    observed,
+                    margin,
+                });
             }
         }
         for m in case.measurements.iter().filter(|m| m.verdict == Verdict::Pass) {
             let (min, max) = show::bounds(m);
             if let (Some(margin), Some(min), Some(max)) = (&m.margin, min, max) {
                 let half = (max - min) / 2.0;
-                rows.push(Narrow {
+                rows.push(NarrowMargin {
                     part: margin.value / half,
                     case,
                     name: &m.name,
@@ -196,7 +202,7 @@ fn margins(page: &mut Page, run: &RunRecord) {
     let mut out = String::from(
         "\n### Smallest margins\n\n| of the tolerance | margin | observed | claim | case |\n| ---: | ---: | --- | --- | --- |\n",
     );
-    for Narrow { part, case, name, observed, margin } in rows.iter().take(ROWS) {
+    for NarrowMargin { part, case, name, observed, margin } in rows.iter().take(ROWS) {
         let (margin, observed) = (code(&margin.to_string()), code(observed));
         let (name, case) = (code(name), code(&case.name));
         let _ = writeln!(out, "| {:.1} % | {margin} | {observed} | {name} | {case} |", 100.0 * part);
@@ -205,7 +211,7 @@ fn margins(page: &mut Page, run: &RunRecord) {
 }
 
 /// A claim or measurement that passed.
-struct Narrow<'a> {
+struct NarrowMargin<'a> {
     /// Its margin as a part of half its tolerance: 1 in the middle, 0 at a limit.
     part: f64,
     case: &'a CaseRecord,
@@ -214,7 +220,7 @@ struct Narrow<'a> {
     margin: &'a Figure,
 }
 
-fn requirements(page: &mut Page, run: &RunRecord) {
+fn requirements(page: &mut BoundedText, run: &RunRecord) {
     let rows = matrix::requirements(run);
     if rows.is_empty() {
         return;
@@ -238,7 +244,7 @@ fn requirements(page: &mut Page, run: &RunRecord) {
     page.add(&out);
 }
 
-fn environment(page: &mut Page, run: &RunRecord) {
+fn environment(page: &mut BoundedText, run: &RunRecord) {
     let facts = &run.provenance;
     let mut out = String::from("\n<details><summary>Environment</summary>\n\n| | |\n| --- | --- |\n");
     for (name, value) in [

@@ -1,6 +1,6 @@
 //! The summary of a run for a terminal or a CI log: a line a case, then what needs attention, then counts.
 
-use crate::coverage::Row;
+use crate::coverage::CoverageRow;
 pub use crate::show::clean;
 use crate::show::{self, Outcome};
 use record::{
@@ -212,8 +212,8 @@ pub fn summary(run: &RunRecord, style: Style) -> String {
 /// What of each source file ran: statements, branches, the lines that were missed. Ends with a line end.
 pub fn coverage(files: &[FileCoverage]) -> String {
     let mut out = String::from("Coverage\n");
-    for row in files.iter().map(Row::of) {
-        let Row { file, statements, branches, missed, one_way } = row;
+    for row in files.iter().map(CoverageRow::of) {
+        let CoverageRow { file, statements, branches, missed, one_way } = row;
         line(&mut out, 2, &clean(&file), "");
         facts(
             &mut out,

@@ -29,7 +29,7 @@ pub fn write<W: Write>(
     rig_version: &str,
     out: W,
 ) -> io::Result<()> {
-    let mut sink = Sink::begin(signals, rig_version, out)?;
+    let mut sink = VcdWriter::begin(signals, rig_version, out)?;
     for event in events {
         sink.push(&event)?;
     }
@@ -67,7 +67,8 @@ pub fn write_trace<W: Write>(trace: &Trace, rig_version: &str, out: W) -> Result
         }
         Ok(())
     };
-    let mut sink = Sink::begin_with(trace.signals(), rig_version, out, notes).map_err(VcdError::Output)?;
+    let mut sink =
+        VcdWriter::begin_with(trace.signals(), rig_version, out, notes).map_err(VcdError::Output)?;
     for event in trace.events() {
         sink.push(&event.map_err(VcdError::Trace)?).map_err(VcdError::Output)?;
     }
@@ -75,7 +76,7 @@ pub fn write_trace<W: Write>(trace: &Trace, rig_version: &str, out: W) -> Result
 }
 
 /// A dump that is being written, for events that come one by one or may fail to be read.
-pub struct Sink<'a, W: Write> {
+pub struct VcdWriter<'a, W: Write> {
     writer: Writer<W>,
     signals: &'a [SignalInfo],
     codes: Vec<IdCode>,
@@ -83,12 +84,12 @@ pub struct Sink<'a, W: Write> {
     /// How far the earliest and the latest instant of a change of each signal lie apart at most.
     widest: Vec<i64>,
     /// Waiting changes: instant, then order of arrival.
-    waiting: BinaryHeap<Reverse<(u64, u64, Change)>>,
+    waiting: BinaryHeap<Reverse<(u64, u64, PendingChange)>>,
     arrived: u64,
     now: u64,
 }
 
-impl<W: Write> std::fmt::Debug for Sink<'_, W> {
+impl<W: Write> std::fmt::Debug for VcdWriter<'_, W> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Sink")
             .field("signals", &self.signals.len())
@@ -99,32 +100,32 @@ impl<W: Write> std::fmt::Debug for Sink<'_, W> {
 
 /// A change in the heap; ordered only so that the heap's key is complete.
 #[derive(Clone, Copy, Debug)]
-struct Change(SignalId, Value);
+struct PendingChange(SignalId, Value);
 
-impl PartialEq for Change {
+impl PartialEq for PendingChange {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
-impl Eq for Change {}
-impl PartialOrd for Change {
+impl Eq for PendingChange {}
+impl PartialOrd for PendingChange {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Change {
+impl Ord for PendingChange {
     fn cmp(&self, _: &Self) -> std::cmp::Ordering {
         std::cmp::Ordering::Equal
     }
 }
 
-impl<'a, W: Write> Sink<'a, W> {
+impl<'a, W: Write> VcdWriter<'a, W> {
     /// Writes the header; every signal is unknown until its first event.
     ///
     /// # Errors
     /// Those of `out`.
     pub fn begin(signals: &'a [SignalInfo], rig_version: &str, out: W) -> io::Result<Self> {
-        Sink::begin_with(signals, rig_version, out, |_| Ok(()))
+        VcdWriter::begin_with(signals, rig_version, out, |_| Ok(()))
     }
 
     /// The same with the notes of the trace, comments `note KEY VALUE` with which the dump can be judged again. They
@@ -167,7 +168,16 @@ impl<'a, W: Write> Sink<'a, W> {
         }
         writer.end()?;
         let widest = vec![0; signals.len()];
-        Ok(Sink { writer, signals, codes, names, widest, waiting: BinaryHeap::new(), arrived: 0, now: 0 })
+        Ok(VcdWriter {
+            writer,
+            signals,
+            codes,
+            names,
+            widest,
+            waiting: BinaryHeap::new(),
+            arrived: 0,
+            now: 0,
+        })
     }
 
     /// Takes one event, in the order of the trace.
@@ -180,7 +190,7 @@ impl<'a, W: Write> Sink<'a, W> {
             let width = event.at.latest.as_nanos().saturating_sub(event.at.earliest.as_nanos());
             *widest = width.max(*widest);
         }
-        self.waiting.push(Reverse((at, self.arrived, Change(event.signal, event.value))));
+        self.waiting.push(Reverse((at, self.arrived, PendingChange(event.signal, event.value))));
         self.arrived += 1;
         if self.waiting.len() > REORDER { self.write_next() } else { Ok(()) }
     }
@@ -200,7 +210,7 @@ impl<'a, W: Write> Sink<'a, W> {
     }
 
     fn write_next(&mut self) -> io::Result<()> {
-        let Some(Reverse((at, _, Change(id, value)))) = self.waiting.pop() else { return Ok(()) };
+        let Some(Reverse((at, _, PendingChange(id, value)))) = self.waiting.pop() else { return Ok(()) };
         let place = id.0 as usize;
         let (Some(info), Some(&code)) = (self.signals.get(place), self.codes.get(place)) else {
             return Ok(());

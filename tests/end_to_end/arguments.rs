@@ -1,10 +1,10 @@
 //! Exit code 2: something is wrong with the user's files or arguments, and nothing has moved.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 
 #[test]
 fn arguments_that_mean_nothing() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.refused(&[], &["Usage: rig"]);
     bench.refused(&["tset"], &["unrecognized subcommand 'tset'", "'test'"]);
     bench.refused(&["test", "--bogus"], &["--bogus"]);
@@ -18,7 +18,7 @@ fn arguments_that_mean_nothing() {
 
 #[test]
 fn help_and_version_are_no_fault() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let help = bench.expect(0, &["--help"]);
     for word in ["test", "check", "judge", "requirements", "program", "Exit codes", "130"] {
         assert!(help.out.contains(word), "{word}");
@@ -29,7 +29,7 @@ fn help_and_version_are_no_fault() {
 
 #[test]
 fn files_that_are_not_there() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.refused(&["test", "lmap.toml"], &["R0201", "lmap.toml"]);
     bench.refused(&["test", "lamp.toml", "--board", "bench.toml"], &["R0201", "bench.toml"]);
     bench.refused(&["check", "lmap.toml"], &["R0201", "lmap.toml"]);
@@ -48,7 +48,7 @@ fn files_that_are_not_there() {
 
 #[test]
 fn files_that_are_no_text() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     std::fs::write(bench.path("bytes.toml"), b"format = 1\ntitle = \"\xff\"\n").unwrap();
     bench.refused(&["test", "bytes.toml"], &["R0201", "bytes.toml", "no UTF-8 text (byte 20)"]);
     let file = std::fs::File::create(bench.path("large.toml")).unwrap();
@@ -58,7 +58,7 @@ fn files_that_are_no_text() {
 
 #[test]
 fn broken_files() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("plan.toml", "rises", "rsies");
     bench.refused(&["test", "plan.toml"], &["P0502", "plan.toml:10:", "rises"]);
     bench.write("lamp.st", "PROGRAM MAIN\nlamp := TRUE;\nEND_PROGRAM\n");
@@ -74,7 +74,7 @@ fn broken_files() {
 
 #[test]
 fn signals_that_the_bench_does_not_have() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("lamp.toml", "%QX0.4", "%QX7.0");
     let ran = bench.expect(2, &["test", "lamp.toml"]);
     assert!(ran.err.contains("error[R01") && ran.err.contains("lamp.toml:5:"), "{}", ran.err);
@@ -84,7 +84,7 @@ fn signals_that_the_bench_does_not_have() {
 
 #[test]
 fn selections_of_nothing() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.refused(&["test", "lamp.toml", "--only", "nothing"], &["no case is selected"]);
     bench.refused(&["test", "lamp.toml", "--only", "nothing", "--list"], &["no case is selected"]);
     bench.refused(&["test", "lamp.toml", "--only", "(lamp"], &["never closed", "character 1"]);
@@ -95,7 +95,7 @@ fn selections_of_nothing() {
 
 #[test]
 fn a_plan_given_twice() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.refused(&["test", "lamp.toml", "lamp.toml"], &["lamp", "given twice"]);
     bench.refused(&["test", "lamp.toml", "./lamp.toml"], &["given twice"]);
     bench.refused(&["test", ".", "lamp.toml"], &["given twice"]);
@@ -103,10 +103,10 @@ fn a_plan_given_twice() {
 
 #[test]
 fn parameters_that_no_plan_has() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write(
         "limit.toml",
-        &(crate::bench::LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"")
+        &(crate::project_folder::LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"")
             + "[parameters]\nlimit = \"500 ms .. 550 ms\"\n"),
     );
     bench.refused(&["test", "limit.toml", "--param", "limit"], &["NAME=VALUE"]);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 use crate::terminal::{talk, terminal};
 
 const LINES: &str = r#"format = 1
@@ -16,8 +16,8 @@ valve = { kind = "digital", line = "VALVE", drives = true, safe = true }
 pump = { kind = "digital", line = 5, drives = true }
 "#;
 
-fn bench() -> Bench {
-    let bench = Bench::new();
+fn bench() -> TestProject {
+    let bench = TestProject::new();
     bench.write("lines.toml", LINES);
     bench.write("modelled.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
     bench

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crate::bench::{command, list, root, run};
+use crate::project_folder::{command, list, root, run};
 
 const FOLDERS: [&str; 3] = ["plans/tests/broken", "drivers/tests/broken", "rig/program/tests/broken"];
 

@@ -1,10 +1,10 @@
 //! `rig judge` on what other instruments recorded: dumps, tables, sigrok sessions.
 
-use crate::bench::{Bench, LAMP, root};
+use crate::project_folder::{LAMP, TestProject, root};
 
 /// The lamp's plan for instruments that sample: pulses that they can miss are told not to matter.
-fn bench() -> Bench {
-    let bench = Bench::new();
+fn bench() -> TestProject {
+    let bench = TestProject::new();
     let blind = "until = \"press + 500 ms\"";
     bench.write_lamp("lamp.toml", blind, &format!("{blind}, pulses-longer-than = \"20 ms\""));
     for file in ["lamp.sr", "sigrok.vcd", "scope.csv", "edges.csv"] {
@@ -174,7 +174,7 @@ fn what_is_said_wrongly_is_refused_with_a_code() {
 
 #[test]
 fn dumps_of_the_rig_give_the_verdicts_of_the_run() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     for (name, fault) in
         [("drop", "dropped = { chance = 1.0 }"), ("late", "late = { chance = 1.0, by = \"40 ms\" }")]
@@ -220,7 +220,7 @@ fn dumps_of_the_rig_give_the_verdicts_of_the_run() {
 
 #[test]
 fn a_trace_of_the_rig_says_everything_itself() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.expect(0, &["test", "lamp.toml", "--report", "out"]);
     bench.refused(&["judge", "lamp.toml", "out/traces/lamp.trace", "--start", "0 s"], &["rig's own"]);
     // A dump's instants can be said anew: then the press is half a second later than it was.

@@ -1,11 +1,11 @@
 //! `rig check`: what is wrong with files that are not broken enough to be in the folders of broken ones, and what is
 //! right.
 
-use crate::bench::{Bench, LAMP, root};
+use crate::project_folder::{LAMP, TestProject, root};
 
 #[test]
 fn sound_files_have_no_errors() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("board.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
     let ran = bench.expect(0, &["check", "lamp.toml", "lamp.st", "board.toml"]);
     assert_eq!(ran.out, "lamp.toml: no errors\nlamp.st: no errors\nboard.toml: no errors\n");
@@ -16,7 +16,7 @@ fn sound_files_have_no_errors() {
 
 #[test]
 fn one_broken_file_does_not_hide_the_others() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("a.toml", "rises", "risse");
     bench.write("b.st", "PROGRAM MAIN\nlamp := TRUE;\nEND_PROGRAM\n");
     let ran = bench.expect(2, &["check", "a.toml", "lamp.toml", "b.st"]);
@@ -26,7 +26,7 @@ fn one_broken_file_does_not_hide_the_others() {
 
 #[test]
 fn a_plan_is_checked_with_its_program_and_on_its_board() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("name.toml", "lamp = \"%QX0.4\"", "lamp = \"%QX0.4\", et = \"MAIN.delay.TE\"");
     let ran = bench.expect(2, &["check", "name.toml"]);
     assert!(
@@ -42,7 +42,7 @@ fn a_plan_is_checked_with_its_program_and_on_its_board() {
 
 #[test]
 fn a_board_can_be_given_as_for_a_test() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("board.toml", "format = 1\n[board]\nkind = \"simulated\"\n[channels]\nheat = { kind = \"analog\", unit = \"degC\" }\n");
     bench.write("heat.toml", &LAMP.replace("lamp = \"%QX0.4\"", "lamp = \"%QX0.4\", heat = \"heat\""));
     bench.expect(2, &["check", "heat.toml"]);

@@ -1,6 +1,6 @@
 //! Every code that the rig can report has a row in the documents, with its title.
 
-use crate::bench::root;
+use crate::project_folder::root;
 
 #[test]
 fn every_code_has_a_row() {

@@ -1,8 +1,8 @@
 //! The page about the control socket: its examples are run on a rig whose time is led, one after the other, and print
 //! what stands there. `SCANRIG_BLESS=1` writes the page anew.
 
-use crate::bench::{Bench, root};
-use crate::led::Led;
+use crate::project_folder::{TestProject, root};
+use crate::stepped_rig::SteppedRig;
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::net::UnixStream;
@@ -23,7 +23,7 @@ fn words(line: &str) -> Vec<String> {
 }
 
 /// Runs the commands of a block and gives the block as it is then.
-fn console(led: &Led, block: &str) -> String {
+fn console(led: &SteppedRig, block: &str) -> String {
     let mut text = String::new();
     for command in block.lines().filter_map(|line| line.strip_prefix("$ rig ")) {
         let words = words(command);
@@ -43,7 +43,7 @@ fn unversioned(line: &str) -> String {
 
 /// Sends the client's lines of a block over a connection of their own, each when the one before is answered, and gives the
 /// block as it is then.
-fn exchange(led: &Led, block: &str) -> String {
+fn exchange(led: &SteppedRig, block: &str) -> String {
     let mut stream = UnixStream::connect(led.socket()).unwrap();
     let mut lines = BufReader::new(stream.try_clone().unwrap()).lines();
     let mut text = String::new();
@@ -69,8 +69,8 @@ fn exchange(led: &Led, block: &str) -> String {
 fn the_examples_of_the_page_are_true() {
     let path = root().join("docs/control.md");
     let page = std::fs::read_to_string(&path).unwrap();
-    let bench = Bench::new();
-    let mut led: Option<Led> = None;
+    let bench = TestProject::new();
+    let mut led: Option<SteppedRig> = None;
     let (mut now, mut fence, mut block) = (String::new(), None::<String>, String::new());
     for line in page.lines() {
         match (&fence, line.strip_prefix("```")) {
@@ -82,7 +82,7 @@ fn the_examples_of_the_page_are_true() {
             (Some(_), None) => block += &format!("{line}\n"),
             (Some(language), Some(_)) => {
                 if led.is_none() && matches!(language.as_str(), "console" | "jsonl") {
-                    led = Some(Led::start(&bench, "tank.toml", "lamp.st"));
+                    led = Some(SteppedRig::start(&bench, "tank.toml", "lamp.st"));
                 }
                 let rig = led.as_ref();
                 now += &match language.as_str() {

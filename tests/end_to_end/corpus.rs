@@ -5,7 +5,7 @@ mod targets;
 
 use std::path::Path;
 
-use crate::bench::{list, root};
+use crate::project_folder::{list, root};
 
 /// Runs every file of a folder, with those of the folders in it, through a target. Returns how many there were.
 fn each(folder: &Path, target: fn(&[u8])) -> usize {

@@ -1,7 +1,7 @@
 //! `rig ctl` as a script meets it.
 
-use crate::bench::{Bench, drain, run};
-use crate::led::{Led, SOCKET};
+use crate::project_folder::{TestProject, drain, run};
+use crate::stepped_rig::{SOCKET, SteppedRig};
 use crate::terminal::{talk, terminal};
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
@@ -24,12 +24,12 @@ count := count + 1;
 END_PROGRAM
 ";
 
-fn rig() -> (Bench, Led) {
-    let bench = Bench::new();
+fn rig() -> (TestProject, SteppedRig) {
+    let bench = TestProject::new();
     // What a client that is lost leaves ends here, so that what stays was meant to.
     bench.write("bench.toml", &format!("{BOARD}[control]\non-disconnect = \"release\"\n"));
     bench.write("count.st", PROGRAM);
-    let led = Led::start(&bench, "bench.toml", "count.st");
+    let led = SteppedRig::start(&bench, "bench.toml", "count.st");
     led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
     (bench, led)
 }
@@ -203,7 +203,7 @@ fn who_sits_at_a_terminal_is_asked_before_outputs_move() {
 
 #[test]
 fn a_rig_is_found_by_its_board() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("count.st", PROGRAM);
     bench.write("left.toml", BOARD);
     let socket = bench.path("elsewhere.socket");
@@ -221,7 +221,7 @@ fn a_rig_is_found_by_its_board() {
     let mut rigs = Vec::new();
     for (board, name) in [("left.toml", "left"), ("right.toml", "right.toml")] {
         let args = ["run", "--board", board, "--program", "count.st", "--led"];
-        rigs.push(Ended(command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()));
+        rigs.push(KilledOnDrop(command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()));
         let (code, said) = ctl(&["describe", "--board", name, "--wait", "60s"]);
         assert!(code == Some(0) && said.contains(board), "{said}");
     }
@@ -231,7 +231,7 @@ fn a_rig_is_found_by_its_board() {
     let second = ["run", "--board", "left.toml", "--program", "count.st", "--led", "--control"];
     let mut second = command(&second);
     second.arg(bench.path("run/scanrig/second.sock")).stdout(Stdio::null()).stderr(Stdio::null());
-    rigs.push(Ended(second.spawn().unwrap()));
+    rigs.push(KilledOnDrop(second.spawn().unwrap()));
     assert_eq!(ctl(&["state", "--board", "second", "--wait", "60s"]).0, Some(0));
     let (code, said) = ctl(&["state"]);
     let named = ["R0641", "left.sock", "second.sock"].iter().all(|word| said.contains(word));
@@ -265,9 +265,9 @@ fn a_plan_has_the_course_and_the_exit_of_a_test() {
 }
 
 /// A process that is ended when this is dropped.
-struct Ended(std::process::Child);
+struct KilledOnDrop(std::process::Child);
 
-impl Drop for Ended {
+impl Drop for KilledOnDrop {
     fn drop(&mut self) {
         // It may have ended by itself.
         let _ = self.0.kill();

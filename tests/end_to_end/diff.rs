@@ -1,16 +1,16 @@
 //! `rig diff`: what changed between two runs.
 
-use crate::bench::{Bench, LAMP_ST};
+use crate::project_folder::{LAMP_ST, TestProject};
 
 /// Runs the lamp with this delay into a folder.
-fn ran(bench: &Bench, delay: &str, folder: &str) {
+fn ran(bench: &TestProject, delay: &str, folder: &str) {
     bench.write("lamp.st", &LAMP_ST.replace("T#500ms", delay));
     bench.rig(&["test", "lamp.toml", "--report", folder]);
 }
 
 #[test]
 fn a_run_differs_from_itself_in_nothing() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     ran(&bench, "T#500ms", "one");
     ran(&bench, "T#500ms", "two");
     let ran = bench.expect(0, &["diff", "one", "two"]);
@@ -23,7 +23,7 @@ fn a_run_differs_from_itself_in_nothing() {
 
 #[test]
 fn margins_erode_before_a_claim_fails() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("lamp.toml", "500 ms .. 550 ms", "400 ms .. 600 ms");
     ran(&bench, "T#500ms", "good");
     ran(&bench, "T#525ms", "late");
@@ -50,7 +50,7 @@ fn margins_erode_before_a_claim_fails() {
 
 #[test]
 fn a_program_reads_it_as_json() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     ran(&bench, "T#500ms", "old");
     bench.write_lamp("other.toml", "half a second", "soon");
     bench.expect(0, &["test", "other.toml", "--report", "new"]);
@@ -65,7 +65,7 @@ fn a_program_reads_it_as_json() {
 
 #[test]
 fn what_is_no_run_is_refused() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     ran(&bench, "T#500ms", "old");
     bench.refused(&["diff", "old", "nowhere"], &["error[R0160]", "nowhere"]);
     bench.refused(&["diff", "old", "old", "--erosion", "x"], &["from 0 to 100"]);

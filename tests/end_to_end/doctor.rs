@@ -1,13 +1,13 @@
 //! `rig doctor`: what it says of machines of several kinds, and of the one that the test runs on.
 
-use crate::bench::{Bench, root};
 use crate::goldens::golden;
+use crate::project_folder::{TestProject, root};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::Path;
 
 /// Makes the files of a machine: behind `== PATH` come its text, and beside it its mode and the name of its group.
 /// `@gpio` stands for the group that the files have, `@other` for a user and a group that they do not have.
-fn make(bench: &Bench, name: &str) {
+fn make(bench: &TestProject, name: &str) {
     let text = std::fs::read_to_string(root().join(format!("tests/end_to_end/machines/{name}.txt"))).unwrap();
     bench.write("machine/made", "");
     let about = std::fs::metadata(bench.path("machine/made")).unwrap();
@@ -29,7 +29,7 @@ fn make(bench: &Bench, name: &str) {
 #[test]
 fn machines_of_several_kinds() {
     for (name, code) in [("pi-stock", 1), ("pi-ready", 0), ("pc", 1), ("container", 1), ("silent", 1)] {
-        let bench = Bench::new();
+        let bench = TestProject::new();
         make(&bench, name);
         let ran = bench.expect(code, &["doctor", "--root", "machine"]);
         golden(&format!("doctor-{name}.txt"), &format!("rig doctor # {name}"), &ran);
@@ -43,7 +43,7 @@ fn machines_of_several_kinds() {
 
 #[test]
 fn a_board_file_says_which_devices_count() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     make(&bench, "container");
     let last = |code, board: &str| {
         bench.write("board.toml", board);
@@ -69,7 +69,7 @@ fn a_board_file_says_which_devices_count() {
 
 #[test]
 fn this_machine_is_looked_at_without_a_word_that_is_no_finding() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let ran = bench.rig(&["doctor"]);
     assert!(matches!(ran.code, Some(0 | 1 | 3)), "{ran:?}");
     assert_eq!(ran.err, "");

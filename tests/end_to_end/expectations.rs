@@ -10,8 +10,8 @@ use std::path::Path;
 use record::{CaseRecord, Verdict};
 use reports::text::{Style, details};
 
-use crate::bench::root;
-use crate::inside::Folder;
+use crate::plan_folder::PlanFolder;
+use crate::project_folder::root;
 
 /// A step that did not come fails its case by itself, so that the claim about it is never what leaves one open; and the
 /// model knows the figures of its tasks at every instant.
@@ -57,7 +57,7 @@ fn check(folder: &str, names: &[&str], never_open: &[&str]) {
     for name in names {
         let plan = format!("{name}.toml");
         assert!(path.join(&plan).is_file(), "tests/verbs/{folder}/{plan} is missing");
-        let records = Folder { path: path.clone(), changed: None }.run(&plan, 1);
+        let records = PlanFolder { path: path.clone(), changed: None }.run(&plan, 1);
         let text: String = records.iter().map(shown).collect::<Vec<_>>().join("\n");
         let verdicts: Vec<Verdict> = records.iter().map(|record| record.verdict).collect();
         let open = if never_open.contains(name) { None } else { Some(Verdict::Inconclusive) };

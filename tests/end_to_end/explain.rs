@@ -1,6 +1,6 @@
 //! Every code has a page, and every example of a page provokes its code.
 
-use crate::bench::{Bench, LAMP, root};
+use crate::project_folder::{LAMP, TestProject, root};
 
 /// Codes without an example, and why.
 const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
@@ -113,7 +113,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
 
 /// A block of a page.
 #[derive(Debug)]
-struct Block {
+struct ExampleBlock {
     code: String,
     language: String,
     role: String,
@@ -121,12 +121,12 @@ struct Block {
 }
 
 /// The examples of all pages, in order.
-fn blocks() -> Vec<Block> {
+fn blocks() -> Vec<ExampleBlock> {
     let mut blocks = Vec::new();
     for letter in ["P", "B", "S", "R"] {
         let path = root().join(format!("docs/codes/{letter}.md"));
         let text = std::fs::read_to_string(path).unwrap();
-        let (mut code, mut open): (String, Option<Block>) = (String::new(), None);
+        let (mut code, mut open): (String, Option<ExampleBlock>) = (String::new(), None);
         for line in text.lines() {
             match (&mut open, line.strip_prefix("```")) {
                 (Some(_), Some(_)) => blocks.extend(open.take()),
@@ -134,7 +134,7 @@ fn blocks() -> Vec<Block> {
                 (None, Some(info)) => {
                     let (language, role) = info.split_once(' ').unwrap();
                     let (code, language, role) = (code.clone(), language.to_owned(), role.to_owned());
-                    open = Some(Block { code, language, role, text: String::new() });
+                    open = Some(ExampleBlock { code, language, role, text: String::new() });
                 }
                 (None, None) => {
                     if let Some(heading) = line.strip_prefix("## ") {
@@ -189,7 +189,7 @@ fn program(part: &str, complete: bool) -> String {
 }
 
 /// The codes that the command finds in an example, and whether it is content.
-fn found(bench: &Bench, block: &Block) -> (Vec<String>, bool) {
+fn found(bench: &TestProject, block: &ExampleBlock) -> (Vec<String>, bool) {
     let ran = match block.language.as_str() {
         "console" => {
             let words = block.text.trim().trim_start_matches("rig ");
@@ -225,7 +225,7 @@ fn found(bench: &Bench, block: &Block) -> (Vec<String>, bool) {
 
 #[test]
 fn every_example_provokes_its_code_and_its_mend_does_not() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let mut wrong = Vec::new();
     for block in blocks() {
         match block.role.as_str() {
@@ -266,7 +266,7 @@ fn every_code_has_a_page_and_all_but_a_few_an_example() {
         dash::CODES,
     ]
     .concat();
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let listed = bench.expect(0, &["explain"]).out;
     for (code, title) in &known {
         if !listed.contains(&format!("{code}  {title}\n")) {
@@ -293,7 +293,7 @@ fn every_code_has_a_page_and_all_but_a_few_an_example() {
 
 #[test]
 fn a_page_is_read_by_a_person() {
-    let page = Bench::new().expect(0, &["explain", " p0302"]).out;
+    let page = TestProject::new().expect(0, &["explain", " p0302"]).out;
     let shown = "P0302: An instant of an unknown step
 
 An instant counts from `start`, from `end` or from a step of the same case.
@@ -314,7 +314,7 @@ pulse that the train has.
 
 #[test]
 fn a_code_that_does_not_exist_is_refused() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.refused(&["explain", "P0199"], &["R0152", "there is no code `P0199`", "did you mean `P0109`"]);
     bench.refused(&["explain", "nothing"], &["R0152", "`rig explain` lists all codes"]);
 }

@@ -1,10 +1,10 @@
 //! What a failed case says: the figures, what came nearest, and who wrote the signal last.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 
 #[test]
 fn a_failure_names_nearest_miss_and_last_writer() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     let out = bench.expect(1, &["test", "slow.toml", "--report", "out"]).out;
     for words in [
@@ -31,7 +31,7 @@ fn a_failure_names_nearest_miss_and_last_writer() {
 
 #[test]
 fn what_never_happened_is_not_a_pass() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     // The button is pressed for less than the delay: the lamp never lights.
     bench.write_lamp(
         "short.toml",
@@ -44,7 +44,7 @@ fn what_never_happened_is_not_a_pass() {
 
 #[test]
 fn a_step_is_named_as_the_writer_of_what_it_drives() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp(
         "button.toml",
         "{ rises = { signal = \"lamp\", from = \"press\", within = \"500 ms .. 550 ms\" } }",

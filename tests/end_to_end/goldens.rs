@@ -2,10 +2,10 @@
 //!
 //! `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end` writes the goldens anew.
 
-use crate::bench::{Bench, Ran, root};
+use crate::project_folder::{CommandOutput, TestProject, root};
 
 /// Compares with `tests/end_to_end/goldens/NAME`.
-pub fn golden(name: &str, command: &str, ran: &Ran) {
+pub fn golden(name: &str, command: &str, ran: &CommandOutput) {
     let path = root().join("tests/end_to_end/goldens").join(name);
     let text = format!("$ {command}\n{}{}exit {}\n", ran.out, ran.err, ran.code.unwrap());
     if std::env::var_os("SCANRIG_BLESS").is_some() {
@@ -16,7 +16,7 @@ pub fn golden(name: &str, command: &str, ran: &Ran) {
     assert!(text == golden, "{name} reads now:\n{text}\nand should read:\n{golden}");
 }
 
-fn run(bench: &Bench, name: &str, args: &[&str]) {
+fn run(bench: &TestProject, name: &str, args: &[&str]) {
     golden(name, &format!("rig {}", args.join(" ")), &bench.rig(args));
 }
 
@@ -29,7 +29,7 @@ fn blocks(language: &str) -> Vec<String> {
 
 #[test]
 fn the_example_of_the_readme() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let (programs, plans) = (blocks("iecst"), blocks("toml"));
     assert_eq!((programs.len(), plans.len()), (1, 1));
     bench.write("lamp.st", &programs[0]);
@@ -44,14 +44,14 @@ fn the_example_of_the_readme() {
 
 #[test]
 fn a_failing_plan() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     run(&bench, "failing.txt", &["test", "slow.toml", "lamp.toml"]);
 }
 
 #[test]
 fn an_inconclusive_and_an_inapplicable_plan() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write(
         "late.toml",
         "format = 1\n[board]\nkind = \"simulated\"\n[faults]\nlate = { chance = 1.0, by = \"40 ms\" }\n",
@@ -62,7 +62,7 @@ fn an_inconclusive_and_an_inapplicable_plan() {
 
 #[test]
 fn trouble_of_the_rig() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write(
         "bad.toml",
         "format = 1\n[board]\nkind = \"simulated\"\n[faults]\nlost = { chance = 1.0, for = \"10 ms\" }\n",
@@ -72,7 +72,7 @@ fn trouble_of_the_rig() {
 
 #[test]
 fn broken_files() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("lamp.toml", "within = \"500 ms .. 550 ms\"", "withn = \"500 ms .. 550 ms\"");
     run(&bench, "broken-plan.txt", &["check", "lamp.toml"]);
     bench.write(
@@ -84,7 +84,7 @@ fn broken_files() {
 
 #[test]
 fn a_program_alone() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     run(
         &bench,
         "program-run.txt",
@@ -94,6 +94,6 @@ fn a_program_alone() {
 
 #[test]
 fn a_list() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     run(&bench, "list.txt", &["test", ".", "--list"]);
 }

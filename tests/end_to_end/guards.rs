@@ -1,6 +1,6 @@
 //! Suite files and alarms by the command.
 
-use crate::bench::{Bench, LAMP, LAMP_ST};
+use crate::project_folder::{LAMP, LAMP_ST, TestProject};
 
 const SUITE: &str = "format = 1
 signals = { lamp = \"%QX0.4\", button = \"%IX0.0\" }
@@ -13,8 +13,8 @@ alarms = [
 ";
 
 /// A project with a suite above two folders of plans.
-fn project() -> Bench {
-    let bench = Bench::new();
+fn project() -> TestProject {
+    let bench = TestProject::new();
     bench.write("plans/suite.toml", &SUITE.replace(", button = \"%IX0.0\"", ""));
     bench.write("plans/inner/lamp.toml", LAMP);
     bench.write("plans/inner/lamp.st", LAMP_ST);

@@ -1,18 +1,18 @@
 //! `rig history`: past runs in one file.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 use record::RunRecord;
 use serde_json::Value as Json;
 
 /// A bench whose lamp may rise 400 ms to 600 ms after the button.
-fn bench() -> Bench {
-    let bench = Bench::new();
+fn bench() -> TestProject {
+    let bench = TestProject::new();
     bench.write_lamp("lamp.toml", "500 ms .. 550 ms", "400 ms .. 600 ms");
     bench
 }
 
 /// Runs of which the margin falls by 5 ms from one to the next; the last ones fail.
-fn runs(bench: &Bench, count: usize) -> Vec<String> {
+fn runs(bench: &TestProject, count: usize) -> Vec<String> {
     bench.expect(0, &["test", "lamp.toml", "--report", "run"]);
     let first = RunRecord::from_json(&bench.read("run/record.json")).unwrap();
     (0..count)
@@ -33,12 +33,12 @@ fn runs(bench: &Bench, count: usize) -> Vec<String> {
         .collect()
 }
 
-fn add(bench: &Bench, runs: &[String], more: &[&str]) -> String {
+fn add(bench: &TestProject, runs: &[String], more: &[&str]) -> String {
     let runs: Vec<&str> = runs.iter().map(String::as_str).collect();
     bench.expect(0, &[&["history", "add"], &runs[..], more].concat()).out
 }
 
-fn shown(bench: &Bench) -> Json {
+fn shown(bench: &TestProject) -> Json {
     serde_json::from_str(&bench.expect(0, &["history", "show", "--format", "json"]).out).unwrap()
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
-use crate::bench::{Bench, drain};
+use crate::project_folder::{TestProject, drain};
 
 /// How soon a run must have ended. The plans here go on for hours.
 const SOON: Duration = Duration::from_secs(20);
@@ -54,7 +54,7 @@ fn wait_for_handler(child: &Child, signal: Signal) {
 
 #[test]
 fn a_run_on_the_real_clock_stops_cleanly() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     // The first case has nothing to wait for after the controller's boot; the second goes on for hours.
     bench.write(
         "quick.toml",
@@ -101,7 +101,7 @@ fn a_run_on_the_real_clock_stops_cleanly() {
 
 #[test]
 fn an_interrupt_does_not_wait_for_the_next_event() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     // Without an application nothing happens on the controller for hours.
     bench.write(
         "empty.toml",
@@ -118,7 +118,7 @@ fn an_interrupt_does_not_wait_for_the_next_event() {
 
 #[test]
 fn a_run_in_virtual_time_stops_cleanly() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("hours.toml", "program =", "ends = \"start + 90 d\"\ntimeout = \"99 d\"\nprogram =");
     bench.write("too.toml", &bench.read("hours.toml"));
     let mut child =
@@ -134,7 +134,7 @@ fn a_run_in_virtual_time_stops_cleanly() {
 
 #[test]
 fn a_measurement_of_hours_shows_what_it_has() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let child = start(bench.command(&["bench", "latency", "--interval", "1 ms", "--count", "100000000"]));
     wait_for_handler(&child, Signal::SIGINT);
     interrupt(&child, Signal::SIGINT);

@@ -1,6 +1,6 @@
 //! `rig judge`: every verdict again from the recorded trace alone.
 
-use crate::bench::{Bench, LAMP};
+use crate::project_folder::{LAMP, TestProject};
 
 const BUS: &str = r#"format = 1
 [board]
@@ -32,7 +32,7 @@ always = { count = 14, cycle = "49 ms .. 260 ms", gap = "60 ms" }
 
 #[test]
 fn verdict_and_trace_hash_come_again() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     bench.write(
         "drop.toml",
@@ -81,8 +81,8 @@ fn verdict_and_trace_hash_come_again() {
 
 #[test]
 fn traces_of_the_library_are_judged_alike() {
-    let bench = Bench::new();
-    let library = crate::bench::root().join("plans/library");
+    let bench = TestProject::new();
+    let library = crate::project_folder::root().join("plans/library");
     let only = "fallback or filter or oven or reset or default-mast or alarms or invariants or buses";
     bench.expect(0, &["test", library.to_str().unwrap(), "--only", only, "--report", "out"]);
     let record = bench.json("out/record.json");
@@ -102,7 +102,7 @@ fn traces_of_the_library_are_judged_alike() {
 
 #[test]
 fn a_changed_plan_is_judged_and_said_to_have_changed() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.expect(0, &["test", "lamp.toml", "--report", "out"]);
     bench.write_lamp("lamp.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     let judged = bench.expect(1, &["judge", "lamp.toml", "out/traces/lamp.trace"]);
@@ -115,7 +115,7 @@ fn a_changed_plan_is_judged_and_said_to_have_changed() {
 
 #[test]
 fn traces_of_other_plans_are_refused() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.expect(0, &["test", "lamp.toml", "--report", "out"]);
     // Its cases are rows: none has this trace's name.
     let text = LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"");
@@ -132,7 +132,7 @@ fn traces_of_other_plans_are_refused() {
 
 #[test]
 fn damaged_traces_are_refused() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.expect(0, &["test", "lamp.toml", "--report", "out"]);
     let whole = std::fs::read(bench.path("out/traces/lamp.trace")).unwrap();
     let judge = |bytes: &[u8]| {

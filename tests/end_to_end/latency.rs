@@ -1,17 +1,17 @@
 //! `rig bench latency`: figures that are shown, and kept for the runs that follow.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 use serde_json::Value as Json;
 
-fn bench(state: &Bench, args: &[&str]) -> crate::bench::Ran {
+fn bench(state: &TestProject, args: &[&str]) -> crate::project_folder::CommandOutput {
     let mut command = state.command(&[&["bench", "latency"], args].concat());
     command.env("XDG_STATE_HOME", state.path("state"));
-    crate::bench::run(command)
+    crate::project_folder::run(command)
 }
 
 #[test]
 fn figures_for_a_program() {
-    let state = Bench::new();
+    let state = TestProject::new();
     let ran = bench(&state, &["--interval", "200 us", "--count", "300", "--format", "json"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     let json: Json = serde_json::from_str(&ran.out).unwrap();
@@ -32,7 +32,7 @@ fn figures_for_a_program() {
 
 #[test]
 fn figures_are_kept_with_the_machine_that_they_are_of() {
-    let state = Bench::new();
+    let state = TestProject::new();
     let ran = bench(&state, &["--interval", "50 us", "--count", "10000", "--priority", "0"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     assert!(
@@ -45,10 +45,10 @@ fn figures_are_kept_with_the_machine_that_they_are_of() {
     assert_eq!(kept["machine"][0][0], "kernel");
     assert!(kept["machine"][0][1].as_str().unwrap().starts_with("Linux "), "{kept}");
     // The doctor tells of them, and that they are no longer those of this machine.
-    let doctor = |state: &Bench| {
+    let doctor = |state: &TestProject| {
         let mut command = state.command(&["doctor"]);
         command.env("XDG_STATE_HOME", state.path("state"));
-        crate::bench::run(command).out
+        crate::project_folder::run(command).out
     };
     assert!(doctor(&state).contains("good  wake-up latency   p99 "), "{}", doctor(&state));
     let was = state.read("state/rig/latency.json");
@@ -60,7 +60,7 @@ fn figures_are_kept_with_the_machine_that_they_are_of() {
 
 #[test]
 fn what_cannot_be_measured_is_refused() {
-    let state = Bench::new();
+    let state = TestProject::new();
     for args in [
         ["--interval", "0 s"],
         ["--interval", "soon"],
@@ -78,7 +78,7 @@ fn what_cannot_be_measured_is_refused() {
 
 #[test]
 fn without_the_devices_of_a_board_nothing_is_measured() {
-    let state = Bench::new();
+    let state = TestProject::new();
     state.write("simulated.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
     state.write(
         "gpio.toml",

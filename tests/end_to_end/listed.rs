@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::bench::{list, root};
+use crate::project_folder::{list, root};
 
 /// The files and folders beside `main.rs` that hold tests but are no module of it.
 fn unlisted(folder: &Path) -> Vec<String> {

@@ -1,7 +1,6 @@
 //! The `rig` command as a user meets it: arguments and files in; exit code, output and reports out.
 
 mod arguments;
-mod bench;
 mod board;
 mod broken;
 mod captures;
@@ -19,14 +18,14 @@ mod fail;
 mod goldens;
 mod guards;
 mod history;
-mod inside;
 mod interrupt;
 mod judge;
 mod latency;
-mod led;
 mod listed;
+mod plan_folder;
 mod program;
 mod project;
+mod project_folder;
 mod question;
 mod redraw;
 mod report;
@@ -39,6 +38,7 @@ mod service;
 mod shards;
 mod soak;
 mod step;
+mod stepped_rig;
 mod stimuli;
 mod terminal;
 mod verdicts;

@@ -1,10 +1,10 @@
 //! `rig program`: a program tried alone.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 
 #[test]
 fn a_program_runs_alone() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let pressed =
         ["program", "run", "lamp.st", "--set", "MAIN.button=TRUE", "--print", "MAIN.lamp,MAIN.delay.Q"];
     let run = |time: &str| bench.expect(0, &[&pressed[..], &["--for", time]].concat()).out;
@@ -19,7 +19,7 @@ fn a_program_runs_alone() {
 
 #[test]
 fn variables_as_json() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let out =
         bench.expect(0, &["program", "run", "lamp.st", "--set", "MAIN.button=1", "--format", "json"]).out;
     let values: serde_json::Value = serde_json::from_str(&out).unwrap();
@@ -28,7 +28,7 @@ fn variables_as_json() {
 
 #[test]
 fn a_fault_of_the_program_is_1_and_names_its_line() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write(
         "fault.st",
         "PROGRAM MAIN\nVAR a : INT := 3; b : INT; c : INT; END_VAR\na := 4;\nc := a / b;\nEND_PROGRAM\n",
@@ -42,7 +42,7 @@ fn a_fault_of_the_program_is_1_and_names_its_line() {
 
 #[test]
 fn an_endless_loop_ends_with_the_run() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write(
         "loop.st",
         "PROGRAM MAIN\nVAR a : DINT; END_VAR\nWHILE TRUE DO\n  a := a + 1;\nEND_WHILE;\nEND_PROGRAM\n",
@@ -56,7 +56,7 @@ fn an_endless_loop_ends_with_the_run() {
 
 #[test]
 fn what_cannot_be_set_or_printed_is_refused() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write(
         "kinds.st",
         "TYPE color : (red, green); END_TYPE\nPROGRAM MAIN\nVAR i : INT; w : WORD; b : BOOL; t : TIME; \
@@ -121,7 +121,7 @@ fn what_cannot_be_set_or_printed_is_refused() {
 
 #[test]
 fn programs_are_checked() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     assert_eq!(
         bench.expect(0, &["program", "check", "lamp.st"]).out,
         "no errors: programs MAIN, 6 variables\n"
@@ -171,7 +171,7 @@ END_CONFIGURATION
 
 #[test]
 fn every_type_is_printed_in_its_form() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("plant.st", PLANT);
     let all = bench.expect(0, &["program", "run", "plant.st", "--for", "40 ms"]).out;
     for line in [
@@ -199,7 +199,7 @@ fn every_type_is_printed_in_its_form() {
 
 #[test]
 fn coverage_says_which_lines_did_not_run() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("plant.st", PLANT);
     let ran = bench.expect(0, &["program", "run", "plant.st", "--print", "MAIN.n", "--coverage"]).out;
     let wanted = "MAIN.n = 50\n\nCoverage\n  plant.st\n      statements    3 of 4 (75.0 %)\n      \
@@ -214,7 +214,7 @@ fn coverage_says_which_lines_did_not_run() {
 
 #[test]
 fn the_code_is_listed_with_its_lines_and_costs() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let out = bench.expect(0, &["program", "dump", "lamp.st"]).out;
     assert!(out.starts_with("MAIN (lamp.st)"), "{out}");
     for words in ["     8 | lamp := delay.Q;", "TON", "400 ns"] {
@@ -224,7 +224,7 @@ fn the_code_is_listed_with_its_lines_and_costs() {
 
 #[test]
 fn scans_are_measured() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let out = bench.expect(0, &["program", "bench", "lamp.st", "--cycles", "500", "--format", "json"]).out;
     let figures: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert_eq!(figures["cycles"], 500);
@@ -241,7 +241,7 @@ fn scans_are_measured() {
 
 #[test]
 fn tasks_that_the_controller_refuses_are_named_where_they_stand() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     for (task, line) in [
         ("TASK quick (PRIORITY := 2);", "has neither INTERVAL nor SINGLE"),
         ("TASK quick (INTERVAL := T#5ms, PRIORITY := 15);", "both have priority 15"),
@@ -254,7 +254,7 @@ fn tasks_that_the_controller_refuses_are_named_where_they_stand() {
 
 #[test]
 fn a_plan_takes_the_tasks_of_the_program_and_may_override_them() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("plant.st", PLANT);
     let plan = |settings: &str, fast: u32| {
         let text = format!(
@@ -276,7 +276,7 @@ fn a_plan_takes_the_tasks_of_the_program_and_may_override_them() {
 
 #[test]
 fn an_empty_controller_needs_no_program() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let empty = "format = 1\nsettings = { initial = \"empty\" }\nends = \"start + 1 s\"\n\
                  expect = [{ state = { stays = \"EMPTY\" } }]\n";
     bench.write("empty.toml", empty);
@@ -291,7 +291,7 @@ fn an_empty_controller_needs_no_program() {
 
 #[test]
 fn coverage_of_plans_is_in_the_record_and_in_the_page() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.expect(0, &["test", "lamp.toml", "--report", "plain"]);
     assert!(bench.json("plain/record.json").get("coverage").is_none());
     let ran = bench.expect(0, &["test", "lamp.toml", "--coverage", "--report", "out"]);

@@ -1,6 +1,6 @@
 //! What the command writes for a project: a new one, the shipped plans, schemas, completions and pages of the manual.
 
-use crate::bench::{Bench, list, root};
+use crate::project_folder::{TestProject, list, root};
 use serde_json::Value as Json;
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn files(folder: &Path) -> Vec<String> {
 
 #[test]
 fn the_first_run_of_a_new_project_passes() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.expect(0, &["new", "site/press"]);
     let expected = [
         ".github/workflows/rig.yml",
@@ -57,7 +57,7 @@ fn the_first_run_of_a_new_project_passes() {
 
 #[test]
 fn a_new_project_writes_over_nothing() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.refused(&["new", "."], &["R0150", "is not empty", "it has `lamp.st`"]);
     bench.refused(&["plans", "export", "."], &["R0150"]);
     bench.refused(&["new", "lamp.st"], &["R0151", "lamp.st"]);
@@ -70,7 +70,7 @@ fn a_new_project_writes_over_nothing() {
 
 #[test]
 fn the_shipped_plans_are_those_of_the_source() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.expect(0, &["plans", "export", "library"]);
     let library = root().join("plans/library");
     // A plan that was added after the last build would be missing here.
@@ -101,7 +101,7 @@ fn the_shipped_plans_are_those_of_the_source() {
 
 #[test]
 fn schemas_say_what_the_tables_say() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let schema: Json = serde_json::from_str(&bench.expect(0, &["schema", "plan"]).out).unwrap();
     for key in plans::plan::PLAN_KEYS {
         assert_eq!(schema["properties"][key.name]["description"], key.doc);
@@ -113,7 +113,7 @@ fn schemas_say_what_the_tables_say() {
 
 #[test]
 fn shells_and_man_know_the_command() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let help = bench.expect(0, &["--help"]).out;
     let commands: Vec<&str> = help
         .lines()

@@ -1,11 +1,11 @@
 //! Questions to a person: asked at a terminal, refused without one, judged again without asking.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 use crate::terminal::{talk, terminal};
 
 /// The lamp, and somebody who says which colour it has.
-fn asking() -> Bench {
-    let bench = Bench::new();
+fn asking() -> TestProject {
+    let bench = TestProject::new();
     bench.write("door.png", "a picture");
     let part = "value = true } },\n";
     let ask = "ask = { text = \"Which colour?\", photo = \"door.png\", answers = [\"green\", \"red\"] }";

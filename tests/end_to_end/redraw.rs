@@ -1,11 +1,11 @@
 //! `rig report RUN`: the reports of a run drawn again from its record.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 use crate::report::OUTPUTS;
 
 /// A run with a case that passes and one that fails, in `out`.
-fn ran() -> Bench {
-    let bench = Bench::new();
+fn ran() -> TestProject {
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     bench.expect(1, &["test", "lamp.toml", "slow.toml", "--report", "out"]);
     bench

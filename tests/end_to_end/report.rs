@@ -1,6 +1,6 @@
 //! `--report DIR`: everything that a run leaves on disk.
 
-use crate::bench::{Bench, LAMP};
+use crate::project_folder::{LAMP, TestProject};
 
 /// What a report folder holds.
 pub const OUTPUTS: [&str; 8] = [
@@ -16,7 +16,7 @@ pub const OUTPUTS: [&str; 8] = [
 
 #[test]
 fn a_run_leaves_record_reports_and_traces() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     let ran = bench.expect(1, &["test", "lamp.toml", "slow.toml", "--report", "out"]);
     assert!(ran.out.ends_with("Report: out/index.html\n"), "{}", ran.out);
@@ -61,7 +61,7 @@ fn a_run_leaves_record_reports_and_traces() {
 
 #[test]
 fn tags_choose_and_are_in_the_record() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write(
         "slow.toml",
         &LAMP.replacen("\nprogram", "\ntags = [\"slow\", \"lamp\", \"slow\"]\nprogram", 1),
@@ -75,7 +75,7 @@ fn tags_choose_and_are_in_the_record() {
 
 #[test]
 fn a_second_run_replaces_the_first() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.expect(0, &["test", "lamp.toml", "--report", "deep/er/out"]);
     let first = bench.json("deep/er/out/record.json");
     bench.expect(0, &["test", "lamp.toml", "--report", "deep/er/out"]);
@@ -86,7 +86,7 @@ fn a_second_run_replaces_the_first() {
 
 #[test]
 fn every_case_has_a_trace_of_its_own() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let text = LAMP.replace("\"lamp.st\"", "\"../lamp.st\"");
     bench.write("a/b.toml", &text);
     bench.write("a_b.toml", LAMP);
@@ -104,9 +104,9 @@ fn every_case_has_a_trace_of_its_own() {
 
 #[test]
 fn a_plan_of_a_long_path_can_be_reported() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let folder = ["a-folder-with-quite-a-long-name"; 9].join("/");
-    bench.write(&format!("{folder}/lamp.st"), crate::bench::LAMP_ST);
+    bench.write(&format!("{folder}/lamp.st"), crate::project_folder::LAMP_ST);
     bench.write(&format!("{folder}/lamp.toml"), LAMP);
     let path = bench.path(&folder).join("lamp.toml");
     bench.expect(0, &["test", path.to_str().unwrap(), "--report", "out"]);
@@ -116,15 +116,15 @@ fn a_plan_of_a_long_path_can_be_reported() {
 
 #[test]
 fn a_folder_that_cannot_be_written_is_refused_before_anything_moves() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("out/traces", "a file in the way");
     bench.refused(&["test", "lamp.toml", "--report", "out"], &["out/traces"]);
 }
 
 #[test]
 fn can_frames_of_a_case_are_kept_as_candump_writes_them() {
-    let bench = Bench::new();
-    let plan = crate::bench::root().join("plans/library/buses/remote.toml");
+    let bench = TestProject::new();
+    let plan = crate::project_folder::root().join("plans/library/buses/remote.toml");
     bench.expect(0, &["test", plan.to_str().unwrap(), "lamp.toml", "--report", "out"]);
     let record = bench.json("out/record.json");
     let case = &record["cases"][0];

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::bench::{Bench, root};
+use crate::project_folder::{TestProject, root};
 
 #[test]
 fn the_register_as_json() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let out = bench.expect(0, &["requirements", "--format", "json"]).out;
     let rows: serde_json::Value = serde_json::from_str(&out).unwrap();
     let rows = rows.as_array().unwrap();
@@ -34,7 +34,7 @@ fn the_register_as_json() {
 
 #[test]
 fn the_register_as_a_table() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.expect(0, &["test", "--only", "watchdog/fallback", "--report", "out"]);
     let out = bench.expect(0, &["requirements", "--report", "out"]).out;
     let last = out.lines().last().unwrap();
@@ -47,7 +47,7 @@ fn the_register_as_a_table() {
 
 #[test]
 fn a_failed_case_proves_nothing() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let library = root().join("plans/library/watchdog/fallback.toml");
     let text = std::fs::read_to_string(&library).unwrap().replace("100 ms .. 100.3 ms", "1 ms .. 2 ms");
     bench.write("fallback.toml", &text);
@@ -62,7 +62,7 @@ fn a_failed_case_proves_nothing() {
 
 #[test]
 fn records_that_cannot_be_trusted_are_refused() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench
         .refused(&["requirements", "--report", "out"], &["error[R0160]", "`out/record.json` cannot be read"]);
     bench.expect(0, &["test", "lamp.toml", "--report", "out"]);

@@ -1,6 +1,6 @@
 //! `rig run`: the controller kept running on a board.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use std::io::{BufRead, BufReader};
@@ -21,8 +21,8 @@ from = \"running\"
 to = \"I0\"
 ";
 
-fn bench() -> Bench {
-    let bench = Bench::new();
+fn bench() -> TestProject {
+    let bench = TestProject::new();
     bench.write("bench.toml", BOARD);
     bench
 }

@@ -1,6 +1,6 @@
 //! The dashboard takes a terminal and gives it back, however it ends, and ends the rig that it started.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 use crate::terminal::terminal;
 use nix::pty::{Winsize, openpty};
 use nix::sys::signal::{Signal, kill};
@@ -22,22 +22,22 @@ const TAKEN: &str = "\x1b[?1049h";
 const GIVEN_BACK: &str = "\x1b[?1049l";
 
 /// A terminal with the dashboard of a demonstration on it.
-struct Screen {
+struct DashboardTerminal {
     dash: Child,
     /// The side of the program, whose settings are looked at.
     settings: OwnedFd,
     keys: File,
     shown: Arc<Mutex<String>>,
-    bench: Bench,
+    bench: TestProject,
 }
 
-impl Screen {
+impl DashboardTerminal {
     /// The dashboard of a demonstration, once its controller runs.
-    fn start() -> Screen {
-        Screen::with(Bench::new(), &["dash", "--board", "sim"])
+    fn start() -> DashboardTerminal {
+        DashboardTerminal::with(TestProject::new(), &["dash", "--board", "sim"])
     }
 
-    fn with(bench: Bench, args: &[&str]) -> Screen {
+    fn with(bench: TestProject, args: &[&str]) -> DashboardTerminal {
         let size = Winsize { ws_row: 24, ws_col: 80, ws_xpixel: 0, ws_ypixel: 0 };
         let pty = openpty(&size, None).unwrap();
         let side = || Stdio::from(pty.slave.try_clone().unwrap());
@@ -55,7 +55,7 @@ impl Screen {
                 all.lock().unwrap().push_str(&String::from_utf8_lossy(&some[..n]));
             }
         });
-        let screen = Screen { dash, settings: pty.slave, keys, shown, bench };
+        let screen = DashboardTerminal { dash, settings: pty.slave, keys, shown, bench };
         screen.wait_for("a controller that runs", |screen| screen.shown().contains("RUNNING"));
         screen
     }
@@ -64,7 +64,7 @@ impl Screen {
         self.shown.lock().unwrap().clone()
     }
 
-    fn wait_for(&self, what: &str, mut is: impl FnMut(&Screen) -> bool) {
+    fn wait_for(&self, what: &str, mut is: impl FnMut(&DashboardTerminal) -> bool) {
         let until = Instant::now() + PATIENCE;
         while !is(self) {
             assert!(Instant::now() < until, "{what} does not come; the screen was told {:?}", self.shown());
@@ -106,14 +106,14 @@ impl Screen {
             std::thread::sleep(Duration::from_millis(10));
         };
         assert_eq!(status.code(), Some(code), "{:?}", self.shown());
-        self.wait_for("the terminal", Screen::is_given_back);
+        self.wait_for("the terminal", DashboardTerminal::is_given_back);
         let left: Vec<String> =
             self.bench.list("").into_iter().filter(|name| name.contains("demonstration")).collect();
         assert!(left.is_empty(), "{left:?}");
     }
 }
 
-impl Drop for Screen {
+impl Drop for DashboardTerminal {
     fn drop(&mut self) {
         // After a test that failed; one that has ended cannot be killed.
         let _ = self.dash.kill();
@@ -123,7 +123,7 @@ impl Drop for Screen {
 
 #[test]
 fn a_dashboard_that_is_left_leaves_nothing() {
-    let mut screen = Screen::start();
+    let mut screen = DashboardTerminal::start();
     assert!(!screen.is_given_back());
     screen.press(b"q");
     screen.wait_for("a question", |screen| screen.shown().contains("Leave and end the rig"));
@@ -134,7 +134,7 @@ fn a_dashboard_that_is_left_leaves_nothing() {
 #[test]
 fn a_dashboard_that_is_ended_leaves_nothing() {
     for signal in [Signal::SIGTERM, Signal::SIGHUP, Signal::SIGINT] {
-        let screen = Screen::start();
+        let screen = DashboardTerminal::start();
         screen.signal(signal);
         screen.ends(130);
     }
@@ -142,10 +142,10 @@ fn a_dashboard_that_is_ended_leaves_nothing() {
 
 #[test]
 fn a_dashboard_that_is_stopped_lends_the_terminal() {
-    let mut screen = Screen::start();
+    let mut screen = DashboardTerminal::start();
     screen.press(b"\x1a");
-    screen.wait_for("a stop", Screen::is_stopped);
-    screen.wait_for("the terminal", Screen::is_given_back);
+    screen.wait_for("a stop", DashboardTerminal::is_stopped);
+    screen.wait_for("the terminal", DashboardTerminal::is_given_back);
     screen.signal(Signal::SIGCONT);
     // All of it is drawn again, and nothing is asked of the terminal, whose answer would be taken for keys.
     screen.wait_for("the screen", |screen| {
@@ -157,7 +157,7 @@ fn a_dashboard_that_is_stopped_lends_the_terminal() {
 }
 
 /// A rig of the lamp at `rig.sock` in this folder.
-fn rig(bench: &Bench) -> Child {
+fn rig(bench: &TestProject) -> Child {
     let args =
         ["run", "--board", "lamp-board.toml", "--program", "lamp.st", "--booted", "--control", "rig.sock"];
     bench.command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
@@ -165,10 +165,10 @@ fn rig(bench: &Bench) -> Child {
 
 #[test]
 fn a_rig_that_ends_is_missed_and_its_next_one_is_found() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("lamp-board.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
     let mut first = rig(&bench);
-    let mut screen = Screen::with(bench, &["dash", "--socket", "rig.sock", "--wait", "60s"]);
+    let mut screen = DashboardTerminal::with(bench, &["dash", "--socket", "rig.sock", "--wait", "60s"]);
     kill(Pid::from_raw(first.id() as i32), Signal::SIGTERM).unwrap();
     first.wait().unwrap();
     screen.wait_for("a warning", |screen| screen.shown().contains("!! No connection"));

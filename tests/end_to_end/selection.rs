@@ -1,9 +1,9 @@
 //! Which cases run, with which values, how often and in which order.
 
-use crate::bench::{Bench, LAMP};
+use crate::project_folder::{LAMP, TestProject};
 
 /// Names of the cases that a command lists.
-fn listed(bench: &Bench, args: &[&str]) -> Vec<String> {
+fn listed(bench: &TestProject, args: &[&str]) -> Vec<String> {
     let out = bench.expect(0, &[&["test", "--list"], args].concat()).out;
     out.lines().map(|line| line.split("  ").next().unwrap().to_owned()).collect()
 }
@@ -22,9 +22,9 @@ fn lines(out: &str) -> Vec<(String, String)> {
 }
 
 /// A folder with plans of several kinds.
-fn folder() -> Bench {
-    let bench = Bench::new();
-    bench.write("plans/lamp.st", crate::bench::LAMP_ST);
+fn folder() -> TestProject {
+    let bench = TestProject::new();
+    bench.write("plans/lamp.st", crate::project_folder::LAMP_ST);
     bench.write(
         "plans/a.toml",
         &LAMP
@@ -74,7 +74,7 @@ fn only_selects_by_name_title_proof_and_profile() {
 
 #[test]
 fn the_library_is_there_without_files() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let all = listed(&bench, &[]);
     assert!(all.len() > 100 && all.iter().any(|name| name == "watchdog/fallback[over]"));
     let ran = bench.expect(0, &["test", "--only", "watchdog/fallback or bench"]);
@@ -83,7 +83,7 @@ fn the_library_is_there_without_files() {
 
 #[test]
 fn parameters_belong_to_the_plans_that_have_them() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let text = LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"");
     bench.write("limit.toml", &format!("{text}[parameters]\nlimit = \"500 ms .. 550 ms\"\n"));
     bench.expect(0, &["test", "limit.toml", "lamp.toml"]);
@@ -99,7 +99,7 @@ fn parameters_belong_to_the_plans_that_have_them() {
 
 #[test]
 fn one_seed_gives_one_trace() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     // Edges become known late by chance: the trace depends on the seed.
     bench.write(
         "late.toml",
@@ -125,7 +125,7 @@ fn one_seed_gives_one_trace() {
 
 #[test]
 fn repeated_cases_are_numbered() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let ran = bench.expect(0, &["test", "lamp.toml", "--repeat", "3", "--report", "out"]);
     let names: Vec<String> = lines(&ran.out).into_iter().map(|(_, name)| name).collect();
     assert_eq!(names, ["lamp", "lamp#2", "lamp#3"]);
@@ -135,7 +135,7 @@ fn repeated_cases_are_numbered() {
 
 #[test]
 fn more_cases_than_a_record_holds_are_refused() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.refused(&["test", "lamp.toml", "--repeat", "4294967295"], &["more than 100000 cases"]);
     bench.refused(&["test", "lamp.toml", "--repeat", "100001", "--list"], &["more than 100000 cases"]);
     assert_eq!(listed(&bench, &["lamp.toml", "--repeat", "1000"]).len(), 1_000);
@@ -143,7 +143,7 @@ fn more_cases_than_a_record_holds_are_refused() {
 
 #[test]
 fn fail_fast_starts_no_further_case() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("a-slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     let args = ["test", "a-slow.toml", "lamp.toml", "--jobs", "1"];
     let all = bench.expect(1, &args);

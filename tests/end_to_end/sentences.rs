@@ -3,11 +3,11 @@
 
 use record::Verdict;
 
-use crate::bench::root;
-use crate::inside::Folder;
+use crate::plan_folder::PlanFolder;
+use crate::project_folder::root;
 
 /// A plan, a slip in its program, and the claim that it breaks.
-struct Sentence {
+struct SentenceCase {
     plan: &'static str,
     program: &'static str,
     /// What stands in the program, and what the slip makes of it.
@@ -18,32 +18,32 @@ struct Sentence {
 /// Turns of a case that are enough to notice a slip; all of them run with the library.
 const TURNS: u32 = 3;
 
-const SENTENCES: &[Sentence] = &[
-    Sentence {
+const SENTENCES: &[SentenceCase] = &[
+    SentenceCase {
         plan: "bus-lost.toml",
         program: "bus-lost.st",
         slip: ("PT := T#1s500ms", "PT := T#2s"),
         claim: "off within 2 s of losing the bus",
     },
-    Sentence {
+    SentenceCase {
         plan: "bus-lost.toml",
         program: "bus-lost.st",
         slip: ("ELSIF pressed.Q AND alive THEN", "ELSIF alive THEN"),
         claim: "off for 10 s",
     },
-    Sentence {
+    SentenceCase {
         plan: "retries.toml",
         program: "retries.st",
         slip: ("RETRIES : INT := 3;", "RETRIES : INT := 2;"),
         claim: "once and three retries",
     },
-    Sentence {
+    SentenceCase {
         plan: "retries.toml",
         program: "retries.st",
         slip: ("PT := T#500ms", "PT := T#530ms"),
         claim: "500 ± 20 ms apart",
     },
-    Sentence {
+    SentenceCase {
         plan: "retries.toml",
         program: "retries.st",
         slip: (
@@ -52,25 +52,25 @@ const SENTENCES: &[Sentence] = &[
         ),
         claim: "and no further attempt",
     },
-    Sentence {
+    SentenceCase {
         plan: "contactors.toml",
         program: "contactors.st",
         slip: ("fast := now = 2;", "fast := fast_button;"),
         claim: "no two contactors on together",
     },
-    Sentence {
+    SentenceCase {
         plan: "counter.toml",
         program: "counter.st",
         slip: ("IF pulses AND NOT before THEN", "IF pulses THEN"),
         claim: "the counter equals the pulses sent",
     },
-    Sentence {
+    SentenceCase {
         plan: "power-loss.toml",
         program: "power-loss.st",
         slip: ("1: flours[1 - in_use] := 600;", "1: flours[in_use] := 600;"),
         claim: "salt goes with the flour",
     },
-    Sentence {
+    SentenceCase {
         plan: "power-loss.toml",
         program: "power-loss.st",
         slip: (
@@ -79,7 +79,7 @@ const SENTENCES: &[Sentence] = &[
         ),
         claim: "yeast goes with the flour",
     },
-    Sentence {
+    SentenceCase {
         plan: "settling.toml",
         program: "settling.st",
         slip: (
@@ -88,7 +88,7 @@ const SENTENCES: &[Sentence] = &[
         ),
         claim: "settles in 3 s with under 5 % overshoot",
     },
-    Sentence {
+    SentenceCase {
         plan: "watchdog.toml",
         program: "watchdog.toml",
         slip: ("watchdog = \"100 ms\"", "watchdog = \"106 ms\""),
@@ -102,9 +102,9 @@ fn folder() -> std::path::PathBuf {
 
 #[test]
 fn every_sentence_passes_and_its_slip_is_noticed() {
-    for Sentence { plan, program, slip, claim } in SENTENCES {
+    for SentenceCase { plan, program, slip, claim } in SENTENCES {
         let (from, to) = *slip;
-        let broken = Folder { path: folder(), changed: Some((program, from, to)) }.run(plan, TURNS);
+        let broken = PlanFolder { path: folder(), changed: Some((program, from, to)) }.run(plan, TURNS);
         let failed: Vec<&str> = broken
             .iter()
             .flat_map(|case| &case.claims)
@@ -115,7 +115,7 @@ fn every_sentence_passes_and_its_slip_is_noticed() {
     }
     let plans: std::collections::BTreeSet<&str> = SENTENCES.iter().map(|sentence| sentence.plan).collect();
     for plan in &plans {
-        for case in (Folder { path: folder(), changed: None }).run(plan, TURNS) {
+        for case in (PlanFolder { path: folder(), changed: None }).run(plan, TURNS) {
             assert_eq!(case.verdict, Verdict::Pass, "{}: {}", case.name, case.reason);
         }
     }

@@ -1,6 +1,6 @@
 //! `rig run` as a service manager starts it: what it tells, and when.
 
-use crate::bench::Bench;
+use crate::project_folder::TestProject;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use std::os::linux::net::SocketAddrExt;
@@ -29,7 +29,7 @@ fn told_until(manager: &UnixDatagram, last: &str) -> Vec<String> {
     lines
 }
 
-fn start(bench: &Bench, socket: &str, watchdog: &str) -> Child {
+fn start(bench: &TestProject, socket: &str, watchdog: &str) -> Child {
     bench.write("bench.toml", BOARD);
     let mut command = bench.command(&["run", "--board", "bench.toml", "--program", "lamp.st"]);
     command.env("NOTIFY_SOCKET", socket).env("WATCHDOG_USEC", watchdog);
@@ -43,7 +43,7 @@ fn stop(mut rig: Child) -> Option<i32> {
 
 #[test]
 fn a_manager_is_told_when_the_controller_is_ready_that_it_goes_on_and_that_it_stops() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let path = bench.path("notify");
     let manager = UnixDatagram::bind(&path).unwrap();
     manager.set_read_timeout(Some(PATIENCE)).unwrap();
@@ -67,7 +67,7 @@ fn a_manager_is_told_when_the_controller_is_ready_that_it_goes_on_and_that_it_st
 
 #[test]
 fn a_manager_may_listen_at_an_abstract_name_and_want_no_sign_of_life() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let name = format!("scanrig-test-{}", std::process::id());
     let manager = UnixDatagram::bind_addr(&SocketAddr::from_abstract_name(&name).unwrap()).unwrap();
     manager.set_read_timeout(Some(PATIENCE)).unwrap();
@@ -81,11 +81,11 @@ fn a_manager_may_listen_at_an_abstract_name_and_want_no_sign_of_life() {
 
 #[test]
 fn a_manager_that_is_not_there_is_said_before_anything_moves() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("bench.toml", BOARD);
     let run = |name: &str, text: &str| {
         let mut command = bench.command(&["run", "--board", "bench.toml", "--program", "lamp.st"]);
-        let ran = crate::bench::run({
+        let ran = crate::project_folder::run({
             command.env("NOTIFY_SOCKET", bench.path("notify")).env(name, text);
             command
         });

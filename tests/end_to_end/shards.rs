@@ -1,14 +1,14 @@
 //! `--shard K/N` and `rig report --merge`: a suite on several machines.
 
-use crate::bench::{Bench, Ran};
+use crate::project_folder::{CommandOutput, TestProject};
 use record::RunRecord;
 
 /// A bench with seven cases: a sweep of five, one that passes, one that fails.
-fn suite() -> Bench {
-    let bench = Bench::new();
+fn suite() -> TestProject {
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     let sweep = "\nsweep = { late = { from = \"0 ms\", to = \"4 ms\", step = \"1 ms\" } }\n";
-    let text = crate::bench::LAMP
+    let text = crate::project_folder::LAMP
         .replace("start + 1 s", "start + 1 s + $late")
         .replace("\nsteps", &format!("{sweep}steps"));
     bench.write("sweep.toml", &text);
@@ -17,12 +17,12 @@ fn suite() -> Bench {
 
 const PLANS: [&str; 3] = ["lamp.toml", "slow.toml", "sweep.toml"];
 
-fn test(bench: &Bench, more: &[&str]) -> Ran {
+fn test(bench: &TestProject, more: &[&str]) -> CommandOutput {
     bench.rig(&[&["test"], &PLANS[..], more].concat())
 }
 
 /// Runs all parts into `part1` and so on; gives their exit codes.
-fn parts(bench: &Bench, of: u32) -> Vec<Option<i32>> {
+fn parts(bench: &TestProject, of: u32) -> Vec<Option<i32>> {
     let part = |k: u32| {
         let (shard, folder) = (format!("{k}/{of}"), format!("part{k}"));
         test(bench, &["--shard", &shard, "--report", &folder]).code
@@ -30,7 +30,7 @@ fn parts(bench: &Bench, of: u32) -> Vec<Option<i32>> {
     (1..=of).map(part).collect()
 }
 
-fn record(bench: &Bench, folder: &str) -> RunRecord {
+fn record(bench: &TestProject, folder: &str) -> RunRecord {
     RunRecord::from_json(&bench.read(&format!("{folder}/record.json"))).unwrap().without_host_facts()
 }
 
@@ -61,9 +61,9 @@ fn the_parts_together_are_the_whole() {
 fn coverage_adds_up() {
     let bench = suite();
     // Only one case presses the button, so that the parts run different statements.
-    bench.write("idle.toml", &crate::bench::LAMP.replace("value = true", "value = false"));
+    bench.write("idle.toml", &crate::project_folder::LAMP.replace("value = true", "value = false"));
     let pressed = "IF button THEN\n    lamp := delay.Q;\nELSE\n    lamp := FALSE;\nEND_IF;";
-    bench.write("lamp.st", &crate::bench::LAMP_ST.replace("lamp := delay.Q;", pressed));
+    bench.write("lamp.st", &crate::project_folder::LAMP_ST.replace("lamp := delay.Q;", pressed));
     let test = |more: &[&str]| bench.rig(&[&["test", "idle.toml", "lamp.toml", "--coverage"], more].concat());
     test(&["--report", "whole"]);
     test(&["--shard", "1/2", "--report", "part1"]);
@@ -115,7 +115,7 @@ fn what_is_not_of_one_suite_is_refused() {
     test(&bench, &["--shard", "2/3", "--report", "third"]);
     refused(&["part1", "third"], &["error[R0162]", "the number of parts is 3 and not 2"]);
     // A file that was changed between the parts, though the plan is the same.
-    bench.write("lamp.st", &crate::bench::LAMP_ST.replace("T#500ms", "T#501ms"));
+    bench.write("lamp.st", &crate::project_folder::LAMP_ST.replace("T#500ms", "T#501ms"));
     test(&bench, &["--shard", "2/2", "--report", "other"]);
     refused(&["part1", "other"], &["error[R0162]", "the selection is"]);
     // A part that lost a case.

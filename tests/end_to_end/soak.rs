@@ -1,8 +1,8 @@
 //! A long commissioning in led time: clients come and go, force, trend, run plans, forget to read, break off. The rig stays as large
 //! as it was, and serves everybody.
 
-use crate::bench::Bench;
-use crate::led::Led;
+use crate::project_folder::TestProject;
+use crate::stepped_rig::SteppedRig;
 use control::{
     Action, Advanced, Ask, Client, Done, Event, Forces, PlanEvent, Status, Subscribed, Topic, Values,
     WireValue,
@@ -58,22 +58,22 @@ const SLACK: u64 = 1024 * 1024;
 
 /// What the kernel says of the rig's process.
 #[derive(Clone, Copy, Debug)]
-struct Size {
+struct ProcessUsage {
     bytes: u64,
     files: usize,
     threads: usize,
 }
 
-fn size(led: &Led) -> Size {
+fn size(led: &SteppedRig) -> ProcessUsage {
     let process = format!("/proc/{}", led.process());
     let status = std::fs::read_to_string(format!("{process}/status")).unwrap();
     let line = status.lines().find(|line| line.starts_with("VmRSS:")).unwrap();
     let kib: u64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
     let count = |folder: &str| std::fs::read_dir(format!("{process}/{folder}")).unwrap().count();
-    Size { bytes: kib * 1024, files: count("fd"), threads: count("task") }
+    ProcessUsage { bytes: kib * 1024, files: count("fd"), threads: count("task") }
 }
 
-fn connect(led: &Led, name: &str) -> Client {
+fn connect(led: &SteppedRig, name: &str) -> Client {
     Client::connect(&led.socket(), name).unwrap()
 }
 
@@ -83,7 +83,7 @@ fn signals(names: &[&str], all: bool) -> Ask {
 }
 
 /// Somebody who looks at a trend for a second, and sees all of it.
-fn trend(led: &Led) {
+fn trend(led: &SteppedRig) {
     let mut client = connect(led, "trend");
     client.ask::<Subscribed>(signals(&["MAIN.count", "pressure", "Q0", "Q1", "%IX0.0"], true)).unwrap();
     client.ask::<Advanced>(Ask::Advance { by: SECOND }).unwrap();
@@ -98,7 +98,7 @@ fn trend(led: &Led) {
 }
 
 /// Somebody who asks for everything and reads nothing.
-fn deaf(led: &Led) -> UnixStream {
+fn deaf(led: &SteppedRig) -> UnixStream {
     let mut stream = UnixStream::connect(led.socket()).unwrap();
     let topic = r#"{"of":"signals","names":["MAIN.count","pressure"],"every_ms":5,"all":true}"#;
     for (id, topic) in (1..).zip([topic, r#"{"of":"status","every_ms":5}"#, r#"{"of":"log"}"#]) {
@@ -108,7 +108,7 @@ fn deaf(led: &Led) -> UnixStream {
 }
 
 /// Somebody who runs a plan, and waits until the program runs again.
-fn plan(led: &Led) {
+fn plan(led: &SteppedRig) {
     let mut client = connect(led, "plan");
     client.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Plan }).unwrap();
     client.ask::<Done>(Ask::Plan { name: "lamp".to_owned() }).unwrap();
@@ -126,7 +126,7 @@ fn plan(led: &Led) {
 }
 
 /// A round: what several people do in a second.
-fn round(led: &Led, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>, round: u32) {
+fn round(led: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>, round: u32) {
     let name = "%IX0.0".to_owned();
     let on = WireValue(Value::Bool(round.is_multiple_of(2)));
     if round.is_multiple_of(60) {
@@ -179,10 +179,10 @@ fn round(led: &Led, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>, round:
 
 #[test]
 fn ten_minutes_of_commissioning_leave_the_rig_as_large_as_it_was() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("soak.toml", BOARD);
     bench.write("soak.st", PROGRAM);
-    let led = Led::start(&bench, "soak.toml", "soak.st");
+    let led = SteppedRig::start(&bench, "soak.toml", "soak.st");
     led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
     let mut leader = connect(&led, "leader");
     leader.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Status { every_ms: 100 } }).unwrap();

@@ -1,10 +1,10 @@
 //! `rig step`: a case step by step, with commands from a script.
 
-use crate::bench::{Bench, LAMP, Ran, drain};
+use crate::project_folder::{CommandOutput, LAMP, TestProject, drain};
 use std::io::Write;
 use std::process::Stdio;
 
-fn step(bench: &Bench, args: &[&str], script: &str) -> Ran {
+fn step(bench: &TestProject, args: &[&str], script: &str) -> CommandOutput {
     let args: Vec<&str> = ["step"].into_iter().chain(args.iter().copied()).collect();
     let mut command = bench.command(&args);
     let mut child =
@@ -14,12 +14,12 @@ fn step(bench: &Bench, args: &[&str], script: &str) -> Ran {
     let out = drain(child.stdout.take().unwrap());
     let err = drain(child.stderr.take().unwrap());
     let code = child.wait().unwrap().code();
-    Ran { code, out: out.join().unwrap(), err: err.join().unwrap() }
+    CommandOutput { code, out: out.join().unwrap(), err: err.join().unwrap() }
 }
 
 #[test]
 fn a_script_goes_through_a_case() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let ran = step(&bench, &["lamp.toml"], "claims\nuntil 1.2 s\nuntil start + 1.6 s\nuntil 1 s\nrun\n");
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     assert_eq!(ran.err, "error: the case is at start + 1.6 s already\n");
@@ -53,7 +53,7 @@ start + 1.6 s
 
 #[test]
 fn stepping_changes_no_trace() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let two = "  { id = \"press\", at = \"start + 1 s\", set = { signal = \"button\", value = true } },\n";
     assert!(LAMP.contains(two));
     let release =
@@ -69,7 +69,7 @@ fn stepping_changes_no_trace() {
 
 #[test]
 fn a_lost_claim_is_decided_at_once() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     let ran = step(&bench, &["slow.toml"], "until 1.515 s\n");
     assert_eq!(ran.code, Some(1), "{}", ran.out);
@@ -83,7 +83,7 @@ fn a_lost_claim_is_decided_at_once() {
 
 #[test]
 fn the_user_can_end_it_and_is_helped() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let ran = step(&bench, &["lamp.toml"], "vlaues\nhelp\nquit\nrun\n");
     assert_eq!(ran.code, Some(130));
     assert!(ran.err.contains("did you mean `values`?"), "{}", ran.err);
@@ -96,7 +96,7 @@ fn the_user_can_end_it_and_is_helped() {
 
 #[test]
 fn one_case_is_meant() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let rows = "[rows]\nwide = { limit = \"400 ms .. 600 ms\" }\nearly = { limit = \"1 ms .. 2 ms\" }\n";
     bench.write("rows.toml", &format!("{}{rows}", LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"")));
     bench.refused(&["step", "rows.toml"], &["R0175", "2 cases", "rows[wide], rows[early]"]);

@@ -14,7 +14,7 @@ use runtime::suite::{self, Disk, Files, LoadedPlan};
 use runtime::{ClockKind, RunOptions, run_case};
 use signal::Span;
 
-use crate::bench::root;
+use crate::project_folder::root;
 
 /// How late the waits of the late rig end at most.
 const LATE: Span = Span::from_millis(5);
@@ -28,16 +28,16 @@ fn verbs() -> impl Iterator<Item = &'static str> {
 }
 
 /// The plans, by names without a folder.
-struct Steps;
+struct StimulusPlans;
 
-impl Files for Steps {
+impl Files for StimulusPlans {
     fn read(&self, path: &str) -> Result<String, String> {
         Disk.read(&root().join("tests/verbs/steps").join(path).to_string_lossy())
     }
 }
 
 fn load(verb: &str) -> LoadedPlan {
-    let found = suite::load_plan(&Steps, &format!("{verb}.toml"), None, &[], 1, &mut Vec::new());
+    let found = suite::load_plan(&StimulusPlans, &format!("{verb}.toml"), None, &[], 1, &mut Vec::new());
     found.unwrap_or_else(|found| panic!("tests/verbs/steps/{verb}.toml: {found:#?}"))
 }
 

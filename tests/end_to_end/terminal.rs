@@ -1,6 +1,6 @@
 //! `rig test` on a terminal, in a log, and for a program that reads its events.
 
-use crate::bench::{Bench, LAMP_ST, drain, run};
+use crate::project_folder::{LAMP_ST, TestProject, drain, run};
 use nix::pty::{Winsize, openpty};
 use serde_json::Value as Json;
 use std::fs::File;
@@ -8,8 +8,8 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 
 /// Three cases: one passes, one fails, one does not apply.
-fn three() -> Bench {
-    let bench = Bench::new();
+fn three() -> TestProject {
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     bench.write_lamp("m251.toml", "program =", "profiles = [\"m251-2024\"]\nprogram =");
     bench.write(
@@ -53,7 +53,7 @@ pub fn talk(mut command: Command, typed: &[&str]) -> (Option<i32>, String) {
 }
 
 /// The command as somebody at a terminal starts it.
-pub fn terminal(bench: &Bench, args: &[&str]) -> Command {
+pub fn terminal(bench: &TestProject, args: &[&str]) -> Command {
     let mut command = bench.command(args);
     command.env("TERM", "xterm-256color").env_remove("CI").env_remove("CLICOLOR");
     command
@@ -139,7 +139,7 @@ fn ci_and_the_user_do_without_the_bar() {
 
 #[test]
 fn a_case_that_takes_long_is_said_to_be_slow() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("fast.st", &LAMP_ST.replace("delay(", "FOR i := 0 TO 20 DO n := n + 1; END_FOR delay("));
     bench.write("fast.st", &bench.read("fast.st").replace("END_VAR", "i, n : INT; END_VAR"));
     bench.write_lamp("long.toml", "program = \"lamp.st\"", "program = \"fast.st\"\nends = \"start + 5 min\"");
@@ -206,7 +206,7 @@ fn events_tell_the_whole_run() {
 
 #[test]
 fn the_last_event_has_the_statistics_of_what_was_repeated() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let ran = bench.expect(0, &["test", "lamp.toml", "--repeat", "3", "--format", "json"]);
     let events = events(&ran.out);
     let repeated = &events[events.len() - 1]["repeated"][0];

@@ -1,6 +1,6 @@
 //! Exit codes 0, 1, 3 and 4: what the cases came to.
 
-use crate::bench::{Bench, LAMP};
+use crate::project_folder::{LAMP, TestProject};
 
 /// A board that makes trouble.
 fn board(faults: &str) -> String {
@@ -9,7 +9,7 @@ fn board(faults: &str) -> String {
 
 #[test]
 fn all_passed_is_0() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let ran = bench.expect(0, &["test", "lamp.toml"]);
     assert!(ran.out.contains("PASS") && ran.err.is_empty(), "{}{}", ran.out, ran.err);
     assert!(ran.out.contains("Summary: 1 passed, 0 failed, 0 inconclusive, 0 not applicable"));
@@ -17,7 +17,7 @@ fn all_passed_is_0() {
 
 #[test]
 fn a_failed_case_is_1_whatever_else_passed() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
     let ran = bench.expect(1, &["test", "slow.toml", "lamp.toml"]);
     assert!(ran.out.contains("Summary: 1 passed, 1 failed"), "{}", ran.out);
@@ -25,7 +25,7 @@ fn a_failed_case_is_1_whatever_else_passed() {
 
 #[test]
 fn an_instrument_that_is_not_good_enough_is_3() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     // io:STD-HSC figures need pulses that no line of the simulated board emits.
     bench.write_lamp("fast.toml", "program =", "needs = [\"pulse >= 5000 MHz\"]\nprogram =");
     let ran = bench.expect(3, &["test", "fast.toml", "lamp.toml"]);
@@ -39,7 +39,7 @@ fn an_instrument_that_is_not_good_enough_is_3() {
 
 #[test]
 fn a_claim_finer_than_what_is_known_is_3() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     // Edges become known up to 40 ms late: neither inside nor outside of a window of 50 ms, 20 ms from its ends.
     bench.write("late.toml", &board("late = { chance = 1.0, by = \"40 ms\" }"));
     let ran = bench.expect(3, &["test", "lamp.toml", "--board", "late.toml"]);
@@ -52,7 +52,7 @@ fn a_claim_finer_than_what_is_known_is_3() {
 
 #[test]
 fn trouble_of_the_rig_is_4() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     for (faults, words) in [
         ("dropped = { chance = 1.0 }", "events of channel"),
         ("lost = { chance = 1.0, for = \"10 ms\" }", "its device is gone"),
@@ -67,7 +67,7 @@ fn trouble_of_the_rig_is_4() {
 
 #[test]
 fn trouble_of_the_rig_outweighs_a_failure() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write("bad.toml", &board("dropped = { chance = 1.0 }"));
     bench.write_lamp("on-a-bad-board.toml", "program =", "board = \"bad.toml\"\nprogram =");
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 510 ms");
@@ -76,7 +76,7 @@ fn trouble_of_the_rig_outweighs_a_failure() {
 
 #[test]
 fn a_refused_command_and_a_case_without_end_are_4() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     let empty =
         LAMP.replace("program = \"lamp.st\"", "program = \"lamp.st\"\nsettings = { initial = \"empty\" }");
     let run = empty.replace("set = { signal = \"button\", value = true }", "command = \"run\"");
@@ -90,7 +90,7 @@ fn a_refused_command_and_a_case_without_end_are_4() {
 
 #[test]
 fn what_does_not_apply_is_said_with_its_reason() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     bench.write_lamp("m251.toml", "program =", "profiles = [\"m251-2024\"]\nprogram =");
     bench.write(
         "board.toml",

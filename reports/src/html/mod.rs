@@ -91,7 +91,7 @@ pub fn render(run: &RunRecord) -> Result<String, HtmlError> {
     let script = format!("\"use strict\";\n(() => {{\n{}}})();\n", SCRIPT.concat());
     let own = |text: &str| Value::from_safe_string(text.to_owned());
     page.render(context! {
-        page => Serde(view::Page::of(run)),
+        page => Serde(view::HtmlPage::of(run)),
         // No other style and no other script is obeyed, whatever a name in the record holds.
         style_hash => own(&hash(STYLE)),
         script_hash => own(&hash(&script)),

@@ -1,6 +1,6 @@
 //! What the template writes: the summary, and the cases that need attention with their reasons.
 
-use crate::coverage::Row;
+use crate::coverage::CoverageRow;
 use crate::show::{self, Outcome};
 use record::{CaseRecord, ClaimRecord, Clock, MeasurementRecord, RunRecord, Totals, Verdict};
 use serde::Serialize;
@@ -10,23 +10,23 @@ const MOST_CASES: usize = 200;
 
 /// The whole page without what the script draws.
 #[derive(Serialize)]
-pub(super) struct Page {
+pub(super) struct HtmlPage {
     verdict: &'static str,
     sign: &'static str,
     headline: String,
     /// What became of all cases, in a sentence.
     executed: String,
-    counts: Vec<Count>,
-    facts: Vec<Fact>,
-    attention: Vec<Attention>,
+    counts: Vec<OutcomeCount>,
+    facts: Vec<NamedFact>,
+    attention: Vec<FailedCase>,
     /// Cases that need attention and found no room in the summary.
     unsaid: usize,
-    coverage: Vec<Row>,
+    coverage: Vec<CoverageRow>,
 }
 
 /// How many cases came to one outcome, with the stretch of the bar that stands for them.
 #[derive(Serialize)]
-struct Count {
+struct OutcomeCount {
     word: &'static str,
     text: &'static str,
     sign: &'static str,
@@ -37,7 +37,7 @@ struct Count {
 
 /// A named fact; `full` is shown on request where `text` is shortened.
 #[derive(Serialize)]
-struct Fact {
+struct NamedFact {
     name: String,
     text: String,
     full: String,
@@ -46,18 +46,18 @@ struct Fact {
 
 /// A case that did not pass.
 #[derive(Serialize)]
-struct Attention {
+struct FailedCase {
     word: &'static str,
     sign: &'static str,
     name: String,
     title: String,
     why: String,
-    checks: Vec<Check>,
+    checks: Vec<FailedCheck>,
 }
 
 /// A claim or measurement of such a case that did not pass.
 #[derive(Serialize)]
-struct Check {
+struct FailedCheck {
     word: &'static str,
     sign: &'static str,
     name: String,
@@ -70,11 +70,11 @@ struct Check {
     place: String,
 }
 
-impl Page {
-    pub(super) fn of(run: &RunRecord) -> Page {
+impl HtmlPage {
+    pub(super) fn of(run: &RunRecord) -> HtmlPage {
         let verdict = run.verdict();
         let (attention, unsaid) = attention(run);
-        Page {
+        HtmlPage {
             verdict: verdict.word(),
             sign: show::sign(verdict),
             headline: headline(run),
@@ -83,7 +83,7 @@ impl Page {
             facts: provenance(run),
             attention,
             unsaid,
-            coverage: run.coverage.iter().map(Row::of).collect(),
+            coverage: run.coverage.iter().map(CoverageRow::of).collect(),
         }
     }
 }
@@ -124,7 +124,7 @@ fn executed(run: &RunRecord) -> String {
     text
 }
 
-fn counts(totals: Totals) -> Vec<Count> {
+fn counts(totals: Totals) -> Vec<OutcomeCount> {
     let judged = |verdict: Verdict| Outcome::Judged(verdict);
     let errors = if totals.errors == 1 { "rig error" } else { "rig errors" };
     let all = [
@@ -146,21 +146,21 @@ fn counts(totals: Totals) -> Vec<Count> {
     for (outcome, text, n) in all {
         let width = width(n) * scale;
         if n > 0 {
-            counts.push(Count { word: outcome.word(), text, sign: outcome.sign(), n, from, width });
+            counts.push(OutcomeCount { word: outcome.word(), text, sign: outcome.sign(), n, from, width });
         }
         from += width;
     }
     counts
 }
 
-fn provenance(run: &RunRecord) -> Vec<Fact> {
+fn provenance(run: &RunRecord) -> Vec<NamedFact> {
     let p = &run.provenance;
     let plural = if p.profiles.len() > 1 { "Profiles" } else { "Profile" };
     let command =
         if p.arguments.is_empty() { String::new() } else { format!("rig {}", p.arguments.join(" ")) };
     let fact = |name: &str, full: String, code: bool| {
         let text = if name == "rig SHA-256" { full.chars().take(12).collect() } else { full.clone() };
-        Fact { name: name.to_owned(), text, full, code }
+        NamedFact { name: name.to_owned(), text, full, code }
     };
     let mut facts = vec![
         fact(plural, p.profiles.join(", "), false),
@@ -198,36 +198,36 @@ fn quality(run: &RunRecord) -> String {
 }
 
 /// The judged cases without a pass, the worst first, and how many more there are.
-fn attention(run: &RunRecord) -> (Vec<Attention>, usize) {
+fn attention(run: &RunRecord) -> (Vec<FailedCase>, usize) {
     let mut bad: Vec<&CaseRecord> =
         run.cases.iter().filter(|case| case.is_judged() && case.verdict != Verdict::Pass).collect();
     bad.sort_by_key(|case| std::cmp::Reverse(case.verdict));
     let unsaid = bad.len().saturating_sub(MOST_CASES);
-    (bad.into_iter().take(MOST_CASES).map(Attention::of).collect(), unsaid)
+    (bad.into_iter().take(MOST_CASES).map(FailedCase::of).collect(), unsaid)
 }
 
-impl Attention {
-    fn of(case: &CaseRecord) -> Attention {
+impl FailedCase {
+    fn of(case: &CaseRecord) -> FailedCase {
         let outcome = Outcome::of(case);
         let claims = case.claims.iter().filter(|claim| claim.verdict > Verdict::Pass);
         let measurements = case.measurements.iter().filter(|m| m.verdict > Verdict::Pass);
-        Attention {
+        FailedCase {
             word: outcome.word(),
             sign: outcome.sign(),
             name: case.name.clone(),
             title: case.title.clone(),
             why: show::reason(case).to_owned(),
             checks: claims
-                .map(|claim| Check::claim(case, claim))
-                .chain(measurements.map(|m| Check::measurement(case, m)))
+                .map(|claim| FailedCheck::claim(case, claim))
+                .chain(measurements.map(|m| FailedCheck::measurement(case, m)))
                 .collect(),
         }
     }
 }
 
-impl Check {
-    fn claim(case: &CaseRecord, claim: &ClaimRecord) -> Check {
-        Check {
+impl FailedCheck {
+    fn claim(case: &CaseRecord, claim: &ClaimRecord) -> FailedCheck {
+        FailedCheck {
             word: claim.verdict.word(),
             sign: show::sign(claim.verdict),
             name: claim.name.clone(),
@@ -241,8 +241,8 @@ impl Check {
         }
     }
 
-    fn measurement(case: &CaseRecord, measurement: &MeasurementRecord) -> Check {
-        Check {
+    fn measurement(case: &CaseRecord, measurement: &MeasurementRecord) -> FailedCheck {
+        FailedCheck {
             word: measurement.verdict.word(),
             sign: show::sign(measurement.verdict),
             name: measurement.name.clone(),

@@ -25,7 +25,7 @@ const TAIL: usize = 4_000;
 
 /// How much is said of each case.
 #[derive(Clone, Copy, Debug)]
-struct Detail {
+struct DetailLevel {
     /// Longest message.
     message: usize,
     /// Longest text of a failure.
@@ -38,10 +38,10 @@ struct Detail {
 }
 
 /// From everything to the least; the first that keeps the file small enough is taken.
-const DETAILS: [Detail; 3] = [
-    Detail { message: LONGEST_MESSAGE, text: 65_536, name: usize::MAX, passed: true, others: true },
-    Detail { message: 500, text: 2_000, name: usize::MAX, passed: false, others: true },
-    Detail { message: 150, text: 0, name: 150, passed: false, others: false },
+const DETAILS: [DetailLevel; 3] = [
+    DetailLevel { message: LONGEST_MESSAGE, text: 65_536, name: usize::MAX, passed: true, others: true },
+    DetailLevel { message: 500, text: 2_000, name: usize::MAX, passed: false, others: true },
+    DetailLevel { message: 150, text: 0, name: 150, passed: false, others: false },
 ];
 
 /// The run as JUnit XML of at most [`MAX_BYTES`]. Times are host seconds; modelled times are properties.
@@ -53,7 +53,7 @@ pub fn render(run: &RunRecord, folder: &str) -> String {
 }
 
 fn render_within(run: &RunRecord, folder: &str, most: usize) -> String {
-    let whole = |detail: &Detail| {
+    let whole = |detail: &DetailLevel| {
         let written = suites(run, folder, *detail, most);
         (written.left_out == 0).then(|| written.file())
     };
@@ -63,7 +63,7 @@ fn render_within(run: &RunRecord, folder: &str, most: usize) -> String {
 
 /// Cases by what JUnit counts.
 #[derive(Clone, Copy, Debug, Default)]
-struct Counts {
+struct SuiteCounts {
     tests: usize,
     skipped: usize,
     failures: usize,
@@ -71,7 +71,7 @@ struct Counts {
     host_ms: u64,
 }
 
-impl Counts {
+impl SuiteCounts {
     fn add(&mut self, case: &CaseRecord) {
         self.tests += 1;
         self.host_ms += case.host_ms;
@@ -83,8 +83,8 @@ impl Counts {
         }
     }
 
-    fn and(self, other: Counts) -> Counts {
-        Counts {
+    fn and(self, other: SuiteCounts) -> SuiteCounts {
+        SuiteCounts {
             tests: self.tests + other.tests,
             skipped: self.skipped + other.skipped,
             failures: self.failures + other.failures,
@@ -97,14 +97,14 @@ impl Counts {
 /// The suites of a file, without what stands around them.
 struct Suites {
     body: Xml,
-    counts: Counts,
+    counts: SuiteCounts,
     /// Cases for which there was no room.
     left_out: usize,
 }
 
 impl Suites {
     fn file(self) -> String {
-        let Counts { tests, failures, errors, host_ms, .. } = self.counts;
+        let SuiteCounts { tests, failures, errors, host_ms, .. } = self.counts;
         let mut file = Xml::default();
         file.open(
             0,
@@ -123,14 +123,14 @@ impl Suites {
     }
 }
 
-fn suites(run: &RunRecord, folder: &str, detail: Detail, most: usize) -> Suites {
+fn suites(run: &RunRecord, folder: &str, detail: DetailLevel, most: usize) -> Suites {
     let room = most.saturating_sub(TAIL);
-    let mut all = Suites { body: Xml::default(), counts: Counts::default(), left_out: 0 };
+    let mut all = Suites { body: Xml::default(), counts: SuiteCounts::default(), left_out: 0 };
     let mut worst_left_out = Verdict::None;
     for (place, cases) in by_folder(run) {
         let place = brief::shorten(&clean(place), detail.name);
         let mut suite = Xml::default();
-        let mut counts = Counts::default();
+        let mut counts = SuiteCounts::default();
         let mut names = BTreeSet::new();
         for case in cases {
             let before = suite.len();
@@ -154,7 +154,7 @@ fn suites(run: &RunRecord, folder: &str, detail: Detail, most: usize) -> Suites 
     }
     if all.left_out > 0 {
         let errors = usize::from(worst_left_out > Verdict::Pass);
-        let counts = Counts { tests: 1, errors, skipped: 1 - errors, ..Counts::default() };
+        let counts = SuiteCounts { tests: 1, errors, skipped: 1 - errors, ..SuiteCounts::default() };
         let said = format!(
             "{} cases found no room in this file of at most {most} bytes; the worst of them came to {worst_left_out}",
             all.left_out
@@ -181,8 +181,8 @@ fn by_folder(run: &RunRecord) -> BTreeMap<&str, Vec<&CaseRecord>> {
 }
 
 /// Opens a suite, with the facts of the run: each may be read without the others.
-fn open_suite(out: &mut Xml, run: &RunRecord, name: &str, counts: Counts) {
-    let Counts { tests, skipped, failures, errors, host_ms } = counts;
+fn open_suite(out: &mut Xml, run: &RunRecord, name: &str, counts: SuiteCounts) {
+    let SuiteCounts { tests, skipped, failures, errors, host_ms } = counts;
     let (tests, skipped) = (tests.to_string(), skipped.to_string());
     let (failures, errors, time) = (failures.to_string(), errors.to_string(), seconds(host_ms));
     let mut attributes = vec![
@@ -224,7 +224,7 @@ fn test_case(
     case: &CaseRecord,
     place: &str,
     folder: &str,
-    detail: Detail,
+    detail: DetailLevel,
     names: &mut BTreeSet<String>,
 ) {
     let own = case.name[case.folder().len()..].trim_start_matches('/');
@@ -252,7 +252,7 @@ fn test_case(
     out.close(2, "testcase");
 }
 
-fn status(out: &mut Xml, case: &CaseRecord, detail: Detail) {
+fn status(out: &mut Xml, case: &CaseRecord, detail: DetailLevel) {
     let element = match Outcome::of(case) {
         Outcome::Judged(Verdict::Pass) => return,
         Outcome::Judged(Verdict::Fail | Verdict::Inconclusive) => "failure",

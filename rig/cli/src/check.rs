@@ -4,7 +4,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::plan_files::Parameters;
 use crate::plan_files::find::find;
-use crate::plan_files::kind::{self, Kind};
+use crate::plan_files::kind::{self, FileKind};
 use clap::Args;
 use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
@@ -101,8 +101,8 @@ fn check(
     // What cannot be read is reported by the loading.
     let text = Disk.read(path).unwrap_or_default();
     match kind::of(&text) {
-        Kind::Board => suite::load_board(&Disk, path, sources).map_or_else(|found| found, |_| Vec::new()),
-        Kind::Included => suite::check_included(&Disk, path, sources),
+        FileKind::Board => suite::load_board(&Disk, path, sources).map_or_else(|found| found, |_| Vec::new()),
+        FileKind::Included => suite::check_included(&Disk, path, sources),
         _ => check_plan(path, board, &parameters.of_plan(&Disk, path), sources),
     }
 }

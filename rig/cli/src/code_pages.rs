@@ -16,25 +16,25 @@ const WARNING: &str = "warning";
 
 /// All that is to be said of a code.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Page<'a> {
+pub struct CodePage<'a> {
     pub code: &'a str,
     pub title: &'a str,
-    pub mend: &'a str,
+    pub fix: &'a str,
     /// Paragraphs; empty where nothing is to be said beyond the title.
     pub meaning: &'a str,
-    pub blocks: Vec<Block<'a>>,
+    pub examples: Vec<Example<'a>>,
 }
 
 /// An example, or a part of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Block<'a> {
-    pub role: Role,
+pub struct Example<'a> {
+    pub role: ExampleRole,
     pub text: &'a str,
 }
 
 /// What an example is there for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum ExampleRole {
     /// What the next block works with.
     With,
     /// It provokes the code.
@@ -43,34 +43,35 @@ pub enum Role {
     Right,
 }
 
-impl Page<'_> {
+impl CodePage<'_> {
     /// Whether the finding refuses nothing.
     pub fn is_warning(&self) -> bool {
-        self.mend.split_whitespace().take(3).any(|word| word.trim_end_matches([':', ',']) == WARNING)
+        self.fix.split_whitespace().take(3).any(|word| word.trim_end_matches([':', ',']) == WARNING)
     }
 }
 
 /// The pages in the order of the list.
-pub fn all() -> Vec<Page<'static>> {
+pub fn all() -> Vec<CodePage<'static>> {
     LIST.lines()
         .filter_map(row)
-        .map(|(code, title, mend)| {
-            let (meaning, blocks) = MEANINGS.iter().find_map(|text| section(text, code)).unwrap_or_default();
-            Page { code, title, mend, meaning, blocks }
+        .map(|(code, title, fix)| {
+            let (meaning, examples) =
+                MEANINGS.iter().find_map(|text| section(text, code)).unwrap_or_default();
+            CodePage { code, title, fix, meaning, examples }
         })
         .collect()
 }
 
 /// The code as the pages have it: whoever hears of a code at run time can show it as a finding.
-pub fn known(code: &str) -> Option<&'static str> {
-    all().iter().map(|page| page.code).find(|known| *known == code)
+pub fn registered(code: &str) -> Option<&'static str> {
+    all().iter().map(|page| page.code).find(|registered| *registered == code)
 }
 
 /// `| P0102 | A key is missing | Add the key. |`
 fn row(line: &str) -> Option<(&str, &str, &str)> {
     let (code, rest) = line.strip_prefix("| ")?.split_once(" | ")?;
-    let (title, mend) = rest.strip_suffix(" |")?.split_once(" | ")?;
-    is_code(code).then_some((code, title, mend))
+    let (title, fix) = rest.strip_suffix(" |")?.split_once(" | ")?;
+    is_code(code).then_some((code, title, fix))
 }
 
 fn is_code(text: &str) -> bool {
@@ -79,26 +80,26 @@ fn is_code(text: &str) -> bool {
 }
 
 /// The paragraphs and the examples below the heading of a code.
-fn section<'t>(text: &'t str, code: &str) -> Option<(&'t str, Vec<Block<'t>>)> {
+fn section<'t>(text: &'t str, code: &str) -> Option<(&'t str, Vec<Example<'t>>)> {
     let heading = format!("\n## {code}\n");
     let start = text.find(&heading)? + heading.len();
     let body = &text[start..];
     let body = &body[..body.find("\n## ").unwrap_or(body.len())];
-    let examples = body.find("```").unwrap_or(body.len());
-    let mut blocks = Vec::new();
-    let mut rest = &body[examples..];
-    while let Some((_, behind)) = rest.split_once("```") {
-        let (info, behind) = behind.split_once('\n')?;
-        let (text, behind) = behind.split_once("\n```")?;
+    let end = body.find("```").unwrap_or(body.len());
+    let mut examples = Vec::new();
+    let mut rest = &body[end..];
+    while let Some((_, after)) = rest.split_once("```") {
+        let (info, after) = after.split_once('\n')?;
+        let (text, after) = after.split_once("\n```")?;
         let role = match info.rsplit(' ').next() {
-            Some("with") => Role::With,
-            Some("right") => Role::Right,
-            _ => Role::Wrong,
+            Some("with") => ExampleRole::With,
+            Some("right") => ExampleRole::Right,
+            _ => ExampleRole::Wrong,
         };
-        blocks.push(Block { role, text });
-        rest = behind;
+        examples.push(Example { role, text });
+        rest = after;
     }
-    Some((body[..examples].trim(), blocks))
+    Some((body[..end].trim(), examples))
 }
 
 #[cfg(test)]
@@ -110,11 +111,14 @@ mod tests {
         assert_eq!(row("| P0102 | A key | Add `a | b`. |"), Some(("P0102", "A key", "Add `a | b`.")));
         assert_eq!(row("| code | title | mend |"), None);
         let text = "# T\n\n## P0101\n\nOne.\n\n## P0102\n\nIt means\nthis.\n\n```toml wrong\na = 1\n```\n\n```toml right\nb = 1\n```\n";
-        let (meaning, blocks) = section(text, "P0102").unwrap();
+        let (meaning, examples) = section(text, "P0102").unwrap();
         assert_eq!(meaning, "It means\nthis.");
         assert_eq!(
-            blocks,
-            [Block { role: Role::Wrong, text: "a = 1" }, Block { role: Role::Right, text: "b = 1" }]
+            examples,
+            [
+                Example { role: ExampleRole::Wrong, text: "a = 1" },
+                Example { role: ExampleRole::Right, text: "b = 1" }
+            ]
         );
         assert_eq!(section(text, "P0101"), Some(("One.", Vec::new())));
         assert_eq!(section(text, "P0103"), None);

@@ -1,7 +1,7 @@
 //! `rig diff`: what changed between two runs.
 
 use crate::exit::Exit;
-use crate::output::Format;
+use crate::output::OutputFormat;
 use crate::{output, saved_runs};
 use clap::Args;
 use record::{Thresholds, compare};
@@ -26,7 +26,7 @@ pub struct DiffArgs {
     pub allow_missing: bool,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    pub format: OutputFormat,
 }
 
 fn percent(text: &str) -> Result<f64, String> {
@@ -47,11 +47,11 @@ pub fn run(args: &DiffArgs) -> Exit {
     let thresholds = Thresholds { erosion_percent: args.erosion, allow_missing: args.allow_missing };
     let found = compare(&old.record, &new.record, &thresholds);
     match args.format {
-        Format::Table => {
+        OutputFormat::Table => {
             let style = Style { color: output::color_out(), quiet: false };
             output::print(&reports::diff::render(&found, style));
         }
-        Format::Json => {
+        OutputFormat::Json => {
             let text = serde_json::to_string_pretty(&found).unwrap_or_default();
             output::print(&format!("{text}\n"));
         }

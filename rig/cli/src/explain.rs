@@ -1,6 +1,6 @@
 //! `rig explain`: what a code means, an example and the mend.
 
-use crate::code_pages::{self, Page, Role};
+use crate::code_pages::{self, CodePage, ExampleRole};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
@@ -40,7 +40,7 @@ pub fn run(args: &ExplainArgs) -> Exit {
     }
 }
 
-fn unknown(given: &str, code: &str, pages: &[Page<'_>]) -> Diagnostic {
+fn unknown(given: &str, code: &str, pages: &[CodePage<'_>]) -> Diagnostic {
     let found = Diagnostic::error(UNKNOWN, format!("there is no code `{given}`"));
     match suggest(code, pages.iter().map(|page| page.code)) {
         Some(near) => found.help(format!("did you mean `{near}`? `rig explain` lists all codes")),
@@ -49,24 +49,24 @@ fn unknown(given: &str, code: &str, pages: &[Page<'_>]) -> Diagnostic {
 }
 
 /// The page as a person reads it.
-fn show(page: &Page<'_>) -> String {
+fn show(page: &CodePage<'_>) -> String {
     let mut text = format!("{}: {}\n", page.code, page.title);
     for paragraph in page.meaning.split("\n\n").filter(|paragraph| !paragraph.is_empty()) {
         let _ = write!(text, "\n{}", wrap(paragraph));
     }
     let refused = if page.is_warning() { "A warning comes of" } else { "Refused is" };
-    for block in &page.blocks {
-        let words = match block.role {
-            Role::With => "With",
-            Role::Wrong => refused,
-            Role::Right => "Right is",
+    for example in &page.examples {
+        let words = match example.role {
+            ExampleRole::With => "With",
+            ExampleRole::Wrong => refused,
+            ExampleRole::Right => "Right is",
         };
         let _ = write!(text, "\n{words}:\n\n");
-        for line in block.text.lines() {
+        for line in example.text.lines() {
             let _ = writeln!(text, "    {line}");
         }
     }
-    let _ = write!(text, "\n{}", wrap(&format!("Mend: {}", plain(page.mend))));
+    let _ = write!(text, "\n{}", wrap(&format!("Mend: {}", plain(page.fix))));
     text
 }
 
@@ -74,9 +74,9 @@ fn show(page: &Page<'_>) -> String {
 fn plain(text: &str) -> String {
     let mut plain = String::new();
     let mut rest = text;
-    while let Some((before, words, target, behind)) = link(rest) {
+    while let Some((before, words, target, after)) = link(rest) {
         let _ = write!(plain, "{before}{words} (docs/{target})");
-        rest = behind;
+        rest = after;
     }
     plain + rest
 }

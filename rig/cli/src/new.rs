@@ -1,7 +1,7 @@
 //! `rig new`: a project whose first run passes.
 
 use crate::exit::Exit;
-use crate::schema::{Format, text as schema};
+use crate::schema::{SchemaFormat, text as schema};
 use crate::{files, output};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -28,10 +28,10 @@ const TEMPLATE: &[(&str, &str)] = &[
 ];
 
 /// The schemas of a project.
-const SCHEMAS: &[(&str, Format)] = &[
-    ("schemas/plan.schema.json", Format::Plan),
-    ("schemas/board.schema.json", Format::Board),
-    ("schemas/suite.schema.json", Format::Suite),
+const SCHEMAS: &[(&str, SchemaFormat)] = &[
+    ("schemas/plan.schema.json", SchemaFormat::Plan),
+    ("schemas/board.schema.json", SchemaFormat::Board),
+    ("schemas/suite.schema.json", SchemaFormat::Suite),
 ];
 
 /// Makes a project.

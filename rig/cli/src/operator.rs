@@ -9,24 +9,24 @@ use std::sync::{Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
 /// How long an interrupt may go unseen while somebody thinks.
-const LOOK_UP: Duration = Duration::from_millis(100);
+const INTERRUPT_POLL: Duration = Duration::from_millis(100);
 
 /// Somebody at the terminal.
 #[derive(Debug, Default)]
-pub struct Person {
+pub struct TerminalOperator {
     /// The lines that are typed, once somebody was asked.
     lines: Mutex<Option<Receiver<String>>>,
 }
 
-impl Person {
+impl TerminalOperator {
     /// Somebody who can be asked.
-    pub fn here() -> Option<Person> {
-        is_here().then(Person::default)
+    pub fn if_present() -> Option<TerminalOperator> {
+        is_present().then(TerminalOperator::default)
     }
 }
 
 /// Whether there is somebody who can be asked: standard input and standard error are a terminal, and no CI runs this.
-pub fn is_here() -> bool {
+pub fn is_present() -> bool {
     let watched = std::env::var_os("CI").is_none_or(|ci| ci.is_empty() || ci == "false");
     watched && std::io::stdin().is_terminal() && std::io::stderr().is_terminal()
 }
@@ -63,7 +63,7 @@ fn chosen(line: &str, answers: &[String]) -> Option<usize> {
     }
 }
 
-impl Operator for Person {
+impl Operator for TerminalOperator {
     fn ask(&self, step: &str, question: &Question, interrupt: &AtomicBool) -> Result<usize, AskError> {
         let mut kept = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
         let lines = kept.get_or_insert_with(lines);
@@ -85,7 +85,7 @@ impl Operator for Person {
                 if interrupt.load(Ordering::Relaxed) {
                     return Err(AskError::Interrupted);
                 }
-                match lines.recv_timeout(LOOK_UP) {
+                match lines.recv_timeout(INTERRUPT_POLL) {
                     Ok(line) => break line,
                     Err(RecvTimeoutError::Timeout) => {}
                     Err(RecvTimeoutError::Disconnected) => return Err(AskError::Nobody),

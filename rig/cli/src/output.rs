@@ -21,7 +21,7 @@ pub enum ColorChoice {
 
 /// For a person or for a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Format {
+pub enum OutputFormat {
     /// Columns for a person.
     #[default]
     Table,
@@ -58,21 +58,21 @@ pub fn color_on_screen(has: bool) -> bool {
 }
 
 fn takes_color(terminal: bool) -> bool {
-    let said = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
-    decide(CHOICE.get().copied().unwrap_or_default(), terminal, &said)
+    let variable = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
+    decide(CHOICE.get().copied().unwrap_or_default(), terminal, &variable)
 }
 
 /// The rule: what the command line says, then <https://no-color.org>, then <https://bixense.com/clicolors>.
-fn decide(choice: ColorChoice, terminal: bool, said: &dyn Fn(&str) -> Option<String>) -> bool {
+fn decide(choice: ColorChoice, terminal: bool, variable: &dyn Fn(&str) -> Option<String>) -> bool {
     match choice {
         ColorChoice::Always => true,
         ColorChoice::Never => false,
-        ColorChoice::Auto if said("NO_COLOR").is_some() => false,
-        ColorChoice::Auto if said("CLICOLOR_FORCE").is_some_and(|value| value != "0") => true,
+        ColorChoice::Auto if variable("NO_COLOR").is_some() => false,
+        ColorChoice::Auto if variable("CLICOLOR_FORCE").is_some_and(|value| value != "0") => true,
         ColorChoice::Auto => {
             terminal
-                && said("CLICOLOR").is_none_or(|value| value != "0")
-                && said("TERM").is_none_or(|value| value != "dumb")
+                && variable("CLICOLOR").is_none_or(|value| value != "0")
+                && variable("TERM").is_none_or(|value| value != "dumb")
         }
     }
 }
@@ -86,26 +86,26 @@ pub fn findings(found: &[Diagnostic], sources: &[SourceFile]) {
 }
 
 /// Prints findings that were not printed before: what is wrong with a suite is wrong for each of its plans.
-pub fn new_findings(found: &[Diagnostic], told: &mut Vec<Diagnostic>, sources: &[SourceFile]) {
-    let new: Vec<Diagnostic> = found.iter().filter(|one| !told.contains(one)).cloned().collect();
+pub fn new_findings(found: &[Diagnostic], shown: &mut Vec<Diagnostic>, sources: &[SourceFile]) {
+    let new: Vec<Diagnostic> = found.iter().filter(|one| !shown.contains(one)).cloned().collect();
     findings(&new, sources);
-    told.extend(new);
+    shown.extend(new);
 }
 
 /// Prints why a rig did not do what it was asked for, on standard error. A younger rig may have codes without a page.
 pub fn fault(fault: &Fault) {
-    match code_pages::known(&fault.code) {
+    match code_pages::registered(&fault.code) {
         Some(code) => {
             let found = Diagnostic::error(code, fault.message.as_str());
             let found = if fault.help.is_empty() { found } else { found.help(fault.help.as_str()) };
             findings(&[found], &[]);
         }
-        None => complain(&format!("{} ({})", fault.message, fault.code)),
+        None => error(&format!("{} ({})", fault.message, fault.code)),
     }
 }
 
 /// Prints one line on standard error.
-pub fn complain(text: &str) {
+pub fn error(text: &str) {
     let _ = writeln!(std::io::stderr(), "error: {text}");
 }
 
@@ -115,7 +115,7 @@ pub fn note(text: &str) {
 }
 
 /// Prints one line on standard error.
-pub fn say(text: &str) {
+pub fn info(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
@@ -129,8 +129,9 @@ mod tests {
     use super::*;
 
     fn colored(choice: ColorChoice, terminal: bool, set: &[(&str, &str)]) -> bool {
-        let said = |name: &str| set.iter().find(|(known, _)| *known == name).map(|(_, v)| (*v).to_owned());
-        decide(choice, terminal, &said)
+        let variable =
+            |name: &str| set.iter().find(|(known, _)| *known == name).map(|(_, v)| (*v).to_owned());
+        decide(choice, terminal, &variable)
     }
 
     #[test]

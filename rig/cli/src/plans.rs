@@ -1,8 +1,8 @@
 //! `rig plans`: the plans that ship.
 
 use crate::exit::Exit;
-use crate::output::Format;
-use crate::plan_files::library::{self, Embedded};
+use crate::output::OutputFormat;
+use crate::plan_files::library::{self, ShippedFiles};
 use crate::{files, output};
 use clap::{Args, Subcommand};
 use plans::Plan;
@@ -24,7 +24,7 @@ pub enum PlansCommand {
 pub struct ListArgs {
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    format: OutputFormat,
 }
 
 /// `rig plans export`.
@@ -42,11 +42,11 @@ pub fn run(command: &PlansCommand) -> Exit {
     }
 }
 
-fn list(format: Format) -> Exit {
+fn list(format: OutputFormat) -> Exit {
     let mut listed = Vec::new();
     for path in library::plans() {
         let mut sources = Vec::new();
-        match suite::load_plan(&Embedded, &path, None, &[], 1, &mut sources) {
+        match suite::load_plan(&ShippedFiles, &path, None, &[], 1, &mut sources) {
             Ok(loaded) => listed.push(loaded.plan),
             Err(found) => {
                 output::findings(&found, &sources);
@@ -55,8 +55,8 @@ fn list(format: Format) -> Exit {
         }
     }
     match format {
-        Format::Table => table(&listed),
-        Format::Json => output::print(&format!(
+        OutputFormat::Table => table(&listed),
+        OutputFormat::Json => output::print(&format!(
             "{}\n",
             serde_json::to_string_pretty(&listed.iter().map(describe).collect::<Vec<_>>())
                 .unwrap_or_default()

@@ -1,8 +1,8 @@
 //! `rig requirements`.
 
 use crate::exit::Exit;
-use crate::output::Format;
-use crate::plan_files::library::{self, Embedded, REGISTER};
+use crate::output::OutputFormat;
+use crate::plan_files::library::{self, REGISTER, ShippedFiles};
 use crate::{output, saved_runs};
 use clap::Args;
 use document::Diagnostic;
@@ -21,7 +21,7 @@ use std::sync::atomic::AtomicBool;
 pub struct RequirementsArgs {
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    pub format: OutputFormat,
     /// Take the last verdicts from this folder, which `rig test --report DIR` wrote, instead of running the library.
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
@@ -39,42 +39,42 @@ type Proofs = BTreeMap<String, BTreeMap<String, Proof>>;
 
 /// What can be said of a requirement or a clause. The greatest of several is the one to tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Status {
+enum ProofStatus {
     Proven,
     NotReproducible,
     Unproven,
     Failing,
 }
 
-impl Status {
+impl ProofStatus {
     const fn word(self) -> &'static str {
         match self {
-            Status::Proven => "proven",
-            Status::NotReproducible => "not reproducible",
-            Status::Unproven => "unproven",
-            Status::Failing => "failing",
+            ProofStatus::Proven => "proven",
+            ProofStatus::NotReproducible => "not reproducible",
+            ProofStatus::Unproven => "unproven",
+            ProofStatus::Failing => "failing",
         }
     }
 
     /// One column of the table.
     const fn sign(self) -> &'static str {
         match self {
-            Status::Proven => "+",
-            Status::NotReproducible => " ",
-            Status::Unproven => "-",
-            Status::Failing => "!",
+            ProofStatus::Proven => "+",
+            ProofStatus::NotReproducible => " ",
+            ProofStatus::Unproven => "-",
+            ProofStatus::Failing => "!",
         }
     }
 }
 
 /// One row of what is printed: a requirement, or one of its clauses.
 #[derive(Debug)]
-struct Row<'a> {
+struct RequirementRow<'a> {
     id: String,
     asks: &'a str,
     entry: &'a Entry,
-    status: Status,
-    profiles: Vec<(Profile, Status, &'a [String])>,
+    status: ProofStatus,
+    profiles: Vec<(Profile, ProofStatus, &'a [String])>,
 }
 
 /// Prints the register with what proves it.
@@ -82,7 +82,7 @@ pub fn run(args: &RequirementsArgs) -> Exit {
     let register = match Register::read(REGISTER) {
         Ok(register) => register,
         Err(error) => {
-            output::complain(&format!("the register of requirements is broken: {error}"));
+            output::error(&format!("the register of requirements is broken: {error}"));
             return Exit::Error;
         }
     };
@@ -100,13 +100,14 @@ pub fn run(args: &RequirementsArgs) -> Exit {
     let proofs = proofs(&record);
     let unknown: Vec<&str> = proofs.keys().map(String::as_str).filter(|id| !register.knows(id)).collect();
     if !unknown.is_empty() {
-        output::complain(&format!("cited, but not in the register: {}", unknown.join(", ")));
+        output::error(&format!("cited, but not in the register: {}", unknown.join(", ")));
         return Exit::UserFiles;
     }
-    let rows: Vec<Row<'_>> = register.entries.iter().flat_map(|entry| rows(entry, &proofs)).collect();
+    let rows: Vec<RequirementRow<'_>> =
+        register.entries.iter().flat_map(|entry| rows(entry, &proofs)).collect();
     match args.format {
-        Format::Json => json(&rows),
-        Format::Table => table(&rows),
+        OutputFormat::Json => json(&rows),
+        OutputFormat::Table => table(&rows),
     }
     Exit::Passed
 }
@@ -124,7 +125,7 @@ fn proofs(record: &RunRecord) -> Proofs {
 }
 
 /// The row of a requirement, and behind it those of its clauses. With clauses it is proven when each of them is.
-fn rows<'a>(entry: &'a Entry, proofs: &'a Proofs) -> Vec<Row<'a>> {
+fn rows<'a>(entry: &'a Entry, proofs: &'a Proofs) -> Vec<RequirementRow<'a>> {
     let own = row(entry.id.clone(), &entry.asks, entry, &entry.profiles, proofs);
     if entry.clauses.is_empty() {
         return vec![own];
@@ -133,39 +134,48 @@ fn rows<'a>(entry: &'a Entry, proofs: &'a Proofs) -> Vec<Row<'a>> {
         let holds = if clause.profiles.is_empty() { &entry.profiles } else { &clause.profiles };
         row(format!("{}#{}", entry.id, clause.id), &clause.asks, entry, holds, proofs)
     });
-    let clauses: Vec<Row<'_>> = clauses.collect();
-    let least = clauses.iter().map(|row| row.status).max().unwrap_or(Status::Unproven);
-    let failing = own.status == Status::Failing;
-    let mut rows = vec![Row { status: if failing { Status::Failing } else { least }, ..own }];
+    let clauses: Vec<RequirementRow<'_>> = clauses.collect();
+    let least = clauses.iter().map(|row| row.status).max().unwrap_or(ProofStatus::Unproven);
+    let failing = own.status == ProofStatus::Failing;
+    let mut rows = vec![RequirementRow { status: if failing { ProofStatus::Failing } else { least }, ..own }];
     rows.extend(clauses);
     rows
 }
 
-fn row<'a>(id: String, asks: &'a str, entry: &'a Entry, holds: &[Profile], proofs: &'a Proofs) -> Row<'a> {
+fn row<'a>(
+    id: String,
+    asks: &'a str,
+    entry: &'a Entry,
+    holds: &[Profile],
+    proofs: &'a Proofs,
+) -> RequirementRow<'a> {
     let known = proofs.get(&id);
     let unproven = match entry.class {
-        Class::NotReproducible => Status::NotReproducible,
-        Class::Behaviour | Class::Constant => Status::Unproven,
+        Class::NotReproducible => ProofStatus::NotReproducible,
+        Class::Behaviour | Class::Constant => ProofStatus::Unproven,
     };
-    let profiles: Vec<(Profile, Status, &[String])> = Profile::ALL
+    let profiles: Vec<(Profile, ProofStatus, &[String])> = Profile::ALL
         .into_iter()
         .filter(|profile| holds.is_empty() || holds.contains(profile))
         .map(|profile| match known.and_then(|known| known.get(profile.name())) {
             None => (profile, unproven, &[][..]),
-            Some(Proof { verdict: Verdict::Pass, cases }) => (profile, Status::Proven, cases.as_slice()),
-            Some(proof) => (profile, Status::Failing, proof.cases.as_slice()),
+            Some(Proof { verdict: Verdict::Pass, cases }) => (profile, ProofStatus::Proven, cases.as_slice()),
+            Some(proof) => (profile, ProofStatus::Failing, proof.cases.as_slice()),
         })
         .collect();
     // What one profile shows holds as shown, unless another profile shows the contrary.
-    let any = |status: Status| profiles.iter().any(|(_, found, _)| *found == status);
-    let status =
-        [Status::Failing, Status::Proven].into_iter().find(|status| any(*status)).unwrap_or(unproven);
-    Row { id, asks, entry, status, profiles }
+    let any = |status: ProofStatus| profiles.iter().any(|(_, found, _)| *found == status);
+    let status = [ProofStatus::Failing, ProofStatus::Proven]
+        .into_iter()
+        .find(|status| any(*status))
+        .unwrap_or(unproven);
+    RequirementRow { id, asks, entry, status, profiles }
 }
 
 /// The cases that prove something of a row: of a requirement also those of its clauses.
-fn cases<'a>(row: &Row<'a>, all: &[Row<'a>]) -> Vec<&'a str> {
-    let of = |other: &&Row<'a>| other.id == row.id || !row.id.contains('#') && other.entry.id == row.id;
+fn cases<'a>(row: &RequirementRow<'a>, all: &[RequirementRow<'a>]) -> Vec<&'a str> {
+    let of =
+        |other: &&RequirementRow<'a>| other.id == row.id || !row.id.contains('#') && other.entry.id == row.id;
     let lists = all.iter().filter(of).flat_map(|row| &row.profiles).map(|(.., cases)| *cases);
     let mut names: Vec<&str> = lists.flatten().map(String::as_str).collect();
     names.sort_unstable();
@@ -173,7 +183,7 @@ fn cases<'a>(row: &Row<'a>, all: &[Row<'a>]) -> Vec<&'a str> {
     names
 }
 
-fn json(all: &[Row<'_>]) {
+fn json(all: &[RequirementRow<'_>]) {
     let rows: Vec<serde_json::Value> = all
         .iter()
         .map(|row| {
@@ -199,7 +209,7 @@ fn json(all: &[Row<'_>]) {
     output::print(&format!("{text}\n"));
 }
 
-fn table(rows: &[Row<'_>]) {
+fn table(rows: &[RequirementRow<'_>]) {
     let width = rows.iter().map(|row| row.id.len()).max().unwrap_or(0);
     let names = Profile::ALL.map(Profile::name).join(", ");
     output::print(&format!(
@@ -249,7 +259,7 @@ pub fn facts(run: &RunRecord) -> Vec<RequirementFact> {
 fn run_library() -> Result<RunRecord, Diagnostic> {
     let (mut loaded, mut jobs, mut sources) = (Vec::new(), Vec::new(), Vec::new());
     for (place, path) in library::plans().iter().enumerate() {
-        let plan = suite::load_plan(&Embedded, path, None, &[], 1, &mut sources).map_err(|found| {
+        let plan = suite::load_plan(&ShippedFiles, path, None, &[], 1, &mut sources).map_err(|found| {
             let lost = || Diagnostic::error("R0201", format!("the shipped plan {path} does not read"));
             found.into_iter().next().unwrap_or_else(lost)
         })?;
@@ -289,7 +299,8 @@ mod tests {
             });
         }
         let proofs = proofs(&record);
-        let rows: Vec<Row<'_>> = register.entries.iter().flat_map(|entry| rows(entry, &proofs)).collect();
+        let rows: Vec<RequirementRow<'_>> =
+            register.entries.iter().flat_map(|entry| rows(entry, &proofs)).collect();
         rows.iter().map(|row| (row.id.clone(), row.status.word())).collect()
     }
 

@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// How often it is looked whether a rig is there that is waited for.
-const LOOK: Duration = Duration::from_millis(20);
+const POLL: Duration = Duration::from_millis(20);
 
 /// Which rig is meant, as the command line says it; the only one that runs if it does not.
 #[derive(Clone, Debug, Default, Args)]
-pub struct Reach {
+pub struct RigAddress {
     /// The rig at this socket.
     #[arg(long, value_name = "PATH", global = true)]
     pub socket: Option<PathBuf>,
@@ -26,28 +26,28 @@ pub struct Reach {
     pub wait: Option<Span>,
 }
 
-impl Reach {
+impl RigAddress {
     /// Connects under a name, once the rig is there if it may be waited for.
     ///
     /// # Errors
     /// See [`Client::connect`]; and nobody said which rig, and there is none or more than one.
     pub fn connect(&self, name: &str) -> Result<Client, ClientError> {
-        let mut client = self.meet()?;
+        let mut client = self.open()?;
         client.hello(name)?;
         Ok(client)
     }
 
-    /// Connects as [`Reach::connect`] does, and says nothing.
+    /// Connects as [`RigAddress::connect`] does, and says nothing.
     ///
     /// # Errors
-    /// See [`Reach::connect`].
-    pub fn meet(&self) -> Result<Client, ClientError> {
+    /// See [`RigAddress::connect`].
+    pub fn open(&self) -> Result<Client, ClientError> {
         let patience =
             self.wait.map_or(Duration::ZERO, |wait| Duration::from_nanos(wait.as_nanos().unsigned_abs()));
         let until = Instant::now() + patience;
         loop {
             match self.now() {
-                Err(error) if comes(&error) && Instant::now() < until => std::thread::sleep(LOOK),
+                Err(error) if may_come(&error) && Instant::now() < until => std::thread::sleep(POLL),
                 met => return met,
             }
         }
@@ -56,14 +56,14 @@ impl Reach {
     fn now(&self) -> Result<Client, ClientError> {
         match (&self.socket, &self.board) {
             (Some(socket), _) => Client::meet(socket, PATIENCE),
-            (None, Some(board)) => Client::meet(&of_board(board), PATIENCE),
+            (None, Some(board)) => Client::meet(&socket_of_board(board), PATIENCE),
             (None, None) => only(),
         }
     }
 }
 
 /// Whether it may be otherwise in a moment: the rig is not there yet.
-fn comes(error: &ClientError) -> bool {
+fn may_come(error: &ClientError) -> bool {
     match error {
         ClientError::NoRig(_) => true,
         ClientError::Unreachable(_, kind) => {
@@ -74,7 +74,7 @@ fn comes(error: &ClientError) -> bool {
 }
 
 /// The socket of a board: the one that its file names, if that can be read and does; else the usual one.
-fn of_board(board: &Path) -> PathBuf {
+fn socket_of_board(board: &Path) -> PathBuf {
     let named = if board.is_file() {
         let read = suite::load_board(&Disk, &board.to_string_lossy(), &mut Vec::new());
         read.ok().and_then(|(file, _)| file.control.socket)

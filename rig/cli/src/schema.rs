@@ -11,12 +11,12 @@ use serde_json::Value as Json;
 pub struct SchemaArgs {
     /// The kind of file.
     #[arg(value_enum)]
-    of: Format,
+    of: SchemaFormat,
 }
 
 /// The formats that have a schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
+pub enum SchemaFormat {
     /// A plan.
     Plan,
     /// A board file.
@@ -34,15 +34,15 @@ pub fn run(args: &SchemaArgs) -> Exit {
 }
 
 /// The schema of a format as the text of a file.
-pub fn text(of: Format) -> String {
+pub fn text(of: SchemaFormat) -> String {
     format!("{}\n", serde_json::to_string_pretty(&json(of)).unwrap_or_default())
 }
 
-fn json(of: Format) -> Json {
+fn json(of: SchemaFormat) -> Json {
     match of {
-        Format::Plan => plans::schema::plan(),
-        Format::Suite => plans::schema::suite(),
-        Format::Included => plans::schema::included(),
-        Format::Board => plans::schema::board(BOARD_KEYS),
+        SchemaFormat::Plan => plans::schema::plan(),
+        SchemaFormat::Suite => plans::schema::suite(),
+        SchemaFormat::Included => plans::schema::included(),
+        SchemaFormat::Board => plans::schema::board(BOARD_KEYS),
     }
 }

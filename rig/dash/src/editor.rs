@@ -16,13 +16,13 @@ pub struct Editor {
 
 /// What a key did to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Edited {
+pub enum EditResult {
     /// It goes on.
-    On,
+    Editing,
     /// It is as the user wants it.
-    Done,
+    Accepted,
     /// It is not wanted.
-    Dropped,
+    Cancelled,
 }
 
 impl Editor {
@@ -67,13 +67,13 @@ impl Editor {
     }
 
     /// A key, as shells take them.
-    pub fn key(&mut self, key: KeyEvent) -> Edited {
+    pub fn key(&mut self, key: KeyEvent) -> EditResult {
         let control = key.modifiers.contains(KeyModifiers::CONTROL);
         self.proposed &= !control && matches!(key.code, KeyCode::Char(_));
         match key.code {
-            KeyCode::Enter => return Edited::Done,
-            KeyCode::Esc => return Edited::Dropped,
-            KeyCode::Char('c' | 'g') if control => return Edited::Dropped,
+            KeyCode::Enter => return EditResult::Accepted,
+            KeyCode::Esc => return EditResult::Cancelled,
+            KeyCode::Char('c' | 'g') if control => return EditResult::Cancelled,
             KeyCode::Char('a') if control => self.at = 0,
             KeyCode::Char('e') if control => self.at = self.line.len(),
             KeyCode::Char('u') if control => drop(self.line.drain(..std::mem::take(&mut self.at))),
@@ -97,7 +97,7 @@ impl Editor {
             KeyCode::End => self.at = self.line.len(),
             _ => {}
         }
-        Edited::On
+        EditResult::Editing
     }
 }
 
@@ -105,8 +105,8 @@ impl Editor {
 mod tests {
     use super::*;
 
-    fn press(editor: &mut Editor, keys: &[(KeyCode, bool)]) -> Edited {
-        let mut edited = Edited::On;
+    fn press(editor: &mut Editor, keys: &[(KeyCode, bool)]) -> EditResult {
+        let mut edited = EditResult::Editing;
         for (code, control) in keys {
             let modifiers = if *control { KeyModifiers::CONTROL } else { KeyModifiers::NONE };
             edited = editor.key(KeyEvent::new(*code, modifiers));
@@ -126,8 +126,8 @@ mod tests {
         assert_eq!(editor.text(), "otor 1ü");
         press(&mut editor, &[(Left, false), (Char('u'), true)]);
         assert_eq!(editor.text(), "ü");
-        assert_eq!(press(&mut editor, &[(Enter, false)]), Edited::Done);
-        assert_eq!(press(&mut editor, &[(Char('c'), true)]), Edited::Dropped);
+        assert_eq!(press(&mut editor, &[(Enter, false)]), EditResult::Accepted);
+        assert_eq!(press(&mut editor, &[(Char('c'), true)]), EditResult::Cancelled);
     }
 
     #[test]
@@ -135,7 +135,7 @@ mod tests {
         let mut taken = Editor::new("TRUE");
         assert_eq!(
             (press(&mut taken, &[(KeyCode::Enter, false)]), taken.text()),
-            (Edited::Done, "TRUE".to_owned())
+            (EditResult::Accepted, "TRUE".to_owned())
         );
         let mut replaced = Editor::new("TRUE");
         press(&mut replaced, &[(KeyCode::Char('1'), false), (KeyCode::Char('2'), false)]);

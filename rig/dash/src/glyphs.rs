@@ -2,7 +2,7 @@
 
 /// What the terminal can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Look {
+pub struct TerminalFeatures {
     /// Characters beyond ASCII: frames, braille, blocks.
     pub utf8: bool,
     /// Colours. Nothing is said by colour alone.
@@ -16,9 +16,9 @@ const PLAIN: [&str; 7] = ["linux", "dumb", "unknown", "vt52", "vt100", "vt102", 
 /// Terminals without colours.
 const GREY: [&str; 6] = ["dumb", "unknown", "vt52", "vt100", "vt102", "vt220"];
 
-impl Look {
+impl TerminalFeatures {
     /// What can be taken for granted from variables of the environment, which `variable` reads.
-    pub fn of_environment(variable: impl Fn(&str) -> Option<String>) -> Look {
+    pub fn of_environment(variable: impl Fn(&str) -> Option<String>) -> TerminalFeatures {
         let set = |name: &str| variable(name).filter(|value| !value.is_empty());
         let term = set("TERM").unwrap_or_default();
         // The first that is set decides, as for every program.
@@ -26,7 +26,10 @@ impl Look {
             ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set).unwrap_or_default().to_lowercase();
         let utf8 = locale.contains("utf-8") || locale.contains("utf8");
         let is_one_of = |names: &[&str]| names.contains(&term.as_str());
-        Look { utf8: utf8 && !is_one_of(&PLAIN), color: set("NO_COLOR").is_none() && !is_one_of(&GREY) }
+        TerminalFeatures {
+            utf8: utf8 && !is_one_of(&PLAIN),
+            color: set("NO_COLOR").is_none() && !is_one_of(&GREY),
+        }
     }
 
     /// A character, or what stands for it in ASCII.
@@ -42,8 +45,8 @@ mod tests {
     fn look(variables: &[(&str, &str)]) -> (bool, bool) {
         let find =
             |name: &str| variables.iter().find(|(n, _)| *n == name).map(|(_, value)| (*value).to_owned());
-        let look = Look::of_environment(find);
-        (look.utf8, look.color)
+        let features = TerminalFeatures::of_environment(find);
+        (features.utf8, features.color)
     }
 
     #[test]

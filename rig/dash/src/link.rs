@@ -11,33 +11,33 @@ use std::time::Duration;
 const NAME: &str = "rig dash";
 
 /// How long after a connection was lost, or could not be had, it is tried again.
-const AGAIN: Duration = Duration::from_secs(1);
+const RECONNECT_AFTER: Duration = Duration::from_secs(1);
 
 /// What comes from the thread that listens.
 #[derive(Debug)]
-pub(crate) enum Came {
+pub(crate) enum LinkEvent {
     /// There is a connection.
-    Found(Box<Greeting>, Sender),
+    Connected(Box<Greeting>, Sender),
     /// Something was told.
     Message(Message),
     /// There is none.
-    Lost(ClientError),
+    Disconnected(ClientError),
 }
 
 /// Listens to the rig at a socket until nobody wants it any more: `end` is closed, or nothing takes what it hands on.
-pub(crate) fn listen<T: From<Came>>(socket: PathBuf, came: &SyncSender<T>, end: &Receiver<()>) {
+pub(crate) fn listen<T: From<LinkEvent>>(socket: PathBuf, events: &SyncSender<T>, end: &Receiver<()>) {
     loop {
-        let lost = match Client::connect(&socket, NAME) {
+        let disconnected = match Client::connect(&socket, NAME) {
             Ok(client) => {
                 let greeting = Box::new(client.greeting().clone());
                 let (sender, mut receiver) = client.split();
-                if came.send(Came::Found(greeting, sender).into()).is_err() {
+                if events.send(LinkEvent::Connected(greeting, sender).into()).is_err() {
                     return;
                 }
                 loop {
                     match receiver.next(None) {
                         Ok(Some(message)) => {
-                            if came.send(Came::Message(message).into()).is_err() {
+                            if events.send(LinkEvent::Message(message).into()).is_err() {
                                 return;
                             }
                         }
@@ -48,10 +48,10 @@ pub(crate) fn listen<T: From<Came>>(socket: PathBuf, came: &SyncSender<T>, end: 
             }
             Err(error) => error,
         };
-        if came.send(Came::Lost(lost).into()).is_err() {
+        if events.send(LinkEvent::Disconnected(disconnected).into()).is_err() {
             return;
         }
-        match end.recv_timeout(AGAIN) {
+        match end.recv_timeout(RECONNECT_AFTER) {
             Err(RecvTimeoutError::Timeout) => {}
             Ok(()) | Err(RecvTimeoutError::Disconnected) => return,
         }
@@ -60,27 +60,27 @@ pub(crate) fn listen<T: From<Came>>(socket: PathBuf, came: &SyncSender<T>, end: 
 
 /// The half that asks, as long as there is a connection.
 #[derive(Debug, Default)]
-pub(crate) struct Asking {
+pub(crate) struct RequestSender {
     sender: Option<Sender>,
     /// The dashboard's numbers of requests by those of the connection.
     numbers: BTreeMap<u64, u64>,
 }
 
-impl Asking {
+impl RequestSender {
     /// There is a connection.
-    pub fn found(&mut self, sender: Sender) {
+    pub fn connected(&mut self, sender: Sender) {
         self.numbers.clear();
         self.sender = Some(sender);
     }
 
     /// There is none.
-    pub fn lost(&mut self) {
+    pub fn disconnected(&mut self) {
         self.numbers.clear();
         self.sender = None;
     }
 
     /// Sends a request. One that cannot be sent ends the connection, which the other half tells.
-    pub fn ask(&mut self, number: u64, ask: Ask) {
+    pub fn send(&mut self, number: u64, ask: Ask) {
         let Some(sender) = &mut self.sender else { return };
         match sender.send(ask) {
             Ok(sent) => drop(self.numbers.insert(sent, number)),
@@ -89,7 +89,7 @@ impl Asking {
     }
 
     /// The dashboard's number of a request that was answered.
-    pub fn answered(&mut self, sent: u64) -> Option<u64> {
+    pub fn number_of(&mut self, sent: u64) -> Option<u64> {
         self.numbers.remove(&sent)
     }
 }

@@ -62,20 +62,20 @@ impl Model {
     }
 
     /// A plan goes on now. Its status comes later.
-    pub(crate) fn hear_plan(&mut self, told: PlanEvent) {
-        match &told {
+    pub(crate) fn plan_event(&mut self, event: PlanEvent) {
+        match &event {
             PlanEvent::Case { name, place, .. } => {
                 self.status.plan = Some(PlanStatus::of(name, *place));
             }
             PlanEvent::Over { .. } => self.status.plan = None,
             PlanEvent::Step { .. } | PlanEvent::Verdict { .. } => {}
         }
-        self.take_plan(told);
+        self.take_plan_event(event);
     }
 
     /// What a plan told. That of an earlier one goes when the next begins.
-    pub(crate) fn take_plan(&mut self, told: PlanEvent) {
-        let first = matches!(told, PlanEvent::Case { place: (1, _), .. });
+    pub(crate) fn take_plan_event(&mut self, event: PlanEvent) {
+        let first = matches!(event, PlanEvent::Case { place: (1, _), .. });
         let over = matches!(self.plan.last(), Some(PlanEvent::Over { .. }));
         if first || over {
             self.plan.clear();
@@ -83,7 +83,7 @@ impl Model {
         if self.plan.len() == KEPT_OF_PLAN {
             self.plan.drain(..KEPT_OF_PLAN / 2);
         }
-        self.plan.push(told);
+        self.plan.push(event);
     }
 }
 

@@ -1,22 +1,22 @@
 //! What a trend recorded, and who reads and writes files: the dashboard itself knows no format.
 
-use crate::meaning::Decoder;
+use crate::frame_decoder::FrameDecoder;
 use control::{Fault, SignalKind, WireValue};
 
 /// What was recorded.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Recording {
+pub struct TrendRecording {
     /// The signals.
-    pub tracks: Vec<Track>,
+    pub tracks: Vec<RecordedSignal>,
     /// Their changes, in the order of their latest instants.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<RecordedChange>,
     /// The first and the last instant that it tells of, nanoseconds.
     pub span: (i64, i64),
 }
 
 /// A signal.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track {
+pub struct RecordedSignal {
     /// Its name.
     pub name: String,
     /// The unit of its values; empty for none.
@@ -29,7 +29,7 @@ pub struct Track {
 
 /// A change.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct RecordedChange {
     /// The place of its track.
     pub track: usize,
     /// The earliest and the latest instant, nanoseconds.
@@ -39,25 +39,25 @@ pub struct Sample {
 }
 
 /// Reads and writes files. The ending of a path says the format.
-pub trait Files: std::fmt::Debug {
+pub trait TrendFiles: std::fmt::Debug {
     /// The formats that it writes, as the endings of paths.
-    fn endings(&self) -> &[&str];
+    fn extensions(&self) -> &[&str];
 
     /// Writes one; a file that is there is not overwritten.
     ///
     /// # Errors
     /// An ending that is not known, a file that is there or cannot be written.
-    fn save(&self, path: &str, recording: &Recording) -> Result<(), Fault>;
+    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), Fault>;
 
     /// Reads one.
     ///
     /// # Errors
     /// A file that cannot be read or understood.
-    fn load(&self, path: &str) -> Result<Recording, Fault>;
+    fn load(&self, path: &str) -> Result<TrendRecording, Fault>;
 
     /// Reads what frames mean.
     ///
     /// # Errors
     /// A file that cannot be read or understood.
-    fn decoder(&self, path: &str) -> Result<Box<dyn Decoder>, Fault>;
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault>;
 }

@@ -1,10 +1,10 @@
 //! The loop: what comes from the terminal and from the rig goes into the shell, frames and requests come out.
 
-use crate::glyphs::Look;
-use crate::link::{Asking, Came, listen};
-use crate::recording::Files;
-use crate::shell::{Heard, Shell, Want};
-use crate::terminal::Screen;
+use crate::glyphs::TerminalFeatures;
+use crate::link::{LinkEvent, RequestSender, listen};
+use crate::recording::TrendFiles;
+use crate::shell::{LoopCommand, RigMessage, Shell};
+use crate::terminal::TerminalScreen;
 use crate::views;
 use control::{Clock, Message};
 use ratatui::crossterm::event::{self, Event, KeyEventKind};
@@ -18,32 +18,32 @@ use std::time::{Duration, Instant};
 const FRAME: Duration = Duration::from_millis(100);
 
 /// The time between two frames while somebody types.
-const QUICK: Duration = Duration::from_millis(25);
+const TYPING_FRAME: Duration = Duration::from_millis(25);
 
 /// How long a signal of the system may go unseen, and the time between two frames while the rig says nothing and its
 /// indicators flash.
-const LOOK_UP: Duration = Duration::from_millis(250);
+const IDLE_FRAME: Duration = Duration::from_millis(250);
 
 /// How long the rig may take to answer that somebody leaves.
-const GOODBYE: Duration = Duration::from_secs(2);
+const LEAVE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// What waits to be taken into account. The thread that listens waits when it is full, and then the rig leaves out what
 /// it would tell; nothing grows.
-const WAITING: usize = 1_024;
+const QUEUE: usize = 1_024;
 
 /// How the dashboard is run.
 #[derive(Debug)]
-pub struct Setting<'a> {
+pub struct DashboardSettings<'a> {
     /// The socket of the rig.
     pub socket: PathBuf,
     /// Who keeps recordings.
-    pub files: Box<dyn Files>,
+    pub files: Box<dyn TrendFiles>,
     /// What the terminal can show.
-    pub look: Look,
+    pub features: TerminalFeatures,
     /// Whether the mouse is used; else it is left to the terminal, which can mark text with it.
     pub mouse: bool,
     /// The rig was started for this dashboard and ends with it.
-    pub own: bool,
+    pub owns_rig: bool,
     /// Set when the dashboard is to end at once.
     pub stop: &'a AtomicBool,
     /// Stops this process until somebody lets it go on, as ctrl-z does.
@@ -52,14 +52,14 @@ pub struct Setting<'a> {
 
 /// What wakes the loop.
 #[derive(Debug)]
-enum Woken {
+enum LoopEvent {
     Terminal(io::Result<Event>),
-    Rig(Came),
+    Rig(LinkEvent),
 }
 
-impl From<Came> for Woken {
-    fn from(came: Came) -> Self {
-        Woken::Rig(came)
+impl From<LinkEvent> for LoopEvent {
+    fn from(came: LinkEvent) -> Self {
+        LoopEvent::Rig(came)
     }
 }
 
@@ -67,18 +67,19 @@ impl From<Came> for Woken {
 ///
 /// # Errors
 /// A terminal that cannot be had, or is gone.
-pub fn run(setting: Setting<'_>) -> io::Result<()> {
-    let (tell, woken) = mpsc::sync_channel(WAITING);
+pub fn run(settings: DashboardSettings<'_>) -> io::Result<()> {
+    let (events_in, events) = mpsc::sync_channel(QUEUE);
     // Closed when this function returns.
     let (_end, ended) = mpsc::channel();
-    let screen = Screen::take(setting.mouse)?;
-    let to_loop = tell.clone();
-    let socket = setting.socket.clone();
+    let screen = TerminalScreen::take(settings.mouse)?;
+    let to_loop = events_in.clone();
+    let socket = settings.socket.clone();
     std::thread::Builder::new().name("rig".to_owned()).spawn(move || listen(socket, &to_loop, &ended))?;
-    std::thread::Builder::new().name("terminal".to_owned()).spawn(move || read(&tell))?;
-    let shell = Shell::new(views::all(setting.files), setting.look, setting.own);
+    std::thread::Builder::new().name("terminal".to_owned()).spawn(move || read(&events_in))?;
+    let shell = Shell::new(views::all(settings.files), settings.features, settings.owns_rig);
     let now = Instant::now();
-    let mut dash = Dash { shell, screen, asking: Asking::default(), told: now, leaving: None };
+    let mut dash =
+        Dashboard { shell, screen, requests: RequestSender::default(), last_status: now, leaving: None };
     let mut drawn = now;
     let mut due = Some(now);
     loop {
@@ -86,14 +87,15 @@ pub fn run(setting: Setting<'_>) -> io::Result<()> {
         if due.is_some_and(|due| due <= now) {
             dash.draw()?;
             drawn = now;
-            due = dash.is_moving().then(|| drawn + LOOK_UP);
+            due = dash.is_moving().then(|| drawn + IDLE_FRAME);
         }
-        let wait = due.map_or(LOOK_UP, |due| due.saturating_duration_since(now).min(LOOK_UP));
-        match woken.recv_timeout(wait) {
+        let wait = due.map_or(IDLE_FRAME, |due| due.saturating_duration_since(now).min(IDLE_FRAME));
+        match events.recv_timeout(wait) {
             Ok(first) => {
                 // All that waits makes one frame.
-                for one in std::iter::once(first).chain(woken.try_iter().take(WAITING)) {
-                    let after = drawn + if matches!(one, Woken::Terminal(_)) { QUICK } else { FRAME };
+                for one in std::iter::once(first).chain(events.try_iter().take(QUEUE)) {
+                    let after =
+                        drawn + if matches!(one, LoopEvent::Terminal(_)) { TYPING_FRAME } else { FRAME };
                     due = Some(due.map_or(after, |due| due.min(after)));
                     dash.take(one)?;
                 }
@@ -101,18 +103,18 @@ pub fn run(setting: Setting<'_>) -> io::Result<()> {
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
-        if dash.settle(setting.suspend)? || setting.stop.load(Ordering::Relaxed) {
+        if dash.settle(settings.suspend)? || settings.stop.load(Ordering::Relaxed) {
             return Ok(());
         }
     }
 }
 
 /// Reads keys until the terminal is gone.
-fn read(tell: &SyncSender<Woken>) {
+fn read(events_in: &SyncSender<LoopEvent>) {
     loop {
         let event = event::read();
         let gone = event.is_err();
-        if tell.send(Woken::Terminal(event)).is_err() || gone {
+        if events_in.send(LoopEvent::Terminal(event)).is_err() || gone {
             return;
         }
     }
@@ -120,19 +122,19 @@ fn read(tell: &SyncSender<Woken>) {
 
 /// The shell with its terminal and its connection.
 #[derive(Debug)]
-struct Dash {
+struct Dashboard {
     shell: Shell,
-    screen: Screen,
-    asking: Asking,
+    screen: TerminalScreen,
+    requests: RequestSender,
     /// When the rig told something last.
-    told: Instant,
+    last_status: Instant,
     /// When somebody said goodbye.
     leaving: Option<Instant>,
 }
 
-impl Dash {
+impl Dashboard {
     fn draw(&mut self) -> io::Result<()> {
-        let passed = i64::try_from(self.told.elapsed().as_nanos()).unwrap_or(i64::MAX);
+        let passed = i64::try_from(self.last_status.elapsed().as_nanos()).unwrap_or(i64::MAX);
         self.shell.pass(passed);
         self.screen.terminal.draw(|frame| self.shell.draw(frame)).map(drop)
     }
@@ -143,31 +145,31 @@ impl Dash {
         model.description.clock == Clock::Real && model.status.leds.iter().any(|led| led.times.is_some())
     }
 
-    fn take(&mut self, woken: Woken) -> io::Result<()> {
-        match woken {
-            Woken::Terminal(event) => match event? {
+    fn take(&mut self, event: LoopEvent) -> io::Result<()> {
+        match event {
+            LoopEvent::Terminal(event) => match event? {
                 Event::Key(key) if key.kind != KeyEventKind::Release => self.shell.key(key),
                 Event::Mouse(mouse) => self.shell.mouse(mouse),
                 Event::Paste(text) => self.shell.paste(&text),
                 _ => {}
             },
-            Woken::Rig(Came::Found(greeting, sender)) => {
-                self.asking.found(sender);
-                self.shell.hear(Heard::Found(greeting));
+            LoopEvent::Rig(LinkEvent::Connected(greeting, sender)) => {
+                self.requests.connected(sender);
+                self.shell.receive(RigMessage::Connected(greeting));
             }
-            Woken::Rig(Came::Lost(error)) => {
-                self.asking.lost();
-                self.shell.hear(Heard::Lost(error.to_string()));
+            LoopEvent::Rig(LinkEvent::Disconnected(error)) => {
+                self.requests.disconnected();
+                self.shell.receive(RigMessage::Disconnected(error.to_string()));
             }
-            Woken::Rig(Came::Message(Message::Event(event))) => {
+            LoopEvent::Rig(LinkEvent::Message(Message::Event(event))) => {
                 if let control::Event::Status { .. } = event {
-                    self.told = Instant::now();
+                    self.last_status = Instant::now();
                 }
-                self.shell.hear(Heard::Event(event));
+                self.shell.receive(RigMessage::Event(event));
             }
-            Woken::Rig(Came::Message(Message::Reply(mut reply))) => {
-                reply.id = reply.id.and_then(|sent| self.asking.answered(sent));
-                self.shell.hear(Heard::Reply(reply));
+            LoopEvent::Rig(LinkEvent::Message(Message::Reply(mut reply))) => {
+                reply.id = reply.id.and_then(|sent| self.requests.number_of(sent));
+                self.shell.receive(RigMessage::Reply(reply));
             }
         }
         Ok(())
@@ -179,15 +181,15 @@ impl Dash {
             if let control::Ask::Leave { .. } = request.ask {
                 self.leaving.get_or_insert_with(Instant::now);
             }
-            self.asking.ask(request.id, request.ask);
+            self.requests.send(request.id, request.ask);
         }
-        for want in self.shell.take_wants() {
+        for want in self.shell.take_loop_commands() {
             match want {
-                Want::End => return Ok(true),
-                Want::Redraw => self.screen.redraw()?,
-                Want::Suspend => self.screen.lend(suspend)?,
+                LoopCommand::End => return Ok(true),
+                LoopCommand::Redraw => self.screen.redraw()?,
+                LoopCommand::Suspend => self.screen.lend(suspend)?,
             }
         }
-        Ok(self.leaving.is_some_and(|since| since.elapsed() > GOODBYE))
+        Ok(self.leaving.is_some_and(|since| since.elapsed() > LEAVE_TIMEOUT))
     }
 }

@@ -17,17 +17,17 @@ const BUFFER: usize = 64 * 1024;
 
 /// The terminal, as long as the dashboard has it.
 #[derive(Debug)]
-pub(crate) struct Screen {
+pub(crate) struct TerminalScreen {
     pub terminal: Terminal<CrosstermBackend<BufWriter<Stdout>>>,
     mouse: bool,
 }
 
-impl Screen {
+impl TerminalScreen {
     /// Takes it. A panic gives it back before it prints its words, so that they can be read.
     ///
     /// # Errors
     /// Standard output is no terminal, or one that is gone.
-    pub fn take(mouse: bool) -> io::Result<Screen> {
+    pub fn take(mouse: bool) -> io::Result<TerminalScreen> {
         let before = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |panic| {
             give_back();
@@ -35,7 +35,7 @@ impl Screen {
         }));
         let out = BufWriter::with_capacity(BUFFER, io::stdout());
         let terminal = Terminal::new(CrosstermBackend::new(out))?;
-        let screen = Screen { terminal, mouse };
+        let screen = TerminalScreen { terminal, mouse };
         screen.enter()?;
         Ok(screen)
     }
@@ -71,7 +71,7 @@ impl Screen {
     }
 }
 
-impl Drop for Screen {
+impl Drop for TerminalScreen {
     fn drop(&mut self) {
         give_back();
     }

@@ -1,6 +1,6 @@
 //! A rig with something of everything.
 
-use crate::bench::Scripted;
+use crate::setup::ScriptedRig;
 use control::*;
 
 const MS: i64 = 1_000_000;
@@ -173,9 +173,9 @@ pub fn status() -> Status {
 }
 
 /// The whole rig.
-pub fn rig() -> Scripted {
+pub fn rig() -> ScriptedRig {
     let description = description();
-    let mut rig = Scripted { status: status(), ..Scripted::default() };
+    let mut rig = ScriptedRig { status: status(), ..ScriptedRig::default() };
     for (place, point) in description.points.iter().enumerate() {
         let on = WireValue(Value::Bool(matches!(place, 0 | 2 | 14 | 15)));
         let (image, line) = match point.kind {

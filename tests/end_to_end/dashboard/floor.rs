@@ -1,8 +1,8 @@
 //! A rig whose tasks have something to do, with two ends of a CAN bus and plans.
 
-use super::stage::Stage;
-use crate::bench::Bench;
-use dash::glyphs::Look;
+use super::setup::DashboardSetup;
+use crate::project_folder::TestProject;
+use dash::glyphs::TerminalFeatures;
 
 const BOARD: &str = r#"format = 1
 title = "A shop floor"
@@ -106,17 +106,17 @@ ask = { bus = "drive", id = 0x7DF, remote = true }
 "#;
 
 /// The floor.
-pub fn floor(look: Look) -> Stage {
-    let folder = Bench::new();
+pub fn floor(features: TerminalFeatures) -> DashboardSetup {
+    let folder = TestProject::new();
     for (name, text) in [
         ("floor.board.toml", BOARD),
         ("floor.st", PROGRAM),
         ("floor.toml", CASE),
         ("plans/lamp.toml", PLAN),
-        ("plans/lamp.st", crate::bench::LAMP_ST),
+        ("plans/lamp.st", crate::project_folder::LAMP_ST),
         ("plans/frames.toml", FRAMES),
     ] {
         folder.write(name, text);
     }
-    Stage::of(folder, &["--board", "floor.board.toml", "--case", "floor", "--booted"], look)
+    DashboardSetup::of(folder, &["--board", "floor.board.toml", "--case", "floor", "--booted"], features)
 }

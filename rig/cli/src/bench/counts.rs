@@ -1,11 +1,11 @@
 //! `rig bench counts`.
 
-use super::looped::LoopArgs;
+use super::loopback_pair::LoopbackPairArgs;
 use super::{INTERRUPT, board, interrupted, keep, measured, refuse};
 use crate::bench_lock::BenchLockArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::output::Format;
+use crate::output::OutputFormat;
 use clap::Args;
 use document::Diagnostic;
 use drivers::Board;
@@ -25,13 +25,13 @@ pub struct CountsArgs {
     board: PathBuf,
     /// Which loop.
     #[command(flatten)]
-    looped: LoopArgs,
+    looped: LoopbackPairArgs,
     /// How many trains of each frequency have to be counted without a loss.
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: u32,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    format: OutputFormat,
     /// What it does when somebody else is on the lines.
     #[command(flatten)]
     wait: BenchLockArgs,
@@ -71,7 +71,7 @@ fn try_run(args: &CountsArgs) -> Result<Exit, Exit> {
     let broken = input.counts_hz.and_then(|hz| came.broken(&input.name, hz));
     let broken: Vec<Diagnostic> = broken.into_iter().collect();
     match args.format {
-        Format::Table => {
+        OutputFormat::Table => {
             let mut text = format!("pulses from `{}` to `{}`\n", names[0], names[1]);
             found.trains.chunk_by(|a, b| a.wanted_hz == b.wanted_hz).for_each(|same| text += &line(same));
             text += &format!("counted without a loss: {}\n", came.counted());
@@ -79,7 +79,7 @@ fn try_run(args: &CountsArgs) -> Result<Exit, Exit> {
             kept.iter().for_each(|path| text += &format!("kept in {path}\n"));
             output::print(&text);
         }
-        Format::Json => {
+        OutputFormat::Json => {
             let trains = found.trains.iter().map(|train| {
                 json!({
                     "wanted_hz": train.wanted_hz,

@@ -3,7 +3,7 @@
 use super::{INTERRUPT, board, interrupted, interval, keep, measured, refuse, show};
 use crate::exit::Exit;
 use crate::output;
-use crate::output::Format;
+use crate::output::OutputFormat;
 use clap::Args;
 use host::{Bell, Privilege, Processors, Punctual, Realtime, Role, Wakeups, wakeups};
 use record::Durations;
@@ -31,7 +31,7 @@ pub struct LatencyArgs {
     cpus: Vec<u16>,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    format: OutputFormat,
 }
 
 /// Wakes up as the scan does, many times, and says how late.
@@ -89,7 +89,7 @@ pub fn run(args: &LatencyArgs) -> Exit {
 }
 
 fn show(
-    format: Format,
+    format: OutputFormat,
     interval: Span,
     priority: Option<u8>,
     found: &Wakeups,
@@ -97,7 +97,7 @@ fn show(
     kept: Option<String>,
 ) {
     match format {
-        Format::Table => {
+        OutputFormat::Table => {
             let how = priority.map_or_else(
                 || String::from("without real-time priority"),
                 |priority| format!("SCHED_FIFO {priority}"),
@@ -117,7 +117,7 @@ fn show(
                 output::print(&format!("kept in {path}\n"));
             }
         }
-        Format::Json => {
+        OutputFormat::Json => {
             let mut all = show::figures(late);
             all["interval_us"] = json!(interval.as_nanos() as f64 / 1_000.0);
             all["priority"] = json!(priority);

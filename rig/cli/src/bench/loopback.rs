@@ -1,11 +1,11 @@
 //! `rig bench loopback`.
 
-use super::looped::LoopArgs;
+use super::loopback_pair::LoopbackPairArgs;
 use super::{INTERRUPT, board, interrupted, keep, measured, refuse, show};
 use crate::bench_lock::BenchLockArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::output::Format;
+use crate::output::OutputFormat;
 use clap::Args;
 use record::Durations;
 use runtime::figures::{devices, durations};
@@ -24,13 +24,13 @@ pub struct LoopbackArgs {
     board: PathBuf,
     /// Which loop.
     #[command(flatten)]
-    looped: LoopArgs,
+    looped: LoopbackPairArgs,
     /// How many edges to measure.
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     count: u64,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    format: OutputFormat,
     /// What it does when somebody else is on the lines.
     #[command(flatten)]
     wait: BenchLockArgs,
@@ -69,14 +69,14 @@ fn try_run(args: &LoopbackArgs) -> Result<Exit, Exit> {
     };
     let kept = keep(&measured("loopback", &devices(&file), settings, figures.clone()));
     match args.format {
-        Format::Table => {
+        OutputFormat::Table => {
             let mut text = format!("{} edges from `{}` to `{}`\n", found.turns, names[0], names[1]);
             figures.iter().for_each(|figure| text += &format!("{}\n", show::line(figure)));
             text += &format!("a turn by counting alone, 1/(2f): {turn}\n");
             kept.iter().for_each(|path| text += &format!("kept in {path}\n"));
             output::print(&text);
         }
-        Format::Json => {
+        OutputFormat::Json => {
             let mut all = json!({ "loop": names, "turns": found.turns, "kept": kept });
             all["devices"] = json!(devices(&file));
             all["turn_us"] = json!(turn.as_nanos() as f64 / 1_000.0);

@@ -4,7 +4,7 @@ mod board;
 mod counts;
 mod latency;
 mod loopback;
-mod looped;
+mod loopback_pair;
 mod scan;
 mod show;
 

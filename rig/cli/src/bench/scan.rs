@@ -5,7 +5,7 @@ use super::{INTERRUPT, board, interrupted, interval, keep, measured, refuse, sho
 use crate::bench_lock::BenchLockArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::output::Format;
+use crate::output::OutputFormat;
 use clap::Args;
 use drivers::{Board, ChannelId};
 use profile::Profile;
@@ -44,7 +44,7 @@ pub struct ScanArgs {
     drive: Vec<String>,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    format: OutputFormat,
     /// What it does when somebody else is on the lines.
     #[command(flatten)]
     wait: BenchLockArgs,
@@ -101,7 +101,7 @@ fn try_run(args: &ScanArgs) -> Result<Exit, Exit> {
     let judged: Vec<Durations> = figures.iter().filter(|figure| figure.name != "device").cloned().collect();
     let kept = keep(&measured("scan", &devices(&file), settings, judged));
     match args.format {
-        Format::Table => {
+        OutputFormat::Table => {
             let mut text = format!("{scans} scans every {interval}\n");
             figures.iter().for_each(|figure| text += &format!("{}\n", show::line(figure)));
             if found.missed > 0 {
@@ -113,7 +113,7 @@ fn try_run(args: &ScanArgs) -> Result<Exit, Exit> {
             kept.iter().for_each(|path| text += &format!("kept in {path}\n"));
             output::print(&text);
         }
-        Format::Json => {
+        OutputFormat::Json => {
             let mut out = json!({ "scans": scans, "missed": found.missed, "lost": found.lost, "kept": kept });
             out["devices"] = json!(devices(&file));
             out["interval_us"] = json!(interval.as_nanos() as f64 / 1_000.0);
@@ -134,7 +134,7 @@ fn program(files: &[PathBuf]) -> Result<Option<Alone>, Exit> {
     let (program, _) = crate::program::compile(files)?;
     let tasks = tasks(&program, Span::from_millis(20));
     Alone::new(Arc::clone(&program), tasks, Profile::default()).map(Some).map_err(|error| {
-        output::complain(&error.to_string());
+        output::error(&error.to_string());
         Exit::UserFiles
     })
 }

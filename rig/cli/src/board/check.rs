@@ -1,6 +1,6 @@
 //! `rig board check`: whether the devices of a board file can be had, without claiming any.
 
-use super::bench::{Bench, Others};
+use super::real_board_file::{OtherDevices, RealBoardFile};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
@@ -21,7 +21,7 @@ pub struct CheckArgs {
 
 /// Looks for every line of the file.
 pub fn run(args: &CheckArgs) -> Exit {
-    let bench = match Bench::read(&args.file) {
+    let bench = match RealBoardFile::read(&args.file) {
         Ok(bench) => bench,
         Err(exit) => return exit,
     };
@@ -31,12 +31,12 @@ pub fn run(args: &CheckArgs) -> Exit {
         false => gpio::find(&bench.file, &bench.spec.gpio),
     };
     let others = real::look(&bench.file, &bench.spec);
-    let rows: Vec<Option<Found>> = (0..bench.file.circuit.channels.len())
+    let rows: Vec<Option<FoundLine>> = (0..bench.file.circuit.channels.len())
         .map(|at| {
             let channel = ChannelId(u16::try_from(at).ok()?);
             let measured = others.inputs.iter().find(|(measured, _)| *measured == channel);
             match (measured, &whole) {
-                (Some((_, words)), _) => Some(Found { head: String::new(), lines: words.clone()? }),
+                (Some((_, words)), _) => Some(FoundLine { head: String::new(), lines: words.clone()? }),
                 (None, Ok(chips)) => found(chips, channel),
                 (None, Err(_)) => alone(&bench, at),
             }
@@ -74,20 +74,20 @@ pub fn run(args: &CheckArgs) -> Exit {
 
 /// What is said of a channel that can be had.
 #[derive(Debug)]
-struct Found {
+struct FoundLine {
     head: String,
     lines: String,
 }
 
 /// A channel on its chip.
-fn found(chips: &[FoundChip], channel: ChannelId) -> Option<Found> {
+fn found(chips: &[FoundChip], channel: ChannelId) -> Option<FoundLine> {
     let chip = chips.iter().find(|chip| chip.drives.contains(&channel) || chip.senses.contains(&channel))?;
-    Some(Found { head: head(chip), lines: lines(chip, channel) })
+    Some(FoundLine { head: head(chip), lines: lines(chip, channel) })
 }
 
 /// A channel that is looked for without the others, some of which cannot be had.
-fn alone(bench: &Bench, at: usize) -> Option<Found> {
-    let file = bench.some(|other, line| (other == at).then(|| line.clone()), Others::Left);
+fn alone(bench: &RealBoardFile, at: usize) -> Option<FoundLine> {
+    let file = bench.subset(|other, line| (other == at).then(|| line.clone()), OtherDevices::Excluded);
     let BoardKind::Real(spec) = &file.kind else { return None };
     found(&gpio::find(&file, &spec.gpio).ok()?, ChannelId(0))
 }

@@ -1,10 +1,10 @@
 //! `rig board exercise`: one output at a time, and what comes back.
 
-use super::bench::{Bench, Others, failed, listening};
-use super::tally::{News, Tally, loss};
+use super::activity::{ActivityChange, ChannelActivity, loss};
+use super::real_board_file::{OtherDevices, RealBoardFile, failed, listening};
 use crate::bench_lock::BenchLockArgs;
 use crate::exit::Exit;
-use crate::operator::Person;
+use crate::operator::TerminalOperator;
 use crate::output;
 use clap::Args;
 use document::{Diagnostic, suggest};
@@ -52,29 +52,29 @@ pub fn run(args: &ExerciseArgs) -> Exit {
 }
 
 fn try_run(args: &ExerciseArgs) -> Result<Exit, Exit> {
-    let bench = Bench::read(&args.file)?;
+    let bench = RealBoardFile::read(&args.file)?;
     let outputs: Vec<usize> = (0..bench.file.circuit.channels.len())
         .filter(|at| bench.line(*at).is_some_and(|line| line.direction == Direction::Output))
         .collect();
-    let person = consent(args, &bench, &outputs)?;
+    let operator = consent(args, &bench, &outputs)?;
     let handled = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed));
     if let Err(error) = handled {
-        output::complain(&format!("interrupts cannot be handled: {error}"));
+        output::error(&format!("interrupts cannot be handled: {error}"));
         return Err(Exit::Error);
     }
     let _lock = args.wait.take(&bench.file, &INTERRUPT)?;
     let mut sound = true;
     for at in outputs {
-        let agreed = match &person {
+        let agreed = match &operator {
             None => args.yes.iter().any(|name| name == bench.name(at)),
-            Some(person) => match ask(person, &bench, at, args.hold) {
+            Some(operator) => match ask_consent(operator, &bench, at, args.hold) {
                 Ok(answer) => answer,
                 Err(AskError::Interrupted) => return Err(Exit::Interrupted),
                 Err(AskError::Nobody) => return Err(nobody()),
             },
         };
         if agreed {
-            sound &= turn(&bench, at, args.hold)?;
+            sound &= exercise_output(&bench, at, args.hold)?;
         }
         if INTERRUPT.load(Ordering::Relaxed) {
             return Err(Exit::Interrupted);
@@ -84,7 +84,11 @@ fn try_run(args: &ExerciseArgs) -> Result<Exit, Exit> {
 }
 
 /// Who is asked: nobody where the command line agrees for them.
-fn consent(args: &ExerciseArgs, bench: &Bench, outputs: &[usize]) -> Result<Option<Person>, Exit> {
+fn consent(
+    args: &ExerciseArgs,
+    bench: &RealBoardFile,
+    outputs: &[usize],
+) -> Result<Option<TerminalOperator>, Exit> {
     let names: Vec<&str> = outputs.iter().map(|at| bench.name(*at)).collect();
     let wrong = |name: &String| {
         let help = match (suggest(name, names.iter().copied()), names.is_empty()) {
@@ -104,12 +108,12 @@ fn consent(args: &ExerciseArgs, bench: &Bench, outputs: &[usize]) -> Result<Opti
     if !args.yes.is_empty() {
         return Ok(None);
     }
-    match (Person::here(), names.is_empty()) {
+    match (TerminalOperator::if_present(), names.is_empty()) {
         (_, true) => {
             output::note("the board has no outputs, so there is nothing to exercise");
             Err(Exit::Passed)
         }
-        (Some(person), false) => Ok(Some(person)),
+        (Some(operator), false) => Ok(Some(operator)),
         (None, false) => Err(nobody()),
     }
 }
@@ -122,19 +126,24 @@ fn nobody() -> Exit {
     Exit::UserFiles
 }
 
-fn ask(person: &Person, bench: &Bench, at: usize, hold: Span) -> Result<bool, AskError> {
+fn ask_consent(
+    operator: &TerminalOperator,
+    bench: &RealBoardFile,
+    at: usize,
+    hold: Span,
+) -> Result<bool, AskError> {
     let safe = bench.line(at).is_some_and(|line| line.safe);
     let what = bench.relay(at).map_or_else(String::new, |what| format!("it {what}: "));
     let text = format!("{what}drive it from {} to {} for {hold}, and back?", u8::from(safe), u8::from(!safe));
     let answers = ["no", "yes"].map(str::to_owned).to_vec();
     let question = Question { text, photo: None, answers, pass: 1 };
-    person.ask(bench.name(at), &question, &INTERRUPT).map(|answer| answer == 1)
+    operator.ask(bench.name(at), &question, &INTERRUPT).map(|answer| answer == 1)
 }
 
 /// Gives an output its turn and tells what came back. `false` where the rig lost something on the way.
-fn turn(bench: &Bench, at: usize, hold: Span) -> Result<bool, Exit> {
+fn exercise_output(bench: &RealBoardFile, at: usize, hold: Span) -> Result<bool, Exit> {
     let keep = |other, line: &LineSpec| if other == at { Some(line.clone()) } else { listening(line) };
-    let board = bench.some(keep, Others::Left);
+    let board = bench.subset(keep, OtherDevices::Excluded);
     // As in a run: with the guard behind the output, if the file has one.
     let opened = Hardware::open(&board).map_err(|found| bench.wrong(&found))?;
     // Only a simulated board has nothing to open, and such files were refused.
@@ -147,29 +156,29 @@ fn turn(bench: &Bench, at: usize, hold: Span) -> Result<bool, Exit> {
     let name = bench.name(at);
     let driven = board.find(name).ok_or(Exit::Error)?;
     let safe = bench.line(at).is_some_and(|line| line.safe);
-    let mut ear = Ear::new(board.channels());
+    let mut responses = ResponseRecorder::new(board.channels());
     if let Some(heart) = hardware.heart() {
         heart.begin().map_err(unguarded)?;
     }
-    let told = (|| {
+    let outcome = (|| {
         // What moves by itself is no answer.
-        ear.listen(&mut board, &hardware, hold)?;
-        ear.note_restless();
+        responses.listen(&mut board, &hardware, hold)?;
+        responses.note_restless();
         let what = bench.relay(at).map_or_else(String::new, |what| format!(", which {what}"));
         output::print(&format!("{name}{what}\n"));
         for level in [!safe, safe] {
             let now = time.now();
             board.write(now, &[(driven, Value::Bool(level))]).map_err(failed)?;
-            ear.began(now);
-            ear.listen(&mut board, &hardware, hold)?;
-            output::print(&ear.answer(board.channels(), driven, level));
+            responses.began(now);
+            responses.listen(&mut board, &hardware, hold)?;
+            output::print(&responses.answer(board.channels(), driven, level));
         }
         Ok(())
     })();
     // Whatever happened, the output is left safe; and what happened first is what is said.
     let made_safe = board.safe(time.now()).map_err(failed);
     let let_go = hardware.heart().map_or(Ok(()), |heart| heart.end().map_err(unguarded));
-    told.and(made_safe).and(let_go)?;
+    outcome.and(made_safe).and(let_go)?;
     Ok(board.health().is_sound())
 }
 
@@ -182,25 +191,25 @@ fn unguarded(error: GuardError) -> Exit {
 
 /// What is heard on the channels.
 #[derive(Debug)]
-struct Ear {
-    tallies: Vec<Tally>,
+struct ResponseRecorder {
+    activities: Vec<ChannelActivity>,
     /// Channels that moved while nothing was driven.
     restless: Vec<bool>,
     /// The first change of each channel since the output was driven.
     first: Vec<Option<(bool, When)>>,
-    lost: Vec<News>,
+    lost: Vec<ActivityChange>,
     driven: Time,
     events: Vec<BoardEvent>,
 }
 
-impl Ear {
-    fn new(channels: &[Channel]) -> Ear {
+impl ResponseRecorder {
+    fn new(channels: &[Channel]) -> ResponseRecorder {
         let count = channels.len();
-        Ear {
-            tallies: vec![Tally::default(); count],
+        ResponseRecorder {
+            activities: vec![ChannelActivity::default(); count],
             restless: vec![false; count],
             first: vec![None; count],
-            lost: vec![News::Nothing; count],
+            lost: vec![ActivityChange::Nothing; count],
             driven: Time::ZERO,
             events: Vec::new(),
         }
@@ -220,19 +229,22 @@ impl Ear {
             board.poll(now, &mut self.events).map_err(failed)?;
             for event in self.events.drain(..) {
                 let at = usize::from(event.channel().0);
-                let Some(tally) = self.tallies.get_mut(at) else { continue };
+                let Some(tally) = self.activities.get_mut(at) else { continue };
                 match tally.take(&event) {
-                    News::Change(level, when) => {
+                    ActivityChange::Change(level, when) => {
                         if let Some(first) = self.first.get_mut(at) {
                             first.get_or_insert((level, when));
                         }
                     }
-                    news @ (News::Lost(_) | News::Dropped(_)) => {
+                    news @ (ActivityChange::Lost(_) | ActivityChange::Dropped(_)) => {
                         if let Some(lost) = self.lost.get_mut(at) {
                             *lost = news;
                         }
                     }
-                    News::First(_) | News::Quantity(_) | News::Returned | News::Nothing => {}
+                    ActivityChange::First(_)
+                    | ActivityChange::Quantity(_)
+                    | ActivityChange::Returned
+                    | ActivityChange::Nothing => {}
                 }
             }
             if over {
@@ -253,7 +265,7 @@ impl Ear {
     fn began(&mut self, now: Time) {
         self.driven = now;
         self.first.fill(None);
-        self.lost.fill(News::Nothing);
+        self.lost.fill(ActivityChange::Nothing);
     }
 
     /// What came back, in lines.
@@ -262,8 +274,12 @@ impl Ear {
         for (at, channel) in channels.iter().enumerate() {
             let own = usize::from(driven.0) == at;
             match self.lost.get(at) {
-                Some(News::Lost(reason)) => lines.push(format!("{} is {}", channel.name, loss(*reason))),
-                Some(News::Dropped(count)) => lines.push(format!("{}: {count} missed", channel.name)),
+                Some(ActivityChange::Lost(reason)) => {
+                    lines.push(format!("{} is {}", channel.name, loss(*reason)))
+                }
+                Some(ActivityChange::Dropped(count)) => {
+                    lines.push(format!("{}: {count} missed", channel.name))
+                }
                 _ => {}
             }
             let Some(Some((to, when))) = self.first.get(at) else { continue };
@@ -278,7 +294,7 @@ impl Ear {
                 if self.restless.get(at) == Some(&true) { ", but it moves by itself, too" } else { "" };
             lines.push(format!("{} {what} within {within}{restless}", channel.name));
         }
-        let came = self.tallies.get(usize::from(driven.0)).and_then(|tally| tally.level);
+        let came = self.activities.get(usize::from(driven.0)).and_then(|tally| tally.level);
         if came != Some(level) {
             lines.insert(0, "the line did not follow".to_owned());
         }

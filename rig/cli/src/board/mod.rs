@@ -1,11 +1,12 @@
 //! `rig board`: what lines this machine has, whether those of a board file can be had, and what they do.
 
-mod bench;
+mod activity;
 mod check;
 mod exercise;
-mod found;
+mod real_board_file;
 mod scan;
-mod tally;
+mod scanned_devices;
+mod toml_text;
 mod traffic;
 mod watch;
 

@@ -1,6 +1,7 @@
 //! `rig board scan`: a first board file from what is there.
 
-use super::found::{self, Found};
+use super::scanned_devices::{self, ScannedDevices};
+use super::toml_text::{bare, is_name, quoted};
 use crate::exit::Exit;
 use crate::{files, output};
 use clap::Args;
@@ -31,7 +32,7 @@ pub struct ScanArgs {
 /// Writes the board file.
 pub fn run(args: &ScanArgs) -> Exit {
     let devices = inventory::devices(&args.root);
-    let others = found::look(&args.root, &devices);
+    let others = scanned_devices::look(&args.root, &devices);
     let (chips, refused) = match gpio::list() {
         Ok(all) => split(all),
         Err(error) => (Vec::new(), vec![error]),
@@ -119,7 +120,7 @@ kind = \"real\"
 ";
 
 /// The board file of these devices. Equal devices give an equal text.
-fn board_file(chips: &[ChipInfo], others: &Found, devices: &[Device]) -> String {
+fn board_file(chips: &[ChipInfo], others: &ScannedDevices, devices: &[Device]) -> String {
     let mut text = HEAD.to_owned();
     if !chips.is_empty() {
         text.push_str("\n[chips]\n");
@@ -223,31 +224,6 @@ fn channel_name(chips: &[ChipInfo], key: &str, line: &LineInfo) -> String {
     }
 }
 
-/// Whether a word can name a channel.
-pub fn is_name(word: &str) -> bool {
-    let letter = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
-    (1..=48).contains(&word.len()) && word.chars().all(letter)
-}
-
-/// A key of TOML.
-pub fn bare(name: &str) -> String {
-    if name.contains('.') { quoted(name) } else { name.to_owned() }
-}
-
-/// A text of TOML.
-pub fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => out.extend(['\\', c]),
-            c if c.is_control() => out.push_str(&format!("\\u{:04X}", u32::from(c))),
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
-}
-
 /// Devices, one a line.
 fn listed(devices: &[&Device], indent: &str) -> String {
     let wide = devices.iter().map(|device| device.path.chars().count()).max().unwrap_or(0);
@@ -303,7 +279,7 @@ mod tests {
             device(DeviceKind::Counter, "/dev/counter0", "ti-eqep"),
             device(DeviceKind::Watchdog, "/dev/watchdog0", "a\nb"),
         ];
-        let others = Found {
+        let others = ScannedDevices {
             converters: "adc = {}\n".into(),
             counters: "wheel = {}\n".into(),
             generators: "# fan = {}\n".into(),
@@ -357,7 +333,7 @@ adc-0 = {{}}
             chip(1, "mcp23017", vec![]),
             chip(2, "1e780000.gpio", vec![line(0, "")]),
         ];
-        let text = board_file(&chips, &Found::default(), &[]);
+        let text = board_file(&chips, &ScannedDevices::default(), &[]);
         for part in [
             "gpiochip0 = { path = \"/dev/gpiochip0\" }",
             "gpiochip1 = { path = \"/dev/gpiochip1\" }",
@@ -373,7 +349,7 @@ adc-0 = {{}}
     fn no_more_lines_are_taken_than_one_claim_takes() {
         let text = board_file(
             &[chip(0, "wide", (0..100).map(|number| line(number, "")).collect())],
-            &Found::default(),
+            &ScannedDevices::default(),
             &[],
         );
         let taken = text.lines().filter(|line| line.starts_with("wide-")).count();

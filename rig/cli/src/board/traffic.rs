@@ -1,6 +1,6 @@
 //! What passes on the buses of a board, told and counted.
 
-use super::tally::loss;
+use super::activity::loss;
 use drivers::{Bus, BusError, BusEvent, BusKind, BusState, LossReason};
 
 /// What happened on a bus since it was looked at first.

@@ -1,7 +1,7 @@
 //! `rig board watch`: lines, quantities and buses as they change, with counts and times.
 
-use super::bench::{Bench, Others, failed, listening, seconds};
-use super::tally::{News, Tally, loss, quantity, row, table};
+use super::activity::{ActivityChange, ChannelActivity, loss, quantity, row, table};
+use super::real_board_file::{OtherDevices, RealBoardFile, failed, listening, seconds};
 use super::traffic::{self, Traffic};
 use crate::exit::Exit;
 use crate::output;
@@ -36,8 +36,8 @@ pub fn run(args: &WatchArgs) -> Exit {
 }
 
 fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
-    let bench = Bench::read(&args.file)?;
-    let watched = bench.some(|_, line| listening(line), Others::Kept);
+    let bench = RealBoardFile::read(&args.file)?;
+    let watched = bench.subset(|_, line| listening(line), OtherDevices::Included);
     let left: Vec<&str> = (0..bench.file.circuit.channels.len())
         .map(|at| bench.name(at))
         .filter(|name| watched.find(name).is_none())
@@ -53,11 +53,11 @@ fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
         bell.ring();
     });
     if let Err(error) = handled {
-        output::complain(&format!("interrupts cannot be handled: {error}"));
+        output::error(&format!("interrupts cannot be handled: {error}"));
         return Err(Exit::Error);
     }
     let mut board = bench.open(&watched, &surroundings)?;
-    let mut tallies = vec![Tally::default(); board.channels().len()];
+    let mut tallies = vec![ChannelActivity::default(); board.channels().len()];
     let mut traffics = vec![Traffic::default(); board.buses().len()];
     let outcome = follow(&mut *board, &surroundings, args.lasts, &mut tallies, &mut traffics);
     output::print("\n");
@@ -76,12 +76,12 @@ fn follow(
     board: &mut dyn Board,
     surroundings: &Surroundings,
     lasts: Option<Span>,
-    tallies: &mut [Tally],
+    tallies: &mut [ChannelActivity],
     traffics: &mut [Traffic],
 ) -> Result<(), Exit> {
     let channels = board.channels().to_vec();
     let buses = board.buses().to_vec();
-    let mut view = View::new(&channels, &buses);
+    let mut view = WatchScreen::new(&channels, &buses);
     let (mut events, mut passed) = (Vec::new(), Vec::new());
     let end = lasts.map(|lasts| surroundings.time.now() + lasts);
     loop {
@@ -93,7 +93,7 @@ fn follow(
             let at = usize::from(event.channel().0);
             let (Some(channel), Some(tally)) = (channels.get(at), tallies.get_mut(at)) else { continue };
             let news = tally.take(&event);
-            view.tell(at, channel, news, &event);
+            view.show_change(at, channel, news, &event);
         }
         for (at, tally) in (0u16..).zip(tallies.iter_mut()) {
             tally.noise = board.noise(ChannelId(at));
@@ -102,8 +102,8 @@ fn follow(
         for event in passed.drain(..) {
             let at = usize::from(event.bus().0);
             let (Some(bus), Some(traffic)) = (buses.get(at), traffics.get_mut(at)) else { continue };
-            let told = traffic.take(&event);
-            view.pass(channels.len() + at, bus, &told, event.latest());
+            let text = traffic.take(&event);
+            view.pass(channels.len() + at, bus, &text, event.latest());
         }
         view.draw(now, |at| match (channels.get(at), tallies.get(at)) {
             (Some(channel), Some(tally)) => Some(row(channel, tally, widest(&channels, &buses))),
@@ -129,7 +129,7 @@ fn widest(channels: &[Channel], buses: &[Bus]) -> usize {
 
 /// Where changes are shown: a table that is drawn anew, or a line each.
 #[derive(Debug)]
-struct View {
+struct WatchScreen {
     /// The rows on a terminal.
     rows: Option<(MultiProgress, Vec<ProgressBar>)>,
     /// Rows that do not show what is.
@@ -137,8 +137,8 @@ struct View {
     drawn: Option<Time>,
 }
 
-impl View {
-    fn new(channels: &[Channel], buses: &[Bus]) -> View {
+impl WatchScreen {
+    fn new(channels: &[Channel], buses: &[Bus]) -> WatchScreen {
         let count = channels.len() + buses.len();
         let terminal = std::io::stdout().is_terminal() && std::io::stderr().is_terminal();
         let rows = terminal.then(|| {
@@ -149,12 +149,12 @@ impl View {
             let rows = (0..count).map(row).collect();
             (screen, rows)
         });
-        View { rows, stale: vec![false; count], drawn: None }
+        WatchScreen { rows, stale: vec![false; count], drawn: None }
     }
 
     /// Something happened on a channel.
-    fn tell(&mut self, at: usize, channel: &Channel, news: News, event: &BoardEvent) {
-        if news == News::Nothing {
+    fn show_change(&mut self, at: usize, channel: &Channel, news: ActivityChange, event: &BoardEvent) {
+        if news == ActivityChange::Nothing {
             return;
         }
         if let Some(stale) = self.stale.get_mut(at) {
@@ -162,28 +162,30 @@ impl View {
         }
         if self.rows.is_none() {
             let what = match news {
-                News::First(level) | News::Change(level, _) => u8::from(level).to_string(),
-                News::Quantity(now) => match &channel.kind {
+                ActivityChange::First(level) | ActivityChange::Change(level, _) => {
+                    u8::from(level).to_string()
+                }
+                ActivityChange::Quantity(now) => match &channel.kind {
                     ChannelKind::Analog { unit } => quantity(now, unit),
                     ChannelKind::Count => quantity(now, ""),
                     ChannelKind::Digital => return,
                 },
-                News::Lost(reason) => loss(reason).to_owned(),
-                News::Returned => "back".to_owned(),
-                News::Dropped(count) => format!("{count} missed"),
-                News::Nothing => return,
+                ActivityChange::Lost(reason) => loss(reason).to_owned(),
+                ActivityChange::Returned => "back".to_owned(),
+                ActivityChange::Dropped(count) => format!("{count} missed"),
+                ActivityChange::Nothing => return,
             };
             output::print(&format!("{:>14}  {}  {what}\n", seconds(event.latest()), channel.name));
         }
     }
 
     /// Something passed on a bus.
-    fn pass(&mut self, at: usize, bus: &Bus, told: &str, when: Time) {
+    fn pass(&mut self, at: usize, bus: &Bus, text: &str, when: Time) {
         if let Some(stale) = self.stale.get_mut(at) {
             *stale = true;
         }
         if self.rows.is_none() {
-            output::print(&format!("{:>14}  {}  {told}\n", seconds(when), bus.name));
+            output::print(&format!("{:>14}  {}  {text}\n", seconds(when), bus.name));
         }
     }
 
@@ -209,7 +211,7 @@ impl View {
     }
 }
 
-impl Drop for View {
+impl Drop for WatchScreen {
     fn drop(&mut self) {
         if let Some((screen, rows)) = &self.rows {
             rows.iter().for_each(ProgressBar::finish_and_clear);

@@ -1,7 +1,7 @@
 //! `rig ctl frames`: what passes on the buses.
 
-use super::Stop;
-use super::orders;
+use super::CtlError;
+use super::commands;
 use super::show::{seconds, tell};
 use super::watch::host;
 use crate::exit::Exit;
@@ -39,7 +39,7 @@ pub struct FramesArgs {
 }
 
 /// Prints frames.
-pub fn run(client: &mut Client, args: &FramesArgs) -> Result<Exit, Stop> {
+pub fn run(client: &mut Client, args: &FramesArgs) -> Result<Exit, CtlError> {
     client.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Frames })?;
     let mut left = args.count.map(std::num::NonZeroU64::get);
     let mut take = |event: &Event| match event {
@@ -55,7 +55,7 @@ pub fn run(client: &mut Client, args: &FramesArgs) -> Result<Exit, Stop> {
         _ => true,
     };
     if let Some(by) = args.advance {
-        orders::lead(client, by, PIECE, |client| {
+        commands::advance_by(client, by, PIECE, |client| {
             let mut goes_on = true;
             while let Some(event) = client.next(Duration::ZERO)? {
                 goes_on = goes_on && take(&event);

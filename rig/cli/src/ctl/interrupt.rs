@@ -1,6 +1,6 @@
 //! Interrupts of commands that have something to undo. Others end by the signal itself.
 
-use super::Stop;
+use super::CtlError;
 use crate::exit::Exit;
 use crate::output;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,10 +12,10 @@ static INTERRUPT: AtomicBool = AtomicBool::new(false);
 ///
 /// # Errors
 /// They cannot be caught.
-pub fn catch() -> Result<impl Fn() -> bool, Stop> {
+pub fn catch() -> Result<impl Fn() -> bool, CtlError> {
     if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
-        output::complain(&format!("interrupts cannot be caught: {error}"));
-        return Err(Stop::Exit(Exit::Error));
+        output::error(&format!("interrupts cannot be caught: {error}"));
+        return Err(CtlError::Exit(Exit::Error));
     }
     Ok(|| INTERRUPT.load(Ordering::Relaxed))
 }

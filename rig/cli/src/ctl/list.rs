@@ -1,6 +1,6 @@
 //! `rig ctl list` and `rig ctl rigs`.
 
-use super::Stop;
+use super::CtlError;
 use super::show::{self, columns};
 use crate::exit::Exit;
 use crate::output;
@@ -28,7 +28,7 @@ impl ListArgs {
 }
 
 /// Lists points and signals.
-pub fn list(client: &mut Client, args: &ListArgs) -> Result<Exit, Stop> {
+pub fn list(client: &mut Client, args: &ListArgs) -> Result<Exit, CtlError> {
     let it: Description = client.ask(Ask::Describe)?;
     let points: Vec<&Point> = it.points.iter().filter(|one| args.takes(&point(one))).collect();
     let signals: Vec<&Signal> = it.signals.iter().filter(|one| args.takes(&signal(one))).collect();

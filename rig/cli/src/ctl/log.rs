@@ -1,6 +1,6 @@
 //! `rig ctl log`.
 
-use super::Stop;
+use super::CtlError;
 use super::show::{seconds, tell};
 use super::watch::host;
 use crate::exit::Exit;
@@ -28,7 +28,7 @@ pub struct LogArgs {
 }
 
 /// Prints the log so far, then what comes.
-pub fn run(client: &mut Client, args: &LogArgs) -> Result<Exit, Stop> {
+pub fn run(client: &mut Client, args: &LogArgs) -> Result<Exit, CtlError> {
     let begun: Subscribed = client.ask(Ask::Subscribe { topic: Topic::Log })?;
     let first = args.lines.map_or(0, |lines| begun.log.len().saturating_sub(lines));
     let mut open = begun.log.iter().skip(first).all(|line| tell(&shown(line.at, &line.text)));

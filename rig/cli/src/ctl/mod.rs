@@ -1,22 +1,22 @@
 //! `rig ctl`: a rig that runs, from a shell or a script.
 
+mod await_values;
+mod commands;
 mod frames;
-mod inside;
 mod interrupt;
 mod list;
 mod log;
-mod orders;
 mod plan;
 mod raw;
 mod show;
 mod status;
 mod value;
-mod wait;
+mod values;
 mod watch;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::rig_address::Reach;
+use crate::rig_address::RigAddress;
 use clap::{Args, Subcommand};
 use control::ClientError;
 
@@ -28,7 +28,7 @@ const NAME: &str = "rig ctl";
 pub struct CtlArgs {
     /// Which rig.
     #[command(flatten)]
-    pub reach: Reach,
+    pub address: RigAddress,
     /// What to do.
     #[command(subcommand)]
     pub command: CtlCommand,
@@ -48,20 +48,20 @@ pub enum CtlCommand {
     /// List what can be read: terminals, lines of the board, variables.
     List(list::ListArgs),
     /// Print values now.
-    Read(inside::ReadArgs),
+    Read(values::ReadArgs),
     /// Write variables, places in memory or lines of the board.
-    Write(inside::WriteArgs),
+    Write(values::WriteArgs),
     /// Force embedded inputs and outputs. They stay forced until they are released.
-    Force(inside::ForceArgs),
+    Force(values::ForceArgs),
     /// End forces.
-    Release(inside::ReleaseArgs),
+    Release(values::ReleaseArgs),
     /// Give the controller a command.
     #[command(flatten)]
-    Act(orders::ActCommand),
+    Act(commands::ControllerCommand),
     /// Print signals as they change.
     Watch(watch::WatchArgs),
     /// Wait until signals are what is asked for; exit with 1 if they are not in time.
-    Await(wait::AwaitArgs),
+    Await(await_values::AwaitArgs),
     /// Print the log.
     Log(log::LogArgs),
     /// Print the frames of the buses as they pass.
@@ -73,35 +73,35 @@ pub enum CtlCommand {
     /// End the plan that runs.
     Abort,
     /// Freeze what was commissioned: until it is unlocked nobody can write, force, command or run plans.
-    Lock(orders::LockArgs),
+    Lock(commands::LockArgs),
     /// End the lock.
     Unlock,
     /// Let time pass on a rig that was started with `--led`.
-    Advance(orders::AdvanceArgs),
+    Advance(commands::AdvanceArgs),
     /// Send lines of the protocol from standard input as they are, and print what the rig says.
     Raw(raw::RawArgs),
 }
 
 /// Why a command did not come to its end.
 #[derive(Debug)]
-pub enum Stop {
+pub enum CtlError {
     /// Something between client and rig.
     Client(ClientError),
     /// It ends so, and why was printed.
     Exit(Exit),
 }
 
-impl From<ClientError> for Stop {
-    fn from(error: ClientError) -> Stop {
-        Stop::Client(error)
+impl From<ClientError> for CtlError {
+    fn from(error: ClientError) -> CtlError {
+        CtlError::Client(error)
     }
 }
 
 /// Does what the command line asks.
 pub fn run(args: &CtlArgs) -> Exit {
     match try_run(args) {
-        Ok(exit) | Err(Stop::Exit(exit)) => exit,
-        Err(Stop::Client(error)) => {
+        Ok(exit) | Err(CtlError::Exit(exit)) => exit,
+        Err(CtlError::Client(error)) => {
             output::fault(&error.fault());
             exit_of(&error)
         }
@@ -123,13 +123,13 @@ pub fn exit_of(error: &ClientError) -> Exit {
     }
 }
 
-fn try_run(args: &CtlArgs) -> Result<Exit, Stop> {
+fn try_run(args: &CtlArgs) -> Result<Exit, CtlError> {
     match &args.command {
         CtlCommand::Rigs => return Ok(list::rigs()),
-        CtlCommand::Raw(raw) => return raw::run(&args.reach, raw),
+        CtlCommand::Raw(raw) => return raw::run(&args.address, raw),
         _ => {}
     }
-    let mut client = args.reach.connect(NAME)?;
+    let mut client = args.address.connect(NAME)?;
     let client = &mut client;
     match &args.command {
         // Done above, without a client that says hello by itself.
@@ -138,20 +138,20 @@ fn try_run(args: &CtlArgs) -> Result<Exit, Stop> {
         CtlCommand::Status(args) => status::status(client, args),
         CtlCommand::Describe(args) => status::describe(client, args),
         CtlCommand::List(args) => list::list(client, args),
-        CtlCommand::Read(args) => inside::read(client, args),
-        CtlCommand::Write(args) => inside::write(client, args),
-        CtlCommand::Force(args) => inside::force(client, args),
-        CtlCommand::Release(args) => inside::release(client, args),
-        CtlCommand::Act(command) => orders::act(client, command),
+        CtlCommand::Read(args) => values::read(client, args),
+        CtlCommand::Write(args) => values::write(client, args),
+        CtlCommand::Force(args) => values::force(client, args),
+        CtlCommand::Release(args) => values::release(client, args),
+        CtlCommand::Act(command) => commands::act(client, command),
         CtlCommand::Watch(args) => watch::run(client, args),
-        CtlCommand::Await(args) => wait::run(client, args),
+        CtlCommand::Await(args) => await_values::run(client, args),
         CtlCommand::Log(args) => log::run(client, args),
         CtlCommand::Frames(args) => frames::run(client, args),
         CtlCommand::Plans(args) => plan::list(client, args),
         CtlCommand::Plan(args) => plan::run(client, args),
-        CtlCommand::Abort => orders::abort(client),
-        CtlCommand::Lock(args) => orders::lock(client, args),
-        CtlCommand::Unlock => orders::unlock(client),
-        CtlCommand::Advance(args) => orders::advance(client, args),
+        CtlCommand::Abort => commands::abort(client),
+        CtlCommand::Lock(args) => commands::lock(client, args),
+        CtlCommand::Unlock => commands::unlock(client),
+        CtlCommand::Advance(args) => commands::advance(client, args),
     }
 }

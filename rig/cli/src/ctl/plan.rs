@@ -1,7 +1,7 @@
 //! `rig ctl plans` and `rig ctl plan`: cases on the board of a rig that runs.
 
 use super::show::{seconds, tell};
-use super::{Stop, interrupt, orders};
+use super::{CtlError, commands, interrupt};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
@@ -26,7 +26,7 @@ pub struct PlansArgs {
 }
 
 /// Lists cases.
-pub fn list(client: &mut Client, args: &PlansArgs) -> Result<Exit, Stop> {
+pub fn list(client: &mut Client, args: &PlansArgs) -> Result<Exit, CtlError> {
     let known: Plans = client.ask_within(Ask::Plans { path: args.path.clone() }, PATIENCE)?;
     known.plans.iter().for_each(|name| output::print(&format!("{name}\n")));
     Ok(if known.plans.is_empty() { Exit::UserFiles } else { Exit::Passed })
@@ -46,13 +46,13 @@ pub struct PlanArgs {
 }
 
 /// Runs a plan and tells of it; an interrupt ends it.
-pub fn run(client: &mut Client, args: &PlanArgs) -> Result<Exit, Stop> {
-    orders::confirm(client, args.yes, &format!("run {}", args.name))?;
+pub fn run(client: &mut Client, args: &PlanArgs) -> Result<Exit, CtlError> {
+    commands::confirm(client, args.yes, &format!("run {}", args.name))?;
     let interrupted = interrupt::catch()?;
     client.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Plan })?;
     client.ask_within::<Done>(Ask::Plan { name: args.name.clone() }, PATIENCE)?;
     let mut aborted = false;
-    let mut course = Course::default();
+    let mut text_of_plan = PlanText::default();
     loop {
         if interrupted() && !aborted {
             aborted = true;
@@ -61,7 +61,7 @@ pub fn run(client: &mut Client, args: &PlanArgs) -> Result<Exit, Stop> {
         }
         match client.next(LOOK_UP)? {
             Some(Event::Plan { told, .. }) => {
-                tell(&if args.json { format!("{}\n", json!(told)) } else { course.shown(&told) });
+                tell(&if args.json { format!("{}\n", json!(told)) } else { text_of_plan.shown(&told) });
                 if let PlanEvent::Over { verdict, .. } = told {
                     return Ok(if aborted { Exit::Interrupted } else { exit_of(&verdict) });
                 }
@@ -80,11 +80,11 @@ fn exit_of(verdict: &str) -> Exit {
 
 /// What is known of the case that runs.
 #[derive(Debug, Default)]
-struct Course {
+struct PlanText {
     steps: Vec<(String, String)>,
 }
 
-impl Course {
+impl PlanText {
     /// What was told, for a person.
     fn shown(&mut self, told: &PlanEvent) -> String {
         match told {
@@ -156,18 +156,18 @@ mod tests {
 
     #[test]
     fn the_course_of_a_case_is_told() {
-        let mut course = Course::default();
+        let mut text_of_plan = PlanText::default();
         let case = PlanEvent::Case {
             name: "lamp".to_owned(),
             place: (1, 2),
             steps: vec![("press".to_owned(), "set I0 to TRUE".to_owned())],
             claims: Vec::new(),
         };
-        assert_eq!(course.shown(&case), "lamp (1 of 2)\n");
+        assert_eq!(text_of_plan.shown(&case), "lamp (1 of 2)\n");
         let step = |step, done| PlanEvent::Step { step, at: 2_000_000, done };
-        assert_eq!(course.shown(&step(0, false)), "");
-        assert_eq!(course.shown(&step(0, true)), "      0.002000 s  press  set I0 to TRUE\n");
-        assert_eq!(course.shown(&step(9, true)), "      0.002000 s\n");
+        assert_eq!(text_of_plan.shown(&step(0, false)), "");
+        assert_eq!(text_of_plan.shown(&step(0, true)), "      0.002000 s  press  set I0 to TRUE\n");
+        assert_eq!(text_of_plan.shown(&step(9, true)), "      0.002000 s\n");
         let measured = Measured {
             name: "delay".to_owned(),
             value: Some((9.5, 10.5)),
@@ -187,7 +187,7 @@ mod tests {
             measured: vec![measured],
         };
         assert_eq!(
-            course.shown(&verdict),
+            text_of_plan.shown(&verdict),
             "  fail: b: dark\n  inconclusive: delay: 9.5 .. 10.5 ms in .. 10\nfail: lamp: it stayed dark\n"
         );
     }

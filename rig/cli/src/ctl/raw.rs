@@ -1,10 +1,10 @@
 //! `rig ctl raw`: the protocol as it is.
 
 use super::show::tell;
-use super::{Stop, exit_of};
+use super::{CtlError, exit_of};
 use crate::exit::Exit;
 use crate::output;
-use crate::rig_address::Reach;
+use crate::rig_address::RigAddress;
 use clap::Args;
 use control::ClientError;
 use serde_json::Value as Json;
@@ -22,8 +22,8 @@ pub struct RawArgs {
 }
 
 /// Sends lines and prints lines. The rig answers all that it was asked and closes when nothing more comes.
-pub fn run(reach: &Reach, args: &RawArgs) -> Result<Exit, Stop> {
-    let rig = reach.meet()?;
+pub fn run(address: &RigAddress, args: &RawArgs) -> Result<Exit, CtlError> {
+    let rig = address.open()?;
     let socket = rig.socket().to_owned();
     let unreachable = |error: std::io::Error| ClientError::Unreachable(socket.clone(), error.kind());
     // Its greeting was taken to see that it is a rig, so this connection begins anew.
@@ -53,7 +53,7 @@ fn send(mut stream: UnixStream, follow: bool) {
 }
 
 /// Prints what the rig says until it closes.
-fn receive(stream: UnixStream, socket: &Path) -> Result<Exit, Stop> {
+fn receive(stream: UnixStream, socket: &Path) -> Result<Exit, CtlError> {
     let mut refused = false;
     for line in BufReader::new(stream).split(b'\n') {
         let line = match line {

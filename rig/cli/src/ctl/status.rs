@@ -1,6 +1,6 @@
 //! `rig ctl state`, `status` and `describe`.
 
-use super::Stop;
+use super::CtlError;
 use super::show::{self, columns, percent, seconds, span};
 use crate::exit::Exit;
 use crate::output;
@@ -16,14 +16,14 @@ pub struct StatusArgs {
 }
 
 /// Prints the state.
-pub fn state(client: &mut Client) -> Result<Exit, Stop> {
+pub fn state(client: &mut Client) -> Result<Exit, CtlError> {
     let status: Status = client.ask(Ask::Status)?;
     output::print(&format!("{}\n", status.state));
     Ok(Exit::Passed)
 }
 
 /// Prints how the rig is.
-pub fn status(client: &mut Client, args: &StatusArgs) -> Result<Exit, Stop> {
+pub fn status(client: &mut Client, args: &StatusArgs) -> Result<Exit, CtlError> {
     if args.json {
         show::json(&client.ask(Ask::Status)?);
         return Ok(Exit::Passed);
@@ -117,7 +117,7 @@ fn tasks(known: &[TaskInfo], now: &[TaskStatus]) -> Vec<Vec<String>> {
 }
 
 /// Prints what the rig is.
-pub fn describe(client: &mut Client, args: &StatusArgs) -> Result<Exit, Stop> {
+pub fn describe(client: &mut Client, args: &StatusArgs) -> Result<Exit, CtlError> {
     if args.json {
         show::json(&client.ask(Ask::Describe)?);
         return Ok(Exit::Passed);

@@ -1,6 +1,6 @@
 //! Values as they are typed: `TRUE`, `42`, `16#FF`, `T#500ms`, `500 mV`, `RUNNING`. They are those of plans.
 
-use super::Stop;
+use super::CtlError;
 use crate::exit::Exit;
 use crate::output;
 use control::{Ask, Client, Description, SignalKind, WireValue};
@@ -9,14 +9,14 @@ use plans::Literal;
 use signal::{Kind, SignalInfo, Value};
 
 /// Why words give no value.
-pub fn refuse(words: &str, why: &str, help: &str) -> Stop {
+pub fn refuse(words: &str, why: &str, help: &str) -> CtlError {
     let found = Diagnostic::error("R0649", format!("`{words}` gives no value: {why}"));
     output::findings(&[found.help(help)], &[]);
-    Stop::Exit(Exit::UserFiles)
+    CtlError::Exit(Exit::UserFiles)
 }
 
 /// Reads `NAME=VALUE`.
-pub fn pair(client: &mut Client, words: &str) -> Result<(String, WireValue), Stop> {
+pub fn pair(client: &mut Client, words: &str) -> Result<(String, WireValue), CtlError> {
     match words.split_once('=') {
         Some((name, text)) if !name.trim().is_empty() => {
             Ok((name.trim().to_owned(), of(client, name.trim(), words, text)?))
@@ -26,7 +26,7 @@ pub fn pair(client: &mut Client, words: &str) -> Result<(String, WireValue), Sto
 }
 
 /// Reads the value of a name. The rig is asked for what it means only where units and labels matter.
-pub fn of(client: &mut Client, name: &str, words: &str, text: &str) -> Result<WireValue, Stop> {
+pub fn of(client: &mut Client, name: &str, words: &str, text: &str) -> Result<WireValue, CtlError> {
     let help = "write a number, TRUE, 16#0010, T#500ms, a quantity such as '24 V', the name of a state, or Z";
     let literal = Literal::parse(text).map_err(|why| refuse(words, &why.to_string(), help))?;
     if let Some(value) = literal.value() {

@@ -1,7 +1,7 @@
 //! `rig ctl watch`: signals as they change.
 
-use super::Stop;
-use super::orders;
+use super::CtlError;
+use super::commands;
 use super::show::{self, field, quoted, seconds, tell};
 use crate::exit::Exit;
 use crate::output;
@@ -54,25 +54,25 @@ pub fn host(span: Span) -> Duration {
 }
 
 /// Prints the present values, then changes.
-pub fn run(client: &mut Client, args: &WatchArgs) -> Result<Exit, Stop> {
+pub fn run(client: &mut Client, args: &WatchArgs) -> Result<Exit, CtlError> {
     let topic =
         Topic::Signals { names: args.names.clone(), every_ms: milliseconds(args.every), all: args.all };
     let begun: Subscribed = client.ask(Ask::Subscribe { topic })?;
-    let mut view = View {
-        form: Form::of(args),
+    let mut view = WatchOutput {
+        form: WatchFormat::of(args),
         signals: begun.signals,
         left: args.count.map(std::num::NonZeroU64::get),
         missed: 0,
         wide: 0,
     };
     view.wide = view.signals.iter().map(|signal| signal.name.chars().count()).max().unwrap_or_default();
-    let mut open = view.form != Form::Csv || tell("earliest_ns,latest_ns,signal,value\n");
+    let mut open = view.form != WatchFormat::Csv || tell("earliest_ns,latest_ns,signal,value\n");
     open &= view.changes(&begun.values, false);
     if !open {
         return Ok(Exit::Passed);
     }
     if let Some(by) = args.advance {
-        orders::lead(client, by, args.every.max(Span::from_millis(100)), |client| {
+        commands::advance_by(client, by, args.every.max(Span::from_millis(100)), |client| {
             let mut goes_on = true;
             // What the piece brought stands before its answer.
             while let Some(event) = client.next(Duration::ZERO)? {
@@ -103,24 +103,24 @@ pub fn run(client: &mut Client, args: &WatchArgs) -> Result<Exit, Stop> {
 
 /// How changes are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
+enum WatchFormat {
     Text,
     Csv,
     Json,
 }
 
-impl Form {
-    const fn of(args: &WatchArgs) -> Form {
+impl WatchFormat {
+    const fn of(args: &WatchArgs) -> WatchFormat {
         match (args.csv, args.json) {
-            (true, _) => Form::Csv,
-            (_, true) => Form::Json,
-            _ => Form::Text,
+            (true, _) => WatchFormat::Csv,
+            (_, true) => WatchFormat::Json,
+            _ => WatchFormat::Text,
         }
     }
 }
 
-struct View {
-    form: Form,
+struct WatchOutput {
+    form: WatchFormat,
     signals: Vec<Signal>,
     /// Changes that are still to come, where they are counted.
     left: Option<u64>,
@@ -128,7 +128,7 @@ struct View {
     wide: usize,
 }
 
-impl View {
+impl WatchOutput {
     /// Prints what an event brings; `false` where nothing more is wanted.
     fn event(&mut self, event: &Event) -> bool {
         match event {
@@ -156,15 +156,20 @@ impl View {
 }
 
 /// A change as a line.
-fn line(form: Form, signal: &Signal, Change(_, earliest, latest, value): &Change, wide: usize) -> String {
+fn line(
+    form: WatchFormat,
+    signal: &Signal,
+    Change(_, earliest, latest, value): &Change,
+    wide: usize,
+) -> String {
     let WireValue(now) = *value;
     match form {
-        Form::Text => {
+        WatchFormat::Text => {
             let shown = show::value(now, signal);
             format!("{:>16}  {:wide$}  {shown}\n", seconds(*latest), signal.name)
         }
-        Form::Csv => format!("{earliest},{latest},{},{}\n", quoted(&signal.name), field(now)),
-        Form::Json => {
+        WatchFormat::Csv => format!("{earliest},{latest},{},{}\n", quoted(&signal.name), field(now)),
+        WatchFormat::Json => {
             let object =
                 json!({ "earliest": earliest, "latest": latest, "name": signal.name, "value": value });
             format!("{object}\n")
@@ -189,10 +194,13 @@ mod tests {
             writable: false,
         };
         let change = Change(3, 1_000, 2_000_000_000, WireValue(Value::Real(1.5)));
-        assert_eq!(line(Form::Text, &signal, &change, 12), "      2.000000 s  tank, left    1.5 bar\n");
-        assert_eq!(line(Form::Csv, &signal, &change, 0), "1000,2000000000,\"tank, left\",1.5\n");
         assert_eq!(
-            line(Form::Json, &signal, &change, 0),
+            line(WatchFormat::Text, &signal, &change, 12),
+            "      2.000000 s  tank, left    1.5 bar\n"
+        );
+        assert_eq!(line(WatchFormat::Csv, &signal, &change, 0), "1000,2000000000,\"tank, left\",1.5\n");
+        assert_eq!(
+            line(WatchFormat::Json, &signal, &change, 0),
             "{\"earliest\":1000,\"latest\":2000000000,\"name\":\"tank, left\",\"value\":1.5}\n"
         );
     }

@@ -1,21 +1,21 @@
 //! `rig dash`: the dashboard on this terminal.
 
-mod decoder;
+mod dbc_decoder;
 mod demonstration;
-mod recordings;
+mod trend_files;
 
 use crate::ctl;
 use crate::exit::Exit;
 use crate::output;
-use crate::rig_address::Reach;
+use crate::rig_address::RigAddress;
 use clap::Args;
-use dash::glyphs::Look;
+use dash::glyphs::TerminalFeatures;
 use demonstration::Demonstration;
 use document::Diagnostic;
-use recordings::Recordings;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use trend_files::HostTrendFiles;
 
 /// Set by the signals that end programs: the terminal is given back, and the rig does what its board file says.
 static END: AtomicBool = AtomicBool::new(false);
@@ -32,7 +32,7 @@ leave."
 pub struct DashArgs {
     /// Which rig.
     #[command(flatten)]
-    reach: Reach,
+    address: RigAddress,
     /// Draw with the characters of ASCII alone. Without this it is so where LANG, LC_ALL or TERM say that the terminal has
     /// no others.
     #[arg(long)]
@@ -50,10 +50,10 @@ pub fn run(args: &DashArgs) -> Exit {
         return Exit::UserFiles;
     }
     if let Err(error) = ctrlc::set_handler(|| END.store(true, Ordering::Relaxed)) {
-        output::complain(&format!("interrupts cannot be caught: {error}"));
+        output::error(&format!("interrupts cannot be caught: {error}"));
         return Exit::Error;
     }
-    let wanted = args.reach.board.as_ref().is_some_and(|board| board.as_os_str() == DEMONSTRATION);
+    let wanted = args.address.board.as_ref().is_some_and(|board| board.as_os_str() == DEMONSTRATION);
     if !wanted {
         return attach(args);
     }
@@ -68,7 +68,7 @@ pub fn run(args: &DashArgs) -> Exit {
 
 /// A rig that runs. One that is not there now is told before the screen is taken.
 fn attach(args: &DashArgs) -> Exit {
-    match args.reach.connect("rig dash") {
+    match args.address.connect("rig dash") {
         Ok(client) => show(args, client.socket().to_owned(), false),
         Err(error) => {
             output::fault(&error.fault());
@@ -77,25 +77,25 @@ fn attach(args: &DashArgs) -> Exit {
     }
 }
 
-fn show(args: &DashArgs, socket: PathBuf, own: bool) -> Exit {
-    let mut look = Look::of_environment(|name| std::env::var(name).ok());
-    look.utf8 &= !args.ascii;
-    look.color = output::color_on_screen(look.color);
-    let setting = dash::Setting {
+fn show(args: &DashArgs, socket: PathBuf, owns_rig: bool) -> Exit {
+    let mut features = TerminalFeatures::of_environment(|name| std::env::var(name).ok());
+    features.utf8 &= !args.ascii;
+    features.color = output::color_on_screen(features.color);
+    let settings = dash::DashboardSettings {
         socket,
-        files: Box::new(Recordings),
-        look,
+        files: Box::new(HostTrendFiles),
+        features,
         mouse: !args.no_mouse,
-        own,
+        owns_rig,
         stop: &END,
         suspend: host::stop_here,
     };
-    let shown = dash::run(setting);
+    let shown = dash::run(settings);
     match shown {
         _ if END.load(Ordering::Relaxed) => Exit::Interrupted,
         Ok(()) => Exit::Passed,
         Err(error) => {
-            output::complain(&format!("the terminal is lost: {error}"));
+            output::error(&format!("the terminal is lost: {error}"));
             Exit::Error
         }
     }

@@ -2,7 +2,7 @@
 
 /// How good a thing is for real lines, best first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum State {
+pub enum CheckState {
     /// As it should be.
     Good,
     /// Nothing that real lines need, or nothing that can be told.
@@ -13,14 +13,14 @@ pub enum State {
     Bad,
 }
 
-impl State {
+impl CheckState {
     /// The word that everybody reads.
     pub const fn word(self) -> &'static str {
         match self {
-            State::Good => "good",
-            State::Open => "-",
-            State::Poor => "poor",
-            State::Bad => "bad",
+            CheckState::Good => "good",
+            CheckState::Open => "-",
+            CheckState::Poor => "poor",
+            CheckState::Bad => "bad",
         }
     }
 }
@@ -33,40 +33,40 @@ pub struct Check {
     /// What it is.
     pub name: &'static str,
     /// How good it is.
-    pub state: State,
+    pub state: CheckState,
     /// What was found.
     pub found: String,
     /// What follows from it, where it is not good.
     pub means: &'static str,
     /// The line to type.
-    pub mend: Option<String>,
+    pub fix: Option<String>,
     /// What has to be done behind it, or what no line can do, as in `log in again`.
     pub then: String,
 }
 
 impl Check {
-    fn new(state: State, group: &'static str, name: &'static str, found: String) -> Check {
-        Check { group, name, state, found, means: "", mend: None, then: String::new() }
+    fn new(state: CheckState, group: &'static str, name: &'static str, found: String) -> Check {
+        Check { group, name, state, found, means: "", fix: None, then: String::new() }
     }
 
     /// A thing that is as it should be.
     pub fn good(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
-        Check::new(State::Good, group, name, found.into())
+        Check::new(CheckState::Good, group, name, found.into())
     }
 
     /// A thing that is not there and need not be, or that cannot be told.
     pub fn open(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
-        Check::new(State::Open, group, name, found.into())
+        Check::new(CheckState::Open, group, name, found.into())
     }
 
     /// A thing that works, with a drawback.
     pub fn poor(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
-        Check::new(State::Poor, group, name, found.into())
+        Check::new(CheckState::Poor, group, name, found.into())
     }
 
     /// A thing without which real lines cannot be used, or not in time.
     pub fn bad(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
-        Check::new(State::Bad, group, name, found.into())
+        Check::new(CheckState::Bad, group, name, found.into())
     }
 
     /// What follows from it.
@@ -78,8 +78,8 @@ impl Check {
 
     /// The line to type that mends it.
     #[must_use]
-    pub fn mend(mut self, line: impl Into<String>) -> Check {
-        self.mend = Some(line.into());
+    pub fn fix(mut self, line: impl Into<String>) -> Check {
+        self.fix = Some(line.into());
         self
     }
 

@@ -1,6 +1,6 @@
 //! The devices of this machine that a board can be made of, and whether this user may use them.
 
-use super::check::{Check, State};
+use super::check::{Check, CheckState};
 use drivers::{BusState, can};
 use host::Machine;
 
@@ -14,7 +14,7 @@ const CAN: &str = "280";
 const GPIO_V2: (u32, u32) = (5, 10);
 
 /// A kind of device that programs open by a node or a file.
-struct Kind {
+struct DeviceClass {
     name: &'static str,
     /// Where they are listed, and how their names begin.
     folder: &'static str,
@@ -26,8 +26,8 @@ struct Kind {
     group: &'static str,
 }
 
-const KINDS: &[Kind] = &[
-    Kind {
+const KINDS: &[DeviceClass] = &[
+    DeviceClass {
         name: "GPIO",
         folder: "/dev",
         prefix: "gpiochip",
@@ -35,7 +35,7 @@ const KINDS: &[Kind] = &[
         subsystem: "gpio",
         group: "gpio",
     },
-    Kind {
+    DeviceClass {
         name: "SPI",
         folder: "/dev",
         prefix: "spidev",
@@ -43,7 +43,7 @@ const KINDS: &[Kind] = &[
         subsystem: "spidev",
         group: "spi",
     },
-    Kind {
+    DeviceClass {
         name: "serial",
         folder: "/dev/serial/by-id",
         prefix: "",
@@ -51,7 +51,7 @@ const KINDS: &[Kind] = &[
         subsystem: "tty",
         group: "dialout",
     },
-    Kind {
+    DeviceClass {
         name: "ADC",
         folder: "/sys/bus/iio/devices",
         prefix: "iio:device",
@@ -59,7 +59,7 @@ const KINDS: &[Kind] = &[
         subsystem: "iio",
         group: "iio",
     },
-    Kind {
+    DeviceClass {
         name: "counter",
         folder: "/dev",
         prefix: "counter",
@@ -67,7 +67,7 @@ const KINDS: &[Kind] = &[
         subsystem: "counter",
         group: "gpio",
     },
-    Kind {
+    DeviceClass {
         name: "PWM",
         folder: "/sys/class/pwm",
         prefix: "pwmchip",
@@ -84,7 +84,7 @@ pub fn checks(machine: &Machine) -> Vec<Check> {
     checks
 }
 
-fn devices(machine: &Machine, kind: &Kind) -> Check {
+fn devices(machine: &Machine, kind: &DeviceClass) -> Check {
     let names = machine.list(kind.folder, kind.prefix);
     let gpio = kind.subsystem == "gpio";
     if names.is_empty() {
@@ -92,7 +92,7 @@ fn devices(machine: &Machine, kind: &Kind) -> Check {
             () if gpio => Check::bad(GROUP, kind.name, "none")
                 .means("there are no lines here: plans run on the simulated board, and on no other"),
             () if kind.subsystem == "spidev" && machine.has("/boot/firmware/config.txt") => {
-                Check::open(GROUP, kind.name, "none").mend("sudo raspi-config nonint do_spi 0")
+                Check::open(GROUP, kind.name, "none").fix("sudo raspi-config nonint do_spi 0")
             }
             () => Check::open(GROUP, kind.name, "none"),
         };
@@ -106,8 +106,8 @@ fn devices(machine: &Machine, kind: &Kind) -> Check {
             } else {
                 Check::poor(GROUP, kind.name, found).means("the rig may not use it")
             };
-            let (mend, then) = grant(machine, &file(refused), kind.subsystem, kind.group);
-            check = check.mend(mend).then(then);
+            let (fix, then) = grant(machine, &file(refused), kind.subsystem, kind.group);
+            check = check.fix(fix).then(then);
             check
         }
         None if gpio && version(machine).is_some_and(|version| version < GPIO_V2) => {
@@ -169,8 +169,8 @@ fn can(machine: &Machine) -> Check {
         None => can_up(machine, &names),
         Some(down) => {
             let mut check = Check::good(GROUP, NAME, format!("{}; {down} is switched off", names.join(", ")));
-            check.state = State::Open;
-            check.mend(format!("sudo ip link set {down} up type can bitrate 500000"))
+            check.state = CheckState::Open;
+            check.fix(format!("sudo ip link set {down} up type can bitrate 500000"))
         }
     }
 }
@@ -187,7 +187,7 @@ fn can_up(machine: &Machine, names: &[String]) -> Check {
         None => Check::good(GROUP, NAME, words.join("; ")),
         Some(off) => Check::poor(GROUP, NAME, words.join("; "))
             .means("nothing passes there before its controller is started again")
-            .mend(format!("sudo ip link set {} type can restart", off.name))
+            .fix(format!("sudo ip link set {} type can restart", off.name))
             .then("look at bit rate, termination and cable: somebody made it give up"),
     }
 }

@@ -23,8 +23,8 @@ pub fn counts(file: &BoardFile) -> Option<Check> {
     if spec.gpio.lines.is_empty() {
         return None;
     }
-    let mend = format!("rig bench counts {}", file.name);
-    let open = |found: String| Some(Check::open(GROUP, NAME, found).mend(mend.clone()));
+    let fix = format!("rig bench counts {}", file.name);
+    let open = |found: String| Some(Check::open(GROUP, NAME, found).fix(fix.clone()));
     let Some(folder) = figures::folder() else { return open(String::from("nothing can be kept")) };
     let kept = match figures::kept(&folder, figures::COUNTS, &figures::devices(file)) {
         Ok(Some(kept)) => kept,
@@ -44,7 +44,7 @@ pub fn counts(file: &BoardFile) -> Option<Check> {
             let name = name.map_or("", |channel| channel.name.as_str());
             let check =
                 Check::poor(GROUP, NAME, format!("{found}; the board file promises {hz} Hz of `{name}`"));
-            check.means("counts of faster pulses may be wrong, and nobody is told").mend(mend)
+            check.means("counts of faster pulses may be wrong, and nobody is told").fix(fix)
         }
         _ => Check::good(GROUP, NAME, found),
     })
@@ -53,7 +53,7 @@ pub fn counts(file: &BoardFile) -> Option<Check> {
 fn latency(machine: &Machine) -> Check {
     const NAME: &str = "wake-up latency";
     const MEND: &str = "rig bench latency --count 100000";
-    let open = |found: String| Check::open(GROUP, NAME, found).mend(MEND);
+    let open = |found: String| Check::open(GROUP, NAME, found).fix(MEND);
     let Some(folder) = figures::folder() else {
         return open(String::from("nothing can be kept: neither XDG_STATE_HOME nor HOME names a folder"));
     };

@@ -40,14 +40,14 @@ fn kind(machine: &Machine) -> Check {
     };
     // Kernels of Raspberry Pi OS name the board, whatever the distribution calls itself.
     let mended = if release.contains("-rpi-") && machine.architecture() == "aarch64" {
-        check.mend(
+        check.fix(
             "sudo apt install linux-image-rpi-v8-rt && echo kernel=kernel8_rt.img | \
              sudo tee -a /boot/firmware/config.txt",
         )
     } else if like.contains("ubuntu") {
-        check.mend("sudo pro attach && sudo pro enable realtime-kernel")
+        check.fix("sudo pro attach && sudo pro enable realtime-kernel")
     } else if let (true, Some(package)) = (like.contains("debian"), debian) {
-        check.mend(format!("sudo apt install {package}"))
+        check.fix(format!("sudo apt install {package}"))
     } else {
         return check;
     };
@@ -102,7 +102,7 @@ fn throttling(machine: &Machine) -> Check {
             let (share, period) = (share / 1_000, period / 1_000);
             Check::poor(GROUP, NAME, format!("real-time threads may run {share} ms of every {period} ms"))
                 .means("a program that uses up its share is held up for the rest of it")
-                .mend(
+                .fix(
                     "echo kernel.sched_rt_runtime_us=-1 | sudo tee /etc/sysctl.d/90-rig.conf && \
                      sudo sysctl -p /etc/sysctl.d/90-rig.conf",
                 )
@@ -142,7 +142,7 @@ pub fn boot_parameter(machine: &Machine, check: Check, parameter: &str, further:
         }),
     };
     match line {
-        Some(line) => check.mend(line).then(format!("start the machine anew{further}")),
+        Some(line) => check.fix(line).then(format!("start the machine anew{further}")),
         None => check.then(format!(
             "let your boot loader give `{parameter}` to the kernel, and start the machine anew{further}"
         )),

@@ -1,5 +1,6 @@
 //! `rig doctor`: what this machine can do on real lines, and the line to type where it cannot.
 
+mod board_devices;
 mod check;
 mod devices;
 mod figures;
@@ -8,12 +9,11 @@ mod privileges;
 mod processors;
 mod safety;
 mod settings;
-mod used;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::output::Format;
-use check::{Check, State};
+use crate::output::OutputFormat;
+use check::{Check, CheckState};
 use clap::Args;
 use host::Machine;
 use serde_json::json;
@@ -33,7 +33,7 @@ pub struct DoctorArgs {
     board: Option<PathBuf>,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    format: OutputFormat,
     /// Look at the machine whose files stand below this folder.
     #[arg(long, value_name = "DIR", hide = true)]
     root: Option<PathBuf>,
@@ -53,33 +53,33 @@ pub fn run(args: &DoctorArgs) -> Exit {
     ];
     let mut checks = groups.iter().flat_map(|group| group(&machine)).collect::<Vec<_>>();
     if let Some(board) = &args.board {
-        match used::devices(board) {
+        match board_devices::devices(board) {
             Ok(mut used) => {
-                used::judge(&mut checks, &used, &machine);
-                used::measured(&mut checks, &mut used, &machine);
+                board_devices::judge(&mut checks, &used, &machine);
+                board_devices::measured(&mut checks, &mut used, &machine);
             }
             Err(exit) => return exit,
         }
     }
-    let worst = checks.iter().map(|check| check.state).max().unwrap_or(State::Open);
+    let worst = checks.iter().map(|check| check.state).max().unwrap_or(CheckState::Open);
     match args.format {
-        Format::Table => output::print(&table(&checks, worst)),
-        Format::Json => output::print(&format!("{:#}\n", document(&machine, &checks, worst))),
+        OutputFormat::Table => output::print(&table(&checks, worst)),
+        OutputFormat::Json => output::print(&format!("{:#}\n", document(&machine, &checks, worst))),
     }
     match worst {
-        State::Good | State::Open => Exit::Passed,
-        State::Poor => Exit::Inconclusive,
-        State::Bad => Exit::Failed,
+        CheckState::Good | CheckState::Open => Exit::Passed,
+        CheckState::Poor => Exit::Inconclusive,
+        CheckState::Bad => Exit::Failed,
     }
 }
 
 /// The names of what is in a state.
-fn names(checks: &[Check], state: State) -> Vec<&'static str> {
+fn names(checks: &[Check], state: CheckState) -> Vec<&'static str> {
     checks.iter().filter(|check| check.state == state).map(|check| check.name).collect()
 }
 
 /// For a person: group by group, with what to type.
-fn table(checks: &[Check], worst: State) -> String {
+fn table(checks: &[Check], worst: CheckState) -> String {
     let mut text = String::new();
     let mut group = "";
     for check in checks {
@@ -91,43 +91,43 @@ fn table(checks: &[Check], worst: State) -> String {
         if !check.means.is_empty() {
             let _ = writeln!(text, "        {}", check.means);
         }
-        if let Some(mend) = &check.mend {
-            let _ = writeln!(text, "        $ {mend}");
+        if let Some(fix) = &check.fix {
+            let _ = writeln!(text, "        $ {fix}");
         }
         if !check.then.is_empty() {
-            let then = if check.mend.is_some() { "then " } else { "" };
+            let then = if check.fix.is_some() { "then " } else { "" };
             let _ = writeln!(text, "        {then}{}", check.then);
         }
     }
-    let (bad, poor) = (names(checks, State::Bad), names(checks, State::Poor));
+    let (bad, poor) = (names(checks, CheckState::Bad), names(checks, CheckState::Poor));
     let _ = match worst {
-        State::Bad => writeln!(text, "not fit for real lines: {}", bad.join(", ")),
-        State::Poor => writeln!(text, "fit for real lines, with drawbacks: {}", poor.join(", ")),
-        State::Good | State::Open => writeln!(text, "fit for real lines"),
+        CheckState::Bad => writeln!(text, "not fit for real lines: {}", bad.join(", ")),
+        CheckState::Poor => writeln!(text, "fit for real lines, with drawbacks: {}", poor.join(", ")),
+        CheckState::Good | CheckState::Open => writeln!(text, "fit for real lines"),
     };
     text
 }
 
 /// For a program.
-fn document(machine: &Machine, checks: &[Check], worst: State) -> serde_json::Value {
+fn document(machine: &Machine, checks: &[Check], worst: CheckState) -> serde_json::Value {
     let verdict = match worst {
-        State::Bad => "unfit",
-        State::Poor => "drawbacks",
-        State::Good | State::Open => "fit",
+        CheckState::Bad => "unfit",
+        CheckState::Poor => "drawbacks",
+        CheckState::Good | CheckState::Open => "fit",
     };
     let identity: serde_json::Map<String, serde_json::Value> =
         machine.identity().into_iter().map(|(name, text)| (name, text.into())).collect();
     let checks: Vec<serde_json::Value> = checks
         .iter()
         .map(|check| {
-            let state = if check.state == State::Open { "open" } else { check.state.word() };
+            let state = if check.state == CheckState::Open { "open" } else { check.state.word() };
             json!({
                 "group": check.group,
                 "name": check.name,
                 "state": state,
                 "found": check.found,
                 "means": check.means,
-                "mend": check.mend,
+                "mend": check.fix,
                 "then": check.then,
             })
         })

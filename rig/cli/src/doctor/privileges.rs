@@ -46,7 +46,7 @@ fn priority(machine: &Machine) -> Check {
     let refused = |found: String| {
         Check::bad(GROUP, NAME, found)
             .means("without real-time priority any program can hold up the scan")
-            .mend(LIMITS)
+            .fix(LIMITS)
             .then("log in again")
     };
     let allowed =
@@ -63,7 +63,7 @@ fn priority(machine: &Machine) -> Check {
         (_, Some(most)) if most > u64::from(SCAN) => {
             Check::poor(GROUP, NAME, format!("SCHED_FIFO up to {most}"))
                 .means("the guard cannot go before everything else with a priority of 99")
-                .mend(LIMITS)
+                .fix(LIMITS)
                 .then("log in again")
         }
         (_, Some(0)) => refused(String::from("SCHED_FIFO is not allowed")),
@@ -93,7 +93,7 @@ fn memory(machine: &Machine) -> Check {
             };
             Check::poor(GROUP, NAME, found)
                 .means("the rig locks all of its memory or none: what the kernel takes away comes back in the middle of a scan")
-                .mend(LIMITS)
+                .fix(LIMITS)
                 .then("log in again")
         }
     }
@@ -109,6 +109,6 @@ fn spared(machine: &Machine) -> Check {
         None => Check::open(GROUP, NAME, "the kernel does not say"),
         Some(_) => Check::poor(GROUP, NAME, "the guard is ended as any other program")
             .means("when memory runs out, the kernel may end the guard together with the rig")
-            .mend("sudo setcap cap_sys_nice,cap_ipc_lock,cap_sys_resource+ep \"$(command -v rig)\""),
+            .fix("sudo setcap cap_sys_nice,cap_ipc_lock,cap_sys_resource+ep \"$(command -v rig)\""),
     }
 }

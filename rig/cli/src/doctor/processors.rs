@@ -23,7 +23,7 @@ fn governor(machine: &Machine) -> Check {
         [only] if only == "performance" => Check::good(GROUP, NAME, "performance"),
         others => Check::poor(GROUP, NAME, others.join(", "))
             .means("a processor that begins slowly makes the first scans after idle time late")
-            .mend("echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor"),
+            .fix("echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor"),
     }
 }
 
@@ -41,7 +41,7 @@ fn sleep(machine: &Machine) -> Check {
         }
         Some(driver) => Check::poor(GROUP, NAME, format!("{driver}; {REQUEST} is not to be written"))
             .means("a processor in deep sleep takes tens of microseconds or more to wake up")
-            .mend(format!(
+            .fix(format!(
                 "echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0666\"' | sudo tee \
                  /etc/udev/rules.d/60-rig-latency.rules && sudo chmod 666 {REQUEST}"
             )),

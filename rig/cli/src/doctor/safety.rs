@@ -59,9 +59,8 @@ fn watchdog(machine: &Machine) -> Check {
             .means("if rig and guard both end, nobody makes the outputs safe");
         let release = machine.release().unwrap_or_default();
         return if machine.has(&format!("/lib/modules/{release}/kernel")) {
-            check.mend(
-                "sudo modprobe softdog && echo softdog | sudo tee /etc/modules-load.d/rig-watchdog.conf",
-            )
+            check
+                .fix("sudo modprobe softdog && echo softdog | sudo tee /etc/modules-load.d/rig-watchdog.conf")
         } else {
             check
         };
@@ -70,17 +69,17 @@ fn watchdog(machine: &Machine) -> Check {
     if about("state").as_deref() == Some("active") {
         return Check::poor(GROUP, NAME, format!("{name}, which somebody else feeds"))
             .means("it bites when that program ends, and not when the rig does")
-            .mend(
+            .fix(
                 "printf '[Manager]\\nRuntimeWatchdogSec=0\\n' | \
                  sudo install -D -m 644 /dev/stdin /etc/systemd/system.conf.d/zz-rig.conf && \
                  sudo systemctl daemon-reexec",
             );
     }
     if !machine.may_use(NODE) {
-        let (mend, then) = grant(machine, NODE, "watchdog", "watchdog");
+        let (fix, then) = grant(machine, NODE, "watchdog", "watchdog");
         return Check::poor(GROUP, NAME, format!("{name}; {NODE} is not to be used"))
             .means("if rig and guard both end, nobody makes the outputs safe")
-            .mend(mend)
+            .fix(fix)
             .then(then);
     }
     match about("timeout").filter(|seconds| seconds != "0") {

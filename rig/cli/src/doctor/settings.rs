@@ -51,7 +51,7 @@ fn timers(machine: &Machine) -> Option<Check> {
         Check::good(GROUP, NAME, "the kernel makes them")
     } else {
         Check::open(GROUP, NAME, "none: with `buffered = true` a converter needs a `trigger`")
-            .mend("sudo modprobe iio-trig-hrtimer && echo iio-trig-hrtimer | sudo tee /etc/modules-load.d/rig-iio.conf")
+            .fix("sudo modprobe iio-trig-hrtimer && echo iio-trig-hrtimer | sudo tee /etc/modules-load.d/rig-iio.conf")
     })
 }
 

@@ -66,7 +66,7 @@ const TABLES: &str = "
 
 /// What became of a run that was to be added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Added {
+pub(super) enum AddOutcome {
     /// It is new.
     New,
     /// It was there already.
@@ -178,21 +178,21 @@ impl Database {
     ///
     /// # Errors
     /// The file cannot be written; then nothing of the run is in it.
-    pub(super) fn add(&mut self, name: &str, run: &RunRecord, keep: u32) -> Result<Added, Diagnostic> {
+    pub(super) fn add(&mut self, name: &str, run: &RunRecord, keep: u32) -> Result<AddOutcome, Diagnostic> {
         let sha256 = runtime::describe::sha256(run.to_json().as_bytes());
         let path = self.path.clone();
-        let mut write = || -> rusqlite::Result<Added> {
+        let mut write = || -> rusqlite::Result<AddOutcome> {
             let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
             let known: Option<i64> = transaction
                 .query_row("SELECT id FROM run WHERE sha256 = ?1", [&sha256], |row| row.get(0))
                 .optional()?;
             if known.is_some() {
-                return Ok(Added::Known);
+                return Ok(AddOutcome::Known);
             }
             insert(&transaction, name, &sha256, run)?;
             forget(&transaction, keep)?;
             transaction.commit()?;
-            Ok(Added::New)
+            Ok(AddOutcome::New)
         };
         write().map_err(|error| fault(&path, &error))
     }
@@ -225,7 +225,7 @@ fn insert(transaction: &Transaction<'_>, name: &str, sha256: &str, run: &RunReco
         ],
     )?;
     let id = transaction.last_insert_rowid();
-    let mut tables = Tables::of(transaction)?;
+    let mut tables = Inserts::of(transaction)?;
     for case in &run.cases {
         let case_id = tables.case_name.id(params![case.name])?;
         tables.result.execute(params![case_id, id, outcome(case), made_from(case, &facts.binary_sha256)])?;
@@ -235,12 +235,12 @@ fn insert(transaction: &Transaction<'_>, name: &str, sha256: &str, run: &RunReco
 }
 
 /// A table of names, each once.
-struct Names<'a> {
+struct RowIds<'a> {
     insert: Statement<'a>,
     select: Statement<'a>,
 }
 
-impl Names<'_> {
+impl RowIds<'_> {
     /// The number of a name, which is new or known.
     fn id(&mut self, key: &[&dyn ToSql]) -> rusqlite::Result<i64> {
         self.insert.execute(key)?;
@@ -249,25 +249,25 @@ impl Names<'_> {
 }
 
 /// The tables that the cases of a run go into.
-struct Tables<'a> {
-    case_name: Names<'a>,
+struct Inserts<'a> {
+    case_name: RowIds<'a>,
     result: Statement<'a>,
-    figure_name: Names<'a>,
+    figure_name: RowIds<'a>,
     figure: Statement<'a>,
 }
 
-impl<'a> Tables<'a> {
-    fn of(transaction: &'a Transaction<'_>) -> rusqlite::Result<Tables<'a>> {
+impl<'a> Inserts<'a> {
+    fn of(transaction: &'a Transaction<'_>) -> rusqlite::Result<Inserts<'a>> {
         let sql = |text: &str| transaction.prepare(text);
-        Ok(Tables {
-            case_name: Names {
+        Ok(Inserts {
+            case_name: RowIds {
                 insert: sql("INSERT INTO case_name (name) VALUES (?1) ON CONFLICT DO NOTHING")?,
                 select: sql("SELECT id FROM case_name WHERE name = ?1")?,
             },
             result: sql(
                 "INSERT INTO case_result (case_id, run, outcome, made_from) VALUES (?1, ?2, ?3, ?4)",
             )?,
-            figure_name: Names {
+            figure_name: RowIds {
                 insert: sql("INSERT INTO figure_name (case_id, measured, name, turn, unit)
                      VALUES (?1, ?2, ?3, ?4, ?5) ON CONFLICT DO NOTHING")?,
                 select: sql("SELECT id FROM figure_name

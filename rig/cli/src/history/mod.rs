@@ -6,10 +6,10 @@ mod show;
 mod trend;
 
 use crate::exit::Exit;
-use crate::output::Format;
+use crate::output::OutputFormat;
 use crate::{output, saved_runs};
 use clap::{Args, Subcommand};
-use database::{Added, Database};
+use database::{AddOutcome, Database};
 use document::Diagnostic;
 use record::RunRecord;
 use std::num::NonZeroU32;
@@ -63,7 +63,7 @@ pub struct ShowArgs {
     pub last: NonZeroU32,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    pub format: OutputFormat,
 }
 
 /// Adds to a history or shows it.
@@ -92,13 +92,13 @@ pub fn keep(path: &Path, name: &str, run: &RunRecord) -> Result<(), Diagnostic> 
 fn add(args: &AddArgs) -> Result<(), Diagnostic> {
     let path = &args.file.file;
     // All are read before the first is written.
-    let runs: Vec<saved_runs::Run> =
+    let runs: Vec<saved_runs::SavedRun> =
         args.runs.iter().map(|run| saved_runs::load(run)).collect::<Result<_, _>>()?;
     let mut database = Database::open_or_make(path)?;
     for run in &runs {
         let said = match database.add(&run.name, &run.record, args.keep.get())? {
-            Added::New => "added",
-            Added::Known => "is there already",
+            AddOutcome::New => "added",
+            AddOutcome::Known => "is there already",
         };
         output::print(&format!("{} {said}\n", run.name));
     }
@@ -110,8 +110,8 @@ fn show(args: &ShowArgs) -> Result<(), Diagnostic> {
     let database = Database::open(&args.file.file)?;
     let past = read::read(&database, args.last.get(), args.only.as_deref())?;
     output::print(&match args.format {
-        Format::Table => show::table(&past, args.only.is_some()),
-        Format::Json => show::json(&past),
+        OutputFormat::Table => show::table(&past, args.only.is_some()),
+        OutputFormat::Json => show::json(&past),
     });
     Ok(())
 }

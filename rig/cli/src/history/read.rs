@@ -53,7 +53,7 @@ pub(super) struct PastFigure {
 
 /// The last runs, the oldest first.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Past {
+pub(super) struct PastRuns {
     /// The runs.
     pub runs: Vec<PastRun>,
     /// Results of each case, in the order of names.
@@ -66,14 +66,14 @@ pub(super) struct Past {
 ///
 /// # Errors
 /// The file cannot be read.
-pub(super) fn read(database: &Database, last: u32, only: Option<&str>) -> Result<Past, Diagnostic> {
+pub(super) fn read(database: &Database, last: u32, only: Option<&str>) -> Result<PastRuns, Diagnostic> {
     query(database, last, only).map_err(|error| database.fault(&error))
 }
 
-fn query(database: &Database, last: u32, only: Option<&str>) -> rusqlite::Result<Past> {
+fn query(database: &Database, last: u32, only: Option<&str>) -> rusqlite::Result<PastRuns> {
     // One moment for all that is read: another command may add a run meanwhile.
     let moment = database.connection().unchecked_transaction()?;
-    let mut past = Past::default();
+    let mut past = PastRuns::default();
     let mut places: BTreeMap<i64, usize> = BTreeMap::new();
     let mut statement = moment.prepare(
         "SELECT id, name, started, rig_version, verdict, passed, others

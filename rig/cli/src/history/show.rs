@@ -1,7 +1,7 @@
 //! A history as text for a person and as JSON for a program.
 
-use super::read::{Past, PastFigure, PastResult};
-use super::trend::{Reliance, Trend};
+use super::read::{PastFigure, PastResult, PastRuns};
+use super::trend::{Stability, Trend};
 use record::Figure;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -44,7 +44,7 @@ impl<'a> Trends<'a> {
 }
 
 /// Columns for a person; with `all`, every case and figure, otherwise those that need attention.
-pub(super) fn table(past: &Past, all: bool) -> String {
+pub(super) fn table(past: &PastRuns, all: bool) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
     let _ = writeln!(out, "Runs ({})", past.runs.len());
@@ -61,9 +61,9 @@ pub(super) fn table(past: &Past, all: bool) -> String {
     out
 }
 
-fn cases(out: &mut String, past: &Past, all: bool) {
-    let mut rows: Vec<(&String, Reliance, &[PastResult])> =
-        past.cases.iter().map(|(name, results)| (name, Reliance::of(results), results.as_slice())).collect();
+fn cases(out: &mut String, past: &PastRuns, all: bool) {
+    let mut rows: Vec<(&String, Stability, &[PastResult])> =
+        past.cases.iter().map(|(name, results)| (name, Stability::of(results), results.as_slice())).collect();
     rows.retain(|(_, found, _)| all || found.changes > 0 || found.passed < found.judged);
     rows.sort_by_key(|(_, found, _)| {
         std::cmp::Reverse((found.flaky, found.changes, found.judged - found.passed))
@@ -84,7 +84,7 @@ fn cases(out: &mut String, past: &Past, all: bool) {
 }
 
 /// A sign for each of the last runs.
-fn marks(past: &Past, results: &[PastResult]) -> String {
+fn marks(past: &PastRuns, results: &[PastResult]) -> String {
     let mut marks = vec![' '; past.runs.len()];
     for result in results {
         if let Some(mark) = marks.get_mut(result.run) {
@@ -100,7 +100,7 @@ fn marks(past: &Past, results: &[PastResult]) -> String {
     marks[marks.len().saturating_sub(MARKS)..].iter().collect()
 }
 
-fn figures(out: &mut String, past: &Past, all: bool) {
+fn figures(out: &mut String, past: &PastRuns, all: bool) {
     let mut rows: Vec<Trends<'_>> = past.figures.iter().map(Trends::of).collect();
     rows.retain(|row| all || row.drifts());
     if !all {
@@ -149,7 +149,7 @@ fn words(trend: &Trend, unit: &str, margin: bool) -> String {
 }
 
 /// Everything, for a program.
-pub(super) fn json(past: &Past) -> String {
+pub(super) fn json(past: &PastRuns) -> String {
     let runs: Vec<Value> = past
         .runs
         .iter()
@@ -164,7 +164,7 @@ pub(super) fn json(past: &Past) -> String {
         .cases
         .iter()
         .map(|(name, results)| {
-            let found = Reliance::of(results);
+            let found = Stability::of(results);
             let results: Vec<Value> = results
                 .iter()
                 .map(|result| json!({ "run": result.run, "outcome": result.outcome }))

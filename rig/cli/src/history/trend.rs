@@ -68,7 +68,7 @@ impl Trend {
 
 /// How a case's verdict changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Reliance {
+pub(super) struct Stability {
     /// Runs in which it was judged.
     pub judged: usize,
     /// Those in which it passed.
@@ -79,9 +79,9 @@ pub(super) struct Reliance {
     pub flaky: usize,
 }
 
-impl Reliance {
+impl Stability {
     /// Of results in the order of their runs.
-    pub(super) fn of(results: &[PastResult]) -> Reliance {
+    pub(super) fn of(results: &[PastResult]) -> Stability {
         let judged: Vec<&PastResult> = results
             .iter()
             .filter(|result| !matches!(result.outcome.as_str(), "skipped" | "not-applicable" | "none"))
@@ -91,7 +91,7 @@ impl Reliance {
             .filter(|pair| pair[0].outcome != pair[1].outcome)
             .map(|pair| pair[0].made_from == pair[1].made_from)
             .collect();
-        Reliance {
+        Stability {
             judged: judged.len(),
             passed: judged.iter().filter(|result| is_pass(&result.outcome)).count(),
             changes: changed.len(),
@@ -140,7 +140,7 @@ mod tests {
             outcome: outcome.into(),
             made_from: made_from.into(),
         };
-        let found = Reliance::of(&[
+        let found = Stability::of(&[
             result("pass", "a"),
             result("fail", "a"),
             result("skipped", "a"),
@@ -148,6 +148,6 @@ mod tests {
             result("pass", "b"),
             result("inconclusive", "b"),
         ]);
-        assert_eq!(found, Reliance { judged: 5, passed: 3, changes: 3, flaky: 2 });
+        assert_eq!(found, Stability { judged: 5, passed: 3, changes: 3, flaky: 2 });
     }
 }

@@ -1,6 +1,6 @@
 //! Judging what another instrument recorded.
 
-use super::instant::{self, Names};
+use super::instant::{self, CaptureNames};
 use super::{JudgeArgs, mapping};
 use crate::output;
 use crate::plan_files::Parameters;
@@ -25,10 +25,10 @@ pub fn judge(
     let files = loaded.files(&case, &job)?;
     let layout = foreign::lay(&case, &files)?;
     let spelled = reports::vcd::names(layout.signals());
-    let wires = mapping::wires(&args.foreign.map, &capture, layout.signals(), &spelled)?;
+    let wires = mapping::wires(&args.capture.map, &capture, layout.signals(), &spelled)?;
     say_what_is_missing(&case, &layout, &wires);
     let marked = wires.iter().any(|wire| layout.signals()[wire.signal].name == "step:start");
-    let instants = if marked && args.foreign.start.is_none() && args.foreign.at.is_empty() {
+    let instants = if marked && args.capture.start.is_none() && args.capture.at.is_empty() {
         None
     } else {
         // What the user says of instants goes before what the file says of them.
@@ -45,7 +45,7 @@ pub fn judge(
 fn read(args: &JudgeArgs, format: Format) -> Result<Capture, Diagnostic> {
     let path = args.trace.display();
     let wrong = |what: String| Diagnostic::error("R0170", format!("{path}: {what}"));
-    let period = match &args.foreign.period {
+    let period = match &args.capture.period {
         None => None,
         Some(text) => match Span::parse(text) {
             Ok(span) if span > Span::ZERO => Some(span),
@@ -80,7 +80,7 @@ fn load(
     let seed = note("seed").and_then(|seed| seed.parse().ok()).unwrap_or(1);
     let path = args.plan.to_string_lossy();
     // Its own messages are printed: what comes back is how the command ends.
-    let mut parameters = Parameters::read(&args.foreign.params).map_err(|_| Vec::new())?;
+    let mut parameters = Parameters::read(&args.capture.params).map_err(|_| Vec::new())?;
     let mut given = parameters.of_plan(&Disk, &path);
     parameters.finish().map_err(|_| Vec::new())?;
     for (key, value) in &capture.notes {
@@ -90,7 +90,7 @@ fn load(
             given.push((name.to_owned(), value.clone()));
         }
     }
-    let board = match &args.foreign.board {
+    let board = match &args.capture.board {
         Some(board) => Some(suite::load_board(&Disk, &board.to_string_lossy(), sources)?),
         None => None,
     };
@@ -113,7 +113,7 @@ fn choose(
     let note =
         |key: &str| capture.notes.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str());
     let cases: Vec<Case> = loaded.plan.cases().collect();
-    let wanted = args.foreign.case.as_deref();
+    let wanted = args.capture.case.as_deref();
     let told = note("plan-case").map(own_part);
     let chosen = cases.iter().position(|case| match (wanted, told) {
         (Some(wanted), _) => {
@@ -161,16 +161,16 @@ fn instants(
     layout: &Layout,
     wires: &[Wire],
 ) -> Result<Instants, Vec<Diagnostic>> {
-    let names = Names { capture, wires, signals: layout.signals() };
+    let names = CaptureNames { capture, wires, signals: layout.signals() };
     let mut found = Vec::new();
     let mut steps: Vec<(String, When)> = Vec::new();
-    for text in &args.foreign.at {
+    for text in &args.capture.at {
         match step(text, layout, &names) {
             Ok(step) => steps.push(step),
             Err(wrong) => found.push(wrong),
         }
     }
-    let start = match &args.foreign.start {
+    let start = match &args.capture.start {
         Some(text) => instant::find("--start", text, &names).map(Some),
         None => Ok(steps.iter().find_map(|(id, at)| Some(before(*at, layout.due(id)?)))),
     };
@@ -195,7 +195,7 @@ fn before(at: When, span: Span) -> When {
     When::within(at.earliest.saturating_add(-span), at.latest.saturating_add(-span))
 }
 
-fn step(text: &str, layout: &Layout, names: &Names<'_>) -> Result<(String, When), Diagnostic> {
+fn step(text: &str, layout: &Layout, names: &CaptureNames<'_>) -> Result<(String, When), Diagnostic> {
     let Some((id, when)) = text.split_once('=') else {
         let message = format!("--at {text}: it says no instant");
         return Err(Diagnostic::error("R0178", message).help("write --at STEP=\"button rises\""));

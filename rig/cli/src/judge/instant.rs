@@ -7,7 +7,7 @@ use signal::{SignalInfo, Span, Time, Value, When};
 
 /// Which change of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Edge {
+enum EdgeKind {
     Rises,
     Falls,
     Changes,
@@ -15,7 +15,7 @@ enum Edge {
 
 /// Where names of channels and signals are looked up.
 #[derive(Clone, Copy, Debug)]
-pub struct Names<'a> {
+pub struct CaptureNames<'a> {
     /// The capture.
     pub capture: &'a Capture,
     /// Its channels that are signals.
@@ -28,7 +28,7 @@ pub struct Names<'a> {
 ///
 /// # Errors
 /// R0177 for words that are none, R0171 for an unknown name, R0173 for what never came.
-pub fn find(option: &str, text: &str, names: &Names<'_>) -> Result<When, Diagnostic> {
+pub fn find(option: &str, text: &str, names: &CaptureNames<'_>) -> Result<When, Diagnostic> {
     if let Ok(span) = Span::parse(text) {
         let [first, last] = names.capture.span;
         let at = Time::ZERO.saturating_add(span);
@@ -45,9 +45,9 @@ pub fn find(option: &str, text: &str, names: &Names<'_>) -> Result<When, Diagnos
     for change in names.capture.changes.iter().filter(|change| change.channel as usize == channel) {
         let now = truth(change.value, threshold);
         let met = match edge {
-            Edge::Rises => now == Some(true) && before == Some(false),
-            Edge::Falls => now == Some(false) && before == Some(true),
-            Edge::Changes => now.is_some() && before.is_some() && now != before,
+            EdgeKind::Rises => now == Some(true) && before == Some(false),
+            EdgeKind::Falls => now == Some(false) && before == Some(true),
+            EdgeKind::Changes => now.is_some() && before.is_some() && now != before,
         };
         before = now.or(before);
         left -= u64::from(met);
@@ -72,7 +72,11 @@ fn truth(value: Value, threshold: Option<f64>) -> Option<bool> {
 }
 
 /// The channel, its threshold, the edge, and the how manieth it is.
-fn parse(option: &str, text: &str, names: &Names<'_>) -> Result<(usize, Option<f64>, Edge, u64), Diagnostic> {
+fn parse(
+    option: &str,
+    text: &str,
+    names: &CaptureNames<'_>,
+) -> Result<(usize, Option<f64>, EdgeKind, u64), Diagnostic> {
     let wrong = || {
         let message = format!("{option}: `{text}` is no instant");
         let help =
@@ -89,9 +93,9 @@ fn parse(option: &str, text: &str, names: &Names<'_>) -> Result<(usize, Option<f
         None => 1,
     };
     let edge = match words.next() {
-        Some("rises") => Edge::Rises,
-        Some("falls") => Edge::Falls,
-        Some("changes") => Edge::Changes,
+        Some("rises") => EdgeKind::Rises,
+        Some("falls") => EdgeKind::Falls,
+        Some("changes") => EdgeKind::Changes,
         _ => return Err(wrong()),
     };
     let mut name: Vec<&str> = words.collect();

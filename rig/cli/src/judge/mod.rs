@@ -26,13 +26,13 @@ pub struct JudgeArgs {
     pub trace: PathBuf,
     /// How to read a capture.
     #[command(flatten)]
-    pub foreign: ForeignArgs,
+    pub capture: CaptureArgs,
 }
 
 /// What has to be said of a capture.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "For captures of other instruments")]
-pub struct ForeignArgs {
+pub struct CaptureArgs {
     /// The case of a plan with several: its name, or its row alone.
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,
@@ -58,7 +58,7 @@ pub struct ForeignArgs {
     pub params: Vec<String>,
 }
 
-impl ForeignArgs {
+impl CaptureArgs {
     /// Whether something is said that a trace of the rig's own says itself.
     fn is_given(&self) -> bool {
         let words = [&self.case, &self.start, &self.period];
@@ -77,7 +77,7 @@ pub fn run(args: &JudgeArgs) -> Exit {
 fn try_run(args: &JudgeArgs) -> Result<Exit, Exit> {
     let path = args.trace.display();
     let refuse = |what: String| {
-        output::complain(&what);
+        output::error(&what);
         Exit::UserFiles
     };
     let unreadable = |error: std::io::Error| refuse(format!("{path} cannot be read: {error}"));
@@ -90,7 +90,7 @@ fn try_run(args: &JudgeArgs) -> Result<Exit, Exit> {
         None => {
             file.rewind().map_err(unreadable)?;
             let trace = load(file).map_err(|why| refuse(format!("{path} is no whole trace: {why}")))?;
-            if args.foreign.is_given() {
+            if args.capture.is_given() {
                 let what =
                     format!("{path} is a trace of the rig's own, which says its case, signals and instants");
                 return Err(refuse(what));

@@ -2,7 +2,7 @@
 
 use crate::exit::Exit;
 use crate::output;
-use crate::plan_files::kind::{self, Kind};
+use crate::plan_files::kind::{self, FileKind};
 use runtime::suites::is_suite;
 use std::path::{Component, Path, PathBuf};
 
@@ -14,7 +14,7 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<String>, Exit> {
             let before = found.len();
             search(path, 0, &mut found);
             if found.len() == before {
-                output::complain(&format!("{} holds no plan", path.display()));
+                output::error(&format!("{} holds no plan", path.display()));
                 return Err(Exit::UserFiles);
             }
         } else {
@@ -46,7 +46,7 @@ fn search(folder: &Path, depth: usize, found: &mut Vec<String>) {
 fn is_plan(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "toml")
         && std::fs::read_to_string(path)
-            .is_ok_and(|text| matches!(kind::of(&text), Kind::Plan | Kind::Unclear))
+            .is_ok_and(|text| matches!(kind::of(&text), FileKind::Plan | FileKind::Unclear))
 }
 
 /// A path without `.`: cases are named by it, and one plan has one name.

@@ -5,7 +5,7 @@ use plans::plan::{INCLUDED_KEYS, PLAN_KEYS};
 
 /// What the keys of a TOML text speak for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FileKind {
     /// A plan.
     Plan,
     /// A board file.
@@ -20,8 +20,8 @@ pub enum Kind {
 
 /// Tells by the keys at the top level, line by line: a file that is no TOML yet must be told, too. A key that stands
 /// wrongly in a plan or a board file does not make it the other.
-pub fn of(text: &str) -> Kind {
-    let mut marks = Marks::default();
+pub fn of(text: &str) -> FileKind {
+    let mut counts = KeyCounts::default();
     let mut top = true;
     for line in text.lines() {
         let line = line.trim_end();
@@ -33,16 +33,16 @@ pub fn of(text: &str) -> Kind {
                 && !line.ends_with(',')
             {
                 top = false;
-                marks.key(key, "{");
+                counts.key(key, "{");
             }
         } else if top
             && let Some(key) = first_word(line)
             && let Some(value) = line[key.len()..].trim_start().strip_prefix(['=', '.'])
         {
-            marks.key(key, value.trim_start());
+            counts.key(key, value.trim_start());
         }
     }
-    marks.kind()
+    counts.kind()
 }
 
 /// The name at the beginning of a text.
@@ -53,7 +53,7 @@ fn first_word(text: &str) -> Option<&str> {
 
 /// How many keys speak for what.
 #[derive(Clone, Copy, Debug, Default)]
-struct Marks {
+struct KeyCounts {
     format: bool,
     plan: usize,
     /// Those of a plan that what plans include can have, too.
@@ -61,7 +61,7 @@ struct Marks {
     board: usize,
 }
 
-impl Marks {
+impl KeyCounts {
     fn key(&mut self, key: &str, value: &str) {
         let plan = PLAN_KEYS.iter().any(|known| known.name == key);
         let board = BOARD_KEYS.iter().any(|known| known.name == key);
@@ -78,16 +78,16 @@ impl Marks {
         }
     }
 
-    fn kind(self) -> Kind {
-        let Marks { format, plan, included, board } = self;
+    fn kind(self) -> FileKind {
+        let KeyCounts { format, plan, included, board } = self;
         // One word may be of any file; with `format`, or a second one, it is no chance.
         match plan.max(board) {
-            0 if format => Kind::Unclear,
-            1 if !format => Kind::Neither,
-            0 => Kind::Neither,
-            _ if board > plan => Kind::Board,
-            _ if format && plan == included => Kind::Included,
-            _ => Kind::Plan,
+            0 if format => FileKind::Unclear,
+            1 if !format => FileKind::Neither,
+            0 => FileKind::Neither,
+            _ if board > plan => FileKind::Board,
+            _ if format && plan == included => FileKind::Included,
+            _ => FileKind::Plan,
         }
     }
 }
@@ -98,43 +98,49 @@ mod tests {
 
     #[test]
     fn keys_tell_plans_from_boards() {
-        assert_eq!(of("format = 1\nprogram = \"a.st\"\nboard = \"b.toml\"\n[rows]\na = {}\n"), Kind::Plan);
-        assert_eq!(of("program = \"a.st\"\nexpect = [\n  { x = 1 },\n]\n"), Kind::Plan);
-        assert_eq!(of("format = 1\n[board]\nkind = \"simulated\"\n"), Kind::Board);
-        assert_eq!(of("format = 1\nboard = { kind = \"simulated\" }\n"), Kind::Board);
-        assert_eq!(of("format = 1\nboard.kind = \"simulated\"\n"), Kind::Board);
-        assert_eq!(of("format = 1\n  [[wires]]\nfrom = \"Q0\"\n"), Kind::Board);
-        assert_eq!(of("format = 1\ntitle = \n"), Kind::Unclear);
-        assert_eq!(of(""), Kind::Neither);
+        assert_eq!(
+            of("format = 1\nprogram = \"a.st\"\nboard = \"b.toml\"\n[rows]\na = {}\n"),
+            FileKind::Plan
+        );
+        assert_eq!(of("program = \"a.st\"\nexpect = [\n  { x = 1 },\n]\n"), FileKind::Plan);
+        assert_eq!(of("format = 1\n[board]\nkind = \"simulated\"\n"), FileKind::Board);
+        assert_eq!(of("format = 1\nboard = { kind = \"simulated\" }\n"), FileKind::Board);
+        assert_eq!(of("format = 1\nboard.kind = \"simulated\"\n"), FileKind::Board);
+        assert_eq!(of("format = 1\n  [[wires]]\nfrom = \"Q0\"\n"), FileKind::Board);
+        assert_eq!(of("format = 1\ntitle = \n"), FileKind::Unclear);
+        assert_eq!(of(""), FileKind::Neither);
     }
 
     #[test]
     fn a_key_in_the_wrong_file_does_not_change_it() {
         assert_eq!(
             of("format = 1\nsteps = []\n[board]\nkind = \"x\"\n[bind]\n\"%IX0.0\" = \"I0\"\n"),
-            Kind::Board
+            FileKind::Board
         );
-        assert_eq!(of("format = 1\nprogram = \"a.st\"\nexpect = []\nwires = []\n"), Kind::Plan);
-        assert_eq!(of("format = 1\nboard = \"simulated\"\nwires = []\n"), Kind::Board);
+        assert_eq!(of("format = 1\nprogram = \"a.st\"\nexpect = []\nwires = []\n"), FileKind::Plan);
+        assert_eq!(of("format = 1\nboard = \"simulated\"\nwires = []\n"), FileKind::Board);
     }
 
     #[test]
     fn what_is_included_does_nothing_itself() {
-        assert_eq!(of("format = 1\nsignals = { a = \"%IX0.0\" }\n[group.x]\nsteps = []\n"), Kind::Included);
-        assert_eq!(of("format = 1\nsignals = { a = \"%IX0.0\" }\nexpect = []\n"), Kind::Plan);
-        assert_eq!(of("signals = {}\nsettings = {}\n"), Kind::Plan);
+        assert_eq!(
+            of("format = 1\nsignals = { a = \"%IX0.0\" }\n[group.x]\nsteps = []\n"),
+            FileKind::Included
+        );
+        assert_eq!(of("format = 1\nsignals = { a = \"%IX0.0\" }\nexpect = []\n"), FileKind::Plan);
+        assert_eq!(of("signals = {}\nsettings = {}\n"), FileKind::Plan);
     }
 
     #[test]
     fn files_of_other_programs_are_neither() {
-        assert_eq!(of("[package]\nname = \"x\"\n[dependencies]\nprogram = \"1\"\n"), Kind::Neither);
-        assert_eq!(of("[project]\nname = \"x\"\n[tool.black]\nline-length = 88\n"), Kind::Neither);
-        assert_eq!(of("format = \"toml\"\n[tool]\n"), Kind::Neither);
+        assert_eq!(of("[package]\nname = \"x\"\n[dependencies]\nprogram = \"1\"\n"), FileKind::Neither);
+        assert_eq!(of("[project]\nname = \"x\"\n[tool.black]\nline-length = 88\n"), FileKind::Neither);
+        assert_eq!(of("format = \"toml\"\n[tool]\n"), FileKind::Neither);
     }
 
     #[test]
     fn lines_of_lists_are_no_headers() {
-        assert_eq!(of("format = 1\nvalues = [\n[1, 2],\n[3],\n]\nsteps = []\n"), Kind::Plan);
-        assert_eq!(of("format = 1\n[ board ]\nkind = \"simulated\"\n"), Kind::Board);
+        assert_eq!(of("format = 1\nvalues = [\n[1, 2],\n[3],\n]\nsteps = []\n"), FileKind::Plan);
+        assert_eq!(of("format = 1\n[ board ]\nkind = \"simulated\"\n"), FileKind::Board);
     }
 }

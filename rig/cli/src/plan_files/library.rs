@@ -1,6 +1,6 @@
 //! The plans that ship, built into the binary.
 
-use crate::plan_files::kind::{self, Kind};
+use crate::plan_files::kind::{self, FileKind};
 use include_dir::{Dir, include_dir};
 use runtime::suite::Files;
 use runtime::suites::is_suite;
@@ -13,9 +13,9 @@ pub const REGISTER: &str = include_str!("../../../../plans/requirements.toml");
 
 /// The files of the shipped library.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Embedded;
+pub struct ShippedFiles;
 
-impl Files for Embedded {
+impl Files for ShippedFiles {
     fn read(&self, path: &str) -> Result<String, String> {
         let file = LIBRARY.get_file(plain(path)).ok_or("the library has no such file")?;
         file.contents_utf8().map(str::to_owned).ok_or_else(|| "it is no UTF-8 text".to_owned())
@@ -61,7 +61,7 @@ fn collect(folder: &Dir<'_>, paths: &mut Vec<String>) {
     for file in folder.files() {
         let text = file.contents_utf8().unwrap_or_default();
         let toml = file.path().extension().is_some_and(|ending| ending == "toml");
-        if toml && !is_suite(&file.path().to_string_lossy()) && kind::of(text) == Kind::Plan {
+        if toml && !is_suite(&file.path().to_string_lossy()) && kind::of(text) == FileKind::Plan {
             paths.push(file.path().to_string_lossy().into_owned());
         }
     }

@@ -4,7 +4,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::plan_files::Parameters;
 use crate::plan_files::find::find;
-use crate::plan_files::library::{self, Embedded};
+use crate::plan_files::library::{self, ShippedFiles};
 use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
 use runtime::suite::{self, Disk, Files, LoadedPlan};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// What the command line names.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted<'a> {
+pub struct LoadRequest<'a> {
     /// Plans and folders of plans; none for the plans that ship.
     pub plans: &'a [PathBuf],
     /// The board file in place of each plan's own.
@@ -27,9 +27,9 @@ pub struct Wanted<'a> {
 ///
 /// # Errors
 /// How the command ends: all findings are printed.
-pub fn load(wanted: &Wanted<'_>, sources: &mut Vec<SourceFile>) -> Result<Vec<LoadedPlan>, Exit> {
-    let mut parameters = Parameters::read(wanted.params)?;
-    let board: Option<(BoardFile, String)> = match wanted.board {
+pub fn load(request: &LoadRequest<'_>, sources: &mut Vec<SourceFile>) -> Result<Vec<LoadedPlan>, Exit> {
+    let mut parameters = Parameters::read(request.params)?;
+    let board: Option<(BoardFile, String)> = match request.board {
         None => None,
         Some(path) => match suite::load_board(&Disk, &path.to_string_lossy(), sources) {
             Ok(board) => Some(board),
@@ -39,23 +39,23 @@ pub fn load(wanted: &Wanted<'_>, sources: &mut Vec<SourceFile>) -> Result<Vec<Lo
             }
         },
     };
-    let shipped = wanted.plans.is_empty();
-    let files: &dyn Files = if shipped { &Embedded } else { &Disk };
-    let paths = if shipped { library::plans() } else { find(wanted.plans)? };
+    let shipped = request.plans.is_empty();
+    let files: &dyn Files = if shipped { &ShippedFiles } else { &Disk };
+    let paths = if shipped { library::plans() } else { find(request.plans)? };
     let mut loaded = Vec::new();
-    let (mut wrong, mut told) = (false, Vec::new());
+    let (mut wrong, mut shown) = (false, Vec::new());
     for path in &paths {
         // What cannot be read is reported by the loading.
         let own = parameters.of_plan(files, path);
-        match suite::load_plan(files, path, board.as_ref(), &own, wanted.seed, sources) {
+        match suite::load_plan(files, path, board.as_ref(), &own, request.seed, sources) {
             Ok(plan) => {
                 output::findings(&plan.plan.warnings, sources);
                 let of_suites: Vec<Diagnostic> = plan.suite_warnings().cloned().collect();
-                output::new_findings(&of_suites, &mut told, sources);
+                output::new_findings(&of_suites, &mut shown, sources);
                 loaded.push(plan);
             }
             Err(found) => {
-                output::new_findings(&found, &mut told, sources);
+                output::new_findings(&found, &mut shown, sources);
                 wrong = true;
             }
         }

@@ -21,11 +21,11 @@ impl Parameters {
         let mut read: Vec<(String, String)> = Vec::new();
         for text in given {
             let Some((name, value)) = text.split_once('=') else {
-                output::complain(&format!("--param {text}: write it as NAME=VALUE"));
+                output::error(&format!("--param {text}: write it as NAME=VALUE"));
                 return Err(Exit::UserFiles);
             };
             if read.iter().any(|(known, _)| known == name) {
-                output::complain(&format!("--param {text}: `{name}` has a value already"));
+                output::error(&format!("--param {text}: `{name}` has a value already"));
                 return Err(Exit::UserFiles);
             }
             read.push((name.to_owned(), value.to_owned()));
@@ -56,7 +56,7 @@ impl Parameters {
             Some((name, _)) if !self.unread => {
                 let hint = suggest(name, self.known.iter().map(String::as_str));
                 let hint = hint.map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"));
-                output::complain(&format!("no plan has a parameter `{name}`{hint}"));
+                output::error(&format!("no plan has a parameter `{name}`{hint}"));
                 Err(Exit::UserFiles)
             }
             _ => Ok(()),

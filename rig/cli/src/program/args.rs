@@ -1,6 +1,6 @@
 //! The arguments of `rig program`.
 
-use crate::output::Format;
+use crate::output::OutputFormat;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -45,7 +45,7 @@ pub struct ProgramRunArgs {
     pub print: Vec<String>,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    pub format: OutputFormat,
     /// Print which statements and branches ran.
     #[arg(long)]
     pub coverage: bool,
@@ -62,5 +62,5 @@ pub struct ProgramBenchArgs {
     pub cycles: u64,
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    pub format: OutputFormat,
 }

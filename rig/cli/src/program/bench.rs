@@ -4,7 +4,7 @@ use super::args::ProgramBenchArgs;
 use super::{compile, ended, refuse};
 use crate::exit::Exit;
 use crate::output;
-use crate::output::Format;
+use crate::output::OutputFormat;
 use profile::Profile;
 use runtime::alone::{Alone, AloneTask};
 use serde_json::json;
@@ -60,7 +60,7 @@ pub fn bench(args: &ProgramBenchArgs) -> Exit {
     let mut alone = match Alone::new(Arc::clone(&program), vec![all], Profile::default()) {
         Ok(alone) => alone,
         Err(error) => {
-            output::complain(&error.to_string());
+            output::error(&error.to_string());
             return Exit::UserFiles;
         }
     };
@@ -84,10 +84,10 @@ pub fn bench(args: &ProgramBenchArgs) -> Exit {
     Exit::Passed
 }
 
-fn show(format: Format, programs: &[String], cycles: u64, host: Figures, modelled: Figures) {
+fn show(format: OutputFormat, programs: &[String], cycles: u64, host: Figures, modelled: Figures) {
     let us = |nanos: u64| nanos as f64 / 1_000.0;
     match format {
-        Format::Table => output::print(&format!(
+        OutputFormat::Table => output::print(&format!(
             "{}, {cycles} scans\nhost      mean {:.3} us, p99 {:.3} us, max {:.3} us\n\
              modelled  mean {:.3} us, max {:.3} us\n",
             programs.join(", "),
@@ -97,7 +97,7 @@ fn show(format: Format, programs: &[String], cycles: u64, host: Figures, modelle
             modelled.mean / 1_000.0,
             us(modelled.max),
         )),
-        Format::Json => {
+        OutputFormat::Json => {
             let figures = json!({
                 "programs": programs,
                 "cycles": cycles,

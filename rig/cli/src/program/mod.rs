@@ -83,11 +83,11 @@ pub fn ended(ended: &Ended) -> Exit {
     match ended {
         Ended::InTime { .. } => Exit::Passed,
         Ended::Fault { at, text } => {
-            output::complain(&format!("the program failed after {at}: {text}"));
+            output::error(&format!("the program failed after {at}: {text}"));
             Exit::Failed
         }
         Ended::Endless { task, at } => {
-            output::complain(&format!(
+            output::error(&format!(
                 "{task}: the cycle that began after {at} had not ended at the end of the run"
             ));
             Exit::Failed

@@ -4,7 +4,7 @@ use super::args::ProgramRunArgs;
 use super::{compile, duration, ended, refuse};
 use crate::exit::Exit;
 use crate::output;
-use crate::output::Format;
+use crate::output::OutputFormat;
 use profile::Profile;
 use program::{Elementary, Program, SetError, Shown};
 use reports::text;
@@ -32,7 +32,7 @@ fn prepare(args: &ProgramRunArgs) -> Result<(Alone, Arc<Program>), Exit> {
     let (program, _) = compile(&args.files)?;
     let tasks = tasks(&program, interval);
     let mut alone = Alone::new(Arc::clone(&program), tasks, Profile::default()).map_err(|error| {
-        output::complain(&error.to_string());
+        output::error(&error.to_string());
         Exit::UserFiles
     })?;
     for assignment in &args.set {
@@ -67,7 +67,7 @@ fn finish(args: &ProgramRunArgs, mut alone: Alone, program: &Program) -> Exit {
         files.iter().map(runtime::coverage::Covered::record).collect::<Vec<_>>()
     });
     match args.format {
-        Format::Table => {
+        OutputFormat::Table => {
             let mut lines = Vec::new();
             values.iter().for_each(|(path, shown)| flat(path, shown, &mut lines));
             lines.iter().for_each(|(path, shown)| output::print(&format!("{path} = {shown}\n")));
@@ -75,7 +75,7 @@ fn finish(args: &ProgramRunArgs, mut alone: Alone, program: &Program) -> Exit {
                 output::print(&format!("\n{}", text::coverage(files)));
             }
         }
-        Format::Json => {
+        OutputFormat::Json => {
             let values: Map<String, Json> =
                 values.iter().map(|(path, shown)| (path.clone(), to_json(shown))).collect();
             let printed = match coverage {

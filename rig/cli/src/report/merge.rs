@@ -2,8 +2,8 @@
 
 use super::waves;
 use crate::requirements;
-use crate::saved_runs::Run;
-use crate::saved_runs::report_folder::Store;
+use crate::saved_runs::SavedRun;
+use crate::saved_runs::report_folder::ReportFolder;
 use document::Diagnostic;
 use record::{CaseRecord, Provenance, RunRecord};
 use runtime::coverage::Total;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// The whole, whose traces are still where the parts left them.
 #[derive(Debug)]
-pub(super) struct Whole {
+pub(super) struct MergedRun {
     run: RunRecord,
     /// The folder of each case.
     folders: Vec<PathBuf>,
@@ -21,8 +21,8 @@ pub(super) struct Whole {
 ///
 /// # Errors
 /// What keeps the runs from being the parts of one suite, all of it.
-pub(super) fn merge(mut parts: Vec<Run>) -> Result<Whole, Vec<Diagnostic>> {
-    let mut found = strangers(&parts);
+pub(super) fn merge(mut parts: Vec<SavedRun>) -> Result<MergedRun, Vec<Diagnostic>> {
+    let mut found = parts_of_other_runs(&parts);
     if found.is_empty() {
         found = places(&parts);
     }
@@ -32,7 +32,7 @@ pub(super) fn merge(mut parts: Vec<Run>) -> Result<Whole, Vec<Diagnostic>> {
     parts.sort_by_key(|part| part.record.shard);
     let count = parts.iter().map(|part| part.record.cases.len()).sum::<usize>();
     let Some(first) = parts.first() else { return Err(Vec::new()) };
-    let mut whole = Whole {
+    let mut whole = MergedRun {
         run: RunRecord {
             shard: None,
             planned: parts.iter().map(|part| part.record.planned).sum(),
@@ -69,7 +69,7 @@ pub(super) fn merge(mut parts: Vec<Run>) -> Result<Whole, Vec<Diagnostic>> {
 }
 
 /// Runs that are no parts, or of another suite than the first.
-fn strangers(parts: &[Run]) -> Vec<Diagnostic> {
+fn parts_of_other_runs(parts: &[SavedRun]) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     for part in parts.iter().filter(|part| part.record.shard.is_none()) {
         found.push(
@@ -105,7 +105,7 @@ fn strangers(parts: &[Run]) -> Vec<Diagnostic> {
 }
 
 /// What parts of one suite have in common.
-fn facts(part: &Run) -> Vec<(&'static str, String)> {
+fn facts(part: &SavedRun) -> Vec<(&'static str, String)> {
     let RunRecord { rig_version, provenance, shard, selection_sha256, .. } = &part.record;
     let short = |hash: &str| hash.get(..12).unwrap_or("unknown").to_owned();
     vec![
@@ -119,12 +119,12 @@ fn facts(part: &Run) -> Vec<(&'static str, String)> {
 }
 
 /// Parts that are missing, given twice, or not of the size that they must have.
-fn places(parts: &[Run]) -> Vec<Diagnostic> {
+fn places(parts: &[SavedRun]) -> Vec<Diagnostic> {
     let of = parts.first().and_then(|part| part.record.shard).map_or(0, |[_, of]| of);
     let mut found = Vec::new();
     let mut missing = Vec::new();
     for number in 1..=of {
-        let mine: Vec<&Run> =
+        let mine: Vec<&SavedRun> =
             parts.iter().filter(|part| part.record.shard.is_some_and(|[own, _]| own == number)).collect();
         match mine.as_slice() {
             [] if missing.len() < 20 => missing.push(format!("{number}/{of}")),
@@ -151,8 +151,8 @@ fn places(parts: &[Run]) -> Vec<Diagnostic> {
 }
 
 /// A part that lost cases, or has more than were planned.
-fn size(part: &Run, parts: &[Run]) -> Option<Diagnostic> {
-    let count = |part: &Run| part.record.cases.len();
+fn size(part: &SavedRun, parts: &[SavedRun]) -> Option<Diagnostic> {
+    let count = |part: &SavedRun| part.record.cases.len();
     let [number, of] = part.record.shard.unwrap_or([1, 1]).map(|n| n as usize);
     let all = parts.iter().map(count).sum::<usize>();
     let (has, share, planned) = (count(part), (all + of - number) / of, part.record.planned);
@@ -177,7 +177,7 @@ fn listed(facts: impl IntoIterator<Item = String>) -> String {
 }
 
 /// Facts of the hosts, those of one name together.
-fn environment(parts: &[Run]) -> Vec<(String, String)> {
+fn environment(parts: &[SavedRun]) -> Vec<(String, String)> {
     let facts = || parts.iter().flat_map(|part| &part.record.provenance.environment);
     let mut all: Vec<(String, String)> = Vec::new();
     for (name, _) in facts() {
@@ -190,7 +190,7 @@ fn environment(parts: &[Run]) -> Vec<(String, String)> {
 }
 
 /// Where the whole came from: what the hosts differ in is listed.
-fn provenance(parts: &[Run]) -> Provenance {
+fn provenance(parts: &[SavedRun]) -> Provenance {
     let all = || parts.iter().map(|part| &part.record.provenance);
     let cpus = listed(all().filter_map(|facts| facts.host_cpu.clone()));
     let first = all().next().cloned().unwrap_or_default();
@@ -220,12 +220,12 @@ fn without_shard(arguments: &[String]) -> Vec<String> {
     kept
 }
 
-impl Whole {
+impl MergedRun {
     /// Copies the traces, and hands the record on with their new places.
     ///
     /// # Errors
     /// Traces that are not there; a folder that cannot be written.
-    pub(super) fn adopt(mut self, store: &mut Store) -> Result<RunRecord, Vec<Diagnostic>> {
+    pub(super) fn adopt(mut self, store: &mut ReportFolder) -> Result<RunRecord, Vec<Diagnostic>> {
         let has_trace = |case: &CaseRecord| case.trace_file.is_some();
         if self.run.cases.iter().any(has_trace) {
             store.traces().map_err(super::unwritten)?;
@@ -244,6 +244,6 @@ impl Whole {
     }
 }
 
-fn adopt(case: &CaseRecord, folder: &Path, store: &mut Store) -> Result<String, String> {
+fn adopt(case: &CaseRecord, folder: &Path, store: &mut ReportFolder) -> Result<String, String> {
     store.adopt(case, &waves::path(folder, case)?)
 }

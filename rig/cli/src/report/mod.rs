@@ -5,8 +5,8 @@ mod waves;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::saved_runs::report_folder::{Form, Store};
-use crate::saved_runs::{self, Run};
+use crate::saved_runs::report_folder::{ReportFolder, ReportFormat};
+use crate::saved_runs::{self, SavedRun};
 use clap::{Args, ValueEnum};
 use document::Diagnostic;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ pub struct ReportArgs {
     pub out: Option<PathBuf>,
     /// Which reports to draw, separated by commas [default: all].
     #[arg(long, value_enum, value_delimiter = ',', value_name = "FORM,...")]
-    pub format: Vec<Form>,
+    pub format: Vec<ReportFormat>,
 }
 
 /// Draws reports.
@@ -38,7 +38,7 @@ pub fn run(args: &ReportArgs) -> Exit {
 }
 
 fn draw(args: &ReportArgs) -> Result<Exit, Vec<Diagnostic>> {
-    let forms = if args.format.is_empty() { Form::value_variants() } else { &args.format };
+    let forms = if args.format.is_empty() { ReportFormat::value_variants() } else { &args.format };
     if args.merge {
         return merge_all(args, forms);
     }
@@ -50,8 +50,8 @@ fn draw(args: &ReportArgs) -> Result<Exit, Vec<Diagnostic>> {
     };
     let mut run = saved_runs::load(path).map_err(one)?;
     let target = args.out.as_deref().unwrap_or(&run.folder);
-    let mut store = Store::without_traces(target).map_err(unwritten)?;
-    if forms.contains(&Form::Vcd) {
+    let mut store = ReportFolder::without_traces(target).map_err(unwritten)?;
+    if forms.contains(&ReportFormat::Vcd) {
         let own = same(target, &run.folder);
         waves::draw(&mut run, &mut store, own, !args.format.is_empty())?;
     }
@@ -63,9 +63,9 @@ fn draw(args: &ReportArgs) -> Result<Exit, Vec<Diagnostic>> {
     Ok(Exit::Passed)
 }
 
-fn merge_all(args: &ReportArgs, forms: &[Form]) -> Result<Exit, Vec<Diagnostic>> {
+fn merge_all(args: &ReportArgs, forms: &[ReportFormat]) -> Result<Exit, Vec<Diagnostic>> {
     let mut found = Vec::new();
-    let mut parts: Vec<Run> = Vec::new();
+    let mut parts: Vec<SavedRun> = Vec::new();
     for path in &args.runs {
         match saved_runs::load(path) {
             Ok(run) => parts.push(run),
@@ -78,7 +78,7 @@ fn merge_all(args: &ReportArgs, forms: &[Form]) -> Result<Exit, Vec<Diagnostic>>
     // clap asks for it beside `--merge`.
     let target = args.out.as_deref().unwrap_or(Path::new("."));
     let whole = merge::merge(parts)?;
-    let mut store = Store::without_traces(target).map_err(unwritten)?;
+    let mut store = ReportFolder::without_traces(target).map_err(unwritten)?;
     let whole = whole.adopt(&mut store)?;
     store.record(&whole).map_err(unwritten)?;
     store.reports(&whole, forms).map_err(unwritten)?;
@@ -89,14 +89,14 @@ fn merge_all(args: &ReportArgs, forms: &[Form]) -> Result<Exit, Vec<Diagnostic>>
 }
 
 /// Says where the page is, or whatever was drawn first.
-fn told(store: &Store, forms: &[Form]) {
+fn told(store: &ReportFolder, forms: &[ReportFormat]) {
     let name = forms.first().map_or("", |form| match form {
-        Form::Html => "index.html",
-        Form::Junit => "junit.xml",
-        Form::Ctrf => "ctrf.json",
-        Form::Md => "summary.md",
-        Form::Csv => "measurements.csv",
-        Form::Vcd => "traces",
+        ReportFormat::Html => "index.html",
+        ReportFormat::Junit => "junit.xml",
+        ReportFormat::Ctrf => "ctrf.json",
+        ReportFormat::Md => "summary.md",
+        ReportFormat::Csv => "measurements.csv",
+        ReportFormat::Vcd => "traces",
     });
     output::print(&format!("Report: {}\n", store.path(name)));
 }

@@ -1,8 +1,8 @@
 //! Traces that a record names: found, checked, drawn as waves.
 
 use crate::output;
-use crate::saved_runs::Run;
-use crate::saved_runs::report_folder::Store;
+use crate::saved_runs::SavedRun;
+use crate::saved_runs::report_folder::ReportFolder;
 use document::Diagnostic;
 use record::CaseRecord;
 use signal::{LoadLimits, Trace};
@@ -18,7 +18,12 @@ const NAMED: usize = 5;
 ///
 /// # Errors
 /// Traces that are not there or not those that the record names; a folder that cannot be written.
-pub(super) fn draw(run: &mut Run, store: &mut Store, own: bool, asked: bool) -> Result<(), Vec<Diagnostic>> {
+pub(super) fn draw(
+    run: &mut SavedRun,
+    store: &mut ReportFolder,
+    own: bool,
+    asked: bool,
+) -> Result<(), Vec<Diagnostic>> {
     let mut lost = Vec::new();
     if run.record.cases.iter().any(|case| case.trace_file.is_some()) {
         store.traces().map_err(super::unwritten)?;

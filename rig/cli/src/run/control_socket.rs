@@ -2,7 +2,7 @@
 
 use crate::output;
 use crate::plan_files::find;
-use crate::plan_files::library::{self, Embedded};
+use crate::plan_files::library::{self, ShippedFiles};
 use clap::Args;
 use control::place;
 use document::Diagnostic;
@@ -37,9 +37,9 @@ pub fn serve(args: &ControlArgs, board: &BoardFile, rig: LiveRig) -> Result<Opti
     let named = args.control.clone().or_else(|| board.control.socket.clone());
     let wanted = named.is_some() || board.control.group.is_some() || args.led;
     let socket = named.unwrap_or_else(|| place::default_socket(Path::new(&board.name)));
-    match services::control::serve(rig, settings(args, board, socket), output::say) {
+    match services::control::serve(rig, settings(args, board, socket), output::info) {
         Ok(serving) => {
-            output::say(&format!("control socket {}", serving.path().display()));
+            output::info(&format!("control socket {}", serving.path().display()));
             Ok(Some(serving))
         }
         Err(fault) if wanted => {
@@ -47,7 +47,7 @@ pub fn serve(args: &ControlArgs, board: &BoardFile, rig: LiveRig) -> Result<Opti
             Err(if fault.help.is_empty() { found } else { found.help(fault.help) })
         }
         Err(fault) => {
-            output::say(&format!("no control socket: {}", fault.message));
+            output::info(&format!("no control socket: {}", fault.message));
             Ok(None)
         }
     }
@@ -79,9 +79,9 @@ fn known(code: &str) -> &'static str {
 
 /// The plans of this machine, and those that ship.
 #[derive(Clone, Copy, Debug)]
-pub struct Plans;
+pub struct HostPlans;
 
-impl Shelf for Plans {
+impl Shelf for HostPlans {
     fn plans(&self, path: Option<&str>) -> Result<Vec<String>, String> {
         let Some(path) = path else { return Ok(library::plans()) };
         let found = std::fs::metadata(path);
@@ -100,6 +100,6 @@ impl Shelf for Plans {
     }
 
     fn files(&self, plan: &str) -> &'static dyn Files {
-        if Disk.has(plan) { &Disk } else { &Embedded }
+        if Disk.has(plan) { &Disk } else { &ShippedFiles }
     }
 }

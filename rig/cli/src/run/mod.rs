@@ -2,11 +2,11 @@
 
 use crate::exit::Exit;
 use crate::output;
-use crate::plan_files::library::Embedded;
-use control_socket::{ControlArgs, Plans, serve};
-use notify::Notifier;
+use crate::plan_files::library::ShippedFiles;
+use control_socket::{ControlArgs, HostPlans, serve};
+use service_manager::ServiceNotifier;
 mod control_socket;
-mod notify;
+mod service_manager;
 
 use crate::bench_lock::BenchLockArgs;
 use clap::Args;
@@ -91,16 +91,16 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
         return Err(vec![play::not_played(&board.0)]);
     }
     let (case, files) = case(args, &board, sources)?;
-    let notifier = Notifier::start(&TURNS).map_err(|found| vec![found])?;
-    let teller = notifier.teller();
+    let notifier = ServiceNotifier::start(&TURNS).map_err(|found| vec![found])?;
+    let handle = notifier.handle();
     let interrupted = move || {
         INTERRUPT.store(true, Ordering::Relaxed);
-        if let Some(teller) = &teller {
-            teller.stopping();
+        if let Some(handle) = &handle {
+            handle.stopping();
         }
     };
     if let Err(error) = ctrlc::set_handler(interrupted) {
-        output::complain(&format!("interrupts cannot be caught: {error}"));
+        output::error(&format!("interrupts cannot be caught: {error}"));
         return Ok(Exit::Error);
     }
     let lock = match args.wait.take(&board.0, &INTERRUPT) {
@@ -109,7 +109,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     };
     let hardware = Hardware::open(&board.0)?.map(|hardware| hardware.with_lock(lock));
     output::findings(&hardware.as_ref().map(Hardware::warnings).unwrap_or_default(), sources);
-    let plans = live::Bench { shelf: Arc::new(Plans), board: board.clone(), seed: args.seed };
+    let plans = live::Bench { shelf: Arc::new(HostPlans), board: board.clone(), seed: args.seed };
     let led = args.control.led;
     let (rig, port) =
         live::open(&case, &files, hardware.as_ref(), led, env!("CARGO_PKG_VERSION"), Some(plans))?;
@@ -155,9 +155,9 @@ fn duration(text: &str) -> Result<Span, Diagnostic> {
 }
 
 /// A plan that has nothing but a program.
-struct Alone(String);
+struct ProgramOnlyPlan(String);
 
-impl Files for Alone {
+impl Files for ProgramOnlyPlan {
     fn read(&self, path: &str) -> Result<String, String> {
         if path == format!("{NAME}.toml") { Ok(self.0.clone()) } else { Disk.read(path) }
     }
@@ -173,19 +173,21 @@ fn case(
     board: &(BoardFile, String),
     sources: &mut Vec<SourceFile>,
 ) -> Result<(plans::Case, CaseFiles), Vec<Diagnostic>> {
-    let alone;
+    let program_only;
     let (files, name): (&dyn Files, &str) = match &args.case {
         Some(name) if Disk.has(&path(name)) => (&Disk, name),
-        Some(name) => (&Embedded, name),
+        Some(name) => (&ShippedFiles, name),
         None => {
             // A text of JSON is one of TOML.
             let names = args.program.iter().map(|path| Json::from(path.to_string_lossy()).to_string());
             let names: Vec<String> = names.collect();
             // A plan claims something; nobody judges it here.
             let claim = "expect = [{ state = { stays = \"RUNNING\" } }]";
-            alone =
-                Alone(format!("format = 1\ntitle = \"{NAME}\"\nprogram = [{}]\n{claim}\n", names.join(", ")));
-            (&alone, NAME)
+            program_only = ProgramOnlyPlan(format!(
+                "format = 1\ntitle = \"{NAME}\"\nprogram = [{}]\n{claim}\n",
+                names.join(", ")
+            ));
+            (&program_only, NAME)
         }
     };
     let loaded = suite::load_plan(files, &path(name), Some(board), &[], args.seed, sources)?;
@@ -217,7 +219,7 @@ fn seconds(at: Time) -> f64 {
 }
 
 /// Prints what the controller tells until it is gone.
-fn show(told: &Receiver<Told>, notifier: &Notifier) {
+fn show(told: &Receiver<Told>, notifier: &ServiceNotifier) {
     let line = |at: Time, text: &str| output::print(&format!("{:>12.3} s  {text}\n", seconds(at)));
     for told in told {
         match told {
@@ -235,26 +237,26 @@ fn show(told: &Receiver<Told>, notifier: &Notifier) {
 }
 
 /// Says how it was, and how the command ends: an interrupt is how a controller that is kept running stops.
-fn end(played: &Played, notifier: &Notifier) -> Exit {
+fn end(played: &Played, notifier: &ServiceNotifier) -> Exit {
     let lasted = seconds(played.ran.closed);
     let milliseconds = |span: Span| span.as_nanos() as f64 / 1e6;
     let (late, outputs) = (milliseconds(played.late), milliseconds(played.ran.late_outputs));
-    output::say(&format!(
+    output::info(&format!(
         "stopped after {lasted:.3} s, outputs safe; late by {late:.3} ms at worst, outputs by {outputs:.3} ms"
     ));
     if let Some(wakes) = &played.ran.wakes {
         let (half, most) = (wakes.p50_ns as f64 / 1e3, wakes.p99_ns as f64 / 1e3);
-        output::say(&format!(
+        output::info(&format!(
             "woken up {} times: half within {half:.1} us, 99 of 100 within {most:.1} us",
             wakes.count
         ));
     }
     for (name, _, figures) in &played.tasks {
-        output::say(&format!("{name}: {} cycles, the longest {}", figures.cycles, figures.max));
+        output::info(&format!("{name}: {} cycles, the longest {}", figures.cycles, figures.max));
     }
     match &played.trouble {
         Some(trouble) => {
-            output::complain(trouble);
+            output::error(trouble);
             notifier.status(trouble);
             Exit::Error
         }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// A run, with the folder that its traces are beside.
 #[derive(Debug)]
-pub struct Run {
+pub struct SavedRun {
     /// As the user named it.
     pub name: String,
     /// Where its record is.
@@ -24,7 +24,7 @@ pub struct Run {
 ///
 /// # Errors
 /// A finding with the path and the reason.
-pub fn load(path: &Path) -> Result<Run, Diagnostic> {
+pub fn load(path: &Path) -> Result<SavedRun, Diagnostic> {
     let (file, folder) = if path.is_file() {
         (path.to_owned(), path.parent().unwrap_or(Path::new("")).to_owned())
     } else {
@@ -36,7 +36,7 @@ pub fn load(path: &Path) -> Result<Run, Diagnostic> {
     })?;
     let record = RunRecord::from_json(&text)
         .map_err(|error| Diagnostic::error(error.code(), format!("`{}`: {error}", file.display())))?;
-    Ok(Run { name: path.display().to_string(), folder, record })
+    Ok(SavedRun { name: path.display().to_string(), folder, record })
 }
 
 /// The text of a file, no more of it than a record may have.

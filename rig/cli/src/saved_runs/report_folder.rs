@@ -12,7 +12,7 @@ const LONGEST_NAME: usize = 180;
 
 /// A report that is drawn from the record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Form {
+pub enum ReportFormat {
     /// `index.html`: the page for a person.
     Html,
     /// `junit.xml`: for a CI server.
@@ -29,19 +29,19 @@ pub enum Form {
 
 /// The folder.
 #[derive(Debug)]
-pub struct Store {
+pub struct ReportFolder {
     folder: PathBuf,
     /// Names of trace files that are taken.
     names: BTreeSet<String>,
 }
 
-impl Store {
+impl ReportFolder {
     /// Makes the folder with a place for traces.
     ///
     /// # Errors
     /// Why it cannot be made.
-    pub fn new(folder: &Path) -> Result<Store, String> {
-        let store = Store::without_traces(folder)?;
+    pub fn new(folder: &Path) -> Result<ReportFolder, String> {
+        let store = ReportFolder::without_traces(folder)?;
         store.traces()?;
         Ok(store)
     }
@@ -50,9 +50,9 @@ impl Store {
     ///
     /// # Errors
     /// Why it cannot be made.
-    pub fn without_traces(folder: &Path) -> Result<Store, String> {
+    pub fn without_traces(folder: &Path) -> Result<ReportFolder, String> {
         make(folder)?;
-        Ok(Store { folder: folder.to_owned(), names: BTreeSet::new() })
+        Ok(ReportFolder { folder: folder.to_owned(), names: BTreeSet::new() })
     }
 
     /// Makes the place for traces.
@@ -145,28 +145,28 @@ impl Store {
         self.text("record.json", &run.to_json())
     }
 
-    /// Draws reports of these forms; waves are [`Store::waves`].
+    /// Draws reports of these forms; waves are [`ReportFolder::waves`].
     ///
     /// # Errors
     /// Which file cannot be written, and why.
-    pub fn reports(&self, run: &RunRecord, forms: &[Form]) -> Result<(), String> {
+    pub fn reports(&self, run: &RunRecord, forms: &[ReportFormat]) -> Result<(), String> {
         for form in forms {
             match form {
-                Form::Html => {
+                ReportFormat::Html => {
                     let page = reports::html::render(run)
                         .map_err(|error| format!("the page cannot be drawn: {error}"))?;
                     self.text("index.html", &page)?;
                 }
-                Form::Junit => {
+                ReportFormat::Junit => {
                     self.text("junit.xml", &reports::junit::render(run, &self.folder.to_string_lossy()))?;
                 }
-                Form::Ctrf => self.text("ctrf.json", &reports::ctrf::render(run))?,
-                Form::Md => self.text("summary.md", &reports::markdown::render(run))?,
-                Form::Csv => {
+                ReportFormat::Ctrf => self.text("ctrf.json", &reports::ctrf::render(run))?,
+                ReportFormat::Md => self.text("summary.md", &reports::markdown::render(run))?,
+                ReportFormat::Csv => {
                     self.text("measurements.csv", &reports::csv::measurements(run))?;
                     self.text("claims.csv", &reports::csv::claims(run))?;
                 }
-                Form::Vcd => {}
+                ReportFormat::Vcd => {}
             }
         }
         Ok(())
@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn every_case_has_a_file_of_its_own() {
         let folder = tempfile::tempdir().unwrap();
-        let mut store = Store::new(folder.path()).unwrap();
+        let mut store = ReportFolder::new(folder.path()).unwrap();
         let long = format!("{}[row]", "long/".repeat(100));
         let names = ["a/b", "a_b", "a b", "../a/b", "x[cut=0.37 ms]#2", long.as_str(), "/"];
         let mut paths = BTreeSet::new();

@@ -16,7 +16,7 @@ use std::fmt;
 
 /// What a case is selected by.
 #[derive(Clone, Copy, Debug)]
-pub struct Facts<'a> {
+pub struct CaseFacts<'a> {
     /// Name of the case.
     pub name: &'a str,
     /// Title of its plan.
@@ -29,10 +29,10 @@ pub struct Facts<'a> {
     pub profile: &'a str,
 }
 
-impl<'a> Facts<'a> {
+impl<'a> CaseFacts<'a> {
     /// The facts of a case that is to run.
-    pub fn of(job: &'a Job) -> Facts<'a> {
-        Facts {
+    pub fn of(job: &'a Job) -> CaseFacts<'a> {
+        CaseFacts {
             name: &job.name,
             title: &job.title,
             proves: &job.proves,
@@ -90,7 +90,7 @@ impl Selection {
     /// [`SelectionError`] with the place.
     pub fn parse(text: &str) -> Result<Selection, SelectionError> {
         let tokens = tokens(text)?;
-        let mut reader = Reader { tokens: &tokens, at: 0, end: text.len(), depth: 0 };
+        let mut reader = SelectionParser { tokens: &tokens, at: 0, end: text.len(), depth: 0 };
         let selection = reader.expression()?;
         match reader.peek() {
             None => Ok(selection),
@@ -99,7 +99,7 @@ impl Selection {
     }
 
     /// Whether a case is selected.
-    pub fn matches(&self, case: &Facts<'_>) -> bool {
+    pub fn matches(&self, case: &CaseFacts<'_>) -> bool {
         let holds = |text: &str, part: &str| text.to_lowercase().contains(&part.to_lowercase());
         match self {
             Selection::All => true,
@@ -119,7 +119,7 @@ impl Selection {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Kind {
+enum TokenKind {
     Open,
     Close,
     Word(String),
@@ -130,7 +130,7 @@ enum Kind {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Token {
     at: usize,
-    kind: Kind,
+    kind: TokenKind,
 }
 
 fn tokens(text: &str) -> Result<Vec<Token>, SelectionError> {
@@ -139,15 +139,15 @@ fn tokens(text: &str) -> Result<Vec<Token>, SelectionError> {
     while let Some((at, c)) = chars.next() {
         let kind = match c {
             c if c.is_whitespace() => continue,
-            '(' => Kind::Open,
-            ')' => Kind::Close,
+            '(' => TokenKind::Open,
+            ')' => TokenKind::Close,
             '"' => {
                 let word: String = chars.by_ref().map(|(_, c)| c).take_while(|c| *c != '"').collect();
                 let closed = text[at + 1 + word.len()..].starts_with('"');
                 if !closed {
                     return Err(SelectionError { at, message: "these quotes are never closed" });
                 }
-                Kind::Quoted(word)
+                TokenKind::Quoted(word)
             }
             first => {
                 let mut word = String::from(first);
@@ -168,7 +168,7 @@ fn tokens(text: &str) -> Result<Vec<Token>, SelectionError> {
                 if quoted {
                     return Err(SelectionError { at, message: "quotes in this word are never closed" });
                 }
-                Kind::Word(word)
+                TokenKind::Word(word)
             }
         };
         tokens.push(Token { at, kind });
@@ -176,20 +176,20 @@ fn tokens(text: &str) -> Result<Vec<Token>, SelectionError> {
     Ok(tokens)
 }
 
-struct Reader<'a> {
+struct SelectionParser<'a> {
     tokens: &'a [Token],
     at: usize,
     end: usize,
     depth: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> SelectionParser<'a> {
     fn peek(&self) -> Option<&'a Token> {
         self.tokens.get(self.at)
     }
 
     fn takes(&mut self, word: &str) -> bool {
-        let found = matches!(self.peek(), Some(Token { kind: Kind::Word(next), .. }) if next == word);
+        let found = matches!(self.peek(), Some(Token { kind: TokenKind::Word(next), .. }) if next == word);
         self.at += usize::from(found);
         found
     }
@@ -207,8 +207,8 @@ impl<'a> Reader<'a> {
         loop {
             let joined = self.takes("and");
             let stops = match self.peek() {
-                None | Some(Token { kind: Kind::Close, .. }) => true,
-                Some(Token { kind: Kind::Word(word), .. }) => word == "or",
+                None | Some(Token { kind: TokenKind::Close, .. }) => true,
+                Some(Token { kind: TokenKind::Word(word), .. }) => word == "or",
                 _ => false,
             };
             if stops && !joined {
@@ -228,25 +228,25 @@ impl<'a> Reader<'a> {
         }
         self.at += 1;
         let selection = match &token.kind {
-            Kind::Open => {
+            TokenKind::Open => {
                 let inner = self.expression()?;
                 match self.peek() {
-                    Some(Token { kind: Kind::Close, .. }) => self.at += 1,
+                    Some(Token { kind: TokenKind::Close, .. }) => self.at += 1,
                     _ => {
                         return Err(SelectionError { at: token.at, message: "this bracket is never closed" });
                     }
                 }
                 inner
             }
-            Kind::Close => {
+            TokenKind::Close => {
                 return Err(SelectionError { at: token.at, message: "nothing is open to be closed" });
             }
-            Kind::Word(word) if word == "not" => Selection::Not(Box::new(self.factor()?)),
-            Kind::Word(word) if word == "and" || word == "or" => {
+            TokenKind::Word(word) if word == "not" => Selection::Not(Box::new(self.factor()?)),
+            TokenKind::Word(word) if word == "and" || word == "or" => {
                 return Err(SelectionError { at: token.at, message: "a word is missing before this" });
             }
-            Kind::Quoted(word) => Selection::Name(word.clone()),
-            Kind::Word(word) => match word.split_once(':') {
+            TokenKind::Quoted(word) => Selection::Name(word.clone()),
+            TokenKind::Word(word) => match word.split_once(':') {
                 None => Selection::Name(word.clone()),
                 Some(("name", part)) => Selection::Name(part.to_owned()),
                 Some(("title", part)) => Selection::Title(part.to_owned()),
@@ -271,8 +271,13 @@ mod tests {
     fn selects(expression: &str, name: &str) -> bool {
         let proves = [String::from("controller:WD-04")];
         let tags = [String::from("slow")];
-        let case =
-            Facts { name, title: "The watchdog trips", proves: &proves, tags: &tags, profile: "m241-2019" };
+        let case = CaseFacts {
+            name,
+            title: "The watchdog trips",
+            proves: &proves,
+            tags: &tags,
+            profile: "m241-2019",
+        };
         Selection::parse(expression).unwrap().matches(&case)
     }
 

@@ -4,15 +4,15 @@ mod shell;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::plan_files::load::{Wanted, load};
-use crate::selection::{Facts, Selection};
+use crate::plan_files::load::{LoadRequest, load};
+use crate::selection::{CaseFacts, Selection};
 use clap::Args;
 use document::Diagnostic;
 use reports::text::{Style, case_line, details};
 use runtime::case::step_case;
 use runtime::suite::{Job, LoadedPlan};
 use runtime::{ClockKind, RunOptions};
-use shell::Shell;
+use shell::StepShell;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -48,7 +48,7 @@ fn try_run(args: &StepArgs) -> Result<Exit, Exit> {
     let mut sources = Vec::new();
     let plans = [args.plan.clone()];
     let wanted =
-        Wanted { plans: &plans, board: args.board.as_deref(), params: &args.params, seed: args.seed };
+        LoadRequest { plans: &plans, board: args.board.as_deref(), params: &args.params, seed: args.seed };
     let loaded = load(&wanted, &mut sources)?;
     let (plan, job) = choose(args, &loaded)?;
     let refuse = |found: Vec<Diagnostic>| {
@@ -58,11 +58,11 @@ fn try_run(args: &StepArgs) -> Result<Exit, Exit> {
     let Some(case) = plan.plan.case(job.case) else { return Err(refuse(Vec::new())) };
     let files = plan.files(&case, &job).map_err(refuse)?;
     if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
-        output::complain(&format!("interrupts cannot be caught: {error}"));
+        output::error(&format!("interrupts cannot be caught: {error}"));
         return Err(Exit::Error);
     }
     let guarded = files.guarded(&case).map_err(refuse)?;
-    let mut shell = Shell::new(&guarded);
+    let mut shell = StepShell::new(&guarded);
     let options = RunOptions::new(ClockKind::Virtual, &INTERRUPT);
     let result = step_case(&case, &files, &options, Some(&mut shell)).map_err(refuse)?;
     if shell.has_quit() || INTERRUPT.load(Ordering::Relaxed) {
@@ -80,12 +80,12 @@ fn choose<'a>(args: &StepArgs, loaded: &'a [LoadedPlan]) -> Result<(&'a LoadedPl
     let selection = match &args.only {
         None => Selection::All,
         Some(expression) => Selection::parse(expression).map_err(|error| {
-            output::complain(&format!("--only {expression}: {error}"));
+            output::error(&format!("--only {expression}: {error}"));
             Exit::UserFiles
         })?,
     };
     let jobs = loaded.iter().enumerate().flat_map(|(place, plan)| plan.jobs(place, args.seed, 1));
-    let mut jobs: Vec<Job> = jobs.filter(|job| selection.matches(&Facts::of(job))).collect();
+    let mut jobs: Vec<Job> = jobs.filter(|job| selection.matches(&CaseFacts::of(job))).collect();
     let names: Vec<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
     let message = match names.len() {
         0 => format!("--only selects none of the cases of {}", args.plan.display()),

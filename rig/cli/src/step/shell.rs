@@ -26,7 +26,7 @@ const LONGEST: usize = 4_096;
 
 /// What a command asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Command {
+enum StepCommand {
     Next,
     Until(Span),
     Run,
@@ -36,26 +36,26 @@ enum Command {
     Help,
 }
 
-impl Command {
-    fn parse(line: &str) -> Result<Command, String> {
+impl StepCommand {
+    fn parse(line: &str) -> Result<StepCommand, String> {
         let line = line.trim();
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let command = match word {
-            "" | "n" | "next" => Command::Next,
+            "" | "n" | "next" => StepCommand::Next,
             "u" | "until" => {
                 let time = rest.trim();
                 let time =
                     time.strip_prefix("start").map_or(time, |after| after.trim_start_matches([' ', '+']));
                 return match Span::parse(time) {
-                    Ok(span) => Ok(Command::Until(span)),
+                    Ok(span) => Ok(StepCommand::Until(span)),
                     Err(_) => Err(format!("`{rest}` is no time: write until 1.5 s, counted from start")),
                 };
             }
-            "r" | "run" => Command::Run,
-            "v" | "values" => Command::Values,
-            "c" | "claims" => Command::Claims,
-            "q" | "quit" => Command::Quit,
-            "h" | "help" | "?" => Command::Help,
+            "r" | "run" => StepCommand::Run,
+            "v" | "values" => StepCommand::Values,
+            "c" | "claims" => StepCommand::Claims,
+            "q" | "quit" => StepCommand::Quit,
+            "h" | "help" | "?" => StepCommand::Help,
             other => {
                 let words = ["next", "until", "run", "values", "claims", "quit", "help"];
                 let near = document::suggest(other, words).map(|near| format!(": did you mean `{near}`?"));
@@ -67,7 +67,7 @@ impl Command {
 }
 
 /// Shows where the case stands and reads commands.
-pub struct Shell<'a> {
+pub struct StepShell<'a> {
     case: &'a Case,
     scenario: Scenario,
     /// Verdicts that were shown, in the order of the claims.
@@ -75,10 +75,10 @@ pub struct Shell<'a> {
     quit: bool,
 }
 
-impl<'a> Shell<'a> {
+impl<'a> StepShell<'a> {
     /// For this case.
-    pub fn new(case: &'a Case) -> Shell<'a> {
-        Shell { case, scenario: case.scenario(), shown: Vec::new(), quit: false }
+    pub fn new(case: &'a Case) -> StepShell<'a> {
+        StepShell { case, scenario: case.scenario(), shown: Vec::new(), quit: false }
     }
 
     /// Whether the user had enough.
@@ -121,7 +121,7 @@ impl<'a> Shell<'a> {
 
     fn standings(&self, pause: &Pause<'_>) -> Vec<Standing> {
         Standing::of(&self.scenario, pause.trace, pause.now).unwrap_or_else(|error| {
-            output::complain(&error.to_string());
+            output::error(&error.to_string());
             Vec::new()
         })
     }
@@ -160,7 +160,7 @@ fn anchor(at: Time, start: Time) -> String {
     }
 }
 
-impl Stepper for Shell<'_> {
+impl Stepper for StepShell<'_> {
     fn pause(&mut self, pause: &Pause<'_>) -> Go {
         self.show(pause);
         let mut input = std::io::stdin().lock();
@@ -175,29 +175,26 @@ impl Stepper for Shell<'_> {
                 // The script is over.
                 Ok(0) => return Go::On,
                 Err(error) => {
-                    output::complain(&format!("standard input cannot be read: {error}"));
+                    output::error(&format!("standard input cannot be read: {error}"));
                     self.quit = true;
                     return Go::Quit;
                 }
             }
-            match Command::parse(&String::from_utf8_lossy(&bytes)) {
-                Ok(Command::Next) => return Go::Next,
-                Ok(Command::Until(span)) => match pause.start.saturating_add(span) {
+            match StepCommand::parse(&String::from_utf8_lossy(&bytes)) {
+                Ok(StepCommand::Next) => return Go::Next,
+                Ok(StepCommand::Until(span)) => match pause.start.saturating_add(span) {
                     at if at > pause.now => return Go::Until(at),
-                    _ => output::complain(&format!(
-                        "the case is at {} already",
-                        anchor(pause.now, pause.start)
-                    )),
+                    _ => output::error(&format!("the case is at {} already", anchor(pause.now, pause.start))),
                 },
-                Ok(Command::Run) => return Go::On,
-                Ok(Command::Values) => self.values(pause),
-                Ok(Command::Claims) => self.claims(pause),
-                Ok(Command::Quit) => {
+                Ok(StepCommand::Run) => return Go::On,
+                Ok(StepCommand::Values) => self.values(pause),
+                Ok(StepCommand::Claims) => self.claims(pause),
+                Ok(StepCommand::Quit) => {
                     self.quit = true;
                     return Go::Quit;
                 }
-                Ok(Command::Help) => output::print(&format!("{HELP}\n")),
-                Err(why) => output::complain(&why),
+                Ok(StepCommand::Help) => output::print(&format!("{HELP}\n")),
+                Err(why) => output::error(&why),
             }
         }
     }
@@ -210,17 +207,17 @@ mod tests {
     #[test]
     fn commands_are_read() {
         for (line, command) in [
-            ("", Command::Next),
-            ("n\n", Command::Next),
-            (" until 1.5 s \r\n", Command::Until(Span::from_millis(1_500))),
-            ("until start + 2 s", Command::Until(Span::from_secs(2))),
-            ("q", Command::Quit),
+            ("", StepCommand::Next),
+            ("n\n", StepCommand::Next),
+            (" until 1.5 s \r\n", StepCommand::Until(Span::from_millis(1_500))),
+            ("until start + 2 s", StepCommand::Until(Span::from_secs(2))),
+            ("q", StepCommand::Quit),
         ] {
-            assert_eq!(Command::parse(line), Ok(command), "{line}");
+            assert_eq!(StepCommand::parse(line), Ok(command), "{line}");
         }
-        assert!(Command::parse("vlaues").unwrap_err().contains("did you mean `values`?"));
-        assert!(Command::parse("next 2").unwrap_err().contains("takes nothing"));
-        assert!(Command::parse("until noon").unwrap_err().contains("no time"));
+        assert!(StepCommand::parse("vlaues").unwrap_err().contains("did you mean `values`?"));
+        assert!(StepCommand::parse("next 2").unwrap_err().contains("takes nothing"));
+        assert!(StepCommand::parse("until noon").unwrap_err().contains("no time"));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The arguments of `rig test`.
 
-use super::leave::LeaveArgs;
-use super::look::LookArgs;
+use super::display::DisplayArgs;
+use super::reporting::ReportingArgs;
 use crate::bench_lock::BenchLockArgs;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -60,8 +60,8 @@ pub struct TestArgs {
     pub wait: BenchLockArgs,
     /// How the run is shown.
     #[command(flatten)]
-    pub look: LookArgs,
+    pub display: DisplayArgs,
     /// What the run leaves.
     #[command(flatten)]
-    pub leave: LeaveArgs,
+    pub reporting: ReportingArgs,
 }

@@ -3,7 +3,7 @@
 use super::args::TestArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::selection::{Facts, Selection};
+use crate::selection::{CaseFacts, Selection};
 use runtime::suite::{Job, LoadedPlan};
 
 /// Cases that a selection is made from.
@@ -17,7 +17,7 @@ pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> 
     let selection = match &args.only {
         None => Selection::All,
         Some(expression) => Selection::parse(expression).map_err(|error| {
-            output::complain(&format!("--only {expression}: {error}"));
+            output::error(&format!("--only {expression}: {error}"));
             Exit::UserFiles
         })?,
     };
@@ -29,10 +29,10 @@ pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> 
     let mut jobs = Vec::new();
     for (place, plan) in loaded.iter().enumerate() {
         let all = plan.jobs(place, args.seed, args.repeat.get()).into_iter();
-        jobs.extend(all.filter(|job| selection.matches(&Facts::of(job))));
+        jobs.extend(all.filter(|job| selection.matches(&CaseFacts::of(job))));
     }
     if jobs.is_empty() {
-        output::complain("no case is selected");
+        output::error("no case is selected");
         return Err(Exit::UserFiles);
     }
     if jobs.len() > record::MAX_CASES {
@@ -41,16 +41,13 @@ pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> 
     let mut names: Vec<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
     names.sort_unstable();
     if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        output::complain(&format!("two cases have the name {}: a plan is given twice", twice[0]));
+        output::error(&format!("two cases have the name {}: a plan is given twice", twice[0]));
         return Err(Exit::UserFiles);
     }
     Ok(jobs)
 }
 
 fn too_many() -> Exit {
-    output::complain(&format!(
-        "more than {} cases: select fewer, or repeat them less often",
-        record::MAX_CASES
-    ));
+    output::error(&format!("more than {} cases: select fewer, or repeat them less often", record::MAX_CASES));
     Exit::UserFiles
 }

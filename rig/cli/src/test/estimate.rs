@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 /// Before this nothing is said: a few cases say little of the others.
-const SILENT: Duration = Duration::from_secs(2);
+const FIRST_ESTIMATE_AFTER: Duration = Duration::from_secs(2);
 
 /// Ends of cases that the recent rate is taken over.
 const RECENT: usize = 32;
@@ -32,7 +32,7 @@ impl Estimate {
     pub fn left(&self, now: Duration, total: u64) -> Option<(Duration, Duration)> {
         let left = total.saturating_sub(self.done);
         let first = *self.recent.front()?;
-        if now < SILENT || left == 0 || self.recent.len() < RECENT.min(8) {
+        if now < FIRST_ESTIMATE_AFTER || left == 0 || self.recent.len() < RECENT.min(8) {
             return None;
         }
         let overall = now.as_secs_f64() / self.done as f64;

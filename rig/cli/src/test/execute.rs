@@ -2,13 +2,13 @@
 
 use super::INTERRUPT;
 use super::args::{ClockChoice, TestArgs};
-use super::leave::{LeaveArgs, Part};
-use super::look::TraceOn;
-use super::observe::Observer;
+use super::display::TraceOn;
+use super::observer::RunObserver;
+use super::reporting::{ReportingArgs, SuitePart};
 use crate::exit::Exit;
-use crate::operator::Person;
+use crate::operator::TerminalOperator;
 use crate::saved_runs::provenance;
-use crate::saved_runs::report_folder::Store;
+use crate::saved_runs::report_folder::ReportFolder;
 use crate::{output, requirements};
 use document::{Diagnostic, SourceFile};
 use record::{CaseRecord, RunRecord, Verdict};
@@ -30,13 +30,13 @@ pub fn execute(
     args: &TestArgs,
     loaded: &[LoadedPlan],
     jobs: &[Job],
-    part: Part,
+    part: SuitePart,
     sources: &[SourceFile],
-    observer: &mut dyn Observer,
+    observer: &mut dyn RunObserver,
 ) -> Result<Exit, Exit> {
     let asks = jobs.iter().any(|job| job.asks);
-    let person = Person::here();
-    if let Some(found) = suite::unanswerable(loaded, jobs).filter(|_| person.is_none()) {
+    let operator = TerminalOperator::if_present();
+    if let Some(found) = suite::unanswerable(loaded, jobs).filter(|_| operator.is_none()) {
         output::findings(&[found], sources);
         return Err(Exit::UserFiles);
     }
@@ -44,28 +44,28 @@ pub fn execute(
     let hardware = hardware(args, loaded, jobs, sources)?;
     let real = hardware.is_some() || args.clock == Some(ClockChoice::Real);
     let clock = if real { record::Clock::Real } else { record::Clock::Virtual };
-    let store = args.report.as_deref().map(Store::new).transpose().map_err(|error| {
-        output::complain(&error);
+    let folder = args.report.as_deref().map(ReportFolder::new).transpose().map_err(|error| {
+        output::error(&error);
         Exit::UserFiles
     })?;
     // One question at a time.
     let at_once = if asks { 1 } else { at_once(args, real).min(jobs.len()) };
-    let mut keeper = Keeper {
+    let mut collector = RunCollector {
         run: RunRecord::new(env!("CARGO_PKG_VERSION"), provenance::now(args.seed, clock)),
-        store,
-        trace_on: args.look.trace_on,
+        folder,
+        trace_on: args.display.trace_on,
         coverage: Total::default(),
-        leave: args.leave.clone(),
+        reporting: args.reporting.clone(),
         began: Instant::now(),
         wrong_files: false,
         trouble: None,
     };
-    keeper.run.provenance.environment.extend(hardware.iter().flat_map(Hardware::facts));
-    keeper.run.planned = jobs.len() as u64;
-    keeper.run.shard = part.shard;
-    keeper.run.selection_sha256 = part.selection_sha256;
-    observer.run_started(&keeper.run, at_once);
-    let operator = person.as_ref().map(|person| person as &dyn Operator);
+    collector.run.provenance.environment.extend(hardware.iter().flat_map(Hardware::facts));
+    collector.run.planned = jobs.len() as u64;
+    collector.run.shard = part.shard;
+    collector.run.selection_sha256 = part.selection_sha256;
+    observer.run_started(&collector.run, at_once);
+    let operator = operator.as_ref().map(|operator| operator as &dyn Operator);
     let options = RunOptions { operator, hardware: hardware.as_ref(), ..options(args, real) };
     suite::watch(loaded, jobs, at_once, args.fail_fast, &options, &mut |happened| match happened {
         Happened::Begun(place) => observer.case_started(place, &jobs[place]),
@@ -75,11 +75,11 @@ pub fn execute(
             if let Done::Findings(found) = &done {
                 observer.found(found, sources);
             }
-            let record = keeper.keep(done, &jobs[place], loaded);
+            let record = collector.collect(done, &jobs[place], loaded);
             observer.case_finished(place, record);
         }
     });
-    Ok(keeper.finish(observer))
+    Ok(collector.finish(observer))
 }
 
 /// Opens the real lines that the jobs run on, if they do, and says what the machine refuses them.
@@ -134,20 +134,20 @@ fn at_once(args: &TestArgs, real: bool) -> usize {
 }
 
 /// What comes of a run.
-struct Keeper {
+struct RunCollector {
     run: RunRecord,
-    store: Option<Store>,
+    folder: Option<ReportFolder>,
     trace_on: TraceOn,
     coverage: Total,
-    leave: LeaveArgs,
+    reporting: ReportingArgs,
     began: Instant,
     wrong_files: bool,
     trouble: Option<Diagnostic>,
 }
 
-impl Keeper {
+impl RunCollector {
     /// Keeps what became of a job, and hands back its record.
-    fn keep(&mut self, done: Done, job: &Job, loaded: &[LoadedPlan]) -> &CaseRecord {
+    fn collect(&mut self, done: Done, job: &Job, loaded: &[LoadedPlan]) -> &CaseRecord {
         let (mut record, trace, frames) = match done {
             Done::Case(result) => {
                 self.coverage.add(result.coverage);
@@ -160,7 +160,7 @@ impl Keeper {
             }
         };
         if let Some(trace) = &trace {
-            self.keep_trace(&mut record, trace, &frames);
+            self.store_trace(&mut record, trace, &frames);
         }
         // They lie beside the trace or nowhere.
         if record.trace_file.is_none() {
@@ -170,14 +170,14 @@ impl Keeper {
         &self.run.cases[self.run.cases.len() - 1]
     }
 
-    fn keep_trace(&mut self, record: &mut CaseRecord, trace: &Trace, frames: &str) {
-        let Some(store) = &mut self.store else { return };
+    fn store_trace(&mut self, record: &mut CaseRecord, trace: &Trace, frames: &str) {
+        let Some(folder) = &mut self.folder else { return };
         if !self.trace_on.keeps(record) {
             return;
         }
-        let kept = store.trace(record, trace).and_then(|path| {
+        let kept = folder.trace(record, trace).and_then(|path| {
             if record.frames.is_some() {
-                store.frames(&path, frames)?;
+                folder.frames(&path, frames)?;
             }
             Ok(path)
         });
@@ -188,12 +188,12 @@ impl Keeper {
     }
 
     /// Tells the end, writes the reports, and says how the command ends.
-    fn finish(mut self, observer: &mut dyn Observer) -> Exit {
+    fn finish(mut self, observer: &mut dyn RunObserver) -> Exit {
         self.run.coverage =
             if self.run.shard.is_some() { self.coverage.part() } else { self.coverage.record() };
         self.run.host_ms = u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.run.requirements = requirements::facts(&self.run);
-        let page = self.leave.everything(&self.run, self.store.as_ref()).unwrap_or_else(|found| {
+        let page = self.reporting.write_all(&self.run, self.folder.as_ref()).unwrap_or_else(|found| {
             self.trouble = Some(found);
             None
         });

@@ -2,26 +2,26 @@
 
 mod args;
 mod choose;
+mod display;
 mod estimate;
-mod events;
 mod execute;
-mod leave;
-mod lines;
-mod look;
-mod observe;
-mod screen;
+mod json_events;
+mod observer;
+mod progress_display;
+mod reporting;
+mod text_output;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::plan_files::load::{self, Wanted};
+use crate::plan_files::load::{self, LoadRequest};
 pub use args::TestArgs;
-use events::Events;
-use leave::Part;
-use lines::Lines;
-use look::{Output, Progress};
-use observe::Observer;
+use display::{Progress, TestOutput};
+use json_events::JsonEvents;
+use observer::RunObserver;
+use reporting::SuitePart;
 use runtime::suite::Job;
 use std::sync::atomic::{AtomicBool, Ordering};
+use text_output::TextOutput;
 
 /// Set by the signal handler: the running cases end with their outputs safe.
 static INTERRUPT: AtomicBool = AtomicBool::new(false);
@@ -33,36 +33,40 @@ pub fn run(args: &TestArgs) -> Exit {
 
 fn try_run(args: &TestArgs) -> Result<Exit, Exit> {
     let mut sources = Vec::new();
-    let wanted =
-        Wanted { plans: &args.plans, board: args.board.as_deref(), params: &args.params, seed: args.seed };
+    let wanted = LoadRequest {
+        plans: &args.plans,
+        board: args.board.as_deref(),
+        params: &args.params,
+        seed: args.seed,
+    };
     let loaded = load::load(&wanted, &mut sources)?;
     let chosen = choose::choose(args, &loaded)?;
-    let (jobs, part) = Part::of(&args.leave, &loaded, chosen)?;
+    let (jobs, part) = SuitePart::of(&args.reporting, &loaded, chosen)?;
     if args.list {
-        list(&jobs, args.look.format);
+        list(&jobs, args.display.format);
         return Ok(Exit::Passed);
     }
     if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
-        output::complain(&format!("interrupts cannot be caught: {error}"));
+        output::error(&format!("interrupts cannot be caught: {error}"));
         return Err(Exit::Error);
     }
-    let mut look = args.look.clone();
+    let mut display = args.display.clone();
     if jobs.iter().any(|job| job.asks) {
         // A bar and a question would write over each other.
-        look.progress = Progress::None;
+        display.progress = Progress::None;
     }
-    let mut observer: Box<dyn Observer> = match args.look.format {
-        Output::Text => Box::new(Lines::new(&look)),
-        Output::Json => Box::new(Events),
+    let mut observer: Box<dyn RunObserver> = match args.display.format {
+        TestOutput::Text => Box::new(TextOutput::new(&display)),
+        TestOutput::Json => Box::new(JsonEvents),
     };
     execute::execute(args, &loaded, &jobs, part, &sources, &mut *observer)
 }
 
-fn list(jobs: &[Job], format: Output) {
+fn list(jobs: &[Job], format: TestOutput) {
     for job in jobs {
         match format {
-            Output::Text => output::print(&format!("{}  {}\n", job.name, job.title)),
-            Output::Json => events::listed(job),
+            TestOutput::Text => output::print(&format!("{}  {}\n", job.name, job.title)),
+            TestOutput::Json => json_events::listed(job),
         }
     }
 }

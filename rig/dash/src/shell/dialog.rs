@@ -1,14 +1,14 @@
 //! What stands over the view until it is answered.
 
 use super::Shell;
-use super::menu::{self, Does};
-use crate::editor::{Edited, Editor};
+use super::menu::{self, MenuAction};
+use crate::editor::{EditResult, Editor};
 use control::{Ask, Forces};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 /// Whom a line is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum For {
+pub(super) enum PromptTarget {
     /// The view at this place.
     View(usize),
     /// The lock: why it is locked.
@@ -28,14 +28,14 @@ pub(super) enum Dialog {
     /// A question; yes asks the rig.
     Confirm { question: String, ask: Ask },
     /// A line that is typed.
-    Prompt { ask: String, editor: Editor, whose: For },
+    Prompt { ask: String, editor: Editor, target: PromptTarget },
     /// What becomes of forces, before the end.
     Leave { chosen: usize },
 }
 
 /// What can be chosen before the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Leaving {
+pub(super) enum LeaveChoice {
     With(Forces),
     Stay,
 }
@@ -46,29 +46,29 @@ impl Dialog {
     }
 
     pub fn prompt(ask: String, text: &str, view: usize) -> Dialog {
-        Dialog::Prompt { ask, editor: Editor::new(text), whose: For::View(view) }
+        Dialog::Prompt { ask, editor: Editor::new(text), target: PromptTarget::View(view) }
     }
 }
 
 impl Shell {
     /// What can be chosen before the end, with its key.
-    pub(super) fn leavings(&self) -> Vec<(char, String, Leaving)> {
-        let end = if self.own { " and end the rig" } else { "" };
-        let stay = ('s', "Stay".to_owned(), Leaving::Stay);
-        if self.own || self.model.status.forced.is_empty() {
+    pub(super) fn leave_choices(&self) -> Vec<(char, String, LeaveChoice)> {
+        let end = if self.owns_rig { " and end the rig" } else { "" };
+        let stay = ('s', "Stay".to_owned(), LeaveChoice::Stay);
+        if self.owns_rig || self.model.status.forced.is_empty() {
             // A rig that ends drives everything to its safe value; forces end with it.
-            return vec![('l', format!("Leave{end}"), Leaving::With(Forces::Keep)), stay];
+            return vec![('l', format!("Leave{end}"), LeaveChoice::With(Forces::Keep)), stay];
         }
         vec![
-            ('k', "Keep the forces and leave".to_owned(), Leaving::With(Forces::Keep)),
-            ('r', "Release all forces and leave".to_owned(), Leaving::With(Forces::Release)),
+            ('k', "Keep the forces and leave".to_owned(), LeaveChoice::With(Forces::Keep)),
+            ('r', "Release all forces and leave".to_owned(), LeaveChoice::With(Forces::Release)),
             stay,
         ]
     }
 
     /// The user wants to leave.
     pub(super) fn start_leaving(&mut self) {
-        if self.model.gone.is_none() && (self.own || !self.model.status.forced.is_empty()) {
+        if self.model.gone.is_none() && (self.owns_rig || !self.model.status.forced.is_empty()) {
             self.dialog = Some(Dialog::Leave { chosen: 0 });
         } else {
             self.leave(Forces::Keep);
@@ -79,7 +79,7 @@ impl Shell {
     fn choices_of(&self, dialog: &Dialog) -> usize {
         match dialog {
             Dialog::Menu { .. } => menu::entries(&self.model).len(),
-            Dialog::Leave { .. } => self.leavings().len(),
+            Dialog::Leave { .. } => self.leave_choices().len(),
             Dialog::Confirm { .. } => 2,
             Dialog::Help | Dialog::Prompt { .. } => 0,
         }
@@ -88,11 +88,11 @@ impl Shell {
     /// A key, while a dialog is shown.
     pub(super) fn dialog_key(&mut self, mut dialog: Dialog, key: KeyEvent) {
         let control = key.modifiers.contains(KeyModifiers::CONTROL);
-        if let Dialog::Prompt { ask, mut editor, whose } = dialog {
+        if let Dialog::Prompt { ask, mut editor, target } = dialog {
             match editor.key(key) {
-                Edited::On => self.dialog = Some(Dialog::Prompt { ask, editor, whose }),
-                Edited::Done => self.typed(&editor.text(), whose),
-                Edited::Dropped => {}
+                EditResult::Editing => self.dialog = Some(Dialog::Prompt { ask, editor, target }),
+                EditResult::Accepted => self.typed(&editor.text(), target),
+                EditResult::Cancelled => {}
             }
             return;
         }
@@ -105,7 +105,7 @@ impl Shell {
             (Dialog::Confirm { .. }, KeyCode::Char('y' | 'Y')) => Some(0),
             (Dialog::Confirm { .. }, KeyCode::Char('n' | 'N')) => Some(1),
             (Dialog::Leave { .. }, KeyCode::Char(typed)) => {
-                self.leavings().iter().position(|(key, ..)| *key == typed.to_ascii_lowercase())
+                self.leave_choices().iter().position(|(key, ..)| *key == typed.to_ascii_lowercase())
             }
             (Dialog::Menu { .. }, KeyCode::Char(':' | 'q')) => return,
             (Dialog::Menu { chosen } | Dialog::Leave { chosen }, code) => {
@@ -129,20 +129,21 @@ impl Shell {
     /// Something was chosen in a dialog.
     pub(super) fn choose(&mut self, dialog: Dialog, choice: usize) {
         match dialog {
-            Dialog::Confirm { ask, .. } if choice == 0 => self.want(ask),
-            Dialog::Leave { .. } => match self.leavings().get(choice) {
-                Some((_, _, Leaving::With(forces))) => self.leave(*forces),
-                Some((_, _, Leaving::Stay)) | None => {}
+            Dialog::Confirm { ask, .. } if choice == 0 => self.request_for_user(ask),
+            Dialog::Leave { .. } => match self.leave_choices().get(choice) {
+                Some((_, _, LeaveChoice::With(forces))) => self.leave(*forces),
+                Some((_, _, LeaveChoice::Stay)) | None => {}
             },
             Dialog::Menu { .. } => match menu::entries(&self.model).into_iter().nth(choice) {
-                Some((_, Does::Moves(ask))) => {
+                Some((_, MenuAction::Confirmed(ask))) => {
                     let question = menu::question(&ask, &self.model);
                     self.dialog = Some(Dialog::confirm(question, ask));
                 }
-                Some((_, Does::Asks(ask))) => self.want(ask),
-                Some((_, Does::Lock)) => {
+                Some((_, MenuAction::Immediate(ask))) => self.request_for_user(ask),
+                Some((_, MenuAction::Lock)) => {
                     let ask = "Lock the rig, because".to_owned();
-                    self.dialog = Some(Dialog::Prompt { ask, editor: Editor::default(), whose: For::Lock });
+                    self.dialog =
+                        Some(Dialog::Prompt { ask, editor: Editor::default(), target: PromptTarget::Lock });
                 }
                 None => {}
             },
@@ -150,13 +151,13 @@ impl Shell {
         }
     }
 
-    fn typed(&mut self, text: &str, whose: For) {
-        match whose {
-            For::Lock => self.want(Ask::Lock { note: text.trim().to_owned() }),
-            For::View(view) => {
+    fn typed(&mut self, text: &str, target: PromptTarget) {
+        match target {
+            PromptTarget::Lock => self.request_for_user(Ask::Lock { note: text.trim().to_owned() }),
+            PromptTarget::View(view) => {
                 if let Some(view) = self.views.get_mut(view) {
-                    let wishes = view.typed(text, &self.model);
-                    self.fulfil(wishes);
+                    let requests_of_view = view.typed(text, &self.model);
+                    self.carry_out(requests_of_view);
                 }
             }
         }

@@ -3,8 +3,8 @@
 use super::dialog::Dialog;
 use super::input::KEYS;
 use super::{Shell, menu};
+use crate::canvas::{self, Canvas};
 use crate::model::Model;
-use crate::page::{self, Page};
 use crate::show;
 use control::{Clock, Led};
 use ratatui::Frame;
@@ -26,28 +26,28 @@ impl Shell {
         self.choices.clear();
         self.body = Rect::default();
         if area.width < WIDTH || area.height < HEIGHT {
-            let mut page = Page::new(frame, area, self.look);
+            let mut canvas = Canvas::new(frame, area, self.features);
             let text = format!("{} x {} is too small: {WIDTH} x {HEIGHT} is needed", area.width, area.height);
-            page.text(0, 0, &text, Style::new());
+            canvas.text(0, 0, &text, Style::new());
             for (row, (warning, _)) in self.warnings().into_iter().enumerate() {
-                page.text(0, row as u16 + 1, &warning, page::bold());
+                canvas.text(0, row as u16 + 1, &warning, canvas::bold());
             }
             return;
         }
         let warnings = self.warnings();
-        let mut page = Page::new(frame, area, self.look);
-        self.draw_header(&mut page);
+        let mut canvas = Canvas::new(frame, area, self.features);
+        self.draw_header(&mut canvas);
         for (row, (text, style)) in warnings.iter().enumerate() {
             let y = HEADER + row as u16;
-            page.shade(y, *style);
-            page.text(1, y, text, *style);
+            canvas.shade(y, *style);
+            canvas.text(1, y, text, *style);
         }
         let tabs = HEADER + warnings.len() as u16;
-        self.draw_tabs(&mut page, tabs);
-        self.draw_bottom(&mut page, area.height - 1);
+        self.draw_tabs(&mut canvas, tabs);
+        self.draw_bottom(&mut canvas, area.height - 1);
         self.body = Rect::new(area.x, area.y + tabs + 1, area.width, area.height - tabs - 2);
         if let Some(view) = self.views.get_mut(self.at) {
-            view.draw(frame, self.body, &self.model, self.look);
+            view.draw(frame, self.body, &self.model, self.features);
         }
         if let Some(dialog) = self.dialog.clone() {
             self.draw_dialog(frame, &dialog);
@@ -56,7 +56,7 @@ impl Shell {
 
     /// What makes figures untrustworthy, and what is forced: rows of the header.
     fn warnings(&self) -> Vec<(String, Style)> {
-        let alarm = warning(self.look.color, Color::Red);
+        let alarm = warning(self.features.color, Color::Red);
         let mut rows = Vec::new();
         if let Some(why) = &self.model.gone {
             rows.push((format!("!! No connection: {why}"), alarm));
@@ -70,12 +70,12 @@ impl Shell {
         }
         if let Some(locked) = &self.model.status.locked {
             let note = if locked.note.is_empty() { String::new() } else { format!(": {}", locked.note) };
-            rows.push((format!("Locked by {}{note}", locked.by), warning(self.look.color, Color::Blue)));
+            rows.push((format!("Locked by {}{note}", locked.by), warning(self.features.color, Color::Blue)));
         }
         if let Some(plan) = &self.model.status.plan {
             let (place, count) = plan.place;
             let text = format!("Plan {}: case {place} of {count}, {}", plan.name, plan.case);
-            rows.push((text, warning(self.look.color, Color::Blue)));
+            rows.push((text, warning(self.features.color, Color::Blue)));
         }
         let forced = &self.model.status.forced;
         if !forced.is_empty() {
@@ -83,67 +83,67 @@ impl Shell {
                 |forced: &control::Forced| format!("{}={}", forced.address, show::value(forced.value, &[]));
             let all: Vec<String> = forced.iter().map(one).collect();
             let text = format!("FORCED {}: {}", all.len(), all.join("  "));
-            rows.push((text, warning(self.look.color, Color::Yellow)));
+            rows.push((text, warning(self.features.color, Color::Yellow)));
         }
         rows
     }
 
-    fn draw_header(&self, page: &mut Page<'_>) {
+    fn draw_header(&self, canvas: &mut Canvas<'_>) {
         let (model, status) = (&self.model, &self.model.status);
         let untrusted = model.gone.is_some() || !status.troubles.is_empty();
         let board = model.description.board.rsplit('/').next().unwrap_or_default();
-        let mut x = page.text_in(1, 0, 18, board, page::bold()) + 1;
-        x = page.text(x, 0, &model.description.reference, Style::new()) + 2;
+        let mut x = canvas.text_in(1, 0, 18, board, canvas::bold()) + 1;
+        x = canvas.text(x, 0, &model.description.reference, Style::new()) + 2;
         let state = if status.state.is_empty() { "?" } else { &status.state };
-        x = page.text(x, 0, &format!(" {state} "), page::chosen()) + 2;
+        x = canvas.text(x, 0, &format!(" {state} "), canvas::chosen()) + 2;
         if status.power {
-            page.text(x, 0, if status.switch { "switch RUN" } else { "switch STOP" }, Style::new());
+            canvas.text(x, 0, if status.switch { "switch RUN" } else { "switch STOP" }, Style::new());
         } else if !status.state.is_empty() {
-            page.text(x, 0, "SUPPLY OFF", page::bold());
+            canvas.text(x, 0, "SUPPLY OFF", canvas::bold());
         }
         let led = if model.description.clock == Clock::Led { " (led)" } else { "" };
         let figures =
             format!("load {}  {} s{led}", show::per_mille(status.load), show::seconds(model.now, 1));
-        page.right(page.width() - 1, 0, &figures, Style::new());
+        canvas.right(canvas.width() - 1, 0, &figures, Style::new());
         let mut x = 1;
         for led in &status.leds {
-            x = draw_led(page, x, led, model) + 2;
+            x = draw_led(canvas, x, led, model) + 2;
         }
         let many = if status.clients == 1 { "" } else { "s" };
         let clients = format!("{} client{many}", status.clients);
-        page.right(page.width() - 1, 1, &clients, page.dim());
-        if untrusted && self.look.color {
+        canvas.right(canvas.width() - 1, 1, &clients, canvas.dim());
+        if untrusted && self.features.color {
             for y in 0..HEADER {
-                page.shade(y, Style::new().bg(Color::Red).fg(Color::White));
+                canvas.shade(y, Style::new().bg(Color::Red).fg(Color::White));
             }
         }
     }
 
-    fn draw_tabs(&mut self, page: &mut Page<'_>, y: u16) {
-        page.rule(y, "");
+    fn draw_tabs(&mut self, canvas: &mut Canvas<'_>, y: u16) {
+        canvas.rule(y, "");
         let mut x = 1;
         for (place, view) in self.views.iter().enumerate() {
-            let style = if place == self.at { page::chosen() } else { Style::new() };
-            let end = page.text(x, y, &format!(" {} {} ", place + 1, view.name()), style);
-            self.tabs.push(Rect::new(page.area().x + x, page.area().y + y, end - x, 1));
+            let style = if place == self.at { canvas::chosen() } else { Style::new() };
+            let end = canvas.text(x, y, &format!(" {} {} ", place + 1, view.name()), style);
+            self.tabs.push(Rect::new(canvas.area().x + x, canvas.area().y + y, end - x, 1));
             x = end + 1;
         }
     }
 
-    fn draw_bottom(&self, page: &mut Page<'_>, y: u16) {
+    fn draw_bottom(&self, canvas: &mut Canvas<'_>, y: u16) {
         if let Some(note) = &self.note {
-            let style = if note.bad { warning(self.look.color, Color::Red) } else { page::bold() };
-            page.text(1, y, if note.bad { "!!" } else { "" }, style);
-            page.text(if note.bad { 4 } else { 1 }, y, &note.text, style);
+            let style = if note.bad { warning(self.features.color, Color::Red) } else { canvas::bold() };
+            canvas.text(1, y, if note.bad { "!!" } else { "" }, style);
+            canvas.text(if note.bad { 4 } else { 1 }, y, &note.text, style);
             return;
         }
         let rest = [(":", "commands"), ("?", "help"), ("q", "leave")];
         let width: usize = rest.iter().map(|(key, does)| key.len() + does.len() + 3).sum();
-        let begin = page.width() - width as u16;
+        let begin = canvas.width() - width as u16;
         let mut x = begin;
         for (key, does) in rest {
-            x = page.text(x, y, key, page::bold()) + 1;
-            x = page.text(x, y, does, page.dim()) + 2;
+            x = canvas.text(x, y, key, canvas::bold()) + 1;
+            x = canvas.text(x, y, does, canvas.dim()) + 2;
         }
         let mut x = 1;
         for (key, does) in self.views.get(self.at).map(|view| view.keys()).unwrap_or_default() {
@@ -152,8 +152,8 @@ impl Shell {
             if x + width >= begin {
                 break;
             }
-            x = page.text(x, y, key, page::bold()) + 1;
-            x = page.text(x, y, does, page.dim()) + 2;
+            x = canvas.text(x, y, key, canvas::bold()) + 1;
+            x = canvas.text(x, y, does, canvas.dim()) + 2;
         }
     }
 
@@ -162,14 +162,14 @@ impl Shell {
         match dialog {
             Dialog::Prompt { ask, editor, .. } => self.draw_prompt(frame, ask, editor),
             Dialog::Help => {
-                let own = self.views.get(self.at).map(|view| view.keys()).unwrap_or_default();
-                let mut page = Page::new(frame, area, self.look);
-                let rows = (KEYS.len() + own.len() + 3) as u16;
-                let mut page = window(&mut page, 76, rows);
-                let mut page = page.framed(&format!("Help: {}", self.views[self.at].name()));
-                for (row, (key, does)) in own.iter().chain([&("", "")]).chain(&KEYS).enumerate() {
-                    page.text(1, row as u16, key, page::bold());
-                    page.text(14, row as u16, does, Style::new());
+                let owns_rig = self.views.get(self.at).map(|view| view.keys()).unwrap_or_default();
+                let mut canvas = Canvas::new(frame, area, self.features);
+                let rows = (KEYS.len() + owns_rig.len() + 3) as u16;
+                let mut canvas = window(&mut canvas, 76, rows);
+                let mut canvas = canvas.framed(&format!("Help: {}", self.views[self.at].name()));
+                for (row, (key, does)) in owns_rig.iter().chain([&("", "")]).chain(&KEYS).enumerate() {
+                    canvas.text(1, row as u16, key, canvas::bold());
+                    canvas.text(14, row as u16, does, Style::new());
                 }
             }
             Dialog::Menu { chosen } => {
@@ -184,14 +184,14 @@ impl Shell {
             Dialog::Leave { chosen } => {
                 let forced = &self.model.status.forced;
                 let mut text = Vec::new();
-                if self.own {
+                if self.owns_rig {
                     text.push("The rig was started with this dashboard.".to_owned());
                     text.push("It ends with it; outputs become safe.".to_owned());
                 } else if !forced.is_empty() {
                     text.push(format!("Forced: {}", forced.len()));
                 }
                 let answers: Vec<String> =
-                    self.leavings().iter().map(|(key, label, _)| format!("{key}  {label}")).collect();
+                    self.leave_choices().iter().map(|(key, label, _)| format!("{key}  {label}")).collect();
                 self.draw_choices(frame, "Leave", &text, &answers, *chosen);
             }
         }
@@ -210,41 +210,41 @@ impl Shell {
         let gap = u16::from(!text.is_empty());
         let height = (text.len() + choices.len()) as u16 + gap + 2;
         let area = frame.area();
-        let mut page = Page::new(frame, area, self.look);
-        let mut page = window(&mut page, width, height);
-        let mut page = page.framed(title);
+        let mut canvas = Canvas::new(frame, area, self.features);
+        let mut canvas = window(&mut canvas, width, height);
+        let mut canvas = canvas.framed(title);
         for (row, line) in text.iter().enumerate() {
-            page.text(1, row as u16, line, Style::new());
+            canvas.text(1, row as u16, line, Style::new());
         }
         for (place, line) in choices.iter().enumerate() {
             let y = text.len() as u16 + gap + place as u16;
-            page.text(1, y, line, Style::new());
+            canvas.text(1, y, line, Style::new());
             if place == chosen {
-                page.shade(y, page::chosen());
+                canvas.shade(y, canvas::chosen());
             }
-            self.choices.push(Rect::new(page.area().x, page.area().y + y, page.width(), 1));
+            self.choices.push(Rect::new(canvas.area().x, canvas.area().y + y, canvas.width(), 1));
         }
     }
 
     fn draw_prompt(&self, frame: &mut Frame<'_>, ask: &str, editor: &crate::editor::Editor) {
         let area = frame.area();
         let y = area.height - 1;
-        let mut page = Page::new(frame, area, self.look);
-        let mut page = page.part(0, y, area.width, 1);
-        page.clear();
-        let x = page.text_in(1, 0, area.width / 2, &format!("{ask}:"), page::bold()) + 1;
+        let mut canvas = Canvas::new(frame, area, self.features);
+        let mut canvas = canvas.part(0, y, area.width, 1);
+        canvas.clear();
+        let x = canvas.text_in(1, 0, area.width / 2, &format!("{ask}:"), canvas::bold()) + 1;
         let (text, at) = editor.window(usize::from(area.width - x - 1));
-        let style = if editor.is_proposed() { page::chosen() } else { Style::new() };
-        page.text(x, 0, &text, style);
+        let style = if editor.is_proposed() { canvas::chosen() } else { Style::new() };
+        canvas.text(x, 0, &text, style);
         frame.set_cursor_position((area.x + x + at as u16, area.y + y));
     }
 }
 
 /// A part in the middle that nothing else is drawn in.
-fn window<'a>(page: &'a mut Page<'_>, width: u16, height: u16) -> Page<'a> {
-    let (width, height) = (width.min(page.width()), height.min(page.height()));
-    let (x, y) = ((page.width() - width) / 2, (page.height() - height) / 2);
-    let mut part = page.part(x, y, width, height);
+fn window<'a>(canvas: &'a mut Canvas<'_>, width: u16, height: u16) -> Canvas<'a> {
+    let (width, height) = (width.min(canvas.width()), height.min(canvas.height()));
+    let (x, y) = ((canvas.width() - width) / 2, (canvas.height() - height) / 2);
+    let mut part = canvas.part(x, y, width, height);
     part.clear();
     part
 }
@@ -259,7 +259,7 @@ fn warning(color: bool, of: Color) -> Style {
 }
 
 /// An indicator with its name; the column behind it.
-fn draw_led(page: &mut Page<'_>, x: u16, led: &Led, model: &Model) -> u16 {
+fn draw_led(canvas: &mut Canvas<'_>, x: u16, led: &Led, model: &Model) -> u16 {
     let lit = match (led.pattern.as_str(), led.times) {
         ("off", _) => false,
         (_, Some((on, off))) if on > 0 && off > 0 => {
@@ -268,10 +268,10 @@ fn draw_led(page: &mut Page<'_>, x: u16, led: &Led, model: &Model) -> u16 {
         _ => true,
     };
     let color = if led.name.starts_with("ERR") { Color::Red } else { Color::Green };
-    let x = page.text(x, 1, &led.name, Style::new()) + 1;
-    let glyph = if lit { page.look.or("●", "(*)") } else { page.look.or("○", "( )") };
-    let style = if lit { page.tint(color).add_modifier(Modifier::BOLD) } else { Style::new() };
-    page.text(x, 1, glyph, style)
+    let x = canvas.text(x, 1, &led.name, Style::new()) + 1;
+    let glyph = if lit { canvas.features.or("●", "(*)") } else { canvas.features.or("○", "( )") };
+    let style = if lit { canvas.tint(color).add_modifier(Modifier::BOLD) } else { Style::new() };
+    canvas.text(x, 1, glyph, style)
 }
 
 /// A text in lines of at most so many characters.

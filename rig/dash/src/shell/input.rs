@@ -1,7 +1,7 @@
 //! Keys and the mouse.
 
 use super::dialog::Dialog;
-use super::{Shell, Want};
+use super::{LoopCommand, Shell};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::{Position, Rect};
 
@@ -23,21 +23,21 @@ impl Shell {
         self.note = None;
         let control = key.modifiers.contains(KeyModifiers::CONTROL);
         match key.code {
-            KeyCode::Char('z') if control => self.wants.push(Want::Suspend),
-            KeyCode::Char('l') if control => self.wants.push(Want::Redraw),
+            KeyCode::Char('z') if control => self.loop_commands.push(LoopCommand::Suspend),
+            KeyCode::Char('l') if control => self.loop_commands.push(LoopCommand::Redraw),
             _ => match self.dialog.take() {
                 Some(dialog) => self.dialog_key(dialog, key),
                 None if control && key.code == KeyCode::Char('c') => self.start_leaving(),
                 None => self.view_key(key),
             },
         }
-        self.settle();
+        self.refresh_subscriptions();
     }
 
     fn view_key(&mut self, key: KeyEvent) {
-        let wishes = self.views.get_mut(self.at).and_then(|view| view.key(key, &self.model));
-        if let Some(wishes) = wishes {
-            self.fulfil(wishes);
+        let requests_of_view = self.views.get_mut(self.at).and_then(|view| view.key(key, &self.model));
+        if let Some(requests_of_view) = requests_of_view {
+            self.carry_out(requests_of_view);
             return;
         }
         let count = self.views.len().max(1);
@@ -78,10 +78,10 @@ impl Shell {
                 self.note = None;
             }
             if let Some(view) = self.views.get_mut(self.at) {
-                let wishes = view.mouse(mouse, &self.model);
-                self.fulfil(wishes);
+                let requests_of_view = view.mouse(mouse, &self.model);
+                self.carry_out(requests_of_view);
             }
         }
-        self.settle();
+        self.refresh_subscriptions();
     }
 }

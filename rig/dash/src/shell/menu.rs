@@ -6,29 +6,29 @@ use control::{Action, Ask};
 
 /// What an entry of the menu does.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Does {
+pub(super) enum MenuAction {
     /// Asks the rig, once the user has said yes: it moves outputs.
-    Moves(Ask),
+    Confirmed(Ask),
     /// Asks the rig.
-    Asks(Ask),
+    Immediate(Ask),
     /// Lets the user say why, and locks.
     Lock,
 }
 
 /// The entries: what they are called, and what they do.
-pub(super) fn entries(model: &Model) -> Vec<(&'static str, Does)> {
-    let mut entries: Vec<(&'static str, Does)> = Action::ALL
+pub(super) fn entries(model: &Model) -> Vec<(&'static str, MenuAction)> {
+    let mut entries: Vec<(&'static str, MenuAction)> = Action::ALL
         .iter()
-        .map(|action| (label(*action), Does::Moves(Ask::Command { action: *action })))
+        .map(|action| (label(*action), MenuAction::Confirmed(Ask::Command { action: *action })))
         .collect();
-    entries.push(("Release all forces", Does::Moves(Ask::ReleaseAll)));
+    entries.push(("Release all forces", MenuAction::Confirmed(Ask::ReleaseAll)));
     if model.status.plan.is_some() {
-        entries.push(("Abort the plan", Does::Moves(Ask::Abort)));
+        entries.push(("Abort the plan", MenuAction::Confirmed(Ask::Abort)));
     }
     if model.status.locked.is_some() {
-        entries.push(("Unlock", Does::Asks(Ask::Unlock)));
+        entries.push(("Unlock", MenuAction::Immediate(Ask::Unlock)));
     } else {
-        entries.push(("Lock", Does::Lock));
+        entries.push(("Lock", MenuAction::Lock));
     }
     entries
 }

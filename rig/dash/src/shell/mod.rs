@@ -7,14 +7,14 @@ mod input;
 mod menu;
 mod signals;
 
-use crate::glyphs::Look;
+use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
-use crate::views::{View, Wish};
+use crate::views::{View, ViewRequest};
 use control::client::{self, ClientError};
 use control::{Ask, Done, Event, Fault, Forces, Greeting, Plans, Reply, Request, Subscribed, Topic};
 use dialog::Dialog;
 use ratatui::layout::Rect;
-use signals::Signals;
+use signals::SignalSubscriptions;
 use std::collections::BTreeMap;
 
 /// At most one status in so many milliseconds: the frames of the screen.
@@ -22,22 +22,22 @@ const STATUS_EVERY: u32 = 100;
 
 /// What comes from the rig.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Heard {
+pub enum RigMessage {
     /// There is a connection, and this is the rig behind it.
-    Found(Box<Greeting>),
+    Connected(Box<Greeting>),
     /// An answer.
     Reply(Reply),
     /// Something of a subscription.
     Event(Event),
     /// There is no connection, for this reason. It is tried again.
-    Lost(String),
+    Disconnected(String),
 }
 
 /// What an answer is for.
 #[derive(Clone, Debug)]
 enum Purpose {
     /// Nothing is done with it.
-    Silent,
+    Ignored,
     Describe,
     Status,
     Log,
@@ -50,7 +50,7 @@ enum Purpose {
         names: Vec<String>,
     },
     /// Somebody wanted it: these words say that it is done.
-    Wanted(String),
+    UserRequest(String),
     /// It is the last one.
     Leave,
 }
@@ -64,7 +64,7 @@ struct Note {
 
 /// What the dashboard wants of the program around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Want {
+pub enum LoopCommand {
     /// To be stopped as ctrl-z stops programs, with the terminal given back.
     Suspend,
     /// To draw everything anew: something else wrote on the terminal.
@@ -80,20 +80,20 @@ pub struct Shell {
     views: Vec<Box<dyn View>>,
     /// The place of the view that is shown.
     at: usize,
-    look: Look,
+    features: TerminalFeatures,
     /// The rig was started for this dashboard and ends with it.
-    own: bool,
+    owns_rig: bool,
     dialog: Option<Dialog>,
     note: Option<Note>,
     requests: Vec<Request>,
     waiting: BTreeMap<u64, Purpose>,
     asked: u64,
-    signals: Signals,
+    signals: SignalSubscriptions,
     /// The subscription to frames, where there is one or one is asked for.
     frames: Option<Option<u64>>,
     /// There was a connection before.
-    was_there: bool,
-    wants: Vec<Want>,
+    was_connected: bool,
+    loop_commands: Vec<LoopCommand>,
     /// Where tabs were drawn last, and what can be chosen in a dialog.
     tabs: Vec<Rect>,
     choices: Vec<Rect>,
@@ -102,23 +102,23 @@ pub struct Shell {
 }
 
 impl Shell {
-    /// A dashboard with these views. `own` says that the rig was started for it and ends with it.
-    pub fn new(views: Vec<Box<dyn View>>, look: Look, own: bool) -> Shell {
+    /// A dashboard with these views. `owns_rig` says that the rig was started for it and ends with it.
+    pub fn new(views: Vec<Box<dyn View>>, features: TerminalFeatures, owns_rig: bool) -> Shell {
         let mut shell = Shell {
             model: Model { gone: Some("connecting".to_owned()), ..Model::default() },
             views,
             at: 0,
-            look,
-            own,
+            features,
+            owns_rig,
             dialog: None,
             note: None,
             requests: Vec::new(),
             waiting: BTreeMap::new(),
             asked: 0,
-            signals: Signals::default(),
+            signals: SignalSubscriptions::default(),
             frames: None,
-            was_there: false,
-            wants: Vec::new(),
+            was_connected: false,
+            loop_commands: Vec::new(),
             tabs: Vec::new(),
             choices: Vec::new(),
             body: Rect::default(),
@@ -140,8 +140,8 @@ impl Shell {
     }
 
     /// What the program around is to do.
-    pub fn take_wants(&mut self) -> Vec<Want> {
-        std::mem::take(&mut self.wants)
+    pub fn take_loop_commands(&mut self) -> Vec<LoopCommand> {
+        std::mem::take(&mut self.loop_commands)
     }
 
     /// So much time passed since the last status came, nanoseconds.
@@ -150,23 +150,23 @@ impl Shell {
     }
 
     /// Something came from the rig.
-    pub fn hear(&mut self, heard: Heard) {
+    pub fn receive(&mut self, heard: RigMessage) {
         match heard {
-            Heard::Found(greeting) => self.found(&greeting),
-            Heard::Lost(why) => self.lost(why),
-            Heard::Reply(reply) => self.answered(reply),
-            Heard::Event(event) => self.told(event),
+            RigMessage::Connected(greeting) => self.connected(&greeting),
+            RigMessage::Disconnected(why) => self.disconnected(why),
+            RigMessage::Reply(reply) => self.answered(reply),
+            RigMessage::Event(event) => self.event(event),
         }
-        self.settle();
+        self.refresh_subscriptions();
     }
 
-    fn found(&mut self, greeting: &Greeting) {
+    fn connected(&mut self, greeting: &Greeting) {
         self.waiting.clear();
         self.requests.clear();
         self.signals.reset();
         self.frames = None;
         self.model = Model { plans: self.model.plans.take(), ..Model::default() };
-        if std::mem::replace(&mut self.was_there, true) {
+        if std::mem::replace(&mut self.was_connected, true) {
             for view in &mut self.views {
                 view.reconnected();
             }
@@ -178,9 +178,9 @@ impl Shell {
         self.ask(Ask::Subscribe { topic: Topic::Plan }, Purpose::Plan);
     }
 
-    fn lost(&mut self, why: String) {
+    fn disconnected(&mut self, why: String) {
         if self.waiting.values().any(|purpose| matches!(purpose, Purpose::Leave)) {
-            self.wants.push(Want::End);
+            self.loop_commands.push(LoopCommand::End);
         }
         self.waiting.clear();
         self.requests.clear();
@@ -208,27 +208,29 @@ impl Shell {
 
     fn take_answer(&mut self, purpose: Purpose, reply: Reply) -> Result<(), Fault> {
         match purpose {
-            Purpose::Silent | Purpose::Status => drop(client::answer::<Done>(reply).map_err(told)?),
+            Purpose::Ignored | Purpose::Status => drop(client::answer::<Done>(reply).map_err(fault_of)?),
             Purpose::Describe => {
-                self.model.description = client::answer(reply).map_err(told)?;
+                self.model.description = client::answer(reply).map_err(fault_of)?;
                 self.model.gone = None;
             }
             Purpose::Log => {
-                let answer: Subscribed = client::answer(reply).map_err(told)?;
+                let answer: Subscribed = client::answer(reply).map_err(fault_of)?;
                 answer.log.into_iter().for_each(|line| self.model.take_log(line.at, line.text));
             }
             Purpose::Plan => {
-                let answer: Subscribed = client::answer(reply).map_err(told)?;
-                answer.plan.into_iter().for_each(|told| self.model.take_plan(told));
+                let answer: Subscribed = client::answer(reply).map_err(fault_of)?;
+                answer.plan.into_iter().for_each(|event| self.model.take_plan_event(event));
             }
-            Purpose::Plans => self.model.plans = Some(client::answer::<Plans>(reply).map_err(told)?.plans),
+            Purpose::Plans => {
+                self.model.plans = Some(client::answer::<Plans>(reply).map_err(fault_of)?.plans)
+            }
             Purpose::Frames => {
                 self.frames = None;
-                let answer: Subscribed = client::answer(reply).map_err(told)?;
+                let answer: Subscribed = client::answer(reply).map_err(fault_of)?;
                 self.frames = Some(Some(answer.subscription));
             }
             Purpose::Signals { all, round, names } => {
-                let asks = match client::answer(reply).map_err(told) {
+                let asks = match client::answer(reply).map_err(fault_of) {
                     Ok(answer) => {
                         let (signals, views) = (&mut self.signals, &mut self.views);
                         signals.subscribed((all, round), names, answer, views, &mut self.model)
@@ -237,19 +239,19 @@ impl Shell {
                 };
                 self.ask_all(asks);
             }
-            Purpose::Wanted(done) => {
-                client::answer::<Done>(reply).map_err(told)?;
+            Purpose::UserRequest(done) => {
+                client::answer::<Done>(reply).map_err(fault_of)?;
                 self.say(done);
             }
             Purpose::Leave => {
-                client::answer::<Done>(reply).map_err(told)?;
-                self.wants.push(Want::End);
+                client::answer::<Done>(reply).map_err(fault_of)?;
+                self.loop_commands.push(LoopCommand::End);
             }
         }
         Ok(())
     }
 
-    fn told(&mut self, event: Event) {
+    fn event(&mut self, event: Event) {
         match event {
             Event::Signals { subscription, changes, missed } => {
                 self.signals.changed(subscription, &changes, missed, &mut self.views, &mut self.model);
@@ -257,7 +259,7 @@ impl Shell {
             Event::Status { status, .. } => self.model.take_status(*status),
             Event::Log { at, text, .. } => self.model.take_log(at, text),
             Event::Frame { frame, .. } => self.model.take_frame(frame),
-            Event::Plan { told, .. } => self.model.hear_plan(told),
+            Event::Plan { told, .. } => self.model.plan_event(told),
             Event::Missed { lines, .. } => {
                 self.say(format!("{lines} lines of the rig were not told: they came too fast"));
             }
@@ -266,11 +268,11 @@ impl Shell {
     }
 
     /// Asks for what the views want now.
-    fn settle(&mut self) {
+    fn refresh_subscriptions(&mut self) {
         if self.model.gone.is_some() {
             return;
         }
-        let asks = self.signals.settle(&mut self.views, &mut self.model);
+        let asks = self.signals.refresh(&mut self.views, &mut self.model);
         self.ask_all(asks);
         let frames = self.views.iter().any(|view| view.wants_frames());
         match self.frames {
@@ -280,7 +282,7 @@ impl Shell {
             }
             Some(Some(subscription)) if !frames => {
                 self.frames = None;
-                self.ask(Ask::Unsubscribe { subscription }, Purpose::Silent);
+                self.ask(Ask::Unsubscribe { subscription }, Purpose::Ignored);
             }
             _ => {}
         }
@@ -291,8 +293,8 @@ impl Shell {
             self.views[self.at].shown(false);
             self.at = view;
             self.views[view].shown(true);
-            let wishes = self.views[view].opened(&self.model);
-            self.fulfil(wishes);
+            let requests_of_view = self.views[view].opened(&self.model);
+            self.carry_out(requests_of_view);
         }
     }
 
@@ -310,22 +312,22 @@ impl Shell {
     }
 
     /// Does what the view that is shown wants.
-    fn fulfil(&mut self, wishes: Vec<Wish>) {
-        for wish in wishes {
-            match wish {
-                Wish::Ask(ask) => self.want(ask),
-                Wish::Confirm(question, ask) => {
+    fn carry_out(&mut self, requests_of_view: Vec<ViewRequest>) {
+        for request in requests_of_view {
+            match request {
+                ViewRequest::Ask(ask) => self.request_for_user(ask),
+                ViewRequest::Confirm(question, ask) => {
                     self.dialog = Some(Dialog::confirm(question, ask));
                 }
-                Wish::Prompt { ask, text } => self.dialog = Some(Dialog::prompt(ask, &text, self.at)),
-                Wish::Say(text) => self.say(text),
-                Wish::Complain(fault) => self.complain(&fault),
+                ViewRequest::Prompt { ask, text } => self.dialog = Some(Dialog::prompt(ask, &text, self.at)),
+                ViewRequest::Message(text) => self.say(text),
+                ViewRequest::Fault(fault) => self.complain(&fault),
             }
         }
     }
 
     /// Asks the rig for something that somebody wanted.
-    fn want(&mut self, ask: Ask) {
+    fn request_for_user(&mut self, ask: Ask) {
         if let Some(why) = &self.model.gone {
             let text = format!("there is no connection to the rig: {why}");
             self.note = Some(Note { text, bad: true });
@@ -333,7 +335,7 @@ impl Shell {
         }
         let purpose = match &ask {
             Ask::Plans { .. } => Purpose::Plans,
-            other => Purpose::Wanted(menu::done(other)),
+            other => Purpose::UserRequest(menu::done(other)),
         };
         self.ask(ask, purpose);
     }
@@ -341,7 +343,7 @@ impl Shell {
     /// Leaves, after the rig knows what becomes of forces. Where there is none, at once.
     fn leave(&mut self, forces: Forces) {
         if self.model.gone.is_some() {
-            self.wants.push(Want::End);
+            self.loop_commands.push(LoopCommand::End);
         } else {
             self.ask(Ask::Leave { forces }, Purpose::Leave);
         }
@@ -349,6 +351,6 @@ impl Shell {
 }
 
 /// What keeps an answer from being one, as the rig would tell it.
-fn told(error: ClientError) -> Fault {
+fn fault_of(error: ClientError) -> Fault {
     error.fault()
 }

@@ -17,7 +17,7 @@ const ALL_EVERY: u32 = 50;
 
 /// The signals that are wanted and those that come.
 #[derive(Debug, Default)]
-pub(super) struct Signals {
+pub(super) struct SignalSubscriptions {
     /// What each view asked for last.
     by_view: Vec<BTreeSet<String>>,
     /// What was asked of the rig: names of signals of which the last value is enough, and of which every change is
@@ -32,7 +32,7 @@ pub(super) struct Signals {
     refused: BTreeSet<String>,
 }
 
-impl Signals {
+impl SignalSubscriptions {
     /// Everything has to be asked for again: the connection is a new one.
     pub fn reset(&mut self) {
         self.asked = Default::default();
@@ -41,7 +41,7 @@ impl Signals {
     }
 
     /// Looks at what the views want now, of which one is shown; what has to be asked of the rig.
-    pub fn settle(&mut self, views: &mut [Box<dyn View>], model: &mut Model) -> Vec<(Ask, Purpose)> {
+    pub fn refresh(&mut self, views: &mut [Box<dyn View>], model: &mut Model) -> Vec<(Ask, Purpose)> {
         let mut wanted: [BTreeSet<String>; 2] = Default::default();
         self.by_view.resize_with(views.len(), BTreeSet::new);
         for (view, before) in views.iter_mut().zip(&mut self.by_view) {
@@ -93,7 +93,7 @@ impl Signals {
     fn retire(&mut self, of: bool, requests: &mut Vec<(Ask, Purpose)>) {
         self.coming.retain(|subscription, (all, _)| {
             if *all == of {
-                requests.push((Ask::Unsubscribe { subscription: *subscription }, Purpose::Silent));
+                requests.push((Ask::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
             }
             *all != of
         });
@@ -110,7 +110,7 @@ impl Signals {
     ) -> Vec<(Ask, Purpose)> {
         let mut requests = Vec::new();
         if round != self.rounds[usize::from(all)] {
-            requests.push((Ask::Unsubscribe { subscription: answer.subscription }, Purpose::Silent));
+            requests.push((Ask::Unsubscribe { subscription: answer.subscription }, Purpose::Ignored));
             return requests;
         }
         let mut names: BTreeMap<u32, Vec<String>> = BTreeMap::new();
@@ -124,7 +124,7 @@ impl Signals {
             old.retain(|number, _| !names.contains_key(number));
             let keep = old.values().flatten().any(|name| wanted.iter().any(|asked| asked.contains(name)));
             if !keep {
-                requests.push((Ask::Unsubscribe { subscription: *subscription }, Purpose::Silent));
+                requests.push((Ask::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
             }
             keep
         });
@@ -134,7 +134,7 @@ impl Signals {
                 let before = model.values.get(name);
                 let new = before.is_none_or(|(at, old)| latest > at || (latest == at && value != old));
                 if new {
-                    tell(&self.by_view, views, name, (*earliest, *latest), *value);
+                    report_change(&self.by_view, views, name, (*earliest, *latest), *value);
                     model.values.insert(name.clone(), (*latest, *value));
                 }
             }
@@ -175,13 +175,13 @@ impl Signals {
         let Some((all, names)) = self.coming.get(&subscription) else { return };
         for Change(number, earliest, latest, value) in changes {
             for name in names.get(number).into_iter().flatten() {
-                tell(&self.by_view, views, name, (*earliest, *latest), *value);
+                report_change(&self.by_view, views, name, (*earliest, *latest), *value);
                 model.values.insert(name.clone(), (*latest, *value));
             }
         }
         if missed > 0 && *all {
-            for (view, wants) in views.iter_mut().zip(&self.by_view) {
-                if names.values().flatten().any(|name| wants.contains(name)) {
+            for (view, wanted_names) in views.iter_mut().zip(&self.by_view) {
+                if names.values().flatten().any(|name| wanted_names.contains(name)) {
                     view.missed(missed);
                 }
             }
@@ -189,15 +189,15 @@ impl Signals {
     }
 }
 
-fn tell(
+fn report_change(
     by_view: &[BTreeSet<String>],
     views: &mut [Box<dyn View>],
     name: &str,
     when: (i64, i64),
     value: WireValue,
 ) {
-    for (view, wants) in views.iter_mut().zip(by_view) {
-        if wants.contains(name) {
+    for (view, wanted_names) in views.iter_mut().zip(by_view) {
+        if wanted_names.contains(name) {
             view.changed(name, when, value);
         }
     }

@@ -1,11 +1,11 @@
 //! The buses: their states and counters, and the frames on them.
 
-use super::{View, Wish};
-use crate::glyphs::Look;
-use crate::meaning::{Decoder, Meaning};
+use super::{View, ViewRequest};
+use crate::canvas::{self, Canvas, Column, column};
+use crate::frame_decoder::{DecodedFrame, FrameDecoder};
+use crate::glyphs::TerminalFeatures;
 use crate::model::{KEPT, Model};
-use crate::page::{self, Column, Page, column};
-use crate::recording::Files;
+use crate::recording::TrendFiles;
 use crate::show;
 use control::{BusInfo, BusStatus, FrameSeen};
 use ratatui::Frame;
@@ -31,27 +31,27 @@ const WIDE: u16 = 110;
 
 /// How frames are listed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum List {
+enum FrameOrder {
     /// One below the other, as they came.
     #[default]
-    Course,
+    Chronological,
     /// The last one of each identifier, with how many there were and how far apart.
-    Each,
+    PerIdentifier,
 }
 
 /// How data are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Form {
+enum DataFormat {
     #[default]
     Hex,
     Text,
     /// By a description of the frames.
-    Meaning,
+    Decoded,
 }
 
 /// What the user is typing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Typing {
+enum BusPrompt {
     #[default]
     Filter,
     Description,
@@ -59,14 +59,14 @@ enum Typing {
 
 /// The view of the buses.
 #[derive(Debug)]
-pub struct Buses {
-    files: Rc<dyn Files>,
+pub struct BusesView {
+    files: Rc<dyn TrendFiles>,
     /// What frames mean, and the file that says it.
-    decoder: Option<(String, Box<dyn Decoder>)>,
-    form: Form,
-    typing: Typing,
+    decoder: Option<(String, Box<dyn FrameDecoder>)>,
+    format: DataFormat,
+    prompt: BusPrompt,
     shown: bool,
-    list: List,
+    list: FrameOrder,
     /// What frames have to match, as it was typed.
     filter: String,
     /// The frames that are looked at while new ones pass by unseen.
@@ -77,7 +77,7 @@ pub struct Buses {
     rows: usize,
 }
 
-impl View for Buses {
+impl View for BusesView {
     fn name(&self) -> &'static str {
         "Buses"
     }
@@ -86,8 +86,8 @@ impl View for Buses {
         vec![
             ("/", "filter"),
             ("Space", if self.held.is_some() { "go on" } else { "hold" }),
-            ("o", if self.list == List::Course { "one line per id" } else { "every frame" }),
-            ("x", self.form_after().1),
+            ("o", if self.list == FrameOrder::Chronological { "one line per id" } else { "every frame" }),
+            ("x", self.next_format().1),
             ("d", "DBC file"),
             ("Up/Down", "scroll"),
         ]
@@ -105,19 +105,19 @@ impl View for Buses {
         self.shown
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
-        let mut page = Page::new(frame, area, look);
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+        let mut canvas = Canvas::new(frame, area, features);
         if model.description.buses.is_empty() {
-            page.text(1, 0, "The board has no buses.", Style::new());
+            canvas.text(1, 0, "The board has no buses.", Style::new());
             return;
         }
-        let below = draw_buses(&mut page, &model.description.buses, &model.status.buses);
-        let height = page.height().saturating_sub(below);
-        let mut rest = page.part(0, below, area.width, height);
+        let below = draw_buses(&mut canvas, &model.description.buses, &model.status.buses);
+        let height = canvas.height().saturating_sub(below);
+        let mut rest = canvas.part(0, below, area.width, height);
         let held = if self.held.is_some() { ", held" } else { "" };
         let filter = if self.filter.is_empty() { String::new() } else { format!(", only `{}`", self.filter) };
-        let by = match (&self.decoder, self.form) {
-            (Some((path, _)), Form::Meaning) => format!(" by {path}"),
+        let by = match (&self.decoder, self.format) {
+            (Some((path, _)), DataFormat::Decoded) => format!(" by {path}"),
             _ => String::new(),
         };
         rest.rule(0, &format!("Frames{by}{filter}{held}"));
@@ -128,16 +128,16 @@ impl View for Buses {
         };
         let wanted: Vec<&FrameSeen> = all.filter(|frame| matches(frame, &self.filter)).collect();
         self.back = match self.list {
-            List::Course => self.draw_course(&mut rest, &wanted),
-            List::Each => self.draw_each(&mut rest, &wanted),
+            FrameOrder::Chronological => self.draw_chronological(&mut rest, &wanted),
+            FrameOrder::PerIdentifier => self.draw_per_identifier(&mut rest, &wanted),
         };
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<Wish>> {
+    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
         match key.code {
             KeyCode::Char('/') => {
-                self.typing = Typing::Filter;
-                return Some(vec![Wish::Prompt {
+                self.prompt = BusPrompt::Filter;
+                return Some(vec![ViewRequest::Prompt {
                     ask: "Only frames with this bus, id or data: ".to_owned(),
                     text: self.filter.clone(),
                 }]);
@@ -150,27 +150,31 @@ impl View for Buses {
                 self.back = 0;
             }
             KeyCode::Char('o') => {
-                self.list = if self.list == List::Course { List::Each } else { List::Course };
+                self.list = if self.list == FrameOrder::Chronological {
+                    FrameOrder::PerIdentifier
+                } else {
+                    FrameOrder::Chronological
+                };
                 self.back = 0;
             }
-            KeyCode::Char('x') => self.form = self.form_after().0,
+            KeyCode::Char('x') => self.format = self.next_format().0,
             KeyCode::Char('d') => {
-                self.typing = Typing::Description;
+                self.prompt = BusPrompt::Description;
                 let text = self.decoder.as_ref().map_or(String::new(), |(path, _)| path.clone());
-                return Some(vec![Wish::Prompt { ask: "DBC file (empty: none): ".to_owned(), text }]);
+                return Some(vec![ViewRequest::Prompt { ask: "DBC file (empty: none): ".to_owned(), text }]);
             }
             KeyCode::Up => self.scroll(true, 1, model),
             KeyCode::Down => self.scroll(false, 1, model),
             KeyCode::PageUp => self.scroll(true, self.rows, model),
             KeyCode::PageDown => self.scroll(false, self.rows, model),
-            KeyCode::Home if self.list == List::Each => self.back = 0,
-            KeyCode::End if self.list == List::Course => self.back = 0,
+            KeyCode::Home if self.list == FrameOrder::PerIdentifier => self.back = 0,
+            KeyCode::End if self.list == FrameOrder::Chronological => self.back = 0,
             _ => return None,
         }
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<Wish> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
         match mouse.kind {
             MouseEventKind::ScrollUp => self.scroll(true, 3, model),
             MouseEventKind::ScrollDown => self.scroll(false, 3, model),
@@ -179,39 +183,39 @@ impl View for Buses {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<Wish> {
+    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
         let text = text.trim();
-        match self.typing {
-            Typing::Filter => {
+        match self.prompt {
+            BusPrompt::Filter => {
                 self.filter = text.to_owned();
                 self.back = 0;
             }
-            Typing::Description if text.is_empty() => {
+            BusPrompt::Description if text.is_empty() => {
                 self.decoder = None;
-                self.form = Form::Hex;
+                self.format = DataFormat::Hex;
             }
-            Typing::Description => match self.files.decoder(text) {
+            BusPrompt::Description => match self.files.decoder(text) {
                 Ok(decoder) => {
                     self.decoder = Some((text.to_owned(), decoder));
-                    self.form = Form::Meaning;
+                    self.format = DataFormat::Decoded;
                 }
-                Err(fault) => return vec![Wish::Complain(fault)],
+                Err(fault) => return vec![ViewRequest::Fault(fault)],
             },
         }
         Vec::new()
     }
 }
 
-impl Buses {
+impl BusesView {
     /// Buses of which nothing is known yet.
-    pub fn new(files: Rc<dyn Files>) -> Buses {
-        Buses {
+    pub fn new(files: Rc<dyn TrendFiles>) -> BusesView {
+        BusesView {
             files,
             decoder: None,
-            form: Form::Hex,
-            typing: Typing::Filter,
+            format: DataFormat::Hex,
+            prompt: BusPrompt::Filter,
             shown: false,
-            list: List::Course,
+            list: FrameOrder::Chronological,
             filter: String::new(),
             held: None,
             back: 0,
@@ -220,42 +224,42 @@ impl Buses {
     }
 
     /// The form behind this one, and what it is called.
-    fn form_after(&self) -> (Form, &'static str) {
-        match self.form {
-            Form::Hex => (Form::Text, "text"),
-            Form::Text if self.decoder.is_some() => (Form::Meaning, "meaning"),
-            Form::Text | Form::Meaning => (Form::Hex, "hex"),
+    fn next_format(&self) -> (DataFormat, &'static str) {
+        match self.format {
+            DataFormat::Hex => (DataFormat::Text, "text"),
+            DataFormat::Text if self.decoder.is_some() => (DataFormat::Decoded, "meaning"),
+            DataFormat::Text | DataFormat::Decoded => (DataFormat::Hex, "hex"),
         }
     }
 
     /// Up or down the list.
     fn scroll(&mut self, up: bool, rows: usize, model: &Model) {
         // The course stands on its newest frame, the identifiers begin with the first.
-        let away = up == (self.list == List::Course);
+        let away = up == (self.list == FrameOrder::Chronological);
         // Frames that come meanwhile would push older ones along, so they are held.
-        if away && self.list == List::Course && self.held.is_none() {
+        if away && self.list == FrameOrder::Chronological && self.held.is_none() {
             self.held = Some(model.frames.iter().cloned().collect());
         }
         self.back = if away { (self.back + rows).min(KEPT) } else { self.back.saturating_sub(rows) };
     }
 
     /// Draws the newest frames but some; the row from which they were really drawn.
-    fn draw_course(&self, page: &mut Page<'_>, wanted: &[&FrameSeen]) -> usize {
+    fn draw_chronological(&self, canvas: &mut Canvas<'_>, wanted: &[&FrameSeen]) -> usize {
         let columns = [
             column("Time [s]", 12, true, 0),
             column("Bus", 10, false, 0),
             column("", 4, false, 0),
             column("Id", 8, true, 0),
             column("Len", 3, true, 0),
-            column("Data", page.width().saturating_sub(44), false, 0),
+            column("Data", canvas.width().saturating_sub(44), false, 0),
         ];
-        page::titles(page, 1, &columns);
+        canvas::titles(canvas, 1, &columns);
         let back = self.back.min(wanted.len().saturating_sub(self.rows));
         let end = wanted.len() - back;
         for (row, frame) in wanted[end.saturating_sub(self.rows)..end].iter().enumerate() {
-            let style = style_of(page, frame);
-            page::cells(
-                page,
+            let style = style_of(canvas, frame);
+            canvas::cells(
+                canvas,
                 row as u16 + 2,
                 &columns,
                 [
@@ -273,7 +277,7 @@ impl Buses {
     }
 
     /// Draws the identifiers but some; the row from which they were really drawn.
-    fn draw_each(&self, page: &mut Page<'_>, wanted: &[&FrameSeen]) -> usize {
+    fn draw_per_identifier(&self, canvas: &mut Canvas<'_>, wanted: &[&FrameSeen]) -> usize {
         let columns = [
             column("Bus", 10, false, 0),
             column("", 4, false, 0),
@@ -281,10 +285,10 @@ impl Buses {
             column("Count", 7, true, 0),
             column("Every", 9, true, 0),
             column("Len", 3, true, 0),
-            column("Data", page.width().saturating_sub(49), false, 0),
+            column("Data", canvas.width().saturating_sub(49), false, 0),
         ];
-        page::titles(page, 1, &columns);
-        let mut each: BTreeMap<(&str, bool, usize, &str), Each<'_>> = BTreeMap::new();
+        canvas::titles(canvas, 1, &columns);
+        let mut each: BTreeMap<(&str, bool, usize, &str), IdentifierFrames<'_>> = BTreeMap::new();
         for frame in wanted {
             // Shorter identifiers first: the order of numbers.
             each.entry((&frame.bus, frame.sent, frame.id.len(), &frame.id))
@@ -293,14 +297,14 @@ impl Buses {
                     each.count += 1;
                     each.last = frame;
                 })
-                .or_insert(Each { last: frame, count: 1, every: None });
+                .or_insert(IdentifierFrames { last: frame, count: 1, every: None });
         }
         let back = self.back.min(each.len().saturating_sub(self.rows));
         for (row, each) in each.values().skip(back).take(self.rows).enumerate() {
             let frame = each.last;
-            let style = style_of(page, frame);
-            page::cells(
-                page,
+            let style = style_of(canvas, frame);
+            canvas::cells(
+                canvas,
                 row as u16 + 2,
                 &columns,
                 [
@@ -320,13 +324,13 @@ impl Buses {
 
     /// The bytes of a frame with its flags.
     fn data(&self, frame: &FrameSeen) -> String {
-        let meaning = match (&self.decoder, self.form) {
-            (Some((_, decoder)), Form::Meaning) => decoder.decode(frame),
+        let decoded = match (&self.decoder, self.format) {
+            (Some((_, decoder)), DataFormat::Decoded) => decoder.decode(frame),
             _ => None,
         };
-        let mut text = match (meaning, self.form) {
-            (Some(meaning), _) => words(&meaning),
-            (None, Form::Text) => characters(&frame.data),
+        let mut text = match (decoded, self.format) {
+            (Some(decoded), _) => text_of(&decoded),
+            (None, DataFormat::Text) => characters(&frame.data),
             (None, _) => spaced(&frame.data),
         };
         for flag in &frame.flags {
@@ -337,27 +341,27 @@ impl Buses {
 }
 
 /// All frames of one identifier.
-struct Each<'a> {
+struct IdentifierFrames<'a> {
     last: &'a FrameSeen,
     count: u64,
     every: Option<i64>,
 }
 
-fn style_of(page: &Page<'_>, frame: &FrameSeen) -> Style {
+fn style_of(canvas: &Canvas<'_>, frame: &FrameSeen) -> Style {
     let wrong = ["error", "parity", "framing", "overrun", "break", "bus-off"];
     let wrong = frame.flags.iter().any(|flag| wrong.contains(&flag.as_str()));
-    if wrong { page.alarm() } else { Style::new() }
+    if wrong { canvas.alarm() } else { Style::new() }
 }
 
 /// The table of the buses; the row behind it.
-fn draw_buses(page: &mut Page<'_>, infos: &[BusInfo], statuses: &[BusStatus]) -> u16 {
-    page::titles(page, 0, &BUSES);
+fn draw_buses(canvas: &mut Canvas<'_>, infos: &[BusInfo], statuses: &[BusStatus]) -> u16 {
+    canvas::titles(canvas, 0, &BUSES);
     let mut y = 1;
     for (info, status) in infos.iter().zip(statuses) {
         let sound = matches!(status.state.as_str(), "error-active" | "open" | "");
-        let style = if sound && status.errors + status.dropped == 0 { Style::new() } else { page.alarm() };
-        page::cells(
-            page,
+        let style = if sound && status.errors + status.dropped == 0 { Style::new() } else { canvas.alarm() };
+        canvas::cells(
+            canvas,
             y,
             &BUSES,
             [
@@ -373,9 +377,9 @@ fn draw_buses(page: &mut Page<'_>, infos: &[BusInfo], statuses: &[BusStatus]) ->
             style,
         );
         y += 1;
-        if page.width() < WIDE && status.errors + status.dropped > 0 {
+        if canvas.width() < WIDE && status.errors + status.dropped > 0 {
             let text = format!("{} errors, {} dropped", status.errors, status.dropped);
-            page.text(16, y, &text, style);
+            canvas.text(16, y, &text, style);
             y += 1;
         }
     }
@@ -403,9 +407,9 @@ fn aligned(data: &str, bytes: &str) -> bool {
 }
 
 /// What a frame says, in one line.
-fn words(meaning: &Meaning) -> String {
-    let fields: Vec<String> = meaning.fields.iter().map(|(name, value)| format!("{name}={value}")).collect();
-    format!("{}: {}", meaning.name, fields.join(" "))
+fn text_of(decoded: &DecodedFrame) -> String {
+    let fields: Vec<String> = decoded.fields.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    format!("{}: {}", decoded.name, fields.join(" "))
 }
 
 /// Bytes with a space between two.

@@ -1,9 +1,9 @@
 //! The expert functions with their facts.
 
-use super::{View, Wish};
-use crate::glyphs::Look;
+use super::{View, ViewRequest};
+use crate::canvas::{self, Canvas};
+use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
-use crate::page::{self, Page};
 use crate::show;
 use control::{FunctionInfo, Signal};
 use ratatui::Frame;
@@ -17,13 +17,13 @@ const FACT: u16 = 38;
 
 /// The view of the expert functions.
 #[derive(Debug, Default)]
-pub struct Expert {
+pub struct ExpertView {
     shown: bool,
     chosen: usize,
     first: usize,
 }
 
-impl View for Expert {
+impl View for ExpertView {
     fn name(&self) -> &'static str {
         "Expert"
     }
@@ -44,11 +44,11 @@ impl View for Expert {
         self.shown = shown;
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
-        let mut page = Page::new(frame, area, look);
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+        let mut canvas = Canvas::new(frame, area, features);
         let functions = &model.description.functions;
         if functions.is_empty() {
-            page.text(
+            canvas.text(
                 1,
                 0,
                 "No expert functions are configured: no counters, no pulse generators.",
@@ -57,12 +57,12 @@ impl View for Expert {
             return;
         }
         self.chosen = self.chosen.min(functions.len() - 1);
-        let columns = (page.width() / FACT).max(1);
+        let columns = (canvas.width() / FACT).max(1);
         let height = |function: &FunctionInfo| 2 + (function.signals.len() as u16).div_ceil(columns);
         // The chosen function is shown whole, as far as there is room.
         self.first = self.first.min(self.chosen);
         while self.first < self.chosen
-            && functions[self.first..=self.chosen].iter().map(height).sum::<u16>() > page.height() + 1
+            && functions[self.first..=self.chosen].iter().map(height).sum::<u16>() > canvas.height() + 1
         {
             self.first += 1;
         }
@@ -70,26 +70,32 @@ impl View for Expert {
             model.description.signals.iter().map(|signal| (signal.name.as_str(), signal)).collect();
         let mut y = 0;
         for (place, function) in functions.iter().enumerate().skip(self.first) {
-            if y >= page.height() {
+            if y >= canvas.height() {
                 break;
             }
-            let style = if place == self.chosen { page::chosen() } else { page::bold() };
-            let x = page.text(1, y, &format!("{:<8}", function.name), style);
-            let x = page.text(x + 1, y, &function.kind, Style::new());
+            let style = if place == self.chosen { canvas::chosen() } else { canvas::bold() };
+            let x = canvas.text(1, y, &format!("{:<8}", function.name), style);
+            let x = canvas.text(x + 1, y, &function.kind, Style::new());
             if !function.terminals.is_empty() {
-                let dim = page.dim();
-                page.text(x + 2, y, &format!("at {}", function.terminals.join(" ")), dim);
+                let dim = canvas.dim();
+                canvas.text(x + 2, y, &format!("at {}", function.terminals.join(" ")), dim);
             }
             let rows = (function.signals.len() as u16).div_ceil(columns);
             for (fact, name) in function.signals.iter().enumerate() {
                 let (column, row) = (fact as u16 / rows, fact as u16 % rows);
-                draw_fact(&mut page.part(column * FACT, y + 1 + row, FACT, 1), function, name, model, &named);
+                draw_fact(
+                    &mut canvas.part(column * FACT, y + 1 + row, FACT, 1),
+                    function,
+                    name,
+                    model,
+                    &named,
+                );
             }
             y += rows + 2;
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<Wish>> {
+    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
         let last = model.description.functions.len().saturating_sub(1);
         match key.code {
             KeyCode::Up => self.chosen = self.chosen.saturating_sub(1),
@@ -101,7 +107,7 @@ impl View for Expert {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<Wish> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
         let last = model.description.functions.len().saturating_sub(1);
         match mouse.kind {
             MouseEventKind::ScrollUp => self.chosen = self.chosen.saturating_sub(1),
@@ -114,7 +120,7 @@ impl View for Expert {
 
 /// A fact: its name without that of its function, and its value.
 fn draw_fact(
-    page: &mut Page<'_>,
+    canvas: &mut Canvas<'_>,
     function: &FunctionInfo,
     name: &str,
     model: &Model,
@@ -122,8 +128,8 @@ fn draw_fact(
 ) {
     let short =
         name.strip_prefix(function.name.as_str()).map_or(name, |rest| rest.trim_start_matches(['.', ':']));
-    page.text_in(3, 0, 17, short, Style::new());
+    canvas.text_in(3, 0, 17, short, Style::new());
     let value = model.values.get(name);
     let text = value.map_or("...".to_owned(), |(_, value)| show::of_signal(*value, named.get(name).copied()));
-    page.text_in(21, 0, 16, &text, page::bold());
+    canvas.text_in(21, 0, 16, &text, canvas::bold());
 }

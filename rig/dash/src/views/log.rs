@@ -1,9 +1,9 @@
 //! What the rig said.
 
-use super::{View, Wish};
-use crate::glyphs::Look;
+use super::{View, ViewRequest};
+use crate::canvas::{self, Canvas};
+use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
-use crate::page::{self, Page};
 use crate::show;
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseEvent, MouseEventKind};
@@ -15,7 +15,7 @@ const WHEEL: usize = 3;
 
 /// The log. It follows its end until somebody goes up.
 #[derive(Debug, Default)]
-pub struct Log {
+pub struct LogView {
     /// Lines between the last one shown and the end.
     back: usize,
     /// Only lines with this in them.
@@ -25,7 +25,7 @@ pub struct Log {
     rows: usize,
 }
 
-impl Log {
+impl LogView {
     fn up(&mut self, rows: usize) {
         self.back = self.back.saturating_add(rows);
     }
@@ -35,7 +35,7 @@ impl Log {
     }
 }
 
-impl View for Log {
+impl View for LogView {
     fn name(&self) -> &'static str {
         "Log"
     }
@@ -48,8 +48,8 @@ impl View for Log {
         Vec::new()
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
-        let mut page = Page::new(frame, area, look);
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+        let mut canvas = Canvas::new(frame, area, features);
         let wanted = self.filter.to_lowercase();
         let lines: Vec<&(i64, String)> =
             model.log.iter().filter(|(_, text)| text.to_lowercase().contains(&wanted)).collect();
@@ -58,33 +58,33 @@ impl View for Log {
         }
         self.known = lines.len();
         let head = u16::from(!self.filter.is_empty());
-        self.rows = usize::from(page.height() - head.min(page.height()));
+        self.rows = usize::from(canvas.height() - head.min(canvas.height()));
         self.back = self.back.min(lines.len().saturating_sub(self.rows));
         if head > 0 {
             let text = format!("filter: {}   {} of {} lines", self.filter, lines.len(), model.log.len());
-            page.text(1, 0, &text, page::bold());
+            canvas.text(1, 0, &text, canvas::bold());
         }
         if lines.is_empty() {
-            page.text(1, head, "Nothing yet.", page.dim());
+            canvas.text(1, head, "Nothing yet.", canvas.dim());
         }
         let end = lines.len() - self.back;
         let first = end.saturating_sub(self.rows);
         for (row, (at, text)) in lines[first..end].iter().enumerate() {
             let y = head + row as u16;
-            page.right(14, y, &show::seconds(*at, 3), page.dim());
-            page.text(16, y, text, Style::new());
+            canvas.right(14, y, &show::seconds(*at, 3), canvas.dim());
+            canvas.text(16, y, text, Style::new());
         }
         if self.back > 0 {
-            page.right(
+            canvas.right(
                 area.width - 1,
                 area.height - 1,
                 &format!(" {} more below ", self.back),
-                page::chosen(),
+                canvas::chosen(),
             );
         }
     }
 
-    fn key(&mut self, key: KeyEvent, _model: &Model) -> Option<Vec<Wish>> {
+    fn key(&mut self, key: KeyEvent, _model: &Model) -> Option<Vec<ViewRequest>> {
         match key.code {
             KeyCode::Up => self.up(1),
             KeyCode::Down => self.down(1),
@@ -93,7 +93,10 @@ impl View for Log {
             KeyCode::Home => self.back = usize::MAX,
             KeyCode::End => self.back = 0,
             KeyCode::Char('/') => {
-                return Some(vec![Wish::Prompt { ask: "Lines with".to_owned(), text: self.filter.clone() }]);
+                return Some(vec![ViewRequest::Prompt {
+                    ask: "Lines with".to_owned(),
+                    text: self.filter.clone(),
+                }]);
             }
             KeyCode::Esc if !self.filter.is_empty() => self.filter.clear(),
             _ => return None,
@@ -101,7 +104,7 @@ impl View for Log {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, _model: &Model) -> Vec<Wish> {
+    fn mouse(&mut self, mouse: MouseEvent, _model: &Model) -> Vec<ViewRequest> {
         match mouse.kind {
             MouseEventKind::ScrollUp => self.up(WHEEL),
             MouseEventKind::ScrollDown => self.down(WHEEL),
@@ -110,7 +113,7 @@ impl View for Log {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<Wish> {
+    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
         self.filter = text.trim().to_owned();
         self.back = 0;
         Vec::new()

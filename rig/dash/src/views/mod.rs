@@ -10,9 +10,9 @@ mod tasks;
 mod tests;
 mod trend;
 
-use crate::glyphs::Look;
+use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
-use crate::recording::Files;
+use crate::recording::TrendFiles;
 use control::{Ask, Fault, WireValue};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyEvent, MouseEvent};
@@ -21,7 +21,7 @@ use std::rc::Rc;
 
 /// What a view wants of the dashboard.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Wish {
+pub enum ViewRequest {
     /// Ask the rig, at once.
     Ask(Ask),
     /// Ask it once the user has said yes to this question.
@@ -34,22 +34,22 @@ pub enum Wish {
         text: String,
     },
     /// Say something in the bottom line.
-    Say(String),
+    Message(String),
     /// Say there what is wrong.
-    Complain(Fault),
+    Fault(Fault),
 }
 
 /// The views, in the order of their tabs.
-pub fn all(files: Box<dyn Files>) -> Vec<Box<dyn View>> {
-    let files: Rc<dyn Files> = files.into();
+pub fn all(files: Box<dyn TrendFiles>) -> Vec<Box<dyn View>> {
+    let files: Rc<dyn TrendFiles> = files.into();
     vec![
-        Box::new(io::Io::default()),
-        Box::new(trend::Trend::new(files.clone())),
-        Box::new(tasks::Tasks::default()),
-        Box::new(expert::Expert::default()),
-        Box::new(buses::Buses::new(files)),
-        Box::new(log::Log::default()),
-        Box::new(plan::Plan::default()),
+        Box::new(io::IoView::default()),
+        Box::new(trend::TrendView::new(files.clone())),
+        Box::new(tasks::TasksView::default()),
+        Box::new(expert::ExpertView::default()),
+        Box::new(buses::BusesView::new(files)),
+        Box::new(log::LogView::default()),
+        Box::new(plan::PlanView::default()),
     ]
 }
 
@@ -69,7 +69,7 @@ pub trait View: std::fmt::Debug {
     fn shown(&mut self, _shown: bool) {}
 
     /// What it wants as soon as it is shown.
-    fn opened(&mut self, _model: &Model) -> Vec<Wish> {
+    fn opened(&mut self, _model: &Model) -> Vec<ViewRequest> {
         Vec::new()
     }
 
@@ -90,18 +90,18 @@ pub trait View: std::fmt::Debug {
     fn missed(&mut self, _changes: u64) {}
 
     /// Draws it.
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look);
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures);
 
     /// A key. `None` where it means nothing here.
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<Wish>>;
+    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>>;
 
     /// The mouse, somewhere in the area that was drawn last.
-    fn mouse(&mut self, _mouse: MouseEvent, _model: &Model) -> Vec<Wish> {
+    fn mouse(&mut self, _mouse: MouseEvent, _model: &Model) -> Vec<ViewRequest> {
         Vec::new()
     }
 
     /// What the user typed behind a prompt.
-    fn typed(&mut self, _text: &str, _model: &Model) -> Vec<Wish> {
+    fn typed(&mut self, _text: &str, _model: &Model) -> Vec<ViewRequest> {
         Vec::new()
     }
 }

@@ -1,9 +1,9 @@
 //! The tasks: times, what was late or lost, load against its limit, watchdogs, and how the jitter is spread.
 
-use super::{View, Wish};
-use crate::glyphs::Look;
+use super::{View, ViewRequest};
+use crate::canvas::{self, Canvas, Column, column};
+use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
-use crate::page::{self, Column, Page, column};
 use crate::show;
 use control::{TaskInfo, TaskStatus};
 use ratatui::Frame;
@@ -34,7 +34,7 @@ const BESIDE: u16 = 110;
 
 /// The view of the tasks.
 #[derive(Debug, Default)]
-pub struct Tasks {
+pub struct TasksView {
     chosen: usize,
     first: usize,
     /// The rig's lateness in place of the task's jitter, where there is room for one.
@@ -43,7 +43,7 @@ pub struct Tasks {
     rows: Rect,
 }
 
-impl View for Tasks {
+impl View for TasksView {
     fn name(&self) -> &'static str {
         "Tasks"
     }
@@ -56,38 +56,38 @@ impl View for Tasks {
         Vec::new()
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
-        let mut page = Page::new(frame, area, look);
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+        let mut canvas = Canvas::new(frame, area, features);
         let tasks: Vec<(&TaskInfo, &TaskStatus)> =
             model.description.tasks.iter().zip(&model.status.tasks).collect();
         self.chosen = self.chosen.min(tasks.len().saturating_sub(1));
         if tasks.is_empty() {
-            page.text(1, 0, "No application, so no tasks.", Style::new());
+            canvas.text(1, 0, "No application, so no tasks.", Style::new());
             return;
         }
         // The table takes what the bars and at least four rows of the histogram leave.
-        let bars = (tasks.len() as u16 + 2).min(page.height() / 3);
-        let table = (tasks.len() as u16).min(page.height().saturating_sub(bars + 8).max(1));
-        page::titles(&mut page, 0, &COLUMNS);
-        self.first = page::scrolled(self.first, self.chosen, usize::from(table));
+        let bars = (tasks.len() as u16 + 2).min(canvas.height() / 3);
+        let table = (tasks.len() as u16).min(canvas.height().saturating_sub(bars + 8).max(1));
+        canvas::titles(&mut canvas, 0, &COLUMNS);
+        self.first = canvas::scrolled(self.first, self.chosen, usize::from(table));
         for (row, place) in (self.first..tasks.len()).take(usize::from(table)).enumerate() {
             let (info, status) = tasks[place];
             let y = row as u16 + 1;
             let style = if status.overruns + status.lost + status.watchdogs > 0 {
-                page.alarm()
+                canvas.alarm()
             } else {
                 Style::new()
             };
-            page::cells(&mut page, y, &COLUMNS, figures(info, status), style);
+            canvas::cells(&mut canvas, y, &COLUMNS, figures(info, status), style);
             if place == self.chosen {
-                page.shade(y, page::chosen());
+                canvas.shade(y, canvas::chosen());
             }
         }
-        self.rows = page.part(0, 1, page.width(), table).area();
+        self.rows = canvas.part(0, 1, canvas.width(), table).area();
         let top = table + 2;
-        draw_loads(&mut page.part(0, top, area.width, bars), &tasks, self.chosen, model);
+        draw_loads(&mut canvas.part(0, top, area.width, bars), &tasks, self.chosen, model);
         let top = top + bars;
-        let mut rest = page.part(0, top, area.width, area.height.saturating_sub(top));
+        let mut rest = canvas.part(0, top, area.width, area.height.saturating_sub(top));
         let (info, status) = tasks[self.chosen];
         let title = format!("Jitter of {}: from release to start of its cycle", info.name);
         let late = "Lateness of the rig: how long after its instants it woke up";
@@ -104,7 +104,7 @@ impl View for Tasks {
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<Wish>> {
+    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
         let last = model.status.tasks.len().saturating_sub(1);
         match key.code {
             KeyCode::Up => self.chosen = self.chosen.saturating_sub(1),
@@ -117,7 +117,7 @@ impl View for Tasks {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<Wish> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
         let inside = self.rows.contains((mouse.column, mouse.row).into());
         match mouse.kind {
             MouseEventKind::Down(MouseButton::Left) if inside => {
@@ -166,67 +166,67 @@ fn short(kind: &str) -> &str {
 }
 
 /// Bars of the load, in all and of each task, and how much of the chosen one's watchdog is left.
-fn draw_loads(page: &mut Page<'_>, tasks: &[(&TaskInfo, &TaskStatus)], chosen: usize, model: &Model) {
+fn draw_loads(canvas: &mut Canvas<'_>, tasks: &[(&TaskInfo, &TaskStatus)], chosen: usize, model: &Model) {
     let limit = model.description.load_limit;
-    let watchdog = page.height().saturating_sub(1);
+    let watchdog = canvas.height().saturating_sub(1);
     let share = |load: u32| f64::from(load) / 1_000.0;
     let name = 14;
-    let width = page.width().saturating_sub(name + 22);
+    let width = canvas.width().saturating_sub(name + 22);
     let over = limit > 0 && model.status.load > limit;
-    let style = if over { page.alarm() } else { page.good() };
-    page.text(1, 0, "Load", page::bold());
-    page.bar(name, 0, width, share(model.status.load), (limit > 0).then(|| share(limit)), style);
+    let style = if over { canvas.alarm() } else { canvas.good() };
+    canvas.text(1, 0, "Load", canvas::bold());
+    canvas.bar(name, 0, width, share(model.status.load), (limit > 0).then(|| share(limit)), style);
     let text = if limit > 0 {
         format!("{} of {}", show::per_mille(model.status.load), show::per_mille(limit))
     } else {
         show::per_mille(model.status.load)
     };
-    page.text(name + width + 1, 0, &text, style);
+    canvas.text(name + width + 1, 0, &text, style);
     // The chosen one is among those that are shown.
     let rows = usize::from(watchdog.saturating_sub(1));
-    let first = page::scrolled(0, chosen, rows.max(1));
+    let first = canvas::scrolled(0, chosen, rows.max(1));
     for (row, (info, status)) in tasks.iter().skip(first).take(rows).enumerate() {
         let y = row as u16 + 1;
-        page.text_in(3, y, name - 4, &info.name, Style::new());
-        page.bar(name, y, width, share(status.load), None, Style::new());
-        page.text(name + width + 1, y, &show::per_mille(status.load), Style::new());
+        canvas.text_in(3, y, name - 4, &info.name, Style::new());
+        canvas.bar(name, y, width, share(status.load), None, Style::new());
+        canvas.text(name + width + 1, y, &show::per_mille(status.load), Style::new());
     }
     let Some((info, status)) = tasks.get(chosen) else { return };
-    page.text(1, watchdog, "Watchdog", page::bold());
+    canvas.text(1, watchdog, "Watchdog", canvas::bold());
     let Some(time) = info.watchdog.filter(|time| *time > 0) else {
-        page.text(name, watchdog, &format!("off for {}", info.name), Style::new());
+        canvas.text(name, watchdog, &format!("off for {}", info.name), Style::new());
         return;
     };
     let left = time.saturating_sub(status.max).max(0);
-    let style = if left * 5 < time { page.alarm() } else { page.good() };
-    page.bar(name, watchdog, width, status.max as f64 / time as f64, None, style);
-    page.text(name + width + 1, watchdog, &format!("{} left", show::span(left)), style);
+    let style = if left * 5 < time { canvas.alarm() } else { canvas.good() };
+    canvas.bar(name, watchdog, width, status.max as f64 / time as f64, None, style);
+    canvas.text(name + width + 1, watchdog, &format!("{} left", show::span(left)), style);
 }
 
 /// A histogram: a bar for each border, with its count and its share.
-fn draw_counts(page: &mut Page<'_>, title: &str, counts: &[(i64, u64)]) {
-    page.rule(0, title);
+fn draw_counts(canvas: &mut Canvas<'_>, title: &str, counts: &[(i64, u64)]) {
+    canvas.rule(0, title);
     let all: u64 = counts.iter().map(|(_, count)| count).sum();
     if all == 0 {
-        page.text(1, 1, "nothing counted yet", Style::new());
+        canvas.text(1, 1, "nothing counted yet", Style::new());
         return;
     }
     // Empty ends are left out: a border below the first count, or above the last, says nothing.
     let begin = counts.iter().position(|(_, count)| *count > 0).unwrap_or(0);
     let end = counts.iter().rposition(|(_, count)| *count > 0).map_or(counts.len(), |last| last + 1);
-    let room = usize::from(page.height().saturating_sub(1)).max(1);
+    let room = usize::from(canvas.height().saturating_sub(1)).max(1);
     let shown = joined(&counts[begin..end], room);
     let most = shown.iter().map(|(_, count)| *count).max().unwrap_or(1).max(1);
-    let width = page.width().saturating_sub(32);
+    let width = canvas.width().saturating_sub(32);
     for (row, (border, count)) in shown.iter().enumerate() {
         let y = row as u16 + 1;
         let upto =
             if *border == i64::MAX { "more".to_owned() } else { format!("<= {}", show::span(*border)) };
-        page.right(12, y, &upto, Style::new());
-        page.bar(13, y, width, *count as f64 / most as f64, None, Style::new());
+        canvas.right(12, y, &upto, Style::new());
+        canvas.bar(13, y, width, *count as f64 / most as f64, None, Style::new());
         let share = *count as f64 / all as f64 * 100.0;
-        page.right(13 + width + 10, y, &count.to_string(), Style::new());
-        page.right(13 + width + 18, y, &format!("{share:.2}%"), Style::new());
+        canvas.right(13 + width + 10, y, &count.to_string(), Style::new());
+        canvas.right(13 + width + 18, y, &format!("{share:.2}%"), Style::new());
     }
 }
 

@@ -3,12 +3,12 @@
 
 mod rows;
 
-use super::{View, Wish};
-use crate::glyphs::Look;
+use super::{View, ViewRequest};
+use crate::canvas::{self, Canvas, Column, column};
+use crate::glyphs::TerminalFeatures;
+use crate::input_value::{self, ExpectedInput};
 use crate::model::Model;
-use crate::page::{self, Column, Page, column};
 use crate::show;
-use crate::typed::{self, Expected};
 use control::{Ask, Value, WireValue};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
@@ -45,7 +45,7 @@ const WIDE: [Column; 12] = [
 ];
 
 /// From this width on there is room.
-const ROOM: u16 = 160;
+const WIDE_FROM: u16 = 160;
 
 /// Up to so many points all are watched, so that sorting by value knows them; else those that are shown.
 const WATCHED: usize = 512;
@@ -55,16 +55,16 @@ const WHEEL: usize = 3;
 
 /// What the user is typing.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Typing {
+enum IoPrompt {
     Filter,
     Name,
     Force(String),
-    Write(String, Expected),
+    Write(String, ExpectedInput),
 }
 
 /// The view.
 #[derive(Debug, Default)]
-pub struct Io {
+pub struct IoView {
     shown: bool,
     /// Variables and other names beside the points.
     variables: bool,
@@ -74,13 +74,13 @@ pub struct Io {
     named: Vec<String>,
     chosen: usize,
     first: usize,
-    typing: Option<Typing>,
+    prompt_for: Option<IoPrompt>,
     /// Where titles and rows were drawn.
     titles: Vec<(Rect, Sort)>,
     rows: Rect,
 }
 
-impl Io {
+impl IoView {
     fn listed(&self, model: &Model) -> Vec<Row> {
         rows::rows(model, self.variables, &self.named, &self.filter, self.sort)
     }
@@ -89,45 +89,47 @@ impl Io {
         self.listed(model).into_iter().nth(self.chosen)
     }
 
-    fn prompt(&mut self, typing: Typing, ask: String, text: String) -> Vec<Wish> {
-        self.typing = Some(typing);
-        vec![Wish::Prompt { ask, text }]
+    fn prompt(&mut self, prompt_for: IoPrompt, ask: String, text: String) -> Vec<ViewRequest> {
+        self.prompt_for = Some(prompt_for);
+        vec![ViewRequest::Prompt { ask, text }]
     }
 
     /// Forces: the other value is proposed.
-    fn force(&mut self, model: &Model) -> Vec<Wish> {
+    fn force(&mut self, model: &Model) -> Vec<ViewRequest> {
         let Some(row) = self.chosen_row(model) else { return Vec::new() };
         let Some(address) = row.forcible(model) else {
-            return vec![Wish::Say("this cannot be forced: embedded inputs and outputs can".to_owned())];
+            return vec![ViewRequest::Message(
+                "this cannot be forced: embedded inputs and outputs can".to_owned(),
+            )];
         };
         let now = row.cells(model).image.and_then(|value| value.0.as_bool()).unwrap_or(false);
         let other = show::value(WireValue(Value::Bool(!now)), &[]);
-        self.prompt(Typing::Force(address.clone()), format!("Force {address} to"), other)
+        self.prompt(IoPrompt::Force(address.clone()), format!("Force {address} to"), other)
     }
 
-    fn release(&self, model: &Model) -> Vec<Wish> {
+    fn release(&self, model: &Model) -> Vec<ViewRequest> {
         let address = self.chosen_row(model).and_then(|row| row.forcible(model));
         match address.filter(|address| model.forced(address).is_some()) {
-            Some(name) => vec![Wish::Ask(Ask::Release { name })],
-            None => vec![Wish::Say("this is not forced".to_owned())],
+            Some(name) => vec![ViewRequest::Ask(Ask::Release { name })],
+            None => vec![ViewRequest::Message("this is not forced".to_owned())],
         }
     }
 
-    fn release_all(model: &Model) -> Vec<Wish> {
+    fn release_all(model: &Model) -> Vec<ViewRequest> {
         match model.status.forced.len() {
-            0 => vec![Wish::Say("nothing is forced".to_owned())],
-            count => vec![Wish::Confirm(format!("Release all forces ({count})?"), Ask::ReleaseAll)],
+            0 => vec![ViewRequest::Message("nothing is forced".to_owned())],
+            count => vec![ViewRequest::Confirm(format!("Release all forces ({count})?"), Ask::ReleaseAll)],
         }
     }
 
-    fn write(&mut self, model: &Model) -> Vec<Wish> {
+    fn write(&mut self, model: &Model) -> Vec<ViewRequest> {
         let Some(row) = self.chosen_row(model) else { return Vec::new() };
         let (name, expected) = row.writable(model);
         let unit = if expected.duration { show::NANOSECONDS } else { "" };
         let now = row.cells(model).image;
         let now = now.map(|value| show::with_unit(value, &expected.labels, unit)).unwrap_or_default();
         let ask = format!("{name} :=");
-        self.prompt(Typing::Write(name, expected), ask, now)
+        self.prompt(IoPrompt::Write(name, expected), ask, now)
     }
 
     /// The row at which the table begins, and how many are shown.
@@ -136,7 +138,7 @@ impl Io {
     }
 }
 
-impl View for Io {
+impl View for IoView {
     fn name(&self) -> &'static str {
         "I/O"
     }
@@ -177,65 +179,65 @@ impl View for Io {
         watched.iter().flat_map(|row| row.signals(model)).map(|name| (name, false)).collect()
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
         let rows = self.listed(model);
         self.chosen = self.chosen.min(rows.len().saturating_sub(1));
-        let mut page = Page::new(frame, area, look);
-        let wide = area.width >= ROOM;
+        let mut canvas = Canvas::new(frame, area, features);
+        let wide = area.width >= WIDE_FROM;
         let columns: &[Column] = if wide { &WIDE } else { &COLUMNS };
-        page::titles(&mut page, 0, columns);
+        canvas::titles(&mut canvas, 0, columns);
         self.titles = title_places(columns, area);
         let height = area.height.saturating_sub(4);
         self.rows = Rect::new(area.x, area.y + 1, area.width, height);
-        self.first = page::scrolled(self.first, self.chosen, usize::from(height.max(1)));
+        self.first = canvas::scrolled(self.first, self.chosen, usize::from(height.max(1)));
         for (row, place) in (self.first..rows.len()).take(usize::from(height)).enumerate() {
             let y = row as u16 + 1;
             let cells = rows[place].cells(model);
-            let style = style(&cells, &page);
+            let style = style(&cells, &canvas);
             let texts = if wide { wide_texts(&cells) } else { texts(&cells) };
-            page::cells(&mut page, y, columns, texts, style);
+            canvas::cells(&mut canvas, y, columns, texts, style);
             if place == self.chosen {
-                page.shade(y, page::chosen());
+                canvas.shade(y, canvas::chosen());
             }
         }
         if rows.is_empty() {
-            page.text(1, 1, "No row has that in it: Esc ends the filter.", Style::new());
+            canvas.text(1, 1, "No row has that in it: Esc ends the filter.", Style::new());
         }
         let all = rows::rows(model, self.variables, &self.named, "", Sort::Order).len();
         let filter =
             if self.filter.is_empty() { String::new() } else { format!(", filter `{}`", self.filter) };
         let title = format!("{} of {all}, by {}{filter}", rows.len(), self.sort.name());
         let foot = area.height.saturating_sub(3);
-        page.rule(foot, &title);
+        canvas.rule(foot, &title);
         if let Some(row) = rows.get(self.chosen) {
             let (first, second) = about(row, model);
-            page.text(1, foot + 1, &first, Style::new());
-            page.text(1, foot + 2, &second, Style::new());
+            canvas.text(1, foot + 1, &first, Style::new());
+            canvas.text(1, foot + 2, &second, Style::new());
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<Wish>> {
-        let page = self.window().1;
+    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
+        let canvas = self.window().1;
         match key.code {
             KeyCode::Up => self.chosen = self.chosen.saturating_sub(1),
             KeyCode::Down => self.chosen = self.chosen.saturating_add(1),
-            KeyCode::PageUp => self.chosen = self.chosen.saturating_sub(page),
-            KeyCode::PageDown => self.chosen = self.chosen.saturating_add(page),
+            KeyCode::PageUp => self.chosen = self.chosen.saturating_sub(canvas),
+            KeyCode::PageDown => self.chosen = self.chosen.saturating_add(canvas),
             KeyCode::Home => self.chosen = 0,
             KeyCode::End => self.chosen = usize::MAX,
             KeyCode::Char('f') => return Some(self.force(model)),
             KeyCode::Char('r') => return Some(self.release(model)),
-            KeyCode::Char('R') => return Some(Io::release_all(model)),
+            KeyCode::Char('R') => return Some(IoView::release_all(model)),
             KeyCode::Char('w') => return Some(self.write(model)),
             KeyCode::Char('s') => self.sort = self.sort.next(),
             KeyCode::Char('v') => self.variables = !self.variables,
             KeyCode::Char('/') => {
                 let text = self.filter.clone();
-                return Some(self.prompt(Typing::Filter, "Rows with".to_owned(), text));
+                return Some(self.prompt(IoPrompt::Filter, "Rows with".to_owned(), text));
             }
             KeyCode::Char('a') => {
                 let ask = "Name or address to look at".to_owned();
-                return Some(self.prompt(Typing::Name, ask, String::new()));
+                return Some(self.prompt(IoPrompt::Name, ask, String::new()));
             }
             KeyCode::Char('d') => {
                 if let Some(Row::Named(name)) = self.chosen_row(model) {
@@ -249,7 +251,7 @@ impl View for Io {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<Wish> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
         let at = Position::new(mouse.column, mouse.row);
         match mouse.kind {
             MouseEventKind::Down(MouseButton::Left) => {
@@ -272,31 +274,31 @@ impl View for Io {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<Wish> {
+    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
         let text = text.trim();
-        let asked = match self.typing.take() {
-            Some(Typing::Filter) => {
+        let asked = match self.prompt_for.take() {
+            Some(IoPrompt::Filter) => {
                 self.filter = text.to_owned();
                 self.chosen = 0;
                 return Vec::new();
             }
-            Some(Typing::Name) => {
+            Some(IoPrompt::Name) => {
                 if !text.is_empty() && !self.named.iter().any(|name| name == text) {
                     self.named.push(text.to_owned());
                 }
                 return Vec::new();
             }
-            Some(Typing::Force(name)) => {
-                typed::value(text, &Expected::level()).map(|value| Ask::Force { name, value })
+            Some(IoPrompt::Force(name)) => {
+                input_value::value(text, &ExpectedInput::level()).map(|value| Ask::Force { name, value })
             }
-            Some(Typing::Write(name, expected)) => {
-                typed::value(text, &expected).map(|value| Ask::Write { name, value })
+            Some(IoPrompt::Write(name, expected)) => {
+                input_value::value(text, &expected).map(|value| Ask::Write { name, value })
             }
             None => return Vec::new(),
         };
         vec![match asked {
-            Ok(ask) => Wish::Ask(ask),
-            Err(told) => Wish::Say(told),
+            Ok(ask) => ViewRequest::Ask(ask),
+            Err(told) => ViewRequest::Message(told),
         }]
     }
 }
@@ -322,11 +324,11 @@ fn title_places(columns: &[Column], area: Rect) -> Vec<(Rect, Sort)> {
 }
 
 /// What is lost comes before what is forced.
-fn style(cells: &Cells, page: &Page<'_>) -> Style {
+fn style(cells: &Cells, canvas: &Canvas<'_>) -> Style {
     if cells.lost {
-        page.alarm()
+        canvas.alarm()
     } else if cells.forced {
-        page.tint(Color::Yellow).add_modifier(Modifier::BOLD)
+        canvas.tint(Color::Yellow).add_modifier(Modifier::BOLD)
     } else {
         Style::new()
     }

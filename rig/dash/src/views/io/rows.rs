@@ -1,8 +1,8 @@
 //! The rows of the table: which ones, in which order, and what stands in them.
 
+use crate::input_value::ExpectedInput;
 use crate::model::Model;
 use crate::show;
-use crate::typed::Expected;
 use control::{Direction, Point, PointStatus, Signal, SignalKind, WireValue};
 use std::cmp::Ordering;
 
@@ -103,21 +103,21 @@ impl Row {
     }
 
     /// What a value is written to, with the kind and the names of its values.
-    pub fn writable(&self, model: &Model) -> (String, Expected) {
+    pub fn writable(&self, model: &Model) -> (String, ExpectedInput) {
         match self {
             Row::Point(place) => {
                 let point = &model.description.points[*place];
                 let name = point.variable.clone().or_else(|| point.address.clone());
                 // What is in the image of an analog point are its steps.
                 let is_level = point.kind == SignalKind::Bool;
-                let expected = if is_level { Expected::level() } else { Expected::default() };
+                let expected = if is_level { ExpectedInput::level() } else { ExpectedInput::default() };
                 (name.unwrap_or_else(|| point.name.clone()), expected)
             }
             Row::Signal(place) => {
                 let signal = &model.description.signals[*place];
-                (signal.name.clone(), Expected::of(signal))
+                (signal.name.clone(), ExpectedInput::of(signal))
             }
-            Row::Named(name) => (name.clone(), Expected::default()),
+            Row::Named(name) => (name.clone(), ExpectedInput::default()),
         }
     }
 

@@ -1,15 +1,15 @@
 //! The plans: choose one, run it, follow it.
 
-mod band;
-mod course;
+mod limit_bar;
+mod progress;
 
-use super::{View, Wish};
-use crate::glyphs::Look;
+use super::{View, ViewRequest};
+use crate::canvas::{self, Canvas};
+use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
-use crate::page::{self, Page};
 use crate::show;
 use control::Ask;
-use course::{Case, Course, Step};
+use progress::{CaseProgress, PlanProgress, StepProgress};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::Rect;
@@ -17,7 +17,7 @@ use ratatui::style::Style;
 
 /// What the user is typing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Typing {
+enum PlanPrompt {
     #[default]
     Filter,
     Folder,
@@ -25,10 +25,10 @@ enum Typing {
 
 /// The view of the plans.
 #[derive(Debug, Default)]
-pub struct Plan {
+pub struct PlanView {
     /// The list is looked at; else the course of the plan.
     list: bool,
-    typing: Typing,
+    typing: PlanPrompt,
     filter: String,
     /// The chosen case of the list.
     chosen: usize,
@@ -42,7 +42,7 @@ pub struct Plan {
     top: usize,
 }
 
-impl View for Plan {
+impl View for PlanView {
     fn name(&self) -> &'static str {
         "Plan"
     }
@@ -55,53 +55,53 @@ impl View for Plan {
         }
     }
 
-    fn opened(&mut self, model: &Model) -> Vec<Wish> {
+    fn opened(&mut self, model: &Model) -> Vec<ViewRequest> {
         self.list = model.status.plan.is_none() && model.plan.is_empty();
-        if model.plans.is_none() { vec![Wish::Ask(Ask::Plans { path: None })] } else { Vec::new() }
+        if model.plans.is_none() { vec![ViewRequest::Ask(Ask::Plans { path: None })] } else { Vec::new() }
     }
 
     fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
         Vec::new()
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
-        let mut page = Page::new(frame, area, look);
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+        let mut canvas = Canvas::new(frame, area, features);
         if self.list {
-            self.draw_list(&mut page, model);
+            self.draw_list(&mut canvas, model);
         } else {
-            self.draw_course(&mut page, model);
+            self.draw_course(&mut canvas, model);
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<Wish>> {
+    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
         match key.code {
             KeyCode::Char('l') => self.list = !self.list,
             KeyCode::Char('x') if model.status.plan.is_some() => {
                 let question = "Abort the plan? The controller begins anew.".to_owned();
-                return Some(vec![Wish::Confirm(question, Ask::Abort)]);
+                return Some(vec![ViewRequest::Confirm(question, Ask::Abort)]);
             }
             KeyCode::Char('o') => {
-                self.typing = Typing::Folder;
+                self.typing = PlanPrompt::Folder;
                 let ask = "Plans in this file or folder (empty: those that ship): ".to_owned();
-                return Some(vec![Wish::Prompt { ask, text: String::new() }]);
+                return Some(vec![ViewRequest::Prompt { ask, text: String::new() }]);
             }
             KeyCode::Char('/') if self.list => {
-                self.typing = Typing::Filter;
+                self.typing = PlanPrompt::Filter;
                 let ask = "Only plans with: ".to_owned();
-                return Some(vec![Wish::Prompt { ask, text: self.filter.clone() }]);
+                return Some(vec![ViewRequest::Prompt { ask, text: self.filter.clone() }]);
             }
             KeyCode::Enter if self.list => return Some(self.run(model)),
             KeyCode::Up => self.step(-1, model),
             KeyCode::Down => self.step(1, model),
-            KeyCode::PageUp => self.page(-10, model),
-            KeyCode::PageDown => self.page(10, model),
+            KeyCode::PageUp => self.scroll_page(-10, model),
+            KeyCode::PageDown => self.scroll_page(10, model),
             KeyCode::End if !self.list => self.case = None,
             _ => return None,
         }
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<Wish> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
         let inside = self.rows.contains((mouse.column, mouse.row).into());
         match mouse.kind {
             MouseEventKind::Down(MouseButton::Left) if inside => {
@@ -120,21 +120,21 @@ impl View for Plan {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<Wish> {
+    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
         let text = text.trim();
         match self.typing {
-            Typing::Filter => self.filter = text.to_owned(),
-            Typing::Folder => {
+            PlanPrompt::Filter => self.filter = text.to_owned(),
+            PlanPrompt::Folder => {
                 self.list = true;
                 let path = (!text.is_empty()).then(|| text.to_owned());
-                return vec![Wish::Ask(Ask::Plans { path })];
+                return vec![ViewRequest::Ask(Ask::Plans { path })];
             }
         }
         Vec::new()
     }
 }
 
-impl Plan {
+impl PlanView {
     /// The plans that the filter lets through.
     fn wanted<'a>(&self, model: &'a Model) -> Vec<&'a str> {
         let filter = self.filter.to_lowercase();
@@ -142,9 +142,9 @@ impl Plan {
         plans.map(String::as_str).filter(|name| name.to_lowercase().contains(&filter)).collect()
     }
 
-    fn run(&mut self, model: &Model) -> Vec<Wish> {
+    fn run(&mut self, model: &Model) -> Vec<ViewRequest> {
         if model.status.plan.is_some() {
-            return vec![Wish::Say("A plan runs already; x aborts it.".to_owned())];
+            return vec![ViewRequest::Message("A plan runs already; x aborts it.".to_owned())];
         }
         let Some(name) = self.wanted(model).get(self.chosen).map(|name| (*name).to_owned()) else {
             return Vec::new();
@@ -155,7 +155,7 @@ impl Plan {
             "Run `{name}` on the board? The controller stops with safe outputs, the plan moves the outputs, and the \
              controller begins anew."
         );
-        vec![Wish::Confirm(question, Ask::Plan { name })]
+        vec![ViewRequest::Confirm(question, Ask::Plan { name })]
     }
 
     /// Up or down the list, or the cases.
@@ -165,14 +165,14 @@ impl Plan {
             self.chosen = self.chosen.saturating_add_signed(by).min(last);
             return;
         }
-        let last = Course::of(&model.plan).cases.len().saturating_sub(1);
+        let last = PlanProgress::of(&model.plan).cases.len().saturating_sub(1);
         let to = self.case.unwrap_or(last).saturating_add_signed(by).min(last);
         // At the end the newest is followed again.
         self.case = (to < last).then_some(to);
         self.down = 0;
     }
 
-    fn page(&mut self, by: isize, model: &Model) {
+    fn scroll_page(&mut self, by: isize, model: &Model) {
         if self.list {
             self.step(by, model);
         } else {
@@ -180,46 +180,46 @@ impl Plan {
         }
     }
 
-    fn draw_list(&mut self, page: &mut Page<'_>, model: &Model) {
+    fn draw_list(&mut self, canvas: &mut Canvas<'_>, model: &Model) {
         let filter = if self.filter.is_empty() { String::new() } else { format!(" with `{}`", self.filter) };
         let Some(plans) = &model.plans else {
-            page.text(1, 0, "The rig told of no plans. o: those of a file or folder.", Style::new());
+            canvas.text(1, 0, "The rig told of no plans. o: those of a file or folder.", Style::new());
             return;
         };
         let wanted = self.wanted(model);
-        page.rule(0, &format!("{} of {} plans{filter}", wanted.len(), plans.len()));
+        canvas.rule(0, &format!("{} of {} plans{filter}", wanted.len(), plans.len()));
         self.chosen = self.chosen.min(wanted.len().saturating_sub(1));
-        let height = page.height().saturating_sub(1);
-        self.first = page::scrolled(self.first, self.chosen, usize::from(height));
+        let height = canvas.height().saturating_sub(1);
+        self.first = canvas::scrolled(self.first, self.chosen, usize::from(height));
         self.top = self.first;
-        self.rows = page.part(0, 1, page.width(), height).area();
+        self.rows = canvas.part(0, 1, canvas.width(), height).area();
         for (row, name) in wanted.iter().skip(self.first).take(usize::from(height)).enumerate() {
             let y = row as u16 + 1;
-            page.text(1, y, name, Style::new());
+            canvas.text(1, y, name, Style::new());
             if self.first + row == self.chosen {
-                page.shade(y, page::chosen());
+                canvas.shade(y, canvas::chosen());
             }
         }
     }
 
-    fn draw_course(&mut self, page: &mut Page<'_>, model: &Model) {
-        let course = Course::of(&model.plan);
+    fn draw_course(&mut self, canvas: &mut Canvas<'_>, model: &Model) {
+        let course = PlanProgress::of(&model.plan);
         if course.cases.is_empty() {
             let text = match &model.status.plan {
                 Some(plan) => format!("`{}` begins.", plan.name),
                 None => "No plan ran yet: l lists the plans.".to_owned(),
             };
-            page.text(1, 0, &text, Style::new());
+            canvas.text(1, 0, &text, Style::new());
             return;
         }
-        draw_progress(page, &course, model);
+        draw_progress(canvas, &course, model);
         let shown = self.case.unwrap_or(course.cases.len() - 1).min(course.cases.len() - 1);
-        let left = (page.width() * 2 / 5).min(60);
-        let (width, height) = (page.width(), page.height().saturating_sub(2));
-        let mut cases = page.part(0, 2, left, height);
+        let left = (canvas.width() * 2 / 5).min(60);
+        let (width, height) = (canvas.width(), canvas.height().saturating_sub(2));
+        let mut cases = canvas.part(0, 2, left, height);
         cases.rule(0, "Cases");
         let room = usize::from(height.saturating_sub(1));
-        self.top = page::scrolled(self.top.min(course.cases.len().saturating_sub(room)), shown, room);
+        self.top = canvas::scrolled(self.top.min(course.cases.len().saturating_sub(room)), shown, room);
         self.rows = cases.part(0, 1, left, height.saturating_sub(1)).area();
         for (row, case) in course.cases.iter().skip(self.top).take(room).enumerate() {
             let y = row as u16 + 1;
@@ -228,16 +228,16 @@ impl Plan {
             let x = cases.text_in(1, y, 7, word(verdict), style);
             cases.text(x.max(8) + 1, y, case.name, Style::new());
             if self.top + row == shown {
-                cases.shade(y, page::chosen());
+                cases.shade(y, canvas::chosen());
             }
         }
-        let mut details = page.part(left + 1, 2, width.saturating_sub(left + 1), height);
+        let mut details = canvas.part(left + 1, 2, width.saturating_sub(left + 1), height);
         self.down = draw_case(&mut details, &course.cases[shown], self.down);
     }
 }
 
 /// How far the plan is, and how it went by now.
-fn draw_progress(page: &mut Page<'_>, course: &Course<'_>, model: &Model) {
+fn draw_progress(canvas: &mut Canvas<'_>, course: &PlanProgress<'_>, model: &Model) {
     let place = course.cases.last().map_or((0, 0), |case| case.place);
     let name = model.status.plan.as_ref().map_or("", |plan| plan.name.as_str());
     let ended = course.cases.iter().filter(|case| case.end.is_some()).count();
@@ -248,23 +248,23 @@ fn draw_progress(page: &mut Page<'_>, course: &Course<'_>, model: &Model) {
     } else {
         f64::from(place.0.saturating_sub(1)) / f64::from(place.1.max(1))
     };
-    let bar = page.width() / 4;
-    page.bar(1, 0, bar, share, None, Style::new());
-    let x = page.text(bar + 2, 0, &format!("case {} of {}", place.0, place.1), page::bold());
-    page.text(x + 2, 0, &if ended > 0 { tally.join(", ") } else { name.to_owned() }, Style::new());
+    let bar = canvas.width() / 4;
+    canvas.bar(1, 0, bar, share, None, Style::new());
+    let x = canvas.text(bar + 2, 0, &format!("case {} of {}", place.0, place.1), canvas::bold());
+    canvas.text(x + 2, 0, &if ended > 0 { tally.join(", ") } else { name.to_owned() }, Style::new());
     match course.over {
         Some((verdict, report)) => {
-            let style = style_of(page, verdict);
-            let x = page.text(1, 1, &format!("Over: {verdict}"), style.patch(page::bold()));
+            let style = style_of(canvas, verdict);
+            let x = canvas.text(1, 1, &format!("Over: {verdict}"), style.patch(canvas::bold()));
             if let Some(report) = report {
-                page.text(x + 2, 1, &format!("report: {report}"), Style::new());
+                canvas.text(x + 2, 1, &format!("report: {report}"), Style::new());
             }
         }
         None if model.status.plan.is_none() => {
-            page.text(1, 1, "It ended before its last case: nothing more is told.", page.alarm());
+            canvas.text(1, 1, "It ended before its last case: nothing more is told.", canvas.alarm());
         }
         None => {
-            page.text(1, 1, &format!("Running {name}"), Style::new());
+            canvas.text(1, 1, &format!("Running {name}"), Style::new());
         }
     }
 }
@@ -277,7 +277,7 @@ enum Row<'a> {
 }
 
 /// Draws steps, claims and measurements of a case from a row on; the row that it was really drawn from.
-fn draw_case(page: &mut Page<'_>, case: &Case<'_>, down: usize) -> usize {
+fn draw_case(canvas: &mut Canvas<'_>, case: &CaseProgress<'_>, down: usize) -> usize {
     let plain = Style::new();
     let mut rows = vec![Row::Rule(case.name)];
     let verdict_of = |name: &str| {
@@ -290,17 +290,17 @@ fn draw_case(page: &mut Page<'_>, case: &Case<'_>, down: usize) -> usize {
             .or(measured.map(|one| (one.verdict.as_str(), "")))
     };
     if let Some(end) = &case.end {
-        let style = style_of(page, end.verdict).patch(page::bold());
+        let style = style_of(canvas, end.verdict).patch(canvas::bold());
         rows.push(Row::Text(format!("{}: {}", end.verdict, end.reason), style));
     }
-    let now = (page.look.utf8, case.end.is_none());
+    let now = (canvas.features.utf8, case.end.is_none());
     for ((name, what), step) in case.steps.iter().zip(case.progress()) {
         let (mark, at) = match step {
-            Step::Ahead => (' ', String::new()),
-            Step::Begun(at) => (if now == (true, true) { '▶' } else { '>' }, show::span(at)),
-            Step::Done(at) => (if now.0 { '✓' } else { '+' }, show::span(at)),
+            StepProgress::Pending => (' ', String::new()),
+            StepProgress::Started(at) => (if now == (true, true) { '▶' } else { '>' }, show::span(at)),
+            StepProgress::Done(at) => (if now.0 { '✓' } else { '+' }, show::span(at)),
         };
-        let style = if step == Step::Ahead { page.dim() } else { plain };
+        let style = if step == StepProgress::Pending { canvas.dim() } else { plain };
         rows.push(Row::Text(format!("{mark} {at:>9}  {name}: {what}"), style));
     }
     if !case.claims.is_empty() {
@@ -310,7 +310,7 @@ fn draw_case(page: &mut Page<'_>, case: &Case<'_>, down: usize) -> usize {
         match verdict_of(name) {
             None => rows.push(Row::Text(format!("{:7} {name}: {what}", ""), plain)),
             Some((verdict, why)) => {
-                let style = style_of(page, verdict);
+                let style = style_of(canvas, verdict);
                 rows.push(Row::Text(format!("{:7} {name}: {what}", word(verdict)), style));
                 if verdict != "pass" && !why.is_empty() {
                     rows.push(Row::Text(format!("{:10}{why}", ""), style));
@@ -323,20 +323,23 @@ fn draw_case(page: &mut Page<'_>, case: &Case<'_>, down: usize) -> usize {
         rows.push(Row::Rule("Measured"));
     }
     for one in measured {
-        let style = style_of(page, &one.verdict);
-        rows.push(Row::Text(format!("{:7} {}: {}", word(&one.verdict), one.name, band::words(one)), style));
+        let style = style_of(canvas, &one.verdict);
+        rows.push(Row::Text(
+            format!("{:7} {}: {}", word(&one.verdict), one.name, limit_bar::words(one)),
+            style,
+        ));
         rows.push(Row::Band(one));
     }
-    let width = usize::from(page.width().saturating_sub(2));
+    let width = usize::from(canvas.width().saturating_sub(2));
     let rows: Vec<Row<'_>> = rows.into_iter().flat_map(|row| wrapped(row, width)).collect();
-    let down = down.min(rows.len().saturating_sub(usize::from(page.height())));
-    for (y, row) in (0..page.height()).zip(&rows[down..]) {
+    let down = down.min(rows.len().saturating_sub(usize::from(canvas.height())));
+    for (y, row) in (0..canvas.height()).zip(&rows[down..]) {
         match row {
-            Row::Rule(title) => page.rule(y, title),
+            Row::Rule(title) => canvas.rule(y, title),
             Row::Text(text, style) => {
-                page.text(1, y, text, *style);
+                canvas.text(1, y, text, *style);
             }
-            Row::Band(measured) => band::draw(page, 9, y, page.width().saturating_sub(11), measured),
+            Row::Band(measured) => limit_bar::draw(canvas, 9, y, canvas.width().saturating_sub(11), measured),
         }
     }
     down
@@ -369,11 +372,11 @@ fn wrapped(row: Row<'_>, width: usize) -> Vec<Row<'_>> {
     }
 }
 
-fn style_of(page: &Page<'_>, verdict: &str) -> Style {
+fn style_of(canvas: &Canvas<'_>, verdict: &str) -> Style {
     match verdict {
-        "pass" => page.good(),
-        "fail" | "error" => page.alarm(),
-        "inconclusive" => page::bold(),
+        "pass" => canvas.good(),
+        "fail" | "error" => canvas.alarm(),
+        "inconclusive" => canvas::bold(),
         _ => Style::new(),
     }
 }

@@ -3,11 +3,11 @@
 
 mod scene;
 
-use super::{View, Wish};
-use crate::glyphs::Look;
-use crate::meaning::{Decoder, Meaning};
+use super::{View, ViewRequest};
+use crate::frame_decoder::{DecodedFrame, FrameDecoder};
+use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
-use crate::recording::{Files, Recording};
+use crate::recording::{TrendFiles, TrendRecording};
 use control::{Fault, FrameSeen, Value, WireValue};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
@@ -17,68 +17,68 @@ use ratatui::layout::Rect;
 /// What the shell leaves to a view on the smallest screen and on a large one.
 const SIZES: [(u16, u16); 2] = [(80, 19), (200, 55)];
 
-const FULL: Look = Look { utf8: true, color: true };
+const FULL: TerminalFeatures = TerminalFeatures { utf8: true, color: true };
 
 /// A view with its rig.
-struct Stage {
+struct ViewSetup {
     view: Box<dyn View>,
     model: Model,
 }
 
 /// Files that hold one recording and take all.
 #[derive(Debug)]
-struct Shelf(Option<Recording>);
+struct MemoryFiles(Option<TrendRecording>);
 
-impl Files for Shelf {
-    fn endings(&self) -> &[&str] {
+impl TrendFiles for MemoryFiles {
+    fn extensions(&self) -> &[&str] {
         &["vcd", "csv"]
     }
 
-    fn save(&self, _: &str, _: &Recording) -> Result<(), Fault> {
+    fn save(&self, _: &str, _: &TrendRecording) -> Result<(), Fault> {
         Ok(())
     }
 
-    fn load(&self, path: &str) -> Result<Recording, Fault> {
+    fn load(&self, path: &str) -> Result<TrendRecording, Fault> {
         let (code, help) = ("R0681".to_owned(), "look at its name".to_owned());
         self.0.clone().ok_or(Fault { code, message: format!("{path} cannot be read"), help })
     }
 
-    fn decoder(&self, path: &str) -> Result<Box<dyn Decoder>, Fault> {
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
         let (code, message) = ("R0683".to_owned(), format!("{path} cannot be read"));
         let fault = Fault { code, message, help: String::new() };
-        if path == "drive.dbc" { Ok(Box::new(Drive)) } else { Err(fault) }
+        if path == "drive.dbc" { Ok(Box::new(DriveDecoder)) } else { Err(fault) }
     }
 }
 
 /// Knows one message.
 #[derive(Debug)]
-struct Drive;
+struct DriveDecoder;
 
-impl Decoder for Drive {
-    fn decode(&self, frame: &FrameSeen) -> Option<Meaning> {
+impl FrameDecoder for DriveDecoder {
+    fn decode(&self, frame: &FrameSeen) -> Option<DecodedFrame> {
         let field = |name: &str, value: &str| (name.to_owned(), value.to_owned());
         let fields = vec![field("Mode", "on"), field("Speed", &format!("{} 1/min", frame.data))];
-        (frame.id == "18F").then(|| Meaning { name: "Drive".to_owned(), fields })
+        (frame.id == "18F").then(|| DecodedFrame { name: "Drive".to_owned(), fields })
     }
 }
 
-impl Stage {
-    fn new(name: &str) -> Stage {
-        Stage::with(name, None)
+impl ViewSetup {
+    fn new(name: &str) -> ViewSetup {
+        ViewSetup::with(name, None)
     }
 
-    fn with(name: &str, recording: Option<Recording>) -> Stage {
-        let view = super::all(Box::new(Shelf(recording))).into_iter().find(|view| view.name() == name);
-        let mut stage = Stage { view: view.unwrap(), model: scene::model() };
-        stage.view.shown(true);
-        stage.view.opened(&stage.model);
-        stage
+    fn with(name: &str, recording: Option<TrendRecording>) -> ViewSetup {
+        let view = super::all(Box::new(MemoryFiles(recording))).into_iter().find(|view| view.name() == name);
+        let mut setup = ViewSetup { view: view.unwrap(), model: scene::model() };
+        setup.view.shown(true);
+        setup.view.opened(&setup.model);
+        setup
     }
 
-    fn draw(&mut self, (width, height): (u16, u16), look: Look) -> String {
+    fn draw(&mut self, (width, height): (u16, u16), features: TerminalFeatures) -> String {
         let mut terminal = Terminal::new(TestBackend::new(width, height)).unwrap();
         terminal
-            .draw(|frame| self.view.draw(frame, Rect::new(0, 0, width, height), &self.model, look))
+            .draw(|frame| self.view.draw(frame, Rect::new(0, 0, width, height), &self.model, features))
             .unwrap();
         text(terminal.backend())
     }
@@ -140,22 +140,22 @@ fn has_row(screen: &str, words: &str) -> bool {
 
 #[test]
 fn tasks_that_overrun_and_lose() {
-    let screen = Stage::new("Tasks").screen();
+    let screen = ViewSetup::new("Tasks").screen();
     assert!(has_row(&screen, "FAST 1 2 ms 310 us 300 us 335 us 4.6 ms 90 us 2 1"), "{screen}");
     assert!(has_row(&screen, "Free 31 free - - - - - 0 0"), "{screen}");
 }
 
 #[test]
 fn measured_values_show_how_well_they_are_known() {
-    let screen = Stage::new("Expert").screen();
+    let screen = ViewSetup::new("Expert").screen();
     assert!(has_row(&screen, "Frequency 49998.2 +-12 Hz"), "{screen}");
     assert!(has_row(&screen, "State COUNTING"), "{screen}");
 }
 
 #[test]
 fn bytes_of_serial_lines_and_strange_frames() {
-    let mut stage = Stage::new("Buses");
-    let screen = stage.screen();
+    let mut setup = ViewSetup::new("Buses");
+    let screen = setup.screen();
     for row in [
         "scale serial 19200 8E1 open 88 0",
         "3 errors, 0 dropped",
@@ -165,12 +165,12 @@ fn bytes_of_serial_lines_and_strange_frames() {
     ] {
         assert!(has_row(&screen, row), "{row}:\n{screen}");
     }
-    stage.keys("ox");
-    let screen = stage.screen();
+    setup.keys("ox");
+    let screen = setup.screen();
     assert!(has_row(&screen, "scale 2 10 ms 2 .. [parity]"), "{screen}");
-    stage.keys("d");
-    let wrong = stage.view.typed("none.dbc", &stage.model);
-    assert!(matches!(&wrong[..], [Wish::Complain(fault)] if fault.code == "R0683"));
+    setup.keys("d");
+    let wrong = setup.view.typed("none.dbc", &setup.model);
+    assert!(matches!(&wrong[..], [ViewRequest::Fault(fault)] if fault.code == "R0683"));
 }
 
 /// Whatever is pressed and clicked in whatever order, on whatever screen, at whatever time.
@@ -199,23 +199,23 @@ fn no_key_breaks_a_view() {
     let letters: Vec<char> = "abcdefhilostTxyE+- /%q1X0.".chars().collect();
     let typed = ["", "0..10", "9e999", "-1e308 .. 1e308", "level", "old.vcd", "drive.dbc", "-5", "auto"];
     for name in ["Trend", "Tasks", "Expert", "Buses", "Plan"] {
-        let mut stage = Stage::with(name, Some(scene::recording()));
+        let mut setup = ViewSetup::with(name, Some(scene::recording()));
         if name == "Trend" {
-            stage.trend(&["lamp", "level", "state", "%IX0.1"]);
+            setup.trend(&["lamp", "level", "state", "%IX0.1"]);
         }
         let changes = scene::changes();
         for round in 0..3_000 {
             match chance(8) {
-                0..=3 => stage.key(KeyCode::Char(letters[chance(letters.len())])),
-                4 => stage.key(codes[chance(codes.len())]),
+                0..=3 => setup.key(KeyCode::Char(letters[chance(letters.len())])),
+                4 => setup.key(codes[chance(codes.len())]),
                 5 => {
-                    stage.view.typed(typed[chance(typed.len())], &stage.model);
+                    setup.view.typed(typed[chance(typed.len())], &setup.model);
                 }
                 6 => {
                     let (name, at, value) = changes[chance(changes.len())];
                     let strange = [i64::MIN, -1, 0, at, i64::MAX - 1][chance(5)];
                     let at = if round % 7 == 0 { strange } else { at };
-                    stage.view.changed(name, (at.saturating_sub(1), at), value);
+                    setup.view.changed(name, (at.saturating_sub(1), at), value);
                 }
                 _ => {
                     let kinds = [
@@ -227,16 +227,16 @@ fn no_key_breaks_a_view() {
                     let kind = kinds[chance(kinds.len())];
                     let (column, row) = (chance(90) as u16, chance(30) as u16);
                     let modifiers = KeyModifiers::NONE;
-                    stage.view.mouse(MouseEvent { kind, column, row, modifiers }, &stage.model);
+                    setup.view.mouse(MouseEvent { kind, column, row, modifiers }, &setup.model);
                 }
             }
             if round % 97 == 0 {
                 // The rig is another one, or has nothing any more.
-                stage.model = if chance(2) == 0 { scene::model() } else { Model::default() };
-                stage.view.reconnected();
+                setup.model = if chance(2) == 0 { scene::model() } else { Model::default() };
+                setup.view.reconnected();
             }
             if round % 5 == 0 {
-                stage.draw([(80, 19), (200, 55), (24, 6), (2, 2)][chance(4)], FULL);
+                setup.draw([(80, 19), (200, 55), (24, 6), (2, 2)][chance(4)], FULL);
             }
         }
     }
@@ -244,47 +244,47 @@ fn no_key_breaks_a_view() {
 
 #[test]
 fn a_measurement_that_was_not_taken_is_said() {
-    let mut stage = Stage::new("Plan");
-    stage.keys("^");
-    let screen = stage.screen();
+    let mut setup = ViewSetup::new("Plan");
+    setup.keys("^");
+    let screen = setup.screen();
     assert!(has_row(&screen, "delay: 562.1 .. 562.3 ms (500 .. 550"), "{screen}");
     assert!(has_row(&screen, "inconcl current: not taken (<= 0.5 A)"), "{screen}");
 }
 
 #[test]
 fn levels_that_nobody_drives_and_times_that_are_not_exact() {
-    let mut stage = Stage::new("Trend");
-    stage.trend(&["lamp", "%IX0.1"]);
-    stage.keys("a<<<eb>>>ee");
-    let screen = stage.screen();
+    let mut setup = ViewSetup::new("Trend");
+    setup.trend(&["lamp", "%IX0.1"]);
+    setup.keys("a<<<eb>>>ee");
+    let screen = setup.screen();
     assert!(has_row(&screen, "B-A 1.5 s +-500 us"), "{screen}");
     assert!(has_row(&screen, "%IX0.1"), "{screen}");
 }
 
 #[test]
 fn what_a_trigger_shows_makes_no_room_for_what_comes() {
-    let mut stage = Stage::new("Trend");
-    stage.trend(&["level", "lamp"]);
-    stage.keys("t>>>v>\n");
+    let mut setup = ViewSetup::new("Trend");
+    setup.trend(&["level", "lamp"]);
+    setup.keys("t>>>v>\n");
     let second = 1_000_000_000;
-    stage.view.changed("lamp", (11 * second, 11 * second), WireValue(Value::Bool(true)));
-    stage.model.now = 17 * second;
-    let before = stage.screen();
+    setup.view.changed("lamp", (11 * second, 11 * second), WireValue(Value::Bool(true)));
+    setup.model.now = 17 * second;
+    let before = setup.screen();
     assert!(before.contains("done: lamp rises"), "{before}");
     // More than are kept.
     for n in 0..40_000 {
         let at = 18 * second + n;
-        stage.view.changed("level", (at, at), WireValue(Value::Real((n % 2) as f64)));
+        setup.view.changed("level", (at, at), WireValue(Value::Real((n % 2) as f64)));
     }
-    assert_eq!(stage.screen(), before);
+    assert_eq!(setup.screen(), before);
 }
 
 #[test]
 fn a_file_is_looked_at() {
-    let mut stage = Stage::with("Trend", Some(scene::recording()));
-    stage.keys("o");
-    stage.view.typed("old.vcd", &stage.model);
-    assert!(has_row(&stage.screen(), "FILE window"));
-    stage.keys("c");
-    assert!(stage.draw(SIZES[0], FULL).contains("No signals yet"));
+    let mut setup = ViewSetup::with("Trend", Some(scene::recording()));
+    setup.keys("o");
+    setup.view.typed("old.vcd", &setup.model);
+    assert!(has_row(&setup.screen(), "FILE window"));
+    setup.keys("c");
+    assert!(setup.draw(SIZES[0], FULL).contains("No signals yet"));
 }

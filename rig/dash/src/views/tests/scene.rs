@@ -1,7 +1,7 @@
 //! A rig made by hand: a lamp and a level, two tasks, a counter and a pulse generator, two buses, a plan that runs.
 
 use crate::model::Model;
-use crate::recording::{Recording, Sample, Track};
+use crate::recording::{RecordedChange, RecordedSignal, TrendRecording};
 use control::{
     BusInfo, BusStatus, Channel, Description, Direction, FrameSeen, FunctionInfo, Measured, PlanEvent,
     PlanStatus, Point, RigStatus, Signal, SignalKind, Status, TaskInfo, TaskStatus, Value, WireValue,
@@ -254,19 +254,19 @@ pub fn changes() -> Vec<(&'static str, i64, WireValue)> {
 }
 
 /// A recording of another day.
-pub fn recording() -> Recording {
-    let track = |name: &str, unit: &str, kind| Track {
+pub fn recording() -> TrendRecording {
+    let track = |name: &str, unit: &str, kind| RecordedSignal {
         name: name.to_owned(),
         unit: unit.to_owned(),
         kind,
         labels: Vec::new(),
     };
-    let samples = (0..100).map(|n| Sample {
+    let samples = (0..100).map(|n| RecordedChange {
         track: usize::from(n % 2 == 1),
         when: (n * MS, n * MS),
         value: WireValue(if n % 2 == 1 { Value::Bool(n % 4 == 1) } else { Value::Int(n * n) }),
     });
-    Recording {
+    TrendRecording {
         tracks: vec![track("speed", "1/min", SignalKind::Int), track("pump", "", SignalKind::Bool)],
         samples: samples.collect(),
         span: (0, 100 * MS),

@@ -1,6 +1,6 @@
 //! What is measured of a line between two instants.
 
-use super::store::Line;
+use super::store::TrendLine;
 use control::Value;
 
 /// Figures of a line between two instants. Where nothing was known, nothing is counted.
@@ -18,7 +18,7 @@ pub struct Figures {
 
 impl Figures {
     /// Measures a line from an instant to a later one.
-    pub fn of(line: &Line, from: i64, to: i64) -> Figures {
+    pub fn of(line: &TrendLine, from: i64, to: i64) -> Figures {
         let mut figures = Figures::default();
         let (mut area, mut known) = (0.0, 0.0);
         let (mut since, mut value) = (from, line.at(from));
@@ -57,7 +57,7 @@ pub struct Bin {
 }
 
 /// What a line was in each of `count` equal parts of a window.
-pub fn bins(line: &Line, from: i64, to: i64, count: usize) -> Vec<Bin> {
+pub fn bins(line: &TrendLine, from: i64, to: i64, count: usize) -> Vec<Bin> {
     let mut bins = vec![Bin::default(); count];
     if count == 0 {
         return bins;
@@ -95,17 +95,21 @@ pub fn bins(line: &Line, from: i64, to: i64, count: usize) -> Vec<Bin> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::store::{Point, Store};
+    use super::super::store::{TrendPoint, TrendStore};
     use super::*;
-    use crate::recording::Track;
+    use crate::recording::RecordedSignal;
     use control::SignalKind;
 
-    fn line(points: &[(i64, Value)]) -> Line {
-        let track =
-            Track { name: "a".to_owned(), unit: String::new(), kind: SignalKind::Real, labels: Vec::new() };
-        let mut store = Store { lines: vec![Line::new(track)], now: 0 };
+    fn line(points: &[(i64, Value)]) -> TrendLine {
+        let track = RecordedSignal {
+            name: "a".to_owned(),
+            unit: String::new(),
+            kind: SignalKind::Real,
+            labels: Vec::new(),
+        };
+        let mut store = TrendStore { lines: vec![TrendLine::new(track)], now: 0 };
         for (at, value) in points {
-            store.push("a", Point { earliest: *at, at: *at, value: *value }, None);
+            store.push("a", TrendPoint { earliest: *at, at: *at, value: *value }, None);
         }
         store.lines.remove(0)
     }

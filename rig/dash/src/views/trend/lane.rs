@@ -1,25 +1,25 @@
 //! A line's lane: levels and states in one row, numbers as a curve.
 
 use super::figures::{Bin, bins};
-use super::store::Line;
-use crate::page::{self, Page};
+use super::store::TrendLine;
+use crate::canvas::{self, Canvas};
 use crate::show;
 use control::{SignalKind, Value, WireValue};
 use ratatui::style::Style;
 
 /// What is shown of time: from, to, nanoseconds.
-pub type Window = (i64, i64);
+pub type LaneWindow = (i64, i64);
 
 /// The least rows of a curve.
 const CURVE: u16 = 3;
 
 /// Whether a line is drawn as a curve.
-pub fn curved(line: &Line) -> bool {
+pub fn curved(line: &TrendLine) -> bool {
     !matches!(line.track.kind, SignalKind::Bool | SignalKind::State)
 }
 
 /// Rows of each line from `first` on, as far as they fit into `height`, and whether rows lie between them.
-pub fn heights(lines: &[Line], height: u16) -> (Vec<u16>, bool) {
+pub fn heights(lines: &[TrendLine], height: u16) -> (Vec<u16>, bool) {
     let curves = lines.iter().filter(|line| curved(line)).count() as u16;
     let flat = lines.len() as u16 - curves;
     for between in [1, 0] {
@@ -35,19 +35,19 @@ pub fn heights(lines: &[Line], height: u16) -> (Vec<u16>, bool) {
 }
 
 /// Draws a line into its lane.
-pub fn draw(page: &mut Page<'_>, line: &Line, window: Window) -> Option<(f64, f64)> {
+pub fn draw(canvas: &mut Canvas<'_>, line: &TrendLine, window: LaneWindow) -> Option<(f64, f64)> {
     match line.track.kind {
-        SignalKind::Bool => draw_levels(page, line, window),
-        SignalKind::State => draw_states(page, line, window),
-        _ => return draw_curve(page, line, window),
+        SignalKind::Bool => draw_levels(canvas, line, window),
+        SignalKind::State => draw_states(canvas, line, window),
+        _ => return draw_curve(canvas, line, window),
     }
     None
 }
 
-fn draw_levels(page: &mut Page<'_>, line: &Line, (from, to): Window) {
-    let width = usize::from(page.width());
+fn draw_levels(canvas: &mut Canvas<'_>, line: &TrendLine, (from, to): LaneWindow) {
+    let width = usize::from(canvas.width());
     let [high, low, both, open] =
-        if page.look.utf8 { ['▀', '▁', '│', '╌'] } else { ['"', '_', '|', '~'] };
+        if canvas.features.utf8 { ['▀', '▁', '│', '╌'] } else { ['"', '_', '|', '~'] };
     for (x, bin) in bins(line, from, to, width).iter().enumerate() {
         let glyph = match (bin.range, bin.high_z) {
             (Some((low, high)), open) if low != high || open => both,
@@ -56,14 +56,14 @@ fn draw_levels(page: &mut Page<'_>, line: &Line, (from, to): Window) {
             (None, true) => open,
             (None, false) => continue,
         };
-        let style = if glyph == low { page.dim() } else { page.good() };
-        page.glyph(x as u16, 0, glyph, style);
+        let style = if glyph == low { canvas.dim() } else { canvas.good() };
+        canvas.glyph(x as u16, 0, glyph, style);
     }
 }
 
-fn draw_states(page: &mut Page<'_>, line: &Line, (from, to): Window) {
-    let width = usize::from(page.width());
-    let [edge, fill] = if page.look.utf8 { ['│', '╌'] } else { ['|', '-'] };
+fn draw_states(canvas: &mut Canvas<'_>, line: &TrendLine, (from, to): LaneWindow) {
+    let width = usize::from(canvas.width());
+    let [edge, fill] = if canvas.features.utf8 { ['│', '╌'] } else { ['|', '-'] };
     let bins = bins(line, from, to, width);
     let mut x = 0;
     while x < width {
@@ -73,26 +73,26 @@ fn draw_states(page: &mut Page<'_>, line: &Line, (from, to): Window) {
         let value = line.at(at);
         if value != Value::Unknown {
             for column in x..end {
-                page.glyph(column as u16, 0, fill, page.dim());
+                canvas.glyph(column as u16, 0, fill, canvas.dim());
             }
             let text = show::value(WireValue(value), &line.track.labels);
-            page.text_in(x as u16 + 1, 0, (end - x - 1) as u16, &text, Style::new());
+            canvas.text_in(x as u16 + 1, 0, (end - x - 1) as u16, &text, Style::new());
         }
         if bins[x].changes > 0 {
-            page.glyph(x as u16, 0, edge, page::bold());
+            canvas.glyph(x as u16, 0, edge, canvas::bold());
         }
         x = end;
     }
 }
 
 /// The time from the beginning of a window to the left edge of a column.
-pub fn span_of((from, to): Window, column: u16, width: u16) -> i64 {
+pub fn span_of((from, to): LaneWindow, column: u16, width: u16) -> i64 {
     let base = i128::from(to.saturating_sub(from));
     (base * i128::from(column) / i128::from(width.max(1))) as i64
 }
 
 /// The numbers at the bottom and the top of a curve.
-fn scale_of(line: &Line, bins: &[Bin]) -> Option<(f64, f64)> {
+fn scale_of(line: &TrendLine, bins: &[Bin]) -> Option<(f64, f64)> {
     if line.scale.is_some() {
         return line.scale;
     }
@@ -106,21 +106,21 @@ fn scale_of(line: &Line, bins: &[Bin]) -> Option<(f64, f64)> {
     Some((low - around, high + around))
 }
 
-fn draw_curve(page: &mut Page<'_>, line: &Line, (from, to): Window) -> Option<(f64, f64)> {
-    let (width, height) = (usize::from(page.width()), usize::from(page.height()));
+fn draw_curve(canvas: &mut Canvas<'_>, line: &TrendLine, (from, to): LaneWindow) -> Option<(f64, f64)> {
+    let (width, height) = (usize::from(canvas.width()), usize::from(canvas.height()));
     if width == 0 || height == 0 {
         return line.scale;
     }
     let bins = bins(line, from, to, width * 2);
     let scale = scale_of(line, &bins)?;
-    let (across, up) = if page.look.utf8 { (2, 4) } else { (1, 3) };
+    let (across, up) = if canvas.features.utf8 { (2, 4) } else { (1, 3) };
     let dots = height * up;
     // Rows of dots from the top.
     let row = |number: f64| {
         let share = ((number - scale.0) / (scale.1 - scale.0)).clamp(0.0, 1.0);
         dots - 1 - (share * (dots - 1) as f64).round() as usize
     };
-    let style = page.tint(ratatui::style::Color::Cyan);
+    let style = canvas.tint(ratatui::style::Color::Cyan);
     for x in 0..width {
         let parts: Vec<Option<(usize, usize)>> = bins[x * 2..x * 2 + 2]
             .chunks(2 / across)
@@ -135,7 +135,7 @@ fn draw_curve(page: &mut Page<'_>, line: &Line, (from, to): Window) -> Option<(f
             let (top, bottom) = (y * up, y * up + up - 1);
             let glyph = if across == 2 { braille(&parts, top) } else { letter(parts[0], top, bottom) };
             if let Some(glyph) = glyph {
-                page.glyph(x as u16, y as u16, glyph, style);
+                canvas.glyph(x as u16, y as u16, glyph, style);
             }
         }
     }

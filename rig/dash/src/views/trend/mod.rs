@@ -3,26 +3,26 @@
 mod draw;
 mod figures;
 mod lane;
-mod moves;
+mod navigation;
 mod picker;
-mod setting;
 mod store;
 mod trigger;
+mod trigger_dialog;
 
-use super::{View, Wish};
-use crate::glyphs::Look;
+use super::{View, ViewRequest};
+use crate::canvas::Canvas;
+use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
-use crate::page::Page;
-use crate::recording::Files;
+use crate::recording::TrendFiles;
 use control::WireValue;
-use picker::{Picked, Picker};
+use picker::{Picker, PickerResult};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::Rect;
-use setting::{Set, Setting};
 use std::rc::Rc;
-use store::{Point, Store};
-use trigger::{Stand, Trigger};
+use store::{TrendPoint, TrendStore};
+use trigger::{Trigger, TriggerState};
+use trigger_dialog::{TriggerDialog, TriggerDialogResult};
 
 /// Lengths of the window, nanoseconds: 1 ms to 1 h.
 const BASES: [i64; 20] = [
@@ -53,7 +53,7 @@ const FIRST_BASE: usize = 12;
 
 /// What the user is typing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Typing {
+enum TrendPrompt {
     #[default]
     Nothing,
     Save,
@@ -64,14 +64,14 @@ enum Typing {
 
 /// What lies over the plot.
 #[derive(Debug)]
-enum Over {
+enum Overlay {
     Picker(Picker),
-    Setting(Setting),
+    TriggerDialog(TriggerDialog),
 }
 
 /// A cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Mark {
+struct TrendCursor {
     /// Where it stands, nanoseconds.
     at: i64,
     /// How far before it the change may lie that it stands on.
@@ -80,23 +80,23 @@ struct Mark {
 
 /// The view of the trend.
 #[derive(Debug)]
-pub struct Trend {
-    files: Rc<dyn Files>,
-    live: Store,
+pub struct TrendView {
+    files: Rc<dyn TrendFiles>,
+    live: TrendStore,
     /// A file that is looked at in place of the rig, with its name.
-    file: Option<(String, Store)>,
+    file: Option<(String, TrendStore)>,
     /// Place in [`BASES`].
     base: usize,
     /// The end of the window where it stands still.
     held: Option<i64>,
     chosen: usize,
     first: usize,
-    marks: [Option<Mark>; 2],
+    cursors: [Option<TrendCursor>; 2],
     /// The cursor that the keys move.
     moving: Option<usize>,
     trigger: Trigger,
-    over: Option<Over>,
-    typing: Typing,
+    over: Option<Overlay>,
+    typing: TrendPrompt,
     /// Changes that the rig could not tell of.
     missed: u64,
     /// Where the plot and its lanes were drawn, and the window in it.
@@ -105,22 +105,22 @@ pub struct Trend {
     lanes: Vec<(Rect, usize)>,
 }
 
-impl Trend {
+impl TrendView {
     /// A trend of nothing yet.
-    pub fn new(files: Rc<dyn Files>) -> Trend {
-        Trend {
+    pub fn new(files: Rc<dyn TrendFiles>) -> TrendView {
+        TrendView {
             files,
-            live: Store::default(),
+            live: TrendStore::default(),
             file: None,
             base: FIRST_BASE,
             held: None,
             chosen: 0,
             first: 0,
-            marks: [None, None],
+            cursors: [None, None],
             moving: None,
             trigger: Trigger::default(),
             over: None,
-            typing: Typing::Nothing,
+            typing: TrendPrompt::Nothing,
             missed: 0,
             plot: Rect::ZERO,
             window: (0, BASES[FIRST_BASE]),
@@ -133,51 +133,54 @@ impl Trend {
     }
 
     /// What is shown.
-    fn seen(&self) -> &Store {
+    fn seen(&self) -> &TrendStore {
         self.file.as_ref().map_or(&self.live, |(_, store)| store)
     }
 
-    fn seen_mut(&mut self) -> &mut Store {
+    fn seen_mut(&mut self) -> &mut TrendStore {
         self.file.as_mut().map_or(&mut self.live, |(_, store)| store)
     }
 
-    fn prompt(&mut self, typing: Typing, ask: String, text: String) -> Vec<Wish> {
+    fn prompt(&mut self, typing: TrendPrompt, ask: String, text: String) -> Vec<ViewRequest> {
         self.typing = typing;
-        vec![Wish::Prompt { ask, text }]
+        vec![ViewRequest::Prompt { ask, text }]
     }
 
     /// Between the cursors where both stand, else all that there is.
-    fn save(&self, path: &str) -> Wish {
+    fn save(&self, path: &str) -> ViewRequest {
         let store = self.seen();
-        let (from, to) = match self.marks {
+        let (from, to) = match self.cursors {
             [Some(a), Some(b)] if a.at != b.at => (a.at.min(b.at), a.at.max(b.at)),
             _ => (store.begin(), store.now),
         };
         let recording = store.recording(from, to);
         let (changes, signals) = (recording.samples.len(), recording.tracks.len());
         match self.files.save(path, &recording) {
-            Ok(()) => Wish::Say(format!("{path}: {changes} changes of {signals} signals.")),
-            Err(fault) => Wish::Complain(fault),
+            Ok(()) => ViewRequest::Message(format!("{path}: {changes} changes of {signals} signals.")),
+            Err(fault) => ViewRequest::Fault(fault),
         }
     }
 
-    fn load(&mut self, path: &str) -> Wish {
+    fn load(&mut self, path: &str) -> ViewRequest {
         match self.files.load(path) {
-            Err(fault) => Wish::Complain(fault),
+            Err(fault) => ViewRequest::Fault(fault),
             Ok(recording) => {
                 let (from, to) = recording.span;
-                let (store, left) = Store::of(recording);
+                let (store, left) = TrendStore::of(recording);
                 let fits = BASES.iter().position(|base| *base >= to.saturating_sub(from));
                 self.base = fits.unwrap_or(BASES.len() - 1);
                 self.held = Some(from.saturating_add(self.base()));
-                self.marks = [None, None];
+                self.cursors = [None, None];
                 self.moving = None;
                 self.chosen = 0;
                 let signals = store.lines.len();
                 self.file = Some((path.to_owned(), store));
                 let rest =
                     if left > 0 { format!(" {left} changes are left out: no room.") } else { String::new() };
-                Wish::Say(format!("{path}: {signals} signals over {}.{rest}", crate::show::span(to - from)))
+                ViewRequest::Message(format!(
+                    "{path}: {signals} signals over {}.{rest}",
+                    crate::show::span(to - from)
+                ))
             }
         }
     }
@@ -185,12 +188,12 @@ impl Trend {
     /// Back from a file to the rig.
     fn close(&mut self) {
         self.file = None;
-        self.marks = [None, None];
+        self.cursors = [None, None];
         self.moving = None;
         self.release();
     }
 
-    fn scale(&mut self, text: &str) -> Option<Wish> {
+    fn scale(&mut self, text: &str) -> Option<ViewRequest> {
         let place = self.chosen;
         let line = self.seen_mut().lines.get_mut(place)?;
         if text.is_empty() || text == "auto" {
@@ -205,37 +208,42 @@ impl Trend {
                 line.scale = Some(bounds);
                 None
             }
-            None => Some(Wish::Say(format!("`{text}` is no scale: write it as in 0 .. 10, or auto."))),
+            None => {
+                Some(ViewRequest::Message(format!("`{text}` is no scale: write it as in 0 .. 10, or auto.")))
+            }
         }
     }
 
     /// A key while something lies over the plot.
-    fn key_over(&mut self, key: KeyEvent, model: &Model) -> Vec<Wish> {
+    fn key_over(&mut self, key: KeyEvent, model: &Model) -> Vec<ViewRequest> {
         match self.over.take() {
             None => Vec::new(),
-            Some(Over::Picker(mut picker)) => {
+            Some(Overlay::Picker(mut picker)) => {
                 let picked = picker.key(key, model, &mut self.live);
                 self.chosen = self.chosen.min(self.live.lines.len().saturating_sub(1));
-                if picked != Picked::Closed {
-                    self.over = Some(Over::Picker(picker));
+                if picked != PickerResult::Closed {
+                    self.over = Some(Overlay::Picker(picker));
                 }
                 match picked {
-                    Picked::Full => vec![Wish::Say(format!("A trend has at most {} signals.", store::LINES))],
+                    PickerResult::Full => vec![ViewRequest::Message(format!(
+                        "A trend has at most {} signals.",
+                        store::MAX_LINES
+                    ))],
                     _ => Vec::new(),
                 }
             }
-            Some(Over::Setting(mut setting)) => match setting.key(key, &self.live) {
-                Set::Closed => Vec::new(),
-                Set::Open => {
-                    self.over = Some(Over::Setting(setting));
+            Some(Overlay::TriggerDialog(mut setting)) => match setting.key(key, &self.live) {
+                TriggerDialogResult::Closed => Vec::new(),
+                TriggerDialogResult::Open => {
+                    self.over = Some(Overlay::TriggerDialog(setting));
                     Vec::new()
                 }
-                Set::Level => {
+                TriggerDialogResult::EditLevel => {
                     let level = setting.trigger.level.to_string();
-                    self.over = Some(Over::Setting(setting));
-                    self.prompt(Typing::Level, "Level: ".to_owned(), level)
+                    self.over = Some(Overlay::TriggerDialog(setting));
+                    self.prompt(TrendPrompt::Level, "Level: ".to_owned(), level)
                 }
-                Set::Taken => {
+                TriggerDialogResult::Accepted => {
                     self.trigger = setting.trigger;
                     self.arm();
                     Vec::new()
@@ -258,7 +266,7 @@ impl Trend {
     }
 }
 
-impl View for Trend {
+impl View for TrendView {
     fn name(&self) -> &'static str {
         "Trend"
     }
@@ -280,12 +288,12 @@ impl View for Trend {
     }
 
     fn changed(&mut self, name: &str, when: (i64, i64), value: WireValue) {
-        let point = Point { earliest: when.0, at: when.1, value: value.0 };
+        let point = TrendPoint { earliest: when.0, at: when.1, value: value.0 };
         let Some(line) = self.live.lines.iter().find(|line| line.track.name == name) else { return };
         // A trigger whose window is over makes room for the next one first.
         let base = self.base();
-        self.trigger.until(point.at, base);
-        self.trigger.look(name, line.last(), &point);
+        self.trigger.advance_to(point.at, base);
+        self.trigger.observe(name, line.last(), &point);
         let held = self.held.filter(|_| self.file.is_none()).map(|end| end.saturating_sub(base));
         let keep = [held, self.trigger.keeps(&self.live, base)].into_iter().flatten().min();
         self.live.push(name, point, keep);
@@ -299,28 +307,28 @@ impl View for Trend {
         self.missed = self.missed.saturating_add(changes);
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, look: Look) {
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
         self.live.until(model.now);
         let base = self.base();
-        self.trigger.until(self.live.now, base);
-        let mut page = Page::new(frame, area, look);
-        draw::draw(self, &mut page);
+        self.trigger.advance_to(self.live.now, base);
+        let mut canvas = Canvas::new(frame, area, features);
+        draw::draw(self, &mut canvas);
         match &mut self.over {
-            Some(Over::Picker(picker)) => picker.draw(&mut page, model, &self.live),
-            Some(Over::Setting(setting)) => setting.draw(&mut page, &self.live),
+            Some(Overlay::Picker(picker)) => picker.draw(&mut canvas, model, &self.live),
+            Some(Overlay::TriggerDialog(setting)) => setting.draw(&mut canvas, &self.live),
             None => {}
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<Wish>> {
+    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
         if self.over.is_some() {
             return Some(self.key_over(key, model));
         }
         let far = if key.modifiers.intersects(KeyModifiers::SHIFT | KeyModifiers::CONTROL) { 10 } else { 1 };
-        let page = i64::from(self.plot.width.max(2) / 2);
+        let canvas = i64::from(self.plot.width.max(2) / 2);
         match key.code {
             KeyCode::Char('i') | KeyCode::Insert if self.file.is_none() => {
-                self.over = Some(Over::Picker(Picker::default()));
+                self.over = Some(Overlay::Picker(Picker::default()));
             }
             KeyCode::Delete => self.remove(),
             KeyCode::Char('+' | '=') => self.zoom(false),
@@ -331,14 +339,14 @@ impl View for Trend {
             KeyCode::Char('b') => self.cursor(1),
             KeyCode::Char('e') => self.jump(true),
             KeyCode::Char('E') => self.jump(false),
-            KeyCode::Esc if self.moving.is_some() || self.marks != [None, None] => {
-                self.marks = [None, None];
+            KeyCode::Esc if self.moving.is_some() || self.cursors != [None, None] => {
+                self.cursors = [None, None];
                 self.moving = None;
             }
             KeyCode::Left => self.shift(-far),
             KeyCode::Right => self.shift(far),
-            KeyCode::PageUp => self.shift(-page),
-            KeyCode::PageDown => self.shift(page),
+            KeyCode::PageUp => self.shift(-canvas),
+            KeyCode::PageDown => self.shift(canvas),
             KeyCode::End => self.release(),
             KeyCode::Up => self.chosen = self.chosen.saturating_sub(1),
             KeyCode::Down => {
@@ -346,22 +354,22 @@ impl View for Trend {
             }
             KeyCode::Char('t') if self.file.is_none() => {
                 let line = self.live.lines.get(self.chosen).map(|line| line.track.name.as_str());
-                self.over = Some(Over::Setting(Setting::new(&self.trigger, line)));
+                self.over = Some(Overlay::TriggerDialog(TriggerDialog::new(&self.trigger, line)));
             }
             // Once more what was waited for.
             KeyCode::Char('T') if self.file.is_none() => self.arm(),
             KeyCode::Char('y') => {
                 let ask = "Scale of the chosen signal (0 .. 10, or auto): ".to_owned();
-                return Some(self.prompt(Typing::Scale, ask, String::new()));
+                return Some(self.prompt(TrendPrompt::Scale, ask, String::new()));
             }
             KeyCode::Char('s') => {
-                let endings = self.files.endings().join(" or ");
-                let first = self.files.endings().first().copied().unwrap_or_default();
+                let extensions = self.files.extensions().join(" or ");
+                let first = self.files.extensions().first().copied().unwrap_or_default();
                 let text = format!("trend.{first}");
-                return Some(self.prompt(Typing::Save, format!("Save as ({endings}): "), text));
+                return Some(self.prompt(TrendPrompt::Save, format!("Save as ({extensions}): "), text));
             }
             KeyCode::Char('o') => {
-                return Some(self.prompt(Typing::Load, "Look at file: ".to_owned(), String::new()));
+                return Some(self.prompt(TrendPrompt::Load, "Look at file: ".to_owned(), String::new()));
             }
             KeyCode::Char('c') if self.file.is_some() => self.close(),
             _ => return None,
@@ -369,7 +377,7 @@ impl View for Trend {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, _model: &Model) -> Vec<Wish> {
+    fn mouse(&mut self, mouse: MouseEvent, _model: &Model) -> Vec<ViewRequest> {
         let spot = (mouse.column, mouse.row).into();
         match mouse.kind {
             MouseEventKind::Down(button) | MouseEventKind::Drag(button) => {
@@ -381,7 +389,7 @@ impl View for Trend {
                     let column = mouse.column - self.plot.x;
                     let at =
                         self.window.0.saturating_add(lane::span_of(self.window, column, self.plot.width));
-                    self.put(usize::from(button == MouseButton::Right), Mark { at, width: 0 });
+                    self.put(usize::from(button == MouseButton::Right), TrendCursor { at, width: 0 });
                 }
             }
             MouseEventKind::ScrollUp => self.zoom(false),
@@ -391,40 +399,40 @@ impl View for Trend {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<Wish> {
+    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
         let text = text.trim();
         match std::mem::take(&mut self.typing) {
-            Typing::Nothing => Vec::new(),
-            Typing::Save if text.is_empty() => Vec::new(),
-            Typing::Save => vec![self.save(text)],
-            Typing::Load if text.is_empty() => Vec::new(),
-            Typing::Load => vec![self.load(text)],
-            Typing::Scale => self.scale(text).into_iter().collect(),
-            Typing::Level => match (text.parse::<f64>(), &mut self.over) {
-                (Ok(level), Some(Over::Setting(setting))) if level.is_finite() => {
+            TrendPrompt::Nothing => Vec::new(),
+            TrendPrompt::Save if text.is_empty() => Vec::new(),
+            TrendPrompt::Save => vec![self.save(text)],
+            TrendPrompt::Load if text.is_empty() => Vec::new(),
+            TrendPrompt::Load => vec![self.load(text)],
+            TrendPrompt::Scale => self.scale(text).into_iter().collect(),
+            TrendPrompt::Level => match (text.parse::<f64>(), &mut self.over) {
+                (Ok(level), Some(Overlay::TriggerDialog(setting))) if level.is_finite() => {
                     setting.trigger.level = level;
                     Vec::new()
                 }
-                _ => vec![Wish::Say(format!("`{text}` is no number."))],
+                _ => vec![ViewRequest::Message(format!("`{text}` is no number."))],
             },
         }
     }
 }
 
 /// How it stands, in words.
-fn stand(trend: &Trend) -> String {
+fn state(trend: &TrendView) -> String {
     let trigger = &trend.trigger;
     let what = match trend.live.lines.iter().find(|line| line.track.name == trigger.signal) {
-        Some(line) if lane::curved(line) && trigger.on != trigger::On::Change => {
-            format!("{} {} {}", trigger.signal, trigger.on.words(), crate::show::real(trigger.level, 6))
+        Some(line) if lane::curved(line) && trigger.edge != trigger::TriggerEdge::Change => {
+            format!("{} {} {}", trigger.signal, trigger.edge.label(), crate::show::real(trigger.level, 6))
         }
-        Some(_) => format!("{} {}", trigger.signal, trigger.on.words()),
+        Some(_) => format!("{} {}", trigger.signal, trigger.edge.label()),
         None => "no signal".to_owned(),
     };
-    match trigger.stand() {
-        Stand::Off => String::new(),
-        Stand::Armed => format!("waits: {what}"),
-        Stand::Fired => format!("triggered: {what}"),
-        Stand::Done => format!("done: {what} (T: again)"),
+    match trigger.state() {
+        TriggerState::Off => String::new(),
+        TriggerState::Armed => format!("waits: {what}"),
+        TriggerState::Fired => format!("triggered: {what}"),
+        TriggerState::Done => format!("done: {what} (T: again)"),
     }
 }

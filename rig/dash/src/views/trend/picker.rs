@@ -1,9 +1,9 @@
 //! The list from which the signals of a trend are chosen.
 
-use super::store::{LINES, Line, Store};
+use super::store::{MAX_LINES, TrendLine, TrendStore};
+use crate::canvas::{self, Canvas};
 use crate::model::Model;
-use crate::page::{self, Page};
-use crate::recording::Track;
+use crate::recording::RecordedSignal;
 use control::SignalKind;
 use ratatui::crossterm::event::{KeyCode, KeyEvent};
 use ratatui::style::Style;
@@ -17,15 +17,15 @@ pub struct Picker {
 }
 
 /// What can be chosen.
-struct Offer {
-    track: Track,
+struct SignalChoice {
+    track: RecordedSignal,
     /// What else it is called.
     also: String,
 }
 
 /// What a key came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Picked {
+pub enum PickerResult {
     /// The list stays.
     Open,
     /// It is closed.
@@ -36,16 +36,16 @@ pub enum Picked {
 
 impl Picker {
     /// A key; every letter narrows the list.
-    pub fn key(&mut self, key: KeyEvent, model: &Model, store: &mut Store) -> Picked {
+    pub fn key(&mut self, key: KeyEvent, model: &Model, store: &mut TrendStore) -> PickerResult {
         match key.code {
-            KeyCode::Esc => return Picked::Closed,
+            KeyCode::Esc => return PickerResult::Closed,
             KeyCode::Enter => {
-                let offers = offers(model, &self.filter);
-                let Some(offer) = offers.into_iter().nth(self.chosen) else { return Picked::Closed };
-                match store.lines.iter().position(|line| line.track.name == offer.track.name) {
+                let choices = choices(model, &self.filter);
+                let Some(choice) = choices.into_iter().nth(self.chosen) else { return PickerResult::Closed };
+                match store.lines.iter().position(|line| line.track.name == choice.track.name) {
                     Some(place) => drop(store.lines.remove(place)),
-                    None if store.lines.len() >= LINES => return Picked::Full,
-                    None => store.lines.push(Line::new(offer.track)),
+                    None if store.lines.len() >= MAX_LINES => return PickerResult::Full,
+                    None => store.lines.push(TrendLine::new(choice.track)),
                 }
             }
             KeyCode::Up => self.chosen = self.chosen.saturating_sub(1),
@@ -62,71 +62,72 @@ impl Picker {
             }
             _ => {}
         }
-        Picked::Open
+        PickerResult::Open
     }
 
     /// Draws it over the page.
-    pub fn draw(&mut self, page: &mut Page<'_>, model: &Model, store: &Store) {
-        let width = page.width().min(90);
-        let (x, height) = ((page.width() - width) / 2, page.height());
-        let mut whole = page.part(x, 0, width, height);
+    pub fn draw(&mut self, canvas: &mut Canvas<'_>, model: &Model, store: &TrendStore) {
+        let width = canvas.width().min(90);
+        let (x, height) = ((canvas.width() - width) / 2, canvas.height());
+        let mut whole = canvas.part(x, 0, width, height);
         whole.clear();
         let mut list = whole.framed("Signals of the trend: type to find, Enter takes or drops, Esc closes");
-        let offers = offers(model, &self.filter);
-        self.chosen = self.chosen.min(offers.len().saturating_sub(1));
-        list.text(1, 0, &format!("find: {}_", self.filter), page::bold());
+        let choices = choices(model, &self.filter);
+        self.chosen = self.chosen.min(choices.len().saturating_sub(1));
+        list.text(1, 0, &format!("find: {}_", self.filter), canvas::bold());
         let rows = usize::from(list.height().saturating_sub(1));
-        self.first = page::scrolled(self.first, self.chosen, rows);
-        for (row, (place, offer)) in offers.iter().enumerate().skip(self.first).take(rows).enumerate() {
+        self.first = canvas::scrolled(self.first, self.chosen, rows);
+        for (row, (place, choice)) in choices.iter().enumerate().skip(self.first).take(rows).enumerate() {
             let y = row as u16 + 1;
-            let taken = store.lines.iter().any(|line| line.track.name == offer.track.name);
+            let taken = store.lines.iter().any(|line| line.track.name == choice.track.name);
             list.text(1, y, if taken { "[x]" } else { "[ ]" }, Style::new());
-            list.text_in(5, y, 34, &offer.track.name, Style::new());
-            list.text(40, y, &offer.also, Style::new());
+            list.text_in(5, y, 34, &choice.track.name, Style::new());
+            list.text(40, y, &choice.also, Style::new());
             if place == self.chosen {
-                list.shade(y, page::chosen());
+                list.shade(y, canvas::chosen());
             }
         }
-        if offers.is_empty() {
+        if choices.is_empty() {
             list.text(1, 1, "no signal has this in its name", Style::new());
         }
     }
 }
 
 /// Signals whose names hold a text, each name once: those that are called so first, then terminals and lines.
-fn offers(model: &Model, filter: &str) -> Vec<Offer> {
+fn choices(model: &Model, filter: &str) -> Vec<SignalChoice> {
     let filter = filter.to_lowercase();
     let mut seen = std::collections::BTreeSet::new();
-    let mut offers = Vec::new();
-    let mut offer = |name: &str, unit: &str, kind: SignalKind, labels: &[(i64, String)], also: String| {
+    let mut choices = Vec::new();
+    let mut choice = |name: &str, unit: &str, kind: SignalKind, labels: &[(i64, String)], also: String| {
         let wanted = name.to_lowercase().contains(&filter) || also.to_lowercase().contains(&filter);
         if wanted && seen.insert(name.to_owned()) {
             let (name, unit, labels) = (name.to_owned(), unit.to_owned(), labels.to_vec());
-            offers.push(Offer { track: Track { name, unit, kind, labels }, also });
+            choices.push(SignalChoice { track: RecordedSignal { name, unit, kind, labels }, also });
         }
     };
     for point in &model.description.points {
         let variable = point.variable.as_deref().unwrap_or_default();
         if let Some(image) = &point.image {
-            offer(image, "", point.kind, &[], format!("{} {variable}", point.name).trim_end().to_owned());
+            choice(image, "", point.kind, &[], format!("{} {variable}", point.name).trim_end().to_owned());
         }
         if let Some(channel) = &point.channel {
-            offer(&channel.name, &channel.unit, point.kind, &[], format!("line at {}", point.name));
+            choice(&channel.name, &channel.unit, point.kind, &[], format!("line at {}", point.name));
         }
     }
     for signal in &model.description.signals {
-        offer(&signal.name, &signal.unit, signal.kind, &signal.labels, signal.unit.clone());
+        choice(&signal.name, &signal.unit, signal.kind, &signal.labels, signal.unit.clone());
     }
     // Any place in memory has an address.
     if filter.starts_with('%')
         && filter.len() > 3
-        && !offers.iter().any(|offer| offer.track.name.to_lowercase() == filter)
+        && !choices.iter().any(|choice| choice.track.name.to_lowercase() == filter)
     {
         let kind = if filter.contains('x') { SignalKind::Bool } else { SignalKind::Int };
-        let track = Track { name: filter.to_uppercase(), unit: String::new(), kind, labels: Vec::new() };
-        offers.push(Offer { track, also: "the address as typed".to_owned() });
+        let track =
+            RecordedSignal { name: filter.to_uppercase(), unit: String::new(), kind, labels: Vec::new() };
+        choices.push(SignalChoice { track, also: "the address as typed".to_owned() });
     }
     // Stable: the rest keeps its order.
-    offers.sort_by_key(|offer| offer.track.name.to_lowercase() != filter);
-    offers
+    choices.sort_by_key(|choice| choice.track.name.to_lowercase() != filter);
+    choices
 }

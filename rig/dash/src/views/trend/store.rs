@@ -1,18 +1,18 @@
 //! What was seen of the signals of a trend, as far back as there is room.
 
-use crate::recording::{Recording, Sample, Track};
+use crate::recording::{RecordedChange, RecordedSignal, TrendRecording};
 use control::{Value, WireValue};
 use std::collections::VecDeque;
 
 /// The most signals of a trend.
-pub const LINES: usize = 32;
+pub const MAX_LINES: usize = 32;
 
 /// The most changes of each that are kept.
 pub const CHANGES: usize = 32_768;
 
 /// A change.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct TrendPoint {
     /// The earliest instant, nanoseconds since the rig began.
     pub earliest: i64,
     /// The latest instant: it is drawn and measured there.
@@ -23,24 +23,24 @@ pub struct Point {
 
 /// A signal with its changes.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub struct TrendLine {
     /// What it is.
-    pub track: Track,
+    pub track: RecordedSignal,
     /// Its numbers from the bottom to the top of its lane; what was seen decides where the user did not.
     pub scale: Option<(f64, f64)>,
-    points: VecDeque<Point>,
+    points: VecDeque<TrendPoint>,
     /// From here on changes were not taken, because what is looked at needs the room.
     refused: Option<i64>,
 }
 
-impl Line {
+impl TrendLine {
     /// A signal of which nothing was seen yet.
-    pub fn new(track: Track) -> Line {
-        Line { track, scale: None, points: VecDeque::new(), refused: None }
+    pub fn new(track: RecordedSignal) -> TrendLine {
+        TrendLine { track, scale: None, points: VecDeque::new(), refused: None }
     }
 
     /// Takes a change. Where there is no room, the oldest makes some, if it lies before `keep`.
-    fn push(&mut self, point: Point, keep: Option<i64>) {
+    fn push(&mut self, point: TrendPoint, keep: Option<i64>) {
         while self.points.len() >= CHANGES {
             // The second one says what was seen until it, so that is what the first one's room costs.
             let needed = keep.is_some_and(|keep| self.points.get(1).is_none_or(|second| second.at > keep));
@@ -52,7 +52,7 @@ impl Line {
         }
         if let Some(since) = self.refused.take() {
             // Room for two: one point more than there may be, until the next one comes.
-            self.points.push_back(Point { earliest: since, at: since, value: Value::Unknown });
+            self.points.push_back(TrendPoint { earliest: since, at: since, value: Value::Unknown });
         }
         if self.points.back().is_none_or(|last| last.value != point.value) {
             self.points.push_back(point);
@@ -60,7 +60,7 @@ impl Line {
     }
 
     /// The changes behind an instant, up to another and with it.
-    pub fn between(&self, from: i64, to: i64) -> impl Iterator<Item = &Point> {
+    pub fn between(&self, from: i64, to: i64) -> impl Iterator<Item = &TrendPoint> {
         let first = self.points.partition_point(|point| point.at <= from);
         self.points.range(first..).take_while(move |point| point.at <= to)
     }
@@ -77,7 +77,7 @@ impl Line {
     }
 
     /// The next change behind an instant, or the last one before it.
-    pub fn next(&self, at: i64, forward: bool) -> Option<Point> {
+    pub fn next(&self, at: i64, forward: bool) -> Option<TrendPoint> {
         if forward {
             self.points.get(self.points.partition_point(|point| point.at <= at)).copied()
         } else {
@@ -89,17 +89,17 @@ impl Line {
 
 /// The signals.
 #[derive(Clone, Debug, Default)]
-pub struct Store {
+pub struct TrendStore {
     /// In the order in which they are drawn.
-    pub lines: Vec<Line>,
+    pub lines: Vec<TrendLine>,
     /// The last instant of which anything is known.
     pub now: i64,
 }
 
-impl Store {
+impl TrendStore {
     /// Takes a change of a signal; `keep` is the first instant that is looked at. An instant before the last one is of
     /// another run of the rig: what was seen of the old one is forgotten.
-    pub fn push(&mut self, name: &str, point: Point, keep: Option<i64>) {
+    pub fn push(&mut self, name: &str, point: TrendPoint, keep: Option<i64>) {
         let Some(place) = self.lines.iter().position(|line| line.track.name == name) else { return };
         if self.lines[place].points.back().is_some_and(|last| point.at < last.at) {
             self.forget();
@@ -122,7 +122,7 @@ impl Store {
         let now = self.now;
         for line in &mut self.lines {
             if line.last() != Value::Unknown {
-                line.push(Point { earliest: now, at: now, value: Value::Unknown }, None);
+                line.push(TrendPoint { earliest: now, at: now, value: Value::Unknown }, None);
             }
         }
     }
@@ -146,14 +146,14 @@ impl Store {
     }
 
     /// What was seen between two instants, for a file.
-    pub fn recording(&self, from: i64, to: i64) -> Recording {
+    pub fn recording(&self, from: i64, to: i64) -> TrendRecording {
         let mut samples = Vec::new();
         for (track, line) in self.lines.iter().enumerate() {
             let before = line.at(from);
             if before != Value::Unknown {
-                samples.push(Sample { track, when: (from, from), value: WireValue(before) });
+                samples.push(RecordedChange { track, when: (from, from), value: WireValue(before) });
             }
-            samples.extend(line.between(from, to).map(|point| Sample {
+            samples.extend(line.between(from, to).map(|point| RecordedChange {
                 track,
                 when: (point.earliest.max(from), point.at),
                 value: WireValue(point.value),
@@ -162,16 +162,16 @@ impl Store {
         // Stable, so that changes at one instant keep the order of the lines.
         samples.sort_by_key(|sample| sample.when.1);
         let tracks = self.lines.iter().map(|line| line.track.clone()).collect();
-        Recording { tracks, samples, span: (from, to) }
+        TrendRecording { tracks, samples, span: (from, to) }
     }
 
     /// What a file holds. Signals and changes that there is no room for are left out; how many.
-    pub fn of(recording: Recording) -> (Store, usize) {
-        let lines = recording.tracks.into_iter().take(LINES).map(Line::new).collect();
-        let mut store = Store { lines, now: recording.span.1 };
+    pub fn of(recording: TrendRecording) -> (TrendStore, usize) {
+        let lines = recording.tracks.into_iter().take(MAX_LINES).map(TrendLine::new).collect();
+        let mut store = TrendStore { lines, now: recording.span.1 };
         let mut left = 0;
         for sample in recording.samples {
-            let point = Point { earliest: sample.when.0, at: sample.when.1, value: sample.value.0 };
+            let point = TrendPoint { earliest: sample.when.0, at: sample.when.1, value: sample.value.0 };
             match store.lines.get_mut(sample.track) {
                 Some(line) if line.points.len() < CHANGES => line.push(point, None),
                 _ => left += 1,
@@ -189,18 +189,18 @@ mod tests {
     use super::*;
     use control::SignalKind;
 
-    fn store(names: &[&str]) -> Store {
-        let track = |name: &&str| Track {
+    fn store(names: &[&str]) -> TrendStore {
+        let track = |name: &&str| RecordedSignal {
             name: (*name).to_owned(),
             unit: String::new(),
             kind: SignalKind::Int,
             labels: Vec::new(),
         };
-        Store { lines: names.iter().map(track).map(Line::new).collect(), now: 0 }
+        TrendStore { lines: names.iter().map(track).map(TrendLine::new).collect(), now: 0 }
     }
 
-    fn point(at: i64, value: i64) -> Point {
-        Point { earliest: at - 1, at, value: Value::Int(value) }
+    fn point(at: i64, value: i64) -> TrendPoint {
+        TrendPoint { earliest: at - 1, at, value: Value::Int(value) }
     }
 
     #[test]
@@ -264,7 +264,7 @@ mod tests {
         let recording = store.recording(12, 20);
         let seen: Vec<(usize, (i64, i64))> = recording.samples.iter().map(|s| (s.track, s.when)).collect();
         assert_eq!(seen, [(0, (12, 12)), (1, (14, 15)), (0, (19, 20))]);
-        let (read, left) = Store::of(recording);
+        let (read, left) = TrendStore::of(recording);
         assert_eq!((read.now, left, read.lines[0].at(13)), (20, 0, Value::Int(1)));
     }
 }

@@ -1,11 +1,11 @@
 //! The trigger: what the trend waits for, and the part of time that it then shows.
 
-use super::store::{Point, Store};
+use super::store::{TrendPoint, TrendStore};
 use control::Value;
 
 /// What it waits for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum On {
+pub enum TriggerEdge {
     /// FALSE becomes TRUE; a number comes above the level.
     #[default]
     Rise,
@@ -17,7 +17,7 @@ pub enum On {
 
 /// What it does behind a trigger.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
+pub enum TriggerMode {
     /// There is no trigger: the newest is shown.
     #[default]
     Off,
@@ -29,31 +29,32 @@ pub enum Mode {
     Single,
 }
 
-impl On {
+impl TriggerEdge {
     /// All.
-    pub const ALL: [On; 3] = [On::Rise, On::Fall, On::Change];
+    pub const ALL: [TriggerEdge; 3] = [TriggerEdge::Rise, TriggerEdge::Fall, TriggerEdge::Change];
 
     /// In words.
-    pub fn words(self) -> &'static str {
+    pub fn label(self) -> &'static str {
         match self {
-            On::Rise => "rises",
-            On::Fall => "falls",
-            On::Change => "changes",
+            TriggerEdge::Rise => "rises",
+            TriggerEdge::Fall => "falls",
+            TriggerEdge::Change => "changes",
         }
     }
 }
 
-impl Mode {
+impl TriggerMode {
     /// All.
-    pub const ALL: [Mode; 4] = [Mode::Off, Mode::Auto, Mode::Normal, Mode::Single];
+    pub const ALL: [TriggerMode; 4] =
+        [TriggerMode::Off, TriggerMode::Auto, TriggerMode::Normal, TriggerMode::Single];
 
     /// In words.
-    pub fn words(self) -> &'static str {
+    pub fn label(self) -> &'static str {
         match self {
-            Mode::Off => "off",
-            Mode::Auto => "auto",
-            Mode::Normal => "normal",
-            Mode::Single => "single",
+            TriggerMode::Off => "off",
+            TriggerMode::Auto => "auto",
+            TriggerMode::Normal => "normal",
+            TriggerMode::Single => "single",
         }
     }
 }
@@ -62,11 +63,11 @@ impl Mode {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trigger {
     /// What it does.
-    pub mode: Mode,
+    pub mode: TriggerMode,
     /// The signal.
     pub signal: String,
     /// What it waits for.
-    pub on: On,
+    pub edge: TriggerEdge,
     /// The level of numbers.
     pub level: f64,
     /// How much of the window lies before the trigger, per cent.
@@ -82,9 +83,9 @@ pub struct Trigger {
 impl Default for Trigger {
     fn default() -> Trigger {
         Trigger {
-            mode: Mode::Off,
+            mode: TriggerMode::Off,
             signal: String::new(),
-            on: On::Rise,
+            edge: TriggerEdge::Rise,
             level: 0.5,
             before: 50,
             armed: i64::MAX,
@@ -96,7 +97,7 @@ impl Default for Trigger {
 
 /// How it stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stand {
+pub enum TriggerState {
     /// There is none.
     Off,
     /// It waits.
@@ -110,28 +111,28 @@ pub enum Stand {
 impl Trigger {
     /// Begins to wait, now.
     pub fn arm(&mut self, now: i64) {
-        self.armed = if self.mode == Mode::Off { i64::MAX } else { now };
+        self.armed = if self.mode == TriggerMode::Off { i64::MAX } else { now };
         self.fired = None;
         self.whole = None;
     }
 
     /// How it stands.
-    pub fn stand(&self) -> Stand {
+    pub fn state(&self) -> TriggerState {
         match (self.mode, self.fired, self.whole) {
-            (Mode::Off, ..) => Stand::Off,
-            (Mode::Single, _, Some(_)) => Stand::Done,
-            (_, Some(_), _) => Stand::Fired,
-            _ => Stand::Armed,
+            (TriggerMode::Off, ..) => TriggerState::Off,
+            (TriggerMode::Single, _, Some(_)) => TriggerState::Done,
+            (_, Some(_), _) => TriggerState::Fired,
+            _ => TriggerState::Armed,
         }
     }
 
     /// Whether a change is what it waits for.
     fn fits(&self, before: Value, after: Value) -> bool {
-        match self.on {
+        match self.edge {
             // What it is when it is first seen is no change.
-            On::Change => before != Value::Unknown && before != after,
-            On::Rise => self.above(before) == Some(false) && self.above(after) == Some(true),
-            On::Fall => self.above(before) == Some(true) && self.above(after) == Some(false),
+            TriggerEdge::Change => before != Value::Unknown && before != after,
+            TriggerEdge::Rise => self.above(before) == Some(false) && self.above(after) == Some(true),
+            TriggerEdge::Fall => self.above(before) == Some(true) && self.above(after) == Some(false),
         }
     }
 
@@ -143,25 +144,25 @@ impl Trigger {
     }
 
     /// Looks at a change before it goes into the store.
-    pub fn look(&mut self, name: &str, before: Value, point: &Point) {
-        let waits = self.stand() == Stand::Armed && name == self.signal && point.at > self.armed;
+    pub fn observe(&mut self, name: &str, before: Value, point: &TrendPoint) {
+        let waits = self.state() == TriggerState::Armed && name == self.signal && point.at > self.armed;
         if waits && self.fits(before, point.value) {
             self.fired = Some(point.at);
         }
     }
 
     /// Time passed; the window is `base` long.
-    pub fn until(&mut self, now: i64, base: i64) {
+    pub fn advance_to(&mut self, now: i64, base: i64) {
         let Some(at) = self.fired else { return };
-        let end = at.saturating_add(self.behind(base));
+        let end = at.saturating_add(self.after(base));
         if now >= end {
             self.whole = self.fired.take();
             // The next one is waited for behind the window that is shown.
-            self.armed = if self.mode == Mode::Single { i64::MAX } else { end };
+            self.armed = if self.mode == TriggerMode::Single { i64::MAX } else { end };
         }
     }
 
-    fn behind(&self, base: i64) -> i64 {
+    fn after(&self, base: i64) -> i64 {
         base - base / 100 * i64::from(self.before)
     }
 
@@ -171,15 +172,15 @@ impl Trigger {
             // One that has just come is drawn into as time goes on.
             (Some(at), _) => at,
             (None, Some(at)) => {
-                let stale = at.saturating_add(self.behind(base)).saturating_add(base.max(WAIT)) < now;
-                if self.mode == Mode::Auto && stale {
+                let stale = at.saturating_add(self.after(base)).saturating_add(base.max(WAIT)) < now;
+                if self.mode == TriggerMode::Auto && stale {
                     return None;
                 }
                 at
             }
             (None, None) => return None,
         };
-        (self.mode != Mode::Off).then(|| (at.saturating_add(self.behind(base)), at))
+        (self.mode != TriggerMode::Off).then(|| (at.saturating_add(self.after(base)), at))
     }
 }
 
@@ -188,8 +189,8 @@ const WAIT: i64 = 500_000_000;
 
 impl Trigger {
     /// The first instant that it may yet need of the store.
-    pub fn keeps(&self, store: &Store, base: i64) -> Option<i64> {
-        let at = self.fired.or(self.whole.filter(|_| self.mode == Mode::Single))?;
+    pub fn keeps(&self, store: &TrendStore, base: i64) -> Option<i64> {
+        let at = self.fired.or(self.whole.filter(|_| self.mode == TriggerMode::Single))?;
         Some(at.saturating_sub(base / 100 * i64::from(self.before)).max(store.begin()))
     }
 }
@@ -198,45 +199,45 @@ impl Trigger {
 mod tests {
     use super::*;
 
-    fn armed(mode: Mode, on: On) -> Trigger {
-        let mut trigger = Trigger { mode, on, signal: "a".to_owned(), before: 20, ..Trigger::default() };
+    fn armed(mode: TriggerMode, edge: TriggerEdge) -> Trigger {
+        let mut trigger = Trigger { mode, edge, signal: "a".to_owned(), before: 20, ..Trigger::default() };
         trigger.arm(0);
         trigger
     }
 
     fn look(trigger: &mut Trigger, at: i64, before: Value, value: Value) {
-        trigger.look("a", before, &Point { earliest: at, at, value });
+        trigger.observe("a", before, &TrendPoint { earliest: at, at, value });
     }
 
     #[test]
     fn each_condition_fires_on_what_it_says_and_on_nothing_else() {
         let (low, high) = (Value::Real(0.1), Value::Real(0.9));
         for (on, before, after, fires) in [
-            (On::Rise, low, high, true),
-            (On::Rise, high, low, false),
-            (On::Rise, Value::Unknown, high, false),
-            (On::Rise, Value::Bool(false), Value::Bool(true), true),
-            (On::Rise, high, Value::Real(2.0), false),
-            (On::Fall, high, low, true),
-            (On::Fall, Value::Bool(true), Value::HighZ, false),
-            (On::Change, high, Value::Real(2.0), true),
-            (On::Change, Value::Unknown, high, false),
+            (TriggerEdge::Rise, low, high, true),
+            (TriggerEdge::Rise, high, low, false),
+            (TriggerEdge::Rise, Value::Unknown, high, false),
+            (TriggerEdge::Rise, Value::Bool(false), Value::Bool(true), true),
+            (TriggerEdge::Rise, high, Value::Real(2.0), false),
+            (TriggerEdge::Fall, high, low, true),
+            (TriggerEdge::Fall, Value::Bool(true), Value::HighZ, false),
+            (TriggerEdge::Change, high, Value::Real(2.0), true),
+            (TriggerEdge::Change, Value::Unknown, high, false),
         ] {
-            let mut trigger = armed(Mode::Normal, on);
+            let mut trigger = armed(TriggerMode::Normal, on);
             look(&mut trigger, 5, before, after);
-            assert_eq!(trigger.stand() == Stand::Fired, fires, "{on:?} {before:?} {after:?}");
+            assert_eq!(trigger.state() == TriggerState::Fired, fires, "{on:?} {before:?} {after:?}");
         }
     }
 
     #[test]
     fn single_takes_one_and_normal_the_next_behind_its_window() {
-        for (mode, second) in [(Mode::Single, 10), (Mode::Normal, 100)] {
-            let mut trigger = armed(mode, On::Rise);
+        for (mode, second) in [(TriggerMode::Single, 10), (TriggerMode::Normal, 100)] {
+            let mut trigger = armed(mode, TriggerEdge::Rise);
             let edge = |trigger: &mut Trigger, at| look(trigger, at, Value::Bool(false), Value::Bool(true));
             edge(&mut trigger, 10);
-            trigger.until(89, 100);
-            assert_eq!((trigger.stand(), trigger.window(89, 100)), (Stand::Fired, Some((90, 10))));
-            trigger.until(90, 100);
+            trigger.advance_to(89, 100);
+            assert_eq!((trigger.state(), trigger.window(89, 100)), (TriggerState::Fired, Some((90, 10))));
+            trigger.advance_to(90, 100);
             edge(&mut trigger, 90);
             edge(&mut trigger, 100);
             assert_eq!(trigger.window(200, 100).map(|(_, at)| at), Some(second), "{mode:?}");
@@ -246,13 +247,13 @@ mod tests {
     #[test]
     fn auto_shows_the_newest_when_no_trigger_comes() {
         let base = 1_000_000_000;
-        let mut trigger = armed(Mode::Auto, On::Change);
+        let mut trigger = armed(TriggerMode::Auto, TriggerEdge::Change);
         assert_eq!(trigger.window(5, base), None);
         look(&mut trigger, 10, Value::Int(1), Value::Int(2));
-        trigger.until(base, base);
+        trigger.advance_to(base, base);
         assert!(trigger.window(base + 10, base).is_some());
         assert_eq!(trigger.window(3 * base, base), None);
-        trigger.mode = Mode::Normal;
+        trigger.mode = TriggerMode::Normal;
         assert!(trigger.window(3 * base, base).is_some());
     }
 }

@@ -39,23 +39,23 @@ expect = [
 "#;
 
 /// A folder of its own for each test.
-pub struct Bench {
+pub struct TestProject {
     folder: TempDir,
 }
 
 /// What a command left.
 #[derive(Debug)]
-pub struct Ran {
+pub struct CommandOutput {
     /// Exit code; `None` where a signal ended it.
     pub code: Option<i32>,
     pub out: String,
     pub err: String,
 }
 
-impl Bench {
+impl TestProject {
     /// A folder with `lamp.st` and `lamp.toml`.
-    pub fn new() -> Bench {
-        let bench = Bench { folder: tempfile::tempdir().unwrap() };
+    pub fn new() -> TestProject {
+        let bench = TestProject { folder: tempfile::tempdir().unwrap() };
         bench.write("lamp.st", LAMP_ST);
         bench.write("lamp.toml", LAMP);
         bench
@@ -92,12 +92,12 @@ impl Bench {
     }
 
     /// Runs the command to its end.
-    pub fn rig(&self, args: &[&str]) -> Ran {
+    pub fn rig(&self, args: &[&str]) -> CommandOutput {
         run(self.command(args))
     }
 
     /// Runs the command and expects this exit code.
-    pub fn expect(&self, code: i32, args: &[&str]) -> Ran {
+    pub fn expect(&self, code: i32, args: &[&str]) -> CommandOutput {
         let ran = self.rig(args);
         assert_eq!(ran.code, Some(code), "rig {args:?}\n{}{}", ran.out, ran.err);
         ran
@@ -135,7 +135,7 @@ pub fn command(folder: &Path, args: &[&str]) -> Command {
 }
 
 /// Runs a command to its end, and ends one that hangs.
-pub fn run(mut command: Command) -> Ran {
+pub fn run(mut command: Command) -> CommandOutput {
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let out = drain(child.stdout.take().unwrap());
     let err = drain(child.stderr.take().unwrap());
@@ -150,7 +150,7 @@ pub fn run(mut command: Command) -> Ran {
         }
         std::thread::sleep(Duration::from_millis(2));
     };
-    Ran { code: status.code(), out: out.join().unwrap(), err: err.join().unwrap() }
+    CommandOutput { code: status.code(), out: out.join().unwrap(), err: err.join().unwrap() }
 }
 
 /// Reads a pipe to its end, beside the waiting, so that a full pipe holds nobody up.

@@ -1,23 +1,23 @@
 //! A rig whose time is led by its clients: what a script does to it happens at the same instant each time.
 
-use crate::bench::{Bench, Ran, run};
+use crate::project_folder::{CommandOutput, TestProject, run};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 
 /// A rig that runs until this is dropped.
-pub struct Led {
+pub struct SteppedRig {
     child: Child,
     folder: PathBuf,
 }
 
-impl Led {
+impl SteppedRig {
     /// Starts a rig in the bench's folder and waits until it answers.
-    pub fn start(bench: &Bench, board: &str, program: &str) -> Led {
+    pub fn start(bench: &TestProject, board: &str, program: &str) -> SteppedRig {
         let folder = bench.path("");
         let mut command =
             bench.command(&["run", "--board", board, "--program", program, "--led", "--control"]);
         command.arg(folder.join(SOCKET)).stdout(Stdio::null()).stderr(Stdio::null());
-        let led = Led { child: command.spawn().unwrap(), folder };
+        let led = SteppedRig { child: command.spawn().unwrap(), folder };
         let ran = led.ctl(&["state", "--wait", "60s"]);
         assert_eq!(ran.code, Some(0), "{}", ran.err);
         led
@@ -31,16 +31,16 @@ impl Led {
     pub fn command(&self, args: &[&str]) -> Command {
         let mut all = vec!["ctl", "--socket", SOCKET];
         all.extend(args);
-        crate::bench::command(&self.folder, &all)
+        crate::project_folder::command(&self.folder, &all)
     }
 
     /// Runs `rig ctl` to its end.
-    pub fn ctl(&self, args: &[&str]) -> Ran {
+    pub fn ctl(&self, args: &[&str]) -> CommandOutput {
         run(self.command(args))
     }
 
     /// Runs `rig ctl` and expects this exit code.
-    pub fn expect(&self, code: i32, args: &[&str]) -> Ran {
+    pub fn expect(&self, code: i32, args: &[&str]) -> CommandOutput {
         let ran = self.ctl(args);
         assert_eq!(ran.code, Some(code), "rig ctl {args:?}\n{}{}", ran.out, ran.err);
         ran
@@ -55,7 +55,7 @@ impl Led {
 /// The socket within the bench's folder.
 pub const SOCKET: &str = "rig.sock";
 
-impl Drop for Led {
+impl Drop for SteppedRig {
     fn drop(&mut self) {
         // It may have ended by itself.
         let _ = self.child.kill();

@@ -21,16 +21,16 @@ const CALL_FAILED: &str = "R0244";
 
 /// What becomes of the devices that have no lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Others {
+pub enum OtherDevices {
     /// They are on the board, too.
-    Kept,
+    Included,
     /// Nobody touches them.
-    Left,
+    Excluded,
 }
 
 /// A board file of real lines.
 #[derive(Debug)]
-pub struct Bench {
+pub struct RealBoardFile {
     /// The file.
     pub file: BoardFile,
     /// Its devices.
@@ -38,12 +38,12 @@ pub struct Bench {
     sources: Vec<SourceFile>,
 }
 
-impl Bench {
+impl RealBoardFile {
     /// Reads a board file.
     ///
     /// # Errors
     /// Something is wrong with it, which was said.
-    pub fn read(path: &Path) -> Result<Bench, Exit> {
+    pub fn read(path: &Path) -> Result<RealBoardFile, Exit> {
         let mut sources = Vec::new();
         let wrong = |found: Vec<Diagnostic>, sources: &[SourceFile]| {
             output::findings(&found, sources);
@@ -52,7 +52,7 @@ impl Bench {
         let (file, _) = suite::load_board(&Disk, &path.to_string_lossy(), &mut sources)
             .map_err(|found| wrong(found, &sources))?;
         match file.kind.clone() {
-            BoardKind::Real(spec) => Ok(Bench { file, spec: *spec, sources }),
+            BoardKind::Real(spec) => Ok(RealBoardFile { file, spec: *spec, sources }),
             BoardKind::Simulated => {
                 let message = format!("`{}` describes a simulated board", path.display());
                 let help =
@@ -98,14 +98,18 @@ impl Bench {
 
     /// The board of some of the lines: each as `keep` has it, or not at all; and with what else there is, converters and
     /// buses, or with lines alone. Nothing is bound on it.
-    pub fn some(&self, keep: impl Fn(usize, &LineSpec) -> Option<LineSpec>, others: Others) -> BoardFile {
+    pub fn subset(
+        &self,
+        keep: impl Fn(usize, &LineSpec) -> Option<LineSpec>,
+        others: OtherDevices,
+    ) -> BoardFile {
         let mut spec = self.spec.clone();
         spec.gpio.lines.clear();
         spec.converters.samples.clear();
         spec.counters.counts.clear();
         // What makes pulses tells nothing by itself, and is not to be moved.
         spec.generators.outputs.clear();
-        if others == Others::Left {
+        if others == OtherDevices::Excluded {
             spec.can.buses.clear();
             spec.serial.clear();
         }
@@ -115,11 +119,11 @@ impl Bench {
         file.circuit.channels.clear();
         for (at, channel) in self.file.circuit.channels.iter().enumerate() {
             let line = self.line(at).and_then(|line| keep(at, line));
-            let sample = self.sample(at).filter(|_| others == Others::Kept);
+            let sample = self.sample(at).filter(|_| others == OtherDevices::Included);
             let Ok(place) = u16::try_from(file.circuit.channels.len()) else { break };
             let id = ChannelId(place);
             let drives = line.as_ref().is_some_and(|line| line.direction == Direction::Output);
-            let count = self.count(at).filter(|_| others == Others::Kept);
+            let count = self.count(at).filter(|_| others == OtherDevices::Included);
             if line.is_none() && sample.is_none() && count.is_none() {
                 continue;
             }

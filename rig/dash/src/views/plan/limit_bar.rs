@@ -1,6 +1,6 @@
 //! A value against its limits, drawn as a bar.
 
-use crate::page::{self, Page};
+use crate::canvas::{self, Canvas};
 use crate::show;
 use control::Measured;
 
@@ -20,14 +20,14 @@ fn scale(measured: &Measured) -> Option<(f64, f64)> {
 }
 
 /// Draws a measurement's bar: the allowed band, and in it, or beside it, the value.
-pub fn draw(page: &mut Page<'_>, x: u16, y: u16, width: u16, measured: &Measured) {
+pub fn draw(canvas: &mut Canvas<'_>, x: u16, y: u16, width: u16, measured: &Measured) {
     let Some((from, to)) = scale(measured).filter(|_| width > 0) else { return };
     let column = |at: f64| {
         let share = ((at - from) / (to - from)).clamp(0.0, 1.0);
         ((share * f64::from(width)) as u16).min(width - 1)
     };
     let [outside, inside, edge, value] =
-        if page.look.utf8 { ['·', '═', '┃', '█'] } else { ['.', '=', '|', '#'] };
+        if canvas.features.utf8 { ['·', '═', '┃', '█'] } else { ['.', '=', '|', '#'] };
     let low = measured.low.map(column);
     let high = measured.high.map(column);
     for place in 0..width {
@@ -38,12 +38,12 @@ pub fn draw(page: &mut Page<'_>, x: u16, y: u16, width: u16, measured: &Measured
             (false, true) => inside,
             (false, false) => outside,
         };
-        page.glyph(x + place, y, glyph, ratatui::style::Style::new());
+        canvas.glyph(x + place, y, glyph, ratatui::style::Style::new());
     }
     if let Some((begin, end)) = measured.value.filter(|(begin, end)| begin.is_finite() && end.is_finite()) {
-        let style = if measured.verdict == "pass" { page.good() } else { page.alarm() };
+        let style = if measured.verdict == "pass" { canvas.good() } else { canvas.alarm() };
         for place in column(begin.min(end))..=column(end.max(begin)) {
-            page.glyph(x + place, y, value, style.patch(page::bold()));
+            canvas.glyph(x + place, y, value, style.patch(canvas::bold()));
         }
     }
 }

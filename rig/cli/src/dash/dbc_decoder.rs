@@ -1,7 +1,7 @@
 //! What frames mean by a DBC file, for the dashboard.
 
 use control::{Fault, FrameSeen, Value};
-use dash::meaning::{Decoder, Meaning};
+use dash::frame_decoder::{DecodedFrame, FrameDecoder};
 use plans::frames::can::{Database, FieldSpec, MessageSpec};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ struct Messages(BTreeMap<(bool, u32), Arc<MessageSpec>>);
 ///
 /// # Errors
 /// A file that cannot be read, or is none.
-pub fn read(path: &str) -> Result<Box<dyn Decoder>, Fault> {
+pub fn read(path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
     let failed = |what: &dyn std::fmt::Display| Fault {
         code: NOT_READ.to_owned(),
         message: format!("`{path}` cannot be read: {what}"),
@@ -38,8 +38,8 @@ pub fn read(path: &str) -> Result<Box<dyn Decoder>, Fault> {
     Ok(Box::new(Messages(messages.map(|message| ((message.extended, message.id), message)).collect())))
 }
 
-impl Decoder for Messages {
-    fn decode(&self, frame: &FrameSeen) -> Option<Meaning> {
+impl FrameDecoder for Messages {
+    fn decode(&self, frame: &FrameSeen) -> Option<DecodedFrame> {
         let id = u32::from_str_radix(&frame.id, 16).ok()?;
         // A short identifier is written with three digits.
         let message = self.0.get(&(frame.id.len() > 3, id))?;
@@ -48,7 +48,7 @@ impl Decoder for Messages {
             |field: &&FieldSpec| field.selector.as_ref().is_none_or(|selector| selector.selects(&data));
         let fields = message.fields.iter().filter(selected);
         let fields = fields.map(|field| (field.name.clone(), value_of(field, &data)));
-        Some(Meaning { name: message.name.clone(), fields: fields.collect() })
+        Some(DecodedFrame { name: message.name.clone(), fields: fields.collect() })
     }
 }
 
@@ -88,7 +88,7 @@ BO_ 2566869221 Far: 1 drive
 VAL_ 399 Mode 0 "off" 1 "on" ;
 "#;
 
-    fn decode(id: &str, data: &str) -> Option<Meaning> {
+    fn decode(id: &str, data: &str) -> Option<DecodedFrame> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("drive.dbc");
         std::fs::write(&path, DBC).unwrap();

@@ -7,13 +7,13 @@ use std::time::Duration;
 
 /// The part of `rig test`'s arguments that is about showing.
 #[derive(Clone, Debug, Args)]
-pub struct LookArgs {
+pub struct DisplayArgs {
     /// What to print on standard output: text for a person, or an event a line for a program.
     #[arg(long, value_enum, value_name = "FORMAT", default_value_t)]
-    pub format: Output,
+    pub format: TestOutput,
     /// Which cases get a line; each level has those before it, too [default: slow beside a progress bar, else all].
     #[arg(long, value_enum, value_name = "LEVEL")]
-    pub status_level: Option<Level>,
+    pub status_level: Option<StatusLevel>,
     /// Whether to draw a progress bar on standard error.
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     pub progress: Progress,
@@ -35,7 +35,7 @@ fn duration(text: &str) -> Result<Duration, String> {
 
 /// What goes to standard output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Output {
+pub enum TestOutput {
     /// Lines for a person.
     #[default]
     Text,
@@ -45,7 +45,7 @@ pub enum Output {
 
 /// Which cases get a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub enum Level {
+pub enum StatusLevel {
     /// None.
     None,
     /// Those that failed, are inconclusive or had trouble.
@@ -58,14 +58,14 @@ pub enum Level {
     All,
 }
 
-impl Level {
+impl StatusLevel {
     /// The level from which a case has a line.
-    pub fn of(record: &CaseRecord, slow: bool) -> Level {
+    pub fn of(record: &CaseRecord, slow: bool) -> StatusLevel {
         match (record.is_judged(), record.verdict > Verdict::Pass) {
-            (true, true) => Level::Fail,
-            (true, false) if slow => Level::Slow,
-            (true, false) => Level::Pass,
-            (false, _) => Level::All,
+            (true, true) => StatusLevel::Fail,
+            (true, false) if slow => StatusLevel::Slow,
+            (true, false) => StatusLevel::Pass,
+            (false, _) => StatusLevel::All,
         }
     }
 }
@@ -112,13 +112,13 @@ mod tests {
     #[test]
     fn a_case_has_its_level() {
         let case = |verdict| CaseRecord { verdict, ..CaseRecord::default() };
-        assert_eq!(Level::of(&case(Verdict::Pass), false), Level::Pass);
-        assert_eq!(Level::of(&case(Verdict::Pass), true), Level::Slow);
+        assert_eq!(StatusLevel::of(&case(Verdict::Pass), false), StatusLevel::Pass);
+        assert_eq!(StatusLevel::of(&case(Verdict::Pass), true), StatusLevel::Slow);
         for verdict in [Verdict::Inconclusive, Verdict::Fail, Verdict::Error] {
-            assert_eq!(Level::of(&case(verdict), true), Level::Fail);
+            assert_eq!(StatusLevel::of(&case(verdict), true), StatusLevel::Fail);
             assert!(TraceOn::Fail.keeps(&case(verdict)) && !TraceOn::None.keeps(&case(verdict)));
         }
-        assert_eq!(Level::of(&CaseRecord::skipped("a", ""), false), Level::All);
+        assert_eq!(StatusLevel::of(&CaseRecord::skipped("a", ""), false), StatusLevel::All);
         assert!(!TraceOn::Fail.keeps(&case(Verdict::Pass)) && TraceOn::All.keeps(&case(Verdict::Pass)));
     }
 

@@ -1,12 +1,12 @@
 //! A rig whose time clients lead, and a dashboard before it.
 
-use crate::bench::{Bench, root};
+use crate::project_folder::{TestProject, root};
 use control::client::{Client, Receiver, Sender};
 use control::{Ask, Fault, FrameSeen, Message, Reply};
-use dash::glyphs::Look;
-use dash::meaning::{Decoder, Meaning};
-use dash::recording::{Files, Recording};
-use dash::{Heard, Shell};
+use dash::frame_decoder::{DecodedFrame, FrameDecoder};
+use dash::glyphs::TerminalFeatures;
+use dash::recording::{TrendFiles, TrendRecording};
+use dash::{RigMessage, Shell};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
@@ -26,79 +26,79 @@ pub const LARGE: (u16, u16) = (200, 60);
 
 /// Files that last as long as the test.
 #[derive(Clone, Debug, Default)]
-pub struct Shelf(Rc<RefCell<BTreeMap<String, Recording>>>);
+pub struct MemoryFiles(Rc<RefCell<BTreeMap<String, TrendRecording>>>);
 
-impl Shelf {
+impl MemoryFiles {
     /// What was saved.
-    pub fn saved(&self, path: &str) -> Recording {
+    pub fn saved(&self, path: &str) -> TrendRecording {
         self.0.borrow()[path].clone()
     }
 }
 
-impl Files for Shelf {
-    fn endings(&self) -> &[&str] {
+impl TrendFiles for MemoryFiles {
+    fn extensions(&self) -> &[&str] {
         &["vcd"]
     }
 
-    fn save(&self, path: &str, recording: &Recording) -> Result<(), Fault> {
+    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), Fault> {
         self.0.borrow_mut().insert(path.to_owned(), recording.clone());
         Ok(())
     }
 
-    fn load(&self, path: &str) -> Result<Recording, Fault> {
+    fn load(&self, path: &str) -> Result<TrendRecording, Fault> {
         Ok(self.saved(path))
     }
 
-    fn decoder(&self, _: &str) -> Result<Box<dyn Decoder>, Fault> {
-        Ok(Box::new(Drive))
+    fn decoder(&self, _: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
+        Ok(Box::new(DriveDecoder))
     }
 }
 
 /// Knows one message, the speed of a drive in its first byte.
 #[derive(Debug)]
-struct Drive;
+struct DriveDecoder;
 
-impl Decoder for Drive {
-    fn decode(&self, frame: &FrameSeen) -> Option<Meaning> {
+impl FrameDecoder for DriveDecoder {
+    fn decode(&self, frame: &FrameSeen) -> Option<DecodedFrame> {
         let speed = u8::from_str_radix(frame.data.get(..2)?, 16).ok()?;
         let fields = vec![("Speed".to_owned(), format!("{speed} 1/min"))];
-        (frame.id == "18F").then(|| Meaning { name: "Drive".to_owned(), fields })
+        (frame.id == "18F").then(|| DecodedFrame { name: "Drive".to_owned(), fields })
     }
 }
 
 /// A rig that stands still, and a dashboard before it.
-pub struct Stage {
+pub struct DashboardSetup {
     rig: Child,
     sender: Sender,
     receiver: Receiver,
     pub shell: Shell,
-    pub shelf: Shelf,
-    look: Look,
+    pub files: MemoryFiles,
+    features: TerminalFeatures,
     /// Requests under way: the dashboard's numbers by those of the connection; none for those of this test.
     open: BTreeMap<u64, Option<u64>>,
-    _folder: Bench,
+    _folder: TestProject,
 }
 
-impl Drop for Stage {
+impl Drop for DashboardSetup {
     fn drop(&mut self) {
         let _ = self.rig.kill();
         let _ = self.rig.wait();
     }
 }
 
-impl Stage {
+impl DashboardSetup {
     /// The rig of the demonstration.
-    pub fn conveyor(look: Look) -> Stage {
-        let folder = Bench::new();
+    pub fn conveyor(features: TerminalFeatures) -> DashboardSetup {
+        let folder = TestProject::new();
         for name in ["sim.toml", "conveyor.toml", "conveyor.st"] {
             let path = root().join("rig/cli/demo").join(name);
             folder.write(name, &std::fs::read_to_string(path).unwrap());
         }
-        Stage::of(folder, &["--board", "sim.toml", "--case", "conveyor", "--booted"], look)
+        DashboardSetup::of(folder, &["--board", "sim.toml", "--case", "conveyor", "--booted"], features)
     }
 
     /// A rig of these files.
-    pub fn of(folder: Bench, words: &[&str], look: Look) -> Stage {
+    pub fn of(folder: TestProject, words: &[&str], features: TerminalFeatures) -> DashboardSetup {
         let socket = folder.path("rig.sock");
         let mut command = folder.command(&["run", "--led"]);
         command.args(words).arg("--control").arg(&socket).stdout(Stdio::null());
@@ -112,14 +112,15 @@ impl Stage {
             assert!(matches!(rig.try_wait(), Ok(None)), "the rig ended");
             std::thread::sleep(Duration::from_millis(10));
         };
-        let shelf = Shelf::default();
-        let mut shell = Shell::new(dash::views::all(Box::new(shelf.clone())), look, false);
-        shell.hear(Heard::Found(Box::new(client.greeting().clone())));
+        let files = MemoryFiles::default();
+        let mut shell = Shell::new(dash::views::all(Box::new(files.clone())), features, false);
+        shell.receive(RigMessage::Connected(Box::new(client.greeting().clone())));
         let (sender, receiver) = client.split();
         let open = BTreeMap::new();
-        let mut stage = Stage { rig, sender, receiver, shell, shelf, look, open, _folder: folder };
-        stage.settle();
-        stage
+        let mut setup =
+            DashboardSetup { rig, sender, receiver, shell, files, features, open, _folder: folder };
+        setup.settle();
+        setup
     }
 
     /// Until everything that was asked is answered.
@@ -139,11 +140,11 @@ impl Stage {
     /// Takes the next message.
     pub fn hear(&mut self) {
         match self.receiver.next(Some(PATIENCE)).unwrap().expect("a message in time") {
-            Message::Event(event) => self.shell.hear(Heard::Event(event)),
+            Message::Event(event) => self.shell.receive(RigMessage::Event(event)),
             Message::Reply(reply) => {
                 let Some(asked) = reply.id.and_then(|id| self.open.remove(&id)) else { return };
                 match asked {
-                    Some(id) => self.shell.hear(Heard::Reply(Reply { id: Some(id), ..reply })),
+                    Some(id) => self.shell.receive(RigMessage::Reply(Reply { id: Some(id), ..reply })),
                     None => assert_eq!(reply.error, None),
                 }
             }
@@ -151,7 +152,7 @@ impl Stage {
     }
 
     /// Hears until something is so.
-    pub fn until(&mut self, is: impl Fn(&Stage) -> bool) {
+    pub fn until(&mut self, is: impl Fn(&DashboardSetup) -> bool) {
         while !is(self) {
             self.hear();
             self.settle();
@@ -206,14 +207,14 @@ impl Stage {
 
     /// Compares with `tests/end_to_end/goldens/dashboard/NAME-WIDTHxHEIGHT.txt`, or `NAME-ascii.txt`.
     pub fn golden(&mut self, name: &str) {
-        let sizes = if self.look.utf8 { vec![SMALL, LARGE] } else { vec![SMALL] };
+        let sizes = if self.features.utf8 { vec![SMALL, LARGE] } else { vec![SMALL] };
         for size @ (width, height) in sizes {
             let screen = self.screen(size);
-            let file = match self.look.utf8 {
+            let file = match self.features.utf8 {
                 true => format!("{name}-{width}x{height}.txt"),
                 false => format!("{name}-ascii.txt"),
             };
-            assert!(self.look.utf8 || screen.is_ascii(), "{file} is no ASCII:\n{screen}");
+            assert!(self.features.utf8 || screen.is_ascii(), "{file} is no ASCII:\n{screen}");
             let folder = root().join("tests/end_to_end/goldens/dashboard");
             let path = folder.join(&file);
             if std::env::var_os("SCANRIG_BLESS").is_some() {
@@ -246,7 +247,7 @@ impl Stage {
 }
 
 /// Plays a scene on a terminal with everything, and on one with nothing.
-pub fn scene(play: impl Fn(Look)) {
-    play(Look { utf8: true, color: true });
-    play(Look { utf8: false, color: false });
+pub fn scene(play: impl Fn(TerminalFeatures)) {
+    play(TerminalFeatures { utf8: true, color: true });
+    play(TerminalFeatures { utf8: false, color: false });
 }

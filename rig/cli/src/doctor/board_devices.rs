@@ -1,6 +1,6 @@
 //! The devices that a board file uses, and what their state means to it.
 
-use super::check::{Check, State};
+use super::check::{Check, CheckState};
 use super::devices::{GROUP, grant};
 use super::settings::{self, TRANSFERS};
 use crate::exit::Exit;
@@ -17,7 +17,7 @@ const SERIAL: &str = "serial";
 
 /// What a board file uses.
 #[derive(Default)]
-pub struct Used {
+pub struct BoardDevices {
     /// The names of the checks of its devices, but for serial ports.
     names: Vec<&'static str>,
     /// What was measured of how fast it counts.
@@ -32,7 +32,7 @@ pub struct Used {
 ///
 /// # Errors
 /// Something is wrong with the file, which was said.
-pub fn devices(path: &Path) -> Result<Used, Exit> {
+pub fn devices(path: &Path) -> Result<BoardDevices, Exit> {
     let mut sources = Vec::new();
     match suite::load_board(&Disk, &path.to_string_lossy(), &mut sources) {
         Ok((file, _)) => Ok(of(&file)),
@@ -43,8 +43,8 @@ pub fn devices(path: &Path) -> Result<Used, Exit> {
     }
 }
 
-fn of(file: &BoardFile) -> Used {
-    let BoardKind::Real(spec) = &file.kind else { return Used::default() };
+fn of(file: &BoardFile) -> BoardDevices {
+    let BoardKind::Real(spec) = &file.kind else { return BoardDevices::default() };
     let mut used = Vec::new();
     let mut uses = |name, so: bool| {
         if so {
@@ -73,7 +73,7 @@ fn of(file: &BoardFile) -> Used {
     uses("counter", !spec.counters.counts.is_empty());
     uses("CAN", !spec.can.buses.is_empty());
     let ports = spec.serial.iter().map(|serial| serial.port.path.to_string_lossy().into_owned());
-    Used { names: used, buffer, ports: ports.collect(), counts: super::figures::counts(file) }
+    BoardDevices { names: used, buffer, ports: ports.collect(), counts: super::figures::counts(file) }
 }
 
 /// The first of the board's ports that cannot be had makes it unfit.
@@ -84,15 +84,15 @@ fn ports(machine: &Machine, ports: &[String]) -> Check {
     match ports.iter().find(|port| !machine.may_use(port)) {
         Some(refused) => {
             let check = Check::bad(GROUP, SERIAL, format!("{refused} is not to be used"));
-            let (mend, then) = grant(machine, refused, "tty", "dialout");
-            check.means("the board uses it").mend(mend).then(then)
+            let (fix, then) = grant(machine, refused, "tty", "dialout");
+            check.means("the board uses it").fix(fix).then(then)
         }
         None => Check::good(GROUP, SERIAL, ports.join(", ")),
     }
 }
 
 /// Adds what was measured of the board.
-pub fn measured(checks: &mut Vec<Check>, used: &mut Used, machine: &Machine) {
+pub fn measured(checks: &mut Vec<Check>, used: &mut BoardDevices, machine: &Machine) {
     checks.extend(used.counts.take().filter(|_| machine.is_here()));
 }
 
@@ -102,7 +102,7 @@ fn transfers(machine: &Machine, buffer: u32) -> Check {
         Some(bytes) if bytes < buffer => {
             Check::bad(GROUP, TRANSFERS, format!("of up to {bytes} bytes, and a stream of the board has {buffer}"))
                 .means("the board cannot be opened")
-                .mend(format!("echo 'options spidev bufsiz={buffer}' | sudo tee /etc/modprobe.d/rig-spidev.conf"))
+                .fix(format!("echo 'options spidev bufsiz={buffer}' | sudo tee /etc/modprobe.d/rig-spidev.conf"))
                 .then(format!("start the machine again; where the driver is built in: spidev.bufsiz={buffer} on the kernel's command line"))
         }
         Some(bytes) => Check::good(GROUP, TRANSFERS, format!("of up to {bytes} bytes, enough for the board's streams")),
@@ -111,7 +111,7 @@ fn transfers(machine: &Machine, buffer: u32) -> Check {
 }
 
 /// Devices that the board does not use are no drawback, whatever they are; without one that it uses it cannot run.
-pub fn judge(checks: &mut [Check], used: &Used, machine: &Machine) {
+pub fn judge(checks: &mut [Check], used: &BoardDevices, machine: &Machine) {
     for check in checks.iter_mut().filter(|check| check.group == GROUP) {
         if check.name == SERIAL && !used.ports.is_empty() {
             *check = ports(machine, &used.ports);
@@ -122,17 +122,17 @@ pub fn judge(checks: &mut [Check], used: &Used, machine: &Machine) {
             continue;
         }
         match (used.names.contains(&check.name), check.state) {
-            (false, State::Poor | State::Bad) => {
-                check.state = State::Open;
+            (false, CheckState::Poor | CheckState::Bad) => {
+                check.state = CheckState::Open;
                 check.means = "the board does not use it";
-                (check.mend, check.then) = (None, String::new());
+                (check.fix, check.then) = (None, String::new());
             }
             // None is there, it is switched off, or it is not to be used.
-            (true, State::Open | State::Poor | State::Bad) => {
-                check.state = State::Bad;
+            (true, CheckState::Open | CheckState::Poor | CheckState::Bad) => {
+                check.state = CheckState::Bad;
                 check.means = "the board uses it";
             }
-            (_, State::Good) | (false, State::Open) => {}
+            (_, CheckState::Good) | (false, CheckState::Open) => {}
         }
     }
 }
@@ -144,18 +144,18 @@ mod tests {
     #[test]
     fn only_what_the_board_uses_makes_a_machine_unfit() {
         let mut checks = [
-            Check::bad(GROUP, "GPIO", "none").mend("do something"),
+            Check::bad(GROUP, "GPIO", "none").fix("do something"),
             Check::open(GROUP, "SPI", "none"),
             Check::good(GROUP, "CAN", "can0"),
             Check::poor("kernel", "kind", "PREEMPT"),
         ];
-        let used = Used { names: vec!["SPI", "CAN"], ..Used::default() };
+        let used = BoardDevices { names: vec!["SPI", "CAN"], ..BoardDevices::default() };
         judge(&mut checks, &used, &Machine::here());
         assert_eq!(
             checks.each_ref().map(|check| check.state),
-            [State::Open, State::Bad, State::Good, State::Poor]
+            [CheckState::Open, CheckState::Bad, CheckState::Good, CheckState::Poor]
         );
-        assert_eq!((&checks[0].mend, checks[1].means), (&None, "the board uses it"));
+        assert_eq!((&checks[0].fix, checks[1].means), (&None, "the board uses it"));
     }
 
     #[test]
@@ -167,14 +167,14 @@ mod tests {
         let machine = Machine::below(&root);
         let with = |buffer: u32| {
             let mut checks = [Check::good(GROUP, TRANSFERS, "of up to 4096 bytes")];
-            judge(&mut checks, &Used { buffer, ..Used::default() }, &machine);
+            judge(&mut checks, &BoardDevices { buffer, ..BoardDevices::default() }, &machine);
             let [check] = checks;
-            (check.state, check.mend)
+            (check.state, check.fix)
         };
-        assert_eq!(with(0), (State::Good, None));
-        assert_eq!(with(4_096), (State::Good, None));
-        let mend = "echo 'options spidev bufsiz=65536' | sudo tee /etc/modprobe.d/rig-spidev.conf";
-        assert_eq!(with(65_536), (State::Bad, Some(mend.to_owned())));
+        assert_eq!(with(0), (CheckState::Good, None));
+        assert_eq!(with(4_096), (CheckState::Good, None));
+        let fix = "echo 'options spidev bufsiz=65536' | sudo tee /etc/modprobe.d/rig-spidev.conf";
+        assert_eq!(with(65_536), (CheckState::Bad, Some(fix.to_owned())));
         std::fs::remove_dir_all(&root).unwrap();
     }
 }

@@ -4,16 +4,16 @@ use control::{Measured, PlanEvent};
 
 /// The course of a plan.
 #[derive(Debug, Default)]
-pub struct Course<'a> {
+pub struct PlanProgress<'a> {
     /// Its cases, in their order.
-    pub cases: Vec<Case<'a>>,
+    pub cases: Vec<CaseProgress<'a>>,
     /// The verdict of all, and where the report is.
     pub over: Option<(&'a str, Option<&'a str>)>,
 }
 
 /// A case.
 #[derive(Debug)]
-pub struct Case<'a> {
+pub struct CaseProgress<'a> {
     /// Its name.
     pub name: &'a str,
     /// Its place from 1, and how many there are.
@@ -23,14 +23,14 @@ pub struct Case<'a> {
     /// Its claims: name and what they ask.
     pub claims: &'a [(String, String)],
     /// What was told until it was over.
-    told: &'a [PlanEvent],
+    events: &'a [PlanEvent],
     /// How it ended.
-    pub end: Option<End<'a>>,
+    pub end: Option<CaseResult<'a>>,
 }
 
 /// How a case ended.
 #[derive(Debug)]
-pub struct End<'a> {
+pub struct CaseResult<'a> {
     /// The verdict's word.
     pub verdict: &'a str,
     /// Why.
@@ -43,29 +43,29 @@ pub struct End<'a> {
 
 /// How far a step is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Step {
+pub enum StepProgress {
     /// It has not begun.
     #[default]
-    Ahead,
+    Pending,
     /// It began then, nanoseconds in the case.
-    Begun(i64),
+    Started(i64),
     /// It was done then.
     Done(i64),
 }
 
-impl<'a> Course<'a> {
+impl<'a> PlanProgress<'a> {
     /// Reads what was told. What does not belong to a case is passed over.
-    pub fn of(told: &'a [PlanEvent]) -> Course<'a> {
-        let mut course = Course::default();
-        for (at, event) in told.iter().enumerate() {
+    pub fn of(events: &'a [PlanEvent]) -> PlanProgress<'a> {
+        let mut course = PlanProgress::default();
+        for (at, event) in events.iter().enumerate() {
             match event {
                 PlanEvent::Case { name, place, steps, claims } => {
-                    course.cases.push(Case {
+                    course.cases.push(CaseProgress {
                         name,
                         place: *place,
                         steps,
                         claims,
-                        told: &told[at + 1..],
+                        events: &events[at + 1..],
                         end: None,
                     });
                 }
@@ -73,7 +73,7 @@ impl<'a> Course<'a> {
                 PlanEvent::Verdict { name, verdict, reason, claims, measured } => {
                     let open = course.cases.last_mut().filter(|case| case.end.is_none() && case.name == name);
                     if let Some(case) = open {
-                        case.end = Some(End { verdict, reason, claims, measured });
+                        case.end = Some(CaseResult { verdict, reason, claims, measured });
                     }
                 }
                 PlanEvent::Over { verdict, report } => course.over = Some((verdict, report.as_deref())),
@@ -95,15 +95,15 @@ impl<'a> Course<'a> {
     }
 }
 
-impl Case<'_> {
+impl CaseProgress<'_> {
     /// How far its steps are.
-    pub fn progress(&self) -> Vec<Step> {
-        let mut progress = vec![Step::Ahead; self.steps.len()];
-        for event in self.told {
+    pub fn progress(&self) -> Vec<StepProgress> {
+        let mut progress = vec![StepProgress::Pending; self.steps.len()];
+        for event in self.events {
             match event {
                 PlanEvent::Step { step, at, done } => {
                     if let Some(step) = progress.get_mut(*step as usize) {
-                        *step = if *done { Step::Done(*at) } else { Step::Begun(*at) };
+                        *step = if *done { StepProgress::Done(*at) } else { StepProgress::Started(*at) };
                     }
                 }
                 _ => break,
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn steps_belong_to_the_case_that_runs() {
-        let told = [
+        let events = [
             PlanEvent::Step { step: 0, at: 1, done: true },
             case("one", 1),
             PlanEvent::Step { step: 1, at: 5, done: false },
@@ -139,9 +139,9 @@ mod tests {
             case("two", 2),
             PlanEvent::Step { step: 0, at: 9, done: true },
         ];
-        let course = Course::of(&told);
-        assert_eq!(course.cases[0].progress(), [Step::Ahead, Step::Begun(5)]);
-        assert_eq!(course.cases[1].progress(), [Step::Done(9), Step::Ahead]);
+        let course = PlanProgress::of(&events);
+        assert_eq!(course.cases[0].progress(), [StepProgress::Pending, StepProgress::Started(5)]);
+        assert_eq!(course.cases[1].progress(), [StepProgress::Done(9), StepProgress::Pending]);
         assert_eq!(course.cases[0].end.as_ref().map(|end| end.verdict), Some("pass"));
         assert!(course.cases[1].end.is_none() && course.over.is_none());
         assert_eq!(course.tally(), [("pass", 1)]);

@@ -1,7 +1,7 @@
 //! Commands to the controller and the rig: `rig ctl run`, `stop` and their neighbours, `lock`, `unlock`, `abort`,
 //! `advance`.
 
-use super::Stop;
+use super::CtlError;
 use super::show::seconds;
 use crate::exit::Exit;
 use crate::{operator, output};
@@ -12,14 +12,14 @@ use std::io::{BufRead, Write};
 use std::time::Duration;
 
 /// Time is led in pieces, so that a rig that stands still is noticed.
-const PIECE: Span = Span::from_secs(60);
+const STEP: Span = Span::from_secs(60);
 
 /// How long a piece of led time may take: a program may compute a lot in it.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Commands to the controller.
 #[derive(Debug, Subcommand)]
-pub enum ActCommand {
+pub enum ControllerCommand {
     /// Start the application.
     Run(ActArgs),
     /// Stop the application.
@@ -50,25 +50,25 @@ pub struct ActArgs {
     yes: bool,
 }
 
-impl ActCommand {
+impl ControllerCommand {
     const fn action(&self) -> (Action, &ActArgs) {
         match self {
-            ActCommand::Run(args) => (Action::Run, args),
-            ActCommand::Stop(args) => (Action::Stop, args),
-            ActCommand::ResetWarm(args) => (Action::ResetWarm, args),
-            ActCommand::ResetCold(args) => (Action::ResetCold, args),
-            ActCommand::ResetOrigin(args) => (Action::ResetOrigin, args),
-            ActCommand::Reboot(args) => (Action::Reboot, args),
-            ActCommand::SwitchRun(args) => (Action::SwitchRun, args),
-            ActCommand::SwitchStop(args) => (Action::SwitchStop, args),
-            ActCommand::PowerOn(args) => (Action::PowerOn, args),
-            ActCommand::PowerOff(args) => (Action::PowerOff, args),
+            ControllerCommand::Run(args) => (Action::Run, args),
+            ControllerCommand::Stop(args) => (Action::Stop, args),
+            ControllerCommand::ResetWarm(args) => (Action::ResetWarm, args),
+            ControllerCommand::ResetCold(args) => (Action::ResetCold, args),
+            ControllerCommand::ResetOrigin(args) => (Action::ResetOrigin, args),
+            ControllerCommand::Reboot(args) => (Action::Reboot, args),
+            ControllerCommand::SwitchRun(args) => (Action::SwitchRun, args),
+            ControllerCommand::SwitchStop(args) => (Action::SwitchStop, args),
+            ControllerCommand::PowerOn(args) => (Action::PowerOn, args),
+            ControllerCommand::PowerOff(args) => (Action::PowerOff, args),
         }
     }
 }
 
 /// Gives a command.
-pub fn act(client: &mut Client, command: &ActCommand) -> Result<Exit, Stop> {
+pub fn act(client: &mut Client, command: &ControllerCommand) -> Result<Exit, CtlError> {
     let (action, args) = command.action();
     confirm(client, args.yes, action.name())?;
     client.ask::<Done>(Ask::Command { action })?;
@@ -79,8 +79,8 @@ pub fn act(client: &mut Client, command: &ActCommand) -> Result<Exit, Stop> {
 ///
 /// # Errors
 /// It is not meant.
-pub fn confirm(client: &Client, yes: bool, what: &str) -> Result<(), Stop> {
-    if yes || !operator::is_here() {
+pub fn confirm(client: &Client, yes: bool, what: &str) -> Result<(), CtlError> {
+    if yes || !operator::is_present() {
         return Ok(());
     }
     let board = &client.greeting().board;
@@ -92,7 +92,7 @@ pub fn confirm(client: &Client, yes: bool, what: &str) -> Result<(), Stop> {
         return Ok(());
     }
     output::note("nothing was done");
-    Err(Stop::Exit(Exit::Interrupted))
+    Err(CtlError::Exit(Exit::Interrupted))
 }
 
 /// `rig ctl lock`.
@@ -104,19 +104,19 @@ pub struct LockArgs {
 }
 
 /// Locks the rig.
-pub fn lock(client: &mut Client, args: &LockArgs) -> Result<Exit, Stop> {
+pub fn lock(client: &mut Client, args: &LockArgs) -> Result<Exit, CtlError> {
     client.ask::<Done>(Ask::Lock { note: args.note.clone() })?;
     Ok(Exit::Passed)
 }
 
 /// Ends the lock.
-pub fn unlock(client: &mut Client) -> Result<Exit, Stop> {
+pub fn unlock(client: &mut Client) -> Result<Exit, CtlError> {
     client.ask::<Done>(Ask::Unlock)?;
     Ok(Exit::Passed)
 }
 
 /// Ends the plan that runs.
-pub fn abort(client: &mut Client) -> Result<Exit, Stop> {
+pub fn abort(client: &mut Client) -> Result<Exit, CtlError> {
     client.ask::<Done>(Ask::Abort)?;
     Ok(Exit::Passed)
 }
@@ -130,22 +130,22 @@ pub struct AdvanceArgs {
 }
 
 /// Lets time pass, and prints the instant that was reached.
-pub fn advance(client: &mut Client, args: &AdvanceArgs) -> Result<Exit, Stop> {
-    let at = lead(client, args.by, PIECE, |_| Ok(true))?;
+pub fn advance(client: &mut Client, args: &AdvanceArgs) -> Result<Exit, CtlError> {
+    let at = advance_by(client, args.by, STEP, |_| Ok(true))?;
     output::print(&format!("{}\n", seconds(at)));
     Ok(Exit::Passed)
 }
 
 /// Lets time pass piece by piece; behind each one it is asked whether to go on. Tells the instant that was reached.
-pub fn lead(
+pub fn advance_by(
     client: &mut Client,
     by: Span,
-    piece: Span,
-    mut goes_on: impl FnMut(&mut Client) -> Result<bool, Stop>,
-) -> Result<i64, Stop> {
+    step: Span,
+    mut goes_on: impl FnMut(&mut Client) -> Result<bool, CtlError>,
+) -> Result<i64, CtlError> {
     let mut left = by;
     loop {
-        let next = left.min(piece);
+        let next = left.min(step);
         left = left - next;
         let reached: Advanced = client.ask_within(Ask::Advance { by: next.as_nanos() }, PATIENCE)?;
         if !goes_on(client)? || left <= Span::ZERO {

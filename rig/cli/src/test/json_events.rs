@@ -1,6 +1,6 @@
 //! The events of a run for a program that reads standard output: one JSON object a line (`docs/terminal.md`).
 
-use super::observe::Observer;
+use super::observer::RunObserver;
 use crate::output;
 use document::{Diagnostic, SourceFile};
 use record::{CaseRecord, RunRecord};
@@ -12,7 +12,7 @@ const FORMAT: u32 = 1;
 
 /// Prints events.
 #[derive(Debug)]
-pub struct Events;
+pub struct JsonEvents;
 
 fn print(event: &Value) {
     output::print(&format!("{event}\n"));
@@ -31,7 +31,7 @@ pub fn listed(job: &Job) {
     }));
 }
 
-impl Observer for Events {
+impl RunObserver for JsonEvents {
     fn run_started(&mut self, run: &RunRecord, at_once: usize) {
         print(&json!({
             "event": "run-started",

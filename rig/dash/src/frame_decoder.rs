@@ -4,7 +4,7 @@ use control::FrameSeen;
 
 /// What a frame says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Meaning {
+pub struct DecodedFrame {
     /// The message's name.
     pub name: String,
     /// Its signals with their values and units.
@@ -12,7 +12,7 @@ pub struct Meaning {
 }
 
 /// Knows what the frames of a bus mean.
-pub trait Decoder: std::fmt::Debug {
+pub trait FrameDecoder: std::fmt::Debug {
     /// What a frame says; none where it is not described.
-    fn decode(&self, frame: &FrameSeen) -> Option<Meaning>;
+    fn decode(&self, frame: &FrameSeen) -> Option<DecodedFrame>;
 }

@@ -1,7 +1,7 @@
 //! `rig ctl read`, `write`, `force` and `release`: values and forces.
 
 use super::show::{self, columns};
-use super::{Stop, interrupt, value};
+use super::{CtlError, interrupt, value};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
@@ -28,7 +28,7 @@ pub struct ReadArgs {
 }
 
 /// Prints values.
-pub fn read(client: &mut Client, args: &ReadArgs) -> Result<Exit, Stop> {
+pub fn read(client: &mut Client, args: &ReadArgs) -> Result<Exit, CtlError> {
     let read: Values = client.ask(Ask::Read { names: args.names.clone() })?;
     let named = args.names.iter().zip(&read.values);
     if args.json {
@@ -75,7 +75,7 @@ pub struct WriteArgs {
 }
 
 /// Writes values, one after the other.
-pub fn write(client: &mut Client, args: &WriteArgs) -> Result<Exit, Stop> {
+pub fn write(client: &mut Client, args: &WriteArgs) -> Result<Exit, CtlError> {
     for (name, value) in pairs(client, &args.pairs)? {
         client.ask::<Done>(Ask::Write { name, value })?;
     }
@@ -83,7 +83,7 @@ pub fn write(client: &mut Client, args: &WriteArgs) -> Result<Exit, Stop> {
 }
 
 /// All pairs: what cannot be read is refused before anything moves.
-fn pairs(client: &mut Client, words: &[String]) -> Result<Vec<(String, WireValue)>, Stop> {
+fn pairs(client: &mut Client, words: &[String]) -> Result<Vec<(String, WireValue)>, CtlError> {
     words.iter().map(|words| value::pair(client, words)).collect()
 }
 
@@ -100,7 +100,7 @@ pub struct ForceArgs {
 }
 
 /// Forces inputs and outputs.
-pub fn force(client: &mut Client, args: &ForceArgs) -> Result<Exit, Stop> {
+pub fn force(client: &mut Client, args: &ForceArgs) -> Result<Exit, CtlError> {
     let pairs = pairs(client, &args.pairs)?;
     let Some(lasts) = args.lasts else {
         for (name, value) in pairs {
@@ -136,7 +136,7 @@ pub struct ReleaseArgs {
 }
 
 /// Ends forces.
-pub fn release(client: &mut Client, args: &ReleaseArgs) -> Result<Exit, Stop> {
+pub fn release(client: &mut Client, args: &ReleaseArgs) -> Result<Exit, CtlError> {
     if args.all {
         client.ask::<Done>(Ask::ReleaseAll)?;
     }

@@ -1,6 +1,6 @@
 //! A part of the screen that can be written to without fear of its edges.
 
-use crate::glyphs::Look;
+use crate::glyphs::TerminalFeatures;
 use ratatui::Frame;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -8,25 +8,25 @@ use ratatui::style::{Color, Modifier, Style};
 
 /// A part of the screen. Its first column and row are 0; whatever lies outside is not drawn.
 #[derive(Debug)]
-pub struct Page<'a> {
+pub struct Canvas<'a> {
     buffer: &'a mut Buffer,
     area: Rect,
     /// What may be drawn with.
-    pub look: Look,
+    pub features: TerminalFeatures,
 }
 
-impl<'a> Page<'a> {
+impl<'a> Canvas<'a> {
     /// The part of a frame.
-    pub fn new(frame: &'a mut Frame<'_>, area: Rect, look: Look) -> Page<'a> {
+    pub fn new(frame: &'a mut Frame<'_>, area: Rect, features: TerminalFeatures) -> Canvas<'a> {
         let buffer = frame.buffer_mut();
         let area = area.intersection(buffer.area);
-        Page { buffer, area, look }
+        Canvas { buffer, area, features }
     }
 
     /// A part of this one.
-    pub fn part(&mut self, x: u16, y: u16, width: u16, height: u16) -> Page<'_> {
+    pub fn part(&mut self, x: u16, y: u16, width: u16, height: u16) -> Canvas<'_> {
         let wanted = Rect::new(self.area.x.saturating_add(x), self.area.y.saturating_add(y), width, height);
-        Page { area: wanted.intersection(self.area), buffer: self.buffer, look: self.look }
+        Canvas { area: wanted.intersection(self.area), buffer: self.buffer, features: self.features }
     }
 
     /// Columns.
@@ -106,7 +106,7 @@ impl<'a> Page<'a> {
 
     /// A horizontal line with a title.
     pub fn rule(&mut self, y: u16, title: &str) {
-        let line = if self.look.utf8 { '─' } else { '-' };
+        let line = if self.features.utf8 { '─' } else { '-' };
         for x in 0..self.area.width {
             self.glyph(x, y, line, self.dim());
         }
@@ -116,9 +116,9 @@ impl<'a> Page<'a> {
     }
 
     /// A frame around it, with a title; the part inside.
-    pub fn framed(&mut self, title: &str) -> Page<'_> {
+    pub fn framed(&mut self, title: &str) -> Canvas<'_> {
         let (right, bottom) = (self.width().saturating_sub(1), self.height().saturating_sub(1));
-        let [flat, upright, corners @ ..] = if self.look.utf8 {
+        let [flat, upright, corners @ ..] = if self.features.utf8 {
             ['─', '│', '┌', '┐', '└', '┘']
         } else {
             ['-', '|', '+', '+', '+', '+']
@@ -145,7 +145,7 @@ impl<'a> Page<'a> {
         let eighths = (share * f64::from(width) * 8.0).round() as u32;
         let (full, rest) = (eighths / 8, eighths as usize % 8);
         for column in 0..width {
-            let glyph = match (u32::from(column).cmp(&full), self.look.utf8) {
+            let glyph = match (u32::from(column).cmp(&full), self.features.utf8) {
                 (std::cmp::Ordering::Less, true) => '█',
                 (std::cmp::Ordering::Less, false) => '#',
                 (std::cmp::Ordering::Equal, true) if rest > 0 => EIGHTHS[rest],
@@ -157,14 +157,14 @@ impl<'a> Page<'a> {
         }
         if let Some(limit) = limit.filter(|limit| (0.0..=1.0).contains(limit)) {
             let column = ((limit * f64::from(width)) as u16).min(width.saturating_sub(1));
-            let mark = if self.look.utf8 { '┃' } else { '|' };
+            let mark = if self.features.utf8 { '┃' } else { '|' };
             self.glyph(x + column, y, mark, bold());
         }
     }
 
     /// A colour, where there are some.
     pub fn tint(&self, color: Color) -> Style {
-        if self.look.color { Style::new().fg(color) } else { Style::new() }
+        if self.features.color { Style::new().fg(color) } else { Style::new() }
     }
 
     /// What is of less weight.
@@ -212,13 +212,13 @@ pub const fn column(title: &'static str, width: u16, right: bool, from: u16) -> 
 }
 
 /// Writes the titles of a table.
-pub fn titles(page: &mut Page<'_>, y: u16, columns: &[Column]) {
-    cells(page, y, columns, columns.iter().map(|column| column.title.to_owned()), bold());
+pub fn titles(canvas: &mut Canvas<'_>, y: u16, columns: &[Column]) {
+    cells(canvas, y, columns, columns.iter().map(|column| column.title.to_owned()), bold());
 }
 
 /// Writes a row of a table, with a space between two columns.
 pub fn cells(
-    page: &mut Page<'_>,
+    canvas: &mut Canvas<'_>,
     y: u16,
     columns: &[Column],
     texts: impl IntoIterator<Item = String>,
@@ -226,14 +226,14 @@ pub fn cells(
 ) {
     let mut x = 1;
     for (column, text) in columns.iter().zip(texts) {
-        if page.width() < column.from {
+        if canvas.width() < column.from {
             continue;
         }
         if column.right {
             let short: String = text.chars().take(usize::from(column.width)).collect();
-            page.right(x + column.width, y, &short, style);
+            canvas.right(x + column.width, y, &short, style);
         } else {
-            page.text_in(x, y, column.width, &text, style);
+            canvas.text_in(x, y, column.width, &text, style);
         }
         x += column.width + 1;
     }

@@ -1,8 +1,8 @@
 //! What is looked at: the window and the cursors, and how they move.
 
-use super::{BASES, Mark, Trend};
+use super::{BASES, TrendCursor, TrendView};
 
-impl Trend {
+impl TrendView {
     /// The window that is to be shown, and the trigger in it.
     pub(super) fn current(&self) -> ((i64, i64), Option<i64>) {
         let base = self.base();
@@ -38,7 +38,7 @@ impl Trend {
         let (from, to) = self.current().0;
         self.base = if longer { (self.base + 1).min(BASES.len() - 1) } else { self.base.saturating_sub(1) };
         if self.held.is_some() {
-            let middle = match self.moving.and_then(|place| self.marks[place]) {
+            let middle = match self.moving.and_then(|place| self.cursors[place]) {
                 Some(mark) => mark.at,
                 None => from + to.saturating_sub(from) / 2,
             };
@@ -52,8 +52,8 @@ impl Trend {
         let by = (self.base() / width).max(1).saturating_mul(columns);
         match self.moving {
             Some(place) => {
-                let at = self.marks[place].map_or(self.window.0, |mark| mark.at);
-                self.put(place, Mark { at: at.saturating_add(by), width: 0 });
+                let at = self.cursors[place].map_or(self.window.0, |mark| mark.at);
+                self.put(place, TrendCursor { at: at.saturating_add(by), width: 0 });
             }
             None => {
                 self.hold();
@@ -65,9 +65,9 @@ impl Trend {
     }
 
     /// Puts a cursor somewhere, and follows it where it leaves the window.
-    pub(super) fn put(&mut self, place: usize, mark: Mark) {
+    pub(super) fn put(&mut self, place: usize, mark: TrendCursor) {
         let at = mark.at.clamp(self.seen().begin().min(self.window.0), self.seen().now.max(self.window.1));
-        self.marks[place] = Some(Mark { at, width: mark.width });
+        self.cursors[place] = Some(TrendCursor { at, width: mark.width });
         self.moving = Some(place);
         let (from, to) = self.window;
         if at < from || at > to {
@@ -83,9 +83,9 @@ impl Trend {
         }
         self.hold();
         self.moving = Some(place);
-        if self.marks[place].is_none() {
+        if self.cursors[place].is_none() {
             let (from, to) = self.window;
-            self.put(place, Mark { at: from + to.saturating_sub(from) / 2, width: 0 });
+            self.put(place, TrendCursor { at: from + to.saturating_sub(from) / 2, width: 0 });
         }
     }
 
@@ -95,9 +95,9 @@ impl Trend {
         if self.moving.is_none() {
             self.cursor(place);
         }
-        let Some(mark) = self.marks[place] else { return };
+        let Some(mark) = self.cursors[place] else { return };
         if let Some(point) = self.seen().lines.get(self.chosen).and_then(|line| line.next(mark.at, forward)) {
-            self.put(place, Mark { at: point.at, width: point.at.saturating_sub(point.earliest) });
+            self.put(place, TrendCursor { at: point.at, width: point.at.saturating_sub(point.earliest) });
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The progress bar, and lines that are printed above it.
 
+use super::display::Progress;
 use super::estimate::{Estimate, words};
-use super::look::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Instant;
@@ -11,7 +11,7 @@ const WIDTH: u64 = 24;
 
 /// A progress bar on standard error, or none.
 #[derive(Debug)]
-pub struct Screen {
+pub struct ProgressDisplay {
     bar: Option<ProgressBar>,
     began: Instant,
     estimate: Estimate,
@@ -20,9 +20,9 @@ pub struct Screen {
     failed: u64,
 }
 
-impl Screen {
+impl ProgressDisplay {
     /// A bar where the user and the terminal take one.
-    pub fn new(progress: Progress) -> Screen {
+    pub fn new(progress: Progress) -> ProgressDisplay {
         let terminal = std::io::stderr().is_terminal();
         let ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
         let wanted = match progress {
@@ -36,7 +36,14 @@ impl Screen {
             let style = ProgressStyle::with_template("{prefix}\n{wide_msg}");
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
         });
-        Screen { bar, began: Instant::now(), estimate: Estimate::default(), total: 0, done: 0, failed: 0 }
+        ProgressDisplay {
+            bar,
+            began: Instant::now(),
+            estimate: Estimate::default(),
+            total: 0,
+            done: 0,
+            failed: 0,
+        }
     }
 
     /// Whether there is a bar.

@@ -1,7 +1,7 @@
 //! What a run leaves: which part of the suite it is, its reports, a summary, a place in a history.
 
 use crate::exit::Exit;
-use crate::saved_runs::report_folder::{Form, Store};
+use crate::saved_runs::report_folder::{ReportFolder, ReportFormat};
 use crate::selection::shard::{self, Shard};
 use crate::{files, history, output};
 use clap::{Args, ValueEnum};
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 /// What the command line says of it.
 #[derive(Clone, Debug, Args)]
-pub struct LeaveArgs {
+pub struct ReportingArgs {
     /// Run only part K of N of the chosen cases; `rig report --merge` puts the parts together.
     #[arg(long, value_name = "K/N")]
     pub shard: Option<String>,
@@ -24,49 +24,57 @@ pub struct LeaveArgs {
     pub history: Option<PathBuf>,
 }
 
-impl LeaveArgs {
+impl ReportingArgs {
     /// Writes record and reports, the summary, and adds to the history; gives the path of the page.
     ///
     /// # Errors
     /// What cannot be written. What comes before it is.
-    pub fn everything(&self, run: &RunRecord, store: Option<&Store>) -> Result<Option<String>, Diagnostic> {
+    pub fn write_all(
+        &self,
+        run: &RunRecord,
+        folder: Option<&ReportFolder>,
+    ) -> Result<Option<String>, Diagnostic> {
         let unwritten = |why| Diagnostic::error("R0167", why);
-        if let Some(store) = store {
-            store.record(run).map_err(unwritten)?;
-            store.reports(run, Form::value_variants()).map_err(unwritten)?;
+        if let Some(folder) = folder {
+            folder.record(run).map_err(unwritten)?;
+            folder.reports(run, ReportFormat::value_variants()).map_err(unwritten)?;
         }
         if let Some(path) = &self.summary {
             files::write_text(path, &reports::markdown::render(run)).map_err(unwritten)?;
         }
         if let Some(path) = &self.history {
-            let name = store.map_or_else(String::new, |store| store.path(""));
+            let name = folder.map_or_else(String::new, |folder| folder.path(""));
             history::keep(path, &name, run)?;
         }
-        Ok(store.map(|store| store.path("index.html")))
+        Ok(folder.map(|folder| folder.path("index.html")))
     }
 }
 
 /// What the record says of the part.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct SuitePart {
     /// Part and number of parts, where it is not the whole.
     pub shard: Option<[u32; 2]>,
     /// Digest of the whole selection.
     pub selection_sha256: String,
 }
 
-impl Part {
+impl SuitePart {
     /// The jobs of the part that the command line asks for.
     ///
     /// # Errors
     /// How the command ends; why is printed.
-    pub fn of(args: &LeaveArgs, loaded: &[LoadedPlan], jobs: Vec<Job>) -> Result<(Vec<Job>, Part), Exit> {
+    pub fn of(
+        args: &ReportingArgs,
+        loaded: &[LoadedPlan],
+        jobs: Vec<Job>,
+    ) -> Result<(Vec<Job>, SuitePart), Exit> {
         let shard = args.shard.as_deref().map(Shard::parse).transpose().map_err(|found| {
             output::findings(&[found], &[]);
             Exit::UserFiles
         })?;
         let selection_sha256 = shard::sha256(loaded, &jobs);
-        let part = Part { shard: shard.map(Shard::record), selection_sha256 };
+        let part = SuitePart { shard: shard.map(Shard::record), selection_sha256 };
         let Some(shard) = shard else { return Ok((jobs, part)) };
         let taken = shard.take(jobs);
         if taken.is_empty() {

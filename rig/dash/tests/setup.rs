@@ -7,33 +7,33 @@ use control::{
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
-use scanrig_dash::glyphs::Look;
-use scanrig_dash::meaning::Decoder;
-use scanrig_dash::recording::{Files, Recording};
+use scanrig_dash::frame_decoder::FrameDecoder;
+use scanrig_dash::glyphs::TerminalFeatures;
+use scanrig_dash::recording::{TrendFiles, TrendRecording};
 use scanrig_dash::views::View;
-use scanrig_dash::{Heard, Shell, Want};
+use scanrig_dash::{LoopCommand, RigMessage, Shell};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// A terminal with everything but colours.
-pub const LOOK: Look = Look { utf8: true, color: false };
+pub const LOOK: TerminalFeatures = TerminalFeatures { utf8: true, color: false };
 
 /// A terminal with nothing.
-pub const PLAIN: Look = Look { utf8: false, color: false };
+pub const PLAIN: TerminalFeatures = TerminalFeatures { utf8: false, color: false };
 
 /// The smallest window.
 pub const SMALL: (u16, u16) = (80, 24);
 
 /// Files that are kept as long as the test runs.
 #[derive(Debug, Default)]
-pub struct Shelf(RefCell<BTreeMap<String, Recording>>);
+pub struct MemoryFiles(RefCell<BTreeMap<String, TrendRecording>>);
 
-impl Files for Shelf {
-    fn endings(&self) -> &[&str] {
+impl TrendFiles for MemoryFiles {
+    fn extensions(&self) -> &[&str] {
         &["vcd", "csv"]
     }
 
-    fn save(&self, path: &str, recording: &Recording) -> Result<(), Fault> {
+    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), Fault> {
         if self.0.borrow_mut().insert(path.to_owned(), recording.clone()).is_some() {
             let message = format!("there is a file {path}");
             return Err(Fault { code: "R0680".to_owned(), message, help: String::new() });
@@ -41,13 +41,13 @@ impl Files for Shelf {
         Ok(())
     }
 
-    fn load(&self, path: &str) -> Result<Recording, Fault> {
+    fn load(&self, path: &str) -> Result<TrendRecording, Fault> {
         let message = format!("there is no file {path}");
         let none = Fault { code: "R0681".to_owned(), message, help: String::new() };
         self.0.borrow().get(path).cloned().ok_or(none)
     }
 
-    fn decoder(&self, path: &str) -> Result<Box<dyn Decoder>, Fault> {
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
         let (code, message) = ("R0683".to_owned(), format!("{path} cannot be read"));
         Err(Fault { code, message, help: String::new() })
     }
@@ -55,12 +55,12 @@ impl Files for Shelf {
 
 /// Every view.
 pub fn views() -> Vec<Box<dyn View>> {
-    scanrig_dash::views::all(Box::new(Shelf::default()))
+    scanrig_dash::views::all(Box::new(MemoryFiles::default()))
 }
 
 /// What the rig is and says.
 #[derive(Debug, Default)]
-pub struct Scripted {
+pub struct ScriptedRig {
     pub description: Description,
     pub status: Status,
     /// Signals by their names, with their values and since when.
@@ -74,12 +74,12 @@ pub struct Scripted {
 
 /// A dashboard before such a rig.
 #[derive(Debug)]
-pub struct Bench {
+pub struct DashboardSetup {
     pub shell: Shell,
-    pub rig: Scripted,
+    pub rig: ScriptedRig,
     /// What the rig was asked, subscriptions apart.
     pub asked: Vec<Ask>,
-    pub wants: Vec<Want>,
+    pub wants: Vec<LoopCommand>,
     /// Names of the subscriptions to signals, by their numbers.
     pub subscriptions: BTreeMap<u64, (Vec<String>, bool)>,
     pub others: BTreeMap<u64, Topic>,
@@ -87,15 +87,15 @@ pub struct Bench {
     terminal: Terminal<TestBackend>,
 }
 
-impl Bench {
+impl DashboardSetup {
     /// A dashboard that is connected and has everything that it wanted.
-    pub fn new(rig: Scripted, (width, height): (u16, u16), look: Look) -> Bench {
-        Bench::with(Shell::new(views(), look, false), rig, (width, height))
+    pub fn new(rig: ScriptedRig, (width, height): (u16, u16), features: TerminalFeatures) -> DashboardSetup {
+        DashboardSetup::with(Shell::new(views(), features, false), rig, (width, height))
     }
 
     /// The same of a dashboard that was made otherwise.
-    pub fn with(shell: Shell, rig: Scripted, (width, height): (u16, u16)) -> Bench {
-        let mut bench = Bench {
+    pub fn with(shell: Shell, rig: ScriptedRig, (width, height): (u16, u16)) -> DashboardSetup {
+        let mut setup = DashboardSetup {
             shell,
             rig,
             asked: Vec::new(),
@@ -105,13 +105,13 @@ impl Bench {
             next: 0,
             terminal: Terminal::new(TestBackend::new(width, height)).unwrap(),
         };
-        bench.connect();
-        bench
+        setup.connect();
+        setup
     }
 
     /// There is a connection.
     pub fn connect(&mut self) {
-        self.shell.hear(Heard::Found(Box::new(Greeting {
+        self.shell.receive(RigMessage::Connected(Box::new(Greeting {
             rig: "scanrig".to_owned(),
             protocol: PROTOCOL,
             version: "1".to_owned(),
@@ -127,7 +127,7 @@ impl Bench {
     pub fn answer(&mut self) {
         loop {
             let requests = self.shell.take_requests();
-            self.wants.extend(self.shell.take_wants());
+            self.wants.extend(self.shell.take_loop_commands());
             if requests.is_empty() {
                 return;
             }
@@ -137,7 +137,7 @@ impl Bench {
                     Ok(ok) => (Some(ok), None),
                     Err(fault) => (None, Some(fault)),
                 };
-                self.shell.hear(Heard::Reply(Reply { id: Some(id), ok, error }));
+                self.shell.receive(RigMessage::Reply(Reply { id: Some(id), ok, error }));
             }
         }
     }
@@ -206,26 +206,26 @@ impl Bench {
 
     /// The rig tells something.
     pub fn tell(&mut self, event: Event) {
-        self.shell.hear(Heard::Event(event));
+        self.shell.receive(RigMessage::Event(event));
         self.answer();
     }
 
     /// A key.
-    pub fn key(&mut self, code: KeyCode) -> &mut Bench {
+    pub fn key(&mut self, code: KeyCode) -> &mut DashboardSetup {
         self.shell.key(KeyEvent::new(code, KeyModifiers::NONE));
         self.answer();
         self
     }
 
     /// A key with Control.
-    pub fn control(&mut self, key: char) -> &mut Bench {
+    pub fn control(&mut self, key: char) -> &mut DashboardSetup {
         self.shell.key(KeyEvent::new(KeyCode::Char(key), KeyModifiers::CONTROL));
         self.answer();
         self
     }
 
     /// Characters, one key after the other.
-    pub fn press(&mut self, keys: &str) -> &mut Bench {
+    pub fn press(&mut self, keys: &str) -> &mut DashboardSetup {
         for key in keys.chars() {
             self.key(KeyCode::Char(key));
         }
@@ -233,12 +233,12 @@ impl Bench {
     }
 
     /// A line behind a prompt.
-    pub fn enter(&mut self, line: &str) -> &mut Bench {
+    pub fn enter(&mut self, line: &str) -> &mut DashboardSetup {
         self.press(line).key(KeyCode::Enter)
     }
 
     /// The left button of the mouse, on the first place where the screen shows this.
-    pub fn click(&mut self, text: &str) -> &mut Bench {
+    pub fn click(&mut self, text: &str) -> &mut DashboardSetup {
         let screen = self.screen();
         let found = screen.lines().enumerate().find_map(|(row, line)| {
             line.find(text).map(|at| (line[..at].chars().count() as u16, row as u16))

@@ -1,8 +1,8 @@
 //! A line a case, failures as they come and again at the end, the counts.
 
-use super::look::{Level, LookArgs};
-use super::observe::Observer;
-use super::screen::Screen;
+use super::display::{DisplayArgs, StatusLevel};
+use super::observer::RunObserver;
+use super::progress_display::ProgressDisplay;
 use crate::output;
 use document::{Diagnostic, SourceFile};
 use record::{CaseRecord, RunRecord, Verdict};
@@ -13,14 +13,14 @@ use std::time::{Duration, Instant};
 
 /// Prints lines on standard output; what depends on the speed of the host goes to standard error.
 #[derive(Debug)]
-pub struct Lines {
+pub struct TextOutput {
     style: Style,
-    level: Level,
+    level: StatusLevel,
     slow: Duration,
-    screen: Screen,
+    progress: ProgressDisplay,
     total: usize,
     /// Cases that run, by place: since when, and whether they were said to be slow.
-    running: BTreeMap<usize, Running>,
+    running: BTreeMap<usize, RunningCase>,
     /// Places of cases that took long and whose record is still to come.
     were_slow: BTreeSet<usize>,
     /// The lines of the cases that did not pass.
@@ -28,22 +28,22 @@ pub struct Lines {
 }
 
 #[derive(Debug)]
-struct Running {
+struct RunningCase {
     name: String,
     began: Instant,
-    told: bool,
+    reported: bool,
 }
 
-impl Lines {
+impl TextOutput {
     /// Lines as the command line wants them.
-    pub fn new(look: &LookArgs) -> Lines {
-        let screen = Screen::new(look.progress);
-        let usual = if screen.has_bar() { Level::Slow } else { Level::All };
-        Lines {
+    pub fn new(display: &DisplayArgs) -> TextOutput {
+        let progress = ProgressDisplay::new(display.progress);
+        let usual = if progress.has_bar() { StatusLevel::Slow } else { StatusLevel::All };
+        TextOutput {
             style: Style { color: output::color_out(), quiet: false },
-            level: look.status_level.unwrap_or(usual),
-            slow: look.slow,
-            screen,
+            level: display.status_level.unwrap_or(usual),
+            slow: display.slow,
+            progress,
             total: 0,
             running: BTreeMap::new(),
             were_slow: BTreeSet::new(),
@@ -52,43 +52,43 @@ impl Lines {
     }
 
     fn draw(&self) {
-        self.screen.draw(self.running.values().map(|case| case.name.as_str()));
+        self.progress.draw(self.running.values().map(|case| case.name.as_str()));
     }
 
     /// Says once of each running case that it takes long.
-    fn tell_slow(&mut self) {
+    fn report_slow(&mut self) {
         for case in self.running.values_mut() {
-            if !case.told && case.began.elapsed() > self.slow && self.level >= Level::Slow {
-                case.told = true;
+            if !case.reported && case.began.elapsed() > self.slow && self.level >= StatusLevel::Slow {
+                case.reported = true;
                 let so_far = format!("> {:.3} s", case.began.elapsed().as_secs_f64());
                 let line = format!("{:>12} [{so_far:>10}] {}", "SLOW", case.name);
-                self.screen.above(|| output::say(&line));
+                self.progress.above(|| output::info(&line));
             }
         }
     }
 
     fn print(&self, text: &str) {
-        self.screen.above(|| output::print(&format!("{}\n", text.trim_end())));
+        self.progress.above(|| output::print(&format!("{}\n", text.trim_end())));
     }
 }
 
-impl Observer for Lines {
+impl RunObserver for TextOutput {
     fn run_started(&mut self, run: &RunRecord, _at_once: usize) {
         self.total = usize::try_from(run.planned).unwrap_or(usize::MAX);
-        self.screen.start(run.planned);
+        self.progress.start(run.planned);
         self.draw();
     }
 
     fn case_started(&mut self, place: usize, job: &Job) {
         let name = text::clean(&job.name).into_owned();
-        self.running.insert(place, Running { name, began: Instant::now(), told: false });
+        self.running.insert(place, RunningCase { name, began: Instant::now(), reported: false });
         self.draw();
     }
 
     fn case_ended(&mut self, place: usize) {
         // Time may not have passed since it became slow.
-        self.tell_slow();
-        self.screen.ended();
+        self.report_slow();
+        self.progress.ended();
         if self.running.remove(&place).is_some_and(|case| case.began.elapsed() > self.slow) {
             self.were_slow.insert(place);
         }
@@ -96,23 +96,23 @@ impl Observer for Lines {
     }
 
     fn time_passes(&mut self) {
-        self.tell_slow();
+        self.report_slow();
         self.draw();
     }
 
     fn found(&mut self, found: &[Diagnostic], sources: &[SourceFile]) {
-        self.screen.above(|| output::findings(found, sources));
+        self.progress.above(|| output::findings(found, sources));
     }
 
     fn case_finished(&mut self, place: usize, record: &CaseRecord) {
         let line = numbered_line(record, place + 1, self.total, self.style);
         let slow = self.were_slow.remove(&place);
-        if self.level >= Level::of(record, slow) {
+        if self.level >= StatusLevel::of(record, slow) {
             self.print(&line);
         }
         if record.is_judged() && record.verdict > Verdict::Pass {
-            self.screen.failed();
-            if self.level >= Level::Fail {
+            self.progress.failed();
+            if self.level >= StatusLevel::Fail {
                 self.print(&details(record, self.style));
             }
             let why = text::clean(&record.reason);
@@ -123,7 +123,7 @@ impl Observer for Lines {
     }
 
     fn run_finished(&mut self, run: &RunRecord, page: Option<&str>) {
-        self.screen.clear();
+        self.progress.clear();
         if !run.coverage.is_empty() {
             self.print(&format!("\n{}", text::coverage(&run.coverage)));
             self.print("");
@@ -134,7 +134,7 @@ impl Observer for Lines {
         }
         self.print(&summary(run, self.style));
         // What failed long ago has scrolled away by now.
-        if self.total > 1 && self.level >= Level::Fail {
+        if self.total > 1 && self.level >= StatusLevel::Fail {
             self.failures.iter().for_each(|line| self.print(line));
         }
         if let Some(page) = page {

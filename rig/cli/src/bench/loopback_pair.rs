@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// The options that name another loop than that of the board file.
 #[derive(Debug, Args)]
-pub struct LoopArgs {
+pub struct LoopbackPairArgs {
     /// The output, or the line of a generator, at which another loop begins. It is driven up and down as fast as can be.
     #[arg(long, value_name = "CHANNEL", requires = "input")]
     out: Option<String>,
@@ -17,7 +17,7 @@ pub struct LoopArgs {
     input: Option<String>,
 }
 
-impl LoopArgs {
+impl LoopbackPairArgs {
     /// The loop.
     ///
     /// # Errors

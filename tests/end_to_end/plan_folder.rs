@@ -8,13 +8,13 @@ use runtime::suite::{self, Done, Files};
 use runtime::{ClockKind, RunOptions};
 
 /// A folder of plans, with one file read otherwise than it is written.
-pub struct Folder {
+pub struct PlanFolder {
     pub path: PathBuf,
     /// Name of the file, what stands in it once, and what is read there.
     pub changed: Option<(&'static str, &'static str, &'static str)>,
 }
 
-impl Files for Folder {
+impl Files for PlanFolder {
     fn read(&self, path: &str) -> Result<String, String> {
         let text = std::fs::read_to_string(self.path.join(path)).map_err(|error| error.to_string())?;
         match self.changed {
@@ -31,7 +31,7 @@ impl Files for Folder {
     }
 }
 
-impl Folder {
+impl PlanFolder {
     /// The records of all cases of a plan, in order; of those that run several times, of the first turns.
     pub fn run(&self, plan: &str, turns: u32) -> Vec<CaseRecord> {
         static NEVER: AtomicBool = AtomicBool::new(false);

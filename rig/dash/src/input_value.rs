@@ -5,7 +5,7 @@ use control::{Signal, SignalKind, Span, Value, WireValue};
 
 /// What is to be typed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Expected {
+pub struct ExpectedInput {
     /// What the value is, where that is known.
     pub kind: Option<SignalKind>,
     /// The names of values.
@@ -14,15 +14,15 @@ pub struct Expected {
     pub duration: bool,
 }
 
-impl Expected {
+impl ExpectedInput {
     /// A level.
-    pub fn level() -> Expected {
-        Expected { kind: Some(SignalKind::Bool), ..Expected::default() }
+    pub fn level() -> ExpectedInput {
+        ExpectedInput { kind: Some(SignalKind::Bool), ..ExpectedInput::default() }
     }
 
     /// A value of this signal.
-    pub fn of(signal: &Signal) -> Expected {
-        Expected {
+    pub fn of(signal: &Signal) -> ExpectedInput {
+        ExpectedInput {
             kind: Some(signal.kind),
             labels: signal.labels.clone(),
             duration: signal.unit == show::NANOSECONDS,
@@ -34,7 +34,7 @@ impl Expected {
 ///
 /// # Errors
 /// What it should look like.
-pub fn value(text: &str, expected: &Expected) -> Result<WireValue, String> {
+pub fn value(text: &str, expected: &ExpectedInput) -> Result<WireValue, String> {
     let text = text.trim();
     if let Some((number, _)) = expected.labels.iter().find(|(_, label)| label.eq_ignore_ascii_case(text)) {
         return Ok(WireValue(Value::Int(*number)));
@@ -119,12 +119,12 @@ mod tests {
             ("true", None, Some(Value::Bool(true))),
             ("", None, None),
         ] {
-            let expected = Expected { kind, labels: labels.clone(), duration: false };
+            let expected = ExpectedInput { kind, labels: labels.clone(), duration: false };
             assert_eq!(value(text, &expected).ok(), read.map(WireValue), "{text}");
         }
-        let told = value("maybe", &Expected::level()).unwrap_err();
+        let told = value("maybe", &ExpectedInput::level()).unwrap_err();
         assert_eq!(told, "`maybe` is no value here: type TRUE or FALSE, 1 or 0");
-        let expected = Expected { kind: Some(SignalKind::Int), labels: Vec::new(), duration: true };
+        let expected = ExpectedInput { kind: Some(SignalKind::Int), labels: Vec::new(), duration: true };
         for (text, nanos) in [
             ("250 ms", Some(250_000_000)),
             ("T#1.5s", Some(1_500_000_000)),

@@ -2,7 +2,7 @@
 
 use super::show;
 use super::watch::host;
-use super::{Stop, orders, value};
+use super::{CtlError, commands, value};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
@@ -11,7 +11,7 @@ use signal::{Span, Value};
 use std::time::{Duration, Instant};
 
 /// The pieces in which time is led: the end lies at most so far behind the instant that was waited for.
-const PIECE: Span = Span::from_millis(10);
+const STEP: Span = Span::from_millis(10);
 
 /// How long the rig is waited for at once.
 const WAIT: Duration = Duration::from_millis(200);
@@ -79,7 +79,7 @@ fn split(words: &str) -> Option<(&str, Relation, &str)> {
     (!name.trim().is_empty()).then(|| (name.trim(), relation, &rest[sign.len()..]))
 }
 
-struct Wanted {
+struct AwaitedValue {
     words: String,
     relation: Relation,
     value: Value,
@@ -88,7 +88,7 @@ struct Wanted {
 }
 
 /// Waits.
-pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, Stop> {
+pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, CtlError> {
     let mut wanted = Vec::new();
     for words in &args.wanted {
         let Some((name, relation, text)) = split(words) else {
@@ -101,8 +101,8 @@ pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, Stop> {
     let begun: Subscribed =
         client.ask(Ask::Subscribe { topic: Topic::Signals { names, every_ms: 1, all: true } })?;
     let signals = wanted.into_iter().zip(begun.signals);
-    let mut wanted: Vec<Wanted> = signals
-        .map(|((words, _, relation, value), signal)| Wanted {
+    let mut wanted: Vec<AwaitedValue> = signals
+        .map(|((words, _, relation, value), signal)| AwaitedValue {
             words: words.clone(),
             relation,
             value,
@@ -112,7 +112,7 @@ pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, Stop> {
         .collect();
     let mut met = begun.values.iter().fold(false, |_, change| take(&mut wanted, change));
     if let Some(by) = args.advance.filter(|_| !met) {
-        orders::lead(client, by, PIECE, |client| {
+        commands::advance_by(client, by, STEP, |client| {
             while let Some(event) = client.next(Duration::ZERO)? {
                 met = met || event_meets(&mut wanted, &event);
             }
@@ -133,13 +133,13 @@ pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, Stop> {
         return Ok(Exit::Passed);
     }
     for one in wanted.iter().filter(|one| !one.relation.holds(one.is, one.value)) {
-        output::say(&format!("{} did not come: it is {}", one.words, show::value(one.is, &one.signal)));
+        output::info(&format!("{} did not come: it is {}", one.words, show::value(one.is, &one.signal)));
     }
     Ok(Exit::Failed)
 }
 
 /// Takes the changes of an event up to the one with which all hold at once.
-fn event_meets(wanted: &mut [Wanted], event: &Event) -> bool {
+fn event_meets(wanted: &mut [AwaitedValue], event: &Event) -> bool {
     match event {
         Event::Signals { changes, .. } => changes.iter().any(|change| take(wanted, change)),
         _ => false,
@@ -147,7 +147,7 @@ fn event_meets(wanted: &mut [Wanted], event: &Event) -> bool {
 }
 
 /// Takes a change; tells whether all hold now.
-fn take(wanted: &mut [Wanted], Change(number, _, _, WireValue(value)): &Change) -> bool {
+fn take(wanted: &mut [AwaitedValue], Change(number, _, _, WireValue(value)): &Change) -> bool {
     for one in wanted.iter_mut().filter(|one| one.signal.number == *number) {
         one.is = *value;
     }

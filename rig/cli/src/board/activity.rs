@@ -5,7 +5,7 @@ use signal::{Gap, Value, When};
 
 /// What happened on a channel since it was looked at first.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
+pub struct ChannelActivity {
     /// Its level; `None` before the first report and while its device is gone.
     pub level: Option<bool>,
     /// What it shows, where it is analog; `None` before the first report and while its device is gone.
@@ -37,7 +37,7 @@ pub enum Quantity {
 
 /// What an event was.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum News {
+pub enum ActivityChange {
     /// The first level of a channel.
     First(bool),
     /// Another level, at this instant.
@@ -54,18 +54,18 @@ pub enum News {
     Nothing,
 }
 
-impl Tally {
+impl ChannelActivity {
     /// Takes an event of the channel.
-    pub fn take(&mut self, event: &BoardEvent) -> News {
+    pub fn take(&mut self, event: &BoardEvent) -> ActivityChange {
         match *event {
             BoardEvent::Changed { at, value: Value::Bool(level), .. } => {
                 let before = self.level.replace(level);
                 if !std::mem::replace(&mut self.known, true) || before.is_none() {
-                    return News::First(level);
+                    return ActivityChange::First(level);
                 }
                 self.last = Some(at);
                 *(if level { &mut self.rises } else { &mut self.falls }) += 1;
-                News::Change(level, at)
+                ActivityChange::Change(level, at)
             }
             BoardEvent::Changed {
                 at,
@@ -78,20 +78,20 @@ impl Tally {
                     _ => Quantity::Is(value),
                 };
                 (self.quantity, self.last) = (Some(quantity), Some(at));
-                News::Quantity(quantity)
+                ActivityChange::Quantity(quantity)
             }
-            BoardEvent::Changed { .. } => News::Nothing,
+            BoardEvent::Changed { .. } => ActivityChange::Nothing,
             BoardEvent::Lost { reason, .. } => {
                 (self.level, self.quantity, self.lost) = (None, None, Some(reason));
-                News::Lost(reason)
+                ActivityChange::Lost(reason)
             }
             BoardEvent::Returned { .. } => {
                 self.lost = None;
-                News::Returned
+                ActivityChange::Returned
             }
             BoardEvent::Dropped { count, .. } => {
                 self.dropped = self.dropped.saturating_add(u64::from(count));
-                News::Dropped(count)
+                ActivityChange::Dropped(count)
             }
         }
     }
@@ -126,7 +126,7 @@ pub fn quantity(quantity: Quantity, unit: &str) -> String {
 }
 
 /// A table of channels and what happened on them; times count from the first look.
-pub fn table(channels: &[Channel], tallies: &[Tally]) -> String {
+pub fn table(channels: &[Channel], tallies: &[ChannelActivity]) -> String {
     let wide = channels.iter().map(|channel| channel.name.len()).max().unwrap_or(0).max("channel".len());
     let mut text =
         format!("{:<wide$}  {:>6} {:>9} {:>9}  {}\n", "channel", "level", "rises", "falls", "last change");
@@ -137,8 +137,8 @@ pub fn table(channels: &[Channel], tallies: &[Tally]) -> String {
 }
 
 /// A row of the table whose first column is so wide.
-pub fn row(channel: &Channel, tally: &Tally, wide: usize) -> String {
-    let last = tally.last.map_or_else(|| "-".to_owned(), |last| super::bench::seconds(last.latest));
+pub fn row(channel: &Channel, tally: &ChannelActivity, wide: usize) -> String {
+    let last = tally.last.map_or_else(|| "-".to_owned(), |last| super::real_board_file::seconds(last.latest));
     let missed = match tally.dropped {
         0 => String::new(),
         count => format!("  {count} missed"),
@@ -173,9 +173,9 @@ mod tests {
             value,
             origin,
         };
-        let mut tally = Tally::default();
+        let mut tally = ChannelActivity::default();
         let mut shown = |value, origin| match tally.take(&event(value, origin)) {
-            News::Quantity(now) => quantity(now, "bar"),
+            ActivityChange::Quantity(now) => quantity(now, "bar"),
             other => panic!("{other:?}"),
         };
         assert_eq!(shown(Value::measured(3.3, 0.012), Origin::Outside), "3.300 ± 0.012 bar");
@@ -193,15 +193,21 @@ mod tests {
             value: Value::Bool(level),
             origin: Origin::Outside,
         };
-        let mut tally = Tally::default();
-        assert_eq!((tally.word(), tally.take(&changed(0, true))), ("-", News::First(true)));
-        assert_eq!(tally.take(&changed(1, false)), News::Change(false, When::exactly(at(1))));
-        assert_eq!(tally.take(&BoardEvent::Dropped { channel, at: at(2), count: 3 }), News::Dropped(3));
+        let mut tally = ChannelActivity::default();
+        assert_eq!((tally.word(), tally.take(&changed(0, true))), ("-", ActivityChange::First(true)));
+        assert_eq!(tally.take(&changed(1, false)), ActivityChange::Change(false, When::exactly(at(1))));
+        assert_eq!(
+            tally.take(&BoardEvent::Dropped { channel, at: at(2), count: 3 }),
+            ActivityChange::Dropped(3)
+        );
         let reason = LossReason::Silent;
-        assert_eq!(tally.take(&BoardEvent::Lost { channel, at: at(3), reason }), News::Lost(reason));
+        assert_eq!(
+            tally.take(&BoardEvent::Lost { channel, at: at(3), reason }),
+            ActivityChange::Lost(reason)
+        );
         assert_eq!(tally.word(), "silent");
-        assert_eq!(tally.take(&BoardEvent::Returned { channel, at: at(4) }), News::Returned);
-        assert_eq!(tally.take(&changed(4, true)), News::First(true));
+        assert_eq!(tally.take(&BoardEvent::Returned { channel, at: at(4) }), ActivityChange::Returned);
+        assert_eq!(tally.take(&changed(4, true)), ActivityChange::First(true));
         assert_eq!((tally.rises, tally.falls, tally.dropped, tally.word()), (0, 1, 3, "1"));
     }
 }

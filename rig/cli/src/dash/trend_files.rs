@@ -3,8 +3,8 @@
 
 use capture::{Capture, Format, Shape};
 use control::{Fault, SignalKind, Value, WireValue};
-use dash::meaning::Decoder;
-use dash::recording::{Files, Recording, Sample, Track};
+use dash::frame_decoder::FrameDecoder;
+use dash::recording::{RecordedChange, RecordedSignal, TrendFiles, TrendRecording};
 use serde_json::json;
 use signal::{Cause, Event, Kind, SignalId, SignalInfo, Time, Trace, When};
 use std::fs::File;
@@ -22,16 +22,16 @@ const NOTE: &str = "trend";
 
 /// Recordings in the host's files.
 #[derive(Debug)]
-pub struct Recordings;
+pub struct HostTrendFiles;
 
-impl Files for Recordings {
-    fn endings(&self) -> &[&str] {
+impl TrendFiles for HostTrendFiles {
+    fn extensions(&self) -> &[&str] {
         &["vcd", "csv"]
     }
 
-    fn save(&self, path: &str, recording: &Recording) -> Result<(), Fault> {
+    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), Fault> {
         let ending = path.rsplit_once('.').map_or("", |(_, ending)| ending).to_ascii_lowercase();
-        if !self.endings().contains(&ending.as_str()) {
+        if !self.extensions().contains(&ending.as_str()) {
             return Err(fault(
                 NO_FORMAT,
                 format!("`{path}` ends as no format that is written"),
@@ -53,7 +53,7 @@ impl Files for Recordings {
         }
     }
 
-    fn load(&self, path: &str) -> Result<Recording, Fault> {
+    fn load(&self, path: &str) -> Result<TrendRecording, Fault> {
         let failed =
             |what: String, mend: &str| fault(NOT_READ, format!("`{path}` cannot be read: {what}"), mend);
         let other = "name a value change dump, a table with a column of instants, or a sigrok session";
@@ -71,8 +71,8 @@ impl Files for Recordings {
         Ok(recording_of(capture))
     }
 
-    fn decoder(&self, path: &str) -> Result<Box<dyn Decoder>, Fault> {
-        super::decoder::read(path)
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
+        super::dbc_decoder::read(path)
     }
 }
 
@@ -90,7 +90,7 @@ fn kind_of(kind: SignalKind) -> Kind {
     }
 }
 
-fn write_dump(recording: &Recording, out: &mut impl Write) -> Result<(), Box<dyn std::error::Error>> {
+fn write_dump(recording: &TrendRecording, out: &mut impl Write) -> Result<(), Box<dyn std::error::Error>> {
     let mut trace = Trace::new();
     for track in &recording.tracks {
         let mut info = SignalInfo::exact(&track.name, kind_of(track.kind));
@@ -126,7 +126,7 @@ fn write_dump(recording: &Recording, out: &mut impl Write) -> Result<(), Box<dyn
 }
 
 /// A row for each instant, with what changed then.
-fn write_table(recording: &Recording, out: &mut impl Write) -> std::io::Result<()> {
+fn write_table(recording: &TrendRecording, out: &mut impl Write) -> std::io::Result<()> {
     write!(out, "time [ns]")?;
     for track in &recording.tracks {
         // A comma or a quote would begin another column; brackets hold units.
@@ -163,24 +163,24 @@ fn cell_of(value: WireValue) -> String {
     }
 }
 
-fn recording_of(capture: Capture) -> Recording {
+fn recording_of(capture: Capture) -> TrendRecording {
     let note = capture.notes.iter().find(|(key, _)| key == NOTE);
     let note: Option<serde_json::Value> = note.and_then(|(_, text)| serde_json::from_str(text).ok());
     let own = |name: &str| {
         let signals = note.as_ref()?.get("signals")?.as_array()?;
         let signal = signals.iter().find(|signal| signal.get("as").is_some_and(|other| other == name))?;
-        Some(Track {
+        Some(RecordedSignal {
             name: signal.get("name")?.as_str()?.to_owned(),
             unit: signal.get("unit")?.as_str()?.to_owned(),
             kind: serde_json::from_value(signal.get("kind")?.clone()).ok()?,
             labels: serde_json::from_value(signal.get("labels")?.clone()).ok()?,
         })
     };
-    let tracks: Vec<Track> = capture
+    let tracks: Vec<RecordedSignal> = capture
         .channels
         .iter()
         .map(|channel| {
-            own(&channel.name).unwrap_or_else(|| Track {
+            own(&channel.name).unwrap_or_else(|| RecordedSignal {
                 name: channel.name.clone(),
                 unit: channel.unit.clone(),
                 kind: match channel.shape {
@@ -202,20 +202,20 @@ fn recording_of(capture: Capture) -> Recording {
             other => other,
         };
         let when = (change.at.earliest.as_nanos(), change.at.latest.as_nanos());
-        Sample { track, when, value: WireValue(value) }
+        RecordedChange { track, when, value: WireValue(value) }
     });
     let samples = samples.collect();
     let read = capture.span.map(Time::as_nanos);
     let span = note.as_ref().and_then(|note| serde_json::from_value(note.get("span")?.clone()).ok());
-    Recording { tracks, samples, span: span.unwrap_or((read[0], read[1])) }
+    TrendRecording { tracks, samples, span: span.unwrap_or((read[0], read[1])) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn recording() -> Recording {
-        let track = |name: &str, unit: &str, kind| Track {
+    fn recording() -> TrendRecording {
+        let track = |name: &str, unit: &str, kind| RecordedSignal {
             name: name.to_owned(),
             unit: unit.to_owned(),
             kind,
@@ -223,8 +223,8 @@ mod tests {
         };
         let mut state = track("state of it", "", SignalKind::State);
         state.labels = vec![(-1, "LOST $end".to_owned()), (2, "FULL".to_owned())];
-        let sample = |track, when, value| Sample { track, when, value: WireValue(value) };
-        Recording {
+        let sample = |track, when, value| RecordedChange { track, when, value: WireValue(value) };
+        TrendRecording {
             tracks: vec![
                 track("%QX0.4", "", SignalKind::Bool),
                 track("level, left", "mm", SignalKind::Real),
@@ -246,7 +246,7 @@ mod tests {
     }
 
     /// What is shown at an instant.
-    fn at(recording: &Recording, track: usize, at: i64) -> Value {
+    fn at(recording: &TrendRecording, track: usize, at: i64) -> Value {
         let seen = recording.samples.iter().rev().find(|sample| sample.track == track && sample.when.1 <= at);
         seen.map_or(Value::Unknown, |sample| sample.value.0)
     }
@@ -256,8 +256,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("trend.vcd").display().to_string();
         let before = recording();
-        Recordings.save(&path, &before).unwrap();
-        let after = Recordings.load(&path).unwrap();
+        HostTrendFiles.save(&path, &before).unwrap();
+        let after = HostTrendFiles.load(&path).unwrap();
         assert_eq!((&after.tracks, after.span), (&before.tracks, before.span));
         for track in 0..before.tracks.len() {
             for instant in [999, 1_000, 1_600, 1_999, 2_000, 2_499, 2_500] {
@@ -274,7 +274,7 @@ mod tests {
     fn a_table_reads_back_with_its_values() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("trend.csv").display().to_string();
-        Recordings.save(&path, &recording()).unwrap();
+        HostTrendFiles.save(&path, &recording()).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(
             text.starts_with(
@@ -282,7 +282,7 @@ mod tests {
             ),
             "{text}"
         );
-        let after = Recordings.load(&path).unwrap();
+        let after = HostTrendFiles.load(&path).unwrap();
         assert_eq!((after.tracks[1].name.as_str(), after.tracks[1].unit.as_str()), ("level_ left", "mm"));
         assert_eq!(at(&after, 1, 2_000), Value::Real(-0.125));
         assert_eq!(at(&after, 2, 2_000), Value::Int(-7));
@@ -294,17 +294,17 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).display().to_string();
         let code = |result: Result<(), Fault>| result.unwrap_err().code;
-        assert_eq!(code(Recordings.save(&path("trend.png"), &recording())), "R0680");
-        assert_eq!(code(Recordings.save(&path("trend"), &recording())), "R0680");
-        Recordings.save(&path("trend.csv"), &recording()).unwrap();
-        assert_eq!(code(Recordings.save(&path("trend.csv"), &recording())), "R0681");
+        assert_eq!(code(HostTrendFiles.save(&path("trend.png"), &recording())), "R0680");
+        assert_eq!(code(HostTrendFiles.save(&path("trend"), &recording())), "R0680");
+        HostTrendFiles.save(&path("trend.csv"), &recording()).unwrap();
+        assert_eq!(code(HostTrendFiles.save(&path("trend.csv"), &recording())), "R0681");
         for (name, content) in
             [("none.vcd", None), ("text.txt", Some("hello")), ("cut.vcd", Some("$var $end"))]
         {
             if let Some(content) = content {
                 std::fs::write(path(name), content).unwrap();
             }
-            assert_eq!(code(Recordings.load(&path(name)).map(drop)), "R0682", "{name}");
+            assert_eq!(code(HostTrendFiles.load(&path(name)).map(drop)), "R0682", "{name}");
         }
     }
 }

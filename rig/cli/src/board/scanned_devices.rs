@@ -1,6 +1,6 @@
 //! Converters, counters and buses of this machine, as a board file describes them.
 
-use super::scan::{bare, is_name, quoted};
+use super::toml_text::{bare, is_name, quoted};
 use drivers::can::{self, Link, Modes};
 use drivers::convert::iio::{self, IioDevice};
 use drivers::counter::{self, CounterDevice, Function};
@@ -13,7 +13,7 @@ const PERIOD: &str = "100 ms";
 
 /// Parts of a board file. What could move something, or what nobody can tell from outside, stands there as a comment.
 #[derive(Debug, Default)]
-pub struct Found {
+pub struct ScannedDevices {
     /// Lines under `[converters]`.
     pub converters: String,
     /// Lines under `[counters]`.
@@ -29,9 +29,9 @@ pub struct Found {
 }
 
 /// What there is on the machine whose `/dev` and `/sys` lie under `root`.
-pub fn look(root: &Path, devices: &[Device]) -> Found {
+pub fn look(root: &Path, devices: &[Device]) -> ScannedDevices {
     let machine = Machine::below(root);
-    let mut found = Found::default();
+    let mut found = ScannedDevices::default();
     let all = iio::list(root);
     for device in &all {
         converter(&machine, device, &all, &mut found);
@@ -61,7 +61,7 @@ pub fn look(root: &Path, devices: &[Device]) -> Found {
 }
 
 /// A converter that the kernel has a driver for, with a channel for each input.
-fn converter(machine: &Machine, device: &IioDevice, all: &[IioDevice], found: &mut Found) {
+fn converter(machine: &Machine, device: &IioDevice, all: &[IioDevice], found: &mut ScannedDevices) {
     let twin = all.iter().filter(|other| other.name == device.name).count() > 1;
     let named = !twin && is_name(&device.name);
     let place = device.folder.canonicalize().ok();
@@ -98,7 +98,7 @@ fn converter(machine: &Machine, device: &IioDevice, all: &[IioDevice], found: &m
 }
 
 /// A device of the counter subsystem, with a channel for each of its counts.
-fn counts(machine: &Machine, device: &CounterDevice, all: &[CounterDevice], found: &mut Found) {
+fn counts(machine: &Machine, device: &CounterDevice, all: &[CounterDevice], found: &mut ScannedDevices) {
     let twin = all.iter().filter(|other| other.name == device.name).count() > 1;
     let named = !twin && is_name(&device.name);
     let place = device.folder.canonicalize().ok();
