@@ -4,8 +4,8 @@
 //! another number of pulses.
 
 use scanrig_expert::{
-    AxisConfig, BLOCKS, BlockType, Call, Effect, Expert, ExpertConfig, Function, FunctionKind, Operation,
-    Pins,
+    AxisConfig, BLOCKS, BlockCall, BlockType, Effect, ExpertConfig, ExpertFunctions, FunctionConfig,
+    FunctionKind, Operation, Pins,
 };
 use signal::Time;
 use std::hint::black_box;
@@ -48,8 +48,8 @@ impl Block {
         Some(Block { block, pins: values })
     }
 
-    fn call(&mut self, now: Time, expert: &mut Expert) {
-        (self.block.run)(&mut Call { now, pins: &mut self.pins, expert });
+    fn call(&mut self, now: Time, expert: &mut ExpertFunctions) {
+        (self.block.run)(&mut BlockCall { now, pins: &mut self.pins, expert });
     }
 }
 
@@ -63,8 +63,8 @@ fn seconds(begin: Instant) -> f64 {
 
 /// Seconds that a train takes, and its pulses.
 fn train(jerk_ratio: i64) -> Option<(f64, i64)> {
-    let axis = Function { name: "PTO0".into(), kind: FunctionKind::Axis(AxisConfig::new(0, 1)) };
-    let mut expert = Expert::new(&ExpertConfig { functions: vec![axis] }, &[]);
+    let axis = FunctionConfig { name: "PTO0".into(), kind: FunctionKind::Axis(AxisConfig::new(0, 1)) };
+    let mut expert = ExpertFunctions::new(&ExpertConfig { functions: vec![axis] }, &[]);
     expert.operate(Time::ZERO, Operation::Running);
     Block::new("MC_Power_PTO", &[("Axis", 1), ("Enable", 1)])?.call(Time::ZERO, &mut expert);
     let pins = [

@@ -6,9 +6,9 @@
 //! The exit code is 1 where a rate is below its floor.
 
 use scanrig_expert::{
-    BLOCKS, BlockType, Call, CounterConfig, CounterKind, CounterMode, Expert, ExpertConfig, Fact, Function,
-    FunctionKind, InputConditions, InputEdge, Limits, LineEvents, Operation, Phases, Pins, RECORD, Reflex,
-    Threshold, ThresholdEvent,
+    BLOCKS, BlockCall, BlockType, CounterConfig, CounterKind, CounterMode, ExpertConfig, ExpertFunctions,
+    FunctionConfig, FunctionKind, FunctionProbe, InputConditions, InputEdge, LimitsMode, LineEvents,
+    Operation, PhaseMode, Pins, RECORD, Reflex, Threshold, ThresholdEvent,
 };
 use signal::{Span, Time, Value};
 use std::io::{Read, Write};
@@ -37,25 +37,25 @@ impl Pins for Instance {
 }
 
 impl Instance {
-    fn call(&mut self, expert: &mut Expert, on: &[&str]) {
+    fn call(&mut self, expert: &mut ExpertFunctions, on: &[&str]) {
         for (place, pin) in self.0.pins.iter().enumerate() {
             if place == 0 || on.contains(&pin.name) {
                 self.1[place] = 1;
             }
         }
-        (self.0.run)(&mut Call { now: Time::ZERO, pins: self, expert });
+        (self.0.run)(&mut BlockCall { now: Time::ZERO, pins: self, expert });
     }
 }
 
 /// A counter that counts, compares and drives two outputs.
-fn counter(kind: CounterKind, mode: CounterMode) -> Expert {
+fn counter(kind: CounterKind, mode: CounterMode) -> ExpertFunctions {
     let mut config = CounterConfig::new(kind, 0, mode);
     config.thresholds =
         [100, 300, 500, 700].map(|value| Threshold { value, event: ThresholdEvent::Both }).to_vec();
     config.reflex = [Reflex { output: Some(0), zones: 0b01010 }, Reflex { output: Some(1), zones: 0b10100 }];
     let conditions = InputConditions { delay: Span::from_micros(2), bounce: Span::from_micros(2) };
-    let functions = vec![Function { name: "HSC0".into(), kind: FunctionKind::Counter(config) }];
-    let mut expert = Expert::new(&ExpertConfig { functions }, &[conditions; 16]);
+    let functions = vec![FunctionConfig { name: "HSC0".into(), kind: FunctionKind::Counter(config) }];
+    let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[conditions; 16]);
     expert.operate(Time::ZERO, Operation::Running);
     let block = BLOCKS.iter().copied().flatten().find(|block| block.name == "HSCMain_M241");
     let block = block.expect("a block of the table");
@@ -79,7 +79,7 @@ fn edges(encoder: bool) -> Vec<InputEdge> {
 }
 
 /// Takes the effects, and says how many there were.
-fn take(expert: &mut Expert) -> usize {
+fn take(expert: &mut ExpertFunctions) -> usize {
     let mut count = 0;
     while expert.take(count).is_some() {
         count += 1;
@@ -88,21 +88,21 @@ fn take(expert: &mut Expert) -> usize {
 }
 
 /// The rate of the best round; `run` takes all edges and says how many effects they had.
-fn measure(name: &str, floor: f64, mut run: impl FnMut() -> (Expert, usize)) -> bool {
+fn measure(name: &str, floor: f64, mut run: impl FnMut() -> (ExpertFunctions, usize)) -> bool {
     let mut best = f64::INFINITY;
     let mut shown = (Value::Unknown, 0);
     for _ in 0..ROUNDS {
         let began = Instant::now();
         let (expert, effects) = run();
         best = best.min(began.elapsed().as_secs_f64());
-        shown = (expert.read(0, Fact::Value), effects);
+        shown = (expert.read(0, FunctionProbe::Value), effects);
     }
     let rate = EDGES as f64 / best;
     println!("{name:<44} {:>6.1} million edges/s   value {}, {} effects", rate / 1e6, shown.0, shown.1);
     rate >= floor
 }
 
-fn one_by_one(mut expert: Expert, edges: &[InputEdge]) -> (Expert, usize) {
+fn one_by_one(mut expert: ExpertFunctions, edges: &[InputEdge]) -> (ExpertFunctions, usize) {
     let mut effects = 0;
     for edge in edges {
         expert.edge(edge.at, usize::from(edge.input), edge.high);
@@ -113,7 +113,7 @@ fn one_by_one(mut expert: Expert, edges: &[InputEdge]) -> (Expert, usize) {
     (expert, effects)
 }
 
-fn in_batches(mut expert: Expert, mut edges: &[InputEdge]) -> (Expert, usize) {
+fn in_batches(mut expert: ExpertFunctions, mut edges: &[InputEdge]) -> (ExpertFunctions, usize) {
     let mut effects = 0;
     while !edges.is_empty() {
         edges = &edges[expert.edges(edges)..];
@@ -138,7 +138,7 @@ fn records(edges: &[InputEdge]) -> Vec<u8> {
 }
 
 /// Through a descriptor, as from the kernel, 64 records with each read.
-fn from_records(mut expert: Expert, bytes: &[u8]) -> (Expert, usize) {
+fn from_records(mut expert: ExpertFunctions, bytes: &[u8]) -> (ExpertFunctions, usize) {
     let (mut reader, mut writer) = std::io::pipe().expect("a pipe");
     std::thread::scope(|scope| {
         scope.spawn(move || writer.write_all(bytes));
@@ -155,7 +155,7 @@ fn from_records(mut expert: Expert, bytes: &[u8]) -> (Expert, usize) {
             buffer.copy_within(done..filled, 0);
             filled -= done;
         }
-        assert_eq!((lines.lost(), lines.strange()), (0, 0));
+        assert_eq!((lines.lost(), lines.malformed()), (0, 0));
         (expert, effects)
     })
 }
@@ -163,10 +163,10 @@ fn from_records(mut expert: Expert, bytes: &[u8]) -> (Expert, usize) {
 fn main() -> ExitCode {
     let (train, encoder) = (edges(false), edges(true));
     let modulo = CounterMode::ModuloLoop { modulo: 1000 };
-    let free = CounterMode::FreeLarge { preset: 0, limits: Limits::Rollover };
+    let free = CounterMode::FreeLarge { preset: 0, limits: LimitsMode::Rollover };
     let single = || counter(CounterKind::Single, modulo);
-    let x4 = || counter(CounterKind::Dual { b: 1, phases: Phases::X4 }, modulo);
-    let up = || counter(CounterKind::Dual { b: 1, phases: Phases::UpDown }, free);
+    let x4 = || counter(CounterKind::Dual { b: 1, phases: PhaseMode::X4 }, modulo);
+    let up = || counter(CounterKind::Dual { b: 1, phases: PhaseMode::UpDown }, free);
     let bytes = records(&encoder);
     let held = [
         measure("one phase, modulo-loop", FLOOR, || one_by_one(single(), &train)),

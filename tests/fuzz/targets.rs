@@ -11,8 +11,9 @@ use drivers::convert::spi::{Chosen, FRAME, Input, PARTS, Sweep};
 use drivers::counter::{CounterSpec, FindCount, FindCounter, Follower, Function as Counting, Reading};
 use drivers::serial::{Frames, Framing, Marks, Received, Symbol};
 use expert::{
-    BLOCKS, Call, CounterConfig, CounterKind, CounterMode, Expert, ExpertConfig, Fact, Function,
-    FunctionKind, InputConditions, Limits, LineEvents, Operation, Phases, Pins, RECORD,
+    BLOCKS, BlockCall, CounterConfig, CounterKind, CounterMode, ExpertConfig, ExpertFunctions,
+    FunctionConfig, FunctionKind, FunctionProbe, InputConditions, LimitsMode, LineEvents, Operation,
+    PhaseMode, Pins, RECORD,
 };
 use host::{COUNTER_RECORD, CounterEvent, CounterEventKind};
 use plans::frames::DataPattern;
@@ -470,17 +471,17 @@ impl Pins for AllOn {
 /// filter.
 pub fn lines(data: &[u8]) {
     let [how, records @ ..] = data else { return };
-    let phases =
-        [Phases::UpDown, Phases::PulseDirection, Phases::X1, Phases::ReverseX4][usize::from(how % 4)];
-    let mode = CounterMode::FreeLarge { preset: 7, limits: Limits::Rollover };
+    let phases = [PhaseMode::UpDown, PhaseMode::PulseDirection, PhaseMode::X1, PhaseMode::ReverseX4]
+        [usize::from(how % 4)];
+    let mode = CounterMode::FreeLarge { preset: 7, limits: LimitsMode::Rollover };
     let config = CounterConfig::new(CounterKind::Dual { b: 1, phases }, 0, mode);
-    let functions = vec![Function { name: "HSC0".to_owned(), kind: FunctionKind::Counter(config) }];
+    let functions = vec![FunctionConfig { name: "HSC0".to_owned(), kind: FunctionKind::Counter(config) }];
     let own = Span::from_nanos(if how & 4 == 0 { 0 } else { 2_000 });
     let conditions = InputConditions { delay: own, bounce: own };
-    let mut expert = Expert::new(&ExpertConfig { functions }, &[conditions; 2]);
+    let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[conditions; 2]);
     expert.operate(Time::MIN, Operation::Running);
     let block = BLOCKS.iter().copied().flatten().find(|block| block.name == "HSCMain_M241").unwrap();
-    (block.run)(&mut Call { now: Time::MIN, pins: &mut AllOn, expert: &mut expert });
+    (block.run)(&mut BlockCall { now: Time::MIN, pins: &mut AllOn, expert: &mut expert });
     let mut lines = LineEvents::new(&[(0, 0), (1, 1)], 0);
     let mut left = records;
     while left.len() >= RECORD {
@@ -493,7 +494,7 @@ pub fn lines(data: &[u8]) {
         }
     }
     let whole = records.len() / RECORD;
-    assert!(lines.strange() <= whole as u64);
-    let counted = expert.read(0, Fact::Value).as_int().unwrap_or(i128::MAX) - 7;
+    assert!(lines.malformed() <= whole as u64);
+    let counted = expert.read(0, FunctionProbe::Value).as_int().unwrap_or(i128::MAX) - 7;
     assert!(counted.unsigned_abs() <= whole as u128, "{counted}");
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use document::{Data, Entry, Fields, Findings, KeySpec, KeyType, Node};
-use profile::{Bounce, EventEdges, Filter};
+use profile::{BounceFilter, EventEdges, InputFilter};
 use signal::{Address, Area, Size, Span};
 
 use super::settings::Settings;
@@ -36,13 +36,13 @@ pub struct InputSettings {
     /// The input.
     pub address: Address,
     /// Its filter.
-    pub filter: Option<Filter>,
+    pub filter: Option<InputFilter>,
     /// Whether it keeps pulses between two reads of MAST.
     pub latch: bool,
     /// The edges that raise its event.
     pub event: Option<EventEdges>,
     /// Its anti-bounce filter.
-    pub bounce: Option<Bounce>,
+    pub bounce: Option<BounceFilter>,
     /// Bytes of the plan.
     pub span: Range<usize>,
 }
@@ -101,9 +101,9 @@ fn inputs(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
     }
 }
 
-fn filter(node: &Node, out: &mut Findings) -> Option<Filter> {
+fn filter(node: &Node, out: &mut Findings) -> Option<InputFilter> {
     let span = Span::parse(node.as_text()?).ok()?;
-    let filter = Filter::from_span(span);
+    let filter = InputFilter::from_span(span);
     if filter.is_none() {
         let help = "a filter has 0 ms, 1 ms, 4 ms or 12 ms (io:STD-IN-01)";
         out.bad(codes::SETTING, node, format!("no input has a filter of {span}"), help);
@@ -111,9 +111,9 @@ fn filter(node: &Node, out: &mut Findings) -> Option<Filter> {
     filter
 }
 
-fn bounce(node: &Node, out: &mut Findings) -> Option<Bounce> {
+fn bounce(node: &Node, out: &mut Findings) -> Option<BounceFilter> {
     let span = Span::parse(node.as_text()?).ok()?;
-    let bounce = Bounce::from_span(span);
+    let bounce = BounceFilter::from_span(span);
     if bounce.is_none() {
         let help = "0, 1, 2, 5, 10, 50, 100 or 500 us, 1 or 5 ms (io: section 3)";
         out.bad(codes::SETTING, node, format!("no input has a bounce time of {span}"), help);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use document::{Fields, Findings, KeySpec, KeyType, Node, Table};
-use profile::{Filter, Reference};
+use profile::{InputFilter, Reference};
 use signal::{Address, Area, Span};
 
 use super::functions::{self, FunctionSettings};
@@ -223,9 +223,9 @@ pub struct Settings {
     /// Whether inputs and outputs are updated in STOPPED.
     pub update_io_in_stop: Option<bool>,
     /// The filter of all inputs that `filters` does not name.
-    pub filter: Option<Filter>,
+    pub filter: Option<InputFilter>,
     /// The filters of single inputs.
-    pub filters: Vec<(Address, Filter)>,
+    pub filters: Vec<(Address, InputFilter)>,
     /// What is said of single inputs.
     pub inputs: Vec<InputSettings>,
     /// The Run/Stop input, with its bytes of the plan.

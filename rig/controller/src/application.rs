@@ -1,7 +1,7 @@
 //! What the controller asks of an application, and of whoever turns a bundle into one.
 
-use crate::{Located, Memory, Part};
-use expert::Expert;
+use crate::{Memory, RelocationPart, VariableLocation};
+use expert::ExpertFunctions;
 use profile::ApplicationError;
 use signal::{Span, Time, Value};
 use std::any::Any;
@@ -21,21 +21,21 @@ pub trait Application: Send {
 
     /// Runs a task's cycle from `now` for at most `budget`. Operations complete as long as their cost fits; those
     /// without cost complete with the one before them.
-    /// Calls of function blocks reach the expert functions, which are at `now` or behind it; where one of these calls
-    /// made something due sooner, or is observed, the slice ends behind it with [`Stop::Touched`].
+    /// Calls of function blocks reach the expert functions, which are at `now` or before it; where one of these calls
+    /// made something due sooner, or is observed, the slice ends behind it with [`SliceEnd::Touched`].
     fn resume(
         &mut self,
         task: usize,
         now: Time,
         budget: Span,
         memory: &mut Memory,
-        functions: &mut Expert,
+        functions: &mut ExpertFunctions,
     ) -> Slice;
 
     /// Gives variables their initial values, except the kinds that `reset` keeps.
     fn reset(&mut self, reset: VariableReset);
 
-    /// Writes the initial values of located variables into memory. Called behind [`Application::reset`]; the bits of
+    /// Writes the initial values of located variables into memory. Called after [`Application::reset`]; the bits of
     /// %Q that are written here have a software initialization value (controller:OUT-03).
     fn initialize(&self, memory: &mut Memory);
 
@@ -88,7 +88,7 @@ pub trait Application: Send {
 
     /// Where a variable is, for the relocation table; `None` for one that does not exist or is no single value. Not to
     /// be called inside a scan.
-    fn locate(&self, path: &str) -> Option<Located>;
+    fn locate(&self, path: &str) -> Option<VariableLocation>;
 
     /// The value of a variable.
     fn read(&self, variable: u32) -> Value;
@@ -96,28 +96,28 @@ pub trait Application: Send {
     /// Writes a variable, cut to its width.
     fn write(&mut self, variable: u32, value: Value);
 
-    /// From now on, a change of the variable ends a slice with [`Stop::Touched`].
+    /// From now on, a change of the variable ends a slice with [`SliceEnd::Touched`].
     fn watch(&mut self, variable: u32);
 
     /// Ends [`Application::watch`], also of variables that share its memory.
     fn unwatch(&mut self, variable: u32);
 
-    /// Answers what a task asked for with [`Stop::Service`]; its cycle goes on with the next slice.
+    /// Answers what a task asked for with [`SliceEnd::SystemCall`]; its cycle goes on with the next slice.
     fn answer(&mut self, task: usize, result: i64);
 
-    /// Every task stops with [`Stop::Break`] before the first statement of a line (from 1), or of the next line that
+    /// Every task stops with [`SliceEnd::Break`] before the first statement of a line (from 1), or of the next line that
     /// has one: which line that is. `None` where no statement follows in the file, which is given by its place.
     fn breakpoint(&mut self, file: u16, line: u32) -> Option<u32>;
 
     /// Takes every breakpoint away.
     fn clear_breakpoints(&mut self);
 
-    /// A task stops with [`Stop::Break`] before its next statement.
+    /// A task stops with [`SliceEnd::Break`] before its next statement.
     fn step(&mut self, task: usize);
 
     /// Takes over from an application no cycle of which is under way: variables of the same path and type have its
     /// values, the others their initial ones. Whether only code differs; `None` where it cannot, with nothing
-    /// changed. Watches and breakpoints start anew, and so do the numbers of variables.
+    /// changed. Watches and breakpoints start again, and so do the numbers of variables.
     fn succeed(&mut self, old: &mut dyn Application) -> Option<bool>;
 
     /// For [`Application::succeed`].
@@ -126,7 +126,7 @@ pub trait Application: Send {
 
 /// What a program can ask of the controller (controller:LIB-03).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Service {
+pub enum SystemCall {
     /// To sleep for so many milliseconds (controller:TASK-52).
     WaitSleep,
     /// The interval of the running task in microseconds (controller:TASK-13).
@@ -135,9 +135,9 @@ pub enum Service {
     SetTaskCycle,
     /// Whether MAST is in its first cycle since RUNNING was entered (controller:TASK-53).
     FirstMastCycle,
-    /// The same behind a cold start.
+    /// The same after a cold start.
     FirstMastColdCycle,
-    /// The same behind a warm start.
+    /// The same after a warm start.
     FirstMastWarmCycle,
     /// Whether an input or output is forced (controller:STATE-03).
     HasForcedIo,
@@ -155,12 +155,12 @@ pub struct Slice {
     /// Modelled time of the operations that completed, 0...budget.
     pub used: Span,
     /// Why it returned.
-    pub stop: Stop,
+    pub end: SliceEnd,
 }
 
 /// Why a slice ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
+pub enum SliceEnd {
     /// The next operation does not fit into what is left of the budget: it has begun at now + used and will complete
     /// at now + used + `next`.
     Budget {
@@ -173,10 +173,10 @@ pub enum Stop {
     Touched,
     /// A statement with a breakpoint comes next; the cycle goes on with the next call.
     Break,
-    /// The program asks for something at now + used; the cycle goes on behind [`Application::answer`].
-    Service {
+    /// The program asks for something at now + used; the cycle goes on after [`Application::answer`].
+    SystemCall {
         /// What it asks for.
-        service: Service,
+        call: SystemCall,
         /// What it asks with; 0 where there is nothing.
         argument: i64,
     },
@@ -259,7 +259,7 @@ pub enum LoadError {
     /// A row of the relocation table does not fit (controller:REL-02).
     Relocation {
         /// Its part.
-        part: Part,
+        part: RelocationPart,
         /// Its place in that part, from 0.
         row: usize,
     },
@@ -292,7 +292,7 @@ impl fmt::Display for LoadError {
                 write!(f, "{bytes} bytes of remanent variables, the store holds {}", profile::REMANENT_BYTES)
             }
             LoadError::Relocation { part, row } => {
-                let part = if *part == Part::Read { "read" } else { "write" };
+                let part = if *part == RelocationPart::Read { "read" } else { "write" };
                 let most = profile::TABLE_WORDS;
                 write!(
                     f,

@@ -2,10 +2,10 @@
 //! (controller:TR-17, controller:TR-18, controller:STATE-13). It takes no modelled time, and waits for the end of the
 //! cycles under way as a stop does, so that no cycle is half of one application.
 
-use crate::commands::Refusal;
-use crate::previous::record;
+use crate::commands::CommandError;
+use crate::last_state::save_last_state;
 use crate::watch::class;
-use crate::{Application, Controller, Effects, Entry, State};
+use crate::{Application, Controller, Effects, LogEntry, State};
 use profile::StopCause;
 use signal::{Cause, Time};
 
@@ -22,14 +22,14 @@ impl Controller {
         bundle: &[u8],
         now: Time,
         fx: &mut Effects,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), CommandError> {
         if !matches!(self.state, State::Running | State::Stopped) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         if self.cpu.stopping.is_some() {
-            return Err(Refusal::Stopping);
+            return Err(CommandError::Stopping);
         }
-        let application = self.build(bundle).map_err(Refusal::Change)?;
+        let application = self.build(bundle).map_err(CommandError::Change)?;
         self.pending = Some(Pending { application, bundle: bundle.to_vec() });
         if self.cpu.active == 0 {
             self.change(now, fx);
@@ -53,13 +53,13 @@ impl Controller {
         }
         self.context.dirty = true;
         self.save_if_dirty(now);
-        record(&mut *self.store, self.state, signature);
-        self.note(now, Entry::OnlineChange { code_only }, fx);
+        save_last_state(&mut *self.store, self.state, signature);
+        self.log_entry(now, LogEntry::OnlineChange { code_only }, fx);
         self.observe(class::ALL, now, Cause::Controller, fx);
         if self.state == State::Running && self.cpu.stopping.is_none() {
             let inhibited = match self.may_run(now) {
                 Ok(()) => return,
-                Err(Refusal::RunStopInput) => StopCause::Input,
+                Err(CommandError::RunStopInput) => StopCause::Input,
                 Err(_) => StopCause::Switch,
             };
             self.enter_stopped(now, inhibited, fx);

@@ -1,8 +1,7 @@
 //! The controller: its parts, and what can be asked of it.
 
 use crate::change::Pending;
-use crate::context::Context;
-use crate::event::{Arrivals, Rate};
+use crate::event::{EventQueue, EventRate};
 use crate::external::ExternalErrors;
 use crate::files::Files;
 use crate::forcing::{Forced, Forcing};
@@ -14,15 +13,16 @@ use crate::output::Outputs;
 use crate::protection::Protection;
 use crate::registers::Registers;
 use crate::release::find_trigger;
-use crate::service::Start;
+use crate::remanent::RemanentContext;
+use crate::service::FirstCycle;
 use crate::system::System;
 use crate::system_log::SystemLog;
 use crate::task::Task;
-use crate::turn::find_peers;
+use crate::time_slice::find_peers;
 use crate::watch::Watches;
 use crate::{
     Application, Config, ConfigError, Effects, JitterCounts, LoadError, Loader, Memory, NonVolatile,
-    OutputState, Probe, RegisterFact, State, TaskConfig, TaskFigures, TaskKind, WriteError,
+    OutputState, Probe, RegisterProbe, State, TaskConfig, TaskFigures, TaskKind, WriteError,
 };
 use profile::StopCause;
 use signal::{Cause, Level, Size, Span, Time, Value};
@@ -59,19 +59,19 @@ pub struct Controller {
     pub(crate) cpu: Processor,
     pub(crate) load: Load,
     /// Events under way, and how many came.
-    pub(crate) arrivals: Arrivals,
-    pub(crate) event_rate: Rate,
-    pub(crate) external_rate: Rate,
+    pub(crate) arrivals: EventQueue,
+    pub(crate) event_rate: EventRate,
+    pub(crate) external_rate: EventRate,
     /// When the variables are looked at next that start event tasks.
     pub(crate) tick: Time,
     pub(crate) power: Power,
-    pub(crate) context: Context,
+    pub(crate) context: RemanentContext,
     pub(crate) system: System,
     /// The application of an online change that waits for the end of the cycles under way.
     pub(crate) pending: Option<Pending>,
     /// Since when a task is held at a breakpoint, and its place in the configuration.
     pub(crate) held: Option<(Time, usize)>,
-    pub(crate) start: Start,
+    pub(crate) start: FirstCycle,
     /// The program keeps the indicator of the battery dark (controller:LED-05).
     pub(crate) battery_led_inhibited: bool,
     pub(crate) watches: Watches,
@@ -175,9 +175,9 @@ impl Controller {
             forcing: Forcing::new(config.tool_connected, tasks.len()),
             inputs: Inputs::new(&config),
             load: Load::new(Time::MIN, &tasks),
-            arrivals: Arrivals::new(),
-            event_rate: Rate::new(),
-            external_rate: Rate::new(),
+            arrivals: EventQueue::new(),
+            event_rate: EventRate::new(),
+            external_rate: EventRate::new(),
             tick: Time::MAX,
             mast: config.task("MAST").unwrap_or_default(),
             tasks,
@@ -213,11 +213,11 @@ impl Controller {
                 initialization: None,
                 late_write: None,
             },
-            context: Context::default(),
+            context: RemanentContext::default(),
             system: System::default(),
             pending: None,
             held: None,
-            start: Start::default(),
+            start: FirstCycle::default(),
             battery_led_inhibited: false,
             watches: Watches::default(),
             files: Files::default(),
@@ -236,11 +236,11 @@ impl Controller {
         let mut application = self.build(bundle)?;
         application.reset(crate::VariableReset::ALL);
         self.store.write(crate::APPLICATION_FILE, bundle);
-        let mut context = Context::default();
+        let mut context = RemanentContext::default();
         context.newest(&*self.store);
         context.prepare(&*application, true, &mut *self.store);
         context.save_now(&*application, &Memory::new(self.config.profile), &mut *self.store);
-        crate::previous::record(&mut *self.store, left, application.signature());
+        crate::last_state::save_last_state(&mut *self.store, left, application.signature());
         Ok(())
     }
 
@@ -274,9 +274,9 @@ impl Controller {
 
     /// So many edges at terminal I`input` are known to be missing before `now`: an expert function that counts them is off by
     /// up to so many, and says so (io:STD-HSC-16).
-    pub fn lose(&mut self, now: Time, input: usize, edges: u32) {
+    pub fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
         if self.state != State::Off {
-            self.functions.lose(now, input, edges);
+            self.functions.report_missed_edges(now, input, edges);
         }
     }
 
@@ -289,7 +289,7 @@ impl Controller {
     }
 
     /// The next `times` cycles of a task take `cycle` of processor time in all, however little the program needs.
-    /// The time behind the program's last operation can be pre-empted at any nanosecond.
+    /// The time after the program's last operation can be pre-empted at any nanosecond.
     pub fn overload(&mut self, task: usize, cycle: Span, times: u32) {
         if let Some(task) = self.tasks.iter_mut().find(|at| at.place == task) {
             task.overload = (cycle, times);
@@ -313,8 +313,8 @@ impl Controller {
             }
             Probe::Input { input, part } => self.inputs.show(input, part),
             Probe::Terminal(output) => self.outputs.level(output).map_or(Value::Unknown, Value::from),
-            Probe::File(fact) => self.file_fact(fact),
-            Probe::Register(fact) => self.register_fact(fact),
+            Probe::File(fact) => self.read_file_probe(fact),
+            Probe::Register(fact) => self.read_register_probe(fact),
             Probe::Output(output) => {
                 self.output_state(output).map_or(Value::Unknown, |state| Value::Int(state.number()))
             }
@@ -346,7 +346,7 @@ impl Controller {
         if self.state.status().is_none() {
             return Err(WriteError::State(self.state));
         }
-        self.mend_watches();
+        self.refresh_watches();
         match *probe {
             Probe::Address(at) => {
                 let number = value.as_int().ok_or(WriteError::NotANumber)?;
@@ -361,7 +361,7 @@ impl Controller {
                 application.write(variable, value);
             }
             Probe::System(variable) => self.write_system(variable, value, now, fx)?,
-            Probe::Register(RegisterFact::Value(register)) => {
+            Probe::Register(RegisterProbe::Value(register)) => {
                 let number = value.as_int().ok_or(WriteError::NotANumber)?;
                 self.write_registers(now, register, &[number as u16], cause, fx)
                     .map_err(|_| WriteError::IllegalAddress)?;

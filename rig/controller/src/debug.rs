@@ -1,7 +1,7 @@
 //! Breakpoints: RUNNING with breakpoint (controller:TR-22). The processing of all tasks is held, and their time with
 //! it: neither a watchdog nor a release goes on until they do.
 
-use crate::commands::Refusal;
+use crate::commands::CommandError;
 use crate::{Controller, Effects, State};
 use profile::StopCause;
 use signal::{Span, Time};
@@ -16,12 +16,12 @@ impl Controller {
     }
 
     /// Every task stops before the first statement of a line, or of the next line that has one.
-    pub(crate) fn set_breakpoint(&mut self, file: u16, line: u32) -> Result<(), Refusal> {
+    pub(crate) fn set_breakpoint(&mut self, file: u16, line: u32) -> Result<(), CommandError> {
         if !matches!(self.state, State::Stopped | State::Running | State::Breakpoint) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         let set = self.application.as_mut().and_then(|it| it.breakpoint(file, line));
-        set.map(|_| ()).ok_or(Refusal::NoStatement { line })
+        set.map(|_| ()).ok_or(CommandError::NoStatement { line })
     }
 
     /// Takes every breakpoint away; tasks that are held go on (controller:TR-22).
@@ -33,7 +33,7 @@ impl Controller {
     }
 
     /// The task that is held goes on to its next statement.
-    pub(crate) fn step_statement(&mut self, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+    pub(crate) fn step_statement(&mut self, now: Time, fx: &mut Effects) -> Result<(), CommandError> {
         if let (Some((_, place)), Some(application)) = (self.held, &mut self.application) {
             application.step(place);
         }
@@ -41,9 +41,9 @@ impl Controller {
     }
 
     /// The tasks go on in the middle of their cycles, as if no time had passed for them.
-    pub(crate) fn resume(&mut self, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+    pub(crate) fn resume(&mut self, now: Time, fx: &mut Effects) -> Result<(), CommandError> {
         let (State::Breakpoint, Some((since, _))) = (self.state, self.held.take()) else {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         };
         self.postpone(now - since);
         // The processor had nothing to do.

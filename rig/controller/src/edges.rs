@@ -1,8 +1,8 @@
 //! What edges at the embedded inputs do: the Run/Stop input (controller: section 13) and events.
 
-use crate::input::Accepted;
+use crate::input::InputEvent;
 use crate::watch::class;
-use crate::{Controller, Effects, Entry, EventSource, Refusal};
+use crate::{CommandError, Controller, Effects, EventSource, LogEntry};
 use profile::StopCause;
 use signal::{Cause, Time};
 
@@ -18,9 +18,9 @@ impl Controller {
         while let Some(edge) = self.inputs.take(place) {
             place += 1;
             match edge {
-                Accepted::Event(input) => self.external_event(EventSource::Input(input), now, fx),
-                Accepted::RunStop(high) => self.turn_run_stop(high, now, fx),
-                Accepted::Overdriven(input) => self.note(now, Entry::Overdriven { input }, fx),
+                InputEvent::Event(input) => self.external_event(EventSource::Input(input), now, fx),
+                InputEvent::RunStop(high) => self.turn_run_stop(high, now, fx),
+                InputEvent::Overdriven(input) => self.log_entry(now, LogEntry::Overdriven { input }, fx),
             }
         }
         self.observe(class::INPUT, now, Cause::Board, fx);
@@ -36,12 +36,12 @@ impl Controller {
     ///
     /// # Errors
     /// The one that does not.
-    pub(crate) fn may_run(&mut self, now: Time) -> Result<(), Refusal> {
+    pub(crate) fn may_run(&mut self, now: Time) -> Result<(), CommandError> {
         if !self.power.switch_at_run {
-            return Err(Refusal::SwitchAtStop);
+            return Err(CommandError::SwitchAtStop);
         }
         match self.inputs.run_stop(now) {
-            Some(false) => Err(Refusal::RunStopInput),
+            Some(false) => Err(CommandError::RunStopInput),
             _ => Ok(()),
         }
     }

@@ -1,6 +1,6 @@
 //! What the controller hands back, and what of it can be observed.
 
-use crate::{Entry, Figure, InputPart, Led, RegisterFact, State, SystemVariable};
+use crate::{InputProbe, Led, LogEntry, RegisterProbe, State, SystemVariable, TaskFigure};
 use signal::{Address, Cause, Level, Span, Time, Value};
 
 /// Something that happened.
@@ -17,7 +17,7 @@ pub enum Effect {
         /// Who wrote it.
         cause: Cause,
     },
-    /// An output terminal pulses until it changes, without an edge being told: [`crate::Controller::delegate`]. Where it
+    /// An output terminal pulses until it changes, without an edge being reported: [`crate::Controller::offload_pulses`]. Where it
     /// pulses already, from the end of its period on.
     Wave {
         /// When.
@@ -31,8 +31,8 @@ pub enum Effect {
         /// Who wrote it.
         cause: Cause,
     },
-    /// The period of such a wave begins anew.
-    Anew {
+    /// The period of such a wave starts again.
+    PeriodRestarted {
         /// When.
         at: Time,
         /// The output: n for Qn.
@@ -61,7 +61,7 @@ pub enum Effect {
         /// When.
         at: Time,
         /// What it says.
-        entry: Entry,
+        entry: LogEntry,
     },
 }
 
@@ -103,21 +103,21 @@ pub enum Probe {
         /// The task's place in the configuration.
         task: usize,
         /// Which figure.
-        figure: Figure,
+        figure: TaskFigure,
     },
     /// Something of an embedded input besides its image.
     Input {
         /// The input: n for In.
         input: usize,
         /// What of it.
-        part: InputPart,
+        part: InputProbe,
     },
     /// An output terminal.
     Terminal(usize),
     /// A fact of files or of the log, by its number: [`crate::Controller::file_probe`].
     File(u16),
     /// A fact of the registers that the network sees, or of the relocation table.
-    Register(RegisterFact),
+    Register(RegisterProbe),
     /// The state of an output's stage: [`OutputState::number`].
     Output(usize),
     /// Something of an expert function.
@@ -125,7 +125,7 @@ pub enum Probe {
         /// The function, by its place in the configuration.
         function: usize,
         /// What of it.
-        fact: expert::Fact,
+        fact: expert::FunctionProbe,
     },
     /// What an indicator shows: [`crate::LedPattern::number`].
     Led(Led),

@@ -1,6 +1,6 @@
 //! Events of the hardware, and the rate at which events may come.
 
-use crate::{Config, Controller, Effects, Entry, State, TaskKind};
+use crate::{Config, Controller, Effects, LogEntry, State, TaskKind};
 use profile::{ApplicationError, EVENT_LATENCY, EVENT_WINDOW, Family, Profile, Reference};
 use signal::{Address, Area, Size, Time};
 use std::fmt;
@@ -75,14 +75,14 @@ impl fmt::Display for EventSource {
 
 /// The instants of the last events: one more than the limit within the window is too many.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rate {
+pub(crate) struct EventRate {
     last: [Time; 6],
     next: usize,
 }
 
-impl Rate {
-    pub(crate) const fn new() -> Rate {
-        Rate { last: [Time::MIN; 6], next: 0 }
+impl EventRate {
+    pub(crate) const fn new() -> EventRate {
+        EventRate { last: [Time::MIN; 6], next: 0 }
     }
 
     /// Counts an event at `now`; whether it is the one that exceeds `limit` within [`EVENT_WINDOW`]
@@ -98,15 +98,15 @@ impl Rate {
 
 /// Events on their way to the tasks that they release, oldest first: all take the same time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrivals {
+pub(crate) struct EventQueue {
     list: [(Time, usize); 32],
     first: usize,
     count: usize,
 }
 
-impl Arrivals {
-    pub(crate) const fn new() -> Arrivals {
-        Arrivals { list: [(Time::MAX, 0); 32], first: 0, count: 0 }
+impl EventQueue {
+    pub(crate) const fn new() -> EventQueue {
+        EventQueue { list: [(Time::MAX, 0); 32], first: 0, count: 0 }
     }
 
     /// When the next one arrives; [`Time::MAX`] for none.
@@ -194,7 +194,7 @@ impl Controller {
 
     /// controller:WD-06
     fn too_many_events(&mut self, now: Time, fx: &mut Effects) {
-        self.note(now, Entry::TooManyEvents, fx);
+        self.log_entry(now, LogEntry::TooManyEvents, fx);
         self.enter_halt(now, ApplicationError::TooManyEvents, fx);
     }
 }
@@ -239,7 +239,7 @@ mod tests {
     fn one_event_more_than_the_limit_in_a_window() {
         let us = |n: i64| Time::from_nanos(n * 1_000);
         let exceeded = |times: &[i64], limit| {
-            let mut rate = Rate::new();
+            let mut rate = EventRate::new();
             times.iter().map(|at| rate.exceeded(us(*at), limit)).collect::<Vec<_>>()
         };
         assert_eq!(exceeded(&[0, 1, 2, 3, 4, 5], 5), [false, false, false, false, false, true]);

@@ -6,7 +6,7 @@ use crate::{Controller, Effects, State};
 use profile::{IoStatus, Profile};
 use signal::{Cause, Time};
 
-/// Something that goes wrong in the world around the controller, or is mended.
+/// Something that goes wrong in the world around the controller, or is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Disturbance {
     /// A short circuit at an output; it takes a current while the output is on.
@@ -67,10 +67,10 @@ impl ExternalErrors {
 }
 
 impl Controller {
-    /// Something in the world around the controller goes wrong at `now`, or is mended. Outputs that the reference does
+    /// Something in the world around the controller goes wrong at `now`, or is over. Outputs that the reference does
     /// not have and bits that are reserved have no effect.
     pub fn disturb(&mut self, now: Time, disturbance: Disturbance, fx: &mut Effects) {
-        self.come_to(now);
+        self.idle_until(now);
         match disturbance {
             Disturbance::ShortCircuit { output, on } => self.protection.short_circuit(output, on),
             Disturbance::OverTemperature { output, on } => self.protection.over_temperature(output, on),
@@ -109,9 +109,9 @@ impl Controller {
         let all = self.outputs.commanded() & !which | bits & which;
         let quiet = self.protection.is_quiet();
         if which & self.rearming_bit == 0 {
-            self.protection.look_again(now, all);
+            self.protection.update_without_write(now, all);
         } else {
-            self.protection.look(now, all, image & self.rearming_bit != 0);
+            self.protection.update(now, all, image & self.rearming_bit != 0);
         }
         if quiet && self.protection.is_quiet() {
             self.outputs.drive(now, bits, which, &self.memory);
@@ -127,7 +127,7 @@ impl Controller {
     /// Protection looks at the outputs as they are commanded. Under hardware initialization values nothing is driven.
     pub(crate) fn protect(&mut self, now: Time, fx: &mut Effects) {
         if !self.outputs.initialized() {
-            self.protection.look_again(now, self.outputs.commanded());
+            self.protection.update_without_write(now, self.outputs.commanded());
         }
         self.cut_outputs(now);
         self.drive_alarm(now);

@@ -56,7 +56,7 @@ impl std::error::Error for FileError {}
 
 /// What can be asked of files and of the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FileFact {
+pub enum FileProbe {
     /// Whether a file or folder is there.
     Exists(String),
     /// Whether a file holds a text.
@@ -73,7 +73,7 @@ pub enum FileFact {
 #[derive(Debug, Default)]
 pub(crate) struct Files {
     /// What is asked, by the number in [`crate::Probe::File`].
-    pub facts: Vec<FileFact>,
+    pub facts: Vec<FileProbe>,
     /// Entries that logs lost.
     lost: Vec<(String, u64)>,
 }
@@ -294,28 +294,28 @@ impl Controller {
     }
 
     /// What a fact is now.
-    pub(crate) fn file_fact(&self, place: u16) -> Value {
+    pub(crate) fn read_file_probe(&self, place: u16) -> Value {
         match self.files.facts.get(usize::from(place)) {
             None => Value::Unknown,
-            Some(FileFact::Exists(path)) => Value::Bool(self.file_exists(path)),
-            Some(FileFact::Holds(path, text)) => {
+            Some(FileProbe::Exists(path)) => Value::Bool(self.file_exists(path)),
+            Some(FileProbe::Holds(path, text)) => {
                 let holds =
                     |bytes: &[u8]| bytes.windows(text.len().max(1)).any(|part| part == text.as_bytes());
                 Value::Bool(self.content(path).is_some_and(|bytes| holds(&bytes)))
             }
-            Some(FileFact::Size(path)) => {
+            Some(FileProbe::Size(path)) => {
                 self.content(path).map_or(Value::Unknown, |bytes| Value::Int(bytes.len() as i64))
             }
-            Some(FileFact::Lost(path)) => {
+            Some(FileProbe::Lost(path)) => {
                 let found = self.files.lost.iter().find(|(name, _)| name.eq_ignore_ascii_case(path));
                 Value::Int(found.map_or(0, |(_, count)| *count as i64))
             }
-            Some(FileFact::Log(text)) => Value::Int(self.log.count(text)),
+            Some(FileProbe::Log(text)) => Value::Int(self.log.count(text)),
         }
     }
 
     /// Asks for a fact; the number of it in [`crate::Probe::File`].
-    pub fn file_probe(&mut self, fact: FileFact) -> crate::Probe {
+    pub fn file_probe(&mut self, fact: FileProbe) -> crate::Probe {
         let known = self.files.facts.iter().position(|known| *known == fact);
         let place = known.unwrap_or_else(|| {
             self.files.facts.push(fact);

@@ -1,6 +1,6 @@
 //! Forcing: who may force, when a forced value acts, and when it ends (controller: section 12).
 
-use crate::{Channel, Controller, Refusal, State};
+use crate::{Channel, CommandError, Controller, State};
 
 /// Forced channels (controller:FRC-02).
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,19 +81,19 @@ impl Controller {
     }
 
     /// Forcing acts at the next end of the output's task (controller:FRC-05) or read of the inputs.
-    pub(crate) fn force(&mut self, channel: Channel, on: Option<bool>) -> Result<(), Refusal> {
+    pub(crate) fn force(&mut self, channel: Channel, on: Option<bool>) -> Result<(), CommandError> {
         if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         if !self.forcing.connected {
-            return Err(Refusal::NotConnected);
+            return Err(CommandError::NotConnected);
         }
         match channel {
             Channel::Input(input) if input < self.config.reference.input_count() => {
                 self.forced_inputs.set(input, on);
             }
             Channel::Output(output) if self.functions.drives(output) => {
-                return Err(Refusal::ExpertOutput(output));
+                return Err(CommandError::ExpertOutput(output));
             }
             Channel::Output(output) if output < self.config.reference.output_count() => {
                 self.forced_outputs.set(output, on);
@@ -101,23 +101,23 @@ impl Controller {
                     self.forcing.acting.set(output, None);
                 }
             }
-            channel => return Err(Refusal::NoChannel(channel)),
+            channel => return Err(CommandError::NoChannel(channel)),
         }
         Ok(())
     }
 
     /// The tool connects (controller:FRC-01).
-    pub(crate) fn log_in(&mut self) -> Result<(), Refusal> {
-        self.state.status().ok_or(Refusal::State(self.state))?;
+    pub(crate) fn log_in(&mut self) -> Result<(), CommandError> {
+        self.state.status().ok_or(CommandError::State(self.state))?;
         self.forcing.connected = true;
         Ok(())
     }
 
     /// The tool disconnects and keeps forcing, or ends it (controller:FRC-03).
-    pub(crate) fn log_out(&mut self, keep_forcing: bool) -> Result<(), Refusal> {
-        self.state.status().ok_or(Refusal::State(self.state))?;
+    pub(crate) fn log_out(&mut self, keep_forcing: bool) -> Result<(), CommandError> {
+        self.state.status().ok_or(CommandError::State(self.state))?;
         if !self.forcing.connected {
-            return Err(Refusal::NotConnected);
+            return Err(CommandError::NotConnected);
         }
         self.forcing.connected = false;
         if !keep_forcing {

@@ -6,14 +6,14 @@
 //! without an application.
 
 use crate::watch::class;
-use crate::{Config, Controller, Effects, Entry, EventSource, OutputsInStop, State};
-use expert::{Effect, Expert, Fact, FunctionKind, Operation};
+use crate::{Config, Controller, Effects, EventSource, LogEntry, OutputsInStop, State};
+use expert::{Effect, ExpertFunctions, FunctionKind, FunctionProbe, Operation};
 use signal::{Cause, Time, Value};
 
 /// The functions, and what the controller lets them do.
 #[derive(Clone, Debug)]
 pub(crate) struct Functions {
-    expert: Expert,
+    expert: ExpertFunctions,
     operation: Operation,
     /// Outputs of pulse trains, which have no defaults (io:PLS-04).
     pulses: u32,
@@ -24,9 +24,9 @@ pub(crate) struct Functions {
     /// The place of the next effect.
     place: usize,
     observed: bool,
-    /// Outputs whose square waves somebody else makes, bit n for Qn.
-    delegated: u32,
-    /// Outputs that protection has switched off, as the functions were told, bit n for Qn.
+    /// Outputs whose square waves hardware makes, bit n for Qn.
+    offloaded: u32,
+    /// Outputs that protection has switched off, as the functions know it, bit n for Qn.
     cut: u32,
 }
 
@@ -36,22 +36,22 @@ impl Functions {
         let is_axis = |kind: &FunctionKind| matches!(kind, FunctionKind::Axis(_));
         let axes = config.expert.functions.iter().filter(|function| is_axis(&function.kind));
         Functions {
-            expert: Expert::new(&config.expert, &config.input_conditions()).counted(config.counted),
+            expert: ExpertFunctions::new(&config.expert, &config.input_conditions()).counted(config.counted),
             operation: Operation::Off,
             pulses: axes.fold(0, |mask, axis| mask | axis.kind.outputs()),
             rest: 0,
             due: Time::MAX,
             place: 0,
             observed: false,
-            delegated: 0,
+            offloaded: 0,
             cut: 0,
         }
     }
 
-    /// Somebody else makes the square waves on these outputs.
-    fn delegate(&mut self, outputs: u32) {
-        self.delegated = outputs;
-        self.expert.delegate(outputs);
+    /// hardware makes the square waves on these outputs.
+    fn offload_pulses(&mut self, outputs: u32) {
+        self.offloaded = outputs;
+        self.expert.offload_pulses(outputs);
     }
 
     /// The outputs that functions drive, bit n for Qn.
@@ -70,7 +70,7 @@ impl Functions {
 
     /// The functions as blocks reach them.
     #[inline]
-    pub(crate) fn of_blocks(&mut self) -> &mut Expert {
+    pub(crate) fn expert_mut(&mut self) -> &mut ExpertFunctions {
         &mut self.expert
     }
 
@@ -85,8 +85,8 @@ impl Functions {
     }
 
     /// So many edges at terminal I`input` are known to be missing before `now`.
-    pub(crate) fn lose(&mut self, now: Time, input: usize, edges: u32) {
-        self.expert.lose(now, input, edges);
+    pub(crate) fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
+        self.expert.report_missed_edges(now, input, edges);
         self.due = now;
     }
 
@@ -103,7 +103,7 @@ impl Functions {
     }
 
     /// What a function shows.
-    pub(crate) fn read(&self, function: usize, fact: Fact) -> Value {
+    pub(crate) fn read(&self, function: usize, fact: FunctionProbe) -> Value {
         self.expert.read(function, fact)
     }
 
@@ -147,17 +147,17 @@ const fn operation_in(state: State) -> Operation {
 }
 
 impl Controller {
-    /// Square waves of expert functions on these outputs, bit n for Qn, are made by somebody else: what is told of them is
+    /// Square waves of expert functions on these outputs, bit n for Qn, are made by hardware: what is reported of them is
     /// [`crate::Effect::Wave`], and no edges. To be called without power; it stays so.
-    pub fn delegate(&mut self, outputs: u32) {
-        self.functions.delegate(outputs);
+    pub fn offload_pulses(&mut self, outputs: u32) {
+        self.functions.offload_pulses(outputs);
     }
 
-    /// The electronics of the inputs come up: everything behind the terminals begins anew, with the levels there.
+    /// The electronics of the inputs come up: everything behind the terminals starts again, with the levels there.
     pub(crate) fn power_functions(&mut self, now: Time) {
-        let (observed, delegated) = (self.functions.observed, self.functions.delegated);
+        let (observed, offloaded) = (self.functions.observed, self.functions.offloaded);
         self.functions = Functions::new(&self.config);
-        self.functions.delegate(delegated);
+        self.functions.offload_pulses(offloaded);
         if observed {
             self.functions.observe();
         }
@@ -174,13 +174,13 @@ impl Controller {
         if self.functions.next() <= now {
             self.functions.due = Time::MAX;
             self.functions.expert.fire(now);
-            self.settle_functions(now, fx);
+            self.apply_function_effects(now, fx);
             self.observe(class::EXPERT, now, Cause::Controller, fx);
         }
     }
 
     /// What the functions brought about takes effect.
-    fn settle_functions(&mut self, now: Time, fx: &mut Effects) {
+    fn apply_function_effects(&mut self, now: Time, fx: &mut Effects) {
         let mut driven = false;
         while let Some((at, effect)) = self.functions.take() {
             match effect {
@@ -197,13 +197,15 @@ impl Controller {
                         driven = true;
                     }
                 }
-                Effect::Anew { output } => fx.push(crate::Effect::Anew { at, output: output.into() }),
+                Effect::PeriodRestarted { output } => {
+                    fx.push(crate::Effect::PeriodRestarted { at, output: output.into() })
+                }
                 Effect::Threshold { counter, threshold } => {
                     self.external_event(EventSource::Threshold { counter, threshold }, at, fx);
                 }
                 Effect::Stop { counter } => self.external_event(EventSource::CounterStop(counter), at, fx),
                 Effect::Overdriven { function } => {
-                    self.note(at, Entry::FunctionOverdriven { function: function.into() }, fx);
+                    self.log_entry(at, LogEntry::FunctionOverdriven { function: function.into() }, fx);
                 }
                 // A fact of the axis and of its blocks.
                 Effect::AxisError { .. } => {}
@@ -220,7 +222,7 @@ impl Controller {
         if self.functions.operation == operation {
             return;
         }
-        self.settle_functions(now, fx);
+        self.apply_function_effects(now, fx);
         self.functions.operation = operation;
         self.functions.expert.operate(now, operation);
         let which = self.functions.outputs();
@@ -229,7 +231,7 @@ impl Controller {
             Operation::Stopped => self.outputs.command(now, self.functions.rest, which),
             Operation::Off => {}
         }
-        self.settle_functions(now, fx);
+        self.apply_function_effects(now, fx);
     }
 
     /// Outputs of functions rest at their default values from `now` on, but for those of pulse trains (io:OUT-24,

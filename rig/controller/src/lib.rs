@@ -14,7 +14,6 @@ mod change;
 mod clocks;
 mod commands;
 mod config;
-mod context;
 mod controller;
 mod debug;
 mod edges;
@@ -24,20 +23,21 @@ mod exchange;
 mod external;
 mod files;
 mod forcing;
-mod front;
+mod front_panel;
 mod functions;
 mod input;
+mod last_state;
 mod led;
 mod load;
 mod log;
 mod memory;
 mod output;
 mod plc_w;
-mod previous;
 mod protection;
 mod registers;
 mod release;
 mod relocation;
+mod remanent;
 mod rtc;
 
 mod scan;
@@ -48,17 +48,17 @@ mod store;
 mod system;
 mod system_log;
 mod task;
+mod time_slice;
 mod timers;
 mod transition;
-mod turn;
 mod warnings;
 mod watch;
 mod watchdog;
 
 pub use application::{
-    Application, ApplicationFault, FaultClass, LoadError, Loader, Service, Slice, Stop, VariableReset,
+    Application, ApplicationFault, FaultClass, LoadError, Loader, Slice, SliceEnd, SystemCall, VariableReset,
 };
-pub use commands::{Channel, Command, DeviceReset, Refusal, WriteError};
+pub use commands::{Channel, Command, CommandError, DeviceReset, WriteError};
 pub use config::{
     AlwaysUpdate, BusCycle, Config, ConfigError, HaltOutputs, OutputsInStop, Rearming, StartingMode,
     TaskConfig, TaskKind, Watchdog, WatchdogBasis,
@@ -67,15 +67,15 @@ pub use controller::Controller;
 pub use effect::{Effect, Effects, OutputState, Probe, ProbeId};
 pub use event::EventSource;
 pub use external::{Disturbance, FAULT_BITS};
-pub use files::{FileError, FileFact, FileUser, LONGEST_PATH};
-pub use front::Front;
-pub use input::{InputConfig, InputFault, InputPart, RunStopFault};
+pub use files::{FileError, FileProbe, FileUser, LONGEST_PATH};
+pub use front_panel::FrontPanel;
+pub use input::{InputConfig, InputFault, InputProbe, RunStopFault};
 pub use led::{Led, LedPattern};
 pub use load::Overload;
-pub use log::Entry;
+pub use log::LogEntry;
 pub use memory::Memory;
-pub use registers::{RegisterError, RegisterFact};
-pub use relocation::{Form, Located, Part, Relocation, Row};
+pub use registers::{RegisterError, RegisterProbe};
+pub use relocation::{RegisterFormat, RelocationConfig, RelocationPart, RelocationRow, VariableLocation};
 pub use rtc::{RTC_BAD_DRIFT, RTC_OK, Rtc};
 pub use state::State;
 pub use store::{
@@ -83,5 +83,5 @@ pub use store::{
     RETAIN_MAP, RIGHTS_FILE, STATE_FILE,
 };
 pub use system::{SystemType, SystemVariable};
-pub use task::{Figure, JITTER_BORDERS, JitterCounts, TaskFigures};
+pub use task::{JITTER_BORDERS, JitterCounts, TaskFigure, TaskFigures};
 pub use warnings::Warning;

@@ -243,7 +243,7 @@ mod tests {
 
     // controller:WD-01, controller:WD-13
     #[test]
-    fn trips_behind_three_seconds_above_85_percent() {
+    fn trips_after_three_seconds_above_85_percent() {
         let mast = ms(20);
         assert_eq!(trips(mast, [(10_000_000, true)], WHOLE), Some(3_010_000));
         assert_eq!(trips(mast, cycles(500, 17_200), WHOLE), Some(3_010_000));

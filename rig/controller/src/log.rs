@@ -6,7 +6,7 @@ use signal::Span;
 
 /// What a log entry says. Tasks are named by their places in the configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Entry {
+pub enum LogEntry {
     /// The state changed.
     State {
         /// The state that was left.

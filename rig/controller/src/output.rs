@@ -1,7 +1,7 @@
 //! Output terminals: what the drivers command and when the edge comes out.
 
 use crate::{Effect, Effects, Memory};
-use profile::{Output, OutputKind};
+use profile::{EmbeddedOutput, OutputKind};
 use signal::{Cause, Level, Span, Time};
 
 /// What a terminal does.
@@ -9,7 +9,7 @@ use signal::{Cause, Level, Span, Time};
 enum Shown {
     /// It keeps a level.
     Level(Level),
-    /// It pulses, and somebody else makes the edges.
+    /// It pulses, and hardware makes the edges.
     Wave { period: Span, high: Span },
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Outputs {
 
 impl Outputs {
     /// Outputs in hardware initialization values.
-    pub(crate) fn new(outputs: impl Iterator<Item = Output>) -> Outputs {
+    pub(crate) fn new(outputs: impl Iterator<Item = EmbeddedOutput>) -> Outputs {
         let mut floating = 0;
         let terminals = outputs
             .map(|output| {
@@ -82,7 +82,7 @@ impl Outputs {
         ((1u64 << self.terminals.len()) - 1) as u32
     }
 
-    /// The level at a terminal; none beyond the reference's outputs, and while somebody else makes its pulses.
+    /// The level at a terminal; none beyond the reference's outputs, and while hardware makes its pulses.
     pub(crate) fn level(&self, output: usize) -> Option<Level> {
         match self.terminals.get(output)?.shown {
             Shown::Level(level) => Some(level),
@@ -113,7 +113,7 @@ impl Outputs {
         self.command_by(now, bits, which, |_| Cause::Controller);
     }
 
-    /// Has an output pulse at `now`, for an expert function whose pulses somebody else makes.
+    /// Has an output pulse at `now`, for an expert function whose pulses hardware makes.
     pub(crate) fn pulse(&mut self, now: Time, output: u8, period: Span, high: Span) {
         let bit = 1 << output & self.mask();
         let Some(terminal) = self.terminals.get_mut(usize::from(output)) else { return };
@@ -262,7 +262,7 @@ mod tests {
         out.fire(us(1_000), &mut fx);
         out.initialize(us(2_000));
         out.initialize(us(2_100));
-        assert_eq!(out.next(), us(2_002), "the same command again starts no delay anew");
+        assert_eq!(out.next(), us(2_002), "the same command again starts no delay again");
         out.fire(us(2_250), &mut fx);
         assert_eq!(
             (out.level(3), out.level(4), out.next()),
@@ -307,7 +307,7 @@ mod tests {
         out.drive(us(40), 0, !0, &memory);
         assert_eq!(out.next(), Time::MAX);
         out.drive(us(50), 0b1_0000, !0, &memory);
-        assert_eq!(out.next(), us(84), "the delay starts anew");
+        assert_eq!(out.next(), us(84), "the delay starts again");
         assert!(fx.list.is_empty());
     }
 }

@@ -30,7 +30,7 @@ impl Controller {
     }
 
     /// The program may have written PLC_W.
-    pub(crate) fn look_at_plc_w(&mut self, now: Time, fx: &mut Effects) {
+    pub(crate) fn check_plc_w(&mut self, now: Time, fx: &mut Effects) {
         let (Some(open), Some(application)) =
             (self.system.link(SystemVariable::OpenPlcControl), &self.application)
         else {
@@ -63,12 +63,12 @@ impl Controller {
         };
     }
 
-    /// PLC_W is 0 behind every reset, download and boot; the application's own variables have their initial values.
+    /// PLC_W is 0 after every reset, download and boot; the application's own variables have their initial values.
     pub(crate) fn clear_plc_w(&mut self) {
         (self.system.control, self.system.open) = (0, 0);
     }
 
-    /// Whether the program may go on behind what was just done for it.
+    /// Whether the program may go on after what was just done for it.
     pub(crate) fn still_running(&self) -> bool {
         self.state == State::Running
     }

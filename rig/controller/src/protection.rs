@@ -81,7 +81,7 @@ impl Protection {
         self.supplied
     }
 
-    /// Every group is driven again and nothing is reported, as behind a reset or a boot; faults stay in the world.
+    /// Every group is driven again and nothing is reported, as after a reset or a boot; faults stay in the world.
     pub(crate) fn reset(&mut self) {
         for group in &mut self.groups {
             (group.phase, group.reported) = (Phase::Driven, false);
@@ -109,18 +109,18 @@ impl Protection {
 
     /// Looks at all groups at `now`, with what the outputs are commanded and the level of the rearming command.
     #[inline]
-    pub(crate) fn look(&mut self, now: Time, on: u32, command: bool) {
+    pub(crate) fn update(&mut self, now: Time, on: u32, command: bool) {
         let before = std::mem::replace(&mut self.command, command);
         let rises = command && !before;
         if !self.idle {
-            self.look_closer(now, on, rises);
+            self.update_groups(now, on, rises);
         }
     }
 
     /// Looks at all groups at `now`, with no write of the outputs.
-    pub(crate) fn look_again(&mut self, now: Time, on: u32) {
+    pub(crate) fn update_without_write(&mut self, now: Time, on: u32) {
         if !self.idle {
-            self.look_closer(now, on, false);
+            self.update_groups(now, on, false);
         }
     }
 
@@ -130,7 +130,7 @@ impl Protection {
         self.idle
     }
 
-    fn look_closer(&mut self, now: Time, on: u32, rises: bool) {
+    fn update_groups(&mut self, now: Time, on: u32, rises: bool) {
         let (faults, automatic) = (self.faults(on), self.rearming == Rearming::Automatic);
         self.next = Time::MAX;
         let mut quiet = self.shorted | self.hot == 0;
@@ -200,17 +200,17 @@ mod tests {
     fn automatic_attempts_come_every_second() {
         let mut it = protection(Rearming::Automatic);
         it.short_circuit(5, true);
-        it.look(ms(5), 0, false);
+        it.update(ms(5), 0, false);
         assert_eq!((it.off(), it.reported()), (0, false), "no current, no fault");
-        it.look(ms(10), 1 << 5, false);
+        it.update(ms(10), 1 << 5, false);
         assert_eq!((it.off(), it.reported(), it.next()), (0xF0, true, ms(1_010)));
-        it.look(ms(1_010), 1 << 5, false);
+        it.update(ms(1_010), 1 << 5, false);
         assert_eq!((it.off(), it.reported(), it.next()), (0, true, ms(1_011)));
-        it.look(ms(1_011), 1 << 5, true);
+        it.update(ms(1_011), 1 << 5, true);
         assert_eq!((it.off(), it.next()), (0xF0, ms(2_010)), "the command does nothing");
         it.short_circuit(5, false);
-        it.look(ms(2_010), 1 << 5, false);
-        it.look(ms(2_011), 1 << 5, false);
+        it.update(ms(2_010), 1 << 5, false);
+        it.update(ms(2_011), 1 << 5, false);
         assert_eq!((it.off(), it.reported(), it.next()), (0, false, Time::MAX));
     }
 
@@ -219,14 +219,14 @@ mod tests {
     fn manual_waits_for_a_rising_edge() {
         let mut it = protection(Rearming::Manual);
         it.over_temperature(0, true);
-        it.look(ms(10), 0, true);
+        it.update(ms(10), 0, true);
         assert_eq!((it.off(), it.reported(), it.next()), (0xF, true, Time::MAX));
-        it.look(ms(5_000), 0, true);
+        it.update(ms(5_000), 0, true);
         assert_eq!(it.off(), 0xF, "no edge");
-        it.look(ms(5_100), 0, false);
-        it.look(ms(5_200), 0, true);
+        it.update(ms(5_100), 0, false);
+        it.update(ms(5_200), 0, true);
         assert_eq!((it.off(), it.reported(), it.next()), (0, false, ms(5_201)));
-        it.look(ms(5_201), 0, true);
+        it.update(ms(5_201), 0, true);
         assert_eq!((it.off(), it.reported(), it.next()), (0xF, true, Time::MAX));
     }
 
@@ -235,10 +235,10 @@ mod tests {
         let mut it = protection(Rearming::Automatic);
         it.supply(false);
         it.short_circuit(8, true);
-        it.look(ms(0), 0x3FF, false);
+        it.update(ms(0), 0x3FF, false);
         assert_eq!((it.off(), it.reported()), (0, false));
         it.supply(true);
-        it.look(ms(1), 0x3FF, false);
+        it.update(ms(1), 0x3FF, false);
         assert_eq!((it.off(), it.reported()), (0x300, true));
     }
 }

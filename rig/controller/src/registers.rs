@@ -1,7 +1,10 @@
 //! The registers that the network sees: %MW, the system variables and the relocation table (controller:MEM-06,
 //! controller:MEM-07). Protocols come to the controller's memory by these two functions alone.
 
-use crate::relocation::{Form, Located, Part, Row, Table, Target, with_word, word_of};
+use crate::relocation::{
+    RegisterFormat, RelocationPart, RelocationRow, RelocationTable, RelocationTarget, VariableLocation,
+    with_word, word_of,
+};
 use crate::{Application, Controller, Effects, Probe, SystemVariable};
 use profile::{
     FILE_HANDLES, FIRMWARE_VERSION, Profile, READ_TABLE, RESERVED_REGISTERS, SERIAL_NUMBER, SYSTEM_REGISTERS,
@@ -21,17 +24,17 @@ pub enum RegisterError {
 
 /// What can be asked of a register or of a row of the relocation table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RegisterFact {
-    /// What reading it gives; unknown where nothing answers, and behind an exception.
+pub enum RegisterProbe {
+    /// What reading it gives; unknown where nothing answers, and after an exception.
     Value(u16),
     /// The exception that reading it gives: 0 for none, 2 for an illegal address; unknown where nothing answers.
     Exception(u16),
     /// The address of a row: -1 where its variable does not exist (controller:REL-05).
-    Address(Part, u16),
+    Address(RelocationPart, u16),
     /// The length of a row in registers.
-    Length(Part, u16),
+    Length(RelocationPart, u16),
     /// Whether the variable of a row exists.
-    Valid(Part, u16),
+    Valid(RelocationPart, u16),
 }
 
 /// The parts of the register map (controller:MEM-06).
@@ -39,7 +42,7 @@ pub enum RegisterFact {
 enum Block {
     Memory,
     System,
-    Table(Part),
+    Table(RelocationPart),
     SystemWrite,
     Reserved,
 }
@@ -47,9 +50,9 @@ enum Block {
 const fn block(register: u16) -> Block {
     match register {
         RESERVED_REGISTERS.. => Block::Reserved,
-        WRITE_TABLE.. => Block::Table(Part::Write),
+        WRITE_TABLE.. => Block::Table(RelocationPart::Write),
         SYSTEM_WRITE_REGISTERS.. => Block::SystemWrite,
-        READ_TABLE.. => Block::Table(Part::Read),
+        READ_TABLE.. => Block::Table(RelocationPart::Read),
         SYSTEM_REGISTERS.. => Block::System,
         _ => Block::Memory,
     }
@@ -58,7 +61,7 @@ const fn block(register: u16) -> Block {
 /// Registers that belong to no variable, and the relocation table.
 #[derive(Debug)]
 pub(crate) struct Registers {
-    pub table: Table,
+    pub table: RelocationTable,
     /// Registers of the read and the write table that no row covers.
     loose: [Box<[u16]>; 2],
     /// Words of the structures that may be written.
@@ -68,16 +71,20 @@ pub(crate) struct Registers {
 impl Default for Registers {
     fn default() -> Self {
         let words = || vec![0; usize::from(TABLE_WORDS)].into_boxed_slice();
-        Registers { table: Table::default(), loose: [words(), words()], writable: [0; WRITABLE_FIELDS] }
+        Registers {
+            table: RelocationTable::default(),
+            loose: [words(), words()],
+            writable: [0; WRITABLE_FIELDS],
+        }
     }
 }
 
 impl Registers {
-    fn loose(&self, part: Part, register: u16) -> u16 {
+    fn loose(&self, part: RelocationPart, register: u16) -> u16 {
         self.loose[part as usize].get(usize::from(register - part.first())).copied().unwrap_or(0)
     }
 
-    fn set_loose(&mut self, part: Part, register: u16, value: u16) {
+    fn set_loose(&mut self, part: RelocationPart, register: u16, value: u16) {
         if let Some(place) = self.loose[part as usize].get_mut(usize::from(register - part.first())) {
             *place = value;
         }
@@ -139,10 +146,10 @@ impl Controller {
     fn is_open(&self, register: u16) -> bool {
         let first_edition = self.config.profile == Profile::M241_2014;
         match block(register) {
-            Block::Memory | Block::SystemWrite | Block::Table(Part::Write) => true,
+            Block::Memory | Block::SystemWrite | Block::Table(RelocationPart::Write) => true,
             Block::System | Block::Reserved => false,
-            Block::Table(Part::Read) => {
-                first_edition && self.registers.table.at(Part::Read, register).is_none()
+            Block::Table(RelocationPart::Read) => {
+                first_edition && self.registers.table.at(RelocationPart::Read, register).is_none()
             }
         }
     }
@@ -160,7 +167,9 @@ impl Controller {
             }
             Block::Table(part) => match self.registers.table.at(part, register) {
                 // What is declared in the write table may only be written in 2014 (controller:MEM-07).
-                Some(_) if first_edition && part == Part::Write => Err(RegisterError::IllegalAddress),
+                Some(_) if first_edition && part == RelocationPart::Write => {
+                    Err(RegisterError::IllegalAddress)
+                }
                 Some((target, word)) => Ok(self.target_word(target, word)),
                 None => Ok(self.registers.loose(part, register)),
             },
@@ -169,13 +178,13 @@ impl Controller {
         }
     }
 
-    fn target_word(&self, target: Target, word: u16) -> u16 {
+    fn target_word(&self, target: RelocationTarget, word: u16) -> u16 {
         match target {
-            Target::System(field) => self.field_word(field, word),
-            Target::Application(Located::Memory(at)) => {
+            RelocationTarget::System(field) => self.field_word(field, word),
+            RelocationTarget::Application(VariableLocation::Memory(at)) => {
                 (self.memory.load(at) >> (16 * u32::from(word.min(3)))) as u16
             }
-            Target::Application(Located::Variable(number, form)) => {
+            RelocationTarget::Application(VariableLocation::Variable(number, form)) => {
                 self.application.as_ref().map_or(0, |it| word_of(form, it.read(number), word))
             }
         }
@@ -190,8 +199,10 @@ impl Controller {
                 }
             }
             Block::Table(part) => match self.registers.table.at(part, register) {
-                Some((Target::System(field), _)) => self.set_field(now, field, value, fx),
-                Some((Target::Application(located), word)) => self.set_located(located, word, value, cause),
+                Some((RelocationTarget::System(field), _)) => self.set_field(now, field, value, fx),
+                Some((RelocationTarget::Application(located), word)) => {
+                    self.set_located(located, word, value, cause)
+                }
                 None => self.registers.set_loose(part, register, value),
             },
             Block::System | Block::SystemWrite | Block::Reserved => {}
@@ -215,15 +226,15 @@ impl Controller {
         let _ = self.write_system(commands, Value::Word(u64::from(value)), now, fx);
     }
 
-    fn set_located(&mut self, located: Located, word: u16, value: u16, cause: Cause) {
+    fn set_located(&mut self, located: VariableLocation, word: u16, value: u16, cause: Cause) {
         match located {
-            Located::Memory(at) => {
-                let form = if at.bit_len() == 1 { Form::Bit } else { Form::Whole(4) };
+            VariableLocation::Memory(at) => {
+                let form = if at.bit_len() == 1 { RegisterFormat::Bit } else { RegisterFormat::Whole(4) };
                 let new = with_word(form, Value::Word(self.memory.load(at)), word, value);
                 self.memory.set_cause(cause);
                 self.memory.store(at, new.as_int().map_or(0, |bits| bits as u64));
             }
-            Located::Variable(number, form) => {
+            VariableLocation::Variable(number, form) => {
                 if let Some(application) = &mut self.application {
                     let new = with_word(form, application.read(number), word, value);
                     application.write(number, new);
@@ -280,7 +291,7 @@ impl Controller {
 
     /// A register of a system variable; 0 where it is not known.
     fn system_word(&self, variable: SystemVariable, word: u16) -> u16 {
-        word_of(Form::Whole(4), self.read_system(variable), word)
+        word_of(RegisterFormat::Whole(4), self.read_system(variable), word)
     }
 
     /// Packs the relocation table for an application, or for none.
@@ -288,38 +299,42 @@ impl Controller {
         let application = self.application.as_deref();
         // An application whose table does not fit was refused when it was built.
         self.registers.table =
-            Table::pack(&self.config.relocation, application, self.config.profile).unwrap_or_default();
+            RelocationTable::pack(&self.config.relocation, application, self.config.profile)
+                .unwrap_or_default();
         self.watch_rows();
     }
 
     /// Whether the relocation table fits with this application; else its first row that does not.
-    pub(crate) fn check_relocation(&self, application: &dyn Application) -> Result<(), (Part, usize)> {
-        Table::pack(&self.config.relocation, Some(application), self.config.profile).map(|_| ())
+    pub(crate) fn check_relocation(
+        &self,
+        application: &dyn Application,
+    ) -> Result<(), (RelocationPart, usize)> {
+        RelocationTable::pack(&self.config.relocation, Some(application), self.config.profile).map(|_| ())
     }
 
     /// A row of the relocation table.
-    fn row(&self, part: Part, place: u16) -> Option<&Row> {
+    fn row(&self, part: RelocationPart, place: u16) -> Option<&RelocationRow> {
         self.registers.table.part(part).get(usize::from(place))
     }
 
     /// What a fact of the registers is now.
-    pub(crate) fn register_fact(&self, fact: RegisterFact) -> Value {
+    pub(crate) fn read_register_probe(&self, fact: RegisterProbe) -> Value {
         let answers = self.state.status().is_some();
         match fact {
             _ if !answers => Value::Unknown,
-            RegisterFact::Value(register) => {
+            RegisterProbe::Value(register) => {
                 self.register(register).map_or(Value::Unknown, |word| Value::Word(u64::from(word)))
             }
-            RegisterFact::Exception(register) => {
+            RegisterProbe::Exception(register) => {
                 Value::Int(if self.register(register).is_err() { 2 } else { 0 })
             }
-            RegisterFact::Address(part, place) => self
+            RegisterProbe::Address(part, place) => self
                 .row(part, place)
                 .map_or(Value::Unknown, |row| Value::Int(row.address.map_or(-1, i64::from))),
-            RegisterFact::Length(part, place) => {
+            RegisterProbe::Length(part, place) => {
                 self.row(part, place).map_or(Value::Unknown, |row| Value::Int(i64::from(row.words)))
             }
-            RegisterFact::Valid(part, place) => {
+            RegisterProbe::Valid(part, place) => {
                 self.row(part, place).map_or(Value::Unknown, |row| Value::Bool(row.address.is_some()))
             }
         }
@@ -328,7 +343,7 @@ impl Controller {
     /// Has the application stop at changes of what observed registers show.
     pub(crate) fn watch_rows(&mut self) {
         for place in 0..self.watches.len() {
-            if let Some(Probe::Register(RegisterFact::Value(register))) = self.watches.get(place) {
+            if let Some(Probe::Register(RegisterProbe::Value(register))) = self.watches.get(place) {
                 self.watch_register(register);
             }
         }
@@ -336,13 +351,18 @@ impl Controller {
 
     pub(crate) fn watch_register(&mut self, register: u16) {
         let target = match block(register) {
-            Block::Memory => word_address(register).map(|at| Target::Application(Located::Memory(at))),
+            Block::Memory => {
+                word_address(register).map(|at| RelocationTarget::Application(VariableLocation::Memory(at)))
+            }
             Block::Table(part) => self.registers.table.at(part, register).map(|(target, _)| target),
             _ => None,
         };
         match (target, &mut self.application) {
-            (Some(Target::Application(Located::Memory(at))), _) => self.memory.watch(at),
-            (Some(Target::Application(Located::Variable(number, _))), Some(application)) => {
+            (Some(RelocationTarget::Application(VariableLocation::Memory(at))), _) => self.memory.watch(at),
+            (
+                Some(RelocationTarget::Application(VariableLocation::Variable(number, _))),
+                Some(application),
+            ) => {
                 application.watch(number);
             }
             _ => {}

@@ -23,7 +23,7 @@ impl Controller {
     }
 
     /// Releases the cycles due at `now`. A release that finds one waiting is lost; the grid of a cyclic task is kept
-    /// (controller:TASK-11). Behind them the variables are looked at that start event tasks.
+    /// (controller:TASK-11). After them the variables are looked at that start event tasks.
     pub(crate) fn release(&mut self, now: Time, fx: &mut Effects) {
         for rank in 0..self.tasks.len() {
             while self.tasks[rank].next_release <= now {
@@ -39,7 +39,7 @@ impl Controller {
         }
         while self.tick <= now {
             self.tick = self.tick.saturating_add(TRIGGER_TICK);
-            self.look_at_triggers(now, fx);
+            self.check_triggers(now, fx);
         }
     }
 
@@ -55,7 +55,7 @@ impl Controller {
         }
     }
 
-    /// A cycle of a task is due since `due`; one that is due already swallows it.
+    /// A cycle of a task is due since `due`; one that is due already takes its place.
     pub(crate) fn make_ready(&mut self, rank: usize, due: Time) {
         let (bit, task) = (1 << rank, &mut self.tasks[rank]);
         if self.cpu.ready & bit != 0 {
@@ -69,7 +69,7 @@ impl Controller {
         self.cpu.ready |= bit;
     }
 
-    /// Every task begins anew at `now`: cyclic and freewheeling ones at once (controller:TR-06, controller:TR-08),
+    /// Every task starts again at `now`: cyclic and freewheeling ones at once (controller:TR-06, controller:TR-08),
     /// the others with their next event.
     pub(crate) fn release_all(&mut self, now: Time) {
         self.tick = Time::MAX;
@@ -94,7 +94,7 @@ impl Controller {
         }
     }
 
-    /// A cycle of a freewheeling task that took `elapsed` ended at `now`: the next one begins behind a pause of 30 %
+    /// A cycle of a freewheeling task that took `elapsed` ended at `now`: the next one begins after a pause of 30 %
     /// of both together, of at least a nanosecond (controller:TASK-21).
     pub(crate) fn pause(&mut self, rank: usize, elapsed: Span, now: Time) {
         let (part, of) = FREEWHEELING_PAUSE;
@@ -105,7 +105,7 @@ impl Controller {
 
     /// Starts the event tasks whose variables became TRUE since they were looked at last (controller:TASK-30). This
     /// happens at the end of every task's cycle and every [`TRIGGER_TICK`].
-    pub(crate) fn look_at_triggers(&mut self, now: Time, fx: &mut Effects) {
+    pub(crate) fn check_triggers(&mut self, now: Time, fx: &mut Effects) {
         if self.tick == Time::MAX {
             return;
         }

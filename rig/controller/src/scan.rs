@@ -1,7 +1,7 @@
 //! The scan: application code on the one processor, cycle by cycle.
 
 use crate::watch::class;
-use crate::{ApplicationFault, Controller, Effects, Entry, FaultClass, State, Stop, TaskKind};
+use crate::{ApplicationFault, Controller, Effects, FaultClass, LogEntry, SliceEnd, State, TaskKind};
 use profile::{MINIMUM_CYCLE, StopCause};
 use signal::{Cause, Span, Time};
 
@@ -21,7 +21,7 @@ impl Controller {
     /// Operations that complete at `limit` take effect, cycles that end there write their outputs; a cycle that could
     /// start there starts with the next call, when everything else of that instant is known.
     pub fn run(&mut self, limit: Time, fx: &mut Effects) -> Time {
-        self.mend_watches();
+        self.refresh_watches();
         let before = fx.len();
         loop {
             if fx.len() > before {
@@ -75,7 +75,7 @@ impl Controller {
             return Step::Wait;
         }
         let end = cap;
-        let cap = if rank == chosen { self.take_turn(rank, cap) } else { cap };
+        let cap = if rank == chosen { self.start_time_slice(rank, cap) } else { cap };
         self.cpu.running = rank;
         if self.tasks[rank].foreground() && self.cpu.at > self.cpu.busy_until {
             self.cpu.busy_since = self.cpu.at;
@@ -100,16 +100,16 @@ impl Controller {
             return Step::Go;
         }
         let (place, before, mut cap) = (self.tasks[rank].place, fx.len(), cap);
-        self.functions.of_blocks().enter(place);
+        self.functions.expert_mut().enter(place);
         loop {
             let Some(application) = &mut self.application else { return Step::Wait };
             let budget = cap - self.cpu.at;
             let slice =
-                application.resume(place, self.cpu.at, budget, &mut self.memory, self.functions.of_blocks());
+                application.resume(place, self.cpu.at, budget, &mut self.memory, self.functions.expert_mut());
             self.cpu.in_flight = None;
             self.pass(rank, slice.used);
-            match slice.stop {
-                Stop::Budget { next } => {
+            match slice.end {
+                SliceEnd::Budget { next } => {
                     if slice.used < budget {
                         // It is under way; at least a nanosecond, so that a cost of 0 cannot hold up the time.
                         let until = self.cpu.at.saturating_add(next.max(Span::from_nanos(1)));
@@ -119,10 +119,10 @@ impl Controller {
                         }
                     }
                 }
-                Stop::Touched => {
+                SliceEnd::Touched => {
                     let (at, cause) = (self.cpu.at, self.memory.cause());
                     self.observe_memory(at, cause, fx);
-                    self.look_at_plc_w(at, fx);
+                    self.check_plc_w(at, fx);
                     self.observe(class::EXPERT, at, cause, fx);
                     // What a block began comes in time.
                     cap = cap.min(self.functions.next().max(at));
@@ -136,7 +136,7 @@ impl Controller {
                     }
                     continue;
                 }
-                Stop::Done => {
+                SliceEnd::Done => {
                     let cycle = &mut self.tasks[rank].cycle;
                     if cycle.used < cycle.least {
                         cycle.rest = Some(cycle.least - cycle.used);
@@ -144,15 +144,15 @@ impl Controller {
                         self.end_cycle(rank, fx);
                     }
                 }
-                Stop::Break => self.enter_breakpoint(place, fx),
-                Stop::Service { service, argument } => {
-                    self.serve(rank, service, argument);
+                SliceEnd::Break => self.enter_breakpoint(place, fx),
+                SliceEnd::SystemCall { call, argument } => {
+                    self.answer_call(rank, call, argument);
                     if self.cpu.held >> rank & 1 == 1 {
                         return Step::Go;
                     }
                     continue;
                 }
-                Stop::Fault(fault) => self.fault(rank, fault, fx),
+                SliceEnd::Fault(fault) => self.fault(rank, fault, fx),
             }
             return Step::Go;
         }
@@ -164,7 +164,7 @@ impl Controller {
         self.load.advance(self.cpu.at, None, &mut self.tasks);
         self.cpu.at += used;
         self.load.advance(self.cpu.at, Some(rank), &mut self.tasks);
-        self.use_turn(rank, used);
+        self.use_time_slice(rank, used);
         let task = &mut self.tasks[rank];
         task.cycle.used = task.cycle.used + used;
         task.waits_since = self.cpu.at;
@@ -184,7 +184,7 @@ impl Controller {
         task.start(at, MINIMUM_CYCLE);
         let place = task.place;
         self.start_first_cycle(place);
-        self.functions.of_blocks().sample(at, place);
+        self.functions.expert_mut().sample(at, place);
         if let Some(application) = &mut self.application {
             application.begin(place);
         }
@@ -199,11 +199,11 @@ impl Controller {
         if matches!(task.kind, TaskKind::Freewheeling) {
             self.pause(rank, elapsed, at);
         }
-        self.end_turn(rank);
+        self.end_time_slice(rank);
         self.cpu.active &= !(1 << rank);
         self.exchange_outputs(rank, at, fx);
         if over {
-            self.note(at, Entry::Overrun { task: place, elapsed }, fx);
+            self.log_entry(at, LogEntry::Overrun { task: place, elapsed }, fx);
         }
         // A context is consistent only while no cycle is half done (controller:REM-07).
         self.end_first_cycle(place);
@@ -214,7 +214,7 @@ impl Controller {
                 self.enter_stopped(at, cause, fx);
             }
         }
-        self.look_at_triggers(at, fx);
+        self.check_triggers(at, fx);
         self.observe(class::FIGURE, at, Cause::Controller, fx);
     }
 
@@ -231,7 +231,7 @@ impl Controller {
     fn fault(&mut self, rank: usize, fault: ApplicationFault, fx: &mut Effects) {
         let at = self.cpu.at;
         let task = self.tasks[rank].place;
-        self.note(at, Entry::Fault { task, fault }, fx);
+        self.log_entry(at, LogEntry::Fault { task, fault }, fx);
         match fault.class {
             FaultClass::Application => self.enter_halt(at, fault.error, fx),
             FaultClass::System => self.system_error(at, StopCause::Exception, fault.error, fx),

@@ -1,11 +1,11 @@
 //! What a program asks of the controller.
 
-use crate::{Controller, Service, State, VariableReset};
+use crate::{Controller, State, SystemCall, VariableReset};
 use signal::{Span, Time};
 
 /// What came before RUNNING is entered next (controller:TASK-53).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Start {
+pub(crate) enum FirstCycle {
     /// Nothing but a stop.
     #[default]
     Again,
@@ -13,52 +13,52 @@ pub(crate) enum Start {
     Warm,
     /// A reset cold, a download, or a boot without a valid context.
     Cold,
-    /// RUNNING was entered behind this: MAST has not begun its first cycle.
-    Entered(Behind),
+    /// RUNNING was entered after this: MAST has not begun its first cycle.
+    Entered(StartKind),
     /// MAST is in its first cycle.
-    First(Behind),
+    First(StartKind),
 }
 
 /// What came before the first cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Behind {
+pub(crate) enum StartKind {
     Stop,
     Warm,
     Cold,
 }
 
-impl Start {
+impl FirstCycle {
     /// A reset comes before the next start.
-    pub(crate) fn behind(reset: VariableReset) -> Start {
-        if reset == VariableReset::WARM { Start::Warm } else { Start::Cold }
+    pub(crate) fn behind(reset: VariableReset) -> FirstCycle {
+        if reset == VariableReset::WARM { FirstCycle::Warm } else { FirstCycle::Cold }
     }
 }
 
 impl Controller {
     /// RUNNING is entered.
     pub(crate) fn begin_first_cycle(&mut self) {
-        self.start = Start::Entered(match self.start {
-            Start::Warm | Start::Entered(Behind::Warm) => Behind::Warm,
-            Start::Cold | Start::Entered(Behind::Cold) => Behind::Cold,
-            _ => Behind::Stop,
+        self.start = FirstCycle::Entered(match self.start {
+            FirstCycle::Warm | FirstCycle::Entered(StartKind::Warm) => StartKind::Warm,
+            FirstCycle::Cold | FirstCycle::Entered(StartKind::Cold) => StartKind::Cold,
+            _ => StartKind::Stop,
         });
     }
 
     /// A cycle of the task at this place begins.
     #[inline]
     pub(crate) fn start_first_cycle(&mut self, place: usize) {
-        if let Start::Entered(behind) = self.start
+        if let FirstCycle::Entered(behind) = self.start
             && place == self.mast
         {
-            self.start = Start::First(behind);
+            self.start = FirstCycle::First(behind);
         }
     }
 
     /// A cycle of the task at this place ended.
     #[inline]
     pub(crate) fn end_first_cycle(&mut self, place: usize) {
-        if matches!(self.start, Start::First(_)) && place == self.mast {
-            self.start = Start::Again;
+        if matches!(self.start, FirstCycle::First(_)) && place == self.mast {
+            self.start = FirstCycle::Again;
         }
     }
 
@@ -67,7 +67,7 @@ impl Controller {
         if from == State::Booting && self.state.status().is_some() {
             self.system.clocks.begin(now);
         }
-        // A breakpoint is a stop too, and what comes behind it is none again (controller:SYS-02).
+        // A breakpoint is a stop too, and what comes after it is none again (controller:SYS-02).
         if from == State::Running || self.state == State::Off {
             if from == State::Running {
                 self.system.dates.stop = self.system.rtc.date(now);
@@ -77,26 +77,29 @@ impl Controller {
     }
 
     /// Answers the task of this rank at once.
-    pub(crate) fn serve(&mut self, rank: usize, service: Service, argument: i64) {
+    pub(crate) fn answer_call(&mut self, rank: usize, call: SystemCall, argument: i64) {
         let (now, place) = (self.cpu.at, self.tasks[rank].place);
         let start = self.start;
-        let first =
-            |behind: &[Behind]| i64::from(matches!(start, Start::First(this) if behind.contains(&this)));
-        let answer = match service {
-            Service::WaitSleep => {
+        let first = |behind: &[StartKind]| {
+            i64::from(matches!(start, FirstCycle::First(this) if behind.contains(&this)))
+        };
+        let answer = match call {
+            SystemCall::WaitSleep => {
                 self.sleep(rank, now.saturating_add(Span::from_millis(argument)));
                 0
             }
-            Service::GetTaskCycle => self.interval(place).map_or(0, |interval| interval.as_nanos() / 1_000),
-            Service::SetTaskCycle => i64::from(!self.set_interval(place, Span::from_micros(argument))),
+            SystemCall::GetTaskCycle => {
+                self.interval(place).map_or(0, |interval| interval.as_nanos() / 1_000)
+            }
+            SystemCall::SetTaskCycle => i64::from(!self.set_interval(place, Span::from_micros(argument))),
             // The flags hold whatever task asks.
-            Service::FirstMastCycle => first(&[Behind::Stop, Behind::Warm, Behind::Cold]),
-            Service::FirstMastColdCycle => first(&[Behind::Cold]),
-            Service::FirstMastWarmCycle => first(&[Behind::Warm]),
-            Service::HasForcedIo => i64::from(self.forced_inputs.mask | self.forced_outputs.mask != 0),
-            Service::GetRtc => self.system.rtc.seconds(now),
-            Service::SetRtcDrift => self.system.rtc.set_drift(argument, self.config.profile, now),
-            Service::InhibitBatteryLed => {
+            SystemCall::FirstMastCycle => first(&[StartKind::Stop, StartKind::Warm, StartKind::Cold]),
+            SystemCall::FirstMastColdCycle => first(&[StartKind::Cold]),
+            SystemCall::FirstMastWarmCycle => first(&[StartKind::Warm]),
+            SystemCall::HasForcedIo => i64::from(self.forced_inputs.mask | self.forced_outputs.mask != 0),
+            SystemCall::GetRtc => self.system.rtc.seconds(now),
+            SystemCall::SetRtcDrift => self.system.rtc.set_drift(argument, self.config.profile, now),
+            SystemCall::InhibitBatteryLed => {
                 self.battery_led_inhibited = argument != 0;
                 0
             }

@@ -1,11 +1,11 @@
 //! The end of BOOTING: the boot application is loaded, the saved context checked, the state decided.
 
 use crate::boot::{BootFacts, decide};
-use crate::context::Saved;
-use crate::previous::recorded;
-use crate::service::Start;
-use crate::transition::Beginning;
-use crate::{APPLICATION_FILE, Application, Controller, Effects, Entry, RETAIN_MAP, State, VariableReset};
+use crate::last_state::load_last_state;
+use crate::remanent::Saved;
+use crate::service::FirstCycle;
+use crate::transition::ApplicationStart;
+use crate::{APPLICATION_FILE, Application, Controller, Effects, LogEntry, RETAIN_MAP, State, VariableReset};
 use profile::{BootProjectStatus, Profile, StopCause};
 use signal::Time;
 
@@ -23,7 +23,7 @@ enum Check {
 impl Controller {
     /// Loads the boot application and decides the state (controller:TR-02...07).
     pub(crate) fn end_boot(&mut self, now: Time, fx: &mut Effects) {
-        let (previous, before) = recorded(&*self.store).unwrap_or((State::Off, 0));
+        let (previous, before) = load_last_state(&*self.store).unwrap_or((State::Off, 0));
         let loaded = self.power.firmware && !self.power.system_error;
         let bundle = self.store.read(APPLICATION_FILE).filter(|_| loaded);
         let mut invalid = false;
@@ -31,7 +31,7 @@ impl Controller {
             Ok(application) => Some((application, bundle)),
             Err(error) => {
                 invalid = true;
-                self.note(now, Entry::Load(error), fx);
+                self.log_entry(now, LogEntry::Load(error), fx);
                 None
             }
         });
@@ -54,7 +54,7 @@ impl Controller {
             facts.same = application.signature() == before;
             check = self.load(application, &bundle, now, fx);
             facts.remanents = check == Check::Valid;
-            self.start = if facts.remanents { Start::Warm } else { Start::Cold };
+            self.start = if facts.remanents { FirstCycle::Warm } else { FirstCycle::Cold };
         }
         self.boot_file_changed();
         if invalid {
@@ -62,7 +62,7 @@ impl Controller {
             self.system.boot_project = BootProjectStatus::None;
         }
         let outcome = decide(&facts);
-        self.note(now, Entry::Boot { row: outcome.row }, fx);
+        self.log_entry(now, LogEntry::Boot { row: outcome.row }, fx);
         if matches!(outcome.state, State::Empty | State::InvalidOs) {
             // controller:FRC-07
             self.clear_forcing();
@@ -77,10 +77,10 @@ impl Controller {
             Check::Valid => StopCause::Unknown,
         };
         if check != Check::Valid {
-            self.note(now, Entry::ContextInvalid, fx);
+            self.log_entry(now, LogEntry::ContextInvalid, fx);
             self.save_if_dirty(now);
         }
-        self.initial_outputs(Beginning::Boot, outcome.state, now, fx);
+        self.initial_outputs(ApplicationStart::Boot, outcome.state, now, fx);
         match outcome.state {
             State::Running => self.enter_running(now, fx),
             _ => self.rest(State::Stopped, now, fx),
@@ -96,9 +96,9 @@ impl Controller {
         fx: &mut Effects,
     ) -> Check {
         if let Some((byte, tasks)) = self.shared_output_byte(&*application) {
-            self.note(now, Entry::SharedOutputByte { byte, tasks }, fx);
+            self.log_entry(now, LogEntry::SharedOutputByte { byte, tasks }, fx);
         }
-        self.note_warnings(now, fx);
+        self.log_warnings(now, fx);
         application.reset(VariableReset::ALL);
         self.memory.clear();
         let saved = self.context.newest(&*self.store);

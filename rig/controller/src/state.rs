@@ -1,6 +1,6 @@
 //! The states of the controller.
 
-use profile::Status;
+use profile::PlcStatus;
 
 /// A state of the controller (controller:STATE-01).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,14 +37,14 @@ impl State {
     ];
 
     /// The state as the system variable shows it (controller:STATE-02); none where no service answers.
-    pub(crate) const fn status(self) -> Option<Status> {
+    pub(crate) const fn status(self) -> Option<PlcStatus> {
         match self {
             State::Off | State::Booting | State::InvalidOs => None,
-            State::Empty => Some(Status::Empty),
-            State::Stopped => Some(Status::Stopped),
-            State::Running => Some(Status::Running),
-            State::Halt => Some(Status::Halt),
-            State::Breakpoint => Some(Status::Breakpoint),
+            State::Empty => Some(PlcStatus::Empty),
+            State::Stopped => Some(PlcStatus::Stopped),
+            State::Running => Some(PlcStatus::Running),
+            State::Halt => Some(PlcStatus::Halt),
+            State::Breakpoint => Some(PlcStatus::Breakpoint),
         }
     }
 
@@ -54,11 +54,11 @@ impl State {
             State::Booting => 16,
             State::InvalidOs => 17,
             State::Off => 32,
-            State::Empty => Status::Empty.code() as i64,
-            State::Stopped => Status::Stopped.code() as i64,
-            State::Running => Status::Running.code() as i64,
-            State::Halt => Status::Halt.code() as i64,
-            State::Breakpoint => Status::Breakpoint.code() as i64,
+            State::Empty => PlcStatus::Empty.code() as i64,
+            State::Stopped => PlcStatus::Stopped.code() as i64,
+            State::Running => PlcStatus::Running.code() as i64,
+            State::Halt => PlcStatus::Halt.code() as i64,
+            State::Breakpoint => PlcStatus::Breakpoint.code() as i64,
         }
     }
 

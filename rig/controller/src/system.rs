@@ -2,7 +2,7 @@
 //! them.
 
 use crate::clocks::Clocks;
-use crate::previous::Dates;
+use crate::last_state::Dates;
 use crate::{Controller, Rtc};
 use profile::{ApplicationError, BootProjectStatus, StopCause};
 use signal::Value;

@@ -1,6 +1,6 @@
 //! The run-time state of a task and its figures.
 
-use crate::turn::Turn;
+use crate::time_slice::TimeSlice;
 use crate::{EventSource, Probe, TaskConfig, TaskKind, Watchdog};
 use profile::{SHORT_INTERVAL, SHORT_INTERVAL_TOLERANCE};
 use signal::{Span, Time, Value};
@@ -66,7 +66,7 @@ pub type JitterCounts = [u64; JITTER_BORDERS.len() + 1];
 
 /// One figure of [`TaskFigures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Figure {
+pub enum TaskFigure {
     /// Cycles that ended.
     Cycles,
     /// Processor time of the last cycle in nanoseconds.
@@ -103,30 +103,30 @@ impl TaskFigures {
     }
 
     /// One of the figures as a value: a count, nanoseconds, or per cent.
-    pub(crate) fn get(&self, figure: Figure) -> Value {
+    pub(crate) fn get(&self, figure: TaskFigure) -> Value {
         let count = |n: u64| Value::Int(i64::try_from(n).unwrap_or(i64::MAX));
         match figure {
-            Figure::Cycles => count(self.cycles),
-            Figure::Last => Value::Int(self.last.as_nanos()),
-            Figure::Min => Value::Int(self.min.as_nanos()),
-            Figure::Max => Value::Int(self.max.as_nanos()),
-            Figure::Elapsed => Value::Int(self.elapsed.as_nanos()),
-            Figure::Overruns => count(self.overruns),
-            Figure::Lost => count(self.lost),
-            Figure::Exceptions => count(self.exceptions),
-            Figure::Mean => Value::Int(self.mean().as_nanos()),
-            Figure::Jitter => Value::Int(self.jitter.as_nanos()),
-            Figure::MinJitter => Value::Int(self.min_jitter.as_nanos()),
-            Figure::MaxJitter => Value::Int(self.max_jitter.as_nanos()),
+            TaskFigure::Cycles => count(self.cycles),
+            TaskFigure::Last => Value::Int(self.last.as_nanos()),
+            TaskFigure::Min => Value::Int(self.min.as_nanos()),
+            TaskFigure::Max => Value::Int(self.max.as_nanos()),
+            TaskFigure::Elapsed => Value::Int(self.elapsed.as_nanos()),
+            TaskFigure::Overruns => count(self.overruns),
+            TaskFigure::Lost => count(self.lost),
+            TaskFigure::Exceptions => count(self.exceptions),
+            TaskFigure::Mean => Value::Int(self.mean().as_nanos()),
+            TaskFigure::Jitter => Value::Int(self.jitter.as_nanos()),
+            TaskFigure::MinJitter => Value::Int(self.min_jitter.as_nanos()),
+            TaskFigure::MaxJitter => Value::Int(self.max_jitter.as_nanos()),
             // Whole numbers of nanoseconds below 2^53: the quotient is the same on every host.
-            Figure::Load => Value::Real(self.load.as_nanos() as f64 / 10_000_000.0),
+            TaskFigure::Load => Value::Real(self.load.as_nanos() as f64 / 10_000_000.0),
         }
     }
 }
 
 /// The marks that a task's watchdog watches in each cycle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Marks {
+pub(crate) struct WatchdogLimits {
     /// A cycle still under way at this time is an exception.
     pub exception: Span,
     /// A cycle still under way at this time stops the application by itself: time × sensitivity.
@@ -143,13 +143,13 @@ pub(crate) struct Cycle {
     pub used: Span,
     /// Processor time that the cycle takes at least.
     pub least: Span,
-    /// Processor time still to pass behind the program's last operation, once that is done.
+    /// Processor time still to pass after the program's last operation, once that is done.
     pub rest: Option<Span>,
     /// Whether the exception of this cycle is counted.
     pub excepted: bool,
     /// The interval and the marks that hold for this cycle.
     pub interval: Option<Span>,
-    pub marks: Option<Marks>,
+    pub marks: Option<WatchdogLimits>,
 }
 
 /// A task at run time.
@@ -161,7 +161,7 @@ pub(crate) struct Task {
     /// Ranks of this priority, its own among them.
     pub peers: u32,
     /// Whose turn it is, at the first of them.
-    pub turn: Turn,
+    pub turn: TimeSlice,
     pub kind: TaskKind,
     /// The event of an external event task.
     pub source: Option<EventSource>,
@@ -201,7 +201,7 @@ impl Task {
             place,
             priority: config.priority,
             peers: 0,
-            turn: Turn::NONE,
+            turn: TimeSlice::NONE,
             kind: config.kind.clone(),
             source: match config.kind {
                 TaskKind::ExternalEvent { source } => Some(source),
@@ -228,7 +228,7 @@ impl Task {
         }
     }
 
-    /// A new application was loaded: figures start anew, the interval is the configured one.
+    /// A new application was loaded: figures start again, the interval is the configured one.
     pub(crate) fn begin_application(&mut self) {
         self.figures = TaskFigures::default();
         self.jitter_counts = JitterCounts::default();
@@ -244,7 +244,7 @@ impl Task {
         self.next_release = Time::MAX;
         self.consecutive = 0;
         self.used = Span::ZERO;
-        self.turn = Turn::NONE;
+        self.turn = TimeSlice::NONE;
         (self.sleeps_until, self.suspended_until) = (Time::MIN, Time::MIN);
     }
 
@@ -259,7 +259,7 @@ impl Task {
     }
 
     /// The marks of its watchdog at its present interval.
-    fn marks(&self) -> Option<Marks> {
+    fn marks(&self) -> Option<WatchdogLimits> {
         self.watchdog.map(|watchdog| {
             let sensitivity = watchdog.sensitivity.max(1);
             // controller:TASK-12: a short interval has a limit of its own.
@@ -270,7 +270,7 @@ impl Task {
                 _ => watchdog.time,
             };
             let trip = Span::from_nanos(watchdog.time.as_nanos().saturating_mul(i64::from(sensitivity)));
-            Marks { exception, trip, sensitivity }
+            WatchdogLimits { exception, trip, sensitivity }
         })
     }
 

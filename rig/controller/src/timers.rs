@@ -30,11 +30,11 @@ impl Controller {
 
     /// Lets everything happen that is due at `now`, in this order: task watchdogs by priority, system watchdogs, end of
     /// the hold-up time, edges of inputs, boot step, boot application saved, end of a save, expert functions, protection, edges at
-    /// terminals by number, tasks that wake, releases by priority, events, default values behind initialization values,
+    /// terminals by number, tasks that wake, releases by priority, events, default values after initialization values,
     /// update in STOPPED, flashes of indicators. [`Controller::run`] must have come to `now` before.
     pub fn fire(&mut self, now: Time, fx: &mut Effects) {
-        self.mend_watches();
-        self.come_to(now);
+        self.refresh_watches();
+        self.idle_until(now);
         self.fire_watchdogs(now, fx);
         if self.power.hold_up.is_some_and(|end| end <= now) {
             self.go_off(now, fx);
@@ -79,7 +79,7 @@ impl Controller {
     }
 
     /// The processor idles up to `now`; an operation under way goes on.
-    pub(crate) fn come_to(&mut self, now: Time) {
+    pub(crate) fn idle_until(&mut self, now: Time) {
         if self.cpu.in_flight.is_none() {
             self.cpu.at = self.cpu.at.max(now);
         }

@@ -1,17 +1,19 @@
 //! States and the ways between them: power, boot, stop, errors.
 
-use crate::event::{Arrivals, Rate};
+use crate::event::{EventQueue, EventRate};
+use crate::last_state::{Dates, save_last_state};
 use crate::load::Load;
-use crate::previous::{Dates, record};
 use crate::task::Task;
 use crate::watch::class;
-use crate::{Application, Controller, Effect, Effects, Entry, HaltOutputs, OutputsInStop, State, TaskConfig};
+use crate::{
+    Application, Controller, Effect, Effects, HaltOutputs, LogEntry, OutputsInStop, State, TaskConfig,
+};
 use profile::{ApplicationError, BOOT_STAGES, BootProjectStatus, OUTPUT_INITIALIZATION, Profile, StopCause};
 use signal::{Cause, Span, Time};
 
 /// What the outputs of an application begin with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Beginning {
+pub(crate) enum ApplicationStart {
     /// A boot: hardware initialization values have been there up to now.
     Boot,
     /// A download.
@@ -23,9 +25,9 @@ pub(crate) enum Beginning {
 impl Controller {
     /// The supply comes on: BOOTING (controller:TR-01), or nothing where it was gone for less than the hold-up time.
     pub fn power_on(&mut self, now: Time, fx: &mut Effects) {
-        self.come_to(now);
+        self.idle_until(now);
         if self.power.hold_up.take().is_some() {
-            self.note(now, Entry::SupplyBack, fx);
+            self.log_entry(now, LogEntry::SupplyBack, fx);
             self.observe(class::STATE, now, Cause::Controller, fx);
         } else if self.state == State::Off {
             self.inputs.power_on(now);
@@ -41,10 +43,10 @@ impl Controller {
 
     /// The supply goes: the controller lives on for its hold-up time (controller:HW-08, controller:HW-09).
     pub fn power_off(&mut self, now: Time, fx: &mut Effects) {
-        self.come_to(now);
+        self.idle_until(now);
         if self.state != State::Off && self.power.hold_up.is_none() {
             self.power.hold_up = Some(now.saturating_add(self.config.profile.hold_up()));
-            self.note(now, Entry::SupplyLost, fx);
+            self.log_entry(now, LogEntry::SupplyLost, fx);
             self.observe(class::STATE, now, Cause::Controller, fx);
         }
     }
@@ -59,7 +61,7 @@ impl Controller {
         self.enter(State::Off, now, fx);
     }
 
-    /// Begins BOOTING. Forcing waits for the boot application; behind a power cycle there is none.
+    /// Begins BOOTING. Forcing waits for the boot application; after a power cycle there is none.
     pub(crate) fn boot(&mut self, now: Time, fx: &mut Effects) {
         let forced = (self.forced_inputs, self.forced_outputs);
         self.unload(now);
@@ -72,7 +74,7 @@ impl Controller {
 
     /// The application and everything volatile is gone; outputs in hardware initialization values, forcing deleted.
     pub(crate) fn unload(&mut self, now: Time) {
-        self.cease();
+        self.abort_cycles();
         self.application = None;
         self.relocate();
         self.bundle.clear();
@@ -87,12 +89,13 @@ impl Controller {
     }
 
     /// Execution ends where it is.
-    pub(crate) fn cease(&mut self) {
+    pub(crate) fn abort_cycles(&mut self) {
         (self.held, self.pending) = (None, None);
         let cpu = &mut self.cpu;
         (cpu.ready, cpu.active, cpu.held) = (0, 0, 0);
         (cpu.in_flight, cpu.stopping) = (None, None);
-        (self.arrivals, self.event_rate, self.external_rate) = (Arrivals::new(), Rate::new(), Rate::new());
+        (self.arrivals, self.event_rate, self.external_rate) =
+            (EventQueue::new(), EventRate::new(), EventRate::new());
     }
 
     /// A step of BOOTING is over.
@@ -124,13 +127,13 @@ impl Controller {
         self.assign_forcing();
     }
 
-    /// Outputs behind a boot, a download or a reset (controller:OUT-05, controller:OUT-06): software initialization
+    /// Outputs after a boot, a download or a reset (controller:OUT-05, controller:OUT-06): software initialization
     /// values where a variable defines one, else default values; in 2014 the default values wherever it stays STOPPED.
     /// Before them a download shows hardware initialization values for a while, and the controller of 2014 shows the
     /// initial values of the image.
     pub(crate) fn initial_outputs(
         &mut self,
-        beginning: Beginning,
+        beginning: ApplicationStart,
         state: State,
         now: Time,
         fx: &mut Effects,
@@ -146,7 +149,7 @@ impl Controller {
             (true, _) => 0,
             (false, _) => mask & !self.memory.written_outputs(),
         };
-        let first = if old { state == State::Stopped } else { beginning == Beginning::Download };
+        let first = if old { state == State::Stopped } else { beginning == ApplicationStart::Download };
         self.power.initialization = Some((now.saturating_add(OUTPUT_INITIALIZATION), defaults));
         match (first, old) {
             (false, _) => self.end_initialization(now, fx),
@@ -172,9 +175,9 @@ impl Controller {
         self.write_outputs_of(!0, now, fx);
     }
 
-    /// Enters RUNNING: the tasks begin anew (controller:TR-06, controller:TR-08).
+    /// Enters RUNNING: the tasks start again (controller:TR-06, controller:TR-08).
     pub(crate) fn enter_running(&mut self, now: Time, fx: &mut Effects) {
-        self.cease();
+        self.abort_cycles();
         self.end_initialization(now, fx);
         self.power.refresh = None;
         self.begin_first_cycle();
@@ -186,7 +189,7 @@ impl Controller {
     /// RUNNING -> STOPPED (controller:TR-09).
     pub(crate) fn enter_stopped(&mut self, now: Time, cause: StopCause, fx: &mut Effects) {
         self.system.stop_cause = cause;
-        self.note(now, Entry::Stopped(cause), fx);
+        self.log_entry(now, LogEntry::Stopped(cause), fx);
         self.fall_back(self.config.outputs_in_stop, now, fx);
         self.rest(State::Stopped, now, fx);
     }
@@ -195,7 +198,7 @@ impl Controller {
     pub(crate) fn enter_halt(&mut self, now: Time, error: ApplicationError, fx: &mut Effects) {
         self.system.stop_cause = StopCause::Exception;
         self.system.error = error;
-        self.note(now, Entry::Stopped(StopCause::Exception), fx);
+        self.log_entry(now, LogEntry::Stopped(StopCause::Exception), fx);
         let outputs = match self.config.halt_outputs {
             HaltOutputs::Configured => self.config.outputs_in_stop,
             HaltOutputs::Default => OutputsInStop::Default,
@@ -216,8 +219,8 @@ impl Controller {
         self.system.error = error;
         (self.power.system_error, self.power.script) = (true, false);
         self.record_crash();
-        self.note(now, Entry::Stopped(cause), fx);
-        record(&mut *self.store, State::Empty, 0);
+        self.log_entry(now, LogEntry::Stopped(cause), fx);
+        save_last_state(&mut *self.store, State::Empty, 0);
         self.boot(now, fx);
     }
 
@@ -243,7 +246,7 @@ impl Controller {
 
     /// Enters STOPPED or HALT; inputs and outputs go on being updated in the bus cycle where configured.
     pub(crate) fn rest(&mut self, state: State, now: Time, fx: &mut Effects) {
-        self.cease();
+        self.abort_cycles();
         self.power.refresh = self.config.update_io_in_stop.then(|| now.saturating_add(self.bus_cycle()));
         self.enter(state, now, fx);
     }
@@ -271,21 +274,21 @@ impl Controller {
         let from = std::mem::replace(&mut self.state, state);
         self.left(from, now);
         self.inputs.operate(now, matches!(state, State::Running | State::Breakpoint));
-        // The processor starts anew; what was under way at `now` never completes.
+        // The processor starts again; what was under way at `now` never completes.
         self.cpu.at = now;
         self.operate_functions(now, fx);
         self.drive_alarm(now);
         if matches!(state, State::Empty | State::Stopped | State::Running | State::Halt) {
             let signature = self.application.as_ref().map_or(0, |application| application.signature());
-            record(&mut *self.store, state, signature);
+            save_last_state(&mut *self.store, state, signature);
         }
         fx.push(Effect::State { at: now, state });
-        self.note(now, Entry::State { from, to: state }, fx);
+        self.log_entry(now, LogEntry::State { from, to: state }, fx);
         self.observe(class::ALL, now, Cause::Controller, fx);
     }
 
     /// Puts an entry into the log.
-    pub(crate) fn note(&mut self, at: Time, entry: Entry, fx: &mut Effects) {
+    pub(crate) fn log_entry(&mut self, at: Time, entry: LogEntry, fx: &mut Effects) {
         fx.push(Effect::Log { at, entry });
     }
 }

@@ -1,6 +1,6 @@
 //! What a controller accepts of a configuration with a warning.
 
-use crate::{Config, Controller, Effects, Entry, EventSource, TaskConfig, TaskKind};
+use crate::{Config, Controller, Effects, EventSource, LogEntry, TaskConfig, TaskKind};
 use profile::Profile;
 use signal::{Span, Time};
 use std::fmt;
@@ -116,9 +116,9 @@ impl Config {
 
 impl Controller {
     /// Puts what is accepted with a warning into the log, as the application comes into memory.
-    pub(crate) fn note_warnings(&mut self, now: Time, fx: &mut Effects) {
+    pub(crate) fn log_warnings(&mut self, now: Time, fx: &mut Effects) {
         for warning in self.config.warnings() {
-            self.note(now, Entry::Warning(warning), fx);
+            self.log_entry(now, LogEntry::Warning(warning), fx);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Observed values: each change becomes an effect.
 
-use crate::{Controller, Effect, Effects, Probe, ProbeId, RegisterFact};
+use crate::{Controller, Effect, Effects, Probe, ProbeId, RegisterProbe};
 use signal::{Area, Cause, Time, Value};
 
 /// What can change together: probes are looked at only when something of their kind happened.
@@ -84,7 +84,7 @@ impl Controller {
         ProbeId(place as u32)
     }
 
-    /// Has the parts behind a probe tell of its changes.
+    /// Has the parts that a probe reads report its changes.
     fn attend_to(&mut self, probe: Probe) {
         match probe {
             Probe::Address(at) => self.memory.watch(at),
@@ -93,7 +93,7 @@ impl Controller {
                     application.watch(variable);
                 }
             }
-            Probe::Register(RegisterFact::Value(register)) => self.watch_register(register),
+            Probe::Register(RegisterProbe::Value(register)) => self.watch_register(register),
             Probe::Input { input, .. } => self.inputs.watch(input),
             Probe::Expert { .. } => self.functions.observe(),
             _ => {}
@@ -122,10 +122,10 @@ impl Controller {
         self.watches.torn = true;
     }
 
-    /// Has everything tell of its changes again that stopped doing so when another probe went. However many went, it
+    /// Has everything report its changes again that stopped doing so when another probe went. However many went, it
     /// is done once, before the next of what the marks are for.
     #[inline]
-    pub(crate) fn mend_watches(&mut self) {
+    pub(crate) fn refresh_watches(&mut self) {
         if std::mem::take(&mut self.watches.torn) {
             self.attend_again();
         }

@@ -1,7 +1,7 @@
 //! Task watchdogs and system watchdogs (controller: section 9).
 
 use crate::watch::class;
-use crate::{Controller, Effects, Entry, State, WatchdogBasis};
+use crate::{Controller, Effects, LogEntry, State, WatchdogBasis};
 use profile::{ApplicationError, SYSTEM_WATCHDOG_FULL_LOAD, SYSTEM_WATCHDOG_STARVED, StopCause};
 use signal::{Cause, Time};
 
@@ -86,11 +86,11 @@ impl Controller {
         }
         let starved = self.lowest().find(|rank| self.starved_due(*rank) <= now);
         let entry = match starved {
-            _ if self.full_load_due() <= now => Entry::SystemWatchdog,
-            Some(rank) => Entry::Starved { task: self.tasks[rank].place },
+            _ if self.full_load_due() <= now => LogEntry::SystemWatchdog,
+            Some(rank) => LogEntry::Starved { task: self.tasks[rank].place },
             None => return self.fire_load(now, fx),
         };
-        self.note(now, entry, fx);
+        self.log_entry(now, entry, fx);
         // controller:WD-11
         self.system_error(now, StopCause::HardwareWatchdog, ApplicationError::SystemWatchdog, fx);
     }
@@ -101,17 +101,17 @@ impl Controller {
         if self.load.due() > now {
             return;
         }
-        self.account(now);
+        self.account_load(now);
         if self.load.take_second() {
             self.observe(class::FIGURE, now, Cause::Controller, fx);
         }
         let Some(overload) = self.load.exceeded(now) else { return };
-        self.note(now, Entry::Overload(overload), fx);
+        self.log_entry(now, LogEntry::Overload(overload), fx);
         self.enter_halt(now, ApplicationError::Overload, fx);
     }
 
     /// Processor time is accounted for up to `now`: an operation under way has the processor.
-    pub(crate) fn account(&mut self, now: Time) {
+    pub(crate) fn account_load(&mut self, now: Time) {
         let running = self.cpu.in_flight.map(|_| self.cpu.running);
         self.load.advance(now, running, &mut self.tasks);
     }
@@ -129,11 +129,11 @@ impl Controller {
             task.consecutive += 1;
             task.figures.exceptions += 1;
             trips = task.consecutive >= marks.sensitivity;
-            let entry = Entry::WatchdogException { task: place, consecutive: task.consecutive };
-            self.note(now, entry, fx);
+            let entry = LogEntry::WatchdogException { task: place, consecutive: task.consecutive };
+            self.log_entry(now, entry, fx);
         }
         if trips {
-            self.note(now, Entry::TaskWatchdog { task: place }, fx);
+            self.log_entry(now, LogEntry::TaskWatchdog { task: place }, fx);
             self.enter_halt(now, ApplicationError::TaskWatchdog, fx);
         }
     }

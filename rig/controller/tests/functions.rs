@@ -1,8 +1,8 @@
 //! Expert functions in the controller: what their outputs show, and who has a say in it.
 
 use crate::support::*;
-use expert::{ExpertConfig, Fact, Function, FunctionKind, WaveConfig};
-use profile::{Bounce, Filter};
+use expert::{ExpertConfig, FunctionConfig, FunctionKind, FunctionProbe, WaveConfig};
+use profile::{BounceFilter, InputFilter};
 use scanrig_controller::*;
 use signal::{Level, Span, Time, Value};
 
@@ -10,7 +10,7 @@ use signal::{Level, Span, Time, Value};
 fn functions() -> ExpertConfig {
     let pwm = WaveConfig { enable: Some(0), ..WaveConfig::new(0) };
     let generator = WaveConfig::new(4);
-    let function = |name: &str, kind| Function { name: name.into(), kind };
+    let function = |name: &str, kind| FunctionConfig { name: name.into(), kind };
     ExpertConfig {
         functions: vec![
             function("PWM0", FunctionKind::Pwm(pwm)),
@@ -124,19 +124,19 @@ fn outputs_of_functions_show_defaults_behind_downloads_and_resets() {
 fn outputs_of_functions_cannot_be_forced() {
     let mut rig = with(|_| ());
     let force = |output| Command::Force { channel: Channel::Output(output), on: true };
-    assert_eq!(rig.command(force(0)), Err(Refusal::ExpertOutput(0)));
-    assert_eq!(rig.command(force(4)), Err(Refusal::ExpertOutput(4)));
+    assert_eq!(rig.command(force(0)), Err(CommandError::ExpertOutput(0)));
+    assert_eq!(rig.command(force(4)), Err(CommandError::ExpertOutput(4)));
     assert_eq!(rig.command(force(1)), Ok(()));
 }
 
 // io:EIO-12, io:EIO-14, io:STD-IN-03
 #[test]
 fn inputs_of_functions_have_the_anti_bounce_filter_and_an_image() {
-    for bounce in [Bounce::default(), Bounce::ALL[3]] {
+    for bounce in [BounceFilter::default(), BounceFilter::ALL[3]] {
         let mut rig = with(|config| {
-            config.inputs = vec![InputConfig { bounce, ..InputConfig::filtered(Filter::Ms4) }];
+            config.inputs = vec![InputConfig { bounce, ..InputConfig::filtered(InputFilter::Ms4) }];
         });
-        let filtered = rig.plc.watch(Probe::Input { input: 0, part: InputPart::Filtered });
+        let filtered = rig.plc.watch(Probe::Input { input: 0, part: InputProbe::Filtered });
         rig.after(ms(3));
         let rise = rig.now;
         rig.plc.input(rise, 0, Level::High);
@@ -165,7 +165,7 @@ fn protection_switches_the_outputs_of_functions_off() {
 #[test]
 fn facts_are_observed_when_they_change() {
     let mut rig = with(|_| ());
-    let pulses = rig.plc.watch(Probe::Expert { function: 0, fact: Fact::Pulses });
+    let pulses = rig.plc.watch(Probe::Expert { function: 0, fact: FunctionProbe::Pulses });
     let begin = rig.now;
     rig.after(Span::from_micros(2_500));
     let changes: Vec<_> = rig
@@ -207,7 +207,7 @@ fn levels_at_power_on_reach_the_functions() {
     assert!(edges(&rig, 0, again + ms(1)).is_empty(), "EN is 0");
 }
 
-/// What Q0 was told to do, waves and levels.
+/// What Q0 was commanded, waves and levels.
 fn told(rig: &Rig, from: Time) -> Vec<(Time, &'static str)> {
     let what = |effect: &Effect| match *effect {
         Effect::Terminal { at, output: 0, level, .. } if at >= from => Some((
@@ -227,14 +227,14 @@ fn told(rig: &Rig, from: Time) -> Vec<(Time, &'static str)> {
     rig.seen.iter().filter_map(what).collect()
 }
 
-// io:OUT-19, io:OUT-20, io:OUT-06: whoever makes the pulses of an output is told of all that ends them.
+// io:OUT-19, io:OUT-20, io:OUT-06: whoever makes the pulses of an output hears of all that ends them.
 #[test]
 fn an_output_whose_pulses_somebody_else_makes_follows_state_protection_and_supply() {
     let mut config = config();
     config.expert = functions();
     let mut rig = Rig::off(config, script());
     rig.plc.commission(b"app", State::Running).unwrap();
-    rig.plc.delegate(0b1);
+    rig.plc.offload_pulses(0b1);
     rig.power_on();
     let begin = run_at(Span::ZERO);
     rig.to(begin + ms(50));

@@ -1,7 +1,7 @@
 //! Outputs and inputs by state, and forcing.
 
 use crate::support::*;
-use profile::{Filter, Profile};
+use profile::{InputFilter, Profile};
 use scanrig_controller::*;
 use signal::{Cause, Level, Value};
 
@@ -18,7 +18,7 @@ fn script() -> Script {
 
 fn with(change: impl FnOnce(&mut Config)) -> Rig {
     let mut config = config();
-    config.inputs = vec![InputConfig::filtered(Filter::None)];
+    config.inputs = vec![InputConfig::filtered(InputFilter::None)];
     change(&mut config);
     let mut rig = Rig::running(config, script());
     rig.after(ms(50));
@@ -142,7 +142,7 @@ fn forced_outputs() {
     rig.after(ms(21));
     assert_eq!(rig.terminal(4), Level::Low, "a reset ends forcing");
     let none = Channel::Output(10);
-    assert_eq!(rig.command(Command::Force { channel: none, on: true }), Err(Refusal::NoChannel(none)));
+    assert_eq!(rig.command(Command::Force { channel: none, on: true }), Err(CommandError::NoChannel(none)));
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn forced_inputs() {
 // controller:TASK-10, io:EIO-01: %I changes only when a cycle reads.
 #[test]
 fn inputs_are_read_at_the_start_of_cycles() {
-    let mut rig = with(|config| config.inputs = vec![InputConfig::filtered(Filter::Ms4)]);
+    let mut rig = with(|config| config.inputs = vec![InputConfig::filtered(InputFilter::Ms4)]);
     let probe = rig.plc.watch(Probe::Address(signal::Address::bit(signal::Area::Input, 0)));
     rig.to(run_at(ms(61)));
     rig.plc.input(rig.now, 0, Level::High);
@@ -180,7 +180,7 @@ fn inputs_are_read_at_the_start_of_cycles() {
 #[test]
 fn an_image_changes_during_a_cycle_of_lower_priority() {
     let mut config = config();
-    config.inputs = vec![InputConfig::filtered(Filter::None)];
+    config.inputs = vec![InputConfig::filtered(InputFilter::None)];
     config.tasks.push(task("FAST", 0, ms(1)));
     let slow = vec![
         (400_000, Act::Copy(at("%IX0.0"), at("%MX4.0"))),

@@ -101,7 +101,7 @@ proptest! {
     fn slices_never_show(plans in plans(), slices in proptest::collection::vec(1i64..5_000, 1..8), edge in 0i64..2_000) {
         let run = |slices: Vec<i64>, watched: bool| {
             let mut config = config();
-            config.inputs = vec![InputConfig::filtered(profile::Filter::None); 14];
+            config.inputs = vec![InputConfig::filtered(profile::InputFilter::None); 14];
             let tasks = plans.iter().enumerate();
             config.tasks = tasks
                 .clone()
@@ -135,7 +135,7 @@ proptest! {
                 }
                 rig.plc.watch(Probe::Address(signal::Address::bit(signal::Area::Input, 0)));
                 rig.plc.watch(Probe::Address(at("%MW2")));
-                rig.plc.watch(Probe::TaskFigure { task: 0, figure: Figure::Last });
+                rig.plc.watch(Probe::TaskFigure { task: 0, figure: TaskFigure::Last });
             }
             rig.to(run_at(us(edge)));
             rig.plc.input(rig.now, 0, Level::High);
@@ -167,7 +167,7 @@ fn an_operation_is_never_cut() {
     assert_eq!(fast, [run_at(us(0)), run_at(us(1_210)), run_at(us(2_000))]);
 }
 
-// controller:TASK-10: an empty cycle takes the minimum, and an overload takes what it was told, pre-emptible anywhere.
+// controller:TASK-10: an empty cycle takes the minimum, and an overload takes what it was given, pre-emptible anywhere.
 #[test]
 fn minimum_cycle_and_overload() {
     let mut config = config();

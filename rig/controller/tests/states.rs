@@ -29,7 +29,7 @@ fn booted(mode: StartingMode, left: State) -> Rig {
 }
 
 fn row(rig: &Rig) -> u8 {
-    let boot = |entry| if let Entry::Boot { row } = entry { Some(row) } else { None };
+    let boot = |entry| if let LogEntry::Boot { row } = entry { Some(row) } else { None };
     rig.log().into_iter().filter_map(boot).next_back().unwrap()
 }
 
@@ -75,8 +75,8 @@ fn without_a_valid_application_it_is_empty() {
         assert_eq!(rig.system(SystemVariable::BootProjectStatus), 0);
         // controller:TR-26, controller:TR-28
         assert_eq!(rig.command(Command::Stop), Ok(()));
-        assert_eq!(rig.command(Command::Run), Err(Refusal::State(State::Empty)));
-        assert_eq!(rig.command(Command::ResetCold), Err(Refusal::State(State::Empty)));
+        assert_eq!(rig.command(Command::Run), Err(CommandError::State(State::Empty)));
+        assert_eq!(rig.command(Command::ResetCold), Err(CommandError::State(State::Empty)));
         assert_eq!(rig.command(Command::Download(b"app".to_vec())), Ok(()));
         assert_eq!(rig.plc.state(), State::Stopped);
     }
@@ -157,14 +157,14 @@ fn downloads() {
     assert_eq!((rig.plc.state(), values(&rig)), (State::Stopped, ([0, 0, 5], [55, 3, 0])));
     rig.after(ms(3));
     assert_eq!(rig.files.read(APPLICATION_FILE).as_deref(), Some(&b"other"[..]));
-    let refused = Err(Refusal::Application(LoadError::Bundle));
+    let refused = Err(CommandError::Application(LoadError::Bundle));
     assert_eq!(rig.command(Command::Download(b"garbage".to_vec())), refused);
     assert_eq!(rig.plc.state(), State::Empty);
     assert_eq!(rig.plc.read(&Probe::Variable(0)), Value::Unknown);
     rig.power_off();
     assert_eq!(rig.command(Command::Download(b"app".to_vec())), Ok(()), "within the hold-up time");
     rig.after(ms(5));
-    assert_eq!(rig.command(Command::Download(b"app".to_vec())), Err(Refusal::State(State::Off)));
+    assert_eq!(rig.command(Command::Download(b"app".to_vec())), Err(CommandError::State(State::Off)));
 }
 
 // controller:TR-08, controller:TR-09, controller:TR-24, controller:CMD-03
@@ -172,17 +172,17 @@ fn downloads() {
 fn run_and_stop() {
     let mut rig = booted(StartingMode::Previous, State::Running);
     rig.after(ms(50));
-    assert_eq!(rig.command(Command::Run), Err(Refusal::State(State::Running)));
+    assert_eq!(rig.command(Command::Run), Err(CommandError::State(State::Running)));
     // In the middle of a cycle: it is finished first.
     rig.to(run_at(us(60_002)));
     assert_eq!(rig.command(Command::Stop), Ok(()));
     assert_eq!(rig.plc.state(), State::Running);
-    assert_eq!(rig.command(Command::Stop), Err(Refusal::Stopping));
+    assert_eq!(rig.command(Command::Stop), Err(CommandError::Stopping));
     rig.after(ms(30));
     assert_eq!(rig.states().last(), Some(&(run_at(us(60_006)), State::Stopped)));
     assert_eq!(rig.system(SystemVariable::LastStopCause), 4);
     assert_eq!(values(&rig).0, [4, 4, 4]);
-    assert_eq!(rig.command(Command::Stop), Err(Refusal::State(State::Stopped)));
+    assert_eq!(rig.command(Command::Stop), Err(CommandError::State(State::Stopped)));
     // Variables go on where they were; the first cycle starts with RUNNING.
     let now = rig.now;
     assert_eq!(rig.command(Command::Run), Ok(()));
@@ -194,7 +194,7 @@ fn run_and_stop() {
     rig.after(ms(200));
     assert_eq!(rig.plc.state(), State::Halt);
     for command in [Command::Run, Command::Stop] {
-        assert_eq!(rig.command(command), Err(Refusal::State(State::Halt)));
+        assert_eq!(rig.command(command), Err(CommandError::State(State::Halt)));
     }
     assert_eq!(rig.command(Command::ResetWarm), Ok(()));
     assert_eq!(rig.system(SystemVariable::LastApplicationError), 0);
@@ -208,7 +208,7 @@ fn the_switch() {
     rig.after(ms(5));
     assert_eq!(rig.command(Command::Switch(false)), Ok(()));
     assert_eq!((rig.plc.state(), rig.system(SystemVariable::LastStopCause)), (State::Stopped, 0x0C));
-    assert_eq!(rig.command(Command::Run), Err(Refusal::SwitchAtStop));
+    assert_eq!(rig.command(Command::Run), Err(CommandError::SwitchAtStop));
     assert_eq!(rig.command(Command::Switch(true)), Ok(()));
     assert_eq!(rig.plc.state(), State::Running);
     rig.command(Command::Switch(false)).unwrap();
@@ -252,7 +252,7 @@ fn outputs_of_one_byte_in_two_tasks() {
     let error = LoadError::SharedOutputByte { byte: 0, tasks: (0, 1) };
     assert_eq!(rig.plc.commission(b"app", State::Running), Err(error));
     let rig = Rig::running(Config { profile: Profile::M241_2014, ..two }, script);
-    assert!(rig.log().contains(&Entry::SharedOutputByte { byte: 0, tasks: (0, 1) }));
+    assert!(rig.log().contains(&LogEntry::SharedOutputByte { byte: 0, tasks: (0, 1) }));
 }
 
 #[test]

@@ -127,7 +127,7 @@ fn a_short_interval_has_its_own_limit() {
             assert_eq!(rig.states().last().unwrap().0, run_at(ms(13)));
         } else {
             assert_eq!(rig.plc.task_figures(0).unwrap().exceptions, 0);
-            let overrun = |it: &Entry| matches!(it, Entry::Overrun { .. });
+            let overrun = |it: &LogEntry| matches!(it, LogEntry::Overrun { .. });
             assert!(rig.log().iter().any(overrun), "tolerated, but logged");
         }
     }

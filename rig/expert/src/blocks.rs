@@ -4,7 +4,7 @@ mod axis;
 mod hsc;
 mod wave;
 
-use crate::Expert;
+use crate::ExpertFunctions;
 use signal::Time;
 use std::fmt;
 
@@ -58,16 +58,16 @@ pub trait Pins {
 }
 
 /// One call of a block.
-pub struct Call<'a> {
+pub struct BlockCall<'a> {
     /// Modelled time at which it takes effect.
     pub now: Time,
     /// The pins of the instance.
     pub pins: &'a mut dyn Pins,
     /// The functions.
-    pub expert: &'a mut Expert,
+    pub expert: &'a mut ExpertFunctions,
 }
 
-impl fmt::Debug for Call<'_> {
+impl fmt::Debug for BlockCall<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Call").field("now", &self.now).finish_non_exhaustive()
     }
@@ -81,7 +81,7 @@ pub struct BlockType {
     /// Pins in the order of positional parameters.
     pub pins: &'static [PinType],
     /// One call: allocates nothing, ends in bounded time.
-    pub run: fn(&mut Call<'_>),
+    pub run: fn(&mut BlockCall<'_>),
 }
 
 /// A pin of a table.

@@ -8,12 +8,12 @@ use signal::Span;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExpertConfig {
     /// The functions.
-    pub functions: Vec<Function>,
+    pub functions: Vec<FunctionConfig>,
 }
 
 /// One function.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Function {
+pub struct FunctionConfig {
     /// Name of the instance, by which programs know it (io:EXP-06).
     pub name: String,
     /// What it is and does.

@@ -12,7 +12,7 @@ pub enum Effect {
         /// Whether it is switched on.
         on: bool,
     },
-    /// The stage of output Q`output`, which was delegated, pulses until it is commanded something else. Where it pulses
+    /// The stage of output Q`output`, which was offloaded, pulses until it is commanded something else. Where it pulses
     /// already, from the end of its period on.
     Wave {
         /// n for Qn.
@@ -22,8 +22,8 @@ pub enum Effect {
         /// How long of it the output is on, to the nanosecond; above 0 and below the period.
         high: Span,
     },
-    /// The period of such a wave begins anew.
-    Anew {
+    /// The period of such a wave starts again.
+    PeriodRestarted {
         /// n for Qn.
         output: u8,
     },

@@ -7,7 +7,7 @@ use signal::{Span, Time};
 ///
 /// The own delay is inertial: a level counts behind it once it has lasted that long, so that a shorter pulse is not
 /// seen there at all. The anti-bounce filter accepts a level once it has been stable behind the own delay for the
-/// bounce time (io:STD-IN-03). Only instants at which a level is accepted are told; what happens between the two stages
+/// bounce time (io:STD-IN-03). Only instants at which a level is accepted are reported; what happens between the two stages
 /// is caught up when somebody looks.
 #[derive(Clone, Debug)]
 pub(crate) struct Filter {
@@ -47,16 +47,16 @@ impl Filter {
         if self.terminal == high {
             return false;
         }
-        let mut swallowed = self.inside != self.terminal;
-        if swallowed && self.follows <= at {
+        let mut suppressed = self.inside != self.terminal;
+        if suppressed && self.follows <= at {
             // What was inside lasted for the own delay, if not for the bounce time.
-            swallowed = self.inside != self.accepted;
+            suppressed = self.inside != self.accepted;
             self.follow();
         }
         self.terminal = high;
         self.follows = at.saturating_add(self.delay);
-        self.foresee();
-        swallowed
+        self.schedule();
+        suppressed
     }
 
     /// The level behind the own delay becomes that of the terminal.
@@ -68,7 +68,7 @@ impl Filter {
 
     /// Works out when a level is accepted next if the terminal stays as it is.
     #[inline]
-    fn foresee(&mut self) {
+    fn schedule(&mut self) {
         let follows = if self.inside == self.terminal { Time::MAX } else { self.follows };
         let turns = self.since.saturating_add(self.bounce);
         self.due = if self.inside != self.accepted && turns <= follows {
@@ -96,7 +96,7 @@ impl Filter {
         if self.inside != self.terminal && self.follows <= at {
             self.follow();
         }
-        self.foresee();
+        self.schedule();
         Some(self.accepted)
     }
 }
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Changes that last for `span`, told when they have: what either stage does, said in another way.
+    /// Changes that last for `span`, reported when they have: what either stage does, said in another way.
     fn lasting(changes: &[(i64, bool)], span: i64) -> Vec<(i64, bool)> {
         let mut accepted = Vec::new();
         let mut level = false;
@@ -167,7 +167,7 @@ mod tests {
         }
     }
 
-    // A pulse shorter than the own delay does not begin the bounce time anew: the sum of both times would.
+    // A pulse shorter than the own delay does not begin the bounce time again: the sum of both times would.
     #[test]
     fn a_short_pulse_is_not_seen_behind_the_own_delay() {
         let changes = [(0, true), (6, false), (7, true)];

@@ -1,13 +1,13 @@
 //! The expert functions of the controller: fast counters, pulse train outputs, pulse width modulation, frequency
 //! generators. Edges in, effects out, beside the scan (io: sections 6, 7, 8 and 17).
 //!
-//! Time is an argument. [`Expert`] takes the edges at the input terminals with their instants, calls of function blocks
+//! Time is an argument. [`ExpertFunctions`] takes the edges at the input terminals with their instants, calls of function blocks
 //! and the controller's state, and hands back what its outputs are commanded and which events it raises, each with its
-//! instant. Nothing ticks: [`Expert::next`] says when something happens by itself.
+//! instant. Nothing ticks: [`ExpertFunctions::next`] says when something happens by itself.
 //!
 //! Goals: exact to the edge, whatever the profile and however the time is cut; tens of millions of edges a second; no
-//! allocation behind [`Expert::new`]. Not goals: images, tasks and states of the controller (they are the crate
-//! `controller`'s, which owns an `Expert`), wires, the language of the blocks' caller.
+//! allocation behind [`ExpertFunctions::new`]. Not goals: images, tasks and states of the controller (they are the crate
+//! `controller`'s, which owns an `ExpertFunctions`), wires, the language of the blocks' caller.
 
 mod assignment;
 mod axis;
@@ -15,24 +15,24 @@ mod blocks;
 mod config;
 mod counter;
 mod effect;
-mod expert;
-mod fact;
 mod filter;
-mod records;
+mod function_probe;
+mod functions;
+mod line_events;
 mod wave;
 
-pub use assignment::{ExpertError, ExpertFault, ExpertWarning, Role, Taken, Terminal};
+pub use assignment::{ChannelRole, ExpertError, ExpertFault, ExpertWarning, ReservedChannels, Terminal};
 pub use axis::{
     AxisConfig, AxisFault, AxisParameterError, AxisRole, AxisState, DriveInput, PulseOutput, RampUnit,
 };
-pub use blocks::{BLOCKS, BlockType, Call, PinKind, PinType, Pins, ValueType};
-pub use config::{ExpertConfig, Function, FunctionKind, InputConditions};
+pub use blocks::{BLOCKS, BlockCall, BlockType, PinKind, PinType, Pins, ValueType};
+pub use config::{ExpertConfig, FunctionConfig, FunctionKind, InputConditions};
 pub use counter::{
-    CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, Limits, Measured,
-    Phases, Reflex, SyncInput, Threshold, ThresholdEvent,
+    CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, LimitsMode,
+    PeriodMeasurement, PhaseMode, Reflex, SyncInput, Threshold, ThresholdEvent,
 };
 pub use effect::{Effect, Effects};
-pub use expert::{Expert, InputEdge, Operation};
-pub use fact::Fact;
-pub use records::{LineEvents, RECORD};
+pub use function_probe::FunctionProbe;
+pub use functions::{ExpertFunctions, InputEdge, Operation};
+pub use line_events::{LineEvents, RECORD};
 pub use wave::{WaveConfig, WaveRole};

@@ -3,10 +3,10 @@
 use profile::{EventEdges, Profile, Reference};
 use proptest::prelude::*;
 use scanrig_expert::{
-    AxisConfig, AxisParameterError, AxisRole, CaptureInput, CounterConfig, CounterKind, CounterMode,
-    CounterRole, DriveInput, Expert, ExpertConfig, ExpertError, ExpertFault, Fact, Function, FunctionKind,
-    InputConditions, Phases, PulseOutput, Reflex, Role, SyncInput, Taken, Terminal, Threshold,
-    ThresholdEvent, WaveConfig, WaveRole,
+    AxisConfig, AxisParameterError, AxisRole, CaptureInput, ChannelRole, CounterConfig, CounterKind,
+    CounterMode, CounterRole, DriveInput, ExpertConfig, ExpertError, ExpertFault, ExpertFunctions,
+    FunctionConfig, FunctionKind, FunctionProbe, InputConditions, PhaseMode, PulseOutput, Reflex,
+    ReservedChannels, SyncInput, Terminal, Threshold, ThresholdEvent, WaveConfig, WaveRole,
 };
 use signal::{Span, Time, Value};
 
@@ -21,7 +21,7 @@ fn single(a: u8) -> CounterConfig {
 }
 
 fn dual(a: u8) -> FunctionKind {
-    let kind = CounterKind::Dual { b: a + 1, phases: Phases::X4 };
+    let kind = CounterKind::Dual { b: a + 1, phases: PhaseMode::X4 };
     FunctionKind::Counter(CounterConfig::new(kind, a, MODULO))
 }
 
@@ -39,20 +39,26 @@ fn generator(output: u8) -> FunctionKind {
 }
 
 fn config(kinds: impl IntoIterator<Item = FunctionKind>) -> ExpertConfig {
-    let functions = (0..).zip(kinds).map(|(n, kind)| Function { name: format!("F{n}"), kind }).collect();
+    let functions =
+        (0..).zip(kinds).map(|(n, kind)| FunctionConfig { name: format!("F{n}"), kind }).collect();
     ExpertConfig { functions }
 }
 
 const SMALL: &str = "TM241CEC24T";
 const LARGE: &str = "TM241CE40T";
 
-fn check(profile: Profile, reference: &str, taken: &Taken, config: &ExpertConfig) -> Vec<ExpertError> {
+fn check(
+    profile: Profile,
+    reference: &str,
+    taken: &ReservedChannels,
+    config: &ExpertConfig,
+) -> Vec<ExpertError> {
     config.check(profile, Reference::find(reference).unwrap(), taken)
 }
 
 /// Place and fault of each error under 2019 with nothing else taken.
 fn faults(reference: &str, kinds: impl IntoIterator<Item = FunctionKind>) -> Vec<(usize, ExpertFault)> {
-    let errors = check(Profile::M241_2019, reference, &Taken::default(), &config(kinds));
+    let errors = check(Profile::M241_2019, reference, &ReservedChannels::default(), &config(kinds));
     errors.into_iter().map(|error| (error.function, error.fault)).collect()
 }
 
@@ -96,8 +102,9 @@ fn an_axis_takes_its_inputs_and_outputs() {
         ..AxisConfig::new(2, 3)
     };
     let roles: Vec<_> = FunctionKind::Axis(axis.clone()).terminals();
-    assert_eq!(roles[0], (Role::Axis(AxisRole::Reference), Terminal::Input(0)));
-    let errors = check(Profile::M241_2019, SMALL, &Taken::default(), &config([FunctionKind::Axis(axis)]));
+    assert_eq!(roles[0], (ChannelRole::Axis(AxisRole::Reference), Terminal::Input(0)));
+    let errors =
+        check(Profile::M241_2019, SMALL, &ReservedChannels::default(), &config([FunctionKind::Axis(axis)]));
     assert_eq!(errors.iter().map(ToString::to_string).collect::<Vec<_>>(), ["limP: I0 is REF already"]);
     assert_eq!(
         faults("TM241CEC24R", [pto(3)]),
@@ -116,7 +123,7 @@ fn an_axis_takes_its_inputs_and_outputs() {
 fn in_2014_there_are_two_axes() {
     let of = |profile| {
         let config = config((0..3).map(|n| FunctionKind::Axis(single_output(n))));
-        let errors = check(profile, SMALL, &Taken::default(), &config);
+        let errors = check(profile, SMALL, &ReservedChannels::default(), &config);
         errors.iter().map(|error| (error.function, error.fault)).collect::<Vec<_>>()
     };
     assert_eq!(of(Profile::M241_2014), [(2, ExpertFault::Axes { most: 2 })]);
@@ -131,7 +138,7 @@ fn single_output(a: u8) -> AxisConfig {
 #[test]
 fn one_counter_more_than_there_are_is_refused() {
     let fifteen = (0..14).map(simple).chain([simple(0)]);
-    let first = (Terminal::Input(0), 0, Role::Counter(CounterRole::A));
+    let first = (Terminal::Input(0), 0, ChannelRole::Counter(CounterRole::A));
     let assigned = |(terminal, function, role)| ExpertFault::Assigned { terminal, function, role };
     assert_eq!(faults(SMALL, fifteen), [(14, assigned(first))]);
     // The 40 I/O have 24 inputs, of which counters can use 16.
@@ -149,12 +156,16 @@ fn one_counter_more_than_there_are_is_refused() {
 fn a_main_counter_has_four_inputs_and_in_2014_six() {
     let capture = |input| Some(CaptureInput { input, edges: EventEdges::Rising });
     let sync = SyncInput { input: 3, edges: EventEdges::Rising, while_enable: None };
-    let kind = CounterKind::Dual { b: 1, phases: Phases::X4 };
+    let kind = CounterKind::Dual { b: 1, phases: PhaseMode::X4 };
     let mut counter =
         CounterConfig { enable: Some(2), sync: Some(sync), ..CounterConfig::new(kind, 0, MODULO) };
     let of = |counter: &CounterConfig, profile| {
-        let errors =
-            check(profile, SMALL, &Taken::default(), &config([FunctionKind::Counter(counter.clone())]));
+        let errors = check(
+            profile,
+            SMALL,
+            &ReservedChannels::default(),
+            &config([FunctionKind::Counter(counter.clone())]),
+        );
         errors.iter().map(|error| error.fault).collect::<Vec<_>>()
     };
     assert_eq!(of(&counter, Profile::M241_2019), []);
@@ -170,7 +181,12 @@ fn a_main_counter_has_four_inputs_and_in_2014_six() {
 #[test]
 fn an_input_or_output_has_one_role() {
     let pwm = FunctionKind::Pwm(WaveConfig { enable: Some(3), sync: Some(3), ..WaveConfig::new(0) });
-    let errors = check(Profile::M241_2019, SMALL, &Taken::default(), &config([simple(3), pwm, generator(0)]));
+    let errors = check(
+        Profile::M241_2019,
+        SMALL,
+        &ReservedChannels::default(),
+        &config([simple(3), pwm, generator(0)]),
+    );
     let shown: Vec<_> = errors.iter().map(|error| (error.function, error.to_string())).collect();
     assert_eq!(
         shown,
@@ -181,7 +197,7 @@ fn an_input_or_output_has_one_role() {
         ]
     );
     let both = FunctionKind::Pwm(WaveConfig { enable: Some(3), sync: Some(3), ..WaveConfig::new(0) });
-    let role = Role::Wave(WaveRole::Enable);
+    let role = ChannelRole::Wave(WaveRole::Enable);
     let assigned = ExpertFault::Assigned { terminal: Terminal::Input(3), function: 0, role };
     assert_eq!(faults(SMALL, [both]), [(0, assigned)]);
 }
@@ -207,7 +223,8 @@ fn outputs_have_the_roles_of_the_table() {
         (Profile::M241_2014, "TM241C40R", 0..4, 0..4),
     ] {
         for output in 0..20 {
-            let accepted = |kind| check(profile, reference, &Taken::default(), &config([kind])).is_empty();
+            let accepted =
+                |kind| check(profile, reference, &ReservedChannels::default(), &config([kind])).is_empty();
             assert_eq!(
                 accepted(reflex(output)),
                 reflexes.contains(&output),
@@ -228,7 +245,7 @@ fn outputs_have_the_roles_of_the_table() {
 // io:EXP-05, io:RS-06, io:OUT-05, io:EIO-12
 #[test]
 fn what_the_controller_uses_itself_is_not_free() {
-    let taken = Taken { advanced: 1 << 2, run_stop: Some(1), alarm: Some(5) };
+    let taken = ReservedChannels { advanced: 1 << 2, run_stop: Some(1), alarm: Some(5) };
     let kinds = [simple(0), simple(1), simple(2), simple(5), generator(4), generator(5)];
     let errors = check(Profile::M241_2019, SMALL, &taken, &config(kinds));
     let found: Vec<_> = errors.iter().map(|error| (error.function, error.fault)).collect();
@@ -247,8 +264,8 @@ fn what_the_controller_uses_itself_is_not_free() {
 fn names_are_names_and_differ() {
     let names = ["HSC0", "hsc0", "", "1A", "a b", "_x", "x__y", "x_", "None", "\u{e4}", "Kolben_2"];
     let functions =
-        (0..).zip(names).map(|(n, name)| Function { name: name.to_owned(), kind: simple(n) }).collect();
-    let errors = check(Profile::M241_2019, SMALL, &Taken::default(), &ExpertConfig { functions });
+        (0..).zip(names).map(|(n, name)| FunctionConfig { name: name.to_owned(), kind: simple(n) }).collect();
+    let errors = check(Profile::M241_2019, SMALL, &ReservedChannels::default(), &ExpertConfig { functions });
     let found: Vec<_> = errors.iter().map(|error| (names[error.function], error.fault)).collect();
     let name = ExpertFault::Name;
     assert_eq!(
@@ -269,7 +286,7 @@ fn names_are_names_and_differ() {
 // io:REF-08
 #[test]
 fn an_m251_has_none() {
-    let errors = check(Profile::M251_2024, "TM251MESE", &Taken::default(), &config([simple(0)]));
+    let errors = check(Profile::M251_2024, "TM251MESE", &ReservedChannels::default(), &config([simple(0)]));
     assert_eq!(errors.iter().map(|error| error.fault).collect::<Vec<_>>(), [ExpertFault::NoEmbedded]);
 }
 
@@ -298,7 +315,7 @@ fn a_bounce_time_suits_a_frequency() {
         assert_eq!(warned(single, Span::from_micros(bounce), most, 0), None, "{bounce} us");
         assert_eq!(warned(single, Span::from_micros(bounce), most + 1, 0), Some(most), "{bounce} us");
     }
-    let dual = CounterKind::Dual { b: 1, phases: Phases::X1 };
+    let dual = CounterKind::Dual { b: 1, phases: PhaseMode::X1 };
     assert_eq!(warned(dual, Span::from_micros(2), 100_001, 0), Some(100_000));
     // A regular input.
     assert_eq!(warned(single, Span::from_micros(2), 1_001, 8), Some(1_000));
@@ -315,7 +332,7 @@ fn any_kind() -> impl Strategy<Value = FunctionKind> {
     prop_oneof![
         4 => small.clone().prop_map(simple),
         2 => (small.clone(), small.clone(), input()).prop_map(|(a, b, enable)| {
-            let kind = CounterKind::Dual { b, phases: Phases::UpDown };
+            let kind = CounterKind::Dual { b, phases: PhaseMode::UpDown };
             FunctionKind::Counter(CounterConfig { enable, ..CounterConfig::new(kind, a, MODULO) })
         }),
         1 => wave.clone().prop_map(FunctionKind::Pwm),
@@ -325,13 +342,13 @@ fn any_kind() -> impl Strategy<Value = FunctionKind> {
 
 proptest! {
     /// Whatever is accepted has each terminal once and can be made; whatever is refused is refused for a reason that
-    /// the rules, counted anew, confirm.
+    /// the rules, counted again, confirm.
     #[test]
     fn what_is_accepted_keeps_the_rules(kinds in prop::collection::vec(any_kind(), 0..8), old in any::<bool>(), large in any::<bool>()) {
         let profile = if old { Profile::M241_2014 } else { Profile::M241_2019 };
         let reference = if large { LARGE } else { SMALL };
         let config = config(kinds);
-        let accepted = check(profile, reference, &Taken::default(), &config).is_empty();
+        let accepted = check(profile, reference, &ReservedChannels::default(), &config).is_empty();
         let mut inputs = Vec::new();
         let mut outputs = Vec::new();
         for function in &config.functions {
@@ -354,11 +371,11 @@ proptest! {
         fine &= config.functions.iter().filter(|it| few(&it.kind)).count() <= 4;
         prop_assert_eq!(accepted, fine);
         if accepted {
-            let mut expert = Expert::new(&config, &[InputConditions::default(); 24]);
+            let mut expert = ExpertFunctions::new(&config, &[InputConditions::default(); 24]);
             expert.fire(Time::from_nanos(1));
             let mask = outputs.iter().fold(0, |mask, n| mask | 1 << n);
             prop_assert_eq!(expert.outputs(), mask);
-            prop_assert_eq!(expert.read(99, Fact::Value), Value::Unknown);
+            prop_assert_eq!(expert.read(99, FunctionProbe::Value), Value::Unknown);
         }
     }
 }

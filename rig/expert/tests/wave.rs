@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use scanrig_expert::{
-    BLOCKS, BlockType, Call, Effect, Expert, ExpertConfig, Fact, Function, FunctionKind, InputConditions,
-    Operation, Pins, WaveConfig,
+    BLOCKS, BlockCall, BlockType, Effect, ExpertConfig, ExpertFunctions, FunctionConfig, FunctionKind,
+    FunctionProbe, InputConditions, Operation, Pins, WaveConfig,
 };
 use signal::{Span, Time, Value};
 
@@ -41,9 +41,9 @@ impl Instance {
         self
     }
 
-    fn call(&mut self, expert: &mut Expert, at: i64) {
+    fn call(&mut self, expert: &mut ExpertFunctions, at: i64) {
         let run = self.block.run;
-        run(&mut Call { now: Time::from_nanos(at), pins: self, expert });
+        run(&mut BlockCall { now: Time::from_nanos(at), pins: self, expert });
     }
 
     /// InFrequency, Busy, Error, ErrorID.
@@ -54,15 +54,17 @@ impl Instance {
 
 /// A rig of functions whose effects are gathered.
 struct Rig {
-    expert: Expert,
+    expert: ExpertFunctions,
     edges: Vec<(i64, u8, bool)>,
 }
 
 impl Rig {
     fn new(kinds: impl IntoIterator<Item = FunctionKind>) -> Rig {
-        let functions =
-            (0..).zip(kinds).map(|(place, kind)| Function { name: format!("F{place}"), kind }).collect();
-        let mut expert = Expert::new(&ExpertConfig { functions }, &[InputConditions::default(); 8]);
+        let functions = (0..)
+            .zip(kinds)
+            .map(|(place, kind)| FunctionConfig { name: format!("F{place}"), kind })
+            .collect();
+        let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[InputConditions::default(); 8]);
         expert.operate(Time::ZERO, Operation::Running);
         Rig { expert, edges: Vec::new() }
     }
@@ -88,7 +90,7 @@ impl Rig {
         self.edges.drain(..).map(|(at, _, on)| (at, on)).collect()
     }
 
-    fn fact(&self, fact: Fact) -> Value {
+    fn fact(&self, fact: FunctionProbe) -> Value {
         self.expert.read(0, fact)
     }
 }
@@ -121,8 +123,11 @@ fn a_wave_has_its_frequency_and_duty() {
     assert_eq!(block.shows(), [1, 0, 0, 0]);
     let expected: Vec<_> = (0..3).flat_map(|k| [(k * MS, true), (k * MS + 250 * US, false)]).collect();
     assert_eq!(rig.to(3 * MS - 1).edges(), expected);
-    assert_eq!((rig.fact(Fact::Frequency), rig.fact(Fact::Duty)), (Value::Int(10_000), Value::Int(250)));
-    assert_eq!(rig.fact(Fact::Pulses), Value::Word(3));
+    assert_eq!(
+        (rig.fact(FunctionProbe::Frequency), rig.fact(FunctionProbe::Duty)),
+        (Value::Int(10_000), Value::Int(250))
+    );
+    assert_eq!(rig.fact(FunctionProbe::Pulses), Value::Word(3));
 }
 
 // io:STD-FG-01, io:STD-FG-02
@@ -150,7 +155,7 @@ fn a_change_waits_for_the_next_period() {
     assert_eq!(block.shows(), [0, 1, 0, 0]);
     rig.to(600 * US);
     block.with(&[("Frequency", 20_000)]).call(&mut rig.expert, 600 * US);
-    assert_eq!(rig.fact(Fact::Frequency), Value::Int(10_000));
+    assert_eq!(rig.fact(FunctionProbe::Frequency), Value::Int(10_000));
     rig.to(MS);
     block.call(&mut rig.expert, MS);
     assert_eq!(block.shows(), [1, 0, 0, 0]);
@@ -287,7 +292,7 @@ fn an_error_neither_starts_nor_keeps_alive() {
     assert_eq!(rig.to(2 * MS - 1).edges(), [(0, true), (250 * US, false), (MS, true), (1_250 * US, false)]);
     // Enable = 0 is obeyed whatever the values are, and is no error.
     block.with(&[("Enable", 0)]).call(&mut rig.expert, 2 * MS - 1);
-    assert_eq!((block.shows(), rig.fact(Fact::Run)), ([0, 0, 0, 0], Value::Bool(false)));
+    assert_eq!((block.shows(), rig.fact(FunctionProbe::Run)), ([0, 0, 0, 0], Value::Bool(false)));
     block.with(&[("Enable", 1)]).call(&mut rig.expert, 2 * MS);
     assert_eq!((block.shows(), rig.to(9 * MS).edges()), ([0, 0, 1, 3], vec![]));
 }
@@ -320,9 +325,9 @@ fn outside_running_there_are_no_pulses() {
     // The program takes it up again.
     block.call(&mut rig.expert, 10 * MS);
     assert_eq!(rig.to(11 * MS - 1).edges(), [(10 * MS, true), (10_250 * US, false)]);
-    assert_eq!(rig.fact(Fact::Pulses), Value::Word(2));
+    assert_eq!(rig.fact(FunctionProbe::Pulses), Value::Word(2));
     rig.expert.operate(Time::from_nanos(11 * MS), Operation::Off);
-    assert_eq!(rig.fact(Fact::Pulses), Value::Word(0));
+    assert_eq!(rig.fact(FunctionProbe::Pulses), Value::Word(0));
 }
 
 /// What happens to a function, and how long behind the last thing.

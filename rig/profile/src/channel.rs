@@ -14,7 +14,7 @@ pub enum InputKind {
 
 /// One embedded input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Input {
+pub struct EmbeddedInput {
     /// Its number: I0, I1...
     pub index: usize,
     /// Byte of its bit in `%IXbyte.bit` (io:ADR-01, io:ADR-02).
@@ -40,7 +40,7 @@ pub enum OutputKind {
 
 /// One embedded output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Output {
+pub struct EmbeddedOutput {
     /// Its number: Q0, Q1...
     pub index: usize,
     /// Byte of its bit in `%QXbyte.bit` (io:ADR-01; the outputs take bytes 0 and 1 on every M241).
@@ -56,7 +56,7 @@ pub struct Output {
 }
 
 /// The embedded inputs in the order of their numbers: fast ones first (io:REF-07).
-pub fn inputs(reference: &Reference) -> impl Iterator<Item = Input> + use<> {
+pub fn inputs(reference: &Reference) -> impl Iterator<Item = EmbeddedInput> + use<> {
     let fast = reference.fast_inputs;
     (0..reference.input_count()).map(move |index| {
         let (byte, bit) = place(index);
@@ -65,12 +65,12 @@ pub fn inputs(reference: &Reference) -> impl Iterator<Item = Input> + use<> {
         } else {
             (InputKind::Regular, Span::from_micros(50))
         };
-        Input { index, byte, bit, kind, delay }
+        EmbeddedInput { index, byte, bit, kind, delay }
     })
 }
 
 /// The embedded outputs in the order of their numbers: fast ones first (io:REF-07).
-pub fn outputs(reference: &Reference) -> impl Iterator<Item = Output> + use<> {
+pub fn outputs(reference: &Reference) -> impl Iterator<Item = EmbeddedOutput> + use<> {
     let (fast, relay) = (reference.fast_outputs, reference.outputs == RegularOutputs::Relay);
     (0..reference.output_count()).map(move |index| {
         let (byte, bit) = place(index);
@@ -81,7 +81,7 @@ pub fn outputs(reference: &Reference) -> impl Iterator<Item = Output> + use<> {
         } else {
             (OutputKind::Transistor, Span::from_micros(34), Span::from_micros(250))
         };
-        Output { index, byte, bit, kind, on_delay, off_delay }
+        EmbeddedOutput { index, byte, bit, kind, on_delay, off_delay }
     })
 }
 

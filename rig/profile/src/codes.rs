@@ -3,7 +3,7 @@
 /// State shown in PLC_R.i_wStatus, register 60012 (controller:STATE-02).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]
-pub enum Status {
+pub enum PlcStatus {
     /// No application.
     Empty = 0x0000,
     /// A valid application, stopped.
@@ -59,7 +59,7 @@ impl PlcCommand {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]
 pub enum StopCause {
-    /// Initial value, or it cannot be told.
+    /// Initial value, or it is not known.
     Unknown = 0x00,
     /// Hardware watchdog.
     HardwareWatchdog = 0x01,
@@ -153,4 +153,4 @@ macro_rules! codes {
     )*};
 }
 
-codes!(Status, BootProjectStatus, StopCause, ApplicationError, IoStatus);
+codes!(PlcStatus, BootProjectStatus, StopCause, ApplicationError, IoStatus);

@@ -49,7 +49,7 @@ pub const MINIMUM_CYCLE: Span = Span::from_micros(1);
 /// scan: controller:REM-05).
 pub const NON_VOLATILE_SAVE: Span = Span::from_millis(1);
 
-/// How long outputs show their initialization values behind a download, or in 2014 behind a reset or boot too, before
+/// How long outputs show their initialization values after a download, or in 2014 after a reset or boot too, before
 /// their default values follow (rig definition: the document of 2014 says "briefly", the others name only the order).
 pub const OUTPUT_INITIALIZATION: Span = Span::from_millis(20);
 
@@ -76,7 +76,7 @@ pub const SHORT_INTERVAL: Span = Span::from_millis(3);
 /// How far a cycle of a short interval may exceed it (controller:TASK-12).
 pub const SHORT_INTERVAL_TOLERANCE: Span = Span::from_millis(1);
 
-/// Share of a whole that system processing takes behind each cycle of a freewheeling task, as a fraction of the
+/// Share of a whole that system processing takes after each cycle of a freewheeling task, as a fraction of the
 /// cycle's own duration: 3/7 of the cycle is 30 % of cycle and pause together (controller:TASK-21).
 pub const FREEWHEELING_PAUSE: (i64, i64) = (3, 7);
 

@@ -15,10 +15,10 @@ mod system;
 mod tree;
 
 pub use channel::{
-    Input, InputKind, Output, OutputKind, inputs, outputs, protection_groups, rearming_command,
-    short_circuit_status,
+    EmbeddedInput, EmbeddedOutput, InputKind, OutputKind, inputs, outputs, protection_groups,
+    rearming_command, short_circuit_status,
 };
-pub use codes::{ApplicationError, BootProjectStatus, IoStatus, PLC_W_KEY, PlcCommand, Status, StopCause};
+pub use codes::{ApplicationError, BootProjectStatus, IoStatus, PLC_W_KEY, PlcCommand, PlcStatus, StopCause};
 pub use expert::{
     ExpertLimits, FAST_INPUTS, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS,
 };
@@ -31,8 +31,8 @@ pub use figures::{
 };
 pub use input::{EventEdges, input_level};
 pub use limits::{
-    APPLICATION_BYTES, Bounce, DEFAULT_PRIORITY, FOREGROUND_PRIORITIES, Filter, IMAGE_BITS, MEMORY_WORDS,
-    PRIORITIES, REMANENT_BYTES, REMANENT_WORDS, TaskLimits,
+    APPLICATION_BYTES, BounceFilter, DEFAULT_PRIORITY, FOREGROUND_PRIORITIES, IMAGE_BITS, InputFilter,
+    MEMORY_WORDS, PRIORITIES, REMANENT_BYTES, REMANENT_WORDS, TaskLimits,
 };
 pub use reference::{Family, REFERENCES, Reference, RegularOutputs};
 pub use system::{

@@ -67,7 +67,7 @@ impl TaskLimits {
 
 /// The integrating filter of a digital input (io: section 3, io:STD-IN-01).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Filter {
+pub enum InputFilter {
     /// No filter behind the input's own delay.
     None,
     /// 1 ms.
@@ -79,30 +79,31 @@ pub enum Filter {
     Ms12,
 }
 
-impl Filter {
+impl InputFilter {
     /// Every value, shortest first.
-    pub const ALL: [Filter; 4] = [Filter::None, Filter::Ms1, Filter::Ms4, Filter::Ms12];
+    pub const ALL: [InputFilter; 4] =
+        [InputFilter::None, InputFilter::Ms1, InputFilter::Ms4, InputFilter::Ms12];
 
     /// Time of the integrator; 0 for none.
     pub const fn span(self) -> Span {
         match self {
-            Filter::None => Span::ZERO,
-            Filter::Ms1 => Span::from_millis(1),
-            Filter::Ms4 => Span::from_millis(4),
-            Filter::Ms12 => Span::from_millis(12),
+            InputFilter::None => Span::ZERO,
+            InputFilter::Ms1 => Span::from_millis(1),
+            InputFilter::Ms4 => Span::from_millis(4),
+            InputFilter::Ms12 => Span::from_millis(12),
         }
     }
 
     /// The value of this time: 0, 1, 4 or 12 ms exactly.
-    pub fn from_span(span: Span) -> Option<Filter> {
-        Filter::ALL.into_iter().find(|filter| filter.span() == span)
+    pub fn from_span(span: Span) -> Option<InputFilter> {
+        InputFilter::ALL.into_iter().find(|filter| filter.span() == span)
     }
 }
 
-impl fmt::Display for Filter {
+impl fmt::Display for InputFilter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Filter::None => f.write_str("none"),
+            InputFilter::None => f.write_str("none"),
             other => write!(f, "{}", other.span()),
         }
     }
@@ -110,21 +111,21 @@ impl fmt::Display for Filter {
 
 /// The anti-bounce filter of an input with Latch or Event (io: section 3, io:STD-IN-03): its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Bounce(Span);
+pub struct BounceFilter(Span);
 
-impl Bounce {
+impl BounceFilter {
     /// Every value, shortest first.
-    pub const ALL: [Bounce; 10] = [
-        Bounce(Span::from_micros(0)),
-        Bounce(Span::from_micros(1)),
-        Bounce(Span::from_micros(2)),
-        Bounce(Span::from_micros(5)),
-        Bounce(Span::from_micros(10)),
-        Bounce(Span::from_micros(50)),
-        Bounce(Span::from_micros(100)),
-        Bounce(Span::from_micros(500)),
-        Bounce(Span::from_millis(1)),
-        Bounce(Span::from_millis(5)),
+    pub const ALL: [BounceFilter; 10] = [
+        BounceFilter(Span::from_micros(0)),
+        BounceFilter(Span::from_micros(1)),
+        BounceFilter(Span::from_micros(2)),
+        BounceFilter(Span::from_micros(5)),
+        BounceFilter(Span::from_micros(10)),
+        BounceFilter(Span::from_micros(50)),
+        BounceFilter(Span::from_micros(100)),
+        BounceFilter(Span::from_micros(500)),
+        BounceFilter(Span::from_millis(1)),
+        BounceFilter(Span::from_millis(5)),
     ];
 
     /// The bounce time.
@@ -133,15 +134,15 @@ impl Bounce {
     }
 
     /// The value of exactly this time.
-    pub fn from_span(span: Span) -> Option<Bounce> {
-        Bounce::ALL.into_iter().find(|bounce| bounce.0 == span)
+    pub fn from_span(span: Span) -> Option<BounceFilter> {
+        BounceFilter::ALL.into_iter().find(|bounce| bounce.0 == span)
     }
 }
 
-impl Default for Bounce {
+impl Default for BounceFilter {
     /// 0.002 ms.
     fn default() -> Self {
-        Bounce(Span::from_micros(2))
+        BounceFilter(Span::from_micros(2))
     }
 }
 
@@ -169,9 +170,9 @@ mod tests {
 
     #[test]
     fn only_documented_times_are_values() {
-        assert!(Bounce::ALL.contains(&Bounce::default()));
-        assert_eq!(Bounce::from_span(Span::from_micros(3)), None);
-        assert_eq!(Filter::from_span(Span::from_millis(4)), Some(Filter::default()));
-        assert_eq!(Filter::from_span(Span::from_millis(2)), None);
+        assert!(BounceFilter::ALL.contains(&BounceFilter::default()));
+        assert_eq!(BounceFilter::from_span(Span::from_micros(3)), None);
+        assert_eq!(InputFilter::from_span(Span::from_millis(4)), Some(InputFilter::default()));
+        assert_eq!(InputFilter::from_span(Span::from_millis(2)), None);
     }
 }

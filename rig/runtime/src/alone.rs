@@ -2,7 +2,7 @@
 
 use crate::blocks;
 use controller::{Memory, Rtc};
-use expert::{Expert, ExpertConfig};
+use expert::{ExpertConfig, ExpertFunctions};
 use profile::Profile;
 use program::{Coverage, Fault, Host, Machine, MachineError, Pins, Program, Service, SetError, Shown, Stop};
 use signal::{Address, Cause, Span, Time};
@@ -73,7 +73,7 @@ pub struct Alone {
     rtc: Rtc,
     profile: Profile,
     /// No functions: their blocks show an error.
-    functions: Expert,
+    functions: ExpertFunctions,
 }
 
 /// How a run alone ended.
@@ -100,7 +100,7 @@ pub enum Ended {
     },
 }
 
-struct Plain<'a>(&'a mut Memory, &'a mut Expert);
+struct Plain<'a>(&'a mut Memory, &'a mut ExpertFunctions);
 
 impl Host for Plain<'_> {
     fn load(&mut self, at: Address) -> u64 {
@@ -148,7 +148,7 @@ impl Alone {
             now: Time::ZERO,
             rtc: Rtc::default(),
             profile,
-            functions: Expert::new(&ExpertConfig::default(), &[]),
+            functions: ExpertFunctions::new(&ExpertConfig::default(), &[]),
         })
     }
 

@@ -7,11 +7,11 @@ use crate::coverage::Collector;
 use crate::names::{Names, Resolved};
 use crate::system::with_system;
 use controller::{
-    Application, ApplicationFault, FaultClass, Form, LoadError, Loader, Located, Memory, Service, Slice,
-    Stop, VariableReset,
+    Application, ApplicationFault, FaultClass, LoadError, Loader, Memory, RegisterFormat, Slice, SliceEnd,
+    SystemCall, VariableLocation, VariableReset,
 };
 use document::{Diagnostic, SourceFile};
-use expert::Expert;
+use expert::ExpertFunctions;
 use profile::{ApplicationError, Profile};
 use program::{Elementary, FaultKind, Host, Machine, Options, Pins, Program, Storage};
 use signal::{Address, Area, Cause, Size, Span, Time, Value};
@@ -195,7 +195,7 @@ fn written_bits(program: &Program, programs: &[usize]) -> u32 {
 /// The controller's memory as the machine's host.
 struct TaskMemory<'a> {
     memory: &'a mut Memory,
-    functions: &'a mut Expert,
+    functions: &'a mut ExpertFunctions,
     task: u8,
 }
 
@@ -231,22 +231,22 @@ impl Application for ProgramApplication {
         now: Time,
         budget: Span,
         memory: &mut Memory,
-        functions: &mut Expert,
+        functions: &mut ExpertFunctions,
     ) -> Slice {
         let mut host = TaskMemory { memory, functions, task: task as u8 };
         let slice = self.machine.resume(task, now, budget, &mut host);
-        let stop = match slice.stop {
-            program::Stop::Budget { next } => Stop::Budget { next },
-            program::Stop::Done => Stop::Done,
+        let end = match slice.stop {
+            program::Stop::Budget { next } => SliceEnd::Budget { next },
+            program::Stop::Done => SliceEnd::Done,
             // Nobody sets breakpoints here yet; a stop at one is no more than the end of a slice.
-            program::Stop::Touched => Stop::Touched,
-            program::Stop::Break => Stop::Break,
+            program::Stop::Touched => SliceEnd::Touched,
+            program::Stop::Break => SliceEnd::Break,
             program::Stop::Service { service, argument } => {
-                Stop::Service { service: service_of(service), argument }
+                SliceEnd::SystemCall { call: call_of(service), argument }
             }
-            program::Stop::Fault(fault) => Stop::Fault(application_fault(fault, self.profile)),
+            program::Stop::Fault(fault) => SliceEnd::Fault(application_fault(fault, self.profile)),
         };
-        Slice { used: slice.used, stop }
+        Slice { used: slice.used, end }
     }
 
     fn reset(&mut self, reset: VariableReset) {
@@ -317,11 +317,11 @@ impl Application for ProgramApplication {
         self.machine.find(path).map(|variable| variable.0)
     }
 
-    fn locate(&self, path: &str) -> Option<Located> {
+    fn locate(&self, path: &str) -> Option<VariableLocation> {
         let variable = self.machine.program().find(path).filter(|variable| variable.dimensions.is_empty())?;
         match variable.storage {
-            Storage::Located(address) => Some(Located::Memory(address)),
-            Storage::Cell(cell) => Some(Located::Variable(cell.0, form_of(variable.ty))),
+            Storage::Located(address) => Some(VariableLocation::Memory(address)),
+            Storage::Cell(cell) => Some(VariableLocation::Variable(cell.0, form_of(variable.ty))),
         }
     }
 
@@ -385,28 +385,28 @@ impl Application for ProgramApplication {
 }
 
 /// What a program asks for, as the controller knows it.
-const fn service_of(service: program::Service) -> Service {
+const fn call_of(service: program::Service) -> SystemCall {
     match service {
-        program::Service::WaitSleep => Service::WaitSleep,
-        program::Service::GetTaskCycle => Service::GetTaskCycle,
-        program::Service::SetTaskCycle => Service::SetTaskCycle,
-        program::Service::FirstMastCycle => Service::FirstMastCycle,
-        program::Service::FirstMastColdCycle => Service::FirstMastColdCycle,
-        program::Service::FirstMastWarmCycle => Service::FirstMastWarmCycle,
-        program::Service::HasForcedIo => Service::HasForcedIo,
-        program::Service::GetRtc => Service::GetRtc,
-        program::Service::SetRtcDrift => Service::SetRtcDrift,
-        program::Service::InhibitBatteryLed => Service::InhibitBatteryLed,
+        program::Service::WaitSleep => SystemCall::WaitSleep,
+        program::Service::GetTaskCycle => SystemCall::GetTaskCycle,
+        program::Service::SetTaskCycle => SystemCall::SetTaskCycle,
+        program::Service::FirstMastCycle => SystemCall::FirstMastCycle,
+        program::Service::FirstMastColdCycle => SystemCall::FirstMastColdCycle,
+        program::Service::FirstMastWarmCycle => SystemCall::FirstMastWarmCycle,
+        program::Service::HasForcedIo => SystemCall::HasForcedIo,
+        program::Service::GetRtc => SystemCall::GetRtc,
+        program::Service::SetRtcDrift => SystemCall::SetRtcDrift,
+        program::Service::InhibitBatteryLed => SystemCall::InhibitBatteryLed,
     }
 }
 
 /// How a value of this type fills registers (controller:REL-04).
-fn form_of(ty: Elementary) -> Form {
+fn form_of(ty: Elementary) -> RegisterFormat {
     match ty {
-        Elementary::Bool => Form::Bit,
-        Elementary::Real => Form::Real,
-        Elementary::Lreal => Form::Long,
-        ty => Form::Whole(ty.bits().div_ceil(16) as u16),
+        Elementary::Bool => RegisterFormat::Bit,
+        Elementary::Real => RegisterFormat::Real,
+        Elementary::Lreal => RegisterFormat::Long,
+        ty => RegisterFormat::Whole(ty.bits().div_ceil(16) as u16),
     }
 }
 

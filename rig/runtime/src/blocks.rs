@@ -2,7 +2,7 @@
 //! other (io:EXP-06).
 
 use document::SourceFile;
-use expert::{BLOCKS, BlockType, Call, Expert, ValueType};
+use expert::{BLOCKS, BlockCall, BlockType, ExpertFunctions, ValueType};
 use program::{BlockBody, Elementary, Native, Pin, PinKind, Pins, STANDARD};
 use std::fmt::Write;
 use std::sync::LazyLock;
@@ -106,11 +106,11 @@ impl expert::Pins for CallPins<'_, '_> {
 }
 
 /// A call of the block with this number. Whether something is due sooner than before, or somebody looks at the functions.
-pub fn call(block: u16, pins: &mut Pins<'_>, expert: &mut Expert) -> bool {
+pub fn call(block: u16, pins: &mut Pins<'_>, expert: &mut ExpertFunctions) -> bool {
     let Some(block) = BLOCKS.iter().copied().flatten().nth(block.into()) else { return false };
     let before = expert.next();
     let now = pins.now();
-    (block.run)(&mut Call { now, pins: &mut CallPins(pins), expert });
+    (block.run)(&mut BlockCall { now, pins: &mut CallPins(pins), expert });
     expert.is_observed() || expert.next() < before
 }
 

@@ -4,7 +4,7 @@ use crate::case::CaseFiles;
 use crate::functions;
 use crate::inputs;
 use controller::{
-    AlwaysUpdate, Config, HaltOutputs, OutputsInStop, Rearming, Relocation, StartingMode, State,
+    AlwaysUpdate, Config, HaltOutputs, OutputsInStop, Rearming, RelocationConfig, StartingMode, State,
     WatchdogBasis,
 };
 use document::Diagnostic;
@@ -55,7 +55,7 @@ pub fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, V
     }
     config.update_io_in_stop = settings.update_io_in_stop.unwrap_or(config.update_io_in_stop);
     let [read, write] = settings.relocation.clone();
-    config.relocation = Relocation { read, write };
+    config.relocation = RelocationConfig { read, write };
     if let Some(outputs) = settings.halt_outputs {
         config.halt_outputs = match outputs {
             plans::plan::HaltOutputs::Configured => HaltOutputs::Configured,

@@ -6,8 +6,8 @@ use crate::hook::{Hook, HookError};
 use crate::schedule::FileAct;
 use crate::subject::{Observable, Subject};
 use controller::{
-    Command, Disturbance, Effect, Effects, FileError, FileFact, Probe, ProbeId, Refusal, State, TaskFigures,
-    WriteError,
+    Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, Probe, ProbeId, State,
+    TaskFigures, WriteError,
 };
 use drivers::{Board, BoardFile, ChannelId, External as Settings};
 use signal::{Cause, Level, Span, Time, Value, When};
@@ -281,14 +281,14 @@ impl Subject for External {
         self.tell(earliest, effects);
     }
 
-    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {
+    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError> {
         match command {
             Command::Switch(run) if self.has_switch => {
                 self.run = *run;
                 External::put(now, RUN_STOP, *run, effects);
                 Ok(())
             }
-            _ => Err(Refusal::State(self.state())),
+            _ => Err(CommandError::State(self.state())),
         }
     }
 
@@ -318,7 +318,7 @@ impl Subject for External {
         Err(FileError::State(self.state()))
     }
 
-    fn file_probe(&mut self, _: FileFact) -> Probe {
+    fn file_probe(&mut self, _: FileProbe) -> Probe {
         Probe::State
     }
 

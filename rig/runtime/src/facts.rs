@@ -2,7 +2,7 @@
 
 use crate::prepare::Bench;
 use crate::subject::Observable;
-use controller::{FileFact, Part, Probe, RegisterFact};
+use controller::{FileProbe, Probe, RegisterProbe, RelocationPart};
 use document::Findings;
 use plans::Case;
 use plans::plan::{FileFigure, RowFigure, SignalBinding, Source};
@@ -18,24 +18,25 @@ pub(crate) fn observable(
     let mut ask = |fact, kind| Observable { probe: bench.subject.file_probe(fact), kind };
     let register = |fact, kind| Observable { probe: Probe::Register(fact), kind };
     let found = match &binding.source {
-        Source::Log(text) => ask(FileFact::Log(text.clone()), Kind::Int),
+        Source::Log(text) => ask(FileProbe::Log(text.clone()), Kind::Int),
         Source::File { path, asks } => {
             let path = path.clone();
             match asks {
-                FileFigure::Exists => ask(FileFact::Exists(path), Kind::Bool),
-                FileFigure::Holds(text) => ask(FileFact::Holds(path, text.clone()), Kind::Bool),
-                FileFigure::Size => ask(FileFact::Size(path), Kind::Int),
-                FileFigure::Lost => ask(FileFact::Lost(path), Kind::Int),
+                FileFigure::Exists => ask(FileProbe::Exists(path), Kind::Bool),
+                FileFigure::Holds(text) => ask(FileProbe::Holds(path, text.clone()), Kind::Bool),
+                FileFigure::Size => ask(FileProbe::Size(path), Kind::Int),
+                FileFigure::Lost => ask(FileProbe::Lost(path), Kind::Int),
             }
         }
         Source::Register { register: number, exception: false } => {
-            register(RegisterFact::Value(*number), Kind::Word)
+            register(RegisterProbe::Value(*number), Kind::Word)
         }
         Source::Register { register: number, exception: true } => {
-            register(RegisterFact::Exception(*number), Kind::Int)
+            register(RegisterProbe::Exception(*number), Kind::Int)
         }
         Source::Relocation { row, figure } => {
-            let parts = [Part::Read, Part::Write].into_iter().zip(&case.settings.relocation);
+            let parts =
+                [RelocationPart::Read, RelocationPart::Write].into_iter().zip(&case.settings.relocation);
             let mut places = parts.filter_map(|(part, rows)| {
                 let place = rows.iter().position(|known| known.eq_ignore_ascii_case(row))?;
                 Some((part, u16::try_from(place).ok()?))
@@ -46,9 +47,9 @@ pub(crate) fn observable(
                 return Some(None);
             };
             match figure {
-                RowFigure::Address => register(RegisterFact::Address(part, place), Kind::Int),
-                RowFigure::Length => register(RegisterFact::Length(part, place), Kind::Int),
-                RowFigure::Valid => register(RegisterFact::Valid(part, place), Kind::Bool),
+                RowFigure::Address => register(RegisterProbe::Address(part, place), Kind::Int),
+                RowFigure::Length => register(RegisterProbe::Length(part, place), Kind::Int),
+                RowFigure::Valid => register(RegisterProbe::Valid(part, place), Kind::Bool),
             }
         }
         _ => return None,

@@ -2,10 +2,10 @@
 //! named in a plan.
 
 use crate::subject::Observable;
-use controller::{Config, ConfigError, InputConfig, InputFault, InputPart, Probe, RunStopFault};
+use controller::{Config, ConfigError, InputConfig, InputFault, InputProbe, Probe, RunStopFault};
 use document::Diagnostic;
 use plans::plan::Settings;
-use profile::Filter;
+use profile::InputFilter;
 use signal::{Address, Kind};
 use std::ops::Range;
 
@@ -39,7 +39,7 @@ pub fn configure(config: &mut Config, settings: &Settings, plan: &str) -> Result
         // io:EIO-03: a filter that is not stated for this very input is none beside Latch or Event.
         input.filter = match said.filter {
             Some(filter) => filter,
-            None if input.is_expert() && !stated => Filter::None,
+            None if input.is_expert() && !stated => InputFilter::None,
             None => input.filter,
         };
     }
@@ -113,16 +113,16 @@ pub fn observable(name: &str, inputs: usize) -> Option<Observable> {
         input.strip_prefix(['I', 'i']).filter(|digits| digits.bytes().all(|c| c.is_ascii_digit()))?;
     let input = number.parse().ok().filter(|input| *input < inputs)?;
     let part = PARTS.iter().find(|(known, _)| known.eq_ignore_ascii_case(part))?.1;
-    let kind = if part == InputPart::Events { Kind::Int } else { Kind::Bool };
+    let kind = if part == InputProbe::Events { Kind::Int } else { Kind::Bool };
     Some(Observable { probe: Probe::Input { input, part }, kind })
 }
 
 /// What can be looked at of an input, by its name.
-const PARTS: [(&str, InputPart); 4] = [
-    ("filtered", InputPart::Filtered),
-    ("latched", InputPart::Latched),
-    ("events", InputPart::Events),
-    ("overdriven", InputPart::Overdriven),
+const PARTS: [(&str, InputProbe); 4] = [
+    ("filtered", InputProbe::Filtered),
+    ("latched", InputProbe::Latched),
+    ("events", InputProbe::Events),
+    ("overdriven", InputProbe::Overdriven),
 ];
 
 /// The names of everything that can be looked at of so many inputs.

@@ -1,40 +1,40 @@
 //! The controller's log in words.
 
 use crate::subject::Subject;
-use controller::{Entry, FaultClass, Overload};
+use controller::{FaultClass, LogEntry, Overload};
 
 /// A log entry with the names of the tasks.
-pub fn show(entry: &Entry, subject: &dyn Subject) -> String {
+pub fn show(entry: &LogEntry, subject: &dyn Subject) -> String {
     let task = |place: usize| subject.task_name(place).unwrap_or("?").to_owned();
     match *entry {
-        Entry::State { from, to } => format!("{from} -> {to}"),
-        Entry::Stopped(cause) => format!("RUNNING left, stop cause {:02X} hex ({cause:?})", cause.code()),
-        Entry::Boot { row } => format!("boot decision by row {row}"),
-        Entry::Overrun { task: place, elapsed } => {
+        LogEntry::State { from, to } => format!("{from} -> {to}"),
+        LogEntry::Stopped(cause) => format!("RUNNING left, stop cause {:02X} hex ({cause:?})", cause.code()),
+        LogEntry::Boot { row } => format!("boot decision by row {row}"),
+        LogEntry::Overrun { task: place, elapsed } => {
             format!("a cycle of {} took {elapsed}, longer than its interval", task(place))
         }
-        Entry::WatchdogException { task: place, consecutive } => {
+        LogEntry::WatchdogException { task: place, consecutive } => {
             format!("task watchdog exception of {}, {consecutive} in a row", task(place))
         }
-        Entry::TaskWatchdog { task: place } => {
+        LogEntry::TaskWatchdog { task: place } => {
             format!("the task watchdog of {} stopped the application", task(place))
         }
-        Entry::SystemWatchdog => {
+        LogEntry::SystemWatchdog => {
             String::from("system watchdog: the tasks of priority 0 to 24 took the whole processor")
         }
-        Entry::Starved { task: place } => {
+        LogEntry::Starved { task: place } => {
             format!("system watchdog: {}, the task of the lowest priority, was not executed", task(place))
         }
-        Entry::Overload(Overload::Tasks) => {
+        LogEntry::Overload(Overload::Tasks) => {
             String::from("system watchdog: the tasks took more than 85 % of the processor")
         }
-        Entry::Overload(Overload::Freewheeling) => {
+        LogEntry::Overload(Overload::Freewheeling) => {
             String::from("system watchdog: less than 15 % was left for system processing")
         }
         // The text of the documents (controller:TASK-31).
-        Entry::TooManyEvents => String::from("ISR Count Exceeded"),
-        Entry::Warning(warning) => warning.show(|place| subject.task_name(place).unwrap_or("?")),
-        Entry::Fault { task: place, fault } => {
+        LogEntry::TooManyEvents => String::from("ISR Count Exceeded"),
+        LogEntry::Warning(warning) => warning.show(|place| subject.task_name(place).unwrap_or("?")),
+        LogEntry::Fault { task: place, fault } => {
             let class = match fault.class {
                 FaultClass::Application => "application error",
                 FaultClass::System => "system error",
@@ -42,21 +42,21 @@ pub fn show(entry: &Entry, subject: &dyn Subject) -> String {
             let (code, file) = (fault.error.code(), subject.file_name(fault.file));
             format!("{class} {code:04X} hex in {} at {}:{}", task(place), file.unwrap_or("?"), fault.line)
         }
-        Entry::Load(error) => format!("application refused: {error}"),
-        Entry::SharedOutputByte { byte, tasks } => {
+        LogEntry::Load(error) => format!("application refused: {error}"),
+        LogEntry::SharedOutputByte { byte, tasks } => {
             format!("outputs of %QB{byte} are written by {} and by {}", task(tasks.0), task(tasks.1))
         }
-        Entry::OnlineChange { code_only: true } => String::from("online change of code alone"),
-        Entry::OnlineChange { code_only: false } => String::from("online change of code and variables"),
-        Entry::ContextInvalid => String::from("the saved context of the remanent variables is not valid"),
-        Entry::Overdriven { input } => {
+        LogEntry::OnlineChange { code_only: true } => String::from("online change of code alone"),
+        LogEntry::OnlineChange { code_only: false } => String::from("online change of code and variables"),
+        LogEntry::ContextInvalid => String::from("the saved context of the remanent variables is not valid"),
+        LogEntry::Overdriven { input } => {
             format!("out of specification: I{input} is driven faster than a regular input can follow")
         }
-        Entry::FunctionOverdriven { function } => {
+        LogEntry::FunctionOverdriven { function } => {
             let name = subject.function_name(function).unwrap_or("?");
             format!("out of specification: {name} is driven faster than it can count")
         }
-        Entry::SupplyLost => String::from("the supply was interrupted"),
-        Entry::SupplyBack => String::from("the supply came back within the hold-up time"),
+        LogEntry::SupplyLost => String::from("the supply was interrupted"),
+        LogEntry::SupplyBack => String::from("the supply came back within the hold-up time"),
     }
 }

@@ -15,7 +15,7 @@ use crate::prepare::{Bench, Prepared, prepare};
 use crate::store::MemoryStore;
 use crate::subject::{Model, Subject};
 use crate::tasks::Tasks;
-use controller::{Command, Config, Effects, LoadError, Part, State};
+use controller::{Command, Config, Effects, LoadError, RelocationPart, State};
 use document::{Diagnostic, SourceFile};
 use drivers::External as Settings;
 use drivers::file::build;
@@ -181,7 +181,7 @@ fn tasks_of_another(
 }
 
 /// The first row of the relocation table that does not fit (controller:REL-02).
-fn beyond_table(part: Part, row: usize, case: &Case, files: &CaseFiles) -> Diagnostic {
+fn beyond_table(part: RelocationPart, row: usize, case: &Case, files: &CaseFiles) -> Diagnostic {
     let name = case.settings.relocation[part as usize].get(row).map_or("?", String::as_str);
     let message = format!("`{name}` does not fit into the relocation table");
     let help = format!("row {}: each part has {} words", row + 1, profile::TABLE_WORDS);

@@ -9,9 +9,9 @@ use crate::hook::HookError;
 use crate::names::Names;
 use crate::schedule::FileAct;
 use controller::{
-    Command, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError, FileFact, Front,
-    JitterCounts, LedPattern, LoadError, NonVolatile, OutputState, Probe, ProbeId, Refusal, State,
-    TaskFigures, WriteError,
+    Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError,
+    FileProbe, FrontPanel, JitterCounts, LedPattern, LoadError, NonVolatile, OutputState, Probe, ProbeId,
+    State, TaskFigures, WriteError,
 };
 use plans::steps::FileDeed;
 use program::Program;
@@ -130,8 +130,8 @@ pub trait Subject: Send {
     /// Obeys a command.
     ///
     /// # Errors
-    /// [`Refusal`] with the reason.
-    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal>;
+    /// [`CommandError`] with the reason.
+    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError>;
 
     /// Does something to a file, as a user or as the application would.
     ///
@@ -140,7 +140,7 @@ pub trait Subject: Send {
     fn file(&mut self, now: Time, act: &FileAct, effects: &mut Effects) -> Result<(), FileError>;
 
     /// What shows a fact of files or of the log.
-    fn file_probe(&mut self, fact: FileFact) -> Probe;
+    fn file_probe(&mut self, fact: FileProbe) -> Probe;
 
     /// Lets something go wrong around it, or mends it.
     fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects);
@@ -214,7 +214,7 @@ pub trait Subject: Send {
     fn state(&self) -> State;
 
     /// What is on its front, and what is forced; nothing is known of a real controller.
-    fn front(&self) -> Option<Front> {
+    fn front(&self) -> Option<FrontPanel> {
         None
     }
 
@@ -317,7 +317,7 @@ impl Subject for Model {
     }
 
     fn delegate(&mut self, outputs: u32) {
-        self.controller.delegate(outputs);
+        self.controller.offload_pulses(outputs);
     }
 
     fn next_timer(&self) -> Option<Time> {
@@ -335,14 +335,14 @@ impl Subject for Model {
     }
 
     fn lose(&mut self, now: Time, input: usize, edges: u32) {
-        self.controller.lose(now, input, edges);
+        self.controller.report_missed_edges(now, input, edges);
     }
 
     fn count(&mut self, now: Time, input: usize, steps: i64) {
         self.controller.count(now, input, steps);
     }
 
-    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {
+    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError> {
         let before = effects.list.len();
         let answer = self.controller.command(now, command.clone(), effects);
         self.log(before, effects);
@@ -359,7 +359,7 @@ impl Subject for Model {
         }
     }
 
-    fn file_probe(&mut self, fact: FileFact) -> Probe {
+    fn file_probe(&mut self, fact: FileProbe) -> Probe {
         self.controller.file_probe(fact)
     }
 
@@ -424,8 +424,8 @@ impl Subject for Model {
         self.controller.unwatch(probe);
     }
 
-    fn front(&self) -> Option<Front> {
-        Some(self.controller.front())
+    fn front(&self) -> Option<FrontPanel> {
+        Some(self.controller.front_panel())
     }
 
     fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {

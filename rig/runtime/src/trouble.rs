@@ -2,7 +2,7 @@
 
 use crate::hook::HookError;
 use crate::operator::AskError;
-use controller::{FileError, Refusal, State, WriteError};
+use controller::{CommandError, FileError, State, WriteError};
 use drivers::{BoardError, BusState, Channel, ChannelId, Health, LossReason};
 use signal::{Span, Time, TraceError};
 use std::fmt;
@@ -136,7 +136,7 @@ pub enum Trouble {
         /// The state it was in.
         state: State,
         /// Why, where it said so.
-        refusal: Option<Refusal>,
+        refusal: Option<CommandError>,
     },
     /// The case lasted longer than its plan allows.
     Timeout {
@@ -158,7 +158,7 @@ pub enum Trouble {
         /// The step.
         step: String,
         /// Why.
-        refusal: Refusal,
+        refusal: CommandError,
     },
     /// A step could not write.
     NotWritten {

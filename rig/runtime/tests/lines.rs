@@ -5,7 +5,7 @@ use crate::scripted::{ScriptBoard, ScriptClock, Shared};
 use crate::texts::{Parted, Texts};
 use controller::{Config, InputConfig};
 use drivers::{Board, ChannelId};
-use profile::Filter;
+use profile::InputFilter;
 use scanrig_runtime::executor::Ran;
 use scanrig_runtime::trouble::Trouble;
 use signal::{Span, Time, Value};
@@ -48,7 +48,7 @@ impl Bench {
     fn new(rest: &str) -> Bench {
         let text = plan(rest);
         let files = [("plan.toml", text.as_str()), ("follow.st", PROGRAM)];
-        let plain = |config: &mut Config| config.inputs = vec![InputConfig::filtered(Filter::None)];
+        let plain = |config: &mut Config| config.inputs = vec![InputConfig::filtered(InputFilter::None)];
         let (model, mut parts) = Texts(&files).parts_with(1, plain);
         let world = Shared::default();
         parts.board = Box::new(ScriptBoard::like(&*parts.board, &world));

@@ -2,7 +2,7 @@
 
 use crate::texts::Texts;
 use controller::{
-    Command, Disturbance, Effects, FileError, FileFact, Probe, ProbeId, Refusal, State, TaskFigures,
+    Command, CommandError, Disturbance, Effects, FileError, FileProbe, Probe, ProbeId, State, TaskFigures,
     WriteError,
 };
 use record::Verdict;
@@ -168,7 +168,7 @@ impl Subject for Panics {
         self.model.input(now, at, input, level, effects);
     }
 
-    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {
+    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError> {
         self.model.command(now, command, effects)
     }
 
@@ -176,7 +176,7 @@ impl Subject for Panics {
         self.model.file(now, act, effects)
     }
 
-    fn file_probe(&mut self, fact: FileFact) -> Probe {
+    fn file_probe(&mut self, fact: FileProbe) -> Probe {
         self.model.file_probe(fact)
     }
 

@@ -1,7 +1,7 @@
 //! The boot application: how it is created, placed, compared and removed (controller:STATE-12, controller:STATE-13,
 //! controller:STATE-15, controller:SYS-01).
 
-use super::Refusal;
+use super::CommandError;
 use crate::watch::class;
 use crate::{APPLICATION_FILE, Controller, Effects, State};
 use profile::{BOOT_APPLICATION_SAVE, BootProjectStatus, StopCause};
@@ -20,9 +20,9 @@ impl Controller {
         &mut self,
         now: Time,
         fx: &mut Effects,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), CommandError> {
         if self.state != State::Stopped || self.application.is_none() {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         self.create_boot_application(now);
         self.context.adopt_parent();
@@ -52,10 +52,10 @@ impl Controller {
         bundle: &[u8],
         now: Time,
         fx: &mut Effects,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), CommandError> {
         // controller:MEM-03
         if self.state.status().is_none() {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         self.power.creating = None;
         self.store.write(APPLICATION_FILE, bundle);
@@ -74,9 +74,13 @@ impl Controller {
     }
 
     /// Delete application (controller:TR-27): from memory, and its boot application, which would bring it back.
-    pub(crate) fn command_delete_application(&mut self, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+    pub(crate) fn command_delete_application(
+        &mut self,
+        now: Time,
+        fx: &mut Effects,
+    ) -> Result<(), CommandError> {
         if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         self.system.stop_cause = StopCause::Delete;
         self.unload(now);

@@ -1,27 +1,27 @@
 //! Download (controller: section 14.9).
 
-use super::Refusal;
-use crate::service::Start;
-use crate::transition::Beginning;
-use crate::{APPLICATION_FILE, Application, Controller, Effects, Entry, LoadError, State, VariableReset};
+use super::CommandError;
+use crate::service::FirstCycle;
+use crate::transition::ApplicationStart;
+use crate::{APPLICATION_FILE, Application, Controller, Effects, LoadError, LogEntry, State, VariableReset};
 use profile::{Family, StopCause};
 use signal::Time;
 
 impl Controller {
-    /// Download (controller:DL-02, controller:TR-16): RETAIN variables and other data start anew, persistent ones that
+    /// Download (controller:DL-02, controller:TR-16): RETAIN variables and other data start again, persistent ones that
     /// both applications have and %MW0...%MW999 are kept.
     pub(crate) fn command_download(
         &mut self,
         bundle: &[u8],
         now: Time,
         fx: &mut Effects,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), CommandError> {
         let runs = matches!(self.state, State::Running | State::Breakpoint);
         if !runs && !matches!(self.state, State::Stopped | State::Halt | State::Empty) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         self.replace(bundle, true, now, fx)?;
-        self.initial_outputs(Beginning::Download, State::Stopped, now, fx);
+        self.initial_outputs(ApplicationStart::Download, State::Stopped, now, fx);
         self.rest(State::Stopped, now, fx);
         Ok(())
     }
@@ -33,29 +33,35 @@ impl Controller {
         start: bool,
         now: Time,
         fx: &mut Effects,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), CommandError> {
         let halt = self.state == State::Halt && self.config.reference.family == Family::M241;
         if !halt && !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Empty)
         {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         self.replace(bundle, false, now, fx)?;
         if start && self.may_run(now).is_ok() {
-            self.initial_outputs(Beginning::Download, State::Running, now, fx);
+            self.initial_outputs(ApplicationStart::Download, State::Running, now, fx);
             self.enter_running(now, fx);
         } else {
-            self.initial_outputs(Beginning::Download, State::Stopped, now, fx);
+            self.initial_outputs(ApplicationStart::Download, State::Stopped, now, fx);
             self.rest(State::Stopped, now, fx);
         }
         Ok(())
     }
 
     /// Another application takes the place of the one in memory, which is erased first.
-    fn replace(&mut self, bundle: &[u8], boot: bool, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+    fn replace(
+        &mut self,
+        bundle: &[u8],
+        boot: bool,
+        now: Time,
+        fx: &mut Effects,
+    ) -> Result<(), CommandError> {
         let runs = matches!(self.state, State::Running | State::Breakpoint);
         let cause = if runs { StopCause::User } else { StopCause::Unknown };
         let old = self.application.take();
-        self.cease();
+        self.abort_cycles();
         self.context.abandon();
         self.power.creating = None;
         self.clear_diagnostics(cause);
@@ -66,7 +72,7 @@ impl Controller {
             }
             Err(error) => {
                 self.fail_download(error, boot, now, fx);
-                Err(Refusal::Application(error))
+                Err(CommandError::Application(error))
             }
         }
     }
@@ -81,9 +87,9 @@ impl Controller {
         fx: &mut Effects,
     ) {
         if let Some((byte, tasks)) = self.shared_output_byte(&*new) {
-            self.note(now, Entry::SharedOutputByte { byte, tasks }, fx);
+            self.log_entry(now, LogEntry::SharedOutputByte { byte, tasks }, fx);
         }
-        self.note_warnings(now, fx);
+        self.log_warnings(now, fx);
         new.reset(VariableReset::ALL);
         if let Some(old) = old {
             let mut image = vec![0; old.retained_len()];
@@ -96,7 +102,7 @@ impl Controller {
         self.context.newest(&*self.store);
         self.context.prepare(&*new, boot, &mut *self.store);
         self.context.save_now(&*new, &self.memory, &mut *self.store);
-        self.start = Start::Cold;
+        self.start = FirstCycle::Cold;
         self.install(new, bundle);
         if boot {
             self.create_boot_application(now);
@@ -107,7 +113,7 @@ impl Controller {
 
     /// controller:DL-04: the old application is already erased.
     fn fail_download(&mut self, error: LoadError, boot: bool, now: Time, fx: &mut Effects) {
-        self.note(now, Entry::Load(error), fx);
+        self.log_entry(now, LogEntry::Load(error), fx);
         self.unload(now);
         if boot {
             self.store.remove(APPLICATION_FILE);

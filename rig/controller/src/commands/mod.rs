@@ -112,7 +112,7 @@ impl Channel {
 
 /// Why a command was not obeyed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
+pub enum CommandError {
     /// Not possible in this state (controller:TR-24, controller:TR-28, controller:WD-14).
     State(State),
     /// The Run/Stop switch is at Stop.
@@ -141,27 +141,29 @@ pub enum Refusal {
     },
 }
 
-impl fmt::Display for Refusal {
+impl fmt::Display for CommandError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refusal::State(state) => write!(f, "not possible in state {state}"),
-            Refusal::SwitchAtStop => f.write_str("the Run/Stop switch is at Stop"),
-            Refusal::RunStopInput => f.write_str("the Run/Stop input is 0"),
-            Refusal::Stopping => f.write_str("a stop is under way"),
-            Refusal::NoChannel(Channel::Input(n)) => write!(f, "the reference has no input I{n}"),
-            Refusal::NoChannel(Channel::Output(n)) => write!(f, "the reference has no output Q{n}"),
-            Refusal::ExpertOutput(n) => write!(f, "an expert function drives Q{n}"),
-            Refusal::Application(error) | Refusal::Change(error) => {
+            CommandError::State(state) => write!(f, "not possible in state {state}"),
+            CommandError::SwitchAtStop => f.write_str("the Run/Stop switch is at Stop"),
+            CommandError::RunStopInput => f.write_str("the Run/Stop input is 0"),
+            CommandError::Stopping => f.write_str("a stop is under way"),
+            CommandError::NoChannel(Channel::Input(n)) => write!(f, "the reference has no input I{n}"),
+            CommandError::NoChannel(Channel::Output(n)) => write!(f, "the reference has no output Q{n}"),
+            CommandError::ExpertOutput(n) => write!(f, "an expert function drives Q{n}"),
+            CommandError::Application(error) | CommandError::Change(error) => {
                 write!(f, "the application is not valid: {error}")
             }
-            Refusal::NoStatement { line } => write!(f, "no statement stands in line {line} or behind it"),
-            Refusal::NoSuchCommand => f.write_str("the controller has no such command"),
-            Refusal::NotConnected => f.write_str("no programming tool is connected"),
+            CommandError::NoStatement { line } => {
+                write!(f, "no statement stands in line {line} or behind it")
+            }
+            CommandError::NoSuchCommand => f.write_str("the controller has no such command"),
+            CommandError::NotConnected => f.write_str("no programming tool is connected"),
         }
     }
 }
 
-impl std::error::Error for Refusal {}
+impl std::error::Error for CommandError {}
 
 /// Why a value was not written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -194,10 +196,10 @@ impl Controller {
     /// Obeys a command at `now`, between two operations of the application.
     ///
     /// # Errors
-    /// [`Refusal`]; nothing has happened then, except that a download whose application is not valid has erased the
+    /// [`CommandError`]; nothing has happened then, except that a download whose application is not valid has erased the
     /// old one.
-    pub fn command(&mut self, now: Time, command: Command, fx: &mut Effects) -> Result<(), Refusal> {
-        self.come_to(now);
+    pub fn command(&mut self, now: Time, command: Command, fx: &mut Effects) -> Result<(), CommandError> {
+        self.idle_until(now);
         let done = match command {
             Command::Run => self.command_run(now, fx),
             Command::Stop => self.command_stop(StopCause::User, now, fx),
@@ -237,8 +239,8 @@ impl Controller {
     }
 
     /// controller:LED-03
-    fn identify(&mut self, on: bool, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
-        self.state.status().ok_or(Refusal::State(self.state))?;
+    fn identify(&mut self, on: bool, now: Time, fx: &mut Effects) -> Result<(), CommandError> {
+        self.state.status().ok_or(CommandError::State(self.state))?;
         self.leds.identify = on;
         self.observe(class::STATE, now, Cause::Controller, fx);
         Ok(())

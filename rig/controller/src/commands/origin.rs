@@ -1,6 +1,6 @@
 //! Reset origin and reset origin device (controller: sections 14.6, 14.7).
 
-use super::Refusal;
+use super::CommandError;
 use crate::store::{
     APPLICATION_FOLDER, CERTIFICATES_FOLDER, CONFIGURATION_FOLDER, LOG_FOLDER, POST_CONFIGURATION_FILE,
     RETAIN_MAP, RIGHTS_FILE, SYSTEM_LOG_FOLDER, USER_FOLDER, VISUALISATION_FOLDER,
@@ -22,7 +22,7 @@ pub struct DeviceReset {
 
 impl Controller {
     /// Reset origin (controller:RO-01): the application and the user's files are erased.
-    pub(crate) fn command_reset_origin(&mut self, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+    pub(crate) fn command_reset_origin(&mut self, now: Time, fx: &mut Effects) -> Result<(), CommandError> {
         self.erase_application(now)?;
         let profile = self.config.profile;
         for folder in [APPLICATION_FOLDER, LOG_FOLDER] {
@@ -55,9 +55,9 @@ impl Controller {
         reset: DeviceReset,
         now: Time,
         fx: &mut Effects,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), CommandError> {
         if self.config.reference.family != Family::M251 {
-            return Err(Refusal::NoSuchCommand);
+            return Err(CommandError::NoSuchCommand);
         }
         if reset.plc_logic {
             self.erase_application(now)?;
@@ -68,7 +68,7 @@ impl Controller {
             self.store.remove(POST_CONFIGURATION_FILE);
             self.boot_file_changed();
         } else if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         if reset.user_management {
             self.store.remove(RIGHTS_FILE);
@@ -83,9 +83,9 @@ impl Controller {
     }
 
     /// The application goes, and with it forcing, indications of errors, memory and the remanent variables.
-    fn erase_application(&mut self, now: Time) -> Result<(), Refusal> {
+    fn erase_application(&mut self, now: Time) -> Result<(), CommandError> {
         if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         let runs = matches!(self.state, State::Running | State::Breakpoint);
         let cause = if runs { StopCause::Reset } else { StopCause::Unknown };

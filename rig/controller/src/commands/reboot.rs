@@ -1,6 +1,6 @@
 //! Reboot without a power cycle, and what invalid firmware and its repair do (controller: sections 14.8, 22).
 
-use super::Refusal;
+use super::CommandError;
 use crate::{Controller, Effects, State};
 use profile::{ApplicationError, StopCause};
 use signal::Time;
@@ -8,9 +8,9 @@ use signal::Time;
 impl Controller {
     /// Reboot by script (controller:RB-01): the end is orderly, so what a save had begun becomes whole, and forcing
     /// stays (controller:FRC-07).
-    pub(crate) fn command_reboot(&mut self, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+    pub(crate) fn command_reboot(&mut self, now: Time, fx: &mut Effects) -> Result<(), CommandError> {
         if matches!(self.state, State::Off | State::Booting) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         self.complete_saves();
         self.power.system_error = false;
@@ -39,9 +39,9 @@ impl Controller {
 
     /// The firmware in non-volatile memory is damaged, or replaced from an SD card, which deletes the application
     /// (controller:FW-02). The next boot finds out (controller:TR-02, controller:TR-25).
-    pub(crate) fn command_firmware(&mut self, valid: bool) -> Result<(), Refusal> {
+    pub(crate) fn command_firmware(&mut self, valid: bool) -> Result<(), CommandError> {
         if valid && matches!(self.state, State::Off | State::Booting) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
         self.power.firmware = valid;
         if valid {

@@ -1,8 +1,8 @@
 //! Reset warm and reset cold (controller: section 14.5).
 
-use super::Refusal;
-use crate::service::Start;
-use crate::transition::Beginning;
+use super::CommandError;
+use crate::service::FirstCycle;
+use crate::transition::ApplicationStart;
 use crate::{Controller, Effects, State, VariableReset};
 use profile::{ApplicationError, StopCause};
 use signal::Time;
@@ -14,22 +14,22 @@ impl Controller {
         reset: VariableReset,
         now: Time,
         fx: &mut Effects,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), CommandError> {
         if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
-            return Err(Refusal::State(self.state));
+            return Err(CommandError::State(self.state));
         }
-        let Some(application) = &mut self.application else { return Err(Refusal::State(self.state)) };
+        let Some(application) = &mut self.application else { return Err(CommandError::State(self.state)) };
         let runs = matches!(self.state, State::Running | State::Breakpoint);
         let cause = if runs { StopCause::Reset } else { StopCause::Unknown };
         application.reset(reset);
-        self.start = Start::behind(reset);
+        self.start = FirstCycle::behind(reset);
         self.memory.reset(|word| !application.associates(word));
         application.initialize(&mut self.memory);
         if reset == VariableReset::COLD {
             self.functions.reset(now);
         }
         self.clear_diagnostics(cause);
-        self.initial_outputs(Beginning::Reset, State::Stopped, now, fx);
+        self.initial_outputs(ApplicationStart::Reset, State::Stopped, now, fx);
         self.rest(State::Stopped, now, fx);
         self.context.dirty = true;
         self.save_if_dirty(now);

@@ -1,19 +1,19 @@
 //! Run, Stop and the Run/Stop switch (controller: sections 13, 14.1, 14.2).
 
-use super::Refusal;
+use super::CommandError;
 use crate::{Controller, Effects, State};
 use profile::StopCause;
 use signal::Time;
 
 impl Controller {
-    pub(crate) fn command_run(&mut self, now: Time, fx: &mut Effects) -> Result<(), Refusal> {
+    pub(crate) fn command_run(&mut self, now: Time, fx: &mut Effects) -> Result<(), CommandError> {
         match self.state {
             State::Stopped => {
                 self.may_run(now)?;
                 self.enter_running(now, fx);
                 Ok(())
             }
-            state => Err(Refusal::State(state)),
+            state => Err(CommandError::State(state)),
         }
     }
 
@@ -22,9 +22,9 @@ impl Controller {
         cause: StopCause,
         now: Time,
         fx: &mut Effects,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), CommandError> {
         match self.state {
-            State::Running if self.cpu.stopping.is_some() => Err(Refusal::Stopping),
+            State::Running if self.cpu.stopping.is_some() => Err(CommandError::Stopping),
             State::Running => {
                 // Cycles under way are finished, so that no context is ever half a cycle.
                 if self.cpu.active == 0 {
@@ -34,14 +34,14 @@ impl Controller {
                 }
                 Ok(())
             }
-            // The cycles that are held are given up: nothing of them runs behind a Stop.
+            // The cycles that are held are given up: nothing of them runs after a Stop.
             State::Breakpoint => {
                 self.enter_stopped(now, cause, fx);
                 Ok(())
             }
             // controller:TR-26
             State::Empty => Ok(()),
-            state => Err(Refusal::State(state)),
+            state => Err(CommandError::State(state)),
         }
     }
 

@@ -8,8 +8,8 @@ pub use choice::{AlwaysUpdate, BusCycle, HaltOutputs, OutputsInStop, Rearming, S
 pub use error::ConfigError;
 pub use task::{TaskConfig, TaskKind, Watchdog};
 
-use crate::{InputConfig, Relocation, RunStopFault};
-use expert::{ExpertConfig, ExpertError, InputConditions, Taken};
+use crate::{InputConfig, RelocationConfig, RunStopFault};
+use expert::{ExpertConfig, ExpertError, InputConditions, ReservedChannels};
 use profile::{MINIMUM_CYCLE, PRIORITIES, Profile, Reference};
 use signal::Span;
 
@@ -47,7 +47,7 @@ pub struct Config {
     /// What the time of a task watchdog measures (controller:WD-10).
     pub watchdog_basis: WatchdogBasis,
     /// The relocation table (controller:REL-01).
-    pub relocation: Relocation,
+    pub relocation: RelocationConfig,
     /// The bus cycle task (controller:PRIO-06, controller:DEV-10).
     pub bus_cycle_task: BusCycle,
     /// Always update variables (controller:DEV-10, controller:DEV-12).
@@ -78,7 +78,7 @@ impl Config {
             tool_connected: true,
             starting_mode: StartingMode::default(),
             watchdog_basis: WatchdogBasis::default(),
-            relocation: Relocation::default(),
+            relocation: RelocationConfig::default(),
             bus_cycle_task: BusCycle::default(),
             always_update: AlwaysUpdate::default_of(profile),
             expert: ExpertConfig::default(),
@@ -203,7 +203,7 @@ impl Config {
     /// Everything for which the profile does not accept the expert functions.
     pub fn check_expert(&self) -> Vec<ExpertError> {
         let advanced = self.inputs.iter().enumerate().filter(|(_, input)| input.is_expert());
-        let taken = Taken {
+        let taken = ReservedChannels {
             advanced: advanced.fold(0, |mask, (n, _)| {
                 mask | u32::try_from(n).map_or(0, |n| 1_u32.checked_shl(n).unwrap_or(0))
             }),
@@ -307,7 +307,7 @@ mod tests {
         };
         assert_eq!(with(m251), refused(0, RunStopFault::NoneAtAll));
         let latch = |c: &mut Config| {
-            let latch = InputConfig { latch: true, ..InputConfig::filtered(profile::Filter::None) };
+            let latch = InputConfig { latch: true, ..InputConfig::filtered(profile::InputFilter::None) };
             (c.inputs, c.run_stop_input) = (vec![latch], Some(0));
         };
         assert_eq!(with(latch), refused(0, RunStopFault::Expert));

@@ -24,7 +24,7 @@ pub enum TaskKind {
         /// From one start to the next.
         interval: Span,
     },
-    /// The end of a pause behind the cycle before, whose length depends on that cycle's (controller:TASK-20).
+    /// The end of a pause after the cycle before, whose length depends on that cycle's (controller:TASK-20).
     Freewheeling,
     /// A Boolean variable that becomes TRUE (controller:TASK-30).
     Event {

@@ -10,7 +10,7 @@ use signal::{Span, Time};
 #[derive(Clone, Debug)]
 pub(super) struct Channel {
     delay: Span,
-    stage: Stage,
+    stage: FilterStage,
     /// Level at the terminal.
     terminal: bool,
     /// Level behind the own delay.
@@ -25,7 +25,7 @@ pub(super) struct Channel {
 
 /// What stands behind the own delay.
 #[derive(Clone, Copy, Debug)]
-enum Stage {
+enum FilterStage {
     /// The accumulator of io:STD-IN-01: rises and falls by a nanosecond each nanosecond between 0 and `full`.
     Integrator { full: i64, sum: i64 },
     /// The anti-bounce filter of io:STD-IN-03: a level is accepted once it is stable for `bounce`. `since` is when the
@@ -37,9 +37,9 @@ impl Channel {
     /// A channel at rest at 0; `expert` where an expert function looks at the input (io:EIO-12).
     pub(super) fn new(delay: Span, config: &InputConfig, expert: bool) -> Channel {
         let stage = if expert || config.is_expert() {
-            Stage::AntiBounce { bounce: config.bounce.span(), since: Time::MIN }
+            FilterStage::AntiBounce { bounce: config.bounce.span(), since: Time::MIN }
         } else {
-            Stage::Integrator { full: config.filter.span().as_nanos(), sum: 0 }
+            FilterStage::Integrator { full: config.filter.span().as_nanos(), sum: 0 }
         };
         Channel {
             delay,
@@ -56,8 +56,8 @@ impl Channel {
     pub(super) fn power_on(&mut self, now: Time) -> bool {
         (self.inside, self.out, self.at) = (false, false, now);
         match &mut self.stage {
-            Stage::Integrator { sum, .. } => *sum = 0,
-            Stage::AntiBounce { since, .. } => *since = now,
+            FilterStage::Integrator { sum, .. } => *sum = 0,
+            FilterStage::AntiBounce { since, .. } => *since = now,
         }
         self.follows = now.saturating_add(self.delay);
         self.terminal
@@ -83,12 +83,12 @@ impl Channel {
         self.out
     }
 
-    /// Brings the channel to `now`; `edge` is told when the level behind the filter turned, and to what.
-    pub(super) fn settle(&mut self, now: Time, mut edge: impl FnMut(Time, bool)) {
+    /// Brings the channel to `now`; `edge` is called when the level behind the filter turned, and to what.
+    pub(super) fn advance(&mut self, now: Time, mut edge: impl FnMut(Time, bool)) {
         if self.inside != self.terminal && self.follows <= now {
             self.pass(self.follows, &mut edge);
             self.inside = self.terminal;
-            if let Stage::AntiBounce { since, .. } = &mut self.stage {
+            if let FilterStage::AntiBounce { since, .. } = &mut self.stage {
                 *since = self.follows;
             }
         }
@@ -102,7 +102,7 @@ impl Channel {
             self.out = self.inside;
             edge(turns, self.out);
         }
-        if let Stage::Integrator { full, sum } = &mut self.stage {
+        if let FilterStage::Integrator { full, sum } = &mut self.stage {
             let passed = to.as_nanos().saturating_sub(self.at.as_nanos()).max(0);
             *sum = if self.inside { sum.saturating_add(passed).min(*full) } else { (*sum - passed).max(0) };
         }
@@ -115,11 +115,11 @@ impl Channel {
             return Time::MAX;
         }
         match self.stage {
-            Stage::Integrator { full, sum } => {
+            FilterStage::Integrator { full, sum } => {
                 let left = if self.inside { full - sum } else { sum };
                 self.at.saturating_add(Span::from_nanos(left))
             }
-            Stage::AntiBounce { bounce, since } => since.saturating_add(bounce),
+            FilterStage::AntiBounce { bounce, since } => since.saturating_add(bounce),
         }
     }
 
@@ -132,8 +132,8 @@ impl Channel {
     /// Whether anything in it can change without a change at the terminal.
     pub(super) fn moves(&self) -> bool {
         let rest = match self.stage {
-            Stage::Integrator { full, sum } => sum == if self.inside { full } else { 0 },
-            Stage::AntiBounce { .. } => true,
+            FilterStage::Integrator { full, sum } => sum == if self.inside { full } else { 0 },
+            FilterStage::AntiBounce { .. } => true,
         };
         self.inside != self.terminal || self.out != self.inside || !rest
     }

@@ -1,25 +1,25 @@
 //! The parameters of the embedded inputs and what they exclude (io: section 3).
 
-use profile::{Bounce, EventEdges, Filter, Profile, Reference};
+use profile::{BounceFilter, EventEdges, InputFilter, Profile, Reference};
 use std::fmt;
 
 /// The parameters of one input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputConfig {
     /// The integrating filter; none with Latch or Event.
-    pub filter: Filter,
+    pub filter: InputFilter,
     /// Pulses between two reads of MAST are kept for the next one (io:EIO-08).
     pub latch: bool,
     /// Edges that raise the input's event (io:EIO-10).
     pub event: Option<EventEdges>,
     /// The anti-bounce filter of an input with Latch, Event or another expert function, else 0.002 ms (io:EIO-07,
     /// io:EIO-12).
-    pub bounce: Bounce,
+    pub bounce: BounceFilter,
 }
 
 impl InputConfig {
     /// An input with this filter and nothing else.
-    pub fn filtered(filter: Filter) -> InputConfig {
+    pub fn filtered(filter: InputFilter) -> InputConfig {
         InputConfig { filter, ..InputConfig::default() }
     }
 
@@ -39,10 +39,10 @@ impl InputConfig {
             (latch, event) if (latch || event) && input >= reference.fast_inputs => {
                 return Err(InputFault::NotFast);
             }
-            (latch, event) if (latch || event) && self.filter != Filter::None => {
+            (latch, event) if (latch || event) && self.filter != InputFilter::None => {
                 return Err(InputFault::FilterWithExpert);
             }
-            (false, false) if !used && self.bounce != Bounce::default() => {
+            (false, false) if !used && self.bounce != BounceFilter::default() => {
                 return Err(InputFault::BounceAlone);
             }
             _ => {}
@@ -133,8 +133,8 @@ mod tests {
     // io:EIO-04, io:EIO-05, io:EIO-06, io:EIO-07
     #[test]
     fn each_conflict_is_refused() {
-        let latch = |c: &mut InputConfig| (c.latch, c.filter) = (true, Filter::None);
-        let event = |c: &mut InputConfig| (c.event, c.filter) = (Some(EventEdges::Both), Filter::None);
+        let latch = |c: &mut InputConfig| (c.latch, c.filter) = (true, InputFilter::None);
+        let event = |c: &mut InputConfig| (c.event, c.filter) = (Some(EventEdges::Both), InputFilter::None);
         assert_eq!(check(13, |_| ()), Ok(()));
         assert_eq!(check(7, latch), Ok(()));
         assert_eq!(check(7, event), Ok(()));
@@ -144,7 +144,7 @@ mod tests {
         assert_eq!(check(0, |c| c.event = Some(EventEdges::Rising)), Err(InputFault::FilterWithExpert));
         let both = |c: &mut InputConfig| (c.latch, c.event) = (true, Some(EventEdges::Falling));
         assert_eq!(check(0, both), Err(InputFault::LatchWithEvent));
-        let bounce = |c: &mut InputConfig| c.bounce = Bounce::ALL[3];
+        let bounce = |c: &mut InputConfig| c.bounce = BounceFilter::ALL[3];
         assert_eq!(check(0, bounce), Err(InputFault::BounceAlone));
         assert_eq!(check(0, |c| (latch(c), bounce(c)).0), Ok(()));
     }

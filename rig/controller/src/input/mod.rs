@@ -13,7 +13,7 @@ use signal::{Level, Span, Time, Value};
 
 /// What can be observed of an input besides its terminal and its image (io: section 17.6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum InputPart {
+pub enum InputProbe {
     /// The level behind own delay and filter: a Boolean.
     Filtered,
     /// Whether the latch holds a pulse for the next read of MAST: a Boolean.
@@ -26,7 +26,7 @@ pub enum InputPart {
 
 /// An edge that the controller has to act on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Accepted {
+pub(crate) enum InputEvent {
     /// The event of this input.
     Event(usize),
     /// The Run/Stop input turned to this level.
@@ -58,7 +58,7 @@ pub(crate) struct Inputs {
     /// Events raised, by input.
     events: Vec<u32>,
     speed: Speed,
-    accepted: Vec<Accepted>,
+    accepted: Vec<InputEvent>,
     /// When an attentive channel has to be looked at next.
     next: Time,
 }
@@ -178,7 +178,7 @@ impl Inputs {
         let high = level.is_high();
         let before = self.filtered;
         // At rest the filter stands at its end, so the time since then adds nothing.
-        self.settle(input, now);
+        self.advance(input, now);
         let turned = (before ^ self.filtered) & self.roles.watched != 0;
         let rose = self.channels[input].set(now, high) && high;
         if !high && !self.channels[input].out() {
@@ -187,7 +187,7 @@ impl Inputs {
         }
         self.moving |= 1 << input;
         if rose {
-            self.note_speed(input, now);
+            self.check_speed(input, now);
         }
         self.plan(now);
         if turned {
@@ -197,14 +197,14 @@ impl Inputs {
     }
 
     /// io:REF-03, controller:HW-03: rising edges that come sooner than the period of the highest frequency.
-    fn note_speed(&mut self, input: usize, now: Time) {
+    fn check_speed(&mut self, input: usize, now: Time) {
         let speed = &mut self.speed;
         let soon = now < speed.rose[input].saturating_add(speed.period);
         speed.rose[input] = now;
         let bit = 1 << input;
         if soon && speed.regular & bit != 0 && speed.over & bit == 0 {
             speed.over |= bit;
-            self.accepted.push(Accepted::Overdriven(input));
+            self.accepted.push(InputEvent::Overdriven(input));
         }
     }
 
@@ -249,11 +249,11 @@ impl Inputs {
     /// Brings the attentive inputs to `now`.
     pub(crate) fn fire(&mut self, now: Time) {
         self.evaluate(now);
-        self.foresee();
+        self.schedule();
     }
 
     /// The next edge that the controller has to act on, in the order in which they were accepted.
-    pub(crate) fn take(&mut self, place: usize) -> Option<Accepted> {
+    pub(crate) fn take(&mut self, place: usize) -> Option<InputEvent> {
         let edge = self.accepted.get(place).copied();
         if edge.is_none() {
             self.accepted.clear();
@@ -265,19 +265,19 @@ impl Inputs {
     pub(crate) fn watch(&mut self, input: usize) {
         if input < self.channels.len() {
             self.roles.watched |= 1 << input;
-            self.foresee();
+            self.schedule();
         }
     }
 
     /// What an observer sees of an input; unknown for one that the reference does not have.
-    pub(crate) fn show(&self, input: usize, part: InputPart) -> Value {
+    pub(crate) fn show(&self, input: usize, part: InputProbe) -> Value {
         let Some(events) = self.events.get(input) else { return Value::Unknown };
         let bit = |mask: u32| Value::Bool(mask >> input & 1 == 1);
         match part {
-            InputPart::Filtered => bit(self.filtered),
-            InputPart::Latched => bit(self.latched),
-            InputPart::Events => Value::Int(i64::from(*events)),
-            InputPart::Overdriven => bit(self.speed.over),
+            InputProbe::Filtered => bit(self.filtered),
+            InputProbe::Latched => bit(self.latched),
+            InputProbe::Events => Value::Int(i64::from(*events)),
+            InputProbe::Overdriven => bit(self.speed.over),
         }
     }
 
@@ -286,18 +286,18 @@ impl Inputs {
         while left != 0 {
             let n = left.trailing_zeros() as usize;
             left &= left - 1;
-            self.settle(n, now);
+            self.advance(n, now);
             if !self.channels[n].moves() {
                 self.moving &= !(1 << n);
             }
         }
     }
 
-    fn settle(&mut self, n: usize, now: Time) {
+    fn advance(&mut self, n: usize, now: Time) {
         let bit = 1 << n;
         let Inputs { channels, filtered, roles, latched, first_fall, events, accepted, .. } = self;
         let operating = self.operating;
-        channels[n].settle(now, |_, high| {
+        channels[n].advance(now, |_, high| {
             *filtered = if high { *filtered | bit } else { *filtered & !bit };
             if operating && high {
                 *latched |= bit & roles.latch;
@@ -309,24 +309,24 @@ impl Inputs {
             let wanted = if high { roles.rising } else { roles.falling } & bit != 0;
             if operating && wanted && !ignored {
                 events[n] = events[n].wrapping_add(1);
-                accepted.push(Accepted::Event(n));
+                accepted.push(InputEvent::Event(n));
             }
             if roles.run_stop & bit != 0 {
-                accepted.push(Accepted::RunStop(high));
+                accepted.push(InputEvent::RunStop(high));
             }
         });
     }
 
     /// Works out `next` at `now`. What is accepted already is due at once.
     fn plan(&mut self, now: Time) {
-        self.foresee();
+        self.schedule();
         if !self.accepted.is_empty() {
             self.next = now;
         }
     }
 
     /// Works out when the next attentive input turns.
-    fn foresee(&mut self) {
+    fn schedule(&mut self) {
         self.next = Time::MAX;
         let mut left = self.moving & self.roles.attentive();
         while left != 0 {

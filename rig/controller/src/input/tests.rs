@@ -1,5 +1,5 @@
 use super::*;
-use profile::{Bounce, EventEdges, Filter, Profile};
+use profile::{BounceFilter, EventEdges, InputFilter, Profile};
 use proptest::prelude::*;
 
 /// Inputs of an M241 with these parameters of I`input`.
@@ -13,13 +13,13 @@ fn of(profile: Profile, input: usize, config: InputConfig) -> Inputs {
     inputs
 }
 
-fn filtered(input: usize, filter: Filter) -> Inputs {
+fn filtered(input: usize, filter: InputFilter) -> Inputs {
     of(Profile::M241_2019, input, InputConfig::filtered(filter))
 }
 
 fn expert(latch: bool, event: Option<EventEdges>, bounce: i64) -> InputConfig {
-    let bounce = Bounce::from_span(Span::from_micros(bounce)).unwrap();
-    InputConfig { filter: Filter::None, latch, event, bounce }
+    let bounce = BounceFilter::from_span(Span::from_micros(bounce)).unwrap();
+    InputConfig { filter: InputFilter::None, latch, event, bounce }
 }
 
 fn us(n: i64) -> Time {
@@ -31,15 +31,15 @@ fn level(inputs: &mut Inputs, now: Time) -> bool {
     inputs.levels(now) != 0
 }
 
-/// What the controller is told up to now.
-fn taken(inputs: &mut Inputs) -> Vec<Accepted> {
+/// What the controller sees up to now.
+fn taken(inputs: &mut Inputs) -> Vec<InputEvent> {
     (0..).map_while(|place| inputs.take(place)).collect()
 }
 
 // io:EIO-01, io:STD-IN-01
 #[test]
 fn a_clean_edge_is_late_by_delay_and_filter() {
-    let mut inputs = filtered(8, Filter::Ms4);
+    let mut inputs = filtered(8, InputFilter::Ms4);
     inputs.set(us(100), 8, Level::High);
     assert!(!level(&mut inputs, Time::from_nanos(4_149_999)));
     assert!(level(&mut inputs, Time::from_nanos(4_150_000)));
@@ -50,7 +50,7 @@ fn a_clean_edge_is_late_by_delay_and_filter() {
 
 #[test]
 fn short_pulses_never_appear_and_interrupted_ones_accumulate() {
-    let mut inputs = filtered(0, Filter::Ms1);
+    let mut inputs = filtered(0, InputFilter::Ms1);
     for k in 0..3 {
         inputs.set(us(2_000 * k), 0, Level::High);
         inputs.set(us(2_000 * k + 999), 0, Level::Low);
@@ -67,7 +67,7 @@ fn short_pulses_never_appear_and_interrupted_ones_accumulate() {
 // io:EIO-02
 #[test]
 fn without_filter_only_the_own_delay_is_left() {
-    let mut inputs = filtered(0, Filter::None);
+    let mut inputs = filtered(0, InputFilter::None);
     inputs.set(us(10), 0, Level::High);
     assert!(!level(&mut inputs, Time::from_nanos(11_999)));
     assert!(level(&mut inputs, us(12)));
@@ -78,7 +78,7 @@ fn without_filter_only_the_own_delay_is_left() {
 
 #[test]
 fn power_on_starts_from_zero() {
-    let mut inputs = filtered(8, Filter::Ms4);
+    let mut inputs = filtered(8, InputFilter::Ms4);
     inputs.set(us(0), 8, Level::High);
     assert!(level(&mut inputs, us(5_000)));
     inputs.power_on(us(6_000));
@@ -100,8 +100,8 @@ fn the_first_fall_of_an_input_that_was_on_before() {
             inputs.set(us(at), 3, level);
             inputs.fire(us(at + 7));
         }
-        assert_eq!(taken(&mut inputs), vec![Accepted::Event(3); expected]);
-        assert_eq!(inputs.show(3, InputPart::Events), Value::Int(expected as i64));
+        assert_eq!(taken(&mut inputs), vec![InputEvent::Event(3); expected]);
+        assert_eq!(inputs.show(3, InputProbe::Events), Value::Int(expected as i64));
     }
 }
 
@@ -136,7 +136,7 @@ fn a_regular_input_that_is_driven_too_fast_is_told_once() {
                 inputs.set(us(k * (period - shorter)), input, Level::High);
                 inputs.set(us(k * (period - shorter) + 60), input, Level::Low);
             }
-            assert_eq!(taken(&mut inputs), vec![Accepted::Overdriven(8); told]);
+            assert_eq!(taken(&mut inputs), vec![InputEvent::Overdriven(8); told]);
         }
     }
 }
@@ -166,7 +166,7 @@ impl Stepped {
     }
 
     /// What turns at this instant. The filter may reach its end just as the level behind the delay turns.
-    fn settle(&mut self) {
+    fn advance(&mut self) {
         for turn in [false, true] {
             if turn && self.inside != self.terminal && self.differs >= self.delay {
                 self.inside = self.terminal;
@@ -203,7 +203,7 @@ proptest! {
         gaps in proptest::collection::vec(prop_oneof![1i64..60, 1i64..1_500], 1..60),
         looks in proptest::collection::vec(any::<bool>(), 60),
         (input, config) in prop_oneof![
-            (prop_oneof![Just(0usize), Just(8)], prop_oneof![Just(Filter::None), Just(Filter::Ms1), Just(Filter::Ms4)])
+            (prop_oneof![Just(0usize), Just(8)], prop_oneof![Just(InputFilter::None), Just(InputFilter::Ms1), Just(InputFilter::Ms4)])
                 .prop_map(|(input, filter)| (input, InputConfig::filtered(filter))),
             prop_oneof![Just(0i64), Just(1), Just(5), Just(50), Just(1_000)]
                 .prop_map(|bounce| (3, expert(true, None, bounce))),
@@ -227,7 +227,7 @@ proptest! {
             inputs.set(us(now), input, Level::from_bool(high));
             stepped.set(high);
             for step in 0..=*gap {
-                stepped.settle();
+                stepped.advance();
                 if looks[k] || now % 7 == 0 {
                     prop_assert_eq!(level(&mut inputs, us(now)), stepped.out, "at {} us", now);
                 }
@@ -245,14 +245,14 @@ proptest! {
         inputs.levels(us(now));
         let rises = if config.event.is_some_and(|edges| edges.includes(true)) { stepped.rises } else { 0 };
         let falls = if config.event.is_some_and(|edges| edges.includes(false)) { stepped.falls } else { 0 };
-        prop_assert_eq!(inputs.show(input, InputPart::Events), Value::Int(rises + falls));
+        prop_assert_eq!(inputs.show(input, InputProbe::Events), Value::Int(rises + falls));
     }
 
     /// An input that is acted on is never seen to turn at another instant than the one that was foretold.
     #[test]
     fn turns_are_foretold(
         gaps in proptest::collection::vec(1i64..9_000, 1..40),
-        filter in prop_oneof![Just(Filter::None), Just(Filter::Ms1), Just(Filter::Ms4)],
+        filter in prop_oneof![Just(InputFilter::None), Just(InputFilter::Ms1), Just(InputFilter::Ms4)],
     ) {
         let mut inputs = filtered(8, filter);
         inputs.watch(8);
@@ -262,9 +262,9 @@ proptest! {
             inputs.set(now, 8, Level::from_bool(high));
             let until = now + Span::from_micros(gap);
             while inputs.next() < until {
-                let (due, before) = (inputs.next(), inputs.show(8, InputPart::Filtered));
+                let (due, before) = (inputs.next(), inputs.show(8, InputProbe::Filtered));
                 inputs.levels(Time::from_nanos(due.as_nanos() - 1));
-                prop_assert_eq!(inputs.show(8, InputPart::Filtered), before);
+                prop_assert_eq!(inputs.show(8, InputProbe::Filtered), before);
                 inputs.fire(due);
                 prop_assert!(inputs.next() > due);
             }

@@ -79,7 +79,7 @@ impl Application for Player {
         now: Time,
         budget: Span,
         memory: &mut Memory,
-        functions: &mut expert::Expert,
+        functions: &mut expert::ExpertFunctions,
     ) -> Slice {
         let mut used = Span::ZERO;
         if std::mem::take(&mut self.fresh[task]) {
@@ -88,16 +88,16 @@ impl Application for Player {
         loop {
             let Some(&(cost, act)) = self.script.tasks[task].get(self.at[task]) else {
                 self.trail.lock().unwrap().push((task, now + used, "end"));
-                return Slice { used, stop: Stop::Done };
+                return Slice { used, end: SliceEnd::Done };
             };
             let line = self.at[task] as u32 + 1;
             if (self.breaks.contains(&line) || self.steps[task]) && !std::mem::take(&mut self.stood[task]) {
                 (self.stood[task], self.steps[task]) = (true, false);
-                return Slice { used, stop: Stop::Break };
+                return Slice { used, end: SliceEnd::Break };
             }
             let cost = Span::from_nanos(cost);
             if used + cost > budget {
-                return Slice { used, stop: Stop::Budget { next: cost } };
+                return Slice { used, end: SliceEnd::Budget { next: cost } };
             }
             used = used + cost;
             self.at[task] += 1;
@@ -114,11 +114,11 @@ impl Application for Player {
                 Act::Fault(class) => {
                     let error = profile::ApplicationError::IntegerDivision;
                     let fault = ApplicationFault { error, class, file: 0, line: self.at[task] as u32 };
-                    return Slice { used, stop: Stop::Fault(fault) };
+                    return Slice { used, end: SliceEnd::Fault(fault) };
                 }
             }
             if touched {
-                return Slice { used, stop: Stop::Touched };
+                return Slice { used, end: SliceEnd::Touched };
             }
         }
     }
@@ -207,8 +207,8 @@ impl Application for Player {
     fn signature(&self) -> u64 {
         self.script.signature
     }
-    fn locate(&self, path: &str) -> Option<Located> {
-        self.variable(path).map(|number| Located::Variable(number, Form::Whole(2)))
+    fn locate(&self, path: &str) -> Option<VariableLocation> {
+        self.variable(path).map(|number| VariableLocation::Variable(number, RegisterFormat::Whole(2)))
     }
     fn read(&self, variable: u32) -> Value {
         self.values.get(variable as usize).map_or(Value::Unknown, |value| Value::Int(*value))
@@ -260,12 +260,17 @@ impl expert::Pins for Values {
 }
 
 /// A call of a new instance, as the application does it.
-fn call_block(name: &str, inputs: &[(usize, i64)], now: Time, functions: &mut expert::Expert) -> bool {
+fn call_block(
+    name: &str,
+    inputs: &[(usize, i64)],
+    now: Time,
+    functions: &mut expert::ExpertFunctions,
+) -> bool {
     let block = expert::BLOCKS.iter().copied().flatten().find(|block| block.name == name).unwrap();
     let mut pins = Values([0; 32]);
     inputs.iter().for_each(|(pin, value)| pins.0[*pin] = *value);
     let before = functions.next();
-    (block.run)(&mut expert::Call { now, pins: &mut pins, expert: functions });
+    (block.run)(&mut expert::BlockCall { now, pins: &mut pins, expert: functions });
     functions.is_observed() || functions.next() < before
 }
 
@@ -391,7 +396,7 @@ impl Rig {
         self.drain();
     }
 
-    pub fn command(&mut self, command: Command) -> Result<(), Refusal> {
+    pub fn command(&mut self, command: Command) -> Result<(), CommandError> {
         let result = self.plc.command(self.now, command, &mut self.fx);
         self.drain();
         result
@@ -476,7 +481,7 @@ impl Rig {
     }
 
     /// The entries of the log.
-    pub fn log(&self) -> Vec<Entry> {
+    pub fn log(&self) -> Vec<LogEntry> {
         let entry = |effect: &Effect| match *effect {
             Effect::Log { entry, .. } => Some(entry),
             _ => None,

@@ -1,6 +1,6 @@
 //! Why functions cannot be configured so.
 
-use super::{Role, Terminal};
+use super::{ChannelRole, Terminal};
 use crate::{AxisParameterError, CounterFault};
 use signal::Span;
 use std::fmt;
@@ -11,7 +11,7 @@ pub struct ExpertError {
     /// The function, by its place.
     pub function: usize,
     /// What of it, where it is about one of its inputs or outputs.
-    pub role: Option<Role>,
+    pub role: Option<ChannelRole>,
     /// What is wrong with it.
     pub fault: ExpertFault,
 }
@@ -61,7 +61,7 @@ pub enum ExpertFault {
         /// The other function, by its place.
         function: usize,
         /// What it is there.
-        role: Role,
+        role: ChannelRole,
     },
     /// It is the Run/Stop input (io:RS-06).
     RunStop(Terminal),
@@ -116,13 +116,13 @@ impl fmt::Display for ExpertFault {
     }
 }
 
-/// A counter that cannot count as fast as it is meant to: its bounce time swallows the pulses (io:STD-IN-05).
+/// A counter that cannot count as fast as it is meant to: its bounce time suppresses the pulses (io:STD-IN-05).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ExpertWarning {
     /// The function, by its place.
     pub function: usize,
     /// Which input.
-    pub role: Role,
+    pub role: ChannelRole,
     /// Bounce time of that input.
     pub bounce: Span,
     /// The frequency that is expected, in hertz.

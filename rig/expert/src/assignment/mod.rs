@@ -20,7 +20,7 @@ pub enum Terminal {
 
 /// What an input or output is to a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Role {
+pub enum ChannelRole {
     /// To a counter or meter.
     Counter(CounterRole),
     /// To an axis.
@@ -31,7 +31,7 @@ pub enum Role {
 
 /// What else the controller uses of its inputs and outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Taken {
+pub struct ReservedChannels {
     /// The inputs with Latch or Event, bit n for In.
     pub advanced: u32,
     /// The Run/Stop input: n for In.
@@ -49,24 +49,24 @@ impl fmt::Display for Terminal {
     }
 }
 
-impl fmt::Display for Role {
+impl fmt::Display for ChannelRole {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Role::Counter(role) => write!(f, "{role}"),
-            Role::Axis(role) => write!(f, "{role}"),
-            Role::Wave(role) => write!(f, "{role}"),
+            ChannelRole::Counter(role) => write!(f, "{role}"),
+            ChannelRole::Axis(role) => write!(f, "{role}"),
+            ChannelRole::Wave(role) => write!(f, "{role}"),
         }
     }
 }
 
 impl FunctionKind {
     /// The inputs and outputs that the function takes, and what for.
-    pub fn terminals(&self) -> Vec<(Role, Terminal)> {
+    pub fn terminals(&self) -> Vec<(ChannelRole, Terminal)> {
         match self {
-            FunctionKind::Counter(it) => both(it.inputs(), it.outputs(), Role::Counter),
-            FunctionKind::Axis(it) => both(it.inputs(), it.outputs(), Role::Axis),
+            FunctionKind::Counter(it) => both(it.inputs(), it.outputs(), ChannelRole::Counter),
+            FunctionKind::Axis(it) => both(it.inputs(), it.outputs(), ChannelRole::Axis),
             FunctionKind::Pwm(it) | FunctionKind::Generator(it) => {
-                both(it.inputs(), it.outputs(), Role::Wave)
+                both(it.inputs(), it.outputs(), ChannelRole::Wave)
             }
         }
     }
@@ -96,8 +96,8 @@ impl FunctionKind {
 fn both<R>(
     inputs: impl Iterator<Item = (R, u8)>,
     outputs: impl Iterator<Item = (R, u8)>,
-    role: fn(R) -> Role,
-) -> Vec<(Role, Terminal)> {
+    role: fn(R) -> ChannelRole,
+) -> Vec<(ChannelRole, Terminal)> {
     let inputs = inputs.map(|(it, n)| (role(it), Terminal::Input(n)));
     inputs.chain(outputs.map(|(it, n)| (role(it), Terminal::Output(n)))).collect()
 }
@@ -113,7 +113,12 @@ impl ExpertConfig {
     }
 
     /// Everything for which no controller of the profile accepts these functions, in the order of the functions.
-    pub fn check(&self, profile: Profile, reference: &Reference, taken: &Taken) -> Vec<ExpertError> {
+    pub fn check(
+        &self,
+        profile: Profile,
+        reference: &Reference,
+        taken: &ReservedChannels,
+    ) -> Vec<ExpertError> {
         Check { config: self, limits: profile.expert_limits(reference), reference, taken, errors: Vec::new() }
             .run()
     }
@@ -132,7 +137,7 @@ impl ExpertConfig {
                 let passes = 1_000_000_000_i64.checked_div(2 * bounce.as_nanos()).unwrap_or(i64::MAX);
                 let most = u32::try_from(passes).unwrap_or(u32::MAX).min(counter.highest(fast));
                 if expected > most {
-                    let role = Role::Counter(role);
+                    let role = ChannelRole::Counter(role);
                     warnings.push(ExpertWarning { function, role, bounce, expected, most });
                 }
             }
@@ -146,7 +151,7 @@ struct Check<'a> {
     config: &'a ExpertConfig,
     limits: ExpertLimits,
     reference: &'a Reference,
-    taken: &'a Taken,
+    taken: &'a ReservedChannels,
     errors: Vec<ExpertError>,
 }
 
@@ -161,7 +166,7 @@ impl Check<'_> {
             }
             shared += usize::from(it.kind.is_shared());
             axes += usize::from(matches!(it.kind, FunctionKind::Axis(_)));
-            // What is one too many is told of the first that is, and of every one behind it.
+            // What is one too many is reported of the first that is, and of every one behind it.
             if it.kind.is_shared() && shared > self.limits.shared {
                 self.error(function, None, ExpertFault::Shared { most: self.limits.shared });
             } else if matches!(it.kind, FunctionKind::Axis(_)) && axes > self.limits.axes {
@@ -175,7 +180,7 @@ impl Check<'_> {
         self.errors
     }
 
-    fn error(&mut self, function: usize, role: Option<Role>, fault: ExpertFault) {
+    fn error(&mut self, function: usize, role: Option<ChannelRole>, fault: ExpertFault) {
         self.errors.push(ExpertError { function, role, fault });
     }
 
@@ -212,7 +217,7 @@ impl Check<'_> {
         }
     }
 
-    fn terminal(&mut self, function: usize, role: Role, terminal: Terminal) {
+    fn terminal(&mut self, function: usize, role: ChannelRole, terminal: Terminal) {
         let fault = self.own_fault(role, terminal).or_else(|| self.assigned(function, role, terminal));
         if let Some(fault) = fault {
             self.error(function, Some(role), fault);
@@ -220,7 +225,7 @@ impl Check<'_> {
     }
 
     /// What is wrong with an input or output whatever else functions take.
-    fn own_fault(&self, role: Role, terminal: Terminal) -> Option<ExpertFault> {
+    fn own_fault(&self, role: ChannelRole, terminal: Terminal) -> Option<ExpertFault> {
         let (there, usable) = match terminal {
             Terminal::Input(_) => (self.reference.input_count(), self.limits.inputs),
             Terminal::Output(_) => (self.reference.output_count(), self.limits.reflexes),
@@ -233,14 +238,17 @@ impl Check<'_> {
         if usable & bit(n) == 0 {
             return Some(ExpertFault::Unusable(terminal));
         }
-        if matches!(role, Role::Counter(CounterRole::Capture(capture)) if capture >= self.limits.captures) {
+        if matches!(role, ChannelRole::Counter(CounterRole::Capture(capture)) if capture >= self.limits.captures)
+        {
             return Some(ExpertFault::Capture);
         }
         match terminal {
             Terminal::Input(_) if is(self.taken.run_stop) => Some(ExpertFault::RunStop(terminal)),
             Terminal::Input(_) if self.taken.advanced & bit(n) != 0 => Some(ExpertFault::Advanced(terminal)),
             Terminal::Output(_) if is(self.taken.alarm) => Some(ExpertFault::Alarm(terminal)),
-            Terminal::Output(_) if !matches!(role, Role::Counter(_)) && self.limits.pulses & bit(n) == 0 => {
+            Terminal::Output(_)
+                if !matches!(role, ChannelRole::Counter(_)) && self.limits.pulses & bit(n) == 0 =>
+            {
                 Some(ExpertFault::Pulses(terminal))
             }
             _ => None,
@@ -248,7 +256,7 @@ impl Check<'_> {
     }
 
     /// Whether a role before this one has the terminal.
-    fn assigned(&self, function: usize, role: Role, terminal: Terminal) -> Option<ExpertFault> {
+    fn assigned(&self, function: usize, role: ChannelRole, terminal: Terminal) -> Option<ExpertFault> {
         let before = self.config.functions[..=function].iter().enumerate();
         let mut roles = before.flat_map(|(place, it)| {
             it.kind.terminals().into_iter().map(move |(role, terminal)| (place, role, terminal))

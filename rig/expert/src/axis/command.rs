@@ -1,7 +1,7 @@
 //! Commands to an axis, and what became of them.
 
 use super::fault::AxisFault;
-use super::homing::Method;
+use super::homing::HomingMethod;
 use super::profile::Ramps;
 use signal::Span;
 
@@ -55,9 +55,9 @@ impl BufferMode {
     }
 }
 
-/// What an axis is told to do.
+/// What an axis is commanded to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
+pub enum MotionCommand {
     /// To a position.
     To(i64),
     /// So many pulses on, negative backwards.
@@ -69,13 +69,13 @@ pub enum Order {
     /// To rest, and nothing else before it is released.
     Stop,
     /// To a known position.
-    Home(Method),
+    Home(HomingMethod),
 }
 
 /// A command.
 #[derive(Clone, Copy, Debug)]
-pub struct Command {
-    pub order: Order,
+pub struct AxisCommand {
+    pub order: MotionCommand,
     /// In units of velocity.
     pub velocity: i64,
     pub ramps: Ramps,
@@ -86,7 +86,7 @@ pub struct Command {
 
 /// How far a command is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
+pub enum CommandPhase {
     /// Waits for another one, a time or an event.
     Waiting,
     /// Controls the axis.
@@ -103,9 +103,9 @@ pub enum Phase {
 
 /// A command that an axis took, known by a number that is not 0.
 #[derive(Clone, Copy, Debug)]
-pub struct Job {
+pub struct QueuedCommand {
     pub ticket: u32,
-    pub command: Command,
+    pub command: AxisCommand,
 }
 
 /// Ends of commands that are remembered until their blocks ask.
@@ -113,21 +113,21 @@ const REMEMBERED: usize = 64;
 
 /// How the last commands ended. A block that asks for one that more than that many others have ended after gets Aborted.
 #[derive(Clone, Debug)]
-pub struct Ends {
-    list: [(u32, Phase); REMEMBERED],
+pub struct CommandResults {
+    list: [(u32, CommandPhase); REMEMBERED],
 }
 
-impl Ends {
-    pub const fn new() -> Ends {
-        Ends { list: [(0, Phase::Aborted); REMEMBERED] }
+impl CommandResults {
+    pub const fn new() -> CommandResults {
+        CommandResults { list: [(0, CommandPhase::Aborted); REMEMBERED] }
     }
 
-    pub fn set(&mut self, ticket: u32, phase: Phase) {
+    pub fn set(&mut self, ticket: u32, phase: CommandPhase) {
         self.list[ticket as usize % REMEMBERED] = (ticket, phase);
     }
 
-    pub fn get(&self, ticket: u32) -> Phase {
+    pub fn get(&self, ticket: u32) -> CommandPhase {
         let (last, phase) = self.list[ticket as usize % REMEMBERED];
-        if last == ticket { phase } else { Phase::Aborted }
+        if last == ticket { phase } else { CommandPhase::Aborted }
     }
 }

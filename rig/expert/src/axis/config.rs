@@ -1,6 +1,6 @@
 //! The parameters of an axis (io:STD-PTO-02).
 
-use super::ramp::Rate;
+use super::ramp::RampRate;
 use signal::Span;
 use std::fmt;
 
@@ -291,10 +291,10 @@ impl AxisConfig {
     }
 
     /// An acceleration in the axis' unit.
-    pub(crate) fn rate(&self, acceleration: u32) -> Rate {
+    pub(crate) fn rate(&self, acceleration: u32) -> RampRate {
         match self.ramp_unit {
-            RampUnit::HertzPerMs => Rate::hertz_per_ms(acceleration),
-            RampUnit::Ms => Rate::within_ms(self.max_velocity, acceleration),
+            RampUnit::HertzPerMs => RampRate::hertz_per_ms(acceleration),
+            RampUnit::Ms => RampRate::within_ms(self.max_velocity, acceleration),
         }
     }
 }

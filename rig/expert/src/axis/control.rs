@@ -1,17 +1,17 @@
 //! What programs and the machine make an axis do: commands, their order, states, limits (io:STD-PTO-03, io:STD-PTO-05).
 
-use super::command::{BufferMode, Command, Job, Order, Phase};
-use super::homing::{Homing, Mark, Search};
-use super::motion::{Aim, Progress};
-use super::probe::Capture;
+use super::command::{AxisCommand, BufferMode, CommandPhase, MotionCommand, QueuedCommand};
+use super::homing::{Homing, HomingEvent, HomingRun};
+use super::motion::{MotionProgress, MotionTarget};
 use super::profile::Ramps;
+use super::touch_probe::CaptureTrigger;
 use super::{Axis, AxisFault, AxisState, PulseOutput};
 use crate::{Effect, Effects};
 use signal::Time;
 
 impl Axis {
     /// Takes a command, or says why not. The number stands for it from then on.
-    pub fn command(&mut self, now: Time, command: Command, fx: &mut Effects) -> Result<u32, AxisFault> {
+    pub fn command(&mut self, now: Time, command: AxisCommand, fx: &mut Effects) -> Result<u32, AxisFault> {
         self.allows(&command.order)?;
         let direction = self.direction(&command.order);
         if direction == Some(false) && self.config.output == PulseOutput::Pulse {
@@ -29,9 +29,9 @@ impl Axis {
         if let Some(fault) = direction.filter(|_| !waits).and_then(|forward| self.blocked(forward)) {
             return Err(fault);
         }
-        let job = Job { ticket: self.ticket(), command };
+        let job = QueuedCommand { ticket: self.ticket(), command };
         if !waits {
-            self.end_all(Phase::Aborted, Phase::Aborted);
+            self.end_all(CommandPhase::Aborted, CommandPhase::Aborted);
             self.begin(now, job, fx);
             return Ok(job.ticket);
         }
@@ -53,18 +53,22 @@ impl Axis {
     }
 
     /// Whether the state allows an order.
-    fn allows(&self, order: &Order) -> Result<(), AxisFault> {
+    fn allows(&self, order: &MotionCommand) -> Result<(), AxisFault> {
         match self.state {
             AxisState::Disabled => return Err(AxisFault::Disabled),
             AxisState::ErrorStop => return Err(AxisFault::ErrorStopActive),
             AxisState::Stopping => return Err(AxisFault::StoppingActive),
-            AxisState::Homing if !matches!(order, Order::Stop) => return Err(AxisFault::InvalidTransition),
+            AxisState::Homing if !matches!(order, MotionCommand::Stop) => {
+                return Err(AxisFault::InvalidTransition);
+            }
             _ => {}
         }
         match order {
-            Order::To(_) if !self.homed => Err(AxisFault::NotHomed),
-            Order::Home(_) if self.state != AxisState::Standstill => Err(AxisFault::InvalidTransition),
-            Order::Home(method) if method.mode != Homing::PositionSetting => {
+            MotionCommand::To(_) if !self.homed => Err(AxisFault::NotHomed),
+            MotionCommand::Home(_) if self.state != AxisState::Standstill => {
+                Err(AxisFault::InvalidTransition)
+            }
+            MotionCommand::Home(method) if method.mode != Homing::PositionSetting => {
                 let index = !method.mode.needs_index() || self.config.index.is_some();
                 if index && self.config.reference.is_some() { Ok(()) } else { Err(AxisFault::InvalidHoming) }
             }
@@ -74,13 +78,13 @@ impl Axis {
 
     /// The direction in which an order that begins now goes in the end; None where it goes nowhere. Homing finds its
     /// way by the switches.
-    fn direction(&self, order: &Order) -> Option<bool> {
+    fn direction(&self, order: &MotionCommand) -> Option<bool> {
         match *order {
-            Order::To(target) => (target != self.position()).then_some(target > self.position()),
-            Order::By(distance) => (distance != 0).then_some(distance > 0),
-            Order::Velocity(forward) => Some(forward.unwrap_or(self.motion.train.forward())),
-            Order::Halt | Order::Stop => None,
-            Order::Home(method) => {
+            MotionCommand::To(target) => (target != self.position()).then_some(target > self.position()),
+            MotionCommand::By(distance) => (distance != 0).then_some(distance > 0),
+            MotionCommand::Velocity(forward) => Some(forward.unwrap_or(self.motion.train.forward())),
+            MotionCommand::Halt | MotionCommand::Stop => None,
+            MotionCommand::Home(method) => {
                 // On an axis with one direction only what never turns back can be homed.
                 let onwards = matches!(method.mode, Homing::PositionSetting);
                 (self.config.output == PulseOutput::Pulse && !onwards).then_some(false)
@@ -125,7 +129,7 @@ impl Axis {
             }
             let aim = search.aim();
             let ramps = Ramps { fall: self.fast_stop().fall, ..job.command.ramps };
-            self.motion.go(now, aim, ramps, fx);
+            self.motion.retarget(now, aim, ramps, fx);
             return;
         }
         self.fail(now, fault, fx);
@@ -137,58 +141,60 @@ impl Axis {
     }
 
     /// A command takes the axis.
-    fn begin(&mut self, now: Time, job: Job, fx: &mut Effects) {
+    fn begin(&mut self, now: Time, job: QueuedCommand, fx: &mut Effects) {
         self.active = Some(job);
-        let Command { order, velocity, ramps, .. } = job.command;
+        let AxisCommand { order, velocity, ramps, .. } = job.command;
         let position = self.position();
         let (state, aim) = match order {
-            Order::To(target) => (AxisState::DiscreteMotion, Aim::Position { target, velocity, end: 0 }),
-            Order::By(distance) => {
+            MotionCommand::To(target) => {
+                (AxisState::DiscreteMotion, MotionTarget::Position { target, velocity, end: 0 })
+            }
+            MotionCommand::By(distance) => {
                 let target = position.saturating_add(distance);
-                (AxisState::DiscreteMotion, Aim::Position { target, velocity, end: 0 })
+                (AxisState::DiscreteMotion, MotionTarget::Position { target, velocity, end: 0 })
             }
-            Order::Velocity(forward) => {
+            MotionCommand::Velocity(forward) => {
                 let forward = forward.unwrap_or(self.motion.train.forward());
-                (AxisState::ContinuousMotion, Aim::Velocity { forward, velocity })
+                (AxisState::ContinuousMotion, MotionTarget::Velocity { forward, velocity })
             }
-            Order::Halt => (AxisState::DiscreteMotion, Aim::Stop),
-            Order::Stop => {
+            MotionCommand::Halt => (AxisState::DiscreteMotion, MotionTarget::Stop),
+            MotionCommand::Stop => {
                 self.stop = job.ticket;
                 self.released = false;
                 self.search = None;
-                (AxisState::Stopping, Aim::Stop)
+                (AxisState::Stopping, MotionTarget::Stop)
             }
-            Order::Home(method) => {
+            MotionCommand::Home(method) => {
                 self.homed = false;
-                let search = Search::new(method, self.is_on(self.config.reference));
+                let search = HomingRun::new(method, self.is_on(self.config.reference));
                 self.search = Some(search);
                 let setting = method.mode == Homing::PositionSetting;
-                (AxisState::Homing, if setting { Aim::Stop } else { search.aim() })
+                (AxisState::Homing, if setting { MotionTarget::Stop } else { search.aim() })
             }
         };
         self.state = state;
         let (start, stop) = self.parameters.velocities();
         self.motion.set_velocities(start, stop);
-        if let Some(progress) = self.motion.go(now, aim, ramps, fx) {
+        if let Some(progress) = self.motion.retarget(now, aim, ramps, fx) {
             self.progress(now, progress, fx);
         }
         self.guard(now, fx);
     }
 
     /// Something became of the aim.
-    pub(super) fn progress(&mut self, now: Time, progress: Progress, fx: &mut Effects) {
+    pub(super) fn progress(&mut self, now: Time, progress: MotionProgress, fx: &mut Effects) {
         match progress {
-            Progress::Moves => self.guard(now, fx),
-            Progress::Steady if self.state == AxisState::ContinuousMotion => self.follow(now, fx),
-            Progress::Steady => {}
-            Progress::Arrived => self.arrive(now, fx),
+            MotionProgress::Moves => self.guard(now, fx),
+            MotionProgress::Steady if self.state == AxisState::ContinuousMotion => self.follow(now, fx),
+            MotionProgress::Steady => {}
+            MotionProgress::Arrived => self.arrive(now, fx),
         }
     }
 
     fn arrive(&mut self, now: Time, fx: &mut Effects) {
         match self.state {
             AxisState::Stopping => {
-                self.end_active(Phase::Done);
+                self.end_active(CommandPhase::Done);
                 if self.released {
                     self.let_go();
                 }
@@ -203,7 +209,7 @@ impl Axis {
             AxisState::DiscreteMotion => {}
             _ => return,
         }
-        self.end_active(Phase::Done);
+        self.end_active(CommandPhase::Done);
         self.state = AxisState::Standstill;
         self.follow(now, fx);
     }
@@ -223,35 +229,35 @@ impl Axis {
     pub(super) fn begin_queued(&mut self, now: Time, fx: &mut Effects) {
         if let Some(job) = self.queued.take() {
             self.delayed = Time::MAX;
-            self.end_active(Phase::Aborted);
+            self.end_active(CommandPhase::Aborted);
             self.begin(now, job, fx);
         }
     }
 
     /// The current command goes over into the next one, where both go the same way.
-    fn blend(&mut self, now: Time, first: &Command, second: &Command, fx: &mut Effects) {
-        let Aim::Position { target, velocity, .. } = self.motion.aim() else { return };
+    fn blend(&mut self, now: Time, first: &AxisCommand, second: &AxisCommand, fx: &mut Effects) {
+        let MotionTarget::Position { target, velocity, .. } = self.motion.aim() else { return };
         let end = second.mode.blend(velocity, second.velocity);
         let forward =
             if target == self.position() { self.motion.train.forward() } else { target > self.position() };
         let onwards = match second.order {
-            Order::To(next) => next != target && (next > target) == forward,
-            Order::By(distance) => distance != 0 && (distance > 0) == forward,
-            Order::Velocity(way) => way.unwrap_or(forward) == forward && second.velocity > 0,
+            MotionCommand::To(next) => next != target && (next > target) == forward,
+            MotionCommand::By(distance) => distance != 0 && (distance > 0) == forward,
+            MotionCommand::Velocity(way) => way.unwrap_or(forward) == forward && second.velocity > 0,
             _ => false,
         };
         if onwards && end > 0 {
-            self.motion.go(now, Aim::Position { target, velocity, end }, first.ramps, fx);
+            self.motion.retarget(now, MotionTarget::Position { target, velocity, end }, first.ramps, fx);
         }
     }
 
-    pub(super) fn mark(&mut self, now: Time, mark: Mark, fx: &mut Effects) {
+    pub(super) fn mark(&mut self, now: Time, mark: HomingEvent, fx: &mut Effects) {
         let (forward, position) = (self.motion.train.forward(), self.position());
         if let (Some(search), Some(job)) = (&mut self.search, self.active)
             && search.mark(mark, forward, position)
         {
             let aim = search.aim();
-            if let Some(progress) = self.motion.go(now, aim, job.command.ramps, fx) {
+            if let Some(progress) = self.motion.retarget(now, aim, job.command.ramps, fx) {
                 self.progress(now, progress, fx);
             }
         }
@@ -265,7 +271,7 @@ impl Axis {
     }
 
     /// Captures the position with the next edge of the PROBE input.
-    pub fn touch(&mut self, capture: Capture) -> Result<u32, AxisFault> {
+    pub fn touch(&mut self, capture: CaptureTrigger) -> Result<u32, AxisFault> {
         let empty = capture.window.is_some_and(|(first, last)| first > last);
         if self.config.probe.is_none() || empty {
             return Err(AxisFault::InvalidProbe);
@@ -276,8 +282,8 @@ impl Axis {
     }
 
     /// A capture, or what became of it, and the position.
-    pub fn touched(&self, ticket: u32) -> (Phase, i64) {
-        (self.probe.phase(ticket), self.probe.recorded())
+    pub fn touched(&self, ticket: u32) -> (CommandPhase, i64) {
+        (self.probe.phase(ticket), self.probe.position())
     }
 
     /// Captures nothing more.
@@ -290,25 +296,29 @@ impl Axis {
     }
 
     /// How far a command is.
-    pub fn phase(&self, ticket: u32) -> Phase {
-        let is = |job: Option<Job>| job.filter(|job| job.ticket == ticket);
+    pub fn phase(&self, ticket: u32) -> CommandPhase {
+        let is = |job: Option<QueuedCommand>| job.filter(|job| job.ticket == ticket);
         if let Some(job) = is(self.active) {
-            let velocity = matches!(job.command.order, Order::Velocity(_));
-            if velocity && self.motion.in_velocity() { Phase::InVelocity } else { Phase::Active }
+            let velocity = matches!(job.command.order, MotionCommand::Velocity(_));
+            if velocity && self.motion.in_velocity() {
+                CommandPhase::InVelocity
+            } else {
+                CommandPhase::Active
+            }
         } else if is(self.queued).is_some() {
-            Phase::Waiting
+            CommandPhase::Waiting
         } else {
             self.ends.get(ticket)
         }
     }
 
-    fn end_active(&mut self, phase: Phase) {
+    fn end_active(&mut self, phase: CommandPhase) {
         if let Some(job) = self.active.take() {
             self.ends.set(job.ticket, phase);
         }
     }
 
-    fn end_all(&mut self, active: Phase, queued: Phase) {
+    fn end_all(&mut self, active: CommandPhase, queued: CommandPhase) {
         self.end_active(active);
         if let Some(job) = self.queued.take() {
             self.ends.set(job.ticket, queued);
@@ -342,19 +352,19 @@ impl Axis {
         if self.state == AxisState::ErrorStop {
             return;
         }
-        self.end_all(Phase::Failed(fault), Phase::Aborted);
+        self.end_all(CommandPhase::Failed(fault), CommandPhase::Aborted);
         self.state = AxisState::ErrorStop;
         self.fault = Some(fault);
         self.stop = 0;
         fx.push(now, Effect::AxisError { function: self.place });
-        self.motion.go(now, Aim::Stop, self.fast_stop(), fx);
+        self.motion.retarget(now, MotionTarget::Stop, self.fast_stop(), fx);
     }
 
     /// Power off: pulses end, what ran has failed.
     pub(super) fn disable(&mut self, now: Time, why: AxisFault, fx: &mut Effects) {
         self.motion.cut(now, fx);
         self.switch_drive(now, false, fx);
-        self.end_all(Phase::Failed(why), Phase::Failed(why));
+        self.end_all(CommandPhase::Failed(why), CommandPhase::Failed(why));
         self.stop = 0;
         self.homed = false;
         if self.state != AxisState::ErrorStop {
@@ -367,14 +377,14 @@ impl Axis {
         self.enabled = enable;
         if enable {
             self.switch_drive(now, self.operating, fx);
-            self.settle_power(now, fx);
+            self.update_power(now, fx);
         } else if self.drive || self.state != AxisState::Disabled {
             self.disable(now, AxisFault::Disabled, fx);
         }
     }
 
     /// An axis with power is no longer Disabled.
-    pub(super) fn settle_power(&mut self, now: Time, fx: &mut Effects) {
+    pub(super) fn update_power(&mut self, now: Time, fx: &mut Effects) {
         if self.state == AxisState::Disabled && self.powered() {
             self.state = AxisState::Standstill;
             if self.cut {

@@ -1,6 +1,6 @@
 //! The seven ways to a known position (io:STD-PTO-09).
 
-use super::motion::Aim;
+use super::motion::MotionTarget;
 
 /// A way to a known position. The numbers are a definition of the rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,7 @@ impl Homing {
 
 /// A homing command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Method {
+pub struct HomingMethod {
     pub mode: Homing,
     /// The direction in which the switch is expected.
     pub forward: bool,
@@ -74,7 +74,7 @@ pub struct Method {
 
 /// What a homing axis waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum HomingStage {
     /// The switch comes on.
     Approach { forward: bool },
     /// The switch goes off.
@@ -89,7 +89,7 @@ enum Stage {
 
 /// A change of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
+pub enum HomingEvent {
     /// The switch comes on or goes off.
     Reference(bool),
     /// The zero mark comes.
@@ -98,58 +98,62 @@ pub enum Mark {
 
 /// A homing under way.
 #[derive(Clone, Copy, Debug)]
-pub struct Search {
-    pub method: Method,
-    stage: Stage,
+pub struct HomingRun {
+    pub method: HomingMethod,
+    stage: HomingStage,
     reversed: bool,
 }
 
-impl Search {
+impl HomingRun {
     /// Begins, on the switch or beside it.
-    pub fn new(method: Method, on: bool) -> Search {
+    pub fn new(method: HomingMethod, on: bool) -> HomingRun {
         let forward = method.forward;
-        let mut search = Search { method, stage: Stage::Approach { forward }, reversed: false };
+        let mut search = HomingRun { method, stage: HomingStage::Approach { forward }, reversed: false };
         if on {
             search.stage = search.leave();
         }
         search
     }
 
-    fn leave(&self) -> Stage {
+    fn leave(&self) -> HomingStage {
         let onwards = self.method.mode == Homing::ShortReferenceNoReversal;
-        Stage::Leave { forward: self.method.forward == onwards }
+        HomingStage::Leave { forward: self.method.forward == onwards }
     }
 
     /// Where to go in this stage.
-    pub fn aim(&self) -> Aim {
-        let Method { forward, fast, slow, .. } = self.method;
+    pub fn aim(&self) -> MotionTarget {
+        let HomingMethod { forward, fast, slow, .. } = self.method;
         match self.stage {
-            Stage::Approach { forward } => Aim::Velocity { forward, velocity: fast },
-            Stage::Leave { forward } | Stage::Index { forward } => Aim::Velocity { forward, velocity: slow },
-            Stage::Enter => Aim::Velocity { forward, velocity: slow },
-            Stage::Finish { target } => Aim::Position { target, velocity: slow, end: 0 },
+            HomingStage::Approach { forward } => MotionTarget::Velocity { forward, velocity: fast },
+            HomingStage::Leave { forward } | HomingStage::Index { forward } => {
+                MotionTarget::Velocity { forward, velocity: slow }
+            }
+            HomingStage::Enter => MotionTarget::Velocity { forward, velocity: slow },
+            HomingStage::Finish { target } => MotionTarget::Position { target, velocity: slow, end: 0 },
         }
     }
 
     /// An input changes while the axis goes in a direction; whether another stage begins. A place counts only in the
     /// direction of the stage: an axis that overruns the switch while it slows down comes by again.
-    pub fn mark(&mut self, mark: Mark, forward: bool, position: i64) -> bool {
-        let place = Stage::Finish { target: position.saturating_add(self.method.offset) };
+    pub fn mark(&mut self, mark: HomingEvent, forward: bool, position: i64) -> bool {
+        let place = HomingStage::Finish { target: position.saturating_add(self.method.offset) };
         let next = match (self.stage, mark) {
-            (Stage::Approach { forward: way }, Mark::Reference(true)) if way == forward => self.leave(),
-            (Stage::Leave { forward: way }, Mark::Reference(false)) if way == forward => {
+            (HomingStage::Approach { forward: way }, HomingEvent::Reference(true)) if way == forward => {
+                self.leave()
+            }
+            (HomingStage::Leave { forward: way }, HomingEvent::Reference(false)) if way == forward => {
                 match self.method.mode {
                     Homing::LongReferenceAndIndex | Homing::ShortReferenceAndIndexOutside => {
-                        Stage::Index { forward }
+                        HomingStage::Index { forward }
                     }
-                    Homing::ShortReferenceAndIndexInside => Stage::Enter,
+                    Homing::ShortReferenceAndIndexInside => HomingStage::Enter,
                     _ => place,
                 }
             }
-            (Stage::Enter, Mark::Reference(true)) if forward == self.method.forward => {
-                Stage::Index { forward }
+            (HomingStage::Enter, HomingEvent::Reference(true)) if forward == self.method.forward => {
+                HomingStage::Index { forward }
             }
-            (Stage::Index { forward: way }, Mark::Index) if way == forward => place,
+            (HomingStage::Index { forward: way }, HomingEvent::Index) if way == forward => place,
             _ => return false,
         };
         self.stage = next;
@@ -158,16 +162,16 @@ impl Search {
 
     /// Whether an axis that goes in a direction is about to go the other way.
     pub fn turns(&self, forward: bool) -> bool {
-        matches!(self.aim(), Aim::Velocity { forward: way, .. } if way != forward)
+        matches!(self.aim(), MotionTarget::Velocity { forward: way, .. } if way != forward)
     }
 
     /// A limit is reached; whether the search goes on the other way.
     pub fn limit(&mut self) -> bool {
-        let Stage::Approach { forward } = self.stage else { return false };
+        let HomingStage::Approach { forward } = self.stage else { return false };
         let turns = self.method.mode.reverses() && !self.reversed;
         if turns {
             self.reversed = true;
-            self.stage = Stage::Approach { forward: !forward };
+            self.stage = HomingStage::Approach { forward: !forward };
         }
         turns
     }

@@ -7,28 +7,28 @@ mod fault;
 mod homing;
 mod motion;
 mod parameter;
-mod probe;
 mod profile;
 mod ramp;
 #[cfg(test)]
 mod tests;
+mod touch_probe;
 mod train;
 
-pub(crate) use command::{BufferMode, Command, Order, Phase};
+pub(crate) use command::{AxisCommand, BufferMode, CommandPhase, MotionCommand};
 pub use config::{AxisConfig, AxisParameterError, AxisRole, DriveInput, PulseOutput, RampUnit};
 pub use fault::AxisFault;
-pub(crate) use homing::{Homing, Method};
-pub(crate) use probe::Capture;
+pub(crate) use homing::{Homing, HomingMethod};
 pub(crate) use profile::Ramps;
 use ramp::HERTZ;
+pub(crate) use touch_probe::CaptureTrigger;
 
-use crate::{Effect, Effects, Fact, Operation};
-use command::{Ends, Job};
-use homing::{Mark, Search};
+use crate::{Effect, Effects, FunctionProbe, Operation};
+use command::{CommandResults, QueuedCommand};
+use homing::{HomingEvent, HomingRun};
 use motion::Motion;
-use parameter::Parameters;
-use probe::Probe;
+use parameter::AxisParameters;
 use signal::{Time, Value};
+use touch_probe::TouchProbe;
 
 /// What an axis does (io:STD-PTO-03).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ pub(crate) struct Axis {
     config: AxisConfig,
     place: u8,
     motion: Motion,
-    parameters: Parameters,
+    parameters: AxisParameters,
     state: AxisState,
     /// The levels of the inputs, bit n for In.
     levels: u32,
@@ -69,25 +69,25 @@ pub(crate) struct Axis {
     drive: bool,
     homed: bool,
     fault: Option<AxisFault>,
-    search: Option<Search>,
-    probe: Probe,
+    search: Option<HomingRun>,
+    probe: TouchProbe,
     /// The command that controls the axis, and the one that follows.
-    active: Option<Job>,
-    queued: Option<Job>,
+    active: Option<QueuedCommand>,
+    queued: Option<QueuedCommand>,
     /// When the one that follows begins after a delay.
     delayed: Time,
     /// The stop that holds the axis, and whether it may let go.
     stop: u32,
     released: bool,
     tickets: u32,
-    ends: Ends,
+    ends: CommandResults,
 }
 
 impl Axis {
     pub fn new(config: &AxisConfig, place: u8) -> Axis {
         Axis {
             motion: Motion::new(config),
-            parameters: Parameters::new(config),
+            parameters: AxisParameters::new(config),
             config: config.clone(),
             place,
             state: AxisState::Disabled,
@@ -99,14 +99,14 @@ impl Axis {
             homed: false,
             fault: None,
             search: None,
-            probe: Probe::default(),
+            probe: TouchProbe::default(),
             active: None,
             queued: None,
             delayed: Time::MAX,
             stop: 0,
             released: false,
             tickets: 0,
-            ends: Ends::new(),
+            ends: CommandResults::new(),
         }
     }
 
@@ -120,8 +120,8 @@ impl Axis {
         let becomes =
             |it: Option<DriveInput>| it.filter(|it| it.input == input).map(|it| high != it.inverted);
         let config = &self.config;
-        let reference = becomes(config.reference).map(Mark::Reference);
-        let index = becomes(config.index).filter(|on| *on).map(|_| Mark::Index);
+        let reference = becomes(config.reference).map(HomingEvent::Reference);
+        let index = becomes(config.index).filter(|on| *on).map(|_| HomingEvent::Index);
         let probe = becomes(config.probe);
         for mark in [reference, index].into_iter().flatten() {
             self.mark(at, mark, fx);
@@ -133,7 +133,7 @@ impl Axis {
             self.fail(at, AxisFault::DriveNotReady, fx);
         }
         self.guard(at, fx);
-        self.settle_power(at, fx);
+        self.update_power(at, fx);
     }
 
     fn is_on(&self, input: Option<DriveInput>) -> bool {
@@ -174,14 +174,14 @@ impl Axis {
 
     /// After a cold reset or a download (io:STD-HSC-15).
     pub fn reset(&mut self, now: Time, fx: &mut Effects) {
-        let mut anew = Axis::new(&self.config, self.place);
+        let mut fresh = Axis::new(&self.config, self.place);
         self.disable(now, AxisFault::ApplicationStopped, fx);
-        anew.levels = self.levels;
-        anew.operating = self.operating;
-        anew.cut = self.cut;
+        fresh.levels = self.levels;
+        fresh.operating = self.operating;
+        fresh.cut = self.cut;
         // Blocks keep the numbers of their commands in variables that a download may keep.
-        anew.tickets = self.tickets;
-        *self = anew;
+        fresh.tickets = self.tickets;
+        *self = fresh;
     }
 
     /// Protection switched these outputs off (io:STD-PTO-14).
@@ -195,15 +195,15 @@ impl Axis {
         }
     }
 
-    pub fn read(&self, fact: Fact) -> Option<Value> {
+    pub fn read(&self, fact: FunctionProbe) -> Option<Value> {
         Some(match fact {
-            Fact::State => Value::Int(self.state as i64),
-            Fact::Position => Value::Int(self.position()),
-            Fact::Velocity => Value::Int(self.velocity(self.motion.train.latest())),
-            Fact::Homed => Value::Bool(self.homed),
-            Fact::Pulses => Value::Int(self.motion.train.pulses() as i64),
-            Fact::Captured => Value::Int(self.probe.recorded()),
-            Fact::Error => Value::Int(self.fault.map_or(0, |fault| fault.number().into())),
+            FunctionProbe::State => Value::Int(self.state as i64),
+            FunctionProbe::Position => Value::Int(self.position()),
+            FunctionProbe::Velocity => Value::Int(self.velocity(self.motion.train.latest())),
+            FunctionProbe::Homed => Value::Bool(self.homed),
+            FunctionProbe::Pulses => Value::Int(self.motion.train.pulses() as i64),
+            FunctionProbe::Captured => Value::Int(self.probe.position()),
+            FunctionProbe::Error => Value::Int(self.fault.map_or(0, |fault| fault.number().into())),
             _ => return None,
         })
     }

@@ -1,15 +1,15 @@
 //! Where an axis shall go, as a row of motions in one direction each.
 
 use super::config::AxisConfig;
-use super::profile::{End, Profile, Ramps};
-use super::ramp::{HERTZ, PULSE, Rate};
-use super::train::{Course, ENDLESS, Step, Train};
+use super::profile::{MotionEnd, MotionProfile, Ramps};
+use super::ramp::{HERTZ, PULSE, RampRate};
+use super::train::{ENDLESS, MotionState, PulseTrain, TrainEvent};
 use crate::Effects;
 use signal::Time;
 
 /// What an axis shall do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aim {
+pub enum MotionTarget {
     /// Stay where it is.
     Rest,
     /// Come to rest.
@@ -22,8 +22,8 @@ pub enum Aim {
 
 /// What became of an aim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// A motion begins, or goes on behind a pulse that began.
+pub enum MotionProgress {
+    /// A motion begins, or goes on after a pulse that began.
     Moves,
     /// The velocity is reached.
     Steady,
@@ -34,25 +34,25 @@ pub enum Progress {
 /// Pulses towards an aim.
 #[derive(Clone, Debug)]
 pub struct Motion {
-    pub train: Train,
-    aim: Aim,
+    pub train: PulseTrain,
+    aim: MotionTarget,
     ramps: Ramps,
     start_velocity: i64,
     stop_velocity: i64,
     /// Whether the motion under way only ends so that the next one can begin.
     turning: bool,
-    /// When the velocity of the aim is reached, until that was told.
+    /// When the velocity of the aim is reached, until that was reported.
     steady: Time,
-    /// Whether that was told.
+    /// Whether that was reported.
     in_velocity: bool,
 }
 
 impl Motion {
     pub fn new(config: &AxisConfig) -> Motion {
-        let rate = Rate::hertz_per_ms(1);
+        let rate = RampRate::hertz_per_ms(1);
         Motion {
-            train: Train::new(config),
-            aim: Aim::Rest,
+            train: PulseTrain::new(config),
+            aim: MotionTarget::Rest,
             ramps: Ramps { rise: rate, fall: rate, jerk_ratio: 0 },
             start_velocity: i64::from(config.start_velocity) * HERTZ,
             stop_velocity: i64::from(config.stop_velocity) * HERTZ,
@@ -67,7 +67,7 @@ impl Motion {
         (self.start_velocity, self.stop_velocity) = (start, stop);
     }
 
-    pub const fn aim(&self) -> Aim {
+    pub const fn aim(&self) -> MotionTarget {
         self.aim
     }
 
@@ -84,22 +84,22 @@ impl Motion {
 
     /// Does the first thing that is due.
     #[inline]
-    pub fn fire(&mut self, fx: &mut Effects) -> Option<Progress> {
+    pub fn fire(&mut self, fx: &mut Effects) -> Option<MotionProgress> {
         if self.steady <= self.train.due() {
             self.steady = Time::MAX;
             self.in_velocity = true;
-            return Some(Progress::Steady);
+            return Some(MotionProgress::Steady);
         }
         let now = self.train.due();
         match self.train.fire(fx) {
-            Step::Pulse => Some(Progress::Moves),
-            Step::Edge => None,
-            Step::Over if self.turning => {
+            TrainEvent::Pulse => Some(MotionProgress::Moves),
+            TrainEvent::Edge => None,
+            TrainEvent::Over if self.turning => {
                 self.turning = false;
                 self.depart(now, fx)
             }
-            Step::Over => {
-                if matches!(self.aim, Aim::Position { end: 1.., .. }) {
+            TrainEvent::Over => {
+                if matches!(self.aim, MotionTarget::Position { end: 1.., .. }) {
                     self.train.roll(now);
                 }
                 self.arrive()
@@ -107,14 +107,14 @@ impl Motion {
         }
     }
 
-    fn arrive(&mut self) -> Option<Progress> {
-        if let Aim::Velocity { .. } = self.aim {
+    fn arrive(&mut self) -> Option<MotionProgress> {
+        if let MotionTarget::Velocity { .. } = self.aim {
             // Velocity 0 is a velocity too (io:STD-PTO-08).
             self.in_velocity = true;
-            return Some(Progress::Steady);
+            return Some(MotionProgress::Steady);
         }
-        self.aim = Aim::Rest;
-        Some(Progress::Arrived)
+        self.aim = MotionTarget::Rest;
+        Some(MotionProgress::Arrived)
     }
 
     fn first_velocity(&self) -> i64 {
@@ -125,8 +125,14 @@ impl Motion {
         if self.stop_velocity > 0 { self.stop_velocity } else { self.ramps.fall.behind_one_ms() }
     }
 
-    /// Another aim from `now` on. What is reached without a pulse is told at once.
-    pub fn go(&mut self, now: Time, aim: Aim, ramps: Ramps, fx: &mut Effects) -> Option<Progress> {
+    /// Another aim from `now` on. What is reached without a pulse is reported at once.
+    pub fn retarget(
+        &mut self,
+        now: Time,
+        aim: MotionTarget,
+        ramps: Ramps,
+        fx: &mut Effects,
+    ) -> Option<MotionProgress> {
         self.aim = aim;
         self.ramps = ramps;
         self.turning = false;
@@ -137,27 +143,33 @@ impl Motion {
         };
         let last = self.last_velocity();
         match aim {
-            Aim::Velocity { forward, velocity } if forward == course.forward && velocity > 0 => {
-                self.train
-                    .turn(now, ENDLESS, |origin, _, begin| Profile::endless(origin, begin, velocity, &ramps));
+            MotionTarget::Velocity { forward, velocity } if forward == course.forward && velocity > 0 => {
+                self.train.turn(now, ENDLESS, |origin, _, begin| {
+                    MotionProfile::endless(origin, begin, velocity, &ramps)
+                });
                 self.steady = self.train.steady().max(now);
                 None
             }
-            Aim::Position { target, velocity, end } if self.has_room(&course, target, last.max(end)) => {
+            MotionTarget::Position { target, velocity, end }
+                if self.has_room(&course, target, last.max(end)) =>
+            {
                 let more = self.pulses_to(course.forward, target);
                 let end = if end > 0 {
                     // What goes on behind the target need not be slower there than there is room for.
-                    End::Moving(self.slowest(&course, target, end))
+                    MotionEnd::Moving(self.slowest(&course, target, end))
                 } else {
-                    End::Rest(last)
+                    MotionEnd::Rest(last)
                 };
                 self.train.turn(now, more, |origin, distance, begin| {
-                    Profile::to(origin, distance, begin, velocity, end, &ramps)
+                    MotionProfile::to(origin, distance, begin, velocity, end, &ramps)
                 });
                 None
             }
             _ => {
-                self.turning = !matches!(aim, Aim::Stop | Aim::Rest | Aim::Velocity { velocity: 0, .. });
+                self.turning = !matches!(
+                    aim,
+                    MotionTarget::Stop | MotionTarget::Rest | MotionTarget::Velocity { velocity: 0, .. }
+                );
                 self.stop(now, course.within, course.pulse, course.velocity, last);
                 None
             }
@@ -170,7 +182,7 @@ impl Motion {
         let way = within + ramps.stopping(velocity, last);
         let pulses = u64::try_from((way + PULSE - 1) / PULSE).unwrap_or(1).max(1);
         self.train.turn(now, pulses - u64::from(pulse), |origin, distance, begin| {
-            Profile::to(origin, distance, begin, velocity, End::Rest(last), &ramps)
+            MotionProfile::to(origin, distance, begin, velocity, MotionEnd::Rest(last), &ramps)
         });
     }
 
@@ -181,7 +193,7 @@ impl Motion {
     }
 
     /// Whether a position ahead can be the end of the motion under way.
-    fn has_room(&self, course: &Course, target: i64, last: i64) -> bool {
+    fn has_room(&self, course: &MotionState, target: i64, last: i64) -> bool {
         let position = self.train.position();
         let ahead = if course.forward { target >= position } else { target <= position };
         let pulses = self.pulses_to(course.forward, target) + u64::from(course.pulse);
@@ -190,7 +202,7 @@ impl Motion {
     }
 
     /// The lowest velocity from `end` on that the motion under way can have at a position ahead.
-    fn slowest(&self, course: &Course, target: i64, end: i64) -> i64 {
+    fn slowest(&self, course: &MotionState, target: i64, end: i64) -> i64 {
         let (mut low, mut high) = (end, end.max(course.velocity));
         if self.has_room(course, target, low) {
             return low;
@@ -207,35 +219,38 @@ impl Motion {
     }
 
     /// Begins a motion from rest, if the aim needs one.
-    fn depart(&mut self, now: Time, fx: &mut Effects) -> Option<Progress> {
+    fn depart(&mut self, now: Time, fx: &mut Effects) -> Option<MotionProgress> {
         let ramps = self.ramps;
         let first = self.first_velocity();
         match self.aim {
-            Aim::Velocity { forward, velocity } if velocity > 0 => {
+            MotionTarget::Velocity { forward, velocity } if velocity > 0 => {
                 self.train.begin(
                     now,
                     forward,
                     ENDLESS,
                     first.min(velocity),
-                    |origin, _, begin| Profile::endless(origin, begin, velocity, &ramps),
+                    |origin, _, begin| MotionProfile::endless(origin, begin, velocity, &ramps),
                     fx,
                 );
                 self.steady = self.train.steady();
-                Some(Progress::Moves)
+                Some(MotionProgress::Moves)
             }
-            Aim::Position { target, velocity, end } if target != self.train.position() => {
+            MotionTarget::Position { target, velocity, end } if target != self.train.position() => {
                 let forward = target > self.train.position();
                 let pulses = self.train.pulses_to(forward, target.abs_diff(self.train.position()));
-                let end = if end > 0 { End::Moving(end) } else { End::Rest(self.last_velocity()) };
+                let end =
+                    if end > 0 { MotionEnd::Moving(end) } else { MotionEnd::Rest(self.last_velocity()) };
                 self.train.begin(
                     now,
                     forward,
                     pulses,
                     first.min(velocity),
-                    |origin, distance, begin| Profile::to(origin, distance, begin, velocity, end, &ramps),
+                    |origin, distance, begin| {
+                        MotionProfile::to(origin, distance, begin, velocity, end, &ramps)
+                    },
                     fx,
                 );
-                Some(Progress::Moves)
+                Some(MotionProgress::Moves)
             }
             _ => {
                 // A motion that had not begun yet is none.
@@ -248,7 +263,7 @@ impl Motion {
     /// Ends everything at once (io:STD-PTO-13).
     pub fn cut(&mut self, now: Time, fx: &mut Effects) {
         self.train.cut(now, fx);
-        self.aim = Aim::Rest;
+        self.aim = MotionTarget::Rest;
         self.turning = false;
         self.steady = Time::MAX;
         self.in_velocity = false;

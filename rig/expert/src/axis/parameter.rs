@@ -8,7 +8,7 @@ use signal::Time;
 
 /// A parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Parameter {
+enum AxisParameter {
     CommandedPosition,
     UpperLimit,
     LowerLimit,
@@ -28,33 +28,33 @@ enum Parameter {
 }
 
 /// Numbers up to 15 are those of PLCopen, the others a definition of the rig.
-const NUMBERS: [(i64, Parameter); 16] = [
-    (1, Parameter::CommandedPosition),
-    (2, Parameter::UpperLimit),
-    (3, Parameter::LowerLimit),
-    (4, Parameter::UpperLimitEnabled),
-    (5, Parameter::LowerLimitEnabled),
-    (8, Parameter::MaxVelocitySystem),
-    (9, Parameter::MaxVelocity),
-    (10, Parameter::ActualVelocity),
-    (11, Parameter::CommandedVelocity),
-    (12, Parameter::MaxAccelerationSystem),
-    (13, Parameter::MaxAcceleration),
-    (14, Parameter::MaxDecelerationSystem),
-    (15, Parameter::MaxDeceleration),
-    (1000, Parameter::StartVelocity),
-    (1001, Parameter::StopVelocity),
-    (1002, Parameter::FastStop),
+const NUMBERS: [(i64, AxisParameter); 16] = [
+    (1, AxisParameter::CommandedPosition),
+    (2, AxisParameter::UpperLimit),
+    (3, AxisParameter::LowerLimit),
+    (4, AxisParameter::UpperLimitEnabled),
+    (5, AxisParameter::LowerLimitEnabled),
+    (8, AxisParameter::MaxVelocitySystem),
+    (9, AxisParameter::MaxVelocity),
+    (10, AxisParameter::ActualVelocity),
+    (11, AxisParameter::CommandedVelocity),
+    (12, AxisParameter::MaxAccelerationSystem),
+    (13, AxisParameter::MaxAcceleration),
+    (14, AxisParameter::MaxDecelerationSystem),
+    (15, AxisParameter::MaxDeceleration),
+    (1000, AxisParameter::StartVelocity),
+    (1001, AxisParameter::StopVelocity),
+    (1002, AxisParameter::FastStop),
 ];
 
-fn parameter(number: i64) -> Result<Parameter, AxisFault> {
+fn parameter(number: i64) -> Result<AxisParameter, AxisFault> {
     let found = NUMBERS.iter().find(|(known, _)| *known == number);
     found.map(|(_, parameter)| *parameter).ok_or(AxisFault::UnknownParameter)
 }
 
 /// What holds for the next commands.
 #[derive(Clone, Debug)]
-pub struct Parameters {
+pub struct AxisParameters {
     lower: i64,
     upper: i64,
     lower_enabled: bool,
@@ -67,10 +67,10 @@ pub struct Parameters {
     fast_stop: u32,
 }
 
-impl Parameters {
-    pub fn new(config: &AxisConfig) -> Parameters {
+impl AxisParameters {
+    pub fn new(config: &AxisConfig) -> AxisParameters {
         let (lower, upper) = config.software_limits.unwrap_or((i32::MIN, i32::MAX));
-        Parameters {
+        AxisParameters {
             lower: lower.into(),
             upper: upper.into(),
             lower_enabled: config.software_limits.is_some(),
@@ -164,29 +164,29 @@ impl Axis {
     pub fn parameter(&self, now: Time, number: i64) -> Result<i64, AxisFault> {
         let values = &self.parameters;
         Ok(match parameter(number)? {
-            Parameter::CommandedPosition => self.position(),
-            Parameter::UpperLimit => values.upper,
-            Parameter::LowerLimit => values.lower,
-            Parameter::UpperLimitEnabled => values.upper_enabled.into(),
-            Parameter::LowerLimitEnabled => values.lower_enabled.into(),
-            Parameter::MaxVelocitySystem => self.config.max_velocity.into(),
-            Parameter::MaxVelocity => values.max_velocity.into(),
+            AxisParameter::CommandedPosition => self.position(),
+            AxisParameter::UpperLimit => values.upper,
+            AxisParameter::LowerLimit => values.lower,
+            AxisParameter::UpperLimitEnabled => values.upper_enabled.into(),
+            AxisParameter::LowerLimitEnabled => values.lower_enabled.into(),
+            AxisParameter::MaxVelocitySystem => self.config.max_velocity.into(),
+            AxisParameter::MaxVelocity => values.max_velocity.into(),
             // An open loop: what is commanded is what there is (io:PLS-01).
-            Parameter::ActualVelocity | Parameter::CommandedVelocity => self.velocity(now),
-            Parameter::MaxAccelerationSystem => self.config.max_acceleration.into(),
-            Parameter::MaxAcceleration => values.max_acceleration.into(),
-            Parameter::MaxDecelerationSystem => self.config.max_deceleration.into(),
-            Parameter::MaxDeceleration => values.max_deceleration.into(),
-            Parameter::StartVelocity => values.start_velocity.into(),
-            Parameter::StopVelocity => values.stop_velocity.into(),
-            Parameter::FastStop => values.fast_stop.into(),
+            AxisParameter::ActualVelocity | AxisParameter::CommandedVelocity => self.velocity(now),
+            AxisParameter::MaxAccelerationSystem => self.config.max_acceleration.into(),
+            AxisParameter::MaxAcceleration => values.max_acceleration.into(),
+            AxisParameter::MaxDecelerationSystem => self.config.max_deceleration.into(),
+            AxisParameter::MaxDeceleration => values.max_deceleration.into(),
+            AxisParameter::StartVelocity => values.start_velocity.into(),
+            AxisParameter::StopVelocity => values.stop_velocity.into(),
+            AxisParameter::FastStop => values.fast_stop.into(),
         })
     }
 
     /// Changes a parameter; commands that come afterwards obey it.
     pub fn set_parameter(&mut self, number: i64, value: i64) -> Result<(), AxisFault> {
         let parameter = parameter(number)?;
-        let mut anew = self.parameters.clone();
+        let mut changed = self.parameters.clone();
         let whole = || i32::try_from(value).map(i64::from).map_err(|_| AxisFault::InvalidParameterValue);
         let flag = || match value {
             0 | 1 => Ok(value == 1),
@@ -202,22 +202,22 @@ impl Axis {
             RampUnit::Ms => within(steepest, LONGEST_RAMP_MS),
         };
         match parameter {
-            Parameter::UpperLimit => anew.upper = whole()?,
-            Parameter::LowerLimit => anew.lower = whole()?,
-            Parameter::UpperLimitEnabled => anew.upper_enabled = flag()?,
-            Parameter::LowerLimitEnabled => anew.lower_enabled = flag()?,
-            Parameter::MaxVelocity => anew.max_velocity = within(1, self.config.max_velocity)?,
-            Parameter::MaxAcceleration => anew.max_acceleration = ramp(self.config.max_acceleration)?,
-            Parameter::MaxDeceleration => anew.max_deceleration = ramp(self.config.max_deceleration)?,
-            Parameter::StartVelocity => anew.start_velocity = within(0, self.parameters.max_velocity)?,
-            Parameter::StopVelocity => anew.stop_velocity = within(0, self.parameters.max_velocity)?,
-            Parameter::FastStop => anew.fast_stop = within(1, self.config.steepest())?,
+            AxisParameter::UpperLimit => changed.upper = whole()?,
+            AxisParameter::LowerLimit => changed.lower = whole()?,
+            AxisParameter::UpperLimitEnabled => changed.upper_enabled = flag()?,
+            AxisParameter::LowerLimitEnabled => changed.lower_enabled = flag()?,
+            AxisParameter::MaxVelocity => changed.max_velocity = within(1, self.config.max_velocity)?,
+            AxisParameter::MaxAcceleration => changed.max_acceleration = ramp(self.config.max_acceleration)?,
+            AxisParameter::MaxDeceleration => changed.max_deceleration = ramp(self.config.max_deceleration)?,
+            AxisParameter::StartVelocity => changed.start_velocity = within(0, self.parameters.max_velocity)?,
+            AxisParameter::StopVelocity => changed.stop_velocity = within(0, self.parameters.max_velocity)?,
+            AxisParameter::FastStop => changed.fast_stop = within(1, self.config.steepest())?,
             _ => return Err(AxisFault::ReadOnlyParameter),
         }
-        if anew.lower >= anew.upper {
+        if changed.lower >= changed.upper {
             return Err(AxisFault::InvalidParameterValue);
         }
-        self.parameters = anew;
+        self.parameters = changed;
         Ok(())
     }
 }

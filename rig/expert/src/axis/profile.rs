@@ -1,20 +1,20 @@
 //! Velocity over time of one motion in one direction (io:STD-PTO-06, io:STD-PTO-07).
 
-use super::ramp::{Curve, Rate, Stretch};
+use super::ramp::{ProfileSegment, RampRate, SegmentCurve};
 
 /// How velocities change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ramps {
     /// When it gets faster.
-    pub rise: Rate,
+    pub rise: RampRate,
     /// When it gets slower.
-    pub fall: Rate,
+    pub fall: RampRate,
     /// Part of a ramp that is curved, in percent; 0 for a trapezoid.
     pub jerk_ratio: u8,
 }
 
 impl Ramps {
-    fn rate(&self, from: i64, to: i64) -> Rate {
+    fn rate(&self, from: i64, to: i64) -> RampRate {
         if to > from { self.rise } else { self.fall }
     }
 
@@ -30,26 +30,26 @@ impl Ramps {
 
 /// How a motion begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Begin {
+pub enum MotionBegin {
     /// From rest, with this velocity at most.
     Rest(i64),
     /// On the way, with this velocity.
     Moving(i64),
 }
 
-impl Begin {
+impl MotionBegin {
     /// The velocity with which a motion up to `peak` begins.
     fn velocity(self, peak: i64) -> i64 {
         match self {
-            Begin::Rest(first) => first.min(peak),
-            Begin::Moving(velocity) => velocity,
+            MotionBegin::Rest(first) => first.min(peak),
+            MotionBegin::Moving(velocity) => velocity,
         }
     }
 }
 
 /// How a motion ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum MotionEnd {
     /// At rest; this is the last velocity, if it was ever above it.
     Rest(i64),
     /// Goes on with this velocity.
@@ -61,23 +61,30 @@ const MOST: usize = 7;
 
 /// The profile of a motion: the position from its beginning on as a function of time.
 #[derive(Clone, Debug)]
-pub struct Profile {
-    stretches: [Stretch; MOST],
+pub struct MotionProfile {
+    stretches: [ProfileSegment; MOST],
     count: usize,
     /// The stretch that was looked at last: times are asked for in their order.
     current: usize,
 }
 
-impl Profile {
-    fn new() -> Profile {
-        Profile { stretches: [Stretch::NONE; MOST], count: 0, current: 0 }
+impl MotionProfile {
+    fn new() -> MotionProfile {
+        MotionProfile { stretches: [ProfileSegment::NONE; MOST], count: 0, current: 0 }
     }
 
     /// Covers `distance` from position `origin`; it is long enough to end so.
-    pub fn to(origin: i128, distance: i128, begin: Begin, cruise: i64, end: End, ramps: &Ramps) -> Profile {
+    pub fn to(
+        origin: i128,
+        distance: i128,
+        begin: MotionBegin,
+        cruise: i64,
+        end: MotionEnd,
+        ramps: &Ramps,
+    ) -> MotionProfile {
         let last = |peak: i64| match end {
-            End::Rest(last) => last.min(peak),
-            End::Moving(velocity) => velocity.min(peak),
+            MotionEnd::Rest(last) => last.min(peak),
+            MotionEnd::Moving(velocity) => velocity.min(peak),
         };
         let covered = |peak: i64| {
             let first = begin.velocity(peak);
@@ -86,21 +93,21 @@ impl Profile {
         let cruise = cruise.max(1);
         let fits = |peak| covered(peak) <= distance;
         let peak = match begin {
-            Begin::Rest(_) => largest(1, cruise, fits),
-            Begin::Moving(velocity) if velocity < cruise => largest(velocity, cruise, fits),
-            Begin::Moving(_) if fits(cruise) => cruise,
+            MotionBegin::Rest(_) => largest(1, cruise, fits),
+            MotionBegin::Moving(velocity) if velocity < cruise => largest(velocity, cruise, fits),
+            MotionBegin::Moving(_) if fits(cruise) => cruise,
             // There is room for the way down to the last velocity, but not to one below it.
-            Begin::Moving(velocity) => last(velocity),
+            MotionBegin::Moving(velocity) => last(velocity),
         };
         // A motion that goes on faster than it cruised gains speed at its end, as far as there is room.
         let last = match end {
-            End::Moving(velocity) if velocity > peak => {
+            MotionEnd::Moving(velocity) if velocity > peak => {
                 largest(peak, velocity, |last| covered(peak) + ramps.distance(peak, last) <= distance)
             }
             _ => last(peak),
         };
         let first = begin.velocity(peak);
-        let mut profile = Profile::new();
+        let mut profile = MotionProfile::new();
         profile.ramp(origin, first, peak, ramps);
         let left = distance - ramps.distance(first, peak) - ramps.distance(peak, last);
         let time = (left.max(0) / i128::from(peak)).min(i128::from(i64::MAX / 2)) as i64;
@@ -110,8 +117,8 @@ impl Profile {
     }
 
     /// Goes to a velocity above 0 and keeps it.
-    pub fn endless(origin: i128, begin: Begin, cruise: i64, ramps: &Ramps) -> Profile {
-        let mut profile = Profile::new();
+    pub fn endless(origin: i128, begin: MotionBegin, cruise: i64, ramps: &Ramps) -> MotionProfile {
+        let mut profile = MotionProfile::new();
         profile.ramp(origin, begin.velocity(cruise), cruise, ramps);
         profile.even(origin, cruise, i64::MAX - profile.length());
         profile
@@ -125,16 +132,17 @@ impl Profile {
         })
     }
 
-    fn push(&mut self, origin: i128, curve: Curve, length: i64, from: i64, change: i64) {
+    fn push(&mut self, origin: i128, curve: SegmentCurve, length: i64, from: i64, change: i64) {
         if length > 0 {
             let origin = self.count.checked_sub(1).map_or(origin, |last| self.stretches[last].end);
-            self.stretches[self.count] = Stretch::new(curve, self.length(), length, origin, from, change);
+            self.stretches[self.count] =
+                ProfileSegment::new(curve, self.length(), length, origin, from, change);
             self.count += 1;
         }
     }
 
     fn even(&mut self, origin: i128, velocity: i64, length: i64) {
-        self.push(origin, Curve::Even, length, velocity, 0);
+        self.push(origin, SegmentCurve::Even, length, velocity, 0);
     }
 
     fn ramp(&mut self, origin: i128, from: i64, to: i64, ramps: &Ramps) {
@@ -142,18 +150,18 @@ impl Profile {
         let time = ramps.rate(from, to).time(change);
         let curved = (i128::from(time) * i128::from(ramps.jerk_ratio) / 200) as i64;
         if curved == 0 {
-            self.push(origin, Curve::Line, time, from, change);
+            self.push(origin, SegmentCurve::Line, time, from, change);
             return;
         }
         // The steepest rate r holds for time - 2·curved and its half on average for the rest: change = r·(time - curved).
         let part = (i128::from(change) * i128::from(curved) / (2 * i128::from(time - curved))) as i64;
-        self.push(origin, Curve::Rise, curved, from, part);
-        self.push(origin, Curve::Line, time - 2 * curved, from + part, change - 2 * part);
-        self.push(origin, Curve::Fall, curved, to - part, part);
+        self.push(origin, SegmentCurve::Rise, curved, from, part);
+        self.push(origin, SegmentCurve::Line, time - 2 * curved, from + part, change - 2 * part);
+        self.push(origin, SegmentCurve::Fall, curved, to - part, part);
     }
 
     /// The stretch at a time. Behind the end it is the last one.
-    fn at(&self, time: i64) -> Option<&Stretch> {
+    fn at(&self, time: i64) -> Option<&ProfileSegment> {
         let started = self.stretches[..self.count].iter().rposition(|stretch| stretch.start <= time);
         started.map(|place| &self.stretches[place])
     }
@@ -170,7 +178,7 @@ impl Profile {
 
     /// Whether it gets faster (above 0), slower (below 0) or neither at a time.
     pub fn trend(&self, time: i64) -> i64 {
-        self.at(time).map_or(0, Stretch::trend)
+        self.at(time).map_or(0, ProfileSegment::trend)
     }
 
     /// When an endless motion has its velocity.

@@ -8,20 +8,20 @@ pub const PULSE: i128 = HERTZ as i128 * 1_000_000_000;
 
 /// How fast a velocity changes: by `velocity` units within `nanos`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rate {
+pub struct RampRate {
     velocity: u64,
     nanos: u64,
 }
 
-impl Rate {
+impl RampRate {
     /// So many hertz a millisecond (io:STD-PTO-02).
-    pub fn hertz_per_ms(hertz: u32) -> Rate {
-        Rate { velocity: u64::from(hertz.max(1)) * HERTZ as u64, nanos: 1_000_000 }
+    pub fn hertz_per_ms(hertz: u32) -> RampRate {
+        RampRate { velocity: u64::from(hertz.max(1)) * HERTZ as u64, nanos: 1_000_000 }
     }
 
     /// From 0 to `velocity` hertz within so many milliseconds (io:STD-PTO-02).
-    pub fn within_ms(velocity: u32, ms: u32) -> Rate {
-        Rate { velocity: u64::from(velocity.max(1)) * HERTZ as u64, nanos: u64::from(ms) * 1_000_000 }
+    pub fn within_ms(velocity: u32, ms: u32) -> RampRate {
+        RampRate { velocity: u64::from(velocity.max(1)) * HERTZ as u64, nanos: u64::from(ms) * 1_000_000 }
     }
 
     /// How long a change takes, in whole nanoseconds.
@@ -46,7 +46,7 @@ impl Rate {
 
 /// How the velocity goes along a stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Curve {
+pub enum SegmentCurve {
     /// Steady.
     Even,
     /// Changes at a steady rate.
@@ -59,8 +59,8 @@ pub enum Curve {
 
 /// A stretch.
 #[derive(Clone, Copy, Debug)]
-pub struct Stretch {
-    curve: Curve,
+pub struct ProfileSegment {
+    curve: SegmentCurve,
     /// When it begins, in nanoseconds from the beginning of the motion, and how long it lasts.
     pub start: i64,
     pub length: i64,
@@ -75,9 +75,9 @@ pub struct Stretch {
     shift: u32,
 }
 
-impl Stretch {
-    pub const NONE: Stretch = Stretch {
-        curve: Curve::Even,
+impl ProfileSegment {
+    pub const NONE: ProfileSegment = ProfileSegment {
+        curve: SegmentCurve::Even,
         start: 0,
         length: 0,
         origin: 0,
@@ -88,14 +88,21 @@ impl Stretch {
         shift: 0,
     };
 
-    pub fn new(curve: Curve, start: i64, length: i64, origin: i128, from: i64, change: i64) -> Stretch {
+    pub fn new(
+        curve: SegmentCurve,
+        start: i64,
+        length: i64,
+        origin: i128,
+        from: i64,
+        change: i64,
+    ) -> ProfileSegment {
         let (mut reciprocal, mut shift) = (0, 0);
-        if curve != Curve::Even && length > 0 {
+        if curve != SegmentCurve::Even && length > 0 {
             shift = length.ilog2();
             // Below 2^64 since 2^shift <= length.
             reciprocal = (((1_u128 << (64 + shift)) - 1) / length as u128) as u64;
         }
-        let mut it = Stretch { curve, start, length, origin, end: 0, from, change, reciprocal, shift };
+        let mut it = ProfileSegment { curve, start, length, origin, end: 0, from, change, reciprocal, shift };
         it.end = it.position(length);
         it
     }
@@ -110,13 +117,13 @@ impl Stretch {
     #[inline]
     pub fn velocity(&self, t: i64) -> i64 {
         let part = match self.curve {
-            Curve::Even => return self.from,
-            Curve::Line => self.part(t),
-            Curve::Rise => {
+            SegmentCurve::Even => return self.from,
+            SegmentCurve::Line => self.part(t),
+            SegmentCurve::Rise => {
                 let u = self.part(t);
                 times(u, u)
             }
-            Curve::Fall => {
+            SegmentCurve::Fall => {
                 let rest = u64::MAX - self.part(t);
                 u64::MAX - times(rest, rest)
             }
@@ -129,13 +136,13 @@ impl Stretch {
     pub fn position(&self, t: i64) -> i128 {
         // The mean velocity up to here is `from` and this part of `change`.
         let part = match self.curve {
-            Curve::Even => return self.origin + i128::from(self.from) * i128::from(t),
-            Curve::Line => self.part(t) / 2,
-            Curve::Rise => {
+            SegmentCurve::Even => return self.origin + i128::from(self.from) * i128::from(t),
+            SegmentCurve::Line => self.part(t) / 2,
+            SegmentCurve::Rise => {
                 let u = self.part(t);
                 third(times(u, u))
             }
-            Curve::Fall => {
+            SegmentCurve::Fall => {
                 let u = self.part(t);
                 u - third(times(u, u))
             }

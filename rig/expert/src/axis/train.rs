@@ -1,7 +1,7 @@
 //! Pulses: a motion in one direction as edges of the outputs, and the position that they add up to.
 
 use super::config::{AxisConfig, PulseOutput};
-use super::profile::{Begin, Profile};
+use super::profile::{MotionBegin, MotionProfile};
 use super::ramp::PULSE;
 use crate::{Effect, Effects};
 use signal::{Span, Time};
@@ -12,8 +12,8 @@ pub const ENDLESS: u64 = u64::MAX;
 /// A motion in one direction. Its position counts from the beginning of the first of its pulses that matter: pulse k,
 /// from 1 on, begins where the position is k - 1 (io:STD-PTO-06).
 #[derive(Clone, Debug)]
-struct Leg {
-    profile: Profile,
+struct TrainSegment {
+    profile: MotionProfile,
     /// When the profile begins.
     start: Time,
     /// Its pulses, and how many of them have begun.
@@ -23,7 +23,7 @@ struct Leg {
 
 /// What a pulse train did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum TrainEvent {
     /// A pulse began.
     Pulse,
     /// An edge within a pulse.
@@ -34,7 +34,7 @@ pub enum Step {
 
 /// What is going on at an instant.
 #[derive(Clone, Copy, Debug)]
-pub struct Course {
+pub struct MotionState {
     /// Whether positions get larger.
     pub forward: bool,
     /// In units of velocity.
@@ -47,7 +47,7 @@ pub struct Course {
 
 /// The outputs of an axis, and its position.
 #[derive(Clone, Debug)]
-pub struct Train {
+pub struct PulseTrain {
     output: PulseOutput,
     a: u8,
     b: u8,
@@ -57,7 +57,7 @@ pub struct Train {
     delay: Option<i64>,
     /// Bit 0 for A, bit 1 for B.
     levels: u8,
-    leg: Option<Leg>,
+    leg: Option<TrainSegment>,
     forward: bool,
     /// Whether there was a motion: before the first one no side of the play is known.
     moved: bool,
@@ -77,9 +77,9 @@ pub struct Train {
     due: Time,
 }
 
-impl Train {
-    pub fn new(config: &AxisConfig) -> Train {
-        Train {
+impl PulseTrain {
+    pub fn new(config: &AxisConfig) -> PulseTrain {
+        PulseTrain {
             output: config.output,
             a: config.a,
             b: config.b.unwrap_or(config.a),
@@ -140,14 +140,14 @@ impl Train {
     }
 
     /// What is going on; None at rest, and before the first pulse.
-    pub fn course(&self, now: Time) -> Option<Course> {
+    pub fn course(&self, now: Time) -> Option<MotionState> {
         if self.rolls == now {
-            return Some(Course { forward: self.forward, velocity: self.exit, within: 0, pulse: false });
+            return Some(MotionState { forward: self.forward, velocity: self.exit, within: 0, pulse: false });
         }
         let leg = self.leg.as_ref().filter(|leg| leg.begun > 0)?;
         let time = (now - leg.start).as_nanos();
         let within = leg.profile.position(time) - PULSE * i128::from(leg.begun - 1);
-        Some(Course {
+        Some(MotionState {
             forward: self.forward,
             velocity: leg.profile.velocity(time),
             within: within.clamp(0, PULSE),
@@ -184,7 +184,7 @@ impl Train {
         forward: bool,
         pulses: u64,
         first_velocity: i64,
-        profile: impl FnOnce(i128, i128, Begin) -> Profile,
+        profile: impl FnOnce(i128, i128, MotionBegin) -> MotionProfile,
         fx: &mut Effects,
     ) {
         self.play = self.play_towards(forward);
@@ -201,22 +201,28 @@ impl Train {
             }
         }
         let start = now.max(self.ready);
-        let profile = profile(0, distance(pulses), Begin::Rest(first_velocity));
-        self.leg = Some(Leg { profile, start, total: pulses, begun: 0 });
+        let profile = profile(0, distance(pulses), MotionBegin::Rest(first_velocity));
+        self.leg = Some(TrainSegment { profile, start, total: pulses, begun: 0 });
         self.over = start;
         self.part = self.parts();
         self.due = start;
     }
 
     /// Gives the motion that is under way another course from `now` on: behind the current pulse `more` pulses.
-    pub fn turn(&mut self, now: Time, more: u64, profile: impl FnOnce(i128, i128, Begin) -> Profile) {
+    pub fn turn(
+        &mut self,
+        now: Time,
+        more: u64,
+        profile: impl FnOnce(i128, i128, MotionBegin) -> MotionProfile,
+    ) {
         let Some(course) = self.course(now) else { return };
         let begun = u64::from(course.pulse);
         let total = more.saturating_add(begun);
-        let profile = profile(course.within, distance(total) - course.within, Begin::Moving(course.velocity));
-        self.leg = Some(Leg { profile, start: now, total, begun });
+        let profile =
+            profile(course.within, distance(total) - course.within, MotionBegin::Moving(course.velocity));
+        self.leg = Some(TrainSegment { profile, start: now, total, begun });
         if course.pulse {
-            self.foresee(now);
+            self.plan_pulse(now);
         } else {
             self.over = now;
             self.due = now;
@@ -251,18 +257,18 @@ impl Train {
 
     /// Does what is due.
     #[inline]
-    pub fn fire(&mut self, fx: &mut Effects) -> Step {
+    pub fn fire(&mut self, fx: &mut Effects) -> TrainEvent {
         let now = self.due;
         if self.part < self.parts() {
             self.edge(now, fx);
             self.part += 1;
             self.schedule(now);
-            return Step::Edge;
+            return TrainEvent::Edge;
         }
         let Some(leg) = self.leg.as_mut().filter(|leg| leg.begun < leg.total) else {
             self.exit = self.leg.take().map_or(0, |leg| leg.profile.velocity(leg.profile.length()));
             self.due = Time::MAX;
-            return Step::Over;
+            return TrainEvent::Over;
         };
         leg.begun += 1;
         self.rolls = Time::MIN;
@@ -278,11 +284,11 @@ impl Train {
         self.edge(now, fx);
         self.part = 1;
         self.look_ahead(now, before);
-        Step::Pulse
+        TrainEvent::Pulse
     }
 
     /// Works out when the current pulse is over, and its edges.
-    fn foresee(&mut self, now: Time) {
+    fn plan_pulse(&mut self, now: Time) {
         self.look_ahead(now, (self.over - self.began).as_nanos());
     }
 

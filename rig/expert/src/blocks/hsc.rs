@@ -1,10 +1,10 @@
 //! The blocks of counters (io:STD-HSC-02, io:STD-HSC-03), and those that read and set their parameters.
 
-use super::{BlockType, Call, PinKind, PinType, Pins, ValueType, pin};
+use super::{BlockCall, BlockType, PinKind, PinType, Pins, ValueType, pin};
 use crate::Effects;
-use crate::Fact;
-use crate::counter::{Controls, Counter, Flag, Param, ParamFault};
-use crate::expert::Unit;
+use crate::FunctionProbe;
+use crate::counter::{Controls, Counter, CounterParam, Flag, ParamFault};
+use crate::functions::FunctionUnit;
 
 /// The blocks.
 pub(super) const BLOCKS: &[BlockType] = &[
@@ -74,15 +74,15 @@ const MAIN: &[PinType] = &[
 
 const REFERENCE: usize = 0;
 
-fn counter(unit: &mut Unit) -> Option<&mut Counter> {
-    if let Unit::Counter(it) = unit { Some(it.as_mut()) } else { None }
+fn counter(unit: &mut FunctionUnit) -> Option<&mut Counter> {
+    if let FunctionUnit::Counter(it) = unit { Some(it.as_mut()) } else { None }
 }
 
-fn simple(unit: &mut Unit) -> Option<&mut Counter> {
+fn simple(unit: &mut FunctionUnit) -> Option<&mut Counter> {
     counter(unit).filter(|it| it.is_simple())
 }
 
-fn main(unit: &mut Unit) -> Option<&mut Counter> {
+fn main(unit: &mut FunctionUnit) -> Option<&mut Counter> {
     counter(unit).filter(|it| !it.is_simple())
 }
 
@@ -96,15 +96,16 @@ fn rises(pins: &mut dyn Pins, places: &[usize], last: usize) -> u8 {
 }
 
 /// Shows what facts say at the pins from `first` on; 0 for those that there are not.
-fn show(pins: &mut dyn Pins, shown: &[(usize, Fact)], counter: Option<&Counter>) {
+fn show(pins: &mut dyn Pins, shown: &[(usize, FunctionProbe)], counter: Option<&Counter>) {
     for (place, fact) in shown {
         let value = counter.and_then(|it| it.read(*fact)).and_then(|value| value.as_bool());
         pins.set(*place, value.unwrap_or(false).into());
     }
 }
 
-fn run_simple(call: &mut Call<'_>) {
-    const SHOWN: [(usize, Fact); 3] = [(4, Fact::Valid), (6, Fact::Run), (7, Fact::ModuloFlag)];
+fn run_simple(call: &mut BlockCall<'_>) {
+    const SHOWN: [(usize, FunctionProbe); 3] =
+        [(4, FunctionProbe::Valid), (6, FunctionProbe::Run), (7, FunctionProbe::ModuloFlag)];
     let (now, pins, task) = (call.now, &mut *call.pins, call.expert.task());
     let rises = rises(pins, &[2, 3], 9);
     let controls = if pins.get(1) != 0 { Controls::ENABLE } else { Controls::default() };
@@ -127,7 +128,7 @@ fn run_simple(call: &mut Call<'_>) {
     }
 }
 
-fn run_main(call: &mut Call<'_>) {
+fn run_main(call: &mut BlockCall<'_>) {
     const CONTROLS: [(usize, Controls); 10] = [
         (1, Controls::BY_EN),
         (2, Controls::BY_SYNC),
@@ -140,18 +141,18 @@ fn run_main(call: &mut Call<'_>) {
         (10, Controls::FORCE_OUT[1]),
         (11, Controls::SUSPEND),
     ];
-    const SHOWN: [(usize, Fact); 11] = [
-        (15, Fact::Valid),
-        (17, Fact::Run),
-        (18, Fact::Threshold(0)),
-        (19, Fact::Threshold(1)),
-        (20, Fact::Threshold(2)),
-        (21, Fact::Threshold(3)),
-        (22, Fact::ModuloFlag),
-        (23, Fact::PresetFlag),
-        (24, Fact::CaptureFlag),
-        (25, Fact::Reflex(0)),
-        (26, Fact::Reflex(1)),
+    const SHOWN: [(usize, FunctionProbe); 11] = [
+        (15, FunctionProbe::Valid),
+        (17, FunctionProbe::Run),
+        (18, FunctionProbe::Threshold(0)),
+        (19, FunctionProbe::Threshold(1)),
+        (20, FunctionProbe::Threshold(2)),
+        (21, FunctionProbe::Threshold(3)),
+        (22, FunctionProbe::ModuloFlag),
+        (23, FunctionProbe::PresetFlag),
+        (24, FunctionProbe::CaptureFlag),
+        (25, FunctionProbe::Reflex(0)),
+        (26, FunctionProbe::Reflex(1)),
     ];
     let (now, pins, task) = (call.now, &mut *call.pins, call.expert.task());
     let rises = rises(pins, &[8, 12, 13, 14], 30);
@@ -259,7 +260,7 @@ const EXECUTE: usize = 1;
 /// the place of Done, which Busy, Error and ErrID follow; `result` is that of the result, and `last` that of the last
 /// level of Execute.
 fn once(
-    call: &mut Call<'_>,
+    call: &mut BlockCall<'_>,
     done: usize,
     result: Option<usize>,
     last: usize,
@@ -285,28 +286,28 @@ fn once(
     pins.set(last, execute.into());
 }
 
-fn get_immediate_value(call: &mut Call<'_>) {
+fn get_immediate_value(call: &mut BlockCall<'_>) {
     once(call, 2, Some(6), 7, |counter, _| Ok(counter.sampled(None)));
 }
 
-fn get_captured_value(call: &mut Call<'_>) {
+fn get_captured_value(call: &mut BlockCall<'_>) {
     let number = usize::try_from(call.pins.get(2)).unwrap_or(usize::MAX);
     once(call, 3, Some(7), 8, |counter, _| counter.captured(number).ok_or(UNKNOWN_PARAMETER));
 }
 
-fn get_diag(call: &mut Call<'_>) {
+fn get_diag(call: &mut BlockCall<'_>) {
     once(call, 2, Some(6), 7, |counter, _| Ok(counter.diag().into()));
 }
 
-fn get_param(call: &mut Call<'_>) {
-    let param = Param::of(call.pins.get(2));
+fn get_param(call: &mut BlockCall<'_>) {
+    let param = CounterParam::of(call.pins.get(2));
     once(call, 3, Some(7), 8, |counter, _| {
         param.and_then(|param| counter.param(param)).map(i64::from).ok_or(UNKNOWN_PARAMETER)
     });
 }
 
-fn set_param(call: &mut Call<'_>) {
-    let (param, value) = (Param::of(call.pins.get(2)), call.pins.get(3));
+fn set_param(call: &mut BlockCall<'_>) {
+    let (param, value) = (CounterParam::of(call.pins.get(2)), call.pins.get(3));
     once(call, 4, None, 8, |counter, _| {
         let (Some(param), Ok(asked)) = (param, i32::try_from(value)) else { return Err(UNKNOWN_PARAMETER) };
         match counter.set_param(param, asked) {

@@ -1,8 +1,8 @@
 //! The blocks of pulse width modulation and frequency generators (io:STD-PWM-02, io:STD-FG-01).
 
-use super::{BlockType, Call, PinKind, PinType, ValueType, pin};
-use crate::expert::Unit;
-use crate::wave::{HALF, INVALID_PARAMETER, Request, Shape, Wave};
+use super::{BlockCall, BlockType, PinKind, PinType, ValueType, pin};
+use crate::functions::FunctionUnit;
+use crate::wave::{HALF, INVALID_PARAMETER, Wave, WaveRequest, WaveShape};
 
 /// The blocks.
 pub(super) const BLOCKS: &[BlockType] = &[
@@ -52,7 +52,7 @@ struct Places {
     error: usize,
     error_id: usize,
     last_sync: usize,
-    pick: fn(&mut Unit) -> Option<&mut Wave>,
+    pick: fn(&mut FunctionUnit) -> Option<&mut Wave>,
 }
 
 const REFERENCE: usize = 0;
@@ -69,7 +69,7 @@ const PWM_PLACES: Places = Places {
     error: 10,
     error_id: 11,
     last_sync: 12,
-    pick: |unit| if let Unit::Pwm(it) = unit { Some(it) } else { None },
+    pick: |unit| if let FunctionUnit::Pwm(it) = unit { Some(it) } else { None },
 };
 
 const GENERATOR_PLACES: Places = Places {
@@ -82,16 +82,16 @@ const GENERATOR_PLACES: Places = Places {
     error: 8,
     error_id: 9,
     last_sync: 10,
-    pick: |unit| if let Unit::Generator(it) = unit { Some(it) } else { None },
+    pick: |unit| if let FunctionUnit::Generator(it) = unit { Some(it) } else { None },
 };
 
 /// ErrorID: no such function, or one of another kind (io:EXP-06).
 const UNKNOWN_REFERENCE: i64 = 1;
 
-fn run(call: &mut Call<'_>, places: &Places) {
+fn run(call: &mut BlockCall<'_>, places: &Places) {
     let pins = &mut *call.pins;
     let sync = pins.get(places.sync) != 0;
-    let request = Request {
+    let request = WaveRequest {
         enable: pins.get(ENABLE) != 0,
         enable_by_input: pins.get(places.enable_by_input) != 0,
         sync: sync && pins.get(places.last_sync) == 0,
@@ -118,7 +118,7 @@ fn run(call: &mut Call<'_>, places: &Places) {
 }
 
 /// The shape of a frequency in tenths of a hertz and a duty in percent, or with high precision in tenths of it.
-fn shape(frequency: i64, duty: Option<(i64, bool)>) -> Option<Shape> {
+fn shape(frequency: i64, duty: Option<(i64, bool)>) -> Option<WaveShape> {
     let duty = match duty {
         None => HALF,
         Some((duty, fine)) => {
@@ -126,5 +126,5 @@ fn shape(frequency: i64, duty: Option<(i64, bool)>) -> Option<Shape> {
             u16::try_from(tenths).ok().filter(|tenths| *tenths <= 1000)?
         }
     };
-    Some(Shape { frequency: u32::try_from(frequency).ok()?, duty })
+    Some(WaveShape { frequency: u32::try_from(frequency).ok()?, duty })
 }

@@ -8,7 +8,7 @@ pub(super) const MOST: usize = 4;
 /// Compares a value with thresholds. The value's zone is the number of thresholds that it has reached; all else follows
 /// from the zone, so that a value that stays in its zone costs one look.
 #[derive(Clone, Debug)]
-pub(super) struct Compare {
+pub(super) struct Comparator {
     values: [i32; MOST],
     count: u8,
     /// Thresholds by what raises their events, bit n for threshold n.
@@ -28,8 +28,8 @@ pub(super) struct Compare {
     to: i64,
 }
 
-impl Compare {
-    pub fn new(config: &CounterConfig) -> Compare {
+impl Comparator {
+    pub fn new(config: &CounterConfig) -> Comparator {
         let raised_by = |wanted: &[ThresholdEvent]| {
             (0..).zip(&config.thresholds).fold(0, |mask, (n, threshold)| {
                 mask | u8::from(wanted.contains(&threshold.event)).checked_shl(n).unwrap_or(0)
@@ -39,7 +39,7 @@ impl Compare {
         for (place, threshold) in values.iter_mut().zip(&config.thresholds) {
             *place = threshold.value;
         }
-        let mut compare = Compare {
+        let mut compare = Comparator {
             values,
             count: config.thresholds.len().min(MOST) as u8,
             upwards: raised_by(&[ThresholdEvent::Upwards, ThresholdEvent::Both]),
@@ -70,7 +70,7 @@ impl Compare {
     }
 
     /// Where a value that goes from here to there next comes into another zone; there where it stays in its own.
-    pub fn onward(&self, value: i64, to: i64) -> i64 {
+    pub fn next_border(&self, value: i64, to: i64) -> i64 {
         match to > value {
             true if self.to > value => to.min(self.to),
             false if self.from <= value => to.max(self.from.saturating_sub(1)),
@@ -81,9 +81,9 @@ impl Compare {
     /// The value moved to this. Returns the thresholds whose events that raises.
     #[cold]
     pub fn moved(&mut self, value: i64) -> u8 {
-        let Some(before) = self.zone else { return self.look(value) };
+        let Some(before) = self.zone else { return self.update_zone(value) };
         let after = self.zone_of(value);
-        let raised = self.look(value);
+        let raised = self.update_zone(value);
         let (reached_before, reached) = (below(before), below(after));
         raised | (reached & !reached_before & self.upwards) | (reached_before & !reached & self.downwards)
     }
@@ -99,17 +99,17 @@ impl Compare {
         if !on {
             self.zone = None;
         }
-        self.look(value)
+        self.update_zone(value)
     }
 
     /// The thresholds become others. Returns the thresholds whose events that raises.
     pub fn change(&mut self, values: [i32; MOST], value: i64) -> u8 {
         self.values = values;
-        self.look(value)
+        self.update_zone(value)
     }
 
-    /// Works out the zone anew. Returns the thresholds whose position events begin.
-    fn look(&mut self, value: i64) -> u8 {
+    /// Works out the zone again. Returns the thresholds whose position events begin.
+    fn update_zone(&mut self, value: i64) -> u8 {
         let mut raised = 0;
         if self.on && !self.suspended {
             let after = self.zone_of(value);

@@ -39,13 +39,13 @@ pub enum CounterKind {
         /// The second phase: n for In.
         b: u8,
         /// How the phases count.
-        phases: Phases,
+        phases: PhaseMode,
     },
 }
 
 /// The eight input modes of two phases (io:STD-HSC-09, VH-HSC-07).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Phases {
+pub enum PhaseMode {
     /// A rising edge of A adds 1, one of B takes 1 away.
     #[default]
     UpDown,
@@ -57,11 +57,11 @@ pub enum Phases {
     X2,
     /// Every edge counts.
     X4,
-    /// As [`Phases::X1`], with the opposite direction.
+    /// As [`PhaseMode::X1`], with the opposite direction.
     ReverseX1,
-    /// As [`Phases::X2`], with the opposite direction.
+    /// As [`PhaseMode::X2`], with the opposite direction.
     ReverseX2,
-    /// As [`Phases::X4`], with the opposite direction.
+    /// As [`PhaseMode::X4`], with the opposite direction.
     ReverseX4,
 }
 
@@ -83,7 +83,7 @@ pub enum CounterMode {
         /// Any DINT.
         preset: i32,
         /// What happens at the ends.
-        limits: Limits,
+        limits: LimitsMode,
     },
     /// The pulses of each of successive windows.
     EventCounting {
@@ -98,7 +98,7 @@ pub enum CounterMode {
     /// A time between edges, in units of the resolution.
     Period {
         /// Between which edges.
-        measures: Measured,
+        measures: PeriodMeasurement,
         /// 0.1, 1, 100 or 1000 us.
         resolution: Span,
         /// Without an edge for so long the value is 0 and not valid; 0 for never.
@@ -108,7 +108,7 @@ pub enum CounterMode {
 
 /// What happens at the ends of the range (VH-HSC-06).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Limits {
+pub enum LimitsMode {
     /// The value is held and not valid until the next preset.
     #[default]
     Lock,
@@ -118,7 +118,7 @@ pub enum Limits {
 
 /// Which time a period meter measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Measured {
+pub enum PeriodMeasurement {
     /// From a rising edge to the next one.
     #[default]
     Period,

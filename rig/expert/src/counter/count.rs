@@ -2,7 +2,7 @@
 
 use super::decode::ILLEGAL;
 use super::meter::{Measurement, Meter};
-use super::{Controls, Counter, CounterMode, Limits, diag, role};
+use super::{Controls, Counter, CounterMode, LimitsMode, diag, role};
 use crate::{Effect, Effects};
 use signal::Time;
 
@@ -28,7 +28,7 @@ impl Counter {
         let rises = changed & self.levels;
         for (phase, role) in [role::A, role::B].into_iter().enumerate() {
             if rises & role != 0 && self.paces[phase].is_excess(at) {
-                self.exceed(at, self.weight, fx);
+                self.add_uncertainty(at, self.weight, fx);
             }
         }
         self.since_b = if changed & role::B == 0 { self.since_b + u64::from(rises & role::A) } else { 0 };
@@ -74,11 +74,11 @@ impl Counter {
                 let value = self.value + counts;
                 match (i32::try_from(value), limits) {
                     (Ok(_), _) => self.set(at, value, fx),
-                    (Err(_), Limits::Rollover) => {
+                    (Err(_), LimitsMode::Rollover) => {
                         self.modulo_flag = true;
                         self.set(at, i64::from(if counts > 0 { i32::MIN } else { i32::MAX }), fx);
                     }
-                    (Err(_), Limits::Lock) => {
+                    (Err(_), LimitsMode::Lock) => {
                         (self.active, self.valid) = (false, false);
                         self.diag |= if counts > 0 { diag::OVERFLOW } else { diag::UNDERFLOW };
                     }
@@ -192,7 +192,7 @@ impl Counter {
 
     /// The value may be off by so many counts more.
     #[cold]
-    pub(super) fn exceed(&mut self, at: Time, counts: u64, fx: &mut Effects) {
+    pub(super) fn add_uncertainty(&mut self, at: Time, counts: u64, fx: &mut Effects) {
         self.excess = self.excess.saturating_add(counts);
         if !self.overdriven {
             self.overdriven = true;

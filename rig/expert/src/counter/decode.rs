@@ -1,24 +1,24 @@
 //! What a change of the phases counts (io:STD-HSC-09).
 
-use super::config::Phases;
+use super::config::PhaseMode;
 
 /// Counts by `before << 2 | after`, each with A in bit 0 and B in bit 1.
-pub(super) type Table = [i8; 16];
+pub(super) type DecodeTable = [i8; 16];
 
 /// Both phases changed at once, which no encoder does.
 pub(super) const ILLEGAL: i8 = i8::MAX;
 
 /// The counts of two phases.
-pub(super) fn of_phases(phases: Phases) -> Table {
+pub(super) fn of_phases(phases: PhaseMode) -> DecodeTable {
     let (sign, edges) = match phases {
-        Phases::UpDown => return table(|change| i8::from(change.rises(A)) - i8::from(change.rises(B))),
-        Phases::PulseDirection => return table(|change| signed(change.rises(A), !change.after(B))),
-        Phases::X1 => (1, 1),
-        Phases::X2 => (1, 2),
-        Phases::X4 => (1, 4),
-        Phases::ReverseX1 => (-1, 1),
-        Phases::ReverseX2 => (-1, 2),
-        Phases::ReverseX4 => (-1, 4),
+        PhaseMode::UpDown => return table(|change| i8::from(change.rises(A)) - i8::from(change.rises(B))),
+        PhaseMode::PulseDirection => return table(|change| signed(change.rises(A), !change.after(B))),
+        PhaseMode::X1 => (1, 1),
+        PhaseMode::X2 => (1, 2),
+        PhaseMode::X4 => (1, 4),
+        PhaseMode::ReverseX1 => (-1, 1),
+        PhaseMode::ReverseX2 => (-1, 2),
+        PhaseMode::ReverseX4 => (-1, 4),
     };
     table(|change| {
         let (a, b) = (change.turns(A), change.turns(B));
@@ -38,21 +38,21 @@ pub(super) fn of_phases(phases: Phases) -> Table {
 }
 
 /// The counts of one phase: its rising edges.
-pub(super) fn of_one() -> Table {
+pub(super) fn of_one() -> DecodeTable {
     table(|change| i8::from(change.rises(A)))
 }
 
 /// How far the value is off for a pulse of a phase that was not seen.
-pub(super) const fn weight(phases: Phases) -> u64 {
+pub(super) const fn weight(phases: PhaseMode) -> u64 {
     match phases {
-        Phases::X2 | Phases::ReverseX2 | Phases::X4 | Phases::ReverseX4 => 2,
+        PhaseMode::X2 | PhaseMode::ReverseX2 | PhaseMode::X4 | PhaseMode::ReverseX4 => 2,
         _ => 1,
     }
 }
 
 /// How far the value may be off for edges that are known to be missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Lost {
+pub(super) enum MissedEdgeError {
     /// Every second of them counts.
     Pulses,
     /// As that for A; without those of B, pulses since its last edge may have counted the wrong way.
@@ -62,13 +62,13 @@ pub(super) enum Lost {
     Cycles(u64),
 }
 
-impl Lost {
-    pub const fn of(phases: Option<Phases>) -> Lost {
+impl MissedEdgeError {
+    pub const fn of(phases: Option<PhaseMode>) -> MissedEdgeError {
         match phases {
-            None | Some(Phases::UpDown) => Lost::Pulses,
-            Some(Phases::PulseDirection) => Lost::Direction,
-            Some(Phases::X4 | Phases::ReverseX4) => Lost::Cycles(4),
-            Some(_) => Lost::Cycles(2),
+            None | Some(PhaseMode::UpDown) => MissedEdgeError::Pulses,
+            Some(PhaseMode::PulseDirection) => MissedEdgeError::Direction,
+            Some(PhaseMode::X4 | PhaseMode::ReverseX4) => MissedEdgeError::Cycles(4),
+            Some(_) => MissedEdgeError::Cycles(2),
         }
     }
 
@@ -76,15 +76,15 @@ impl Lost {
     pub fn of_a(self, edges: u32) -> u64 {
         let pairs = u64::from(edges.div_ceil(2));
         match self {
-            Lost::Pulses | Lost::Direction => pairs,
-            Lost::Cycles(counts) => pairs * counts,
+            MissedEdgeError::Pulses | MissedEdgeError::Direction => pairs,
+            MissedEdgeError::Cycles(counts) => pairs * counts,
         }
     }
 
     /// The same for B, with so many pulses of A since its last edge that was seen.
     pub fn of_b(self, edges: u32, pulses: u64) -> u64 {
         match self {
-            Lost::Direction => pulses.saturating_mul(2),
+            MissedEdgeError::Direction => pulses.saturating_mul(2),
             other => other.of_a(edges),
         }
     }
@@ -118,6 +118,6 @@ const fn signed(counts: bool, up: bool) -> i8 {
     }
 }
 
-fn table(count: impl Fn(Change) -> i8) -> Table {
+fn table(count: impl Fn(Change) -> i8) -> DecodeTable {
     std::array::from_fn(|change| count(Change(change)))
 }

@@ -1,6 +1,6 @@
 //! Windows of pulses, and times between edges (io: section 17.3).
 
-use super::config::{CounterMode, Measured};
+use super::config::{CounterMode, PeriodMeasurement};
 use signal::{Span, Time};
 
 /// A measurement that a meter completed.
@@ -29,7 +29,7 @@ pub(super) enum Meter {
     },
     /// The time between edges.
     Period {
-        measures: Measured,
+        measures: PeriodMeasurement,
         resolution: i64,
         timeout: Span,
         /// The rising edge that the measurement began with.
@@ -65,7 +65,7 @@ impl Meter {
         }
     }
 
-    /// It measures anew from `now` on; what it had begun is lost.
+    /// It measures again from `now` on; what it had begun is lost.
     pub fn begin(&mut self, now: Time) {
         match self {
             Meter::None => {}
@@ -118,9 +118,9 @@ impl Meter {
             Meter::Period { measures, resolution, timeout, from, end } => {
                 *end = expiry(at, *timeout);
                 let begun = match (*measures, rises) {
-                    (_, true) => from.replace(at).filter(|_| *measures == Measured::Period),
-                    (Measured::PulseWidth, false) => from.take(),
-                    (Measured::Period, false) => None,
+                    (_, true) => from.replace(at).filter(|_| *measures == PeriodMeasurement::Period),
+                    (PeriodMeasurement::PulseWidth, false) => from.take(),
+                    (PeriodMeasurement::Period, false) => None,
                 }?;
                 let value = (at - begun).as_nanos() / *resolution;
                 // Longer than a DINT can tell: what it shows is too short.

@@ -7,22 +7,22 @@ mod config;
 mod count;
 mod decode;
 mod meter;
-mod pace;
 mod param;
+mod rate_limit;
 mod steps;
 
 pub use config::{
-    CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, Limits, Measured,
-    Phases, Reflex, SyncInput, Threshold, ThresholdEvent,
+    CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, LimitsMode,
+    PeriodMeasurement, PhaseMode, Reflex, SyncInput, Threshold, ThresholdEvent,
 };
-pub(crate) use param::{Param, ParamFault};
+pub(crate) use param::{CounterParam, ParamFault};
 
-use crate::{Effect, Effects, Fact, Operation};
-use compare::Compare;
-use decode::{Lost, Table};
+use crate::{Effect, Effects, FunctionProbe, Operation};
+use compare::Comparator;
+use decode::{DecodeTable, MissedEdgeError};
 use meter::Meter;
-use pace::Pace;
-use param::Params;
+use param::CounterParams;
+use rate_limit::PulseRateLimit;
 use signal::{Time, Value};
 
 /// Tasks whose samples of the value are kept; no profile has more.
@@ -73,7 +73,7 @@ pub(crate) enum Flag {
     Capture,
 }
 
-/// What was wrong with the pulses, as bits of [`Fact::Error`] and of EXPERTGetDiag.
+/// What was wrong with the pulses, as bits of [`FunctionProbe::Error`] and of EXPERTGetDiag.
 pub(crate) mod diag {
     /// Both phases changed at once.
     pub const PHASES: u8 = 1;
@@ -98,15 +98,15 @@ pub(crate) struct Counter {
     levels: u8,
     /// Roles whose levels changed at `next`.
     changed: u8,
-    table: Table,
+    table: DecodeTable,
     weight: u64,
-    lost: Lost,
+    lost: MissedEdgeError,
     /// Pulses of A since the last edge of B.
     since_b: u64,
     sync: Option<SyncInput>,
     captures: [Option<CaptureInput>; 2],
     outputs: [Option<u8>; 2],
-    params: Params,
+    params: CounterParams,
     controls: Controls,
     operating: bool,
     /// The enable condition, while the controller runs.
@@ -122,8 +122,8 @@ pub(crate) struct Counter {
     diag: u8,
     excess: u64,
     overdriven: bool,
-    paces: [Pace; 2],
-    compare: Compare,
+    paces: [PulseRateLimit; 2],
+    compare: Comparator,
     meter: Meter,
     /// The input at which hardware counts its pulses.
     fed: Option<u8>,
@@ -131,14 +131,14 @@ pub(crate) struct Counter {
     out: [bool; 2],
     /// The value at the start of each task's cycle (io:STD-HSC-07).
     samples: [i64; TASKS],
-    initial: Initial,
+    initial: DownloadedParams,
 }
 
-/// What begins anew with a download.
+/// What starts again with a download.
 #[derive(Clone, Debug)]
-struct Initial {
-    params: Params,
-    compare: Compare,
+struct DownloadedParams {
+    params: CounterParams,
+    compare: Comparator,
 }
 
 impl Counter {
@@ -162,9 +162,9 @@ impl Counter {
             CounterKind::Dual { b, phases } => (b, Some(phases)),
             CounterKind::Simple | CounterKind::Single => (config.a, None),
         };
-        let pace = |input: u8| Pace::new(config.highest(usize::from(input) < profile::FAST_INPUTS));
-        let params = Params::new(config);
-        let compare = Compare::new(config);
+        let pace = |input: u8| PulseRateLimit::new(config.highest(usize::from(input) < profile::FAST_INPUTS));
+        let params = CounterParams::new(config);
+        let compare = Comparator::new(config);
         let mut counter = Counter {
             place,
             number,
@@ -175,7 +175,7 @@ impl Counter {
             changed: 0,
             table: phases.map_or_else(decode::of_one, decode::of_phases),
             weight: phases.map_or(1, decode::weight),
-            lost: Lost::of(phases),
+            lost: MissedEdgeError::of(phases),
             since_b: 0,
             sync: config.sync,
             captures: config.captures,
@@ -199,14 +199,14 @@ impl Counter {
             fed: None,
             out: [false; 2],
             samples: [0; TASKS],
-            initial: Initial { params, compare },
+            initial: DownloadedParams { params, compare },
         };
-        counter.forget();
+        counter.clear();
         counter
     }
 
-    /// All that it counted and was told is forgotten.
-    fn forget(&mut self) {
+    /// All that it counted and was set is forgotten.
+    fn clear(&mut self) {
         self.params = self.initial.params.clone();
         self.compare = self.initial.compare.clone();
         self.controls = Controls::default();
@@ -257,7 +257,7 @@ impl Counter {
         match operation {
             Operation::Running => {}
             Operation::Stopped => self.active &= !matches!(self.params.mode(), CounterMode::OneShot { .. }),
-            Operation::Off => self.forget(),
+            Operation::Off => self.clear(),
         }
         self.refresh_enable(now);
         self.refresh_outputs(now, fx);
@@ -266,7 +266,7 @@ impl Counter {
 
     /// After a cold reset or a download (io:STD-HSC-15).
     pub fn reset(&mut self, now: Time, fx: &mut Effects) {
-        self.forget();
+        self.clear();
         self.refresh_outputs(now, fx);
         self.next = self.meter.next();
     }
@@ -327,18 +327,18 @@ impl Counter {
 
     /// A pulse at the terminal of an input was too short for its filters. That is what filters are for, but at a rate
     /// beyond the limit nobody knows whether a real counter would miss it, too.
-    pub fn swallow(&mut self, at: Time, input: u8, fx: &mut Effects) {
+    pub fn report_suppressed_pulse(&mut self, at: Time, input: u8, fx: &mut Effects) {
         let role = self.roles[usize::from(input & 31)];
         if role & (role::A | role::B) != 0 && self.enabled && self.active {
-            let pulses = self.paces[usize::from(role == role::B)].swallow(at);
+            let pulses = self.paces[usize::from(role == role::B)].report_suppressed_pulse(at);
             if pulses > 0 {
-                self.exceed(at, pulses.saturating_mul(self.weight), fx);
+                self.add_uncertainty(at, pulses.saturating_mul(self.weight), fx);
             }
         }
     }
 
     /// So many edges of an input are known to be missing (io: section 18): the value may be off.
-    pub fn lose(&mut self, at: Time, input: u8, edges: u32, fx: &mut Effects) {
+    pub fn report_missed_edges(&mut self, at: Time, input: u8, edges: u32, fx: &mut Effects) {
         let role = self.roles[usize::from(input & 31)];
         self.diag |= diag::LOST;
         let counts = match role {
@@ -351,23 +351,23 @@ impl Counter {
             role::ENABLE | role::SYNC => u64::MAX,
             _ => 0,
         };
-        self.exceed(at, counts, fx);
+        self.add_uncertainty(at, counts, fx);
     }
 
-    pub fn read(&self, fact: Fact) -> Option<Value> {
+    pub fn read(&self, fact: FunctionProbe) -> Option<Value> {
         let flag = |on: bool| Some(Value::Bool(on));
         match fact {
-            Fact::Value => Some(Value::Int(self.value)),
-            Fact::Captured => Some(Value::Int(self.captured[0].0)),
-            Fact::Valid => flag(self.valid),
-            Fact::Run => flag(self.operating && self.active),
-            Fact::Error => Some(Value::Int(i64::from(self.diag))),
-            Fact::Threshold(n) => flag(n < 4 && self.compare.reached() >> n & 1 == 1),
-            Fact::Reflex(n) => flag(n < 2 && self.compare.reflex(usize::from(n))),
-            Fact::ModuloFlag => flag(self.modulo_flag),
-            Fact::PresetFlag => flag(self.preset_flag),
-            Fact::CaptureFlag => flag(self.captured.iter().any(|(_, flag)| *flag)),
-            Fact::Excess => Some(Value::Int(i64::try_from(self.excess).unwrap_or(i64::MAX))),
+            FunctionProbe::Value => Some(Value::Int(self.value)),
+            FunctionProbe::Captured => Some(Value::Int(self.captured[0].0)),
+            FunctionProbe::Valid => flag(self.valid),
+            FunctionProbe::Run => flag(self.operating && self.active),
+            FunctionProbe::Error => Some(Value::Int(i64::from(self.diag))),
+            FunctionProbe::Threshold(n) => flag(n < 4 && self.compare.reached() >> n & 1 == 1),
+            FunctionProbe::Reflex(n) => flag(n < 2 && self.compare.reflex(usize::from(n))),
+            FunctionProbe::ModuloFlag => flag(self.modulo_flag),
+            FunctionProbe::PresetFlag => flag(self.preset_flag),
+            FunctionProbe::CaptureFlag => flag(self.captured.iter().any(|(_, flag)| *flag)),
+            FunctionProbe::Excess => Some(Value::Int(i64::try_from(self.excess).unwrap_or(i64::MAX))),
             _ => None,
         }
     }

@@ -6,7 +6,7 @@ use super::config::{CounterConfig, CounterMode};
 
 /// A parameter by its number in EXPERTSetParam and EXPERTGetParam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Param {
+pub(crate) enum CounterParam {
     /// 0: the value that a preset loads.
     Preset,
     /// 1: the modulo.
@@ -26,7 +26,7 @@ pub(crate) enum ParamFault {
 
 /// What a program set, and what is in force.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Params {
+pub(super) struct CounterParams {
     in_force: Values,
     set: Values,
     /// Something that was set is not in force yet.
@@ -41,26 +41,31 @@ struct Values {
     thresholds: [i32; MOST],
 }
 
-impl Param {
+impl CounterParam {
     /// The parameter of a number.
-    pub fn of(number: i64) -> Option<Param> {
+    pub fn of(number: i64) -> Option<CounterParam> {
         match number {
-            0 => Some(Param::Preset),
-            1 => Some(Param::Modulo),
-            2..=5 => Some(Param::Threshold((number - 2) as usize)),
+            0 => Some(CounterParam::Preset),
+            1 => Some(CounterParam::Modulo),
+            2..=5 => Some(CounterParam::Threshold((number - 2) as usize)),
             _ => None,
         }
     }
 }
 
-impl Params {
-    pub fn new(config: &CounterConfig) -> Params {
+impl CounterParams {
+    pub fn new(config: &CounterConfig) -> CounterParams {
         let mut thresholds = [0; MOST];
         for (place, threshold) in thresholds.iter_mut().zip(&config.thresholds) {
             *place = threshold.value;
         }
         let values = Values { mode: config.mode, thresholds };
-        Params { in_force: values, set: values, changed: false, count: config.thresholds.len().min(MOST) }
+        CounterParams {
+            in_force: values,
+            set: values,
+            changed: false,
+            count: config.thresholds.len().min(MOST),
+        }
     }
 
     /// The mode with the parameters that are in force.
@@ -104,15 +109,18 @@ impl Values {
 
 impl Counter {
     /// Sets a parameter: it counts from the next count or preset on.
-    pub fn set_param(&mut self, param: Param, value: i32) -> Result<(), ParamFault> {
+    pub fn set_param(&mut self, param: CounterParam, value: i32) -> Result<(), ParamFault> {
         let count = self.params.count;
         let mut values = self.params.set;
         match (param, &mut values.mode) {
-            (Param::Preset, CounterMode::OneShot { preset } | CounterMode::FreeLarge { preset, .. }) => {
+            (
+                CounterParam::Preset,
+                CounterMode::OneShot { preset } | CounterMode::FreeLarge { preset, .. },
+            ) => {
                 *preset = value;
             }
-            (Param::Modulo, CounterMode::ModuloLoop { modulo }) => *modulo = value,
-            (Param::Threshold(n), _) if n < count => values.thresholds[n] = value,
+            (CounterParam::Modulo, CounterMode::ModuloLoop { modulo }) => *modulo = value,
+            (CounterParam::Threshold(n), _) if n < count => values.thresholds[n] = value,
             _ => return Err(ParamFault::Unknown),
         }
         if !values.is_possible(count) {
@@ -123,14 +131,15 @@ impl Counter {
     }
 
     /// A parameter as it was set last.
-    pub fn param(&self, param: Param) -> Option<i32> {
+    pub fn param(&self, param: CounterParam) -> Option<i32> {
         let values = &self.params.set;
         match (param, values.mode) {
-            (Param::Preset, CounterMode::OneShot { preset } | CounterMode::FreeLarge { preset, .. }) => {
-                Some(preset)
-            }
-            (Param::Modulo, CounterMode::ModuloLoop { modulo }) => Some(modulo),
-            (Param::Threshold(n), _) if n < self.params.count => Some(values.thresholds[n]),
+            (
+                CounterParam::Preset,
+                CounterMode::OneShot { preset } | CounterMode::FreeLarge { preset, .. },
+            ) => Some(preset),
+            (CounterParam::Modulo, CounterMode::ModuloLoop { modulo }) => Some(modulo),
+            (CounterParam::Threshold(n), _) if n < self.params.count => Some(values.thresholds[n]),
             _ => None,
         }
     }

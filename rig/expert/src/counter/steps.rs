@@ -1,6 +1,6 @@
 //! Counts that hardware made of the pulses.
 
-use super::{Counter, CounterMode, Limits, diag, role};
+use super::{Counter, CounterMode, LimitsMode, diag, role};
 use crate::{Effect, Effects};
 use signal::Time;
 
@@ -30,14 +30,14 @@ impl Counter {
             CounterMode::OneShot { .. } => {
                 // It counts pulses down, whichever way they go.
                 let pulses = i64::try_from(steps.unsigned_abs()).unwrap_or(i64::MAX);
-                self.go(at, (self.value - pulses.min(self.value)).max(0), fx);
+                self.move_value(at, (self.value - pulses.min(self.value)).max(0), fx);
                 if self.value == 0 {
                     self.active = false;
                     fx.push(at, Effect::Stop { counter: self.number });
                 }
             }
-            CounterMode::ModuloLoop { modulo } => self.go_round(at, i64::from(modulo), steps, fx),
-            CounterMode::FreeLarge { limits, .. } => self.go_free(at, limits, steps, fx),
+            CounterMode::ModuloLoop { modulo } => self.count_modulo(at, i64::from(modulo), steps, fx),
+            CounterMode::FreeLarge { limits, .. } => self.count_free(at, limits, steps, fx),
             CounterMode::EventCounting { .. }
             | CounterMode::Frequency { .. }
             | CounterMode::Period { .. } => {}
@@ -45,16 +45,16 @@ impl Counter {
     }
 
     /// Round from 0 to the modulo less 1.
-    fn go_round(&mut self, at: Time, modulo: i64, steps: i64, fx: &mut Effects) {
+    fn count_modulo(&mut self, at: Time, modulo: i64, steps: i64, fx: &mut Effects) {
         let last = modulo - 1;
         let whole = steps / modulo;
         let mut left = steps - whole * modulo + whole.signum() * modulo;
         while left != 0 {
             let room = if left > 0 { last - self.value } else { -self.value };
             if left.abs() <= room.abs() {
-                return self.go(at, self.value + left, fx);
+                return self.move_value(at, self.value + left, fx);
             }
-            self.go(at, self.value + room, fx);
+            self.move_value(at, self.value + room, fx);
             self.modulo_flag = true;
             self.set(at, if left > 0 { 0 } else { last }, fx);
             left -= room + left.signum();
@@ -62,11 +62,11 @@ impl Counter {
     }
 
     /// Through all values of a DINT.
-    fn go_free(&mut self, at: Time, limits: Limits, steps: i64, fx: &mut Effects) {
+    fn count_free(&mut self, at: Time, limits: LimitsMode, steps: i64, fx: &mut Effects) {
         let (low, high) = (i64::from(i32::MIN), i64::from(i32::MAX));
         let mut value = self.value.saturating_add(steps);
-        if limits == Limits::Lock {
-            self.go(at, value.clamp(low, high), fx);
+        if limits == LimitsMode::Lock {
+            self.move_value(at, value.clamp(low, high), fx);
             if !(low..=high).contains(&value) {
                 (self.active, self.valid) = (false, false);
                 self.diag |= if steps > 0 { diag::OVERFLOW } else { diag::UNDERFLOW };
@@ -76,17 +76,17 @@ impl Counter {
         while !(low..=high).contains(&value) {
             self.modulo_flag = true;
             let (end, other) = if value > high { (high, low) } else { (low, high) };
-            self.go(at, end, fx);
+            self.move_value(at, end, fx);
             self.set(at, other, fx);
             value = (value - low).rem_euclid(high - low + 1) + low;
         }
-        self.go(at, value, fx);
+        self.move_value(at, value, fx);
     }
 
     /// The value goes to another, through every zone on its way.
-    fn go(&mut self, at: Time, to: i64, fx: &mut Effects) {
+    fn move_value(&mut self, at: Time, to: i64, fx: &mut Effects) {
         while self.value != to {
-            let next = self.compare.onward(self.value, to);
+            let next = self.compare.next_border(self.value, to);
             self.set(at, next, fx);
         }
     }

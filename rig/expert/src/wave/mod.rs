@@ -4,7 +4,7 @@ mod period;
 #[cfg(test)]
 mod tests;
 
-use crate::{Effect, Effects, Fact, Operation};
+use crate::{Effect, Effects, FunctionProbe, Operation};
 use period::Period;
 use profile::{EventEdges, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS};
 use signal::{Time, Value};
@@ -70,7 +70,7 @@ pub(crate) const INVALID_PARAMETER: i64 = 3;
 
 /// What a wave looks like.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Shape {
+pub(crate) struct WaveShape {
     /// In tenths of a hertz; 0 for an output that stays at 0.
     pub frequency: u32,
     /// In tenths of a percent, 0...1000.
@@ -79,22 +79,22 @@ pub(crate) struct Shape {
 
 /// What a block asks for by one call.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Request {
+pub(crate) struct WaveRequest {
     /// Enabled by the program.
     pub enable: bool,
     /// Enabled by the input while it is 1.
     pub enable_by_input: bool,
-    /// The period begins anew.
+    /// The period starts again.
     pub sync: bool,
-    /// The input may let the period begin anew.
+    /// The input may let the period start again.
     pub sync_by_input: bool,
     /// The shape, where it is one that the function has at all.
-    pub shape: Option<Shape>,
+    pub shape: Option<WaveShape>,
 }
 
 /// What a block shows behind its call. At most one of the three is set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Status {
+pub(crate) struct WaveStatus {
     /// The output has the shape that was asked for.
     pub in_frequency: bool,
     /// It still has another one: the period is not over.
@@ -123,7 +123,7 @@ pub(crate) struct Wave {
     /// The last call asked for what cannot be.
     refused: bool,
     /// The shape from the next period on.
-    wanted: Shape,
+    wanted: WaveShape,
     /// The period that runs; none while it is not enabled.
     period: Option<Period>,
     /// What the output is commanded.
@@ -132,10 +132,10 @@ pub(crate) struct Wave {
     due: Time,
     /// Rising edges since power-on.
     pulses: u64,
-    /// Somebody else makes the pulses.
-    delegated: bool,
+    /// hardware makes the pulses.
+    offloaded: bool,
     /// What they make now, if anything.
-    told: Option<Shape>,
+    reported: Option<WaveShape>,
 }
 
 impl Wave {
@@ -164,23 +164,23 @@ impl Wave {
             sync_by_input: false,
             input: false,
             refused: false,
-            wanted: Shape::default(),
+            wanted: WaveShape::default(),
             period: None,
             level: false,
             due: Time::MAX,
             pulses: 0,
-            delegated: false,
-            told: None,
+            offloaded: false,
+            reported: None,
         }
     }
 
-    /// Somebody else makes the pulses from now on.
-    pub fn delegate(&mut self) {
-        self.delegated = true;
+    /// hardware makes the pulses from now on.
+    pub fn offload_pulses(&mut self) {
+        self.offloaded = true;
     }
 
-    /// One call of a block: what is asked for holds from now on, and stays behind the call.
-    pub fn call(&mut self, now: Time, request: &Request, fx: &mut Effects) -> Status {
+    /// One call of a block: what is asked for holds from now on, and stays after the call.
+    pub fn call(&mut self, now: Time, request: &WaveRequest, fx: &mut Effects) -> WaveStatus {
         let wanted = request.shape.filter(|shape| shape.frequency <= self.most);
         let asked = request.enable || request.enable_by_input;
         self.refused = asked && wanted.is_none();
@@ -189,8 +189,8 @@ impl Wave {
             self.enable &= request.enable;
             self.enable_by_input &= request.enable_by_input;
             self.sync_by_input &= request.sync_by_input;
-            self.consider(now, fx);
-            return Status { refused: true, ..Status::default() };
+            self.update_enable(now, fx);
+            return WaveStatus { refused: true, ..WaveStatus::default() };
         }
         self.enable = request.enable;
         self.enable_by_input = request.enable_by_input;
@@ -198,20 +198,20 @@ impl Wave {
         if let Some(shape) = wanted
             && asked
         {
-            self.want(now, shape, fx);
+            self.request_shape(now, shape, fx);
         }
-        self.consider(now, fx);
+        self.update_enable(now, fx);
         if request.sync {
             self.restart(now, fx);
         }
-        let Some(period) = &self.period else { return Status::default() };
+        let Some(period) = &self.period else { return WaveStatus::default() };
         let reached = period.shape == self.wanted;
-        Status { in_frequency: reached, busy: !reached, refused: false }
+        WaveStatus { in_frequency: reached, busy: !reached, refused: false }
     }
 
     /// The shape from the next period on. An output that does not pulse has no edge that tells of its periods, but
     /// they pass all the same.
-    fn want(&mut self, now: Time, shape: Shape, fx: &mut Effects) {
+    fn request_shape(&mut self, now: Time, shape: WaveShape, fx: &mut Effects) {
         self.wanted = shape;
         let Some(period) = &mut self.period else { return };
         if period.shape.frequency == 0 {
@@ -219,7 +219,7 @@ impl Wave {
             if shape != period.shape {
                 self.begin(now, 0, fx);
             }
-        } else if period.is_constant() || self.delegated {
+        } else if period.is_constant() || self.offloaded {
             self.due = if period.shape == shape {
                 Time::MAX
             } else {
@@ -227,9 +227,9 @@ impl Wave {
                 period.end().0
             };
             let next = Period { shape, ..*period };
-            if self.told.is_some() && !next.is_constant() {
+            if self.reported.is_some() && !next.is_constant() {
                 // Whoever makes the pulses waits for the end of a period of their own.
-                self.tell(now, &next, fx);
+                self.report_wave(now, &next, fx);
             }
         }
     }
@@ -238,9 +238,9 @@ impl Wave {
     /// how many there are.
     fn begin(&mut self, at: Time, rest: u32, fx: &mut Effects) {
         let period = Period { shape: self.wanted, start: at, rest };
-        let is_made = self.delegated && !period.is_constant();
+        let is_made = self.offloaded && !period.is_constant();
         if is_made {
-            self.tell(at, &period, fx);
+            self.report_wave(at, &period, fx);
         } else {
             self.drive(at, period.shape.frequency != 0 && period.shape.duty != 0, fx);
         }
@@ -249,7 +249,7 @@ impl Wave {
     }
 
     fn drive(&mut self, at: Time, on: bool, fx: &mut Effects) {
-        let pulsed = self.told.take().is_some();
+        let pulsed = self.reported.take().is_some();
         if self.level != on || pulsed {
             self.level = on;
             self.pulses += u64::from(on);
@@ -258,16 +258,16 @@ impl Wave {
     }
 
     /// Tells whoever makes the pulses what a period that is not constant looks like, where that is news.
-    fn tell(&mut self, at: Time, period: &Period, fx: &mut Effects) {
-        if self.told != Some(period.shape) {
-            self.told = Some(period.shape);
+    fn report_wave(&mut self, at: Time, period: &Period, fx: &mut Effects) {
+        if self.reported != Some(period.shape) {
+            self.reported = Some(period.shape);
             let (period, high) = period.rounded();
             fx.push(at, Effect::Wave { output: self.output, period, high });
         }
     }
 
     /// Starts or ends the wave, as what enables it says.
-    fn consider(&mut self, now: Time, fx: &mut Effects) {
+    fn update_enable(&mut self, now: Time, fx: &mut Effects) {
         let enabled = self.running && (self.enable || self.enable_by_input && self.input);
         if enabled && self.period.is_none() {
             self.begin(now, 0, fx);
@@ -278,11 +278,11 @@ impl Wave {
         }
     }
 
-    /// Sync: the period begins anew (io:STD-PWM-02).
+    /// Sync: the period starts again (io:STD-PWM-02).
     fn restart(&mut self, now: Time, fx: &mut Effects) {
         if self.period.is_some() {
-            if self.told.is_some() {
-                fx.push(now, Effect::Anew { output: self.output });
+            if self.reported.is_some() {
+                fx.push(now, Effect::PeriodRestarted { output: self.output });
             }
             self.begin(now, 0, fx);
         }
@@ -292,7 +292,7 @@ impl Wave {
     pub fn edge(&mut self, at: Time, input: u8, high: bool, fx: &mut Effects) {
         if self.enable_input == Some(input) {
             self.input = high;
-            self.consider(at, fx);
+            self.update_enable(at, fx);
         }
         if self.sync_input == Some(input) && self.sync_by_input && self.sync_edges.includes(high) {
             self.restart(at, fx);
@@ -309,7 +309,7 @@ impl Wave {
             let at = self.due;
             // Without a period nothing is due.
             let Some(period) = &self.period else { return };
-            if self.level && !period.is_constant() && !self.delegated {
+            if self.level && !period.is_constant() && !self.offloaded {
                 self.due = period.end().0;
                 self.drive(at, false, fx);
             } else {
@@ -323,7 +323,7 @@ impl Wave {
     pub fn operate(&mut self, now: Time, operation: Operation, fx: &mut Effects) {
         self.running = operation == Operation::Running;
         if !self.running {
-            self.forget(now, fx);
+            self.clear(now, fx);
         }
         if operation == Operation::Off {
             self.pulses = 0;
@@ -332,24 +332,24 @@ impl Wave {
 
     /// After a cold reset or a download.
     pub fn reset(&mut self, now: Time, fx: &mut Effects) {
-        self.forget(now, fx);
+        self.clear(now, fx);
     }
 
-    fn forget(&mut self, now: Time, fx: &mut Effects) {
+    fn clear(&mut self, now: Time, fx: &mut Effects) {
         (self.enable, self.enable_by_input, self.sync_by_input, self.refused) = (false, false, false, false);
-        self.consider(now, fx);
+        self.update_enable(now, fx);
     }
 
-    pub fn read(&self, fact: Fact) -> Option<Value> {
+    pub fn read(&self, fact: FunctionProbe) -> Option<Value> {
         let shape = self.period.as_ref().map(|period| period.shape).unwrap_or_default();
         match fact {
-            Fact::Run => Some(Value::Bool(self.period.is_some())),
-            Fact::Frequency => Some(Value::Int(shape.frequency.into())),
-            Fact::Duty => Some(Value::Int(shape.duty.into())),
-            Fact::Error => Some(Value::Int(if self.refused { INVALID_PARAMETER } else { 0 })),
-            // Nobody counts those that somebody else makes.
-            Fact::Pulses if self.delegated => Some(Value::Unknown),
-            Fact::Pulses => Some(Value::Word(self.pulses)),
+            FunctionProbe::Run => Some(Value::Bool(self.period.is_some())),
+            FunctionProbe::Frequency => Some(Value::Int(shape.frequency.into())),
+            FunctionProbe::Duty => Some(Value::Int(shape.duty.into())),
+            FunctionProbe::Error => Some(Value::Int(if self.refused { INVALID_PARAMETER } else { 0 })),
+            // Nobody counts those that hardware makes.
+            FunctionProbe::Pulses if self.offloaded => Some(Value::Unknown),
+            FunctionProbe::Pulses => Some(Value::Word(self.pulses)),
             _ => None,
         }
     }

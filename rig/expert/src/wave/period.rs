@@ -1,6 +1,6 @@
 //! One period of a square wave, exact on average.
 
-use super::Shape;
+use super::WaveShape;
 use signal::{Span, Time};
 
 /// Nanoseconds of a period at 0.1 Hz. The product of a frequency in tenths of a hertz and its period.
@@ -13,7 +13,7 @@ const STEP: u64 = TENTH / 1000;
 /// carries on with what was cut off, so that edge k of a wave lies at the whole nanosecond of k periods.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Period {
-    pub shape: Shape,
+    pub shape: WaveShape,
     pub start: Time,
     pub rest: u32,
 }

@@ -1,4 +1,4 @@
-//! Waves whose pulses somebody else makes.
+//! Waves whose pulses hardware makes.
 
 use super::*;
 use signal::Span;
@@ -6,11 +6,11 @@ use signal::Span;
 const MS: i64 = 1_000_000;
 const US: i64 = 1_000;
 
-/// A delegated PWM, and what it told since it was asked last.
-struct Told {
+/// A offloaded PWM, and what it reported since it was asked last.
+struct OffloadedPwm {
     wave: Wave,
     fx: Effects,
-    request: Request,
+    request: WaveRequest,
 }
 
 fn at(nanos: i64) -> Time {
@@ -26,21 +26,21 @@ const fn level(on: bool) -> Effect {
     Effect::Output { output: 0, on }
 }
 
-impl Told {
-    fn new() -> Told {
+impl OffloadedPwm {
+    fn new() -> OffloadedPwm {
         let mut wave = Wave::pwm(&WaveConfig { sync: Some(1), ..WaveConfig::new(0) });
-        wave.delegate();
+        wave.offload_pulses();
         let mut fx = Effects::new();
         wave.operate(at(0), Operation::Running, &mut fx);
-        let shape = Some(Shape { frequency: 10_000, duty: 250 });
+        let shape = Some(WaveShape { frequency: 10_000, duty: 250 });
         let request =
-            Request { enable: true, enable_by_input: false, sync: false, sync_by_input: false, shape };
-        Told { wave, fx, request }
+            WaveRequest { enable: true, enable_by_input: false, sync: false, sync_by_input: false, shape };
+        OffloadedPwm { wave, fx, request }
     }
 
     /// 1 kHz or so with this duty, in percent.
-    fn call(&mut self, now: i64, frequency: u32, duty: u16) -> Status {
-        self.request.shape = Some(Shape { frequency: frequency * 10, duty: duty * 10 });
+    fn call(&mut self, now: i64, frequency: u32, duty: u16) -> WaveStatus {
+        self.request.shape = Some(WaveShape { frequency: frequency * 10, duty: duty * 10 });
         self.wave.call(at(now), &self.request, &mut self.fx)
     }
 
@@ -54,30 +54,30 @@ impl Told {
 
 #[test]
 fn a_wave_is_told_once_and_asks_for_nothing_more() {
-    let mut pwm = Told::new();
+    let mut pwm = OffloadedPwm::new();
     let status = pwm.call(7 * US, 1_000, 25);
     assert!(status.in_frequency && !status.busy);
     assert_eq!(pwm.to(7 * US), [(7 * US, pulses(1_000, 250))]);
     assert_eq!(pwm.wave.next(), Time::MAX);
     pwm.call(20 * MS, 1_000, 25);
     assert_eq!(pwm.to(60 * MS), []);
-    assert_eq!(pwm.wave.read(Fact::Frequency), Some(Value::Int(10_000)));
+    assert_eq!(pwm.wave.read(FunctionProbe::Frequency), Some(Value::Int(10_000)));
     // Nobody counts them.
-    assert_eq!(pwm.wave.read(Fact::Pulses), Some(Value::Unknown));
+    assert_eq!(pwm.wave.read(FunctionProbe::Pulses), Some(Value::Unknown));
     pwm.request.enable = false;
     pwm.call(61 * MS, 1_000, 25);
     assert_eq!(pwm.to(61 * MS), [(61 * MS, level(false))]);
 }
 
-// io:STD-PWM-02: what is told at once holds from the end of a period on, and the block says so.
+// io:STD-PWM-02: what is reported at once holds from the end of a period on, and the block says so.
 #[test]
 fn a_change_is_told_at_once_and_reached_with_the_next_period() {
-    let mut pwm = Told::new();
+    let mut pwm = OffloadedPwm::new();
     pwm.call(0, 1_000, 25);
     pwm.to(0);
     let status = pwm.call(10 * MS + 300 * US, 2_000, 25);
     assert!(status.busy && !status.in_frequency);
-    assert_eq!(pwm.wave.read(Fact::Frequency), Some(Value::Int(10_000)));
+    assert_eq!(pwm.wave.read(FunctionProbe::Frequency), Some(Value::Int(10_000)));
     assert_eq!(pwm.to(10 * MS + 300 * US), [(10 * MS + 300 * US, pulses(500, 125))]);
     // Taken back before it is reached.
     pwm.call(10 * MS + 400 * US, 1_000, 25);
@@ -91,7 +91,7 @@ fn a_change_is_told_at_once_and_reached_with_the_next_period() {
 // io:STD-PWM-01: a level would cut the pulse under way, so it comes with the end of the period.
 #[test]
 fn a_constant_output_is_a_level_from_the_end_of_the_period() {
-    let mut pwm = Told::new();
+    let mut pwm = OffloadedPwm::new();
     pwm.call(0, 1_000, 25);
     pwm.to(0);
     pwm.call(200 * US, 1_000, 100);
@@ -110,11 +110,14 @@ fn a_constant_output_is_a_level_from_the_end_of_the_period() {
 
 #[test]
 fn a_period_that_begins_anew_is_told_where_there_is_one() {
-    let mut pwm = Told::new();
+    let mut pwm = OffloadedPwm::new();
     pwm.request.sync_by_input = true;
     pwm.call(0, 1_000, 25);
     pwm.wave.edge(at(300 * US), 1, true, &mut pwm.fx);
-    assert_eq!(pwm.to(400 * US), [(0, pulses(1_000, 250)), (300 * US, Effect::Anew { output: 0 })]);
+    assert_eq!(
+        pwm.to(400 * US),
+        [(0, pulses(1_000, 250)), (300 * US, Effect::PeriodRestarted { output: 0 })]
+    );
     pwm.call(400 * US, 1_000, 0);
     assert_eq!(pwm.to(2 * MS), [(1_300 * US, level(false))]);
     pwm.wave.edge(at(2 * MS), 1, true, &mut pwm.fx);

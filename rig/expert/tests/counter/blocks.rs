@@ -67,7 +67,7 @@ fn a_task_sees_the_value_of_its_start() {
 #[test]
 fn the_diagnosis_tells_what_the_phases_did() {
     let mut rig = Rig::behind(
-        dual(Phases::X4, free(0, Limits::Lock)),
+        dual(PhaseMode::X4, free(0, LimitsMode::Lock)),
         InputConditions { delay: Span::from_micros(2), bounce: Span::ZERO },
     );
     rig.call(&[("F_Enable", 1)]).press("F_Preset");
@@ -87,9 +87,9 @@ fn parameters_that_cannot_be() {
     use CounterFault as F;
     let threshold = |value| Threshold { value, event: ThresholdEvent::None };
     let faults = |config: &CounterConfig| config.faults();
-    assert_eq!(faults(&simple(free(0, Limits::Lock))), [F::Mode]);
+    assert_eq!(faults(&simple(free(0, LimitsMode::Lock))), [F::Mode]);
     assert_eq!(faults(&simple(CounterMode::Frequency { window: millis(10) })), [F::Mode]);
-    assert_eq!(faults(&dual(Phases::X1, CounterMode::OneShot { preset: 1 })), [F::Mode]);
+    assert_eq!(faults(&dual(PhaseMode::X1, CounterMode::OneShot { preset: 1 })), [F::Mode]);
     assert_eq!(faults(&single(CounterMode::OneShot { preset: 0 })), [F::Preset(0)]);
     assert_eq!(faults(&single(CounterMode::ModuloLoop { modulo: 1 })), [F::Modulo(1)]);
     for window in [0, 10, 99, 60_001] {
@@ -97,7 +97,7 @@ fn parameters_that_cannot_be() {
         assert_eq!(faults(&single(CounterMode::EventCounting { window })), [F::Window(window)]);
     }
     let (resolution, timeout) = (Span::from_nanos(7), Span::from_nanos(-1));
-    let period = CounterMode::Period { measures: Measured::Period, resolution, timeout };
+    let period = CounterMode::Period { measures: PeriodMeasurement::Period, resolution, timeout };
     assert_eq!(faults(&single(period)), [F::Resolution(resolution), F::Timeout(timeout)]);
 
     let mut config = simple(CounterMode::ModuloLoop { modulo: 10 });

@@ -7,7 +7,7 @@ use signal::Value;
 const PINS: [&str; 4] = ["TH0", "TH1", "TH2", "TH3"];
 
 fn with(thresholds: &[(i32, ThresholdEvent)]) -> CounterConfig {
-    let mut config = dual(Phases::UpDown, free(0, Limits::Lock));
+    let mut config = dual(PhaseMode::UpDown, free(0, LimitsMode::Lock));
     config.thresholds =
         thresholds.iter().map(|(value, event)| Threshold { value: *value, event: *event }).collect();
     config
@@ -187,7 +187,7 @@ fn thresholds_change_with_the_next_count() {
 #[test]
 fn a_modulo_changes_with_the_next_count() {
     for (threshold, refused) in [(0, 1), (5, 5)] {
-        let mut config = dual(Phases::UpDown, CounterMode::ModuloLoop { modulo: 100 });
+        let mut config = dual(PhaseMode::UpDown, CounterMode::ModuloLoop { modulo: 100 });
         config.thresholds = vec![Threshold { value: threshold, event: ThresholdEvent::None }];
         let mut rig = Rig::new(config);
         rig.call(&[("F_Enable", 1)]).pulses(0, 9);
@@ -211,5 +211,5 @@ fn a_threshold_that_moves_across_the_value_is_not_crossed() {
     set.call(&mut rig.expert, rig.now);
     rig.pulses(0, 1);
     assert_eq!(numbers(&mut rig), []);
-    assert_eq!(rig.reads(Fact::Threshold(0)), Value::Bool(true));
+    assert_eq!(rig.reads(FunctionProbe::Threshold(0)), Value::Bool(true));
 }

@@ -61,7 +61,7 @@ fn a_modulo_loop_goes_round() {
 // io: 17.3 Modulo-loop with two phases
 #[test]
 fn a_modulo_loop_goes_round_backwards() {
-    let mut rig = Rig::new(dual(Phases::UpDown, CounterMode::ModuloLoop { modulo: 1000 }));
+    let mut rig = Rig::new(dual(PhaseMode::UpDown, CounterMode::ModuloLoop { modulo: 1000 }));
     rig.call(&[("F_Enable", 1)]).pulses(1, 2);
     assert_eq!(rig.shows(["CurrentValue", "Modulo_Flag"]), [998, 1]);
     rig.press("ACK_Modulo").pulses(0, 2);
@@ -71,7 +71,7 @@ fn a_modulo_loop_goes_round_backwards() {
 // VH-HSC-02, VH-HSC-03, VH-HSC-04
 #[test]
 fn a_free_large_counter_needs_a_preset() {
-    let mut rig = Rig::new(dual(Phases::UpDown, free(-5, Limits::Lock)));
+    let mut rig = Rig::new(dual(PhaseMode::UpDown, free(-5, LimitsMode::Lock)));
     rig.call(&[("F_Enable", 1)]).pulses(0, 3);
     assert_eq!(rig.shows(["CurrentValue", "Validity", "Run"]), [0, 0, 0]);
     rig.press("F_Preset");
@@ -88,12 +88,12 @@ fn a_free_large_counter_needs_a_preset() {
 #[test]
 fn the_ends_of_the_range_lock_or_roll_over() {
     for (input, end, other, bit) in [(0, i32::MAX, i32::MIN, 2), (1, i32::MIN, i32::MAX, 4)] {
-        let mut rig = Rig::new(dual(Phases::UpDown, free(end, Limits::Lock)));
+        let mut rig = Rig::new(dual(PhaseMode::UpDown, free(end, LimitsMode::Lock)));
         rig.call(&[("F_Enable", 1)]).press("F_Preset");
         assert_eq!(rig.shows(["CurrentValue", "Validity", "Error"]), [end.into(), 1, 0]);
         rig.pulses(input, 1);
         assert_eq!(rig.shows(["CurrentValue", "Validity", "Error", "Run"]), [end.into(), 0, 1, 0]);
-        assert_eq!(rig.reads(Fact::Error), Value::Int(bit));
+        assert_eq!(rig.reads(FunctionProbe::Error), Value::Int(bit));
         // Held, in the other direction too, until the next preset.
         rig.pulses(1 - input, 2);
         assert_eq!(rig.shows(["CurrentValue", "Validity"]), [end.into(), 0]);
@@ -101,7 +101,7 @@ fn the_ends_of_the_range_lock_or_roll_over() {
         assert_eq!(rig.shows(["Validity", "Error"]), [1, 0]);
         assert_ne!(rig.value(), end.into());
 
-        let mut rig = Rig::new(dual(Phases::UpDown, free(end, Limits::Rollover)));
+        let mut rig = Rig::new(dual(PhaseMode::UpDown, free(end, LimitsMode::Rollover)));
         rig.call(&[("F_Enable", 1)]).press("F_Preset").pulses(input, 1);
         assert_eq!(rig.shows(["CurrentValue", "Validity", "Modulo_Flag", "Error"]), [other.into(), 1, 1, 0]);
     }
@@ -115,7 +115,7 @@ fn events_are_counted_window_by_window() {
     assert_eq!(rig.shows(["CurrentValue", "Validity"]), [0, 0]);
     rig.pass(1);
     assert_eq!(rig.shows(["CurrentValue", "Validity"]), [7, 1]);
-    // A preset begins a window anew and leaves the value alone.
+    // A preset begins a window again and leaves the value alone.
     rig.pulses(0, 2).pass(50 * MS - 2 * PERIOD).press("F_Preset").pulses(0, 3);
     rig.pass(99 * MS);
     assert_eq!(rig.shows(["CurrentValue", "Validity", "Preset_Flag"]), [7, 1, 1]);
@@ -174,7 +174,7 @@ fn empty_windows_keep_their_ends() {
     assert_eq!(rig.value(), 100);
 }
 
-fn period(measures: Measured, resolution: Span, timeout: Span) -> Rig {
+fn period(measures: PeriodMeasurement, resolution: Span, timeout: Span) -> Rig {
     let mut rig = Rig::new(single(CounterMode::Period { measures, resolution, timeout }));
     rig.call(&[("F_Enable", 1)]);
     rig
@@ -184,12 +184,12 @@ fn period(measures: Measured, resolution: Span, timeout: Span) -> Rig {
 #[test]
 fn a_period_meter_measures_between_edges() {
     for (nanos, value) in [(100, 12_345), (1_000, 1_234), (100_000, 12), (1_000_000, 1)] {
-        let mut rig = period(Measured::Period, Span::from_nanos(nanos), Span::ZERO);
+        let mut rig = period(PeriodMeasurement::Period, Span::from_nanos(nanos), Span::ZERO);
         rig.level(0, true).pass(234_567).level(0, false).pass(1_000_000);
         assert_eq!(rig.shows(["CurrentValue", "Validity"]), [0, 1]);
         rig.level(0, true);
         assert_eq!(rig.value(), value);
-        let mut rig = period(Measured::PulseWidth, Span::from_nanos(nanos), Span::ZERO);
+        let mut rig = period(PeriodMeasurement::PulseWidth, Span::from_nanos(nanos), Span::ZERO);
         rig.level(0, true).pass(1_234_567).level(0, false).pass(7).level(0, true);
         assert_eq!(rig.value(), value);
     }
@@ -197,7 +197,7 @@ fn a_period_meter_measures_between_edges() {
 
 #[test]
 fn without_an_edge_in_time_a_period_is_not_valid() {
-    let mut rig = period(Measured::Period, Span::from_micros(1), millis(20));
+    let mut rig = period(PeriodMeasurement::Period, Span::from_micros(1), millis(20));
     rig.pass(20 * MS - 1);
     assert_eq!(rig.shows(["CurrentValue", "Validity"]), [0, 1]);
     rig.pass(1);
@@ -219,7 +219,7 @@ fn the_edge_of_sync_presets_where_it_is_authorised() {
         for (edges, expected) in
             [EventEdges::Rising, EventEdges::Falling, EventEdges::Both].into_iter().zip(presets)
         {
-            let mut config = dual(Phases::UpDown, free(50, Limits::Lock));
+            let mut config = dual(PhaseMode::UpDown, free(50, LimitsMode::Lock));
             config.sync = Some(SyncInput { input: 3, edges, while_enable: None });
             let mut rig = Rig::new(config);
             rig.level(3, !high).pass(10).call(&[("EN_Preset", 1)]).level(3, high);
@@ -239,7 +239,7 @@ fn the_edge_of_sync_presets_where_it_is_authorised() {
 // io:STD-HSC-05: a level combination
 #[test]
 fn sync_can_ask_for_a_level_of_enable() {
-    let mut config = dual(Phases::UpDown, free(50, Limits::Lock));
+    let mut config = dual(PhaseMode::UpDown, free(50, LimitsMode::Lock));
     config.enable = Some(2);
     config.sync = Some(SyncInput { input: 3, edges: EventEdges::Rising, while_enable: Some(true) });
     let mut rig = Rig::new(config);
@@ -268,7 +268,7 @@ fn input_en_enables_where_it_is_authorised() {
 // io:STD-HSC-13, io:STD-HSC-06
 #[test]
 fn captures_store_the_value_once_until_acknowledged() {
-    let mut config = dual(Phases::UpDown, free(0, Limits::Lock));
+    let mut config = dual(PhaseMode::UpDown, free(0, LimitsMode::Lock));
     config.captures = [
         Some(CaptureInput { input: 4, edges: EventEdges::Rising }),
         Some(CaptureInput { input: 5, edges: EventEdges::Falling }),
@@ -279,9 +279,9 @@ fn captures_store_the_value_once_until_acknowledged() {
     rig.call(&[("EN_Cap", 1)]).pass(10).level(4, true).pass(10).level(4, false).pass(10).pulses(0, 2);
     rig.level(4, true).pass(10);
     assert_eq!(rig.shows(["Cap_Flag"]), [1]);
-    assert_eq!(rig.reads(Fact::Captured), Value::Int(5));
+    assert_eq!(rig.reads(FunctionProbe::Captured), Value::Int(5));
     rig.press("ACK_Cap").level(4, false).pass(10).level(4, true);
-    assert_eq!((rig.shows(["Cap_Flag"]), rig.reads(Fact::Captured)), ([1], Value::Int(7)));
+    assert_eq!((rig.shows(["Cap_Flag"]), rig.reads(FunctionProbe::Captured)), ([1], Value::Int(7)));
     rig.pulses(0, 1).level(5, true).pass(10).level(5, false);
     let now = rig.now;
     for (number, value) in [(0, 7), (1, 8)] {
@@ -294,9 +294,12 @@ fn captures_store_the_value_once_until_acknowledged() {
 // io:OUT-20, io:STD-HSC-15
 #[test]
 fn in_stopped_nothing_is_counted() {
-    let mut rig = Rig::new(dual(Phases::UpDown, free(10, Limits::Lock)));
+    let mut rig = Rig::new(dual(PhaseMode::UpDown, free(10, LimitsMode::Lock)));
     rig.call(&[("F_Enable", 1)]).press("F_Preset").pulses(0, 5).operate(Operation::Stopped).pulses(0, 5);
-    assert_eq!((rig.reads(Fact::Value), rig.reads(Fact::Run)), (Value::Int(15), Value::Bool(false)));
+    assert_eq!(
+        (rig.reads(FunctionProbe::Value), rig.reads(FunctionProbe::Run)),
+        (Value::Int(15), Value::Bool(false))
+    );
     rig.operate(Operation::Running).pulses(0, 1);
     assert_eq!(rig.shows(["CurrentValue", "Validity", "Run", "Preset_Flag"]), [16, 1, 1, 1]);
     rig.operate(Operation::Stopped);
@@ -321,9 +324,9 @@ fn what_happens_at_one_instant() {
     let conditions = InputConditions { delay: Span::from_micros(2), bounce: Span::ZERO };
     for (a, sync, cap) in [(0, 1, 2), (2, 1, 0)] {
         let mut config = CounterConfig::new(
-            CounterKind::Dual { b: 7, phases: Phases::UpDown },
+            CounterKind::Dual { b: 7, phases: PhaseMode::UpDown },
             a,
-            free(100, Limits::Lock),
+            free(100, LimitsMode::Lock),
         );
         config.sync = Some(SyncInput { input: sync, edges: EventEdges::Rising, while_enable: None });
         config.captures[0] = Some(CaptureInput { input: cap, edges: EventEdges::Rising });
@@ -333,20 +336,23 @@ fn what_happens_at_one_instant() {
             rig.level(input.into(), true);
         }
         rig.pass(10_000);
-        assert_eq!((rig.reads(Fact::Captured), rig.reads(Fact::Value)), (Value::Int(104), Value::Int(100)));
+        assert_eq!(
+            (rig.reads(FunctionProbe::Captured), rig.reads(FunctionProbe::Value)),
+            (Value::Int(104), Value::Int(100))
+        );
     }
 }
 
 // io:OUT-20: inputs SYNC and CAP have no say in STOPPED, either.
 #[test]
 fn in_stopped_nothing_is_preset_or_captured() {
-    let mut config = dual(Phases::UpDown, free(50, Limits::Lock));
+    let mut config = dual(PhaseMode::UpDown, free(50, LimitsMode::Lock));
     config.sync = Some(SyncInput { input: 3, edges: EventEdges::Rising, while_enable: None });
     config.captures[0] = Some(CaptureInput { input: 4, edges: EventEdges::Rising });
     let mut rig = Rig::new(config);
     rig.call(&[("EN_Preset", 1), ("EN_Cap", 1)]).operate(Operation::Stopped);
     rig.level(3, true).level(4, true).pass(10);
-    let flags = [Fact::PresetFlag, Fact::CaptureFlag];
+    let flags = [FunctionProbe::PresetFlag, FunctionProbe::CaptureFlag];
     assert_eq!(flags.map(|fact| rig.reads(fact)), [Value::Bool(false); 2]);
 }
 
@@ -361,14 +367,14 @@ fn a_preset_of_a_disabled_event_counter_begins_no_window() {
 // What a DINT cannot tell is not valid.
 #[test]
 fn a_period_can_be_too_long() {
-    let mut rig = period(Measured::Period, Span::from_nanos(100), Span::ZERO);
+    let mut rig = period(PeriodMeasurement::Period, Span::from_nanos(100), Span::ZERO);
     rig.level(0, true).pass(MS).level(0, false).pass(215_000 * MS).level(0, true);
     assert_eq!(rig.shows(["CurrentValue", "Validity"]), [i32::MAX.into(), 0]);
 }
 
 #[test]
 fn a_measurement_does_not_outlast_enable() {
-    let mut rig = period(Measured::Period, Span::from_micros(1), Span::ZERO);
+    let mut rig = period(PeriodMeasurement::Period, Span::from_micros(1), Span::ZERO);
     rig.level(0, true).pass(MS).level(0, false);
     rig.call(&[("F_Enable", 0)]).pass(MS).call(&[("F_Enable", 1)]).level(0, true);
     assert_eq!(rig.value(), 0);
@@ -380,11 +386,11 @@ fn a_measurement_does_not_outlast_enable() {
 #[test]
 fn a_new_beginning_forgets_all() {
     for off in [true, false] {
-        let mut config = dual(Phases::UpDown, CounterMode::ModuloLoop { modulo: 10 });
+        let mut config = dual(PhaseMode::UpDown, CounterMode::ModuloLoop { modulo: 10 });
         config.captures[0] = Some(CaptureInput { input: 4, edges: EventEdges::Rising });
         let mut rig = Rig::new(config);
         rig.call(&[("F_Enable", 1), ("EN_Cap", 1)]).pulses(0, 15).level(4, true).pass(10);
-        assert_eq!((rig.value(), rig.reads(Fact::Captured)), (5, Value::Int(5)));
+        assert_eq!((rig.value(), rig.reads(FunctionProbe::Captured)), (5, Value::Int(5)));
         if off {
             rig.operate(Operation::Off);
         } else {
@@ -392,7 +398,12 @@ fn a_new_beginning_forgets_all() {
             rig.expert.reset(Time::from_nanos(rig.now));
         }
         rig.operate(Operation::Running).pulses(0, 3);
-        let facts = [Fact::Value, Fact::Captured, Fact::CaptureFlag, Fact::ModuloFlag];
+        let facts = [
+            FunctionProbe::Value,
+            FunctionProbe::Captured,
+            FunctionProbe::CaptureFlag,
+            FunctionProbe::ModuloFlag,
+        ];
         assert_eq!(facts.map(|fact| rig.reads(fact)), [Value::Int(0); 4]);
     }
 }

@@ -22,12 +22,12 @@ fn train(rig: &mut Rig, input: usize, gaps: impl IntoIterator<Item = i64>) {
 }
 
 fn excess(rig: &Rig) -> Value {
-    rig.reads(Fact::Excess)
+    rig.reads(FunctionProbe::Excess)
 }
 
 #[test]
 fn the_highest_frequency_of_each_kind_is_within_its_limit() {
-    let phases = dual(Phases::UpDown, free(0, Limits::Rollover));
+    let phases = dual(PhaseMode::UpDown, free(0, LimitsMode::Rollover));
     for (config, input, period) in [
         (round(0), 0, 5_000),
         (round(7), 7, 5_000),
@@ -66,7 +66,7 @@ fn what_is_beyond_the_limit_is_counted_and_said_once() {
 
 #[test]
 fn what_is_not_counted_is_not_too_fast() {
-    let mut rig = Rig::new(dual(Phases::UpDown, free(0, Limits::Lock)));
+    let mut rig = Rig::new(dual(PhaseMode::UpDown, free(0, LimitsMode::Lock)));
     rig.call(&[("F_Enable", 1)]);
     train(&mut rig, 0, [1_000; 50]);
     rig.call(&[("F_Enable", 0)]).press("F_Preset");
@@ -77,8 +77,8 @@ fn what_is_not_counted_is_not_too_fast() {
 // An encoder may go at 100 kHz, which is 400 000 counts a second; a shaking edge is too fast on its own phase.
 #[test]
 fn an_encoder_is_as_fast_as_each_phase() {
-    for (phases, weight) in [(Phases::X1, 1), (Phases::X2, 2), (Phases::ReverseX4, 2)] {
-        let mut rig = counting(dual(phases, free(0, Limits::Lock)));
+    for (phases, weight) in [(PhaseMode::X1, 1), (PhaseMode::X2, 2), (PhaseMode::ReverseX4, 2)] {
+        let mut rig = counting(dual(phases, free(0, LimitsMode::Lock)));
         for _ in 0..500 {
             for (input, high) in [(0, true), (1, true), (0, false), (1, false)] {
                 rig.level(input, high).pass(2_500);
@@ -100,14 +100,14 @@ fn behind(bounce: i64) -> Rig {
 
 // Too fast for the filters, and too fast for the counter: nothing is counted, and that is not sure.
 #[test]
-fn what_filters_swallow_of_too_fast_a_train_is_said() {
+fn what_filters_suppress_of_too_fast_a_train_is_said() {
     let mut rig = behind(2);
     train(&mut rig, 0, [3_333; 1000]);
     assert_eq!((rig.value(), excess(&rig)), (0, Value::Int(1000)));
     assert_eq!(rig.taken().len(), 1);
 }
 
-// Every second pulse is swallowed: half of the rate is within the limit, all of it is not.
+// Every second pulse is suppressed: half of the rate is within the limit, all of it is not.
 #[test]
 fn what_filters_let_through_is_part_of_the_rate() {
     let mut rig = behind(2);
@@ -120,7 +120,7 @@ fn what_filters_let_through_is_part_of_the_rate() {
 
 // What filters are for: a train that they are too slow for, and a contact that bounces.
 #[test]
-fn what_filters_may_swallow_is_not_said() {
+fn what_filters_may_suppress_is_not_said() {
     let mut rig = behind(5);
     train(&mut rig, 0, [5_000; 1000]);
     assert_eq!((rig.value(), excess(&rig)), (0, Value::Int(0)));

@@ -10,28 +10,28 @@ use signal::{Span, Time, Value};
 /// All that can be seen of a counter in the end, and what it did.
 type Seen = (Vec<(i64, Effect)>, Vec<Value>);
 
-const FACTS: [Fact; 16] = [
-    Fact::Value,
-    Fact::Captured,
-    Fact::Valid,
-    Fact::Run,
-    Fact::Error,
-    Fact::Threshold(0),
-    Fact::Threshold(1),
-    Fact::Threshold(2),
-    Fact::Threshold(3),
-    Fact::Reflex(0),
-    Fact::Reflex(1),
-    Fact::ModuloFlag,
-    Fact::PresetFlag,
-    Fact::CaptureFlag,
-    Fact::Excess,
-    Fact::Pulses,
+const FACTS: [FunctionProbe; 16] = [
+    FunctionProbe::Value,
+    FunctionProbe::Captured,
+    FunctionProbe::Valid,
+    FunctionProbe::Run,
+    FunctionProbe::Error,
+    FunctionProbe::Threshold(0),
+    FunctionProbe::Threshold(1),
+    FunctionProbe::Threshold(2),
+    FunctionProbe::Threshold(3),
+    FunctionProbe::Reflex(0),
+    FunctionProbe::Reflex(1),
+    FunctionProbe::ModuloFlag,
+    FunctionProbe::PresetFlag,
+    FunctionProbe::CaptureFlag,
+    FunctionProbe::Excess,
+    FunctionProbe::Pulses,
 ];
 
-pub fn running(config: &CounterConfig, conditions: InputConditions, on: &[&str]) -> Expert {
-    let functions = vec![Function { name: "HSC0".into(), kind: FunctionKind::Counter(config.clone()) }];
-    let mut expert = Expert::new(&ExpertConfig { functions }, &[conditions; 8]);
+pub fn running(config: &CounterConfig, conditions: InputConditions, on: &[&str]) -> ExpertFunctions {
+    let functions = vec![FunctionConfig { name: "HSC0".into(), kind: FunctionKind::Counter(config.clone()) }];
+    let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[conditions; 8]);
     expert.operate(Time::ZERO, Operation::Running);
     let mut block = Instance::new("HSCMain_M241");
     block.with(&[("HSC_REF_IN", 1)]);
@@ -42,7 +42,7 @@ pub fn running(config: &CounterConfig, conditions: InputConditions, on: &[&str])
     expert
 }
 
-fn gather(expert: &mut Expert, effects: &mut Vec<(i64, Effect)>) {
+fn gather(expert: &mut ExpertFunctions, effects: &mut Vec<(i64, Effect)>) {
     let mut place = 0;
     while let Some((at, effect)) = expert.take(place) {
         effects.push((at.as_nanos(), effect));
@@ -50,7 +50,7 @@ fn gather(expert: &mut Expert, effects: &mut Vec<(i64, Effect)>) {
     }
 }
 
-fn seen(mut expert: Expert, mut effects: Vec<(i64, Effect)>, end: i64) -> Seen {
+fn seen(mut expert: ExpertFunctions, mut effects: Vec<(i64, Effect)>, end: i64) -> Seen {
     expert.fire(Time::from_nanos(end));
     gather(&mut expert, &mut effects);
     (effects, FACTS.map(|fact| expert.read(0, fact)).to_vec())
@@ -58,28 +58,27 @@ fn seen(mut expert: Expert, mut effects: Vec<(i64, Effect)>, end: i64) -> Seen {
 
 fn kinds() -> impl Strategy<Value = CounterConfig> {
     let phases = prop_oneof![
-        Just(Phases::UpDown),
-        Just(Phases::PulseDirection),
-        Just(Phases::X1),
-        Just(Phases::X2),
-        Just(Phases::X4),
-        Just(Phases::ReverseX1),
-        Just(Phases::ReverseX2),
-        Just(Phases::ReverseX4),
+        Just(PhaseMode::UpDown),
+        Just(PhaseMode::PulseDirection),
+        Just(PhaseMode::X1),
+        Just(PhaseMode::X2),
+        Just(PhaseMode::X4),
+        Just(PhaseMode::ReverseX1),
+        Just(PhaseMode::ReverseX2),
+        Just(PhaseMode::ReverseX4),
     ];
-    let limits = prop_oneof![Just(Limits::Lock), Just(Limits::Rollover)];
+    let limits = prop_oneof![Just(LimitsMode::Lock), Just(LimitsMode::Rollover)];
     let single = prop_oneof![
         (1_i32..9).prop_map(|preset| CounterMode::OneShot { preset }),
         (2_i32..9).prop_map(|modulo| CounterMode::ModuloLoop { modulo }),
         Just(CounterMode::EventCounting { window: Span::from_millis(100) }),
         Just(CounterMode::Frequency { window: Span::from_millis(10) }),
-        (prop_oneof![Just(Measured::Period), Just(Measured::PulseWidth)], 0_i64..40_000).prop_map(
-            |(measures, timeout)| CounterMode::Period {
+        (prop_oneof![Just(PeriodMeasurement::Period), Just(PeriodMeasurement::PulseWidth)], 0_i64..40_000)
+            .prop_map(|(measures, timeout)| CounterMode::Period {
                 measures,
                 resolution: Span::from_nanos(100),
                 timeout: Span::from_nanos(timeout),
-            }
-        ),
+            }),
     ];
     let both = prop_oneof![
         (2_i32..9).prop_map(|modulo| CounterMode::ModuloLoop { modulo }),
@@ -213,7 +212,7 @@ proptest! {
 /// The second decoder. It knows nothing of transitions: of an encoder it keeps the position in quarters of a cycle, and
 /// what is counted is a function of the position.
 struct Encoder {
-    phases: Phases,
+    phases: PhaseMode,
     position: i64,
     base: i64,
     illegal: bool,
@@ -224,13 +223,13 @@ struct Encoder {
 impl Encoder {
     fn counted(&self) -> i64 {
         match self.phases {
-            Phases::X4 => self.position,
-            Phases::X2 => (self.position + 1).div_euclid(2),
-            Phases::X1 => (self.position + 3).div_euclid(4),
-            Phases::ReverseX4 => -self.position,
-            Phases::ReverseX2 => -(self.position + 1).div_euclid(2),
-            Phases::ReverseX1 => -(self.position + 3).div_euclid(4),
-            Phases::UpDown | Phases::PulseDirection => 0,
+            PhaseMode::X4 => self.position,
+            PhaseMode::X2 => (self.position + 1).div_euclid(2),
+            PhaseMode::X1 => (self.position + 3).div_euclid(4),
+            PhaseMode::ReverseX4 => -self.position,
+            PhaseMode::ReverseX2 => -(self.position + 1).div_euclid(2),
+            PhaseMode::ReverseX1 => -(self.position + 3).div_euclid(4),
+            PhaseMode::UpDown | PhaseMode::PulseDirection => 0,
         }
     }
 
@@ -239,8 +238,8 @@ impl Encoder {
         let rose = (a && !self.a, b && !self.b);
         (self.a, self.b) = (a, b);
         match self.phases {
-            Phases::UpDown => self.base += i64::from(rose.0) - i64::from(rose.1),
-            Phases::PulseDirection => self.base += if rose.0 { if b { -1 } else { 1 } } else { 0 },
+            PhaseMode::UpDown => self.base += i64::from(rose.0) - i64::from(rose.1),
+            PhaseMode::PulseDirection => self.base += if rose.0 { if b { -1 } else { 1 } } else { 0 },
             _ => {
                 let quarter = match (a, b) {
                     (false, false) => 0,
@@ -268,15 +267,15 @@ impl Encoder {
     }
 }
 
-pub const ALL: [Phases; 8] = [
-    Phases::UpDown,
-    Phases::PulseDirection,
-    Phases::X1,
-    Phases::X2,
-    Phases::X4,
-    Phases::ReverseX1,
-    Phases::ReverseX2,
-    Phases::ReverseX4,
+pub const ALL: [PhaseMode; 8] = [
+    PhaseMode::UpDown,
+    PhaseMode::PulseDirection,
+    PhaseMode::X1,
+    PhaseMode::X2,
+    PhaseMode::X4,
+    PhaseMode::ReverseX1,
+    PhaseMode::ReverseX2,
+    PhaseMode::ReverseX4,
 ];
 
 /// What a counter with these thresholds does whose value takes these values, by definition (io:STD-HSC-11,
@@ -331,7 +330,7 @@ proptest! {
         zones in any::<[u8; 2]>(),
     ) {
         use ThresholdEvent as E;
-        let mut config = dual(ALL[mode], free(0, Limits::Lock));
+        let mut config = dual(ALL[mode], free(0, LimitsMode::Lock));
         let mut thresholds = thresholds;
         thresholds.sort();
         thresholds.dedup();

@@ -42,9 +42,9 @@ impl Instance {
         self
     }
 
-    pub fn call(&mut self, expert: &mut Expert, at: i64) -> &mut Instance {
+    pub fn call(&mut self, expert: &mut ExpertFunctions, at: i64) -> &mut Instance {
         let run = self.block.run;
-        run(&mut Call { now: Time::from_nanos(at), pins: self, expert });
+        run(&mut BlockCall { now: Time::from_nanos(at), pins: self, expert });
         self
     }
 
@@ -57,7 +57,7 @@ impl Instance {
 
 /// A controller that runs with one counter, whose block is called where a test says so.
 pub struct Rig {
-    pub expert: Expert,
+    pub expert: ExpertFunctions,
     pub block: Instance,
     pub now: i64,
     pub effects: Vec<(i64, Effect)>,
@@ -74,8 +74,8 @@ impl Rig {
         let name = if config.kind == CounterKind::Simple { "HSCSimple_M241" } else { "HSCMain_M241" };
         let mut block = Instance::new(name);
         block.with(&[("HSC_REF_IN", 1)]);
-        let functions = vec![Function { name: "HSC0".into(), kind: FunctionKind::Counter(config) }];
-        let mut expert = Expert::new(&ExpertConfig { functions }, &[conditions; 16]);
+        let functions = vec![FunctionConfig { name: "HSC0".into(), kind: FunctionKind::Counter(config) }];
+        let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[conditions; 16]);
         expert.operate(Time::ZERO, Operation::Running);
         Rig { expert, block, now: 0, effects: Vec::new() }
     }
@@ -143,7 +143,7 @@ impl Rig {
         std::mem::take(&mut self.effects)
     }
 
-    pub fn reads(&self, fact: Fact) -> Value {
+    pub fn reads(&self, fact: FunctionProbe) -> Value {
         self.expert.read(0, fact)
     }
 }
@@ -156,11 +156,11 @@ pub fn single(mode: CounterMode) -> CounterConfig {
     CounterConfig::new(CounterKind::Single, 0, mode)
 }
 
-pub fn dual(phases: Phases, mode: CounterMode) -> CounterConfig {
+pub fn dual(phases: PhaseMode, mode: CounterMode) -> CounterConfig {
     CounterConfig::new(CounterKind::Dual { b: 1, phases }, 0, mode)
 }
 
-pub fn free(preset: i32, limits: Limits) -> CounterMode {
+pub fn free(preset: i32, limits: LimitsMode) -> CounterMode {
     CounterMode::FreeLarge { preset, limits }
 }
 

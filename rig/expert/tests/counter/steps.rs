@@ -9,30 +9,30 @@ use signal::{Span, Time, Value};
 
 const PINS: [&str; 5] = ["F_Enable", "F_Preset", "EN_Compare", "EN_Out0", "EN_Out1"];
 /// All that can be seen but how fast it was driven.
-const FACTS: [Fact; 12] = [
-    Fact::Value,
-    Fact::Valid,
-    Fact::Run,
-    Fact::Error,
-    Fact::Threshold(0),
-    Fact::Threshold(1),
-    Fact::Threshold(2),
-    Fact::Threshold(3),
-    Fact::Reflex(0),
-    Fact::Reflex(1),
-    Fact::ModuloFlag,
-    Fact::PresetFlag,
+const FACTS: [FunctionProbe; 12] = [
+    FunctionProbe::Value,
+    FunctionProbe::Valid,
+    FunctionProbe::Run,
+    FunctionProbe::Error,
+    FunctionProbe::Threshold(0),
+    FunctionProbe::Threshold(1),
+    FunctionProbe::Threshold(2),
+    FunctionProbe::Threshold(3),
+    FunctionProbe::Reflex(0),
+    FunctionProbe::Reflex(1),
+    FunctionProbe::ModuloFlag,
+    FunctionProbe::PresetFlag,
 ];
 
 fn modes() -> impl Strategy<Value = (CounterConfig, i64)> {
-    let limits = prop_oneof![Just(Limits::Lock), Just(Limits::Rollover)];
+    let limits = prop_oneof![Just(LimitsMode::Lock), Just(LimitsMode::Rollover)];
     let ends = prop_oneof![Just(0), Just(i32::MAX - 4), Just(i32::MIN + 4)];
     prop_oneof![
         (1i32..30).prop_map(|preset| (single(CounterMode::OneShot { preset }), 1_000)),
         (2i32..12).prop_map(|modulo| {
-            (dual(Phases::UpDown, CounterMode::ModuloLoop { modulo }), 2 * i64::from(modulo) - 1)
+            (dual(PhaseMode::UpDown, CounterMode::ModuloLoop { modulo }), 2 * i64::from(modulo) - 1)
         }),
-        (ends, limits).prop_map(|(preset, limits)| (dual(Phases::UpDown, free(preset, limits)), 1_000)),
+        (ends, limits).prop_map(|(preset, limits)| (dual(PhaseMode::UpDown, free(preset, limits)), 1_000)),
     ]
 }
 
@@ -64,7 +64,7 @@ fn with_thresholds() -> impl Strategy<Value = (CounterConfig, i64)> {
     })
 }
 
-fn taken(expert: &mut Expert, effects: &mut Vec<Effect>) {
+fn taken(expert: &mut ExpertFunctions, effects: &mut Vec<Effect>) {
     let mut place = 0;
     while let Some((_, effect)) = expert.take(place) {
         effects.push(effect);
@@ -115,21 +115,21 @@ proptest! {
 
 #[test]
 fn phases_of_a_counter_that_hardware_counts_for_mean_nothing() {
-    let config = dual(Phases::X4, free(0, Limits::Rollover));
+    let config = dual(PhaseMode::X4, free(0, LimitsMode::Rollover));
     let mut expert = running(&config, InputConditions::default(), &PINS).counted(1 << config.a);
     for (micros, input, high) in [(10, 0, true), (20, 1, true), (30, 0, false)] {
         expert.edge(Time::from_nanos(micros * 1_000), input, high);
     }
-    assert_eq!(expert.read(0, Fact::Value), Value::Int(0));
+    assert_eq!(expert.read(0, FunctionProbe::Value), Value::Int(0));
     expert.count(Time::from_nanos(40_000), 0, -7);
-    assert_eq!(expert.read(0, Fact::Value), Value::Int(-7));
+    assert_eq!(expert.read(0, FunctionProbe::Value), Value::Int(-7));
     // Counts at an input that is none of its own are not its own.
     expert.count(Time::from_nanos(50_000), 1, 100);
     expert.count(Time::from_nanos(50_000), 2, 100);
-    assert_eq!(expert.read(0, Fact::Value), Value::Int(-7));
+    assert_eq!(expert.read(0, FunctionProbe::Value), Value::Int(-7));
     // Counts that were lost on the way are what it may be off by.
-    expert.lose(Time::from_nanos(60_000), 0, 3);
-    assert_eq!(expert.read(0, Fact::Excess), Value::Int(3));
+    expert.report_missed_edges(Time::from_nanos(60_000), 0, 3);
+    assert_eq!(expert.read(0, FunctionProbe::Excess), Value::Int(3));
 }
 
 #[test]
@@ -140,7 +140,7 @@ fn many_turns_at_once_end_where_they_should() {
     for (micros, steps) in [(1, 1_000_003), (2, -999_999), (3, i64::from(i32::MAX)), (4, -5)] {
         expert.count(Time::from_nanos(micros * 1_000), usize::from(config.a), steps);
         expected += steps;
-        assert_eq!(expert.read(0, Fact::Value), Value::Int(expected.rem_euclid(7)));
+        assert_eq!(expert.read(0, FunctionProbe::Value), Value::Int(expected.rem_euclid(7)));
     }
 }
 
@@ -149,5 +149,5 @@ fn a_counter_that_stands_takes_no_counts() {
     let config = single(CounterMode::ModuloLoop { modulo: 100 });
     let mut expert = running(&config, InputConditions::default(), &[]).counted(1 << config.a);
     expert.count(Time::from_nanos(1_000), usize::from(config.a), 5);
-    assert_eq!(expert.read(0, Fact::Value), Value::Int(0));
+    assert_eq!(expert.read(0, FunctionProbe::Value), Value::Int(0));
 }

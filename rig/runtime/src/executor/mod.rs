@@ -383,7 +383,7 @@ impl<'a> Executor<'a> {
                         self.write_effects().and_then(|_| self.emit_wave(at, output, &emission, cause));
                     outcome = outcome.and(made);
                 }
-                Effect::Anew { at, output } => self.cannot_begin_anew(at, output),
+                Effect::PeriodRestarted { at, output } => self.cannot_begin_anew(at, output),
                 Effect::State { at, state } => {
                     if let Some(signal) = self.wiring.state {
                         let at = self.seen(at);

@@ -4,9 +4,9 @@ use super::axis;
 use controller::Config;
 use document::Diagnostic;
 use expert::{
-    CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, ExpertConfig,
-    ExpertError, ExpertFault, Function, FunctionKind, Limits, Measured, Phases, Reflex, Role, SyncInput,
-    Threshold, ThresholdEvent, WaveConfig, WaveRole,
+    CaptureInput, ChannelRole, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole,
+    ExpertConfig, ExpertError, ExpertFault, FunctionConfig, FunctionKind, LimitsMode, PeriodMeasurement,
+    PhaseMode, Reflex, SyncInput, Threshold, ThresholdEvent, WaveConfig, WaveRole,
 };
 use plans::plan::{FunctionSettings, FunctionType, Settings};
 use profile::EventEdges;
@@ -23,7 +23,7 @@ pub fn configure(settings: &Settings, plan: &str) -> Result<ExpertConfig, Vec<Di
     let (mut functions, mut found) = (Vec::new(), Vec::new());
     for said in &settings.expert {
         match kind(said) {
-            Ok(kind) => functions.push(Function { name: said.name.clone(), kind }),
+            Ok(kind) => functions.push(FunctionConfig { name: said.name.clone(), kind }),
             Err(key) => {
                 let message = format!("`{}` lacks `{key}`", said.name);
                 let lacking = Diagnostic::error("R0290", message).at(plan, said.span.clone(), "");
@@ -106,16 +106,16 @@ fn counter(said: &FunctionSettings, a: u8) -> Result<CounterConfig, &'static str
     })
 }
 
-fn phases(said: &FunctionSettings) -> Phases {
+fn phases(said: &FunctionSettings) -> PhaseMode {
     match said.word("inputs") {
-        Some("pulse-direction") => Phases::PulseDirection,
-        Some("quadrature-x1") => Phases::X1,
-        Some("quadrature-x2") => Phases::X2,
-        Some("quadrature-x4") => Phases::X4,
-        Some("reverse-x1") => Phases::ReverseX1,
-        Some("reverse-x2") => Phases::ReverseX2,
-        Some("reverse-x4") => Phases::ReverseX4,
-        _ => Phases::UpDown,
+        Some("pulse-direction") => PhaseMode::PulseDirection,
+        Some("quadrature-x1") => PhaseMode::X1,
+        Some("quadrature-x2") => PhaseMode::X2,
+        Some("quadrature-x4") => PhaseMode::X4,
+        Some("reverse-x1") => PhaseMode::ReverseX1,
+        Some("reverse-x2") => PhaseMode::ReverseX2,
+        Some("reverse-x4") => PhaseMode::ReverseX4,
+        _ => PhaseMode::UpDown,
     }
 }
 
@@ -127,8 +127,8 @@ fn mode(said: &FunctionSettings) -> Result<CounterMode, &'static str> {
         FunctionType::FrequencyMeter => return Ok(CounterMode::Frequency { window: window()? }),
         FunctionType::PeriodMeter => {
             let measures = match said.word("measures") {
-                Some("pulse-width") => Measured::PulseWidth,
-                _ => Measured::Period,
+                Some("pulse-width") => PeriodMeasurement::PulseWidth,
+                _ => PeriodMeasurement::Period,
             };
             let resolution = said.time("resolution").unwrap_or(RESOLUTION);
             let timeout = said.time("timeout").unwrap_or(Span::ZERO);
@@ -142,7 +142,11 @@ fn mode(said: &FunctionSettings) -> Result<CounterMode, &'static str> {
         "event-counting" => CounterMode::EventCounting { window: window()? },
         _ => CounterMode::FreeLarge {
             preset: number("preset").unwrap_or(0),
-            limits: if said.word("limits") == Some("rollover") { Limits::Rollover } else { Limits::Lock },
+            limits: if said.word("limits") == Some("rollover") {
+                LimitsMode::Rollover
+            } else {
+                LimitsMode::Lock
+            },
         },
     })
 }
@@ -182,17 +186,17 @@ fn reflex(said: &FunctionSettings, output: &str, zones: &str) -> Reflex {
 }
 
 /// The key that says which input or output has a role.
-pub(super) const fn key_of(role: Role) -> &'static str {
+pub(super) const fn key_of(role: ChannelRole) -> &'static str {
     match role {
-        Role::Counter(CounterRole::A) | Role::Wave(WaveRole::A) => "a",
-        Role::Axis(role) => axis::key_of(role),
-        Role::Counter(CounterRole::B) => "b",
-        Role::Counter(CounterRole::Enable) | Role::Wave(WaveRole::Enable) => "enable",
-        Role::Counter(CounterRole::Sync) | Role::Wave(WaveRole::Sync) => "sync",
-        Role::Counter(CounterRole::Capture(0)) => "capture",
-        Role::Counter(CounterRole::Capture(_)) => "capture1",
-        Role::Counter(CounterRole::Reflex(0)) => "reflex0",
-        Role::Counter(CounterRole::Reflex(_)) => "reflex1",
+        ChannelRole::Counter(CounterRole::A) | ChannelRole::Wave(WaveRole::A) => "a",
+        ChannelRole::Axis(role) => axis::key_of(role),
+        ChannelRole::Counter(CounterRole::B) => "b",
+        ChannelRole::Counter(CounterRole::Enable) | ChannelRole::Wave(WaveRole::Enable) => "enable",
+        ChannelRole::Counter(CounterRole::Sync) | ChannelRole::Wave(WaveRole::Sync) => "sync",
+        ChannelRole::Counter(CounterRole::Capture(0)) => "capture",
+        ChannelRole::Counter(CounterRole::Capture(_)) => "capture1",
+        ChannelRole::Counter(CounterRole::Reflex(0)) => "reflex0",
+        ChannelRole::Counter(CounterRole::Reflex(_)) => "reflex1",
     }
 }
 
@@ -205,7 +209,7 @@ const fn key_of_fault(fault: CounterFault) -> &'static str {
         CounterFault::Window(_) => "window",
         CounterFault::Resolution(_) => "resolution",
         CounterFault::Timeout(_) => "timeout",
-        CounterFault::Input(role) => key_of(Role::Counter(role)),
+        CounterFault::Input(role) => key_of(ChannelRole::Counter(role)),
         CounterFault::SyncWithoutEnable => "sync-while-enable",
         CounterFault::Thresholds
         | CounterFault::TooManyThresholds(_)

@@ -3,7 +3,7 @@
 use super::configure::key_of;
 use document::Diagnostic;
 use drivers::{BoardFile, ChannelKind};
-use expert::{CounterMode, CounterRole, ExpertConfig, FunctionKind, Role, Terminal};
+use expert::{ChannelRole, CounterMode, CounterRole, ExpertConfig, FunctionKind, Terminal};
 use plans::plan::Settings;
 use profile::Reference;
 use signal::Area;
@@ -41,21 +41,23 @@ pub fn check(
                 continue;
             }
             let (code, message, help) = match (&function.kind, role) {
-                (FunctionKind::Counter(counter), Role::Counter(CounterRole::A)) => match counter.mode {
-                    CounterMode::OneShot { .. }
-                    | CounterMode::ModuloLoop { .. }
-                    | CounterMode::FreeLarge { .. } => continue,
-                    CounterMode::EventCounting { .. }
-                    | CounterMode::Frequency { .. }
-                    | CounterMode::Period { .. } => (
-                        "R0300",
-                        format!(
-                            "`{}` measures when its pulses come, and I{input} tells how many came",
-                            said.name
+                (FunctionKind::Counter(counter), ChannelRole::Counter(CounterRole::A)) => {
+                    match counter.mode {
+                        CounterMode::OneShot { .. }
+                        | CounterMode::ModuloLoop { .. }
+                        | CounterMode::FreeLarge { .. } => continue,
+                        CounterMode::EventCounting { .. }
+                        | CounterMode::Frequency { .. }
+                        | CounterMode::Period { .. } => (
+                            "R0300",
+                            format!(
+                                "`{}` measures when its pulses come, and I{input} tells how many came",
+                                said.name
+                            ),
+                            "bind the input to a line whose edges the board tells, or measure the speed of the count in the plan",
                         ),
-                        "bind the input to a line whose edges the board tells, or measure the speed of the count in the plan",
-                    ),
-                },
+                    }
+                }
                 _ => (
                     "R0301",
                     format!("`{}` needs the level of I{input}, behind which the board counts", said.name),

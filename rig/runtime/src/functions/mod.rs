@@ -12,51 +12,51 @@ pub(crate) use lines::on_lines;
 
 use crate::subject::Observable;
 use controller::Probe;
-use expert::{AxisState, ExpertConfig, Fact, FunctionKind};
+use expert::{AxisState, ExpertConfig, FunctionKind, FunctionProbe};
 use signal::Kind;
 
 /// What can be looked at of a counter or meter, by its name.
-const COUNTER: &[(&str, Fact, Kind)] = &[
-    ("value", Fact::Value, Kind::Int),
-    ("captured", Fact::Captured, Kind::Int),
-    ("valid", Fact::Valid, Kind::Bool),
-    ("run", Fact::Run, Kind::Bool),
-    ("error", Fact::Error, Kind::Int),
-    ("TH0", Fact::Threshold(0), Kind::Bool),
-    ("TH1", Fact::Threshold(1), Kind::Bool),
-    ("TH2", Fact::Threshold(2), Kind::Bool),
-    ("TH3", Fact::Threshold(3), Kind::Bool),
-    ("reflex0", Fact::Reflex(0), Kind::Bool),
-    ("reflex1", Fact::Reflex(1), Kind::Bool),
-    ("modulo_flag", Fact::ModuloFlag, Kind::Bool),
-    ("preset_flag", Fact::PresetFlag, Kind::Bool),
-    ("capture_flag", Fact::CaptureFlag, Kind::Bool),
-    ("excess", Fact::Excess, Kind::Int),
+const COUNTER: &[(&str, FunctionProbe, Kind)] = &[
+    ("value", FunctionProbe::Value, Kind::Int),
+    ("captured", FunctionProbe::Captured, Kind::Int),
+    ("valid", FunctionProbe::Valid, Kind::Bool),
+    ("run", FunctionProbe::Run, Kind::Bool),
+    ("error", FunctionProbe::Error, Kind::Int),
+    ("TH0", FunctionProbe::Threshold(0), Kind::Bool),
+    ("TH1", FunctionProbe::Threshold(1), Kind::Bool),
+    ("TH2", FunctionProbe::Threshold(2), Kind::Bool),
+    ("TH3", FunctionProbe::Threshold(3), Kind::Bool),
+    ("reflex0", FunctionProbe::Reflex(0), Kind::Bool),
+    ("reflex1", FunctionProbe::Reflex(1), Kind::Bool),
+    ("modulo_flag", FunctionProbe::ModuloFlag, Kind::Bool),
+    ("preset_flag", FunctionProbe::PresetFlag, Kind::Bool),
+    ("capture_flag", FunctionProbe::CaptureFlag, Kind::Bool),
+    ("excess", FunctionProbe::Excess, Kind::Int),
 ];
 
 /// The same of an axis.
-const AXIS: &[(&str, Fact, Kind)] = &[
-    ("state", Fact::State, Kind::State),
-    ("position", Fact::Position, Kind::Int),
-    ("velocity", Fact::Velocity, Kind::Int),
-    ("homed", Fact::Homed, Kind::Bool),
-    ("pulses", Fact::Pulses, Kind::Int),
-    ("error", Fact::Error, Kind::Int),
+const AXIS: &[(&str, FunctionProbe, Kind)] = &[
+    ("state", FunctionProbe::State, Kind::State),
+    ("position", FunctionProbe::Position, Kind::Int),
+    ("velocity", FunctionProbe::Velocity, Kind::Int),
+    ("homed", FunctionProbe::Homed, Kind::Bool),
+    ("pulses", FunctionProbe::Pulses, Kind::Int),
+    ("error", FunctionProbe::Error, Kind::Int),
 ];
 
 /// The same of a PWM output: frequency in tenths of a hertz, duty in tenths of a percent.
-const PWM: &[(&str, Fact, Kind)] = &[
-    ("frequency", Fact::Frequency, Kind::Int),
-    ("duty", Fact::Duty, Kind::Int),
-    ("pulses", Fact::Pulses, Kind::Int),
-    ("error", Fact::Error, Kind::Int),
+const PWM: &[(&str, FunctionProbe, Kind)] = &[
+    ("frequency", FunctionProbe::Frequency, Kind::Int),
+    ("duty", FunctionProbe::Duty, Kind::Int),
+    ("pulses", FunctionProbe::Pulses, Kind::Int),
+    ("error", FunctionProbe::Error, Kind::Int),
 ];
 
 /// The same of a frequency generator.
-const GENERATOR: &[(&str, Fact, Kind)] = &[
-    ("frequency", Fact::Frequency, Kind::Int),
-    ("pulses", Fact::Pulses, Kind::Int),
-    ("error", Fact::Error, Kind::Int),
+const GENERATOR: &[(&str, FunctionProbe, Kind)] = &[
+    ("frequency", FunctionProbe::Frequency, Kind::Int),
+    ("pulses", FunctionProbe::Pulses, Kind::Int),
+    ("error", FunctionProbe::Error, Kind::Int),
 ];
 
 /// The names of an axis' states, by their numbers (io:STD-PTO-03).
@@ -71,12 +71,12 @@ const STATES: [(AxisState, &str); 7] = [
 ];
 
 /// The names of the values of a fact, where they have any.
-pub fn labels(fact: Fact) -> Vec<(i64, String)> {
+pub fn labels(fact: FunctionProbe) -> Vec<(i64, String)> {
     let states = STATES.iter().map(|(state, name)| (*state as i64, (*name).to_owned()));
-    states.filter(|_| fact == Fact::State).collect()
+    states.filter(|_| fact == FunctionProbe::State).collect()
 }
 
-const fn facts(kind: &FunctionKind) -> &'static [(&'static str, Fact, Kind)] {
+const fn facts(kind: &FunctionKind) -> &'static [(&'static str, FunctionProbe, Kind)] {
     match kind {
         FunctionKind::Counter(_) => COUNTER,
         FunctionKind::Axis(_) => AXIS,
@@ -96,7 +96,7 @@ pub fn observable(name: &str, config: &ExpertConfig) -> Option<Observable> {
 
 /// The names of everything that can be looked at of these functions.
 pub fn names(config: &ExpertConfig) -> impl Iterator<Item = String> {
-    let named = |function: &expert::Function| {
+    let named = |function: &expert::FunctionConfig| {
         facts(&function.kind).iter().map(|(fact, ..)| format!("{}.{fact}", function.name)).collect::<Vec<_>>()
     };
     config.functions.iter().flat_map(named)

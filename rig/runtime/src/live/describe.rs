@@ -162,7 +162,7 @@ pub fn tasks(catalogue: &Catalogue, programs: &[(String, Vec<String>)]) -> Vec<T
 pub fn functions(catalogue: &Catalogue) -> Vec<FunctionInfo> {
     let config = catalogue.functions();
     let facts: Vec<String> = crate::functions::names(config).collect();
-    let function = |known: &expert::Function| {
+    let function = |known: &expert::FunctionConfig| {
         let prefix = format!("{}.", known.name);
         let terminal = |terminal: &Terminal| match terminal {
             Terminal::Input(n) => format!("I{n}"),

@@ -2,7 +2,7 @@
 
 use super::wire::Refused;
 use control::Fault;
-use controller::{Refusal, State, WriteError};
+use controller::{CommandError, State, WriteError};
 
 fn fault(code: &str, message: String, help: &str) -> Fault {
     Fault { code: code.into(), message, help: help.into() }
@@ -72,16 +72,16 @@ pub fn refused(why: Refused) -> Fault {
     }
 }
 
-const fn mend(refusal: Refusal) -> &'static str {
+const fn mend(refusal: CommandError) -> &'static str {
     match refusal {
-        Refusal::State(State::Off) => "switch its supply on first",
-        Refusal::State(State::Booting) => "wait until it has booted",
-        Refusal::State(State::Empty) => "it has no application any more: start the rig again",
-        Refusal::State(State::Halt) => "reset it first",
-        Refusal::SwitchAtStop => "move the Run/Stop switch to Run first",
-        Refusal::RunStopInput => "give the Run/Stop input a 1 first",
-        Refusal::Stopping => "wait until the cycle under way has ended",
-        Refusal::ExpertOutput(_) => "a function drives it: act on the function",
+        CommandError::State(State::Off) => "switch its supply on first",
+        CommandError::State(State::Booting) => "wait until it has booted",
+        CommandError::State(State::Empty) => "it has no application any more: start the rig again",
+        CommandError::State(State::Halt) => "reset it first",
+        CommandError::SwitchAtStop => "move the Run/Stop switch to Run first",
+        CommandError::RunStopInput => "give the Run/Stop input a 1 first",
+        CommandError::Stopping => "wait until the cycle under way has ended",
+        CommandError::ExpertOutput(_) => "a function drives it: act on the function",
         _ => "",
     }
 }

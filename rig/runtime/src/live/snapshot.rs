@@ -1,6 +1,6 @@
 //! How the rig is at an instant, as the scan leaves it for whoever asks.
 
-use controller::{Front, JITTER_BORDERS, JitterCounts, State, TaskFigures};
+use controller::{FrontPanel, JITTER_BORDERS, JitterCounts, State, TaskFigures};
 use drivers::{BusState, Health, LossReason};
 use signal::{Span, Time};
 
@@ -12,7 +12,7 @@ pub struct Snapshot {
     /// The controller's state.
     pub state: State,
     /// What it shows; nothing of a real controller.
-    pub front: Option<Front>,
+    pub front: Option<FrontPanel>,
     /// What its tasks did, in the order of the configuration.
     pub tasks: Vec<(TaskFigures, JitterCounts)>,
     /// The channels of the board.

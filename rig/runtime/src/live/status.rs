@@ -6,7 +6,7 @@ use control::{
     BusStatus, Description, DeviceStatus, Forced, Led as Lit, PointStatus, RigStatus, Status, TaskStatus,
     Trouble, WireValue,
 };
-use controller::{Front, JitterCounts, Led, LedPattern, TaskFigures};
+use controller::{FrontPanel, JitterCounts, Led, LedPattern, TaskFigures};
 use drivers::BusState;
 use host::Machine;
 use signal::{Address, Area, Span, Time, Value};
@@ -56,7 +56,7 @@ impl Instruments {
 
     /// Takes a newer snapshot in place of the one before, which goes back.
     pub fn take(&mut self, snapshot: Box<Snapshot>) -> Option<Box<Snapshot>> {
-        if let Some(Front { leds, since, .. }) = &snapshot.front {
+        if let Some(FrontPanel { leds, since, .. }) = &snapshot.front {
             for (known, pattern) in self.leds.iter_mut().zip(leds) {
                 let at = if pattern.times().is_some() { *since } else { snapshot.at };
                 if known.0 != *pattern {
@@ -188,7 +188,7 @@ fn task(figures: &TaskFigures, jitter: &JitterCounts) -> TaskStatus {
     }
 }
 
-fn forced(front: &Front) -> Vec<Forced> {
+fn forced(front: &FrontPanel) -> Vec<Forced> {
     let of = |area: Area, (mask, bits): (u32, u32)| {
         (0..u32::BITS).filter(move |bit| mask >> bit & 1 == 1).map(move |bit| Forced {
             address: Address::bit(area, bit).to_string(),

@@ -3,7 +3,7 @@
 
 use super::snapshot::Snapshot;
 use control::{Action, PlanEvent};
-use controller::{Channel, Probe, Refusal, WriteError};
+use controller::{Channel, CommandError, Probe, WriteError};
 use drivers::{BoardError, BusId, ChannelId, Frame};
 use rtrb::{Consumer, Producer, RingBuffer};
 use signal::{Span, Time, Value, When};
@@ -67,7 +67,7 @@ pub type Outcome = Result<Option<Value>, Refused>;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refused {
     /// The controller does not obey.
-    Command(Refusal),
+    Command(CommandError),
     /// It cannot be written.
     Write(WriteError),
     /// The board does not do it.

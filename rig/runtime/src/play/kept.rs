@@ -7,8 +7,8 @@ use crate::hook::HookError;
 use crate::schedule::FileAct;
 use crate::subject::{Observable, Subject};
 use controller::{
-    Command, Disturbance, Effect, Effects, Entry, FileError, FileFact, Front, JitterCounts, Probe, ProbeId,
-    Refusal, State, TaskFigures, WriteError,
+    Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, FrontPanel, JitterCounts,
+    LogEntry, Probe, ProbeId, State, TaskFigures, WriteError,
 };
 use drivers::SubjectLines;
 use signal::{Cause, Level, Span, Time, Value, When};
@@ -148,7 +148,7 @@ impl Kept {
                     self.settle(now.max(at), state, effects);
                 }
                 // Changes of the state are told already.
-                Effect::Log { entry: Entry::State { .. }, .. } => {}
+                Effect::Log { entry: LogEntry::State { .. }, .. } => {}
                 Effect::Log { at, entry } => self.say(Told::Log(at, crate::log::show(&entry, &*self.model))),
                 _ => {}
             }
@@ -176,7 +176,7 @@ fn instant(effect: &mut Effect) -> &mut Time {
     match effect {
         Effect::Terminal { at, .. }
         | Effect::Wave { at, .. }
-        | Effect::Anew { at, .. }
+        | Effect::PeriodRestarted { at, .. }
         | Effect::State { at, .. }
         | Effect::Changed { at, .. }
         | Effect::Log { at, .. } => at,
@@ -294,7 +294,7 @@ impl Subject for Kept {
         self.model.count(now, input, steps);
     }
 
-    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), Refusal> {
+    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError> {
         let before = effects.list.len();
         let obeyed = self.model.command(self.own(now), command, effects);
         self.follow(now, before, effects);
@@ -305,7 +305,7 @@ impl Subject for Kept {
         self.model.file(now, act, effects)
     }
 
-    fn file_probe(&mut self, fact: FileFact) -> Probe {
+    fn file_probe(&mut self, fact: FileProbe) -> Probe {
         self.model.file_probe(fact)
     }
 
@@ -361,9 +361,9 @@ impl Subject for Kept {
         self.model.unwatch(probe);
     }
 
-    fn front(&self) -> Option<Front> {
+    fn front(&self) -> Option<FrontPanel> {
         let front = self.model.front()?;
-        Some(Front { since: front.since.saturating_add(-self.ahead), ..front })
+        Some(FrontPanel { since: front.since.saturating_add(-self.ahead), ..front })
     }
 
     fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {

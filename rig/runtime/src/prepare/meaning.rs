@@ -2,7 +2,7 @@
 
 use super::Bench;
 use crate::subject::Observable;
-use controller::{Channel as Terminal, Figure, Probe};
+use controller::{Channel as Terminal, Probe};
 use document::Findings;
 use drivers::ChannelId;
 use plans::plan::{SignalBinding, Source, TaskFigure};
@@ -119,7 +119,8 @@ pub(super) fn known_tasks(task: &str, bench: &Bench<'_>) -> String {
     }
 }
 
-const fn figure_of(figure: TaskFigure) -> Figure {
+const fn figure_of(figure: TaskFigure) -> controller::TaskFigure {
+    use controller::TaskFigure as Figure;
     match figure {
         TaskFigure::Cycles => Figure::Cycles,
         TaskFigure::LastCycle => Figure::Last,

@@ -45,10 +45,10 @@ impl Machine {
     }
 
     /// Homes towards larger positions; what became of it, and where the machine is then.
-    fn home(&mut self, mode: Homing, offset: i64) -> (Phase, i64) {
+    fn home(&mut self, mode: Homing, offset: i64) -> (CommandPhase, i64) {
         let (fast, slow) = (1000 * HERTZ, 200 * HERTZ);
-        let method = Method { mode, forward: true, position: 7000, fast, slow, offset };
-        let ticket = self.bench.order(Order::Home(method), 1000, ramps(10, 10, 0));
+        let method = HomingMethod { mode, forward: true, position: 7000, fast, slow, offset };
+        let ticket = self.bench.order(MotionCommand::Home(method), 1000, ramps(10, 10, 0));
         while self.bench.axis.next() < Time::MAX {
             self.bench.until(self.bench.axis.next().as_nanos());
             self.switch();
@@ -61,7 +61,7 @@ impl Machine {
 fn homes(mode: Homing, start: i64, reference: Range<i64>, place: i64) {
     for offset in [0, 40, -25] {
         let mut machine = Machine::new(start, reference.clone());
-        assert_eq!(machine.home(mode, offset), (Phase::Done, place + offset), "offset {offset}");
+        assert_eq!(machine.home(mode, offset), (CommandPhase::Done, place + offset), "offset {offset}");
         let axis = &machine.bench.axis;
         assert_eq!((axis.position(), axis.homed(), axis.state()), (7000, true, AxisState::Standstill));
     }
@@ -96,12 +96,12 @@ fn an_overrun_switch_is_found_again() {
 fn limits_end_a_search_that_does_not_turn_round() {
     let mut machine = Machine::new(800, 500..540);
     let (phase, _) = machine.home(Homing::ShortReferenceNoReversal, 0);
-    assert_eq!(phase, Phase::Failed(AxisFault::LimitPositive));
+    assert_eq!(phase, CommandPhase::Failed(AxisFault::LimitPositive));
     assert_eq!(machine.bench.axis.state(), AxisState::ErrorStop);
     // No switch at all: the second limit ends the search.
     let mut machine = Machine::new(800, 5000..5001);
     let (phase, _) = machine.home(Homing::ShortReferenceReversal, 0);
-    assert_eq!(phase, Phase::Failed(AxisFault::LimitNegative));
+    assert_eq!(phase, CommandPhase::Failed(AxisFault::LimitNegative));
     assert!(!machine.bench.axis.homed());
 }
 
@@ -109,7 +109,7 @@ fn limits_end_a_search_that_does_not_turn_round() {
 #[test]
 fn a_position_can_be_set_where_the_axis_stands() {
     let mut machine = Machine::new(100, 500..540);
-    assert_eq!(machine.home(Homing::PositionSetting, 0), (Phase::Done, 100));
+    assert_eq!(machine.home(Homing::PositionSetting, 0), (CommandPhase::Done, 100));
     assert_eq!((machine.bench.axis.position(), machine.bench.axis.homed()), (7000, true));
 }
 
@@ -126,23 +126,23 @@ fn probed() -> Bench {
 #[test]
 fn the_probe_captures_within_its_window() {
     let mut bench = probed();
-    bench.order(Order::Velocity(Some(true)), 100, ramps(10, 10, 0));
-    let ticket = bench.axis.touch(Capture { rising: true, window: Some((10, 20)) }).unwrap();
+    bench.order(MotionCommand::Velocity(Some(true)), 100, ramps(10, 10, 0));
+    let ticket = bench.axis.touch(CaptureTrigger { rising: true, window: Some((10, 20)) }).unwrap();
     for (at, position) in [(45, None), (155, Some(15)), (165, Some(15))] {
         bench.until(at * MS);
         bench.input(5, false);
         bench.input(5, true);
         let (phase, recorded) = bench.axis.touched(ticket);
-        assert_eq!((phase == Phase::Done).then_some(recorded), position, "at {at} ms");
+        assert_eq!((phase == CommandPhase::Done).then_some(recorded), position, "at {at} ms");
     }
     // The other edge, aborted.
-    let ticket = bench.axis.touch(Capture { rising: false, window: None }).unwrap();
+    let ticket = bench.axis.touch(CaptureTrigger { rising: false, window: None }).unwrap();
     bench.input(5, false);
-    assert_eq!(bench.axis.touched(ticket).0, Phase::Active);
+    assert_eq!(bench.axis.touched(ticket).0, CommandPhase::Active);
     bench.axis.abort_trigger().unwrap();
     bench.input(5, true);
-    assert_eq!(bench.axis.touched(ticket).0, Phase::Aborted);
-    let empty = Capture { rising: true, window: Some((2, 1)) };
+    assert_eq!(bench.axis.touched(ticket).0, CommandPhase::Aborted);
+    let empty = CaptureTrigger { rising: true, window: Some((2, 1)) };
     assert_eq!(bench.axis.touch(empty), Err(AxisFault::InvalidProbe));
 }
 
@@ -150,9 +150,9 @@ fn the_probe_captures_within_its_window() {
 #[test]
 fn a_move_waits_for_the_probe() {
     let mut bench = probed();
-    let first = bench.order(Order::Velocity(Some(true)), 100, ramps(10, 10, 0));
-    let command = Command {
-        order: Order::By(50),
+    let first = bench.order(MotionCommand::Velocity(Some(true)), 100, ramps(10, 10, 0));
+    let command = AxisCommand {
+        order: MotionCommand::By(50),
         velocity: 100 * HERTZ,
         ramps: ramps(10, 10, 0),
         mode: BufferMode::Trigger,
@@ -161,9 +161,12 @@ fn a_move_waits_for_the_probe() {
     let ticket = bench.give(command).unwrap();
     bench.until(455 * MS);
     let position = bench.axis.position();
-    assert_eq!(bench.axis.phase(ticket), Phase::Waiting);
+    assert_eq!(bench.axis.phase(ticket), CommandPhase::Waiting);
     bench.input(5, false);
-    assert_eq!((bench.axis.phase(first), bench.axis.phase(ticket)), (Phase::Aborted, Phase::Active));
+    assert_eq!(
+        (bench.axis.phase(first), bench.axis.phase(ticket)),
+        (CommandPhase::Aborted, CommandPhase::Active)
+    );
     bench.settle();
-    assert_eq!((bench.axis.phase(ticket), bench.axis.position()), (Phase::Done, position + 50));
+    assert_eq!((bench.axis.phase(ticket), bench.axis.position()), (CommandPhase::Done, position + 50));
 }

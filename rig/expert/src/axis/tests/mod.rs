@@ -80,8 +80,8 @@ impl Bench {
         self.until(self.now + nanos);
     }
 
-    pub fn try_order(&mut self, order: Order, hertz: i64, ramps: Ramps) -> Result<u32, AxisFault> {
-        self.give(Command {
+    pub fn try_order(&mut self, order: MotionCommand, hertz: i64, ramps: Ramps) -> Result<u32, AxisFault> {
+        self.give(AxisCommand {
             order,
             velocity: hertz * HERTZ,
             ramps,
@@ -90,13 +90,13 @@ impl Bench {
         })
     }
 
-    pub fn give(&mut self, command: Command) -> Result<u32, AxisFault> {
+    pub fn give(&mut self, command: AxisCommand) -> Result<u32, AxisFault> {
         let ticket = self.axis.command(self.time(), command, &mut self.fx);
         self.collect();
         ticket
     }
 
-    pub fn order(&mut self, order: Order, hertz: i64, ramps: Ramps) -> u32 {
+    pub fn order(&mut self, order: MotionCommand, hertz: i64, ramps: Ramps) -> u32 {
         self.try_order(order, hertz, ramps).unwrap()
     }
 
@@ -180,6 +180,6 @@ impl Bench {
 
 /// Ramps in hertz a millisecond.
 pub fn ramps(rise: u32, fall: u32, jerk_ratio: u8) -> Ramps {
-    use super::ramp::Rate;
-    Ramps { rise: Rate::hertz_per_ms(rise), fall: Rate::hertz_per_ms(fall), jerk_ratio }
+    use super::ramp::RampRate;
+    Ramps { rise: RampRate::hertz_per_ms(rise), fall: RampRate::hertz_per_ms(fall), jerk_ratio }
 }

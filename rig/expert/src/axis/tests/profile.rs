@@ -98,9 +98,10 @@ fn check(case: &Case) {
     (config.start_velocity, config.stop_velocity) = (case.start, case.stop);
     let mut bench = Bench::new(&config);
     bench.now = 5 * MS;
-    let ticket = bench.order(Order::By(case.pulses), case.velocity, ramps(case.rise, case.fall, case.ratio));
+    let ticket =
+        bench.order(MotionCommand::By(case.pulses), case.velocity, ramps(case.rise, case.fall, case.ratio));
     bench.settle();
-    assert_eq!(bench.axis.phase(ticket), Phase::Done);
+    assert_eq!(bench.axis.phase(ticket), CommandPhase::Done);
     assert_eq!((bench.axis.position(), bench.axis.state()), (case.pulses, AxisState::Standstill));
     let rises = bench.rises(0);
     assert_eq!(rises.len() as i64, case.pulses);
@@ -200,12 +201,12 @@ fn check_changes(first: i64, changes: &[(i64, i64)], rise: u32, fall: u32) {
     let mut bench = Bench::new(&config);
     let (a, d) = (f64::from(rise) * 1e3, f64::from(fall) * 1e3);
     let mut oracle = Lines::new(50_f64.min(first as f64));
-    bench.order(Order::Velocity(Some(true)), first, ramps(rise, fall, 0));
+    bench.order(MotionCommand::Velocity(Some(true)), first, ramps(rise, fall, 0));
     oracle.change(0.0, first as f64, a, d);
     let mut peak = first;
     for (wait, hertz) in changes {
         bench.after(*wait);
-        bench.order(Order::Velocity(Some(true)), *hertz, ramps(rise, fall, 0));
+        bench.order(MotionCommand::Velocity(Some(true)), *hertz, ramps(rise, fall, 0));
         oracle.change(bench.now as f64 / 1e9, *hertz as f64, a, d);
         peak = peak.max(*hertz);
     }
@@ -220,7 +221,7 @@ fn check_changes(first: i64, changes: &[(i64, i64)], rise: u32, fall: u32) {
     let begun = |position: f64| position.floor() as usize + 1;
     assert!((begun(position - most)..=begun(position + most)).contains(&rises.len()), "{position}");
     // The halt ends with the first whole pulse behind the way that it takes to slow down.
-    bench.order(Order::Halt, 0, ramps(rise, fall, 0));
+    bench.order(MotionCommand::Halt, 0, ramps(rise, fall, 0));
     bench.settle();
     let way = (velocity.powi(2) - 70_f64.min(velocity).powi(2)) / (2.0 * d);
     let pulses = bench.axis.position() as f64 - (position + way);

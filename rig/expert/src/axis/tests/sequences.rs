@@ -44,17 +44,17 @@ fn sequence(seed: u64) {
     for _ in 0..between(&mut random, 2, 8) {
         let hertz = magnitude(&mut random, 60_000);
         let order = match random.below(8) {
-            0 | 1 => Order::To(between(&mut random, -300, 300)),
-            2 | 3 => Order::By(between(&mut random, -200, 200)),
-            4 | 5 => Order::Velocity(Some(random.chance(500_000))),
-            6 => Order::Halt,
-            _ => Order::Stop,
+            0 | 1 => MotionCommand::To(between(&mut random, -300, 300)),
+            2 | 3 => MotionCommand::By(between(&mut random, -200, 200)),
+            4 | 5 => MotionCommand::Velocity(Some(random.chance(500_000))),
+            6 => MotionCommand::Halt,
+            _ => MotionCommand::Stop,
         };
         let mode = match random.below(4) {
-            0 if order != Order::Stop => BufferMode::of(between(&mut random, 1, 5)).unwrap(),
+            0 if order != MotionCommand::Stop => BufferMode::of(between(&mut random, 1, 5)).unwrap(),
             _ => BufferMode::Aborting,
         };
-        let command = Command {
+        let command = AxisCommand {
             order,
             velocity: hertz * HERTZ,
             ramps: some_ramps(&mut random),
@@ -69,7 +69,7 @@ fn sequence(seed: u64) {
             ),
         }
         fastest = fastest.max(hertz);
-        if let (Order::Stop, Some(ticket)) = (order, given.last()) {
+        if let (MotionCommand::Stop, Some(ticket)) = (order, given.last()) {
             bench.axis.release(*ticket);
         }
         // Some wait for a time within the first pulses, some for a few pulses, some for rest.
@@ -80,7 +80,7 @@ fn sequence(seed: u64) {
             _ => bench.events(2000),
         }
     }
-    let halt = bench.try_order(Order::Halt, 0, some_ramps(&mut random));
+    let halt = bench.try_order(MotionCommand::Halt, 0, some_ramps(&mut random));
     if halt.is_err() {
         assert_eq!(bench.axis.state(), AxisState::Stopping);
     }
@@ -89,13 +89,13 @@ fn sequence(seed: u64) {
     assert_eq!(bench.decoded(config.output), bench.axis.position(), "sequence {seed}");
     for ticket in given {
         let phase = bench.axis.phase(ticket);
-        assert!(matches!(phase, Phase::Done | Phase::Aborted), "{phase:?} in sequence {seed}");
+        assert!(matches!(phase, CommandPhase::Done | CommandPhase::Aborted), "{phase:?} in sequence {seed}");
     }
     // An absolute move from wherever it is now ends where it should.
     let target = between(&mut random, -300, 300);
-    let last = bench.order(Order::To(target), fastest, some_ramps(&mut random));
+    let last = bench.order(MotionCommand::To(target), fastest, some_ramps(&mut random));
     bench.settle();
-    assert_eq!(bench.axis.phase(last), Phase::Done);
+    assert_eq!(bench.axis.phase(last), CommandPhase::Done);
     assert_eq!((bench.axis.position(), bench.decoded(config.output)), (target, target), "sequence {seed}");
     assert_spacing(&bench, &config, fastest.max(20_000), seed);
 }

@@ -1,10 +1,10 @@
 //! Blocks that change an axis without moving it.
 
 use super::{
-    AXIS, BlockType, Call, LAST, OUTCOME, PinType, Places, SHOWN, TICKET, ValueType, execute, input, output,
-    pick, unknown,
+    AXIS, BlockCall, BlockType, LAST, OUTCOME, PinType, Places, SHOWN, TICKET, ValueType, execute, input,
+    output, pick, unknown,
 };
-use crate::axis::{Capture, Phase};
+use crate::axis::{CaptureTrigger, CommandPhase};
 
 pub(in crate::blocks) const BLOCKS: &[BlockType] = &[
     BlockType { name: "MC_Power_PTO", pins: POWER, run: power },
@@ -32,7 +32,7 @@ const POWER: &[PinType] = &[
 ];
 
 /// Works with the level of Enable, not its edge.
-fn power(call: &mut Call<'_>) {
+fn power(call: &mut BlockCall<'_>) {
     let pins = &mut *call.pins;
     let enable = pins.get(1) != 0;
     let status = call.expert.call(call.now, pins.get(AXIS), pick, |axis, fx| {
@@ -65,7 +65,7 @@ const SET_POSITION: &[PinType] = &[
     SHOWN,
 ];
 
-fn set_position(call: &mut Call<'_>) {
+fn set_position(call: &mut BlockCall<'_>) {
     execute(
         call,
         &Places::simple(4),
@@ -73,7 +73,7 @@ fn set_position(call: &mut Call<'_>) {
             let from = if body.pins.get(3) != 0 { body.axis.position() } else { 0 };
             body.axis.set_position(from.saturating_add(body.pins.get(2))).map(|()| 0)
         },
-        |_, _| Phase::Done,
+        |_, _| CommandPhase::Done,
     );
 }
 
@@ -92,12 +92,12 @@ const WRITE_PARAMETER: &[PinType] = &[
     SHOWN,
 ];
 
-fn write_parameter(call: &mut Call<'_>) {
+fn write_parameter(call: &mut BlockCall<'_>) {
     execute(
         call,
         &Places::simple(4),
         |body| body.axis.set_parameter(body.pins.get(2), body.pins.get(3)).map(|()| 0),
-        |_, _| Phase::Done,
+        |_, _| CommandPhase::Done,
     );
 }
 
@@ -121,7 +121,7 @@ const TOUCH_PROBE: &[PinType] = &[
     SHOWN,
 ];
 
-fn touch_probe(call: &mut Call<'_>) {
+fn touch_probe(call: &mut BlockCall<'_>) {
     let mut recorded = None;
     execute(
         call,
@@ -129,11 +129,11 @@ fn touch_probe(call: &mut Call<'_>) {
         |body| {
             let pins = &body.pins;
             let window = (pins.get(2) != 0).then(|| (pins.get(3), pins.get(4)));
-            body.axis.touch(Capture { rising: pins.get(5) == 0, window })
+            body.axis.touch(CaptureTrigger { rising: pins.get(5) == 0, window })
         },
         |axis, ticket| {
             let (phase, position) = axis.touched(ticket);
-            recorded = (phase == Phase::Done).then_some(position);
+            recorded = (phase == CommandPhase::Done).then_some(position);
             phase
         },
     );
@@ -145,21 +145,26 @@ fn touch_probe(call: &mut Call<'_>) {
 const ABORT_TRIGGER: &[PinType] =
     &[REFERENCE, START, DONE, BUSY, ERROR, ERROR_ID, LAST, TICKET, OUTCOME, SHOWN];
 
-fn abort_trigger(call: &mut Call<'_>) {
-    execute(call, &Places::simple(2), |body| body.axis.abort_trigger().map(|()| 0), |_, _| Phase::Done);
+fn abort_trigger(call: &mut BlockCall<'_>) {
+    execute(
+        call,
+        &Places::simple(2),
+        |body| body.axis.abort_trigger().map(|()| 0),
+        |_, _| CommandPhase::Done,
+    );
 }
 
 const RESET: &[PinType] = ABORT_TRIGGER;
 
-fn reset(call: &mut Call<'_>) {
+fn reset(call: &mut BlockCall<'_>) {
     execute(
         call,
         &Places::simple(2),
         |_| Ok(0),
         |axis, _| match axis.acknowledge() {
-            Ok(true) => Phase::Done,
-            Ok(false) => Phase::Active,
-            Err(fault) => Phase::Failed(fault),
+            Ok(true) => CommandPhase::Done,
+            Ok(false) => CommandPhase::Active,
+            Err(fault) => CommandPhase::Failed(fault),
         },
     );
 }

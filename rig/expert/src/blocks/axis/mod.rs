@@ -6,10 +6,10 @@ mod reads;
 #[cfg(test)]
 mod tests;
 
-use super::{BlockType, Call, PinKind, PinType, Pins, ValueType, pin};
+use super::{BlockCall, BlockType, PinKind, PinType, Pins, ValueType, pin};
 use crate::Effects;
-use crate::axis::{Axis, AxisFault, Phase};
-use crate::expert::Unit;
+use crate::axis::{Axis, AxisFault, CommandPhase};
+use crate::functions::FunctionUnit;
 use signal::Time;
 
 pub(super) use administrative::BLOCKS as ADMINISTRATIVE;
@@ -34,8 +34,8 @@ const TICKET: PinType = pin("command", PinKind::Hidden, ValueType::Udint);
 const OUTCOME: PinType = pin("outcome", PinKind::Hidden, ValueType::Int);
 const SHOWN: PinType = pin("outcome shown", PinKind::Hidden, ValueType::Bool);
 
-fn pick(unit: &mut Unit) -> Option<&mut Axis> {
-    if let Unit::Axis(axis) = unit { Some(axis.as_mut()) } else { None }
+fn pick(unit: &mut FunctionUnit) -> Option<&mut Axis> {
+    if let FunctionUnit::Axis(axis) = unit { Some(axis.as_mut()) } else { None }
 }
 
 /// Where the outputs of a block with Execute are. Its memory begins behind them, in the order of the constants above.
@@ -98,10 +98,10 @@ struct Body<'a> {
 /// One call of a block that acts with the rising edge of Execute: `start` gives the command, `phase` tells how far it is.
 /// Its end is shown until Execute is FALSE, and by one call at least.
 fn execute(
-    call: &mut Call<'_>,
+    call: &mut BlockCall<'_>,
     places: &Places,
     start: impl FnOnce(&mut Body<'_>) -> Result<u32, AxisFault>,
-    phase: impl FnOnce(&mut Axis, u32) -> Phase,
+    phase: impl FnOnce(&mut Axis, u32) -> CommandPhase,
 ) {
     let pins = &mut *call.pins;
     let now = call.now;
@@ -124,19 +124,19 @@ fn execute(
         if pins.get(outcome) == RUNNING {
             let command = u32::try_from(pins.get(ticket)).unwrap_or(0);
             match phase(axis, command) {
-                Phase::Done => pins.set(outcome, DONE),
-                Phase::Aborted => pins.set(outcome, ABORTED),
-                Phase::Failed(fault) => pins.set(outcome, failed(fault)),
+                CommandPhase::Done => pins.set(outcome, DONE),
+                CommandPhase::Aborted => pins.set(outcome, ABORTED),
+                CommandPhase::Failed(fault) => pins.set(outcome, failed(fault)),
                 other => going = Some(other),
             }
         }
         let outcome = pins.get(outcome);
         pins.set(shown, (!(IDLE..DONE).contains(&outcome)).into());
         // MoveVelocity has InVelocity in the place of Done.
-        pins.set(places.done, (outcome == DONE || going == Some(Phase::InVelocity)).into());
+        pins.set(places.done, (outcome == DONE || going == Some(CommandPhase::InVelocity)).into());
         pins.set(places.busy, (outcome == RUNNING).into());
         if let Some(active) = places.active {
-            pins.set(active, matches!(going, Some(Phase::Active | Phase::InVelocity)).into());
+            pins.set(active, matches!(going, Some(CommandPhase::Active | CommandPhase::InVelocity)).into());
         }
         if let Some(aborted) = places.aborted {
             pins.set(aborted, (outcome == ABORTED).into());

@@ -1,15 +1,23 @@
 //! Blocks that move an axis.
 
 use super::{
-    AXIS, BlockType, Body, Call, EXECUTE, LAST, OUTCOME, PinType, Places, SHOWN, TICKET, ValueType, execute,
-    input, output, pick,
+    AXIS, BlockCall, BlockType, Body, EXECUTE, LAST, OUTCOME, PinType, Places, SHOWN, TICKET, ValueType,
+    execute, input, output, pick,
 };
-use crate::axis::{AxisFault, BufferMode, Command, Homing, Method, Order};
+use crate::axis::{AxisCommand, AxisFault, BufferMode, Homing, HomingMethod, MotionCommand};
 use signal::Span;
 
 pub(in crate::blocks) const BLOCKS: &[BlockType] = &[
-    BlockType { name: "MC_MoveAbsolute_PTO", pins: MOVE_ABSOLUTE, run: |call| travel(call, Order::To) },
-    BlockType { name: "MC_MoveRelative_PTO", pins: MOVE_RELATIVE, run: |call| travel(call, Order::By) },
+    BlockType {
+        name: "MC_MoveAbsolute_PTO",
+        pins: MOVE_ABSOLUTE,
+        run: |call| travel(call, MotionCommand::To),
+    },
+    BlockType {
+        name: "MC_MoveRelative_PTO",
+        pins: MOVE_RELATIVE,
+        run: |call| travel(call, MotionCommand::By),
+    },
     BlockType { name: "MC_MoveVelocity_PTO", pins: MOVE_VELOCITY, run: move_velocity },
     BlockType { name: "MC_Halt_PTO", pins: HALT, run: halt },
     BlockType { name: "MC_Stop_PTO", pins: STOP, run: stop },
@@ -59,7 +67,7 @@ const fn travel_pins(goal: &'static str) -> [PinType; 19] {
 const MOVE_ABSOLUTE: &[PinType] = &travel_pins("Position");
 const MOVE_RELATIVE: &[PinType] = &travel_pins("Distance");
 
-fn travel(call: &mut Call<'_>, order: fn(i64) -> Order) {
+fn travel(call: &mut BlockCall<'_>, order: fn(i64) -> MotionCommand) {
     execute(
         call,
         &Places::command(9),
@@ -98,7 +106,7 @@ const MOVE_VELOCITY: &[PinType] = &[
     SHOWN,
 ];
 
-fn move_velocity(call: &mut Call<'_>) {
+fn move_velocity(call: &mut BlockCall<'_>) {
     execute(
         call,
         &Places::command(9),
@@ -112,7 +120,7 @@ fn move_velocity(call: &mut Call<'_>) {
                 None => None,
             };
             let velocity = body.axis.velocity_of(body.pins.get(2).abs())?;
-            command(body, Order::Velocity(forward), velocity, 3, Some(6))
+            command(body, MotionCommand::Velocity(forward), velocity, 3, Some(6))
         },
         |axis, ticket| axis.phase(ticket),
     );
@@ -137,11 +145,11 @@ const HALT: &[PinType] = &[
     SHOWN,
 ];
 
-fn halt(call: &mut Call<'_>) {
+fn halt(call: &mut BlockCall<'_>) {
     execute(
         call,
         &Places::command(6),
-        |body| slow_down(body, Order::Halt, Some(4)),
+        |body| slow_down(body, MotionCommand::Halt, Some(4)),
         |axis, ticket| axis.phase(ticket),
     );
 }
@@ -163,11 +171,11 @@ const STOP: &[PinType] = &[
     SHOWN,
 ];
 
-fn stop(call: &mut Call<'_>) {
+fn stop(call: &mut BlockCall<'_>) {
     execute(
         call,
         &Places::command(4),
-        |body| slow_down(body, Order::Stop, None),
+        |body| slow_down(body, MotionCommand::Stop, None),
         |axis, ticket| axis.phase(ticket),
     );
     // Stopping lasts until Execute is FALSE, even if that was long ago.
@@ -202,7 +210,7 @@ const HOME: &[PinType] = &[
     SHOWN,
 ];
 
-fn home(call: &mut Call<'_>) {
+fn home(call: &mut BlockCall<'_>) {
     execute(
         call,
         &Places::command(11),
@@ -211,9 +219,9 @@ fn home(call: &mut Call<'_>) {
             let position = body.pins.get(3);
             if mode == Homing::PositionSetting {
                 // Nothing moves, so nothing is asked of velocities.
-                let method = Method { mode, forward: true, position, fast: 0, slow: 0, offset: 0 };
+                let method = HomingMethod { mode, forward: true, position, fast: 0, slow: 0, offset: 0 };
                 let ramps = body.axis.steepest_ramps();
-                return body.axis.command(body.now, plain(Order::Home(method), 0, ramps), body.fx);
+                return body.axis.command(body.now, plain(MotionCommand::Home(method), 0, ramps), body.fx);
             }
             let (fast, slow) = (velocity(body, 4)?, velocity(body, 5)?);
             if slow == 0 || fast < slow {
@@ -221,8 +229,8 @@ fn home(call: &mut Call<'_>) {
             }
             let forward = direction(body, 9)?.ok_or(AxisFault::InvalidDirection)?;
             let offset = body.pins.get(10);
-            let method = Method { mode, forward, position, fast, slow, offset };
-            command(body, Order::Home(method), fast, 6, None)
+            let method = HomingMethod { mode, forward, position, fast, slow, offset };
+            command(body, MotionCommand::Home(method), fast, 6, None)
         },
         |axis, ticket| axis.phase(ticket),
     );
@@ -242,15 +250,15 @@ fn direction(body: &Body<'_>, place: usize) -> Result<Option<bool>, AxisFault> {
     }
 }
 
-fn plain(order: Order, velocity: i64, ramps: crate::axis::Ramps) -> Command {
-    Command { order, velocity, ramps, mode: BufferMode::Aborting, delay: Span::ZERO }
+fn plain(order: MotionCommand, velocity: i64, ramps: crate::axis::Ramps) -> AxisCommand {
+    AxisCommand { order, velocity, ramps, mode: BufferMode::Aborting, delay: Span::ZERO }
 }
 
 /// Gives a command whose acceleration, deceleration and jerk ratio stand from a place on, and whose buffer mode and delay
 /// do from another.
 fn command(
     body: &mut Body<'_>,
-    order: Order,
+    order: MotionCommand,
     velocity: i64,
     ramps: usize,
     mode: Option<usize>,
@@ -262,12 +270,12 @@ fn command(
 }
 
 /// Gives a command that only slows down.
-fn slow_down(body: &mut Body<'_>, order: Order, mode: Option<usize>) -> Result<u32, AxisFault> {
+fn slow_down(body: &mut Body<'_>, order: MotionCommand, mode: Option<usize>) -> Result<u32, AxisFault> {
     let ramps = body.axis.slowing_ramps(body.now, body.pins.get(2), body.pins.get(3))?;
     give(body, plain(order, 0, ramps), mode)
 }
 
-fn give(body: &mut Body<'_>, mut command: Command, mode: Option<usize>) -> Result<u32, AxisFault> {
+fn give(body: &mut Body<'_>, mut command: AxisCommand, mode: Option<usize>) -> Result<u32, AxisFault> {
     if let Some(place) = mode {
         command.mode = BufferMode::of(body.pins.get(place)).ok_or(AxisFault::InvalidBufferMode)?;
         command.delay = Span::from_millis(body.pins.get(place + 1));

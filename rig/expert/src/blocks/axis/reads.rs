@@ -1,6 +1,6 @@
 //! Blocks that tell something about an axis.
 
-use super::{AXIS, BlockType, Call, PinType, ValueType, input, output, pick, unknown};
+use super::{AXIS, BlockCall, BlockType, PinType, ValueType, input, output, pick, unknown};
 use crate::axis::{Axis, AxisFault, AxisState};
 use signal::Time;
 
@@ -113,28 +113,28 @@ fn motion_state(axis: &Axis, now: Time, _: i64) -> Result<[i64; 5], AxisFault> {
 /// One call of a block that works while Enable is TRUE. Valid, Busy, Error and ErrorID stand at `first`, what it tells
 /// behind them; a number that it asks for stands at place 2.
 fn read<const N: usize>(
-    call: &mut Call<'_>,
+    call: &mut BlockCall<'_>,
     first: usize,
     values: impl FnOnce(&Axis, Time, i64) -> Result<[i64; N], AxisFault>,
 ) {
     let pins = &mut *call.pins;
     let (enabled, number) = (pins.get(1) != 0, pins.get(2));
-    let told = call.expert.call(call.now, pins.get(AXIS), pick, |axis, _| {
+    let values = call.expert.call(call.now, pins.get(AXIS), pick, |axis, _| {
         if enabled { values(axis, call.now, number).map(Some) } else { Ok(None) }
     });
-    let Some(told) = told else {
+    let Some(values) = values else {
         pins.set(first, 0);
         pins.set(first + 1, 0);
         unknown(pins, first + 2, first + 3);
         return;
     };
-    let fault = told.err();
-    let told = told.ok().flatten();
-    pins.set(first, told.is_some().into());
+    let fault = values.err();
+    let values = values.ok().flatten();
+    pins.set(first, values.is_some().into());
     pins.set(first + 1, enabled.into());
     pins.set(first + 2, fault.is_some().into());
     pins.set(first + 3, fault.map_or(0, |fault| fault.number().into()));
-    for (place, value) in (first + 4..).zip(told.unwrap_or([0; N])) {
+    for (place, value) in (first + 4..).zip(values.unwrap_or([0; N])) {
         pins.set(place, value);
     }
 }

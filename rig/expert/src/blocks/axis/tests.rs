@@ -4,13 +4,13 @@ use super::super::BLOCKS;
 use super::*;
 use crate::axis::AxisState;
 use crate::{
-    AxisConfig, DriveInput, Effect, Expert, ExpertConfig, Fact, Function, FunctionKind, InputConditions,
-    Operation,
+    AxisConfig, DriveInput, Effect, ExpertConfig, ExpertFunctions, FunctionConfig, FunctionKind,
+    FunctionProbe, InputConditions, Operation,
 };
 
 /// A program with one axis, whose outputs are followed.
 struct Program {
-    expert: Expert,
+    expert: ExpertFunctions,
     now: i64,
     pulses: usize,
 }
@@ -77,10 +77,10 @@ impl Block {
 impl Program {
     /// An axis with power.
     fn new(config: AxisConfig) -> Program {
-        let function = Function { name: "PTO0".into(), kind: FunctionKind::Axis(config) };
+        let function = FunctionConfig { name: "PTO0".into(), kind: FunctionKind::Axis(config) };
         let config = ExpertConfig { functions: vec![function] };
         let inputs = [InputConditions::default(); 8];
-        let mut program = Program { expert: Expert::new(&config, &inputs), now: 0, pulses: 0 };
+        let mut program = Program { expert: ExpertFunctions::new(&config, &inputs), now: 0, pulses: 0 };
         program.expert.operate(Time::ZERO, Operation::Running);
         program.call(&mut Block::new("MC_Power_PTO", &[("Enable", 1)]));
         program
@@ -88,7 +88,7 @@ impl Program {
 
     fn call(&mut self, block: &mut Block) -> String {
         let now = Time::from_nanos(self.now);
-        (block.block.run)(&mut Call { now, pins: &mut block.values, expert: &mut self.expert });
+        (block.block.run)(&mut BlockCall { now, pins: &mut block.values, expert: &mut self.expert });
         self.follow();
         block.shows()
     }
@@ -114,11 +114,11 @@ impl Program {
     }
 
     fn state(&self) -> i64 {
-        self.expert.read(0, Fact::State).as_int().unwrap() as i64
+        self.expert.read(0, FunctionProbe::State).as_int().unwrap() as i64
     }
 
     fn position(&self) -> i64 {
-        self.expert.read(0, Fact::Position).as_int().unwrap() as i64
+        self.expert.read(0, FunctionProbe::Position).as_int().unwrap() as i64
     }
 }
 

@@ -7,15 +7,15 @@ use signal::{Span, Time};
 
 /// Whose turn it is among the tasks of one priority, kept with the first of them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Turn {
+pub(crate) struct TimeSlice {
     rank: usize,
     /// Processor time that is left of its slice.
     left: Span,
 }
 
-impl Turn {
+impl TimeSlice {
     /// Nobody's: the first one begins.
-    pub(crate) const NONE: Turn = Turn { rank: usize::MAX, left: Span::ZERO };
+    pub(crate) const NONE: TimeSlice = TimeSlice { rank: usize::MAX, left: Span::ZERO };
 }
 
 /// Tells each task which ranks share its priority.
@@ -52,27 +52,27 @@ impl Controller {
 
     /// The chosen task gets the processor up to `cap`, or to the end of its slice and of the operation under way.
     #[inline]
-    pub(crate) fn take_turn(&mut self, rank: usize, cap: Time) -> Time {
+    pub(crate) fn start_time_slice(&mut self, rank: usize, cap: Time) -> Time {
         if self.tasks[rank].peers.count_ones() == 1 {
             return cap;
         }
         let (first, at) = (self.first_peer(rank), self.cpu.at);
         let turn = &mut self.tasks[first].turn;
         if turn.rank != rank || turn.left == Span::ZERO {
-            *turn = Turn { rank, left: TIME_SLICE };
+            *turn = TimeSlice { rank, left: TIME_SLICE };
         }
         let end = at.saturating_add(turn.left);
         cap.min(self.cpu.in_flight.map_or(end, |until| until.max(end)))
     }
 
     /// The task's cycle is over, and with it its turn.
-    pub(crate) fn end_turn(&mut self, rank: usize) {
-        self.use_turn(rank, TIME_SLICE);
+    pub(crate) fn end_time_slice(&mut self, rank: usize) {
+        self.use_time_slice(rank, TIME_SLICE);
     }
 
     /// Processor time passes for a task.
     #[inline]
-    pub(crate) fn use_turn(&mut self, rank: usize, used: Span) {
+    pub(crate) fn use_time_slice(&mut self, rank: usize, used: Span) {
         let first = self.first_peer(rank);
         let turn = &mut self.tasks[first].turn;
         if turn.rank == rank {

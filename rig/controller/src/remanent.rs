@@ -45,7 +45,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Option<Saved> {
 
 /// Saves the context beside the scan.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Context {
+pub(crate) struct RemanentContext {
     image: Vec<u8>,
     /// Number of the next image.
     sequence: u64,
@@ -61,7 +61,7 @@ pub(crate) struct Context {
     declarations: u64,
 }
 
-impl Context {
+impl RemanentContext {
     /// The newest whole image; later saves go to the other file.
     pub(crate) fn newest(&mut self, store: &dyn NonVolatile) -> Option<Saved> {
         let images = RETAIN_FILES.map(|name| store.read(name).and_then(|bytes| decode(&bytes)));

@@ -5,7 +5,7 @@ use signal::Time;
 
 /// The controller from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Front {
+pub struct FrontPanel {
     /// What its indicators show, in the order of [`Led::ALL`].
     pub leds: [LedPattern; Led::ALL.len()],
     /// Since when those that flash do so; a flash begins lit.
@@ -22,8 +22,8 @@ pub struct Front {
 
 impl Controller {
     /// What it shows now.
-    pub fn front(&self) -> Front {
-        Front {
+    pub fn front_panel(&self) -> FrontPanel {
+        FrontPanel {
             leds: Led::ALL.map(|led| self.pattern(led)),
             since: self.leds.origin,
             switch: self.power.switch_at_run,

@@ -4,7 +4,7 @@ use crate::axis::Axis;
 use crate::counter::Counter;
 use crate::filter::Filter;
 use crate::wave::Wave;
-use crate::{Effects, ExpertConfig, Fact, FunctionKind, InputConditions};
+use crate::{Effects, ExpertConfig, FunctionKind, FunctionProbe, InputConditions};
 use signal::{Time, Value};
 
 /// An edge at the terminal of an input.
@@ -31,7 +31,7 @@ pub enum Operation {
 
 /// One function.
 #[derive(Clone, Debug)]
-pub(crate) enum Unit {
+pub(crate) enum FunctionUnit {
     Counter(Box<Counter>),
     Axis(Box<Axis>),
     Pwm(Wave),
@@ -42,18 +42,18 @@ pub(crate) enum Unit {
 macro_rules! each {
     ($unit:expr, $it:ident => $call:expr) => {
         match $unit {
-            Unit::Counter($it) => $call,
-            Unit::Axis($it) => $call,
-            Unit::Pwm($it) => $call,
-            Unit::Generator($it) => $call,
+            FunctionUnit::Counter($it) => $call,
+            FunctionUnit::Axis($it) => $call,
+            FunctionUnit::Pwm($it) => $call,
+            FunctionUnit::Generator($it) => $call,
         }
     };
 }
 
 /// The expert functions of one controller.
 #[derive(Clone, Debug)]
-pub struct Expert {
-    units: Vec<Unit>,
+pub struct ExpertFunctions {
+    units: Vec<FunctionUnit>,
     /// By input number.
     filters: Vec<Filter>,
     /// By input number: the units that look at it, bit n for unit n.
@@ -71,31 +71,31 @@ pub struct Expert {
     observed: bool,
 }
 
-impl Expert {
+impl ExpertFunctions {
     /// The functions of a configuration that [`ExpertConfig::check`] accepts, without power. `inputs` are the conditions
     /// of each input from I0 on.
-    pub fn new(config: &ExpertConfig, inputs: &[InputConditions]) -> Expert {
+    pub fn new(config: &ExpertConfig, inputs: &[InputConditions]) -> ExpertFunctions {
         let mut counters = 0;
-        let units: Vec<Unit> = (0..)
+        let units: Vec<FunctionUnit> = (0..)
             .zip(&config.functions)
             .map(|(place, function)| match &function.kind {
                 FunctionKind::Counter(it) => {
                     counters += 1;
-                    Unit::Counter(Box::new(Counter::new(it, place, counters - 1)))
+                    FunctionUnit::Counter(Box::new(Counter::new(it, place, counters - 1)))
                 }
-                FunctionKind::Axis(it) => Unit::Axis(Box::new(Axis::new(it, place))),
-                FunctionKind::Pwm(it) => Unit::Pwm(Wave::pwm(it)),
-                FunctionKind::Generator(it) => Unit::Generator(Wave::generator(it)),
+                FunctionKind::Axis(it) => FunctionUnit::Axis(Box::new(Axis::new(it, place))),
+                FunctionKind::Pwm(it) => FunctionUnit::Pwm(Wave::pwm(it)),
+                FunctionKind::Generator(it) => FunctionUnit::Generator(Wave::generator(it)),
             })
             .collect();
-        let used = |unit: &Unit| each!(unit, it => it.inputs());
+        let used = |unit: &FunctionUnit| each!(unit, it => it.inputs());
         let listeners = (0..inputs.len())
             .map(|input| {
                 (0..).zip(&units).fold(0, |mask, (place, unit)| mask | (used(unit) >> input & 1) << place)
             })
             .collect();
         let outputs = units.iter().fold(0, |mask, unit| mask | each!(unit, it => it.outputs()));
-        Expert {
+        ExpertFunctions {
             units,
             filters: inputs.iter().map(Filter::new).collect(),
             listeners,
@@ -110,11 +110,11 @@ impl Expert {
     }
 
     /// Hardware counts the pulses at these inputs, bit n for In: counters whose pulses they are take what it counted by
-    /// [`Expert::count`], and no edges of their phases.
+    /// [`ExpertFunctions::count`], and no edges of their phases.
     #[must_use]
-    pub fn counted(mut self, inputs: u32) -> Expert {
+    pub fn counted(mut self, inputs: u32) -> ExpertFunctions {
         for unit in &mut self.units {
-            if let Unit::Counter(counter) = unit {
+            if let FunctionUnit::Counter(counter) = unit {
                 counter.counted(inputs);
             }
         }
@@ -127,7 +127,7 @@ impl Expert {
         self.fire(at);
         let listening = self.listeners.get(input).copied().unwrap_or(0);
         for (place, unit) in self.units.iter_mut().enumerate() {
-            if let (1, Unit::Counter(counter)) = (listening >> place & 1, unit) {
+            if let (1, FunctionUnit::Counter(counter)) = (listening >> place & 1, unit) {
                 counter.take_steps(at, input as u8, steps, &mut self.fx);
             }
         }
@@ -150,14 +150,14 @@ impl Expert {
         self.outputs
     }
 
-    /// Square waves on these outputs, bit n for Qn, are made by somebody else from now on: their functions bring about
+    /// Square waves on these outputs, bit n for Qn, are made by hardware from now on: their functions bring about
     /// [`crate::Effect::Wave`] in place of edges, and nobody counts their pulses.
-    pub fn delegate(&mut self, outputs: u32) {
+    pub fn offload_pulses(&mut self, outputs: u32) {
         for unit in &mut self.units {
-            if let Unit::Pwm(wave) | Unit::Generator(wave) = unit
+            if let FunctionUnit::Pwm(wave) | FunctionUnit::Generator(wave) = unit
                 && wave.outputs() & outputs != 0
             {
-                wave.delegate();
+                wave.offload_pulses();
             }
         }
     }
@@ -172,7 +172,7 @@ impl Expert {
             self.fire(at);
         }
         if self.filters[input].set(at, high) {
-            self.swallow(at, input);
+            self.report_suppressed_pulse(at, input);
         }
         self.pending |= 1 << input;
         self.filter_next = self.filter_next.min(self.filters[input].next());
@@ -183,16 +183,16 @@ impl Expert {
 
     /// A pulse at the terminal of an input was too short for its filters.
     #[cold]
-    fn swallow(&mut self, at: Time, input: usize) {
+    fn report_suppressed_pulse(&mut self, at: Time, input: usize) {
         let listening = self.listeners[input];
         for (place, unit) in self.units.iter_mut().enumerate() {
-            if let (1, Unit::Counter(counter)) = (listening >> place & 1, unit) {
-                counter.swallow(at, input as u8, &mut self.fx);
+            if let (1, FunctionUnit::Counter(counter)) = (listening >> place & 1, unit) {
+                counter.report_suppressed_pulse(at, input as u8, &mut self.fx);
             }
         }
     }
 
-    /// [`Expert::edge`] for one after the other, up to the first behind which there are effects to take. Returns how many
+    /// [`ExpertFunctions::edge`] for one after the other, up to the first behind which there are effects to take. Returns how many
     /// it took.
     pub fn edges(&mut self, edges: &[InputEdge]) -> usize {
         for (place, edge) in edges.iter().enumerate() {
@@ -206,12 +206,12 @@ impl Expert {
 
     /// So many edges at the terminal of an input are known to be missing before `at`: counters that look at it tell how
     /// far they may be off.
-    pub fn lose(&mut self, at: Time, input: usize, edges: u32) {
+    pub fn report_missed_edges(&mut self, at: Time, input: usize, edges: u32) {
         self.fire(at);
         let listening = self.listeners.get(input).copied().unwrap_or(0);
         for (place, unit) in self.units.iter_mut().enumerate() {
-            if let (1, Unit::Counter(counter)) = (listening >> place & 1, unit) {
-                counter.lose(at, input as u8, edges, &mut self.fx);
+            if let (1, FunctionUnit::Counter(counter)) = (listening >> place & 1, unit) {
+                counter.report_missed_edges(at, input as u8, edges, &mut self.fx);
             }
         }
     }
@@ -226,7 +226,7 @@ impl Expert {
     pub fn sample(&mut self, now: Time, task: usize) {
         self.fire(now);
         for unit in &mut self.units {
-            if let Unit::Counter(counter) = unit {
+            if let FunctionUnit::Counter(counter) = unit {
                 counter.sample(task);
             }
         }
@@ -266,7 +266,7 @@ impl Expert {
                     each!(unit, it => it.fire(at, &mut self.fx));
                 }
             }
-            self.foresee();
+            self.schedule();
         }
     }
 
@@ -290,7 +290,7 @@ impl Expert {
     }
 
     /// Works out when something happens next.
-    fn foresee(&mut self) {
+    fn schedule(&mut self) {
         self.filter_next = Time::MAX;
         let mut left = self.pending;
         while left != 0 {
@@ -307,7 +307,7 @@ impl Expert {
         for unit in &mut self.units {
             each!(unit, it => it.operate(now, operation, &mut self.fx));
         }
-        self.foresee();
+        self.schedule();
     }
 
     /// Outputs whose stages protection switched off from `now` on, bit n for Qn: axes on them go to ErrorStop
@@ -315,20 +315,20 @@ impl Expert {
     pub fn protect(&mut self, now: Time, cut: u32) {
         self.fire(now);
         for unit in &mut self.units {
-            if let Unit::Axis(axis) = unit {
+            if let FunctionUnit::Axis(axis) = unit {
                 axis.protect(now, cut, &mut self.fx);
             }
         }
-        self.foresee();
+        self.schedule();
     }
 
-    /// A cold reset or a download at `now`: values and flags begin anew (io:STD-HSC-15).
+    /// A cold reset or a download at `now`: values and flags start again (io:STD-HSC-15).
     pub fn reset(&mut self, now: Time) {
         self.fire(now);
         for unit in &mut self.units {
             each!(unit, it => it.reset(now, &mut self.fx));
         }
-        self.foresee();
+        self.schedule();
     }
 
     /// What a block does to the function with this number, counted from 1 (io:EXP-16); None where there is none, or none
@@ -337,18 +337,18 @@ impl Expert {
         &mut self,
         now: Time,
         reference: i64,
-        pick: fn(&mut Unit) -> Option<&mut U>,
+        pick: fn(&mut FunctionUnit) -> Option<&mut U>,
         body: impl FnOnce(&mut U, &mut Effects) -> R,
     ) -> Option<R> {
         let place = usize::try_from(reference).ok()?.checked_sub(1)?;
         self.fire(now);
         let result = body(pick(self.units.get_mut(place)?)?, &mut self.fx);
-        self.foresee();
+        self.schedule();
         Some(result)
     }
 
     /// What a function shows; unknown for what it does not have.
-    pub fn read(&self, function: usize, fact: Fact) -> Value {
+    pub fn read(&self, function: usize, fact: FunctionProbe) -> Value {
         let unit = self.units.get(function);
         unit.and_then(|unit| each!(unit, it => it.read(fact))).unwrap_or(Value::Unknown)
     }

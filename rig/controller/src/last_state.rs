@@ -1,11 +1,11 @@
-//! What the controller knows of its past behind a power cycle: its state, and when it stopped and went off.
+//! What the controller knows of its past after a power cycle: its state, and when it stopped and went off.
 
 use crate::{DATES_FILE, NonVolatile, STATE_FILE, State};
 
 const MAGIC: &[u8; 4] = b"SRST";
 
 /// Keeps the state for the boot decision.
-pub(crate) fn record(store: &mut dyn NonVolatile, state: State, signature: u64) {
+pub(crate) fn save_last_state(store: &mut dyn NonVolatile, state: State, signature: u64) {
     let mut bytes = [0; 17];
     bytes[..4].copy_from_slice(MAGIC);
     bytes[4] = state.number() as u8;
@@ -16,7 +16,7 @@ pub(crate) fn record(store: &mut dyn NonVolatile, state: State, signature: u64) 
 }
 
 /// The state before, and the signature of the application that was in memory.
-pub(crate) fn recorded(store: &dyn NonVolatile) -> Option<(State, u64)> {
+pub(crate) fn load_last_state(store: &dyn NonVolatile) -> Option<(State, u64)> {
     let bytes: [u8; 17] = store.read(STATE_FILE)?.try_into().ok()?;
     let (body, sum) = bytes.split_last_chunk::<4>()?;
     if !body.starts_with(MAGIC) || crc32fast::hash(body) != u32::from_le_bytes(*sum) {

@@ -2,7 +2,7 @@
 
 /// Something of a function that plans can observe, besides its outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Fact {
+pub enum FunctionProbe {
     /// The current value of a counter or meter.
     Value,
     /// The register of the last capture.

@@ -1,10 +1,10 @@
 //! The PROBE input: captures positions (io:STD-PTO-11).
 
-use super::command::Phase;
+use super::command::CommandPhase;
 
 /// What to capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Capture {
+pub struct CaptureTrigger {
     /// With the edge at which the input comes on, else with the one at which it goes off.
     pub rising: bool,
     /// Only between two positions, these included.
@@ -13,17 +13,17 @@ pub struct Capture {
 
 /// The last capture, done or waiting.
 #[derive(Clone, Debug, Default)]
-pub struct Probe {
-    waiting: Option<Capture>,
+pub struct TouchProbe {
+    waiting: Option<CaptureTrigger>,
     ticket: u32,
     done: bool,
     recorded: i64,
 }
 
-impl Probe {
+impl TouchProbe {
     /// Waits for an edge; a capture that waits is aborted.
-    pub fn arm(&mut self, ticket: u32, capture: Capture) {
-        *self = Probe { waiting: Some(capture), ticket, done: false, recorded: self.recorded };
+    pub fn arm(&mut self, ticket: u32, capture: CaptureTrigger) {
+        *self = TouchProbe { waiting: Some(capture), ticket, done: false, recorded: self.recorded };
     }
 
     /// Waits no more.
@@ -32,17 +32,17 @@ impl Probe {
     }
 
     /// What became of a capture.
-    pub fn phase(&self, ticket: u32) -> Phase {
+    pub fn phase(&self, ticket: u32) -> CommandPhase {
         match self.waiting {
-            _ if ticket != self.ticket => Phase::Aborted,
-            Some(_) => Phase::Active,
-            None if self.done => Phase::Done,
-            None => Phase::Aborted,
+            _ if ticket != self.ticket => CommandPhase::Aborted,
+            Some(_) => CommandPhase::Active,
+            None if self.done => CommandPhase::Done,
+            None => CommandPhase::Aborted,
         }
     }
 
     /// The position of the last capture.
-    pub const fn recorded(&self) -> i64 {
+    pub const fn position(&self) -> i64 {
         self.recorded
     }
 

@@ -1,6 +1,6 @@
 //! Edges from the records that the kernel's GPIO lines deliver: runs of `struct gpio_v2_line_event`.
 
-use crate::Expert;
+use crate::ExpertFunctions;
 use signal::Time;
 
 /// Bytes of a record: the time in nanoseconds (u64), what happened, the line's offset, the number among the events of
@@ -25,7 +25,7 @@ pub struct LineEvents {
     origin: i64,
     last: Time,
     lost: u64,
-    strange: u64,
+    malformed: u64,
 }
 
 impl LineEvents {
@@ -38,7 +38,7 @@ impl LineEvents {
             origin,
             last: Time::MIN,
             lost: 0,
-            strange: 0,
+            malformed: 0,
         };
         for (offset, input) in lines {
             if let Some(line) = events.lines.get_mut(usize::from(*input)) {
@@ -50,7 +50,7 @@ impl LineEvents {
 
     /// Hands on the edges of whole records, up to the first behind which there are effects to take. Returns the bytes
     /// that it took; what is left of them can be less than a record.
-    pub fn read(&mut self, bytes: &[u8], expert: &mut Expert) -> usize {
+    pub fn read(&mut self, bytes: &[u8], expert: &mut ExpertFunctions) -> usize {
         let mut taken = 0;
         for record in bytes.chunks_exact(RECORD) {
             taken += RECORD;
@@ -69,12 +69,12 @@ impl LineEvents {
 
     /// Records that no kernel writes for these lines: of another line, neither rising nor falling, at a time that cannot
     /// be, with a number that was there already.
-    pub const fn strange(&self) -> u64 {
-        self.strange
+    pub const fn malformed(&self) -> u64 {
+        self.malformed
     }
 
     #[inline]
-    fn take(&mut self, record: &[u8], expert: &mut Expert) {
+    fn take(&mut self, record: &[u8], expert: &mut ExpertFunctions) {
         let word =
             |at: usize| record.get(at..at + 4).and_then(|it| it.try_into().ok()).map(u32::from_ne_bytes);
         let long =
@@ -89,11 +89,11 @@ impl LineEvents {
             let offset = word(12)?;
             let input = self.lines.iter().position(|line| *line == Some(offset))?;
             let missing = word(20)?.wrapping_sub(self.numbers[input]);
-            // Numbers begin anew behind the last of their width; more than half of them ahead is behind.
+            // Numbers start again behind the last of their width; more than half of them ahead is behind.
             (missing <= u32::MAX / 2).then_some((at, high, input, missing))
         })();
         let Some((at, high, input, missing)) = read else {
-            self.strange += 1;
+            self.malformed += 1;
             return;
         };
         // Stamps of different lines can be in another order than their numbers.
@@ -101,7 +101,7 @@ impl LineEvents {
         self.numbers[input] = self.numbers[input].wrapping_add(missing).wrapping_add(1);
         if missing > 0 {
             self.lost += u64::from(missing);
-            expert.lose(self.last, input, missing);
+            expert.report_missed_edges(self.last, input, missing);
         }
         expert.edge(self.last, input, high);
     }
