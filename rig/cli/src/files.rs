@@ -2,12 +2,16 @@
 
 use document::Diagnostic;
 use std::io::Write;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
 /// A folder that something is written into is not empty.
 const NOT_EMPTY: &str = "R0150";
 /// A file or folder cannot be written.
 const NOT_WRITTEN: &str = "R0151";
+
+/// Bytes that are written to a file of the thousands beside a record at once.
+const BUFFER: usize = 64 << 10;
 
 /// What stands in the way of writing a file or folder.
 pub fn failed(path: &Path, error: &std::io::Error) -> Diagnostic {
@@ -60,6 +64,28 @@ pub fn write_whole(
         std::io::Write::flush(&mut buffered).map_err(fail)?;
     }
     file.commit().map_err(fail)
+}
+
+/// Writes a file whole or not at all, as [`write_whole`] does, but does not wait until the disk has it: for the thousands
+/// of files beside a record. What a power cut takes of them is noticed: the record has the digest of every trace.
+///
+/// # Errors
+/// Why it cannot be written.
+pub fn write_whole_unsynced(
+    path: &Path,
+    fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
+) -> Result<(), String> {
+    let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
+    let folder = path.parent().unwrap_or(Path::new("."));
+    // The rights that any new file gets; a temporary file would be its owner's alone.
+    let file = tempfile::Builder::new()
+        .permissions(std::fs::Permissions::from_mode(0o666))
+        .tempfile_in(folder)
+        .map_err(fail)?;
+    let mut buffered = std::io::BufWriter::with_capacity(BUFFER, file);
+    fill(&mut buffered)?;
+    let file = buffered.into_inner().map_err(|error| fail(error.into_error()))?;
+    file.persist(path).map(drop).map_err(|error| fail(error.error))
 }
 
 /// Writes a text as a file, whole or not at all; into what is no file, such as a pipe, as it comes.

@@ -1,6 +1,6 @@
 //! The folder of a run's reports.
 
-use crate::files::write_whole;
+use crate::files::{write_whole, write_whole_unsynced};
 use clap::ValueEnum;
 use record::{CaseRecord, RunRecord};
 use signal::Trace;
@@ -69,7 +69,7 @@ impl ReportFolder {
     /// Which file cannot be written, and why.
     pub fn trace(&mut self, record: &CaseRecord, trace: &Trace) -> Result<String, String> {
         let path = self.trace_path(&record.name);
-        self.write(&path, &mut |out| {
+        self.write_unsynced(&path, &mut |out| {
             trace.save(out).map_err(|error| format!("{path} cannot be written: {error}"))
         })?;
         self.waves(&path, trace)?;
@@ -95,7 +95,7 @@ impl ReportFolder {
     fn copy(&self, from: &Path, to: &str) -> Result<(), String> {
         let fail = |error: std::io::Error| format!("{} cannot be copied: {error}", from.display());
         let mut file = std::fs::File::open(from).map_err(fail)?;
-        self.write(to, &mut |out| std::io::copy(&mut file, out).map(drop).map_err(fail))
+        self.write_unsynced(to, &mut |out| std::io::copy(&mut file, out).map(drop).map_err(fail))
     }
 
     /// Writes the waves of a trace beside it.
@@ -104,7 +104,7 @@ impl ReportFolder {
     /// Which file cannot be written, and why.
     pub fn waves(&self, path: &str, trace: &Trace) -> Result<(), String> {
         let waves = beside(path, "vcd");
-        self.write(&waves, &mut |out| {
+        self.write_unsynced(&waves, &mut |out| {
             reports::vcd::write_trace(trace, env!("CARGO_PKG_VERSION"), out)
                 .map_err(|error| format!("{waves} cannot be written: {error}"))
         })
@@ -115,7 +115,10 @@ impl ReportFolder {
     /// # Errors
     /// Which file cannot be written, and why.
     pub fn frames(&self, path: &str, frames: &str) -> Result<(), String> {
-        self.text(&beside(path, "log"), frames)
+        let path = beside(path, "log");
+        self.write_unsynced(&path, &mut |out| {
+            out.write_all(frames.as_bytes()).map_err(|error| format!("{path} cannot be written: {error}"))
+        })
     }
 
     /// Copies the CAN frames beside a trace of another run to those beside a trace of this one.
@@ -189,6 +192,14 @@ impl ReportFolder {
         fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
     ) -> Result<(), String> {
         write_whole(&self.folder.join(path), fill)
+    }
+
+    fn write_unsynced(
+        &self,
+        path: &str,
+        fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
+    ) -> Result<(), String> {
+        write_whole_unsynced(&self.folder.join(path), fill)
     }
 }
 
