@@ -4,7 +4,7 @@
 //! compares the day of middle length with the goals; `-- --quick` runs the hour alone. The exit code is 1 where a goal is missed. Time is that of
 //! the processor: a busy host makes the wall's longer. `-- --seconds N` is one run for a profiler.
 
-use scanrig_runtime::suite::{Done, Files, load_plan, run};
+use scanrig_runtime::suite::{FileSource, JobResult, load_plan, run};
 use scanrig_runtime::{ClockKind, RunOptions};
 use std::fmt::Write as _;
 use std::process::{Command, ExitCode};
@@ -291,7 +291,7 @@ struct InMemory {
     seconds: u64,
 }
 
-impl Files for InMemory {
+impl FileSource for InMemory {
     fn read(&self, path: &str) -> Result<String, String> {
         match path {
             "day.toml" => Ok(plan(self.seconds)),
@@ -389,7 +389,7 @@ fn measure(seconds: u64) -> Result<Figures, String> {
     let mut figures = Figures { start, ..Figures::default() };
     let mut trouble = String::new();
     run(&[loaded], &jobs, 1, false, &options, &mut |_, done| match done {
-        Done::Case(result) => {
+        JobResult::Case(result) => {
             let record = &result.record;
             figures.passed = record.verdict == record::Verdict::Pass;
             for claim in record.claims.iter().filter(|claim| claim.verdict != record::Verdict::Pass) {
@@ -401,8 +401,8 @@ fn measure(seconds: u64) -> Result<Figures, String> {
             figures.scans = record.tasks.iter().map(|task| task.cycles).sum();
             figures.changes = result.trace.as_ref().map_or(0, signal::Trace::len);
         }
-        Done::Findings(list) => trouble = found(&list),
-        Done::Skipped(_) => trouble = "the case was skipped".to_owned(),
+        JobResult::Findings(list) => trouble = found(&list),
+        JobResult::Skipped(_) => trouble = "the case was skipped".to_owned(),
     });
     figures.wall = began.elapsed().as_secs_f64();
     figures.busy = processor_seconds().zip(spent).map_or(figures.wall, |(now, then)| now - then);

@@ -4,7 +4,7 @@
 //!     cargo bench -p scanrig-dash --bench frames
 
 use control::{
-    Ask, Change, Channel, Description, Direction, Event, Fault, Greeting, Message, PROTOCOL, Point,
+    Change, Channel, Description, Direction, Event, Fault, Greeting, Message, Operation, PROTOCOL, Point,
     PointStatus, Reply, Request, Signal, SignalKind, Status, Subscribed, Topic, Value, WireValue,
 };
 use ratatui::crossterm::event::{KeyCode, KeyEvent};
@@ -94,11 +94,11 @@ fn answer(shell: &mut Shell) -> u64 {
         }
         for Request { id, ask } in requests {
             let ok = match ask {
-                Ask::Describe => serde_json::to_value(Description {
+                Operation::Describe => serde_json::to_value(Description {
                     points: (0..SIGNALS).map(point).collect(),
                     ..Description::default()
                 }),
-                Ask::Subscribe { topic } => {
+                Operation::Subscribe { topic } => {
                     let mut answer = Subscribed { subscription: id, ..Subscribed::default() };
                     if let Topic::Signals { names, .. } = topic {
                         signals = id;

@@ -156,7 +156,7 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
     let allocated = last.allocations - first.allocations;
     let grown = last.resident.saturating_sub(first.resident);
     let all = [
-        goal(ran.trouble.is_none(), &format!("no trouble: {:?}", ran.trouble)),
+        goal(ran.fault.is_none(), &format!("no trouble: {:?}", ran.fault)),
         goal(cycles >= scans as u64, &format!("at least {scans} scans")),
         goal(
             allocated <= LOOKING,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use record::CaseRecord;
-use runtime::suite::{self, Done, Files};
+use runtime::suite::{self, FileSource, JobResult};
 use runtime::{ClockKind, RunOptions};
 
 /// A folder of plans, with one file read otherwise than it is written.
@@ -14,7 +14,7 @@ pub struct PlanFolder {
     pub changed: Option<(&'static str, &'static str, &'static str)>,
 }
 
-impl Files for PlanFolder {
+impl FileSource for PlanFolder {
     fn read(&self, path: &str) -> Result<String, String> {
         let text = std::fs::read_to_string(self.path.join(path)).map_err(|error| error.to_string())?;
         match self.changed {
@@ -44,9 +44,9 @@ impl PlanFolder {
         let mut records = Vec::new();
         let options = RunOptions::new(ClockKind::Virtual, &NEVER);
         suite::run(&loaded, &jobs, 2, false, &options, &mut |_, done| match done {
-            Done::Case(result) => records.push(result.record),
-            Done::Findings(found) => panic!("{plan}: {found:?}"),
-            Done::Skipped(_) => panic!("{plan}: skipped"),
+            JobResult::Case(result) => records.push(result.record),
+            JobResult::Findings(found) => panic!("{plan}: {found:?}"),
+            JobResult::Skipped(_) => panic!("{plan}: skipped"),
         });
         records
     }

@@ -4,7 +4,7 @@
 use crate::project_folder::TestProject;
 use crate::stepped_rig::SteppedRig;
 use control::{
-    Action, Advanced, Ask, Client, Done, Event, Forces, PlanEvent, Status, Subscribed, Topic, Values,
+    Action, Advanced, Client, Done, Event, Forces, Operation, PlanEvent, Status, Subscribed, Topic, Values,
     WireValue,
 };
 use signal::Value;
@@ -77,16 +77,16 @@ fn connect(led: &SteppedRig, name: &str) -> Client {
     Client::connect(&led.socket(), name).unwrap()
 }
 
-fn signals(names: &[&str], all: bool) -> Ask {
+fn signals(names: &[&str], all: bool) -> Operation {
     let names = names.iter().map(|name| (*name).to_owned()).collect();
-    Ask::Subscribe { topic: Topic::Signals { names, every_ms: 20, all } }
+    Operation::Subscribe { topic: Topic::Signals { names, every_ms: 20, all } }
 }
 
 /// Somebody who looks at a trend for a second, and sees all of it.
 fn trend(led: &SteppedRig) {
     let mut client = connect(led, "trend");
     client.ask::<Subscribed>(signals(&["MAIN.count", "pressure", "Q0", "Q1", "%IX0.0"], true)).unwrap();
-    client.ask::<Advanced>(Ask::Advance { by: SECOND }).unwrap();
+    client.ask::<Advanced>(Operation::Advance { by: SECOND }).unwrap();
     let mut seen = 0;
     while let Some(event) = client.next(Duration::ZERO).unwrap() {
         if let Event::Signals { changes, missed, .. } = event {
@@ -110,8 +110,8 @@ fn deaf(led: &SteppedRig) -> UnixStream {
 /// Somebody who runs a plan, and waits until the program runs again.
 fn plan(led: &SteppedRig) {
     let mut client = connect(led, "plan");
-    client.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Plan }).unwrap();
-    client.ask::<Done>(Ask::Plan { name: "lamp".to_owned() }).unwrap();
+    client.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Plan }).unwrap();
+    client.ask::<Done>(Operation::Plan { name: "lamp".to_owned() }).unwrap();
     let began = Instant::now();
     let verdict = loop {
         assert!(began.elapsed() < PATIENCE, "the plan does not end");
@@ -134,7 +134,7 @@ fn round(led: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>,
         plan(led);
     }
     leader
-        .ask::<Done>(Ask::Write {
+        .ask::<Done>(Operation::Write {
             name: "MAIN.preset".to_owned(),
             value: WireValue(Value::Int(round.into())),
         })
@@ -142,15 +142,15 @@ fn round(led: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>,
     if round.is_multiple_of(3) {
         // One who forces and goes, one who forces and is lost, one who takes it back.
         let mut hand = connect(led, "hand");
-        hand.ask::<Done>(Ask::Force { name: name.clone(), value: on }).unwrap();
+        hand.ask::<Done>(Operation::Force { name: name.clone(), value: on }).unwrap();
         match round % 9 {
-            0 => drop(hand.ask::<Done>(Ask::Leave { forces: Forces::Keep }).unwrap()),
+            0 => drop(hand.ask::<Done>(Operation::Leave { forces: Forces::Keep }).unwrap()),
             3 => drop(hand),
-            _ => drop(hand.ask::<Done>(Ask::Leave { forces: Forces::Release }).unwrap()),
+            _ => drop(hand.ask::<Done>(Operation::Leave { forces: Forces::Release }).unwrap()),
         }
     }
     if round.is_multiple_of(10) {
-        leader.ask::<Done>(Ask::ReleaseAll).unwrap();
+        leader.ask::<Done>(Operation::ReleaseAll).unwrap();
         deaf_ones.push(deaf(led));
         if deaf_ones.len() > 3 {
             deaf_ones.remove(0);
@@ -159,16 +159,16 @@ fn round(led: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>,
     if round.is_multiple_of(5) {
         trend(led);
     } else {
-        leader.ask::<Advanced>(Ask::Advance { by: SECOND }).unwrap();
+        leader.ask::<Advanced>(Operation::Advance { by: SECOND }).unwrap();
     }
     if round.is_multiple_of(50) {
-        leader.ask::<Done>(Ask::Command { action: Action::Stop }).unwrap();
-        leader.ask::<Advanced>(Ask::Advance { by: SECOND / 10 }).unwrap();
-        assert_eq!(leader.ask::<Status>(Ask::Status).unwrap().state, "STOPPED");
-        leader.ask::<Done>(Ask::Command { action: Action::Run }).unwrap();
-        leader.ask::<Advanced>(Ask::Advance { by: SECOND / 10 }).unwrap();
+        leader.ask::<Done>(Operation::Command { action: Action::Stop }).unwrap();
+        leader.ask::<Advanced>(Operation::Advance { by: SECOND / 10 }).unwrap();
+        assert_eq!(leader.ask::<Status>(Operation::Status).unwrap().state, "STOPPED");
+        leader.ask::<Done>(Operation::Command { action: Action::Run }).unwrap();
+        leader.ask::<Advanced>(Operation::Advance { by: SECOND / 10 }).unwrap();
     }
-    let read: Values = leader.ask(Ask::Read { names: vec!["MAIN.preset".to_owned()] }).unwrap();
+    let read: Values = leader.ask(Operation::Read { names: vec!["MAIN.preset".to_owned()] }).unwrap();
     assert_eq!(read.values, [WireValue(Value::Int(round.into()))]);
     let mut told = 0;
     while let Some(event) = leader.next(Duration::ZERO).unwrap() {
@@ -185,7 +185,7 @@ fn ten_minutes_of_commissioning_leave_the_rig_as_large_as_it_was() {
     let led = SteppedRig::start(&bench, "soak.toml", "soak.st");
     led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
     let mut leader = connect(&led, "leader");
-    leader.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Status { every_ms: 100 } }).unwrap();
+    leader.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Status { every_ms: 100 } }).unwrap();
     let mut deaf_ones = Vec::new();
     (1..=WARM).for_each(|place| round(&led, &mut leader, &mut deaf_ones, place));
     let warm = size(&led);
@@ -193,6 +193,6 @@ fn ten_minutes_of_commissioning_leave_the_rig_as_large_as_it_was() {
     let end = size(&led);
     assert!(end.bytes <= warm.bytes + SLACK, "{warm:?} became {end:?}");
     assert_eq!((end.files, end.threads), (warm.files, warm.threads));
-    let status: Status = leader.ask(Ask::Status).unwrap();
+    let status: Status = leader.ask(Operation::Status).unwrap();
     assert_eq!((&*status.state, status.rig.untold), ("RUNNING", 0));
 }

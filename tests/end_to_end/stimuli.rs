@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use record::{CaseRecord, Verdict};
 use reports::text::{Style, details};
-use runtime::suite::{self, Disk, Files, LoadedPlan};
+use runtime::suite::{self, Disk, FileSource, LoadedPlan};
 use runtime::{ClockKind, RunOptions, run_case};
 use signal::Span;
 
@@ -30,7 +30,7 @@ fn verbs() -> impl Iterator<Item = &'static str> {
 /// The plans, by names without a folder.
 struct StimulusPlans;
 
-impl Files for StimulusPlans {
+impl FileSource for StimulusPlans {
     fn read(&self, path: &str) -> Result<String, String> {
         Disk.read(&root().join("tests/verbs/steps").join(path).to_string_lossy())
     }

@@ -1,7 +1,7 @@
 //! Lines of clients of the control socket.
 
 use control::{Clock, Description, Fault, Greeting, PROTOCOL, Request, Signal as Named, SignalKind, Status};
-use services::control::{Answer, Hub, Order, Peer, Rig, Settings, Ticket, Told, decode};
+use services::control::{Answer, Hub, Order, Peer, Rig, RigEvent, Settings, Ticket, decode};
 use signal::{Span, Time, Value, When};
 
 /// A rig that has every signal, and does what it is told.
@@ -65,9 +65,9 @@ impl Rig for Willing {
         Ok(())
     }
 
-    fn poll(&mut self, told: &mut dyn FnMut(Told)) {
+    fn poll(&mut self, told: &mut dyn FnMut(RigEvent)) {
         for (ticket, answer) in self.answers.drain(..) {
-            told(Told::Answer(ticket, Ok(answer)));
+            told(RigEvent::Answer(ticket, Ok(answer)));
         }
     }
 }

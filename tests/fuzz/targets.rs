@@ -23,8 +23,8 @@ use plans::{Anchor, Literal};
 use profile::Profile;
 use record::RunRecord;
 use reports::text::Style;
-use runtime::alone::{self, Alone};
-use runtime::suite::{self, Files};
+use runtime::standalone::{self, StandaloneRun};
+use runtime::suite::{self, FileSource};
 use signal::{
     Address, Cause, Event, Kind, LoadLimits, Policy, Quantity, QuantityRange, SignalId, SignalInfo, Span,
     Time, Trace, Value, When,
@@ -59,7 +59,7 @@ struct One<'a> {
     text: &'a str,
 }
 
-impl Files for One<'_> {
+impl FileSource for One<'_> {
     fn read(&self, path: &str) -> Result<String, String> {
         match path {
             path if path == self.name => Ok(self.text.to_owned()),
@@ -150,8 +150,10 @@ pub fn program(data: &[u8]) {
         Ok(program) => {
             show(&program.warnings, &sources);
             let program = std::sync::Arc::new(program);
-            let tasks = alone::tasks(&program, Span::from_micros(100));
-            let Ok(mut alone) = Alone::new(program.clone(), tasks, Profile::default()) else { return };
+            let tasks = standalone::tasks(&program, Span::from_micros(100));
+            let Ok(mut alone) = StandaloneRun::new(program.clone(), tasks, Profile::default()) else {
+                return;
+            };
             let _ = alone.run(Span::from_millis(1));
             for root in program.roots().iter().take(100) {
                 let _ = alone.show(&root.path).map(|shown| shown.to_string());

@@ -9,7 +9,7 @@ use clap::Args;
 use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
 use profile::Profile;
-use runtime::suite::{self, Disk, Files};
+use runtime::suite::{self, Disk, FileSource};
 use runtime::{suites, tasks};
 use std::path::{Path, PathBuf};
 

@@ -18,11 +18,11 @@ mod value;
 pub use client::{Client, ClientError};
 pub use codes::CODES;
 pub use message::{
-    Action, Advanced, Ask, BusInfo, BusStatus, Change, Channel, Clock, Description, DeviceInfo, DeviceStatus,
+    Action, Advanced, BusInfo, BusStatus, Change, Channel, Clock, Description, DeviceInfo, DeviceStatus,
     Direction, Done, Event, Fault, Forced, Forces, FrameSeen, FunctionInfo, Greeting, Led, Locked, LogLine,
-    Measured, Message, PlanEvent, PlanStatus, Plans, Point, PointStatus, REQUEST_FIELDS, Reply, Request,
-    RigStatus, Signal, SignalKind, Status, Subject, Subscribed, TOPIC_FIELDS, TaskInfo, TaskStatus, Topic,
-    Trouble, Values,
+    Measured, Message, Operation, PlanEvent, PlanStatus, Plans, Point, PointStatus, REQUEST_FIELDS, Reply,
+    Request, RigStatus, Signal, SignalKind, Status, StatusWarning, Subject, Subscribed, TOPIC_FIELDS,
+    TaskInfo, TaskStatus, Topic, Values,
 };
 pub use signal::{Span, Value};
 pub use value::WireValue;

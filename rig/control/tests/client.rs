@@ -2,7 +2,7 @@
 
 use control::client::{answer, running};
 use control::{
-    Ask, Client, ClientError, Done, Event, Greeting, Message, PROTOCOL, Plans, Reply, Status, Topic,
+    Client, ClientError, Done, Event, Greeting, Message, Operation, PROTOCOL, Plans, Reply, Status, Topic,
 };
 use scanrig_control as control;
 use std::io::{BufRead, BufReader, Write};
@@ -83,7 +83,7 @@ fn events_beside_an_answer_are_kept_in_their_order() {
     });
     let mut client = fake.client().unwrap();
     assert_eq!(client.greeting().client, 3);
-    let got = client.ask::<control::Subscribed>(Ask::Subscribe { topic: Topic::Log }).unwrap();
+    let got = client.ask::<control::Subscribed>(Operation::Subscribe { topic: Topic::Log }).unwrap();
     assert_eq!(got.subscription, 1);
     assert_eq!(client.next(PATIENCE), Ok(Some(log("one"))));
     assert_eq!(client.next(PATIENCE), Ok(Some(log("two"))));
@@ -101,9 +101,9 @@ fn an_answer_that_comes_too_late_is_not_taken_for_the_next() {
         say(&mut lines, r#"{"id":3,"ok":{"plans":["a"]}}"#);
     });
     let mut client = fake.client().unwrap();
-    let silent = client.ask_within::<Done>(Ask::Abort, SOON).unwrap_err();
+    let silent = client.ask_within::<Done>(Operation::Abort, SOON).unwrap_err();
     assert_eq!(silent.fault().code, "R0647");
-    let plans: Plans = client.ask(Ask::Plans { path: None }).unwrap();
+    let plans: Plans = client.ask(Operation::Plans { path: None }).unwrap();
     assert_eq!(plans.plans, ["a"]);
     fake.end();
 }
@@ -117,9 +117,9 @@ fn a_refusal_keeps_its_code() {
         say(&mut lines, r#"{"id":3,"ok":{"at":"noon"}}"#);
     });
     let mut client = fake.client().unwrap();
-    let refused = client.ask::<Status>(Ask::Status).unwrap_err();
+    let refused = client.ask::<Status>(Operation::Status).unwrap_err();
     assert_eq!((&*refused.fault().code, &*refused.fault().message), ("R0601", "no"));
-    let garbled = client.ask::<Status>(Ask::Status).unwrap_err();
+    let garbled = client.ask::<Status>(Operation::Status).unwrap_err();
     assert_eq!(garbled.fault().code, "R0648");
     fake.end();
 }

@@ -1,7 +1,7 @@
 //! The connection to the rig: a thread that listens, and tries again where there is none.
 
 use control::client::{Client, ClientError, Sender};
-use control::{Ask, Greeting, Message};
+use control::{Greeting, Message, Operation};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
@@ -80,7 +80,7 @@ impl RequestSender {
     }
 
     /// Sends a request. One that cannot be sent ends the connection, which the other half tells.
-    pub fn send(&mut self, number: u64, ask: Ask) {
+    pub fn send(&mut self, number: u64, ask: Operation) {
         let Some(sender) = &mut self.sender else { return };
         match sender.send(ask) {
             Ok(sent) => drop(self.numbers.insert(sent, number)),

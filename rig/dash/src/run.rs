@@ -178,7 +178,7 @@ impl Dashboard {
     /// Sends what is to be sent, and does what the shell wants of the program around it. Whether it is over.
     fn settle(&mut self, suspend: fn()) -> io::Result<bool> {
         for request in self.shell.take_requests() {
-            if let control::Ask::Leave { .. } = request.ask {
+            if let control::Operation::Leave { .. } = request.ask {
                 self.leaving.get_or_insert_with(Instant::now);
             }
             self.requests.send(request.id, request.ask);

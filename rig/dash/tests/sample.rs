@@ -162,7 +162,7 @@ pub fn status() -> Status {
             BusStatus { state: "open".to_owned(), received: 512, sent: 64, errors: 0, dropped: 0 },
         ],
         rig: RigStatus { late_max: 81_000, late_counts: counts, realtime: true, ..RigStatus::default() },
-        troubles: vec![Trouble {
+        troubles: vec![StatusWarning {
             kind: "lost".to_owned(),
             text: "the device `adc` is lost: it gives no sign of life for 200 ms".to_owned(),
         }],

@@ -1,8 +1,8 @@
 //! A dashboard on a terminal that is none, and a rig that answers from what it was told to say.
 
 use control::{
-    Ask, Change, Description, Event, Fault, Greeting, LogLine, PROTOCOL, PlanEvent, Plans, Reply, Request,
-    Signal, SignalKind, Status, Subscribed, Topic, WireValue,
+    Change, Description, Event, Fault, Greeting, LogLine, Operation, PROTOCOL, PlanEvent, Plans, Reply,
+    Request, Signal, SignalKind, Status, Subscribed, Topic, WireValue,
 };
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
@@ -78,7 +78,7 @@ pub struct DashboardSetup {
     pub shell: Shell,
     pub rig: ScriptedRig,
     /// What the rig was asked, subscriptions apart.
-    pub asked: Vec<Ask>,
+    pub asked: Vec<Operation>,
     pub wants: Vec<LoopCommand>,
     /// Names of the subscriptions to signals, by their numbers.
     pub subscriptions: BTreeMap<u64, (Vec<String>, bool)>,
@@ -142,12 +142,12 @@ impl DashboardSetup {
         }
     }
 
-    fn answer_to(&mut self, ask: Ask) -> Result<serde_json::Value, Fault> {
+    fn answer_to(&mut self, ask: Operation) -> Result<serde_json::Value, Fault> {
         let json = |of: serde_json::Result<serde_json::Value>| Ok(of.unwrap());
         match ask {
-            Ask::Hello { .. } => Ok(serde_json::json!({})),
-            Ask::Describe => json(serde_json::to_value(&self.rig.description)),
-            Ask::Subscribe { topic } => {
+            Operation::Hello { .. } => Ok(serde_json::json!({})),
+            Operation::Describe => json(serde_json::to_value(&self.rig.description)),
+            Operation::Subscribe { topic } => {
                 self.next += 1;
                 let mut answer = Subscribed { subscription: self.next, ..Subscribed::default() };
                 match &topic {
@@ -171,12 +171,12 @@ impl DashboardSetup {
                 self.others.insert(self.next, topic);
                 json(serde_json::to_value(&answer))
             }
-            Ask::Unsubscribe { subscription } => {
+            Operation::Unsubscribe { subscription } => {
                 self.subscriptions.remove(&subscription);
                 self.others.remove(&subscription);
                 Ok(serde_json::json!({}))
             }
-            Ask::Plans { .. } => json(serde_json::to_value(Plans { plans: self.rig.plans.clone() })),
+            Operation::Plans { .. } => json(serde_json::to_value(Plans { plans: self.rig.plans.clone() })),
             other => {
                 self.asked.push(other);
                 self.rig.fault.take().map_or(Ok(serde_json::json!({})), Err)

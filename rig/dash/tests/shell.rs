@@ -2,7 +2,7 @@
 
 use crate::sample;
 use crate::setup::{DashboardSetup, LOOK, PLAIN, SMALL, views};
-use control::{Action, Ask, Event, Fault, Forces, Locked, Trouble, Value, WireValue};
+use control::{Action, Event, Fault, Forces, Locked, Operation, StatusWarning, Value, WireValue};
 use ratatui::crossterm::event::KeyCode;
 use scanrig_dash::{LoopCommand, RigMessage, Shell};
 
@@ -18,7 +18,7 @@ fn what_moves_outputs_is_asked_before() {
     setup.press("n");
     assert!(setup.asked.is_empty());
     setup.press(":").key(KeyCode::Down).key(KeyCode::Enter).press("x").press("y");
-    assert_eq!(setup.asked, [Ask::Command { action: Action::Stop }]);
+    assert_eq!(setup.asked, [Operation::Command { action: Action::Stop }]);
     assert!(setup.screen().contains("Stop: done"));
 }
 
@@ -26,7 +26,7 @@ fn what_moves_outputs_is_asked_before() {
 fn the_mouse_gives_commands_too() {
     let mut setup = setup();
     setup.press(":").click("Reset cold").click("yes");
-    assert_eq!(setup.asked, [Ask::Command { action: Action::ResetCold }]);
+    assert_eq!(setup.asked, [Operation::Command { action: Action::ResetCold }]);
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn leaving_asks_what_becomes_of_forces() {
     for (keys, forces) in [("qk", Forces::Keep), ("qr", Forces::Release)] {
         let mut setup = setup();
         setup.press(keys);
-        assert_eq!((setup.asked, setup.wants), (vec![Ask::Leave { forces }], vec![LoopCommand::End]));
+        assert_eq!((setup.asked, setup.wants), (vec![Operation::Leave { forces }], vec![LoopCommand::End]));
     }
     let mut setup = setup();
     setup.press("qs");
@@ -44,7 +44,7 @@ fn leaving_asks_what_becomes_of_forces() {
     setup.press("q");
     assert_eq!(
         (setup.asked, setup.wants),
-        (vec![Ask::Leave { forces: Forces::Keep }], vec![LoopCommand::End])
+        (vec![Operation::Leave { forces: Forces::Keep }], vec![LoopCommand::End])
     );
 }
 
@@ -75,7 +75,8 @@ fn what_cannot_be_trusted_and_what_is_forced_stands_out_without_colours() {
     for text in ["!! Do not trust figures: the device `adc` is lost", "FORCED 2: %QX0.1=TRUE  %IX0.3=FALSE"] {
         assert!(setup.stands_out(text), "{text}:\n{}", setup.screen());
     }
-    setup.rig.status.troubles = vec![Trouble { kind: "overrun".to_owned(), text: "2 overruns".to_owned() }];
+    setup.rig.status.troubles =
+        vec![StatusWarning { kind: "overrun".to_owned(), text: "2 overruns".to_owned() }];
     setup.rig.status.forced.clear();
     setup.rig.status.locked = Some(Locked { by: "anna".to_owned(), note: "accepted".to_owned() });
     setup.tell_status();
@@ -124,7 +125,7 @@ fn a_lost_connection_is_shown_and_taken_up_again() {
 fn the_lock_says_why() {
     let mut setup = setup();
     setup.press(":").key(KeyCode::End).key(KeyCode::Enter).enter("accepted by Anna");
-    assert_eq!(setup.asked, [Ask::Lock { note: "accepted by Anna".to_owned() }]);
+    assert_eq!(setup.asked, [Operation::Lock { note: "accepted by Anna".to_owned() }]);
 }
 
 #[test]

@@ -4,8 +4,8 @@
 use crate::blocks;
 use crate::bundle::Bundle;
 use crate::coverage::Collector;
-use crate::names::{Names, Resolved};
-use crate::system::with_system;
+use crate::system_variables::with_system;
+use crate::variable_numbers::{ResolvedVariables, VariableNumbers};
 use controller::{
     Application, ApplicationFault, FaultClass, LoadError, Loader, Memory, RegisterFormat, Slice, SliceEnd,
     SystemCall, VariableLocation, VariableReset,
@@ -107,9 +107,9 @@ pub struct ProgramApplication {
     inputs: Vec<Vec<Address>>,
     /// Where it leaves what of it ran.
     collector: Option<Collector>,
-    names: Names,
+    names: VariableNumbers,
     /// Where the variables of `names` are.
-    resolved: Resolved,
+    resolved: ResolvedVariables,
 }
 
 impl ProgramApplication {
@@ -133,14 +133,14 @@ impl ProgramApplication {
             output_bits,
             inputs,
             collector: None,
-            names: Names::default(),
-            resolved: Resolved::default(),
+            names: VariableNumbers::default(),
+            resolved: ResolvedVariables::default(),
         })
     }
 
     /// The same, with its variables known by the numbers of this table too.
     #[must_use]
-    pub fn named(mut self, names: Names) -> Self {
+    pub fn named(mut self, names: VariableNumbers) -> Self {
         self.resolved = names.resolve(self.machine.program());
         self.names = names;
         self
@@ -434,18 +434,18 @@ fn application_fault(fault: program::Fault, profile: Profile) -> ApplicationFaul
 pub struct BundleLoader {
     profile: Profile,
     collector: Option<Collector>,
-    names: Names,
+    names: VariableNumbers,
 }
 
 impl BundleLoader {
     /// A loader for a controller of this profile.
     pub fn new(profile: Profile) -> Self {
-        BundleLoader { profile, collector: None, names: Names::default() }
+        BundleLoader { profile, collector: None, names: VariableNumbers::default() }
     }
 
     /// The same, whose applications know their variables by the numbers of this table too.
     #[must_use]
-    pub fn named(mut self, names: Names) -> Self {
+    pub fn named(mut self, names: VariableNumbers) -> Self {
         self.names = names;
         self
     }

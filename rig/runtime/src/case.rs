@@ -3,23 +3,23 @@
 use crate::check;
 use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
 use crate::configure::initial_state;
-use crate::coverage::{Collector, Covered};
-use crate::executor::{Executor, Limits, Parts, Ran};
+use crate::coverage::{Collector, CoveredFile};
+use crate::executor::{Executor, ExecutorReport, Limits, Parts};
 use crate::hardware::{Hardware, in_virtual_time};
-use crate::live::{self, Port};
+use crate::live::{self, ScanPort};
 use crate::needs::{Unmet, unmet};
 use crate::operator::Operator;
 use crate::prepare::{NOT_PROMISED, Prepared};
 use crate::recorder::Recorder;
 
+use crate::loop_counter::LoopCounter;
+use crate::rig_fault::RigFault;
 use crate::schedule::Schedule;
-use crate::stage::{Stage, stage};
 use crate::stepping::Stepper;
 use crate::subject::Subject;
-use crate::suite::nobody;
-use crate::trouble::Trouble;
-use crate::turns::Turns;
-use crate::{describe, lanes, reach, refusal, spill};
+use crate::suite::nobody_to_ask;
+use crate::test_setup::{TestSetup, set_up};
+use crate::{applicability, describe, lanes, refusal, spill};
 use document::{Diagnostic, Joined, SourceFile};
 use drivers::BoardFile;
 use drivers::RealtimeSettings;
@@ -71,9 +71,9 @@ pub struct RunOptions<'a> {
     /// The real lines of the cases whose board file is theirs, if there are any.
     pub hardware: Option<&'a Hardware>,
     /// Is shown every turn of the executor.
-    pub turns: Option<&'a Turns>,
+    pub loop_counter: Option<&'a LoopCounter>,
     /// Serves the clients of a rig that is kept running.
-    pub live: Option<&'a Mutex<Port>>,
+    pub live: Option<&'a Mutex<ScanPort>>,
 }
 
 /// The least that a rig without real-time priority can be asked to keep on the host's clock.
@@ -92,7 +92,7 @@ impl<'a> RunOptions<'a> {
             interrupt,
             operator: None,
             hardware: None,
-            turns: None,
+            loop_counter: None,
             live: None,
         }
     }
@@ -160,7 +160,7 @@ pub struct CaseResult {
     /// Its CAN frames, as `candump -L` writes them; empty where there were none.
     pub frames: String,
     /// What of the program ran, file by file, where that was asked for.
-    pub coverage: Vec<Covered>,
+    pub coverage: Vec<CoveredFile>,
 }
 
 impl CaseResult {
@@ -198,26 +198,26 @@ fn check_here(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Dia
 /// Builds subject and board of a case and looks up its names: signals and steps as a run would have them.
 pub(crate) fn lay_out(case: &Case, files: &CaseFiles) -> Result<Prepared, Vec<Diagnostic>> {
     let case = &*files.guarded(case)?;
-    stage(case, files, None)?.prepare(case, files, Trace::new(), true)
+    set_up(case, files, None)?.prepare(case, files, Trace::new(), true)
 }
 
 /// Builds subject and board of a case and looks up its names.
 pub(crate) fn look_up(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
     let mut case = files.guarded(case)?;
-    let mut stage = stage(&case, files, None)?;
-    if let Some(reason) = reach::beyond(&case, files, &*stage.board) {
+    let mut stage = set_up(&case, files, None)?;
+    if let Some(reason) = applicability::not_applicable_reason(&case, files, &*stage.board) {
         return Ok(vec![check::no_verdict(files, &reason)]);
     }
     if files.board.subject.is_external() {
         if let Some(Unmet::Power(reason)) = unmet(&case, &*stage.subject, &*stage.board, Span::ZERO) {
             return Ok(vec![check::no_verdict(files, &reason)]);
         }
-        reach::leave_out(case.to_mut(), files, &*stage.board);
+        applicability::remove_unreachable_signals(case.to_mut(), files, &*stage.board);
     }
     let case = &*case;
     let prepared = stage.prepare(case, files, Trace::new(), true)?;
     Judge::new(case.scenario(), prepared.trace.signals())?;
-    let looked = stage.looked(case, files, &prepared);
+    let looked = stage.on_bench(case, files, &prepared);
     let found = check::claims(&looked);
     if found.iter().any(Diagnostic::is_error) {
         return Err(found);
@@ -283,20 +283,20 @@ fn run_here(
         record.host_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
         return Ok(CaseResult::not_run(record));
     }
-    if let Some(found) = nobody(case, &files.plan.name).filter(|_| options.operator.is_none()) {
+    if let Some(found) = nobody_to_ask(case, &files.plan.name).filter(|_| options.operator.is_none()) {
         return Err(vec![found]);
     }
     let mut case = files.guarded(case)?;
     let collector = options.coverage.then(Collector::default);
-    let mut stage = stage(&case, files, collector.clone())?;
+    let mut stage = set_up(&case, files, collector.clone())?;
     let hardware = options.hardware.filter(|hardware| hardware.name() == files.board.name);
     if let Some(hardware) = hardware {
-        stage.board = Box::new(hardware.lend());
+        stage.board = Box::new(hardware.lease());
     } else if files.board.is_real() {
         return Err(vec![in_virtual_time(&files.board)]);
     }
     let lacks = unmet(&case, &*stage.subject, &*stage.board, Span::ZERO)
-        .or_else(|| reach::beyond(&case, files, &*stage.board).map(Unmet::Power));
+        .or_else(|| applicability::not_applicable_reason(&case, files, &*stage.board).map(Unmet::Power));
     if let Some(unmet) = lacks {
         match unmet {
             Unmet::Power(reason) => record.status = CaseStatus::NotApplicable { reason },
@@ -308,13 +308,13 @@ fn run_here(
         return Ok(CaseResult::not_run(record));
     }
     if files.board.subject.is_external() {
-        reach::leave_out(case.to_mut(), files, &*stage.board);
+        applicability::remove_unreachable_signals(case.to_mut(), files, &*stage.board);
     }
     let case = &*case;
     let mut clock = clock(options.clock, files.seed, hardware);
     let trace = Trace::with_spill(options.trace_memory, spill::temporary());
     let prepared = stage.prepare(case, files, trace, clock.is_exact())?;
-    let mut found = check::claims(&stage.looked(case, files, &prepared));
+    let mut found = check::claims(&stage.on_bench(case, files, &prepared));
     found.retain(Diagnostic::is_error);
     if !found.is_empty() {
         return Err(found);
@@ -325,7 +325,7 @@ fn run_here(
         record.reason = format!("{}; {}", warning.message, warning.help);
         return Ok(CaseResult::not_run(record));
     }
-    let Stage { mut subject, mut board, program, .. } = stage;
+    let TestSetup { mut subject, mut board, program, .. } = stage;
     let initial = initial_state(case.settings.initial);
     let Prepared { mut trace, mut wiring, steps, probes, mut alarms, .. } = prepared;
     describe::annotate(&mut trace, case, files, &*subject, clock.name());
@@ -346,7 +346,7 @@ fn run_here(
         horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,
         fail_fast: options.fail_fast,
         on_loss: files.board.on_loss,
-        retake: files.board.retakes(),
+        reconnect: files.board.retakes(),
         timeout: case.timeout,
         teardown: case.teardown,
     };
@@ -360,10 +360,10 @@ fn run_here(
         alarms: &mut alarms,
         interrupt: options.interrupt,
         operator: options.operator,
-        heart: hardware.and_then(Hardware::heart),
-        turns: options.turns,
+        heartbeat: hardware.and_then(Hardware::heartbeat),
+        loop_counter: options.loop_counter,
     };
-    let mut port = options.live.map(live::held);
+    let mut port = options.live.map(live::lock);
     let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), live::Role::Case);
     let entered = hardware.map(Hardware::enter);
     let mut ran = match stepper {
@@ -373,15 +373,15 @@ fn run_here(
     drop(entered);
     drop(port);
     if let Err(error) = subject.unload(options.interrupt) {
-        ran.trouble.get_or_insert(Trouble::Hook(error));
+        ran.fault.get_or_insert(RigFault::Hook(error));
     }
     let late = recorder.late();
     let (mut trace, judge) = recorder.into_parts();
     if let Some(ended) = schedule.ended_words() {
         trace.set_note("ended", ended);
     }
-    if let Some(trouble) = &ran.trouble {
-        trace.set_note("trouble", trouble.show(board.channels()).to_string());
+    if let Some(fault) = &ran.fault {
+        trace.set_note("trouble", fault.show(board.channels()).to_string());
     }
     // How late the rig was shows only now. Steps that came later than the plan needs may have tested something else.
     if let Some(Unmet::Instrument(reason)) = unmet(case, &*subject, &*board, late) {
@@ -434,15 +434,15 @@ pub fn verdict(record: &mut CaseRecord, outcome: Result<Outcome, String>, trace:
         record.verdict = Verdict::Inconclusive;
         record.reason = unmet.to_owned();
     }
-    if let Some(trouble) = trace.note("trouble") {
+    if let Some(fault) = trace.note("trouble") {
         record.verdict = Verdict::Error;
-        record.reason = trouble.to_owned();
+        record.reason = fault.to_owned();
     }
 }
 
 fn finish(
     record: &mut CaseRecord,
-    ran: &Ran,
+    ran: &ExecutorReport,
     late: Span,
     schedule: &Schedule,
     subject: &dyn Subject,

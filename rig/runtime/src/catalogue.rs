@@ -2,8 +2,8 @@
 
 use crate::functions;
 use crate::inputs;
-use crate::names::Names;
 use crate::subject::Observable;
+use crate::variable_numbers::VariableNumbers;
 use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
 use expert::ExpertConfig;
 use profile::Reference;
@@ -17,7 +17,7 @@ pub struct Catalogue {
     /// The case's own program, then those that steps bring.
     programs: Vec<Arc<Program>>,
     /// Numbers for variables that hold for every program; none where there is one program only, whose own numbers hold.
-    names: Option<Names>,
+    names: Option<VariableNumbers>,
     reference: &'static Reference,
     functions: ExpertConfig,
     tasks: Vec<TaskConfig>,
@@ -25,7 +25,7 @@ pub struct Catalogue {
 
 impl Catalogue {
     /// The names of a controller of this configuration with this program, if it has one.
-    pub fn new(config: &Config, program: Option<Arc<Program>>, names: Names) -> Catalogue {
+    pub fn new(config: &Config, program: Option<Arc<Program>>, names: VariableNumbers) -> Catalogue {
         Catalogue {
             programs: program.into_iter().collect(),
             names: Some(names),
@@ -35,8 +35,8 @@ impl Catalogue {
         }
     }
 
-    /// Names of further programs mean something too, behind those that it knows.
-    pub fn know(&mut self, programs: Vec<Arc<Program>>) {
+    /// VariableNumbers of further programs mean something too, behind those that it knows.
+    pub fn add_programs(&mut self, programs: Vec<Arc<Program>>) {
         self.programs.extend(programs);
     }
 
@@ -66,7 +66,7 @@ impl Catalogue {
         &self.tasks
     }
 
-    /// Names that mean something, for suggestions.
+    /// VariableNumbers that mean something, for suggestions.
     pub fn names(&self) -> Vec<String> {
         let variables = self.programs.iter().flat_map(|program| program.variables());
         let variables = variables.map(|variable| variable.path.clone());

@@ -5,7 +5,7 @@ use crate::case::CaseFiles;
 use crate::generator::Generator;
 use crate::needs::{Unmet, unmet};
 use crate::prepare::Prepared;
-use crate::schedule::{Act, Planned, Timing};
+use crate::schedule::{Act, PlannedStep, Timing};
 use crate::subject::Subject;
 use document::Diagnostic;
 use drivers::circuit::PlantSpec;
@@ -17,7 +17,7 @@ use plans::plan::{FileFigure, RowFigure, SignalBinding, Source, TaskFigure};
 use signal::{SignalId, Span};
 
 /// What is looked at.
-pub(crate) struct Looked<'a> {
+pub(crate) struct CaseOnBench<'a> {
     pub(crate) case: &'a Case,
     pub(crate) files: &'a CaseFiles,
     pub(crate) subject: &'a dyn Subject,
@@ -26,11 +26,11 @@ pub(crate) struct Looked<'a> {
 }
 
 /// Errors in the claims of a case, and what is worth knowing about them.
-pub(crate) fn claims(looked: &Looked<'_>) -> Vec<Diagnostic> {
+pub(crate) fn claims(looked: &CaseOnBench<'_>) -> Vec<Diagnostic> {
     let case = looked.case;
     let signals = looked.prepared.trace.signals();
     let bounds = |name: &str| looked.bounds(name);
-    let moved = Moved::new(looked.board, &looked.files.board, &looked.prepared.steps);
+    let moved = MovableChannels::new(looked.board, &looked.files.board, &looked.prepared.steps);
     let guards = case.invariants.iter().map(|guard| &guard.expectation);
     let mut found = Vec::new();
     for expectation in case.expectations.iter().chain(guards) {
@@ -69,7 +69,7 @@ pub(crate) fn claims(looked: &Looked<'_>) -> Vec<Diagnostic> {
 const STILL: &str = "drive it in a step, or let a wire or plant of the board reach it";
 
 /// What the bench lacks for the case to get a verdict at all.
-pub(crate) fn needs(looked: &Looked<'_>) -> Option<Diagnostic> {
+pub(crate) fn needs(looked: &CaseOnBench<'_>) -> Option<Diagnostic> {
     let (Unmet::Power(reason) | Unmet::Instrument(reason)) =
         unmet(looked.case, looked.subject, looked.board, Span::ZERO)?;
     Some(no_verdict(looked.files, &reason))
@@ -99,14 +99,14 @@ pub(crate) fn profile(case: &Case, files: &CaseFiles) -> Option<Diagnostic> {
 }
 
 /// Adds where a claim stands.
-fn at(found: Diagnostic, looked: &Looked<'_>, expectation: &Expectation) -> Diagnostic {
+fn at(found: Diagnostic, looked: &CaseOnBench<'_>, expectation: &Expectation) -> Diagnostic {
     match &expectation.place {
         Some(place) if !place.file.is_empty() => found.at(&*place.file, place.span.clone(), ""),
         _ => found.at(&looked.files.plan.name, 0..0, ""),
     }
 }
 
-impl Looked<'_> {
+impl CaseOnBench<'_> {
     fn binding(&self, name: &str) -> Option<&SignalBinding> {
         self.case.signals.iter().find(|binding| binding.name == name)
     }
@@ -154,7 +154,7 @@ impl Looked<'_> {
     }
 
     /// A claim that needs a change of a line that nothing moves, or a look at one that the rig cannot see.
-    fn unmoved(&self, expectation: &Expectation, moved: &Moved) -> Option<Diagnostic> {
+    fn unmoved(&self, expectation: &Expectation, moved: &MovableChannels) -> Option<Diagnostic> {
         for name in expectation.claim.signals() {
             let Some(channel) = self.channel(&name) else { continue };
             if !self.board.channels()[usize::from(channel.0)].senses {
@@ -175,14 +175,14 @@ impl Looked<'_> {
 }
 
 /// Which channels of a board something can move.
-struct Moved {
+struct MovableChannels {
     channels: Vec<bool>,
 }
 
-impl Moved {
-    fn new(board: &dyn Board, file: &BoardFile, steps: &[Planned]) -> Moved {
+impl MovableChannels {
+    fn new(board: &dyn Board, file: &BoardFile, steps: &[PlannedStep]) -> MovableChannels {
         // What is outside of the rig may move any real line.
-        let mut moved = Moved { channels: vec![file.is_real(); board.channels().len()] };
+        let mut moved = MovableChannels { channels: vec![file.is_real(); board.channels().len()] };
         // What an output is bound to the controller drives.
         for binding in file.bind.iter().filter(|binding| binding.address.area() == signal::Area::Output) {
             moved.mark(binding.channel);

@@ -28,7 +28,7 @@ impl Collector {
     }
 
     /// What was added of a program, file by file.
-    pub fn take(&self, program: &Program) -> Vec<Covered> {
+    pub fn take(&self, program: &Program) -> Vec<CoveredFile> {
         let sums = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         sums.get(&program.digest()).map_or_else(Vec::new, |coverage| by_file(program, coverage))
     }
@@ -36,7 +36,7 @@ impl Collector {
 
 /// A place of the source with what of it ran.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Ran {
+struct CoveredPlace {
     line: u32,
     /// Ways that it can go, and those that it went: one for a statement, two for a condition.
     ways: [bool; 2],
@@ -44,24 +44,24 @@ struct Ran {
 
 /// What of a source file ran.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Covered {
+pub struct CoveredFile {
     file: String,
-    statements: Vec<Ran>,
-    branches: Vec<Ran>,
+    statements: Vec<CoveredPlace>,
+    branches: Vec<CoveredPlace>,
 }
 
 /// The coverage of a program, file by file in the order of the sources.
-pub fn by_file(program: &Program, coverage: &Coverage) -> Vec<Covered> {
-    let named = |name: &String| Covered { file: name.clone(), ..Covered::default() };
-    let mut files: Vec<Covered> = program.files().iter().map(named).collect();
+pub fn by_file(program: &Program, coverage: &Coverage) -> Vec<CoveredFile> {
+    let named = |name: &String| CoveredFile { file: name.clone(), ..CoveredFile::default() };
+    let mut files: Vec<CoveredFile> = program.files().iter().map(named).collect();
     for statement in &coverage.statements {
         if let Some(file) = files.get_mut(usize::from(statement.file)) {
-            file.statements.push(Ran { line: statement.line, ways: [statement.executed; 2] });
+            file.statements.push(CoveredPlace { line: statement.line, ways: [statement.executed; 2] });
         }
     }
     for branch in &coverage.branches {
         if let Some(file) = files.get_mut(usize::from(branch.file)) {
-            file.branches.push(Ran { line: branch.line, ways: [branch.taken, branch.passed] });
+            file.branches.push(CoveredPlace { line: branch.line, ways: [branch.taken, branch.passed] });
         }
     }
     files.retain(|file| !file.statements.is_empty());
@@ -70,13 +70,13 @@ pub fn by_file(program: &Program, coverage: &Coverage) -> Vec<Covered> {
 
 /// The coverage of a whole run: cases that ran the same file add up.
 #[derive(Clone, Debug, Default)]
-pub struct Total {
-    files: Vec<Covered>,
+pub struct CoverageTotal {
+    files: Vec<CoveredFile>,
 }
 
-impl Total {
+impl CoverageTotal {
     /// Adds what a case ran. A file that reads otherwise than an earlier one of its name stands for itself.
-    pub fn add(&mut self, files: Vec<Covered>) {
+    pub fn add(&mut self, files: Vec<CoveredFile>) {
         for file in files {
             if let Some(known) = self.files.iter_mut().find(|known| known.is_like(&file)) {
                 known.merge(&file);
@@ -88,36 +88,36 @@ impl Total {
 
     /// As the record has it.
     pub fn record(&self) -> Vec<FileCoverage> {
-        self.files.iter().map(Covered::record).collect()
+        self.files.iter().map(CoveredFile::record).collect()
     }
 
     /// As the record of a part of a suite has it: with every statement, so that parts add up.
     pub fn part(&self) -> Vec<FileCoverage> {
-        self.files.iter().map(Covered::part).collect()
+        self.files.iter().map(CoveredFile::part).collect()
     }
 
-    /// Adds what [`Total::part`] gave; false when it lacks the statements.
+    /// Adds what [`CoverageTotal::part`] gave; false when it lacks the statements.
     #[must_use]
     pub fn add_part(&mut self, files: &[FileCoverage]) -> bool {
-        let parts: Option<Vec<Covered>> = files.iter().map(Covered::of_part).collect();
+        let parts: Option<Vec<CoveredFile>> = files.iter().map(CoveredFile::of_part).collect();
         let whole = parts.is_some();
         self.add(parts.unwrap_or_default());
         whole
     }
 }
 
-fn same_lines(left: &[Ran], right: &[Ran]) -> bool {
+fn same_lines(left: &[CoveredPlace], right: &[CoveredPlace]) -> bool {
     left.iter().map(|ran| ran.line).eq(right.iter().map(|ran| ran.line))
 }
 
-impl Covered {
-    fn is_like(&self, other: &Covered) -> bool {
+impl CoveredFile {
+    fn is_like(&self, other: &CoveredFile) -> bool {
         self.file == other.file
             && same_lines(&self.statements, &other.statements)
             && same_lines(&self.branches, &other.branches)
     }
 
-    fn merge(&mut self, other: &Covered) {
+    fn merge(&mut self, other: &CoveredFile) {
         let lists = [(&mut self.statements, &other.statements), (&mut self.branches, &other.branches)];
         for (sum, more) in lists.into_iter().flat_map(|(sum, more)| sum.iter_mut().zip(more)) {
             sum.ways = [sum.ways[0] | more.ways[0], sum.ways[1] | more.ways[1]];
@@ -132,10 +132,11 @@ impl Covered {
         }
     }
 
-    fn of_part(file: &FileCoverage) -> Option<Covered> {
-        let statement = |(line, ran): &(u32, bool)| Ran { line: *line, ways: [*ran; 2] };
-        let branch = |(line, one, other): &(u32, bool, bool)| Ran { line: *line, ways: [*one, *other] };
-        (file.statements_at.len() as u64 == file.statements).then(|| Covered {
+    fn of_part(file: &FileCoverage) -> Option<CoveredFile> {
+        let statement = |(line, ran): &(u32, bool)| CoveredPlace { line: *line, ways: [*ran; 2] };
+        let branch =
+            |(line, one, other): &(u32, bool, bool)| CoveredPlace { line: *line, ways: [*one, *other] };
+        (file.statements_at.len() as u64 == file.statements).then(|| CoveredFile {
             file: file.file.clone(),
             statements: file.statements_at.iter().map(statement).collect(),
             branches: file.branches_at.iter().map(branch).collect(),
@@ -144,7 +145,7 @@ impl Covered {
 
     /// As the record has it.
     pub fn record(&self) -> FileCoverage {
-        let missed = |ran: &Ran| ran.ways == [false; 2];
+        let missed = |ran: &CoveredPlace| ran.ways == [false; 2];
         let ways: usize = self.branches.iter().map(|ran| ran.ways.iter().filter(|went| **went).count()).sum();
         let mut one_way: Vec<u32> =
             self.branches.iter().filter(|ran| ran.ways[0] != ran.ways[1]).map(|ran| ran.line).collect();
@@ -194,11 +195,17 @@ fn ranges(lines: &[u32], joins: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
 mod tests {
     use super::*;
 
-    fn file(statements: &[(u32, bool)], branches: &[(u32, bool, bool)]) -> Covered {
-        Covered {
+    fn file(statements: &[(u32, bool)], branches: &[(u32, bool, bool)]) -> CoveredFile {
+        CoveredFile {
             file: String::from("a.st"),
-            statements: statements.iter().map(|(line, ran)| Ran { line: *line, ways: [*ran; 2] }).collect(),
-            branches: branches.iter().map(|(line, a, b)| Ran { line: *line, ways: [*a, *b] }).collect(),
+            statements: statements
+                .iter()
+                .map(|(line, ran)| CoveredPlace { line: *line, ways: [*ran; 2] })
+                .collect(),
+            branches: branches
+                .iter()
+                .map(|(line, a, b)| CoveredPlace { line: *line, ways: [*a, *b] })
+                .collect(),
         }
     }
 
@@ -226,7 +233,7 @@ mod tests {
 
     #[test]
     fn cases_add_up() {
-        let mut total = Total::default();
+        let mut total = CoverageTotal::default();
         total.add(vec![file(&[(1, true), (2, false)], &[(1, true, false)])]);
         total.add(vec![file(&[(1, false), (2, true)], &[(1, false, true)])]);
         // Another text under the same name.

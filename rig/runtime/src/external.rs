@@ -3,7 +3,7 @@
 
 use crate::capability::Capability;
 use crate::hook::{Hook, HookError};
-use crate::schedule::FileAct;
+use crate::schedule::FileAction;
 use crate::subject::{Observable, Subject};
 use controller::{
     Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, Probe, ProbeId, State,
@@ -224,7 +224,7 @@ impl Subject for External {
         self.hook.run("unload", &self.settings.unload, self.settings.load_within, interrupt)
     }
 
-    fn patience(&self) -> Span {
+    fn startup_limit(&self) -> Span {
         let (boot, off) = (self.settings.boot, self.settings.off);
         Span::from_nanos(boot.as_nanos().saturating_add(off.as_nanos())) + Span::from_secs(1)
     }
@@ -314,7 +314,7 @@ impl Subject for External {
 
     // What follows cannot be done from outside. A case that needs it does not run.
 
-    fn file(&mut self, _: Time, _: &FileAct, _: &mut Effects) -> Result<(), FileError> {
+    fn file(&mut self, _: Time, _: &FileAction, _: &mut Effects) -> Result<(), FileError> {
         Err(FileError::State(self.state()))
     }
 

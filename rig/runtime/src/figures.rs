@@ -34,7 +34,7 @@ pub const COUNTS: &str = "counts";
 
 /// How fast pulses can be for a board to count every one, and how fast it makes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Counted {
+pub struct CountingLimit {
     /// The fastest pulses of which all were counted each time, in Hz.
     pub counted_hz: u64,
     /// The fastest that were made, in Hz.
@@ -43,7 +43,7 @@ pub struct Counted {
     pub is_limit: bool,
 }
 
-impl Counted {
+impl CountingLimit {
     /// As settings of the figures that are kept.
     pub fn settings(&self) -> [(String, String); 3] {
         let limit = if self.is_limit { "yes" } else { "no" };
@@ -55,12 +55,12 @@ impl Counted {
     }
 
     /// Out of figures that were kept.
-    pub fn of(record: &MachineRecord) -> Option<Counted> {
+    pub fn of(record: &MachineRecord) -> Option<CountingLimit> {
         let text = |name: &str| {
             let found = record.settings.iter().find(|(known, _)| known == name);
             found.map(|(_, text)| text.as_str())
         };
-        Some(Counted {
+        Some(CountingLimit {
             counted_hz: text("counted Hz")?.parse().ok()?,
             made_hz: text("made Hz")?.parse().ok()?,
             is_limit: text("faster ones were lost")? == "yes",
@@ -163,7 +163,7 @@ pub fn devices(file: &BoardFile) -> String {
 
 /// What is known of this machine with the devices of a board, for those that judge what it sees.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Standing {
+pub struct MachineFigures {
     /// How long before its stamp an edge may have happened: 9 999 of 10 000 did not take longer. 0 where that was not
     /// measured.
     pub resolution: Span,
@@ -174,12 +174,12 @@ pub struct Standing {
 }
 
 /// What is kept of this machine with the devices of a board.
-pub fn standing(file: &BoardFile) -> Standing {
+pub fn standing(file: &BoardFile) -> MachineFigures {
     standing_in(folder().as_deref(), file, &Machine::here().identity())
 }
 
-fn standing_in(folder: Option<&Path>, file: &BoardFile, machine: &[(String, String)]) -> Standing {
-    let mut standing = Standing::default();
+fn standing_in(folder: Option<&Path>, file: &BoardFile, machine: &[(String, String)]) -> MachineFigures {
+    let mut standing = MachineFigures::default();
     let devices = devices(file);
     let of = [("loopback", devices.as_str(), "Edges stamped within"), ("latency", "", "Woken up within")];
     for (kind, devices, name) in of {
@@ -272,7 +272,7 @@ mod tests {
         let folder = Some(path);
         let file = BoardFile::default_for(&[], &[]);
         let machine = vec![(String::from("kernel"), String::from("Linux 6.12"))];
-        let text = |standing: &Standing, place: usize| standing.facts[place].1.clone();
+        let text = |standing: &MachineFigures, place: usize| standing.facts[place].1.clone();
         let none = standing_in(folder, &file, &machine);
         assert_eq!(
             (none.resolution, text(&none, 0), text(&none, 1).as_str()),

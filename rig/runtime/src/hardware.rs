@@ -3,8 +3,8 @@
 
 use crate::bench_lock::BenchLock;
 use crate::clock::HostClock;
-use crate::executor::Heart;
-use crate::figures::{self, Standing};
+use crate::executor::Heartbeat;
+use crate::figures::{self, MachineFigures};
 use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
 use drivers::convert::Date;
@@ -21,16 +21,16 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 /// A board with real lines, for as long as a run lasts. Between cases its lines stay claimed, and safe.
 #[derive(Debug)]
 pub struct Hardware {
-    place: Arc<Place>,
+    place: Arc<BoardSlot>,
     /// Name of the board file.
     name: String,
     surroundings: Surroundings,
     settings: RealtimeSettings,
     punctual: Punctual,
     refused: Vec<Refused>,
-    heart: Option<Arc<dyn Heart + Send>>,
+    heartbeat: Option<Arc<dyn Heartbeat + Send>>,
     /// What was measured of this machine and these devices.
-    standing: Standing,
+    standing: MachineFigures,
     /// What the guard could not get for itself.
     lacks: Option<Lacks>,
     /// Keeps other users off, until the lines were made safe.
@@ -47,12 +47,12 @@ pub fn in_virtual_time(board: &BoardFile) -> Diagnostic {
 
 /// Where the board is while no case has it.
 #[derive(Debug)]
-struct Place {
+struct BoardSlot {
     board: Mutex<Option<Box<dyn Board>>>,
     back: Condvar,
 }
 
-impl Place {
+impl BoardSlot {
     fn lock(&self) -> MutexGuard<'_, Option<Box<dyn Board>>> {
         // A panic elsewhere does not make the board another one.
         self.board.lock().unwrap_or_else(PoisonError::into_inner)
@@ -72,14 +72,14 @@ impl Hardware {
         let mut refused = settings.threads().refused(Role::Edges);
         refused.extend(&punctual.refused);
         Hardware {
-            place: Arc::new(Place { board: Mutex::new(Some(board)), back: Condvar::new() }),
+            place: Arc::new(BoardSlot { board: Mutex::new(Some(board)), back: Condvar::new() }),
             name: name.to_owned(),
             surroundings,
             settings,
             punctual,
             refused,
-            heart: None,
-            standing: Standing::default(),
+            heartbeat: None,
+            standing: MachineFigures::default(),
             lacks: None,
             lock: None,
         }
@@ -121,13 +121,13 @@ impl Hardware {
         let lacks = guard.lacks();
         let mut hardware = Hardware::new(&file.name, board, surroundings, file.realtime);
         (hardware.lacks, hardware.standing) = (Some(lacks), standing);
-        Ok(Some(hardware.with_heart(guard)))
+        Ok(Some(hardware.with_heartbeat(guard)))
     }
 
     /// The same, and every turn of the executor is shown to this.
     #[must_use]
-    pub fn with_heart(mut self, heart: Arc<dyn Heart + Send>) -> Hardware {
-        self.heart = Some(heart);
+    pub fn with_heartbeat(mut self, heartbeat: Arc<dyn Heartbeat + Send>) -> Hardware {
+        self.heartbeat = Some(heartbeat);
         self
     }
 
@@ -159,29 +159,29 @@ impl Hardware {
     }
 
     /// Who is shown every turn of the executor.
-    pub fn heart(&self) -> Option<&dyn Heart> {
-        self.heart.as_deref().map(|heart| heart as &dyn Heart)
+    pub fn heartbeat(&self) -> Option<&dyn Heartbeat> {
+        self.heartbeat.as_deref().map(|heartbeat| heartbeat as &dyn Heartbeat)
     }
 
     /// The board, which comes back when what is lent is dropped. Waits while somebody else has it.
-    pub fn lend(&self) -> Lent {
+    pub fn lease(&self) -> BoardLease {
         let mut place = self.place.lock();
         loop {
             if let Some(board) = place.take() {
-                return Lent { board: Some(board), place: self.place.clone() };
+                return BoardLease { board: Some(board), place: self.place.clone() };
             }
             place = self.place.back.wait(place).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
     /// What was measured of this machine and these devices.
-    pub fn standing(&self) -> &Standing {
+    pub fn standing(&self) -> &MachineFigures {
         &self.standing
     }
 
     /// The board, lent, as something that is measured.
-    pub fn instrument<'a>(&'a self, lent: &'a mut Lent) -> Instrument<'a> {
-        Instrument { board: lent, lives: &self.surroundings, heart: self.heart() }
+    pub fn instrument<'a>(&'a self, lent: &'a mut BoardLease) -> Instrument<'a> {
+        Instrument { board: lent, lives: &self.surroundings, heartbeat: self.heartbeat() }
     }
 
     /// Drives a known square wave through the loop that the board file names, if it names one, and compares what comes
@@ -191,7 +191,7 @@ impl Hardware {
     /// Why the board is no instrument, as a finding to be shown; nothing of it where the user interrupted.
     pub fn check(&mut self, looped: Option<Loop>, interrupt: &AtomicBool) -> Result<(), Option<Diagnostic>> {
         let Some(looped) = looped else { return Ok(()) };
-        let mut board = self.lend();
+        let mut board = self.lease();
         let names = instrument::names(&board, looped);
         let entered = self.enter();
         let found = instrument::square(self.instrument(&mut board), looped, interrupt);
@@ -211,7 +211,7 @@ impl Hardware {
         self.settings.threads().enter_for_now(Role::Scan)
     }
 
-    /// What the kernel refuses the run, each with its mend: warnings, to be shown once.
+    /// What the kernel refuses the run, each with its fix: warnings, to be shown once.
     pub fn warnings(&self) -> Vec<Diagnostic> {
         let warning = |refused: &Refused| {
             let code = match refused.what {
@@ -296,8 +296,8 @@ impl Drop for Hardware {
             let _ = board.safe(self.surroundings.time.now());
             // It looks at the outputs once more, and a PWM output that was given back is not there to be looked at. In a
             // panic it sees this process die.
-            if let Some(heart) = self.heart.as_ref().filter(|_| !std::thread::panicking()) {
-                let _ = heart.close();
+            if let Some(heartbeat) = self.heartbeat.as_ref().filter(|_| !std::thread::panicking()) {
+                let _ = heartbeat.close();
             }
         }
     }
@@ -305,26 +305,26 @@ impl Drop for Hardware {
 
 /// A board on loan.
 #[derive(Debug)]
-pub struct Lent {
+pub struct BoardLease {
     /// There until it goes back.
     board: Option<Box<dyn Board>>,
-    place: Arc<Place>,
+    place: Arc<BoardSlot>,
 }
 
-impl Drop for Lent {
+impl Drop for BoardLease {
     fn drop(&mut self) {
         *self.place.lock() = self.board.take();
         self.place.back.notify_one();
     }
 }
 
-impl Lent {
+impl BoardLease {
     fn board(&mut self) -> Result<&mut Box<dyn Board>, BoardError> {
         self.board.as_mut().ok_or(BoardError::NotStarted)
     }
 }
 
-impl Board for Lent {
+impl Board for BoardLease {
     fn channels(&self) -> &[Channel] {
         self.board.as_ref().map_or(&[], |board| board.channels())
     }
@@ -418,9 +418,9 @@ mod tests {
     #[test]
     fn whoever_wants_the_board_waits_until_it_is_back() {
         let hardware = hardware();
-        let lent = hardware.lend();
+        let lent = hardware.lease();
         std::thread::scope(|scope| {
-            let next = scope.spawn(|| drop(hardware.lend()));
+            let next = scope.spawn(|| drop(hardware.lease()));
             drop(lent);
             next.join().unwrap();
         });

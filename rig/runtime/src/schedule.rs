@@ -2,9 +2,9 @@
 //! case runs.
 
 mod awaited;
-mod course;
+mod progress;
 
-use crate::generator::{Generator, Order};
+use crate::generator::{BoardOrder, Generator};
 use controller::{Command, Disturbance, FileUser, Probe};
 use drivers::{ChannelId, Fault};
 use plans::lang::{Anchor, Base};
@@ -15,9 +15,9 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::sync::Arc;
 
-pub use awaited::Awaited;
-use course::Course;
-pub use course::EndReason;
+pub use awaited::AwaitedChange;
+pub use progress::EndReason;
+use progress::Progress;
 
 /// One thing that a step does, with every name resolved.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,14 +55,14 @@ pub enum Act {
     /// Writes a variable, a place in memory or a register.
     Write(Probe, Value, Expected),
     /// Does something to a file.
-    File(FileAct, Expected),
+    File(FileAction, Expected),
     /// Asks a person; the answer is recorded as this signal.
     Ask(Arc<Question>, SignalId),
 }
 
 /// What is done to a file of the subject.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FileAct {
+pub struct FileAction {
     /// Its path.
     pub path: String,
     /// What is done.
@@ -91,7 +91,7 @@ pub enum Timing {
         /// The signal.
         signal: SignalId,
         /// What it does.
-        event: Awaited,
+        event: AwaitedChange,
         /// Where waiting begins.
         from: Anchor,
         /// How long to wait for it.
@@ -101,7 +101,7 @@ pub enum Timing {
 
 /// A step with everything resolved.
 #[derive(Clone, Debug)]
-pub struct Planned {
+pub struct PlannedStep {
     /// Its id.
     pub id: String,
     /// The mark of its beginning.
@@ -147,7 +147,7 @@ pub enum Due {
 
 /// What a step or the end of the case hangs on, with the step's place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Root {
+enum StepAnchor {
     Start,
     Main,
     Teardown,
@@ -160,22 +160,22 @@ enum Root {
     Never,
 }
 
-impl Root {
-    fn of(base: &Base, steps: &BTreeMap<&str, usize>) -> Root {
+impl StepAnchor {
+    fn of(base: &Base, steps: &BTreeMap<&str, usize>) -> StepAnchor {
         let place = |id: &str| steps.get(id).copied();
         let found = match base {
-            Base::Start => Some(Root::Start),
-            Base::Main => Some(Root::Main),
-            Base::Teardown => Some(Root::Teardown),
+            Base::Start => Some(StepAnchor::Start),
+            Base::Main => Some(StepAnchor::Main),
+            Base::Teardown => Some(StepAnchor::Teardown),
             Base::End => None,
-            Base::Occurrence { step, n } => place(step).map(|place| Root::Time(place, *n)),
-            Base::Step(id) => place(id).map(Root::Begin),
-            Base::StepDone(id) => place(id).map(Root::Done),
+            Base::Occurrence { step, n } => place(step).map(|place| StepAnchor::Time(place, *n)),
+            Base::Step(id) => place(id).map(StepAnchor::Begin),
+            Base::StepDone(id) => place(id).map(StepAnchor::Done),
             Base::Pulse { step, n } => {
-                place(step).zip(u32::try_from(*n).ok()).map(|(place, n)| Root::Pulse(place, n))
+                place(step).zip(u32::try_from(*n).ok()).map(|(place, n)| StepAnchor::Pulse(place, n))
             }
         };
-        found.unwrap_or(Root::Never)
+        found.unwrap_or(StepAnchor::Never)
     }
 }
 
@@ -184,7 +184,7 @@ const KEPT: (i64, i64) = (3, 4);
 
 /// How far the generator of a step has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Running {
+struct GeneratorProgress {
     /// Which time of the step this is.
     ticket: u64,
     /// The number of its next act, from 0.
@@ -198,17 +198,17 @@ struct Running {
 /// The steps and what of them is due next.
 #[derive(Debug)]
 pub struct Schedule {
-    steps: Vec<Planned>,
+    steps: Vec<PlannedStep>,
     /// What each step hangs on, and behind them the end of the case.
-    roots: Vec<Root>,
+    roots: Vec<StepAnchor>,
     /// When each began last.
     begun: Vec<Option<Time>>,
     armed: Vec<bool>,
     /// How each step's generator goes on.
-    running: Vec<Running>,
+    running: Vec<GeneratorProgress>,
     /// By channel: the step whose generator drives it.
     drivers: Vec<Option<usize>>,
-    course: Course,
+    progress: Progress,
     queue: BinaryHeap<Reverse<(Time, u64, usize, Due)>>,
     order: u64,
     ends: Anchor,
@@ -218,25 +218,25 @@ pub struct Schedule {
 
 impl Schedule {
     /// A schedule that waits for its start. `ends` is the end of the case.
-    pub fn new(steps: Vec<Planned>, ends: Anchor) -> Schedule {
+    pub fn new(steps: Vec<PlannedStep>, ends: Anchor) -> Schedule {
         let count = steps.len();
         let places: BTreeMap<&str, usize> =
             steps.iter().enumerate().map(|(place, step)| (step.id.as_str(), place)).collect();
         let anchors = steps.iter().map(|step| match &step.timing {
             Timing::At(anchor) | Timing::When { from: anchor, .. } => anchor,
         });
-        let roots = anchors.chain([&ends]).map(|anchor| Root::of(&anchor.base, &places)).collect();
-        let course = Course::new(&steps, &places);
+        let roots = anchors.chain([&ends]).map(|anchor| StepAnchor::of(&anchor.base, &places)).collect();
+        let progress = Progress::new(&steps, &places);
         let generators = steps.iter().filter_map(|step| step.generator.as_ref());
         let channels =
             generators.flat_map(Generator::channels).map(|channel| usize::from(channel.0) + 1).max();
         Schedule {
-            course,
+            progress,
             steps,
             roots,
             begun: vec![None; count],
             armed: vec![false; count],
-            running: vec![Running::default(); count],
+            running: vec![GeneratorProgress::default(); count],
             drivers: vec![None; channels.unwrap_or(0)],
             // Of each step at most its beginning or miss, its acts, one of its generator's and its end wait at once.
             queue: BinaryHeap::with_capacity(count * 8 + 8),
@@ -248,18 +248,18 @@ impl Schedule {
     }
 
     /// The steps.
-    pub fn steps(&self) -> &[Planned] {
+    pub fn steps(&self) -> &[PlannedStep] {
         &self.steps
     }
 
     /// When a step began, for the first time.
     pub fn begun(&self, step: usize) -> Option<Time> {
-        self.course.first[step]
+        self.progress.first[step]
     }
 
     /// The end of the case, once it is known. It does not end before its setup is done, unless that fails.
     pub fn end(&self) -> Option<Time> {
-        let comes = self.course.phase == Phase::Main || self.course.ended.is_some();
+        let comes = self.progress.phase == Phase::Main || self.progress.ended.is_some();
         self.end.filter(|_| comes)
     }
 
@@ -292,22 +292,22 @@ impl Schedule {
     /// The case starts.
     pub fn start(&mut self, at: Time) {
         self.start = Some(at);
-        self.open_course();
-        self.came(Root::Start, at);
+        self.begin_first_phase();
+        self.anchor_reached(StepAnchor::Start, at);
     }
 
     /// An instant that steps or the end hang on came.
-    fn came(&mut self, root: Root, now: Time) {
+    fn anchor_reached(&mut self, root: StepAnchor, now: Time) {
         for place in 0..self.roots.len() {
             if self.roots[place] == root {
-                self.hang(place, now, now);
+                self.queue_anchored(place, now, now);
             }
         }
         self.stops(root, now);
     }
 
     /// What the step at `place`, or the end behind the last one, hangs on comes at `base_at`.
-    fn hang(&mut self, place: usize, base_at: Time, now: Time) {
+    fn queue_anchored(&mut self, place: usize, base_at: Time, now: Time) {
         let (anchor, due) = match self.steps.get(place).map(|step| &step.timing) {
             Some(Timing::At(anchor)) => (anchor, Some(Due::Begin)),
             Some(Timing::When { from, .. }) => (from, Some(Due::Arm)),
@@ -375,28 +375,28 @@ impl Schedule {
             self.steps[step].generator = Some(generator);
         }
         let ticket = self.running[step].ticket + 1;
-        self.running[step] = Running { ticket, ..Running::default() };
+        self.running[step] = GeneratorProgress { ticket, ..GeneratorProgress::default() };
         if !self.runs(step) {
             self.emit(step, None);
         }
         self.again(step, n, now);
         for place in 0..self.roots.len() {
-            if let Root::Pulse(train, n) = self.roots[place]
+            if let StepAnchor::Pulse(train, n) = self.roots[place]
                 && train == step
                 && let Some(rises) = self.rises(step, n)
             {
-                self.hang(place, rises, now);
+                self.queue_anchored(place, rises, now);
             }
         }
         if n == 1 {
-            self.came(Root::Begin(step), now);
+            self.anchor_reached(StepAnchor::Begin(step), now);
         }
-        self.came(Root::Time(step, n), now);
+        self.anchor_reached(StepAnchor::Time(step, n), now);
     }
 
     /// A step is done, with every time that it comes.
     pub fn finish(&mut self, step: usize, now: Time) {
-        self.came(Root::Done(step), now);
+        self.anchor_reached(StepAnchor::Done(step), now);
         self.close(step, now);
     }
 
@@ -425,7 +425,7 @@ impl Schedule {
     /// the act before came at `reached`, edges of pulses keep apart from it.
     fn emit(&mut self, step: usize, reached: Option<Time>) {
         let Some(begun) = self.begun[step] else { return };
-        let Running { ticket, act, .. } = self.running[step];
+        let GeneratorProgress { ticket, act, .. } = self.running[step];
         let after = self.steps[step].generator.as_ref().and_then(|generator| generator.after(act));
         if after.is_none_or(|after| after > self.steps[step].lasts) {
             self.done_later(step, begun);
@@ -458,7 +458,7 @@ impl Schedule {
         ticket: u64,
         reached: Option<Time>,
         out: &mut Vec<(ChannelId, Value)>,
-    ) -> Option<Order> {
+    ) -> Option<BoardOrder> {
         let running = &mut self.running[step];
         if running.stopped || running.ticket != ticket {
             return None;

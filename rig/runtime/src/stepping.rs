@@ -19,13 +19,13 @@ pub struct Pause<'a> {
 
 /// How a case goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Go {
+pub enum StepTarget {
     /// To the next step of the plan.
     Next,
     /// To this instant.
     Until(Time),
     /// To its end.
-    On,
+    ToEnd,
     /// Not at all: the outputs are made safe.
     Quit,
 }
@@ -33,24 +33,24 @@ pub enum Go {
 /// Is asked how a case goes on.
 pub trait Stepper {
     /// The case stands still.
-    fn pause(&mut self, pause: &Pause<'_>) -> Go;
+    fn pause(&mut self, pause: &Pause<'_>) -> StepTarget;
 }
 
 /// A stepper with what it said last.
 pub(crate) struct Stepping<'a> {
     stepper: &'a mut dyn Stepper,
-    go: Go,
+    go: StepTarget,
 }
 
 impl<'a> Stepping<'a> {
     pub(crate) fn new(stepper: &'a mut dyn Stepper) -> Stepping<'a> {
-        Stepping { stepper, go: Go::Next }
+        Stepping { stepper, go: StepTarget::Next }
     }
 
     /// The instant that was asked for; now, where the rest of this instant is still to be looked after.
     pub(crate) fn wake(&self, now: Time) -> Time {
         match self.go {
-            Go::Until(at) => at.max(now),
+            StepTarget::Until(at) => at.max(now),
             _ => Time::MAX,
         }
     }
@@ -58,14 +58,14 @@ impl<'a> Stepping<'a> {
     /// Asks, if this is where to stand still. FALSE where the case is not to go on.
     pub(crate) fn ask(&mut self, pause: &Pause<'_>) -> bool {
         let here = match self.go {
-            Go::Next => pause.step.is_some(),
-            Go::Until(at) => pause.now >= at,
-            Go::On => false,
-            Go::Quit => return false,
+            StepTarget::Next => pause.step.is_some(),
+            StepTarget::Until(at) => pause.now >= at,
+            StepTarget::ToEnd => false,
+            StepTarget::Quit => return false,
         };
         if here {
             self.go = self.stepper.pause(pause);
         }
-        self.go != Go::Quit
+        self.go != StepTarget::Quit
     }
 }

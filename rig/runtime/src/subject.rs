@@ -6,8 +6,8 @@ use crate::catalogue::Catalogue;
 use crate::coverage::Collector;
 use crate::functions;
 use crate::hook::HookError;
-use crate::names::Names;
-use crate::schedule::FileAct;
+use crate::schedule::FileAction;
+use crate::variable_numbers::VariableNumbers;
 use controller::{
     Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError,
     FileProbe, FrontPanel, JitterCounts, LedPattern, LoadError, NonVolatile, OutputState, Probe, ProbeId,
@@ -65,7 +65,7 @@ pub trait Subject: Send {
 
     /// What stands behind these outputs, bit n for Qn, makes square waves by itself: those of its functions are told as
     /// [`Effect::Wave`]. Before it has power.
-    fn delegate(&mut self, _outputs: u32) {}
+    fn offload_pulses(&mut self, _outputs: u32) {}
 
     /// The rig has something to say that is no part of what it judges: a device was lost, or is back.
     fn notice(&mut self, _at: Time, _text: &str) {}
@@ -82,7 +82,7 @@ pub trait Subject: Send {
     }
 
     /// The longest that it takes from its supply into the state in which a case begins.
-    fn patience(&self) -> Span {
+    fn startup_limit(&self) -> Span {
         Span::from_secs(60)
     }
 
@@ -107,7 +107,7 @@ pub trait Subject: Send {
     }
 
     /// Whether the rig itself plays it: what the rig does late, it does late.
-    fn is_played(&self) -> bool {
+    fn is_model(&self) -> bool {
         false
     }
 
@@ -121,7 +121,7 @@ pub trait Subject: Send {
     fn input(&mut self, now: Time, at: When, input: usize, level: Level, effects: &mut Effects);
 
     /// So many changes of an input terminal's line are known to be missing before `now`.
-    fn lose(&mut self, _now: Time, _input: usize, _edges: u32) {}
+    fn report_missed_edges(&mut self, _now: Time, _input: usize, _edges: u32) {}
 
     /// Hardware behind an input terminal counted so many steps more by `now`, below 0 backwards. Only a model has terminals
     /// that counts can be given to.
@@ -137,7 +137,7 @@ pub trait Subject: Send {
     ///
     /// # Errors
     /// [`FileError`] with the reason.
-    fn file(&mut self, now: Time, act: &FileAct, effects: &mut Effects) -> Result<(), FileError>;
+    fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError>;
 
     /// What shows a fact of files or of the log.
     fn file_probe(&mut self, fact: FileProbe) -> Probe;
@@ -168,7 +168,7 @@ pub trait Subject: Send {
     /// The source files of the programs that it may get, with their places in their programs.
     fn source_files(&self) -> Vec<(u16, String)>;
 
-    /// Names that mean something inside the subject, for suggestions.
+    /// VariableNumbers that mean something inside the subject, for suggestions.
     fn names(&self) -> Vec<String>;
 
     /// What its names mean, where the rig plays it.
@@ -246,15 +246,15 @@ impl Model {
         store: Box<dyn NonVolatile>,
         collector: Option<Collector>,
     ) -> Result<Model, ConfigError> {
-        let names = Names::default();
+        let names = VariableNumbers::default();
         let loader = Box::new(BundleLoader::new(config.profile).covered(collector).named(names.clone()));
         let catalogue = Catalogue::new(&config, program, names);
         Ok(Model { controller: Controller::new(config, loader, store)?, catalogue })
     }
 
-    /// Names of further programs mean something too, behind those that it knows.
-    pub fn know(&mut self, programs: Vec<Arc<Program>>) {
-        self.catalogue.know(programs);
+    /// VariableNumbers of further programs mean something too, behind those that it knows.
+    pub fn add_programs(&mut self, programs: Vec<Arc<Program>>) {
+        self.catalogue.add_programs(programs);
     }
 
     /// Prepares the storage as if this application had been downloaded and the controller left in state `left`.
@@ -312,11 +312,11 @@ impl Subject for Model {
         self.controller.is_computing()
     }
 
-    fn is_played(&self) -> bool {
+    fn is_model(&self) -> bool {
         true
     }
 
-    fn delegate(&mut self, outputs: u32) {
+    fn offload_pulses(&mut self, outputs: u32) {
         self.controller.offload_pulses(outputs);
     }
 
@@ -334,7 +334,7 @@ impl Subject for Model {
         self.controller.input(now, input, level);
     }
 
-    fn lose(&mut self, now: Time, input: usize, edges: u32) {
+    fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
         self.controller.report_missed_edges(now, input, edges);
     }
 
@@ -349,7 +349,7 @@ impl Subject for Model {
         answer
     }
 
-    fn file(&mut self, now: Time, act: &FileAct, effects: &mut Effects) -> Result<(), FileError> {
+    fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
         let (path, user) = (act.path.as_str(), act.user);
         match &act.deed {
             FileDeed::Put(bytes) => self.controller.put_file(now, path, bytes, user, effects),

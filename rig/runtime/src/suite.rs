@@ -2,8 +2,8 @@
 
 use crate::blocks;
 use crate::case::{CaseFiles, OtherProgram};
-pub use crate::lines::{real_board, taken_for_granted};
-pub use crate::queue::{Done, Happened, run, watch};
+pub use crate::jobs::{JobEvent, JobResult, run, watch};
+pub use crate::real_boards::{program_not_loaded, real_board};
 use crate::suites;
 use document::{Diagnostic, SourceFile};
 use drivers::file::{BoardFile, Subject as BoardSubject, Terminals, UnknownSubject, read as read_board};
@@ -16,7 +16,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Where plans, programs and board files come from: a disk, or what is built into the binary.
-pub trait Files: Sync {
+pub trait FileSource: Sync {
     /// The text of a file.
     ///
     /// # Errors
@@ -50,7 +50,7 @@ const LARGEST_FILE: u64 = 8 << 20;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk;
 
-impl Files for Disk {
+impl FileSource for Disk {
     fn read(&self, path: &str) -> Result<String, String> {
         let bytes = self.bytes(path)?;
         if path.to_ascii_lowercase().ends_with(".dbc") && std::str::from_utf8(&bytes).is_err() {
@@ -90,7 +90,7 @@ pub fn beside(file: &str, path: &str) -> String {
 ///
 /// # Errors
 /// A finding with the path and the reason.
-pub fn load(files: &dyn Files, path: &str) -> Result<SourceFile, Diagnostic> {
+pub fn load(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic> {
     let text = files
         .read(path)
         .map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
@@ -101,7 +101,7 @@ pub fn load(files: &dyn Files, path: &str) -> Result<SourceFile, Diagnostic> {
 ///
 /// # Errors
 /// A finding with the path and the reason.
-pub fn load_program(files: &dyn Files, path: &str) -> Result<SourceFile, Diagnostic> {
+pub fn load_program(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic> {
     let bytes = files
         .bytes(path)
         .map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
@@ -167,7 +167,7 @@ pub struct LoadedPlan {
 /// # Errors
 /// Findings in the plan, its programs and its board files, with the texts that they point into.
 pub fn load_plan(
-    files: &dyn Files,
+    files: &dyn FileSource,
     path: &str,
     board: Option<&(BoardFile, String)>,
     parameters: &[(String, String)],
@@ -242,7 +242,7 @@ pub fn load_plan(
 /// # Errors
 /// Findings in them.
 pub fn gather(
-    files: &dyn Files,
+    files: &dyn FileSource,
     path: &str,
     sources: &mut Vec<SourceFile>,
 ) -> Result<PlanText, Vec<Diagnostic>> {
@@ -256,7 +256,7 @@ pub fn gather(
 }
 
 /// What is wrong with a file that is there to be included.
-pub fn check_included(files: &dyn Files, path: &str, sources: &mut Vec<SourceFile>) -> Vec<Diagnostic> {
+pub fn check_included(files: &dyn FileSource, path: &str, sources: &mut Vec<SourceFile>) -> Vec<Diagnostic> {
     let file = match load(files, path) {
         Ok(file) => file,
         Err(found) => return vec![found],
@@ -270,7 +270,7 @@ pub fn check_included(files: &dyn Files, path: &str, sources: &mut Vec<SourceFil
 }
 
 /// The pictures of questions that are not there.
-fn missing_photos(files: &dyn Files, plan: &str, case: &Case) -> Vec<Diagnostic> {
+fn missing_photos(files: &dyn FileSource, plan: &str, case: &Case) -> Vec<Diagnostic> {
     let photos = case.steps.iter().filter_map(|step| match &step.stimulus {
         Stimulus::Ask(question) => Some((question.photo.as_deref()?, step)),
         _ => None,
@@ -291,13 +291,13 @@ fn missing_photos(files: &dyn Files, plan: &str, case: &Case) -> Vec<Diagnostic>
 pub fn unanswerable(plans: &[LoadedPlan], jobs: &[Job]) -> Option<Diagnostic> {
     let job = jobs.iter().find(|job| job.asks)?;
     let loaded = plans.get(job.plan)?;
-    let mut found = nobody(&loaded.plan.case(job.case)?, &loaded.plan.source().name)?;
+    let mut found = nobody_to_ask(&loaded.plan.case(job.case)?, &loaded.plan.source().name)?;
     loaded.plan.joined().locate(std::slice::from_mut(&mut found));
     Some(found)
 }
 
 /// What is wrong with a case that asks where nobody can be asked.
-pub(crate) fn nobody(case: &Case, plan: &str) -> Option<Diagnostic> {
+pub(crate) fn nobody_to_ask(case: &Case, plan: &str) -> Option<Diagnostic> {
     let step = case.steps.iter().find(|step| matches!(step.stimulus, Stimulus::Ask(_)))?;
     let message = format!("the step `{}` asks a person, and nobody can be asked", step.id);
     let help = "run it on a terminal, or leave the case out with --only";
@@ -315,7 +315,7 @@ fn guards_of(name: &str, text: &str) -> Result<Option<Arc<Guards>>, Vec<Diagnost
 /// # Errors
 /// Findings in it.
 pub fn load_board(
-    files: &dyn Files,
+    files: &dyn FileSource,
     path: &str,
     sources: &mut Vec<SourceFile>,
 ) -> Result<(BoardFile, String), Vec<Diagnostic>> {

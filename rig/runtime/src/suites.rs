@@ -1,6 +1,6 @@
 //! Suite files: `suite.toml` in the folder of a plan and in the folders above it.
 
-use crate::suite::{Files, load};
+use crate::suite::{FileSource, load};
 use document::{Diagnostic, SourceFile};
 use plans::plan::Guards;
 use std::path::Path;
@@ -22,7 +22,7 @@ pub fn is_suite(path: &str) -> bool {
 /// # Errors
 /// Findings in it.
 pub fn load_suite(
-    files: &dyn Files,
+    files: &dyn FileSource,
     path: &str,
     sources: &mut Vec<SourceFile>,
 ) -> Result<Guards, Vec<Diagnostic>> {
@@ -35,7 +35,7 @@ pub fn load_suite(
 
 /// The suites that a plan is of, the outermost first.
 pub(crate) fn suites_of(
-    files: &dyn Files,
+    files: &dyn FileSource,
     plan: &str,
     sources: &mut Vec<SourceFile>,
 ) -> Result<Vec<Arc<Guards>>, Vec<Diagnostic>> {

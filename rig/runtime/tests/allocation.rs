@@ -188,7 +188,7 @@ fn allocates_nothing(files: &[(&str, &str)]) {
     let mut clock =
         Noting { now: Time::ZERO, at: [second(10), second(30), second(230)], allocations: [None; 3] };
     let ran = parts.run(&mut clock, &mut model);
-    assert_eq!(ran.trouble, None);
+    assert_eq!(ran.fault, None);
     let changes = parts.recorder.trace().len();
     assert!(changes > 50_000, "only {changes} changes");
     let [Some(from), Some(between), Some(to)] = clock.allocations else { panic!("{:?}", clock.allocations) };

@@ -2,7 +2,7 @@
 
 use crate::texts::Texts;
 use record::Verdict;
-use scanrig_runtime::suite::Done;
+use scanrig_runtime::suite::JobResult;
 use scanrig_runtime::{ClockKind, RunOptions};
 use signal::Span;
 use std::sync::atomic::AtomicBool;
@@ -25,7 +25,7 @@ fn plan(rest: &str) -> String {
 }
 
 fn board(rest: &str) -> String {
-    format!("format = 1\ntitle = \"Trouble\"\n[board]\nkind = \"simulated\"\n{rest}\n")
+    format!("format = 1\ntitle = \"RigFault\"\n[board]\nkind = \"simulated\"\n{rest}\n")
 }
 
 /// A line behind two inputs feeds both of them.
@@ -75,7 +75,9 @@ fn findings_say_what_to_write_instead() {
     ] {
         let plan = plan(rest).replace("lamp = \"%QX0.4\" }", &format!("lamp = \"%QX0.4\"{signal} }}"));
         let texts = [("plan.toml", plan.as_str()), ("toggle.st", TOGGLE), ("board.toml", board.as_str())];
-        let Done::Findings(found) = Texts(&texts).done(1, &options) else { panic!("{code}: nothing found") };
+        let JobResult::Findings(found) = Texts(&texts).done(1, &options) else {
+            panic!("{code}: nothing found")
+        };
         let said = format!("{found:?}");
         assert!(said.contains(code) && said.contains(help), "{said}");
     }

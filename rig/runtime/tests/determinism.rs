@@ -2,7 +2,7 @@
 //! (docs/decisions/0003-time-of-an-operation.md).
 
 use crate::common::Library;
-use scanrig_runtime::suite::{self, Done, Job};
+use scanrig_runtime::suite::{self, Job, JobResult};
 use scanrig_runtime::{ClockKind, RunOptions};
 use signal::Span;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -59,7 +59,7 @@ fn jobs_do_not_show_in_the_traces() {
     let traces = |at_once| {
         let mut traces = Vec::new();
         suite::run(&library.plans, &library.jobs, at_once, false, &options, &mut |_, done| match done {
-            Done::Case(result) => traces.push((result.record.name, result.record.trace_sha256)),
+            JobResult::Case(result) => traces.push((result.record.name, result.record.trace_sha256)),
             other => panic!("{other:?}"),
         });
         traces

@@ -4,11 +4,11 @@ use crate::texts::{Parted, Texts};
 use document::SourceFile;
 use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, Origin, TimestampSource};
 use scanrig_runtime::clock::Clock;
-use scanrig_runtime::executor::Ran;
+use scanrig_runtime::executor::ExecutorReport;
 use scanrig_runtime::external::External;
 use scanrig_runtime::hook::Hook;
+use scanrig_runtime::rig_fault::RigFault;
 use scanrig_runtime::suite;
-use scanrig_runtime::trouble::Trouble;
 use signal::{Span, Time, Value, When};
 
 const MILLISECOND: Span = Span::from_millis(1);
@@ -121,11 +121,11 @@ expect = [{ stays = { signal = \"lamp\", is = false } }]
 ";
 
 /// A case on a board that is so slow.
-fn run(by: Span) -> (Ran, Parted) {
+fn run(by: Span) -> (ExecutorReport, Parted) {
     run_plan(PLAN, by)
 }
 
-fn run_plan(plan: &str, by: Span) -> (Ran, Parted) {
+fn run_plan(plan: &str, by: Span) -> (ExecutorReport, Parted) {
     let (_, mut parts) = Texts(&[("plan.toml", plan), ("board.toml", BOARD)]).parts(1);
     let real = |channel: &Channel| Channel { timestamp: TimestampSource::Kernel, ..channel.clone() };
     let channels = parts.board.channels().iter().map(real).collect();
@@ -148,7 +148,7 @@ fn event(parts: &Parted, name: &str, value: Value) -> When {
 #[test]
 fn the_mark_of_a_step_ends_when_its_lines_were_driven() {
     let (ran, parts) = run(Span::from_millis(7));
-    assert_eq!(ran.trouble, None);
+    assert_eq!(ran.fault, None);
     let (mark, line) =
         (event(&parts, "step:press", Value::Int(1)), event(&parts, "button", Value::Bool(true)));
     let start = ran.start.unwrap();
@@ -159,7 +159,7 @@ fn the_mark_of_a_step_ends_when_its_lines_were_driven() {
 #[test]
 fn a_line_that_is_driven_too_late_is_the_rigs_trouble() {
     let (ran, _) = run(Span::from_millis(40));
-    assert!(matches!(ran.trouble, Some(Trouble::Late { .. })), "{:?}", ran.trouble);
+    assert!(matches!(ran.fault, Some(RigFault::Late { .. })), "{:?}", ran.fault);
 }
 
 /// What counts the pulses of a train up to its end counts all of them.
@@ -172,7 +172,7 @@ fn a_train_is_done_when_its_last_edge_was_driven() {
         )
         .replace("press + 100 ms", "press.done + 50 ms");
     let (ran, parts) = run_plan(&plan, Span::from_millis(7));
-    assert_eq!(ran.trouble, None);
+    assert_eq!(ran.fault, None);
     let trace = parts.recorder.trace();
     let button = trace.find("button").unwrap();
     let edges: Vec<When> = trace
@@ -199,5 +199,5 @@ fn the_last_edge_of_a_train_is_not_waited_for_without_end() {
         )
         .replace("press + 100 ms", "press.done + 50 ms");
     let (ran, _) = run_plan(&plan, Span::from_millis(30));
-    assert!(matches!(ran.trouble, Some(Trouble::Late { .. })), "{:?}", ran.trouble);
+    assert!(matches!(ran.fault, Some(RigFault::Late { .. })), "{:?}", ran.fault);
 }

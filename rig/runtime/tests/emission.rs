@@ -6,9 +6,9 @@ use drivers::{
     TimestampSource,
 };
 use scanrig_runtime::clock::Clock;
-use scanrig_runtime::executor::Ran;
+use scanrig_runtime::executor::ExecutorReport;
+use scanrig_runtime::rig_fault::RigFault;
 use scanrig_runtime::subject::Model;
-use scanrig_runtime::trouble::Trouble;
 use signal::{Span, Time, Value, When};
 use std::sync::{Arc, Mutex};
 
@@ -220,7 +220,7 @@ fn parts(board: &str, plan: &str, loses: usize) -> Result<(Shared, Model, Parted
 }
 
 struct Case {
-    ran: Ran,
+    ran: ExecutorReport,
     start: Time,
     parts: Parted,
     asked: Vec<(Time, String, Asked)>,
@@ -252,7 +252,7 @@ fn a_train_is_one_call_and_its_end_is_its_last_edge() {
     let late = "{ id = \"late\", when = { signal = \"stream\", edge = \"rises\", within = \"9 ms\" }, \
                 set = { signal = \"other\", value = true } }";
     let case = run(&format!("{TRAIN}{late}"), "ends = \"pulses.done\"", 0);
-    assert_eq!(case.ran.trouble, None);
+    assert_eq!(case.ran.fault, None);
     let at = case.start + MS(5);
     let edges = [0, 500, 1_000, 1_500, 2_000, 2_500].map(US);
     let emitted = Asked::Emit(Emission::Pulses(Arc::from(edges)));
@@ -269,7 +269,7 @@ fn a_train_is_one_call_and_its_end_is_its_last_edge() {
 #[test]
 fn edges_that_the_board_does_not_tell_in_time_are_the_rigs_trouble() {
     let case = run(TRAIN, "ends = \"pulses.done\"", 1);
-    assert!(matches!(case.ran.trouble, Some(Trouble::Late { .. })), "{:?}", case.ran.trouble);
+    assert!(matches!(case.ran.fault, Some(RigFault::Late { .. })), "{:?}", case.ran.fault);
     // All that was told, and no more: who drives the line meanwhile waits for nothing.
     assert_eq!(case.events("stream").len(), 5);
 }
@@ -296,7 +296,7 @@ fn a_wave_without_end_ends_with_its_step_with_the_case_and_with_what_drives_its_
         (step("") + stops, "start + 9 ms", vec![square, level(true)]),
     ] {
         let case = run(&steps, &format!("ends = \"{ends}\""), 0);
-        assert_eq!(case.ran.trouble, None);
+        assert_eq!(case.ran.fault, None);
         let asked: Vec<_> = case.asked.iter().map(|(_, name, asked)| (&**name, asked.clone())).collect();
         assert_eq!(asked, expected, "{steps}");
     }
@@ -306,7 +306,7 @@ fn a_wave_without_end_ends_with_its_step_with_the_case_and_with_what_drives_its_
 fn a_table_of_one_line_is_emitted_whole() {
     let step = "{ id = \"rows\", at = \"start + 1 ms\", sequence = { file = \"table.csv\" } }";
     let case = run(step, "ends = \"rows.done\"", 0);
-    assert_eq!(case.ran.trouble, None);
+    assert_eq!(case.ran.fault, None);
     let emitted = Asked::Emit(Emission::Pulses(Arc::from([MS(1), MS(3)])));
     assert_eq!(case.asked, [(case.start + MS(1), "stream".to_owned(), emitted)]);
 }
@@ -364,7 +364,7 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"f\" }} 
 }
 
 /// What the model asked of the channel of Q0 behind the start.
-fn of_model(steps: &str) -> (Ran, Vec<(Time, Asked)>) {
+fn of_model(steps: &str) -> (ExecutorReport, Vec<(Time, Asked)>) {
     let plan = with_pwm(steps, "kind = \"pwm\", a = \"%QX0.0\"", "ends = \"start + 1 s\"");
     let (world, mut model, mut parts) = parts(&free(), &plan, 0).unwrap();
     let ran = parts.run(&mut Ticks(world.clone()), &mut model);
@@ -380,7 +380,7 @@ const CHANGE: &str = "{ id = \"f\", at = \"start + 300 ms\", write = { of = \"f\
 fn the_models_pwm_is_made_by_the_board_and_told_at_start_and_change_only() {
     let stop = "{ id = \"stop\", at = \"start + 600 ms\", command = \"stop\" }";
     let (ran, asked) = of_model(&format!("{CHANGE}{stop}"));
-    assert_eq!(ran.trouble, None);
+    assert_eq!(ran.fault, None);
     let what: Vec<_> = asked.iter().map(|(_, asked)| asked.clone()).collect();
     let square = |period| Asked::Emit(Emission::Square { period: US(period), high: US(period / 4) });
     let low = Asked::Write(Value::Bool(false));
@@ -398,7 +398,7 @@ fn the_models_pwm_is_made_by_the_board_and_told_at_start_and_change_only() {
 fn a_period_that_begins_anew_behind_a_device_is_the_rigs_trouble() {
     let sync = "{ id = \"sync\", at = \"start + 500 ms\", write = { of = \"s\", value = true } },";
     let (ran, _) = of_model(&format!("{CHANGE}{sync}"));
-    assert!(matches!(ran.trouble, Some(Trouble::NotAnew { .. })), "{:?}", ran.trouble);
+    assert!(matches!(ran.fault, Some(RigFault::PeriodNotRestarted { .. })), "{:?}", ran.fault);
 }
 
 // The board's longest period is 1 s.
@@ -406,7 +406,7 @@ fn a_period_that_begins_anew_behind_a_device_is_the_rigs_trouble() {
 fn a_shape_that_the_device_does_not_have_ends_the_case() {
     let step = "{ id = \"f\", at = \"start + 300 ms\", write = { of = \"f\", value = 7 } },";
     let (ran, _) = of_model(step);
-    assert!(matches!(ran.trouble, Some(Trouble::Board { error: BoardError::NotEmitted(..), .. })), "{ran:?}");
+    assert!(matches!(ran.fault, Some(RigFault::Board { error: BoardError::NotEmitted(..), .. })), "{ran:?}");
 }
 
 #[test]

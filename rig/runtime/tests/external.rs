@@ -2,7 +2,7 @@
 
 use crate::texts::{Texts, expect};
 use record::{CaseStatus, Verdict};
-use scanrig_runtime::suite::Done;
+use scanrig_runtime::suite::JobResult;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Event, Time};
 use std::sync::atomic::AtomicBool;
@@ -240,7 +240,7 @@ fn what_a_check_refuses_is_not_asked_of_it() {
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
     let texts = [("plan.toml", plan.as_str()), ("board.toml", board.as_str())];
     match Texts(&texts).done(1, &options) {
-        Done::Case(result) => {
+        JobResult::Case(result) => {
             assert!(matches!(result.record.status, CaseStatus::NotApplicable { .. }), "{result:#?}");
         }
         other => panic!("{other:#?}"),

@@ -4,7 +4,7 @@
 use crate::texts::Texts;
 use plans::steps::Question;
 use record::{CaseRecord, Verdict};
-use scanrig_runtime::suite::Done;
+use scanrig_runtime::suite::JobResult;
 use scanrig_runtime::{AskError, CaseResult, ClockKind, Operator, RunOptions, rejudge};
 use signal::{LoadLimits, Trace};
 use std::sync::Mutex;
@@ -217,7 +217,7 @@ expect = [{ rises = { signal = \"valve\", from = \"open\" } }]
 teardown = [{ id = \"close\", at = \"teardown\", set = { signal = \"stop\", value = true } }]
 ";
 
-fn asked(answer: Result<usize, AskError>) -> (Done, Vec<String>) {
+fn asked(answer: Result<usize, AskError>) -> (JobResult, Vec<String>) {
     let interrupt = AtomicBool::new(false);
     let person = Told::new(&[answer]);
     let options = RunOptions { operator: Some(&person), ..RunOptions::new(ClockKind::Virtual, &interrupt) };
@@ -230,7 +230,7 @@ fn asked(answer: Result<usize, AskError>) -> (Done, Vec<String>) {
 fn an_answer_is_a_claim_that_the_trace_repeats() {
     for (answer, verdict, reason) in [(1, Verdict::Pass, ""), (2, Verdict::Fail, "answered dark")] {
         let (done, questions) = asked(Ok(answer));
-        let Done::Case(result) = done else { panic!("{done:?}") };
+        let JobResult::Case(result) = done else { panic!("{done:?}") };
         assert_eq!(questions, ["see: What colour? door.png"]);
         assert_eq!(claim(&result.record, "What colour?"), (verdict, reason));
         assert_eq!(came(&result.record, "after"), Some(700));
@@ -243,7 +243,7 @@ fn an_answer_is_a_claim_that_the_trace_repeats() {
 #[test]
 fn without_an_answer_the_case_is_an_error_and_torn_down() {
     let (done, _) = asked(Err(AskError::Nobody));
-    let Done::Case(result) = done else { panic!("{done:?}") };
+    let JobResult::Case(result) = done else { panic!("{done:?}") };
     assert_eq!(result.record.verdict, Verdict::Error);
     assert!(result.record.reason.contains("step `see` asked and got no answer"), "{}", result.record.reason);
     assert_eq!(
@@ -259,7 +259,7 @@ fn where_nobody_can_be_asked_nothing_moves() {
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
     let plan = format!("{HEAD}{ASKS}");
     let files = [("plan.toml", plan.as_str()), ("valve.st", VALVE), ("door.png", "picture")];
-    let Done::Findings(found) = texts(&files).done(3, &options) else { panic!() };
+    let JobResult::Findings(found) = texts(&files).done(3, &options) else { panic!() };
     assert_eq!((found[0].code, found[0].labels[0].file.as_str()), ("R0140", "plan.toml"));
     let mut sources = Vec::new();
     let found =

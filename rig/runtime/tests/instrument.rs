@@ -6,7 +6,7 @@ use drivers::{
 };
 use guard::GuardError;
 use host::Realtime;
-use scanrig_runtime::executor::Heart;
+use scanrig_runtime::executor::Heartbeat;
 use scanrig_runtime::instrument::{EDGES, Instrument, LoopFault, loopback, names, phases, square};
 use signal::{Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -154,7 +154,7 @@ fn lives() -> Surroundings {
 }
 
 fn on<'a>(board: &'a mut Echo, lives: &'a Surroundings) -> Instrument<'a> {
-    Instrument { board, lives, heart: None }
+    Instrument { board, lives, heartbeat: None }
 }
 
 static GO_ON: AtomicBool = AtomicBool::new(false);
@@ -189,7 +189,7 @@ fn every_trouble_of_a_loop_is_named_and_leaves_the_board_safe() {
         let found = square(on(&mut board, &lives()), LOOP, &GO_ON).unwrap_err();
         assert_eq!(found, expected, "{trouble:?}");
         assert!(found.words(&names(&board, LOOP)).contains(words), "{}", found.words(&names(&board, LOOP)));
-        assert!(board.safe && !found.mend().is_empty(), "{trouble:?}");
+        assert!(board.safe && !found.fix().is_empty(), "{trouble:?}");
     }
 }
 
@@ -232,7 +232,7 @@ fn scans_have_phases_and_drive_what_they_may() {
     assert_eq!(board.edges, 0);
 }
 
-/// A heart that counts, and stops beating after so many.
+/// A heartbeat that counts, and stops beating after so many.
 #[derive(Debug, Default)]
 struct Pulse {
     begun: AtomicU64,
@@ -241,7 +241,7 @@ struct Pulse {
     ended: AtomicU64,
 }
 
-impl Heart for Pulse {
+impl Heartbeat for Pulse {
     fn begin(&self) -> Result<(), GuardError> {
         self.begun.fetch_add(1, Ordering::Relaxed);
         Ok(())
@@ -263,7 +263,7 @@ impl Heart for Pulse {
 }
 
 fn watched<'a>(board: &'a mut Echo, lives: &'a Surroundings, pulse: &'a Pulse) -> Instrument<'a> {
-    Instrument { board, lives, heart: Some(pulse) }
+    Instrument { board, lives, heartbeat: Some(pulse) }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::common::Library;
 use record::{CaseRecord, Verdict};
-use scanrig_runtime::suite::{self, Done, LoadedPlan};
+use scanrig_runtime::suite::{self, JobResult, LoadedPlan};
 use scanrig_runtime::{ClockKind, RunOptions, rejudge};
 use signal::{LoadLimits, Trace};
 use std::sync::atomic::AtomicBool;
@@ -22,7 +22,7 @@ fn every_case_passes_and_its_trace_says_so_again() {
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
     let mut wrong = Vec::new();
     suite::run(&library.plans, &library.jobs, 2, false, &options, &mut |place, done| match done {
-        Done::Case(result) => {
+        JobResult::Case(result) => {
             let record = &result.record;
             if record.verdict != Verdict::Pass {
                 wrong.push(format!("{}: {:?} {}", record.name, record.verdict, record.reason));
@@ -46,8 +46,8 @@ fn every_case_passes_and_its_trace_says_so_again() {
                 wrong.push(format!("{}: {run:?} in the run, {again:?} again", record.name));
             }
         }
-        Done::Findings(found) => wrong.push(format!("{}: {found:#?}", library.jobs[place].name)),
-        Done::Skipped(_) => wrong.push(format!("{}: skipped", library.jobs[place].name)),
+        JobResult::Findings(found) => wrong.push(format!("{}: {found:#?}", library.jobs[place].name)),
+        JobResult::Skipped(_) => wrong.push(format!("{}: skipped", library.jobs[place].name)),
     });
     assert!(library.jobs.len() >= 200, "the library has only {} cases", library.jobs.len());
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -62,7 +62,7 @@ fn a_trace_without_memory_comes_to_the_same() {
         let options = RunOptions { trace_memory, ..RunOptions::new(ClockKind::Virtual, &interrupt) };
         let mut results = vec![None; library.jobs.len()];
         suite::run(&library.plans, &library.jobs, 2, false, &options, &mut |place, done| {
-            let Done::Case(result) = done else { panic!("{}: {done:?}", library.jobs[place].name) };
+            let JobResult::Case(result) = done else { panic!("{}: {done:?}", library.jobs[place].name) };
             let events = result.trace.as_ref().map_or(0, Trace::len);
             results[place] = Some((events, CaseRecord { host_ms: 0, ..result.record }));
         });

@@ -6,8 +6,8 @@ use crate::texts::{Parted, Texts};
 use controller::{Config, InputConfig};
 use drivers::{Board, ChannelId};
 use profile::InputFilter;
-use scanrig_runtime::executor::Ran;
-use scanrig_runtime::trouble::Trouble;
+use scanrig_runtime::executor::ExecutorReport;
+use scanrig_runtime::rig_fault::RigFault;
 use signal::{Span, Time, Value};
 
 /// The bench has a controller of the usual configuration, but inputs without a filter: a cycle each 20 ms.
@@ -67,7 +67,7 @@ impl Bench {
         self.world.lock().unwrap().late.push_back((at, late));
     }
 
-    fn run(&mut self) -> Ran {
+    fn run(&mut self) -> ExecutorReport {
         self.parts.run(&mut ScriptClock(self.world.clone()), &mut self.model)
     }
 
@@ -83,7 +83,7 @@ impl Bench {
 /// Where the boot ends and the cycles begin, on this bench.
 fn started() -> Time {
     let ran = Bench::new("ends = \"start + 1 ms\"").run();
-    assert_eq!(ran.trouble, None);
+    assert_eq!(ran.fault, None);
     ran.start.unwrap()
 }
 
@@ -96,7 +96,7 @@ fn cycle(start: Time) -> Time {
     // Found out from the bench: an output that changes does so a few us behind its cycle's start.
     let mut bench = Bench::new("ends = \"start + 200 ms\"");
     bench.edge(start + ms(101), true);
-    assert_eq!(bench.run().trouble, None);
+    assert_eq!(bench.run().fault, None);
     let lamp = bench.lamp();
     let changed = lamp.iter().find(|(_, value)| *value == Value::Bool(true)).unwrap().0;
     let waits = &bench.world.lock().unwrap().waits;
@@ -114,7 +114,7 @@ fn an_edge_counts_for_the_next_cycle_and_not_for_one_that_was_due_before_it() {
         bench.edge(edge, true);
         bench.late(at, late);
         let ran = bench.run();
-        assert_eq!(ran.trouble, None);
+        assert_eq!(ran.fault, None);
         let lit = bench.lamp().into_iter().find(|(_, value)| *value == Value::Bool(true)).unwrap().0;
         let expected = at + ms(CYCLE * cycles_later);
         assert!(lit >= expected && lit < expected + ms(1), "lit at {lit}, the cycle is at {expected}");
@@ -129,7 +129,7 @@ fn a_pulse_between_two_scans_is_seen_by_neither_however_late_the_rig_is() {
     bench.edge(at + ms(5), true);
     bench.edge(at + ms(8), false);
     bench.late(at, ms(15));
-    assert_eq!(bench.run().trouble, None);
+    assert_eq!(bench.run().fault, None);
     let lit = bench.lamp().into_iter().find(|(_, value)| *value == Value::Bool(true));
     assert_eq!(lit, None);
 }
@@ -137,7 +137,7 @@ fn a_pulse_between_two_scans_is_seen_by_neither_however_late_the_rig_is() {
 #[test]
 fn nothing_ticks_while_nothing_is_to_be_done() {
     let mut bench = Bench::new("ends = \"start + 2 s\"");
-    assert_eq!(bench.run().trouble, None);
+    assert_eq!(bench.run().fault, None);
     let start = started();
     let world = bench.world.lock().unwrap();
     let waits = world.waits.iter().filter(|wait| wait.0 > start + ms(500) && wait.0 <= start + ms(1_500));
@@ -157,7 +157,7 @@ fn lateness_does_not_add_up() {
     // Seen by the cycle 400 ms later.
     bench.edge(at + ms(395), true);
     let ran = bench.run();
-    assert_eq!(ran.trouble, None);
+    assert_eq!(ran.fault, None);
     let lit = bench.lamp().into_iter().find(|(_, value)| *value == Value::Bool(true)).unwrap().0;
     assert!(lit >= at + ms(400) && lit < at + ms(401), "{lit}");
     let wakes = ran.wakes.unwrap();
@@ -174,7 +174,7 @@ fn what_leaves_late_may_have_been_meant_earlier() {
     let mut bench = Bench::new("ends = \"start + 200 ms\"");
     bench.edge(at - ms(5), true);
     bench.late(at, ms(7));
-    assert_eq!(bench.run().trouble, None);
+    assert_eq!(bench.run().fault, None);
     let trace = bench.parts.recorder.trace();
     let shown = trace.find("shown").unwrap();
     let lit = trace.last(shown).unwrap();
@@ -190,7 +190,7 @@ fn an_application_that_computes_stays_near_the_clock() {
 steps = [{ id = \"long\", at = \"start + 100 ms\", overload = { task = \"MAST\", cycle = \"8 ms\", times = 3 } }]";
     let start = started();
     let mut bench = Bench::new(rest);
-    assert_eq!(bench.run().trouble, None);
+    assert_eq!(bench.run().fault, None);
     // It waits at least once in each horizon of 100 us while a cycle of 8 ms computes, and not as often when none does.
     let world = bench.world.lock().unwrap();
     let due: Vec<Time> = world.waits.iter().map(|wait| wait.0).collect();
@@ -203,12 +203,12 @@ steps = [{ id = \"long\", at = \"start + 100 ms\", overload = { task = \"MAST\",
 }
 
 /// A train of 10 ms on a line of the bench, while one wait ends so late.
-fn train(late: Span) -> (Ran, Vec<(Time, Value)>, Time) {
+fn train(late: Span) -> (ExecutorReport, Vec<(Time, Value)>, Time) {
     train_to("pulses.done + 50 ms", 20, late)
 }
 
 /// The same with another end of the case, and a wait that ends so late at so many milliseconds.
-fn train_to(ends: &str, at: i64, late: Span) -> (Ran, Vec<(Time, Value)>, Time) {
+fn train_to(ends: &str, at: i64, late: Span) -> (ExecutorReport, Vec<(Time, Value)>, Time) {
     let rest = format!("ends = \"{ends}\"
 steps = [{{ id = \"pulses\", at = \"start + 100 ms\", train = {{ signal = \"%IX0.1\", frequency = \"100 Hz\", count = 10 }} }}]");
     let rest = rest.as_str();
@@ -225,7 +225,7 @@ steps = [{{ id = \"pulses\", at = \"start + 100 ms\", train = {{ signal = \"%IX0
 #[test]
 fn a_late_train_has_all_its_edges_none_of_them_close_together_and_catches_up() {
     let (ran, edges, begins) = train(ms(14));
-    assert_eq!(ran.trouble, None);
+    assert_eq!(ran.fault, None);
     let levels: Vec<Value> = edges.iter().map(|(_, value)| *value).collect();
     let planned: Vec<Value> = (0..20).map(|n| Value::Bool(n % 2 == 0)).collect();
     assert_eq!(levels, planned);
@@ -249,7 +249,7 @@ steps = [{ id = \"pulses\", at = \"start + 100 ms\", train = { signal = \"%IX0.1
         bench.late(begins + ms(5 * n), ms(15));
     }
     let ran = bench.run();
-    assert!(matches!(ran.trouble, Some(Trouble::Late { .. })), "{:?}", ran.trouble);
+    assert!(matches!(ran.fault, Some(RigFault::Late { .. })), "{:?}", ran.fault);
 }
 
 #[test]
@@ -257,7 +257,7 @@ fn a_case_does_not_end_before_what_its_train_owes() {
     // 10 ms late just before the end, which is that of the train.
     for (ends, edges) in [("pulses.done", 20), ("pulses + 70.1 ms", 15)] {
         let (ran, written, _) = train_to(ends, 65, ms(10));
-        assert_eq!(ran.trouble, None);
+        assert_eq!(ran.fault, None);
         assert_eq!(written.len(), edges, "{ends}");
     }
 }

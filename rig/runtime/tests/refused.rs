@@ -2,7 +2,7 @@
 
 use crate::texts::Texts;
 use record::Verdict;
-use scanrig_runtime::suite::Done;
+use scanrig_runtime::suite::JobResult;
 use scanrig_runtime::{ClockKind, RunOptions};
 use std::sync::atomic::AtomicBool;
 
@@ -12,7 +12,9 @@ fn verdict(signal: &str, refused: &str) -> (Verdict, String) {
     );
     let interrupt = AtomicBool::new(false);
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
-    let Done::Case(result) = Texts(&[("plan.toml", &plan)]).done(1, &options) else { panic!("findings") };
+    let JobResult::Case(result) = Texts(&[("plan.toml", &plan)]).done(1, &options) else {
+        panic!("findings")
+    };
     assert!(result.trace.is_none() && result.record.claims.len() == 1, "{:#?}", result.record);
     (result.record.verdict, result.record.reason)
 }

@@ -1,4 +1,4 @@
-//! Trouble of the rig: the verdict is `error` with the reason, and nothing stays driven, whatever ended the case.
+//! Faults of the rig: the verdict is `error` with the reason, and nothing stays driven, whatever ended the case.
 
 use crate::texts::Texts;
 use controller::{
@@ -7,7 +7,7 @@ use controller::{
 };
 use record::Verdict;
 use scanrig_runtime::clock::VirtualClock;
-use scanrig_runtime::schedule::FileAct;
+use scanrig_runtime::schedule::FileAction;
 use scanrig_runtime::subject::{Capability, Model, Observable, Subject};
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Cause, Level, Span, Time, Value, When};
@@ -59,7 +59,7 @@ fn trouble_of_the_board_is_an_error_with_its_reason_and_leaves_everything_safe()
         let texts = [("plan.toml", plan.as_str()), ("toggle.st", TOGGLE), ("board.toml", board.as_str())];
         let (mut model, mut parts) = Texts(&texts).parts(5);
         let ran = parts.run(&mut VirtualClock::default(), &mut model);
-        assert!(ran.trouble.is_some(), "{text}");
+        assert!(ran.fault.is_some(), "{text}");
         assert!(parts.board.health().latched_safe, "{text}");
     }
 }
@@ -172,7 +172,7 @@ impl Subject for Panics {
         self.model.command(now, command, effects)
     }
 
-    fn file(&mut self, now: Time, act: &FileAct, effects: &mut Effects) -> Result<(), FileError> {
+    fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
         self.model.file(now, act, effects)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::project_folder::{TestProject, root};
 use control::client::{Client, Receiver, Sender};
-use control::{Ask, Fault, FrameSeen, Message, Reply};
+use control::{Fault, FrameSeen, Message, Operation, Reply};
 use dash::frame_decoder::{DecodedFrame, FrameDecoder};
 use dash::glyphs::TerminalFeatures;
 use dash::recording::{TrendFiles, TrendRecording};
@@ -160,7 +160,7 @@ impl DashboardSetup {
     }
 
     /// Asks the rig for something beside what the dashboard does, and waits for the answer.
-    pub fn ask(&mut self, ask: Ask) {
+    pub fn ask(&mut self, ask: Operation) {
         let sent = self.sender.send(ask).unwrap();
         self.open.insert(sent, None);
         self.settle();
@@ -168,7 +168,7 @@ impl DashboardSetup {
 
     /// Lets time pass. Everything that happens until then is told before it is answered.
     pub fn advance(&mut self, by: i64) {
-        self.ask(Ask::Advance { by });
+        self.ask(Operation::Advance { by });
     }
 
     pub fn key(&mut self, code: KeyCode) {

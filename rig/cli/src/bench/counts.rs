@@ -9,7 +9,7 @@ use crate::output::OutputFormat;
 use clap::Args;
 use document::Diagnostic;
 use drivers::Board;
-use runtime::figures::{COUNTS, Counted, devices};
+use runtime::figures::{COUNTS, CountingLimit, devices};
 use runtime::instrument::{Train, counts, is_countable, names};
 use serde_json::json;
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ fn try_run(args: &CountsArgs) -> Result<Exit, Exit> {
         return Err(refuse("R0250", message, &format!("from 1 to {MOST}")));
     }
     let (file, hardware) = board::open(&args.board, &args.wait)?;
-    let mut board = hardware.lend();
+    let mut board = hardware.lease();
     let looped = args.looped.find(&file, &args.board)?;
     let names = names(&board, looped);
     if is_countable(&board, looped).is_err() {
@@ -64,7 +64,8 @@ fn try_run(args: &CountsArgs) -> Result<Exit, Exit> {
     let found = counts(hardware.instrument(&mut board), looped, args.repeats, &INTERRUPT);
     drop(entered);
     let found = found.map_err(|fault| super::loopback::failed(&fault, &names))?;
-    let came = Counted { counted_hz: found.counted_hz, made_hz: found.made_hz, is_limit: found.is_limit };
+    let came =
+        CountingLimit { counted_hz: found.counted_hz, made_hz: found.made_hz, is_limit: found.is_limit };
     settings.extend(came.settings());
     let kept = keep(&measured(COUNTS, &devices(&file), settings, Vec::new()));
     let [_, input] = &promises;

@@ -47,7 +47,7 @@ fn try_run(args: &LoopbackArgs) -> Result<Exit, Exit> {
         return Err(refuse("R0250", message, &format!("from 1 to {MOST}")));
     }
     let (file, hardware) = board::open(&args.board, &args.wait)?;
-    let mut board = hardware.lend();
+    let mut board = hardware.lease();
     let looped = args.looped.find(&file, &args.board)?;
     let names = names(&board, looped);
     let mut settings = board::settings(&hardware);

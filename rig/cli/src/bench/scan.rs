@@ -10,9 +10,9 @@ use clap::Args;
 use drivers::{Board, ChannelId};
 use profile::Profile;
 use record::Durations;
-use runtime::alone::{Alone, tasks};
 use runtime::figures::{devices, durations};
 use runtime::instrument::{ScanFault, phases};
+use runtime::standalone::{StandaloneRun, tasks};
 use serde_json::json;
 use signal::Span;
 use std::path::PathBuf;
@@ -63,7 +63,7 @@ fn try_run(args: &ScanArgs) -> Result<Exit, Exit> {
     }
     let mut alone = program(&args.program)?;
     let (file, hardware) = board::open(&args.board, &args.wait)?;
-    let mut board = hardware.lend();
+    let mut board = hardware.lease();
     let mut driven: Vec<ChannelId> = file.check.iter().map(|looped| looped.out).collect();
     for name in &args.drive {
         match file.find(name).filter(|at| board.channels()[usize::from(at.0)].drives) {
@@ -127,13 +127,13 @@ fn try_run(args: &ScanArgs) -> Result<Exit, Exit> {
 }
 
 /// The application of a scan, if one was given.
-fn program(files: &[PathBuf]) -> Result<Option<Alone>, Exit> {
+fn program(files: &[PathBuf]) -> Result<Option<StandaloneRun>, Exit> {
     if files.is_empty() {
         return Ok(None);
     }
     let (program, _) = crate::program::compile(files)?;
     let tasks = tasks(&program, Span::from_millis(20));
-    Alone::new(Arc::clone(&program), tasks, Profile::default()).map(Some).map_err(|error| {
+    StandaloneRun::new(Arc::clone(&program), tasks, Profile::default()).map(Some).map_err(|error| {
         output::error(&error.to_string());
         Exit::UserFiles
     })

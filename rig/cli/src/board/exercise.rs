@@ -150,15 +150,15 @@ fn exercise_output(bench: &RealBoardFile, at: usize, hold: Span) -> Result<bool,
     let hardware = opened.ok_or(Exit::UserFiles)?;
     // A host that is busy is not to look like a rig that hangs.
     let _entered = hardware.enter();
-    let mut board = hardware.lend();
+    let mut board = hardware.lease();
     let time = &hardware.surroundings().time;
     board.start(time.now()).map_err(failed)?;
     let name = bench.name(at);
     let driven = board.find(name).ok_or(Exit::Error)?;
     let safe = bench.line(at).is_some_and(|line| line.safe);
     let mut responses = ResponseRecorder::new(board.channels());
-    if let Some(heart) = hardware.heart() {
-        heart.begin().map_err(unguarded)?;
+    if let Some(heartbeat) = hardware.heartbeat() {
+        heartbeat.begin().map_err(unguarded)?;
     }
     let outcome = (|| {
         // What moves by itself is no answer.
@@ -177,7 +177,7 @@ fn exercise_output(bench: &RealBoardFile, at: usize, hold: Span) -> Result<bool,
     })();
     // Whatever happened, the output is left safe; and what happened first is what is said.
     let made_safe = board.safe(time.now()).map_err(failed);
-    let let_go = hardware.heart().map_or(Ok(()), |heart| heart.end().map_err(unguarded));
+    let let_go = hardware.heartbeat().map_or(Ok(()), |heartbeat| heartbeat.end().map_err(unguarded));
     outcome.and(made_safe).and(let_go)?;
     Ok(board.health().is_sound())
 }
@@ -217,13 +217,13 @@ impl ResponseRecorder {
 
     /// Takes what happens for so long, or until an interrupt.
     fn listen(&mut self, board: &mut dyn Board, hardware: &Hardware, lasts: Span) -> Result<(), Exit> {
-        let (surroundings, heart) = (hardware.surroundings(), hardware.heart());
+        let (surroundings, heartbeat) = (hardware.surroundings(), hardware.heartbeat());
         let end = surroundings.time.now() + lasts;
-        let look_up = heart.map_or(LOOK_UP, |heart| heart.every().min(LOOK_UP));
+        let look_up = heartbeat.map_or(LOOK_UP, |heartbeat| heartbeat.every().min(LOOK_UP));
         loop {
             let now = surroundings.time.now();
-            if let Some(heart) = heart {
-                heart.beat().map_err(unguarded)?;
+            if let Some(heartbeat) = heartbeat {
+                heartbeat.beat().map_err(unguarded)?;
             }
             let over = now >= end || INTERRUPT.load(Ordering::Relaxed);
             board.poll(now, &mut self.events).map_err(failed)?;

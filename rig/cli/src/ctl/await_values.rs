@@ -6,7 +6,7 @@ use super::{CtlError, commands, value};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use control::{Ask, Change, Client, Event, Signal, Subscribed, Topic, WireValue};
+use control::{Change, Client, Event, Operation, Signal, Subscribed, Topic, WireValue};
 use signal::{Span, Value};
 use std::time::{Duration, Instant};
 
@@ -99,7 +99,7 @@ pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, CtlError> {
     }
     let names = wanted.iter().map(|(_, name, ..)| name.clone()).collect();
     let begun: Subscribed =
-        client.ask(Ask::Subscribe { topic: Topic::Signals { names, every_ms: 1, all: true } })?;
+        client.ask(Operation::Subscribe { topic: Topic::Signals { names, every_ms: 1, all: true } })?;
     let signals = wanted.into_iter().zip(begun.signals);
     let mut wanted: Vec<AwaitedValue> = signals
         .map(|((words, _, relation, value), signal)| AwaitedValue {

@@ -6,7 +6,7 @@ use super::show::seconds;
 use crate::exit::Exit;
 use crate::{operator, output};
 use clap::{Args, Subcommand};
-use control::{Action, Advanced, Ask, Client, Done};
+use control::{Action, Advanced, Client, Done, Operation};
 use signal::Span;
 use std::io::{BufRead, Write};
 use std::time::Duration;
@@ -71,7 +71,7 @@ impl ControllerCommand {
 pub fn act(client: &mut Client, command: &ControllerCommand) -> Result<Exit, CtlError> {
     let (action, args) = command.action();
     confirm(client, args.yes, action.name())?;
-    client.ask::<Done>(Ask::Command { action })?;
+    client.ask::<Done>(Operation::Command { action })?;
     Ok(Exit::Passed)
 }
 
@@ -105,19 +105,19 @@ pub struct LockArgs {
 
 /// Locks the rig.
 pub fn lock(client: &mut Client, args: &LockArgs) -> Result<Exit, CtlError> {
-    client.ask::<Done>(Ask::Lock { note: args.note.clone() })?;
+    client.ask::<Done>(Operation::Lock { note: args.note.clone() })?;
     Ok(Exit::Passed)
 }
 
 /// Ends the lock.
 pub fn unlock(client: &mut Client) -> Result<Exit, CtlError> {
-    client.ask::<Done>(Ask::Unlock)?;
+    client.ask::<Done>(Operation::Unlock)?;
     Ok(Exit::Passed)
 }
 
 /// Ends the plan that runs.
 pub fn abort(client: &mut Client) -> Result<Exit, CtlError> {
-    client.ask::<Done>(Ask::Abort)?;
+    client.ask::<Done>(Operation::Abort)?;
     Ok(Exit::Passed)
 }
 
@@ -147,7 +147,7 @@ pub fn advance_by(
     loop {
         let next = left.min(step);
         left = left - next;
-        let reached: Advanced = client.ask_within(Ask::Advance { by: next.as_nanos() }, PATIENCE)?;
+        let reached: Advanced = client.ask_within(Operation::Advance { by: next.as_nanos() }, PATIENCE)?;
         if !goes_on(client)? || left <= Span::ZERO {
             return Ok(reached.at);
         }

@@ -7,7 +7,7 @@ use super::watch::host;
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use control::{Ask, Client, Event, FrameSeen, Subscribed, Topic};
+use control::{Client, Event, FrameSeen, Operation, Subscribed, Topic};
 use serde_json::json;
 use signal::Span;
 use std::time::{Duration, Instant};
@@ -40,7 +40,7 @@ pub struct FramesArgs {
 
 /// Prints frames.
 pub fn run(client: &mut Client, args: &FramesArgs) -> Result<Exit, CtlError> {
-    client.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Frames })?;
+    client.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Frames })?;
     let mut left = args.count.map(std::num::NonZeroU64::get);
     let mut take = |event: &Event| match event {
         Event::Frame { frame, .. } if wanted(args, frame) => {

@@ -6,7 +6,7 @@ use crate::exit::Exit;
 use crate::output;
 use clap::Args;
 use control::client::running;
-use control::{Ask, Client, Description, Direction, Point, Signal, SignalKind};
+use control::{Client, Description, Direction, Operation, Point, Signal, SignalKind};
 use serde_json::json;
 
 /// `rig ctl list`.
@@ -29,7 +29,7 @@ impl ListArgs {
 
 /// Lists points and signals.
 pub fn list(client: &mut Client, args: &ListArgs) -> Result<Exit, CtlError> {
-    let it: Description = client.ask(Ask::Describe)?;
+    let it: Description = client.ask(Operation::Describe)?;
     let points: Vec<&Point> = it.points.iter().filter(|one| args.takes(&point(one))).collect();
     let signals: Vec<&Signal> = it.signals.iter().filter(|one| args.takes(&signal(one))).collect();
     if args.json {

@@ -6,7 +6,7 @@ use super::watch::host;
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use control::{Ask, Client, Event, Subscribed, Topic};
+use control::{Client, Event, Operation, Subscribed, Topic};
 use signal::Span;
 use std::time::{Duration, Instant};
 
@@ -29,7 +29,7 @@ pub struct LogArgs {
 
 /// Prints the log so far, then what comes.
 pub fn run(client: &mut Client, args: &LogArgs) -> Result<Exit, CtlError> {
-    let begun: Subscribed = client.ask(Ask::Subscribe { topic: Topic::Log })?;
+    let begun: Subscribed = client.ask(Operation::Subscribe { topic: Topic::Log })?;
     let first = args.lines.map_or(0, |lines| begun.log.len().saturating_sub(lines));
     let mut open = begun.log.iter().skip(first).all(|line| tell(&shown(line.at, &line.text)));
     let until = args.lasts.map(|lasts| Instant::now() + host(lasts));

@@ -5,7 +5,7 @@ use super::{CtlError, commands, interrupt};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use control::{Ask, Client, Done, Event, Measured, PlanEvent, Plans, Subscribed, Topic};
+use control::{Client, Done, Event, Measured, Operation, PlanEvent, Plans, Subscribed, Topic};
 use record::Verdict;
 use serde_json::json;
 use signal::Span;
@@ -27,7 +27,7 @@ pub struct PlansArgs {
 
 /// Lists cases.
 pub fn list(client: &mut Client, args: &PlansArgs) -> Result<Exit, CtlError> {
-    let known: Plans = client.ask_within(Ask::Plans { path: args.path.clone() }, PATIENCE)?;
+    let known: Plans = client.ask_within(Operation::Plans { path: args.path.clone() }, PATIENCE)?;
     known.plans.iter().for_each(|name| output::print(&format!("{name}\n")));
     Ok(if known.plans.is_empty() { Exit::UserFiles } else { Exit::Passed })
 }
@@ -49,15 +49,15 @@ pub struct PlanArgs {
 pub fn run(client: &mut Client, args: &PlanArgs) -> Result<Exit, CtlError> {
     commands::confirm(client, args.yes, &format!("run {}", args.name))?;
     let interrupted = interrupt::catch()?;
-    client.ask::<Subscribed>(Ask::Subscribe { topic: Topic::Plan })?;
-    client.ask_within::<Done>(Ask::Plan { name: args.name.clone() }, PATIENCE)?;
+    client.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Plan })?;
+    client.ask_within::<Done>(Operation::Plan { name: args.name.clone() }, PATIENCE)?;
     let mut aborted = false;
     let mut text_of_plan = PlanText::default();
     loop {
         if interrupted() && !aborted {
             aborted = true;
             output::note("interrupted: the plan ends, outputs become safe");
-            client.ask_within::<Done>(Ask::Abort, PATIENCE)?;
+            client.ask_within::<Done>(Operation::Abort, PATIENCE)?;
         }
         match client.next(LOOK_UP)? {
             Some(Event::Plan { told, .. }) => {

@@ -5,7 +5,7 @@ use super::show::{self, columns, percent, seconds, span};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use control::{Ask, Client, Clock, Description, Led, Status, Subject, TaskInfo, TaskStatus};
+use control::{Client, Clock, Description, Led, Operation, Status, Subject, TaskInfo, TaskStatus};
 
 /// `rig ctl status` and `rig ctl describe`.
 #[derive(Debug, Args)]
@@ -17,7 +17,7 @@ pub struct StatusArgs {
 
 /// Prints the state.
 pub fn state(client: &mut Client) -> Result<Exit, CtlError> {
-    let status: Status = client.ask(Ask::Status)?;
+    let status: Status = client.ask(Operation::Status)?;
     output::print(&format!("{}\n", status.state));
     Ok(Exit::Passed)
 }
@@ -25,11 +25,11 @@ pub fn state(client: &mut Client) -> Result<Exit, CtlError> {
 /// Prints how the rig is.
 pub fn status(client: &mut Client, args: &StatusArgs) -> Result<Exit, CtlError> {
     if args.json {
-        show::json(&client.ask(Ask::Status)?);
+        show::json(&client.ask(Operation::Status)?);
         return Ok(Exit::Passed);
     }
-    let described: Description = client.ask(Ask::Describe)?;
-    let status: Status = client.ask(Ask::Status)?;
+    let described: Description = client.ask(Operation::Describe)?;
+    let status: Status = client.ask(Operation::Status)?;
     output::print(&columns(&facts(&described, &status)));
     if !described.tasks.is_empty() {
         output::print(&format!("\n{}", columns(&tasks(&described.tasks, &status.tasks))));
@@ -119,12 +119,12 @@ fn tasks(known: &[TaskInfo], now: &[TaskStatus]) -> Vec<Vec<String>> {
 /// Prints what the rig is.
 pub fn describe(client: &mut Client, args: &StatusArgs) -> Result<Exit, CtlError> {
     if args.json {
-        show::json(&client.ask(Ask::Describe)?);
+        show::json(&client.ask(Operation::Describe)?);
         return Ok(Exit::Passed);
     }
     let socket = client.socket().display().to_string();
     let version = client.greeting().version.clone();
-    let it: Description = client.ask(Ask::Describe)?;
+    let it: Description = client.ask(Operation::Describe)?;
     let mut rows = Vec::new();
     let mut row = |name: &str, text: String| rows.push(vec![name.to_owned(), text]);
     row("rig", format!("{version} at {socket}"));

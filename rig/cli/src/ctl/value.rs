@@ -3,7 +3,7 @@
 use super::CtlError;
 use crate::exit::Exit;
 use crate::output;
-use control::{Ask, Client, Description, SignalKind, WireValue};
+use control::{Client, Description, Operation, SignalKind, WireValue};
 use document::Diagnostic;
 use plans::Literal;
 use signal::{Kind, SignalInfo, Value};
@@ -35,7 +35,7 @@ pub fn of(client: &mut Client, name: &str, words: &str, text: &str) -> Result<Wi
     if matches!(&literal, Literal::Label(label) if label.eq_ignore_ascii_case("z")) {
         return Ok(WireValue(Value::HighZ));
     }
-    let described: Description = client.ask(Ask::Describe)?;
+    let described: Description = client.ask(Operation::Describe)?;
     let info = info(&described, name);
     plans::value_of(&literal, &info).map(WireValue).map_err(|why| refuse(words, &why, help))
 }

@@ -5,7 +5,7 @@ use super::{CtlError, interrupt, value};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use control::{Ask, Client, Description, Done, Forces, Signal, SignalKind, Values, WireValue};
+use control::{Client, Description, Done, Forces, Operation, Signal, SignalKind, Values, WireValue};
 use serde_json::{Map, json};
 use signal::Span;
 use std::time::{Duration, Instant};
@@ -29,7 +29,7 @@ pub struct ReadArgs {
 
 /// Prints values.
 pub fn read(client: &mut Client, args: &ReadArgs) -> Result<Exit, CtlError> {
-    let read: Values = client.ask(Ask::Read { names: args.names.clone() })?;
+    let read: Values = client.ask(Operation::Read { names: args.names.clone() })?;
     let named = args.names.iter().zip(&read.values);
     if args.json {
         let map: Map<String, serde_json::Value> =
@@ -40,7 +40,7 @@ pub fn read(client: &mut Client, args: &ReadArgs) -> Result<Exit, CtlError> {
             output::print(&format!("{}\n", show::field(*value)));
         }
     } else {
-        let it: Description = client.ask(Ask::Describe)?;
+        let it: Description = client.ask(Operation::Describe)?;
         let row = |(name, value): (&String, &WireValue)| vec![name.clone(), shown(&it, name, *value)];
         output::print(&columns(&named.map(row).collect::<Vec<_>>()));
     }
@@ -77,7 +77,7 @@ pub struct WriteArgs {
 /// Writes values, one after the other.
 pub fn write(client: &mut Client, args: &WriteArgs) -> Result<Exit, CtlError> {
     for (name, value) in pairs(client, &args.pairs)? {
-        client.ask::<Done>(Ask::Write { name, value })?;
+        client.ask::<Done>(Operation::Write { name, value })?;
     }
     Ok(Exit::Passed)
 }
@@ -104,15 +104,15 @@ pub fn force(client: &mut Client, args: &ForceArgs) -> Result<Exit, CtlError> {
     let pairs = pairs(client, &args.pairs)?;
     let Some(lasts) = args.lasts else {
         for (name, value) in pairs {
-            client.ask::<Done>(Ask::Force { name, value })?;
+            client.ask::<Done>(Operation::Force { name, value })?;
         }
         // Else the forces would be those of a client that is gone.
-        client.ask::<Done>(Ask::Leave { forces: Forces::Keep })?;
+        client.ask::<Done>(Operation::Leave { forces: Forces::Keep })?;
         return Ok(Exit::Passed);
     };
     let interrupted = interrupt::catch()?;
     for (name, value) in pairs {
-        client.ask::<Done>(Ask::Force { name, value })?;
+        client.ask::<Done>(Operation::Force { name, value })?;
     }
     let until = Instant::now() + Duration::from_nanos(lasts.as_nanos().unsigned_abs());
     while !interrupted() && Instant::now() < until {
@@ -120,7 +120,7 @@ pub fn force(client: &mut Client, args: &ForceArgs) -> Result<Exit, CtlError> {
         // A rig that ends has nothing forced any more, and is an error all the same.
         client.next(left)?;
     }
-    client.ask::<Done>(Ask::Leave { forces: Forces::Release })?;
+    client.ask::<Done>(Operation::Leave { forces: Forces::Release })?;
     Ok(if interrupted() { Exit::Interrupted } else { Exit::Passed })
 }
 
@@ -138,10 +138,10 @@ pub struct ReleaseArgs {
 /// Ends forces.
 pub fn release(client: &mut Client, args: &ReleaseArgs) -> Result<Exit, CtlError> {
     if args.all {
-        client.ask::<Done>(Ask::ReleaseAll)?;
+        client.ask::<Done>(Operation::ReleaseAll)?;
     }
     for name in &args.names {
-        client.ask::<Done>(Ask::Release { name: name.clone() })?;
+        client.ask::<Done>(Operation::Release { name: name.clone() })?;
     }
     Ok(Exit::Passed)
 }

@@ -6,7 +6,7 @@ use super::show::{self, field, quoted, seconds, tell};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use control::{Ask, Change, Client, Event, Signal, Subscribed, Topic, WireValue};
+use control::{Change, Client, Event, Operation, Signal, Subscribed, Topic, WireValue};
 use serde_json::json;
 use signal::Span;
 use std::time::{Duration, Instant};
@@ -57,7 +57,7 @@ pub fn host(span: Span) -> Duration {
 pub fn run(client: &mut Client, args: &WatchArgs) -> Result<Exit, CtlError> {
     let topic =
         Topic::Signals { names: args.names.clone(), every_ms: milliseconds(args.every), all: args.all };
-    let begun: Subscribed = client.ask(Ask::Subscribe { topic })?;
+    let begun: Subscribed = client.ask(Operation::Subscribe { topic })?;
     let mut view = WatchOutput {
         form: WatchFormat::of(args),
         signals: begun.signals,

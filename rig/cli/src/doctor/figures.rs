@@ -3,7 +3,7 @@
 use super::check::Check;
 use drivers::file::{BoardFile, BoardKind};
 use host::Machine;
-use runtime::figures::{self, Counted};
+use runtime::figures::{self, CountingLimit};
 use signal::Span;
 
 const GROUP: &str = "figures";
@@ -34,7 +34,7 @@ pub fn counts(file: &BoardFile) -> Option<Check> {
     if let Some((name, then, now)) = kept.differences(&Machine::here().identity()).first() {
         return open(format!("measured when the {name} was `{then}`; now it is `{now}`"));
     }
-    let Some(came) = Counted::of(&kept) else {
+    let Some(came) = CountingLimit::of(&kept) else {
         return open(String::from("the figures that were kept are empty"));
     };
     let found = format!("{}, made up to {} Hz, on {}", came.counted(), came.made_hz, kept.measured);

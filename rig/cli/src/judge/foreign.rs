@@ -8,7 +8,7 @@ use capture::{Capture, CaptureError, Format, MAX_FILE};
 use document::{Diagnostic, SourceFile};
 use plans::Case;
 use record::CaseRecord;
-use runtime::foreign::{self, Instants, Layout, Wire};
+use runtime::capture_import::{self, CaseLayout, ChannelMapping, Instants};
 use runtime::rejudge;
 use runtime::suite::{self, Disk, Job, LoadedPlan};
 use signal::{Span, When};
@@ -23,7 +23,7 @@ pub fn judge(
     let (loaded, seed) = load(args, &capture, sources)?;
     let (case, job) = choose(args, &capture, &loaded, seed).map_err(|found| vec![found])?;
     let files = loaded.files(&case, &job)?;
-    let layout = foreign::lay(&case, &files)?;
+    let layout = capture_import::lay_out(&case, &files)?;
     let spelled = reports::vcd::names(layout.signals());
     let wires = mapping::wires(&args.capture.map, &capture, layout.signals(), &spelled)?;
     say_what_is_missing(&case, &layout, &wires);
@@ -34,9 +34,10 @@ pub fn judge(
         // What the user says of instants goes before what the file says of them.
         Some(instants(args, &capture, &layout, &wires)?)
     };
-    let marks = |wire: &Wire| layout.signals()[wire.signal].name.starts_with("step:");
-    let wires: Vec<Wire> = wires.iter().copied().filter(|wire| instants.is_none() || !marks(wire)).collect();
-    let trace = foreign::trace(layout, &case, &files, &capture, &wires, instants.as_ref());
+    let marks = |wire: &ChannelMapping| layout.signals()[wire.signal].name.starts_with("step:");
+    let wires: Vec<ChannelMapping> =
+        wires.iter().copied().filter(|wire| instants.is_none() || !marks(wire)).collect();
+    let trace = capture_import::trace(layout, &case, &files, &capture, &wires, instants.as_ref());
     let trace = trace
         .map_err(|error| vec![Diagnostic::error("R0170", format!("the capture makes no trace: {error}"))])?;
     rejudge::judge_gathered(loaded.plan.text(), &trace)
@@ -143,7 +144,7 @@ fn choose(
 }
 
 /// Claims on what the capture does not have come out inconclusive; the user is told why.
-fn say_what_is_missing(case: &Case, layout: &Layout, wires: &[Wire]) {
+fn say_what_is_missing(case: &Case, layout: &CaseLayout, wires: &[ChannelMapping]) {
     let has = |name: &str| wires.iter().any(|wire| layout.signals()[wire.signal].name == name);
     let missing: Vec<String> = case.scenario().signals().into_iter().filter(|name| !has(name)).collect();
     if !missing.is_empty() {
@@ -158,8 +159,8 @@ fn say_what_is_missing(case: &Case, layout: &Layout, wires: &[Wire]) {
 fn instants(
     args: &JudgeArgs,
     capture: &Capture,
-    layout: &Layout,
-    wires: &[Wire],
+    layout: &CaseLayout,
+    wires: &[ChannelMapping],
 ) -> Result<Instants, Vec<Diagnostic>> {
     let names = CaptureNames { capture, wires, signals: layout.signals() };
     let mut found = Vec::new();
@@ -195,7 +196,7 @@ fn before(at: When, span: Span) -> When {
     When::within(at.earliest.saturating_add(-span), at.latest.saturating_add(-span))
 }
 
-fn step(text: &str, layout: &Layout, names: &CaptureNames<'_>) -> Result<(String, When), Diagnostic> {
+fn step(text: &str, layout: &CaseLayout, names: &CaptureNames<'_>) -> Result<(String, When), Diagnostic> {
     let Some((id, when)) = text.split_once('=') else {
         let message = format!("--at {text}: it says no instant");
         return Err(Diagnostic::error("R0178", message).help("write --at STEP=\"button rises\""));

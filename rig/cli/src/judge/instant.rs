@@ -2,7 +2,7 @@
 
 use capture::Capture;
 use document::Diagnostic;
-use runtime::foreign::Wire;
+use runtime::capture_import::ChannelMapping;
 use signal::{SignalInfo, Span, Time, Value, When};
 
 /// Which change of a channel.
@@ -19,7 +19,7 @@ pub struct CaptureNames<'a> {
     /// The capture.
     pub capture: &'a Capture,
     /// Its channels that are signals.
-    pub wires: &'a [Wire],
+    pub wires: &'a [ChannelMapping],
     /// The signals.
     pub signals: &'a [SignalInfo],
 }

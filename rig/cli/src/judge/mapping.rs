@@ -2,7 +2,7 @@
 
 use capture::Capture;
 use document::{Diagnostic, suggest};
-use runtime::foreign::{Wire, misfit};
+use runtime::capture_import::{ChannelMapping, misfit};
 use signal::SignalInfo;
 
 /// Channels that a message names at most.
@@ -26,8 +26,8 @@ pub fn wires(
     capture: &Capture,
     signals: &[SignalInfo],
     spelled: &[String],
-) -> Result<Vec<Wire>, Vec<Diagnostic>> {
-    let mut wires: Vec<Wire> = Vec::new();
+) -> Result<Vec<ChannelMapping>, Vec<Diagnostic>> {
+    let mut wires: Vec<ChannelMapping> = Vec::new();
     let mut found = Vec::new();
     for text in given {
         match mapping(text, capture, signals) {
@@ -46,7 +46,7 @@ pub fn wires(
         }
         let named = |name: &str| capture.channels.iter().position(|channel| channel.name == name);
         if let Some(channel) = named(&info.name).or_else(|| named(spelled)) {
-            wires.push(Wire { channel, signal, threshold: None });
+            wires.push(ChannelMapping { channel, signal, threshold: None });
         }
     }
     for wire in &wires {
@@ -60,7 +60,7 @@ pub fn wires(
 }
 
 /// `CHANNEL=SIGNAL`, `CHANNEL=SIGNAL@THRESHOLD`.
-fn mapping(text: &str, capture: &Capture, signals: &[SignalInfo]) -> Result<Wire, Diagnostic> {
+fn mapping(text: &str, capture: &Capture, signals: &[SignalInfo]) -> Result<ChannelMapping, Diagnostic> {
     // A channel's name may hold a `=`, a signal's does not.
     let Some((channel, signal)) = text.rsplit_once('=') else {
         let message = format!("--map {text}: it says no signal");
@@ -88,5 +88,5 @@ fn mapping(text: &str, capture: &Capture, signals: &[SignalInfo]) -> Result<Wire
         let message = format!("--map {text}: the case has no signal `{signal}`");
         return Err(Diagnostic::error("R0172", message).help(known(signal, &names)));
     };
-    Ok(Wire { channel: channel_at, signal: signal_at, threshold })
+    Ok(ChannelMapping { channel: channel_at, signal: signal_at, threshold })
 }

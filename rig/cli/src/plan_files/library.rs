@@ -2,7 +2,7 @@
 
 use crate::plan_files::kind::{self, FileKind};
 use include_dir::{Dir, include_dir};
-use runtime::suite::Files;
+use runtime::suite::FileSource;
 use runtime::suites::is_suite;
 use std::path::{Component, Path, PathBuf};
 
@@ -15,7 +15,7 @@ pub const REGISTER: &str = include_str!("../../../../plans/requirements.toml");
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShippedFiles;
 
-impl Files for ShippedFiles {
+impl FileSource for ShippedFiles {
     fn read(&self, path: &str) -> Result<String, String> {
         let file = LIBRARY.get_file(plain(path)).ok_or("the library has no such file")?;
         file.contents_utf8().map(str::to_owned).ok_or_else(|| "it is no UTF-8 text".to_owned())

@@ -7,7 +7,7 @@ use crate::plan_files::find::find;
 use crate::plan_files::library::{self, ShippedFiles};
 use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
-use runtime::suite::{self, Disk, Files, LoadedPlan};
+use runtime::suite::{self, Disk, FileSource, LoadedPlan};
 use std::path::{Path, PathBuf};
 
 /// What the command line names.
@@ -40,7 +40,7 @@ pub fn load(request: &LoadRequest<'_>, sources: &mut Vec<SourceFile>) -> Result<
         },
     };
     let shipped = request.plans.is_empty();
-    let files: &dyn Files = if shipped { &ShippedFiles } else { &Disk };
+    let files: &dyn FileSource = if shipped { &ShippedFiles } else { &Disk };
     let paths = if shipped { library::plans() } else { find(request.plans)? };
     let mut loaded = Vec::new();
     let (mut wrong, mut shown) = (false, Vec::new());

@@ -3,7 +3,7 @@
 use crate::exit::Exit;
 use crate::output;
 use document::suggest;
-use runtime::suite::{self, Files};
+use runtime::suite::{self, FileSource};
 
 /// What the command line gives.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ impl Parameters {
 
     /// Those of the given ones that this plan or what it includes has. None of a plan that does not read, whose findings
     /// are reported anyway.
-    pub fn of_plan(&mut self, files: &dyn Files, path: &str) -> Vec<(String, String)> {
+    pub fn of_plan(&mut self, files: &dyn FileSource, path: &str) -> Vec<(String, String)> {
         if self.given.is_empty() {
             return Vec::new();
         }

@@ -6,7 +6,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::output::OutputFormat;
 use profile::Profile;
-use runtime::alone::{Alone, AloneTask};
+use runtime::standalone::{StandaloneRun, StandaloneTask};
 use serde_json::json;
 use signal::Span;
 use std::sync::Arc;
@@ -52,12 +52,12 @@ pub fn bench(args: &ProgramBenchArgs) -> Exit {
         Ok(compiled) => compiled,
         Err(exit) => return exit,
     };
-    let all = AloneTask {
+    let all = StandaloneTask {
         name: String::from("MAST"),
         interval: Span::from_millis(20),
         programs: (0..program.programs().len()).collect(),
     };
-    let mut alone = match Alone::new(Arc::clone(&program), vec![all], Profile::default()) {
+    let mut alone = match StandaloneRun::new(Arc::clone(&program), vec![all], Profile::default()) {
         Ok(alone) => alone,
         Err(error) => {
             output::error(&error.to_string());

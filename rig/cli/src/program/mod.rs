@@ -13,7 +13,7 @@ use crate::output;
 use document::{Diagnostic, SourceFile};
 use profile::Profile;
 use program::Program;
-use runtime::alone::Ended;
+use runtime::standalone::StandaloneEnd;
 use runtime::suite::{self, Disk};
 use signal::Span;
 use std::path::PathBuf;
@@ -79,14 +79,14 @@ fn duration(option: &str, text: &str) -> Result<Span, Exit> {
 }
 
 /// How a run alone ended, said where that was not well.
-pub fn ended(ended: &Ended) -> Exit {
+pub fn ended(ended: &StandaloneEnd) -> Exit {
     match ended {
-        Ended::InTime { .. } => Exit::Passed,
-        Ended::Fault { at, text } => {
+        StandaloneEnd::InTime { .. } => Exit::Passed,
+        StandaloneEnd::Fault { at, text } => {
             output::error(&format!("the program failed after {at}: {text}"));
             Exit::Failed
         }
-        Ended::Endless { task, at } => {
+        StandaloneEnd::Endless { task, at } => {
             output::error(&format!(
                 "{task}: the cycle that began after {at} had not ended at the end of the run"
             ));

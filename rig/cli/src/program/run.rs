@@ -8,8 +8,8 @@ use crate::output::OutputFormat;
 use profile::Profile;
 use program::{Elementary, Program, SetError, Shown};
 use reports::text;
-use runtime::alone::{Alone, tasks};
 use runtime::coverage::by_file;
+use runtime::standalone::{StandaloneRun, tasks};
 use serde_json::{Map, Value as Json, json};
 use signal::Value;
 use std::sync::Arc;
@@ -26,12 +26,12 @@ pub fn run(args: &ProgramRunArgs) -> Exit {
 }
 
 /// The application before its first cycle.
-fn prepare(args: &ProgramRunArgs) -> Result<(Alone, Arc<Program>), Exit> {
+fn prepare(args: &ProgramRunArgs) -> Result<(StandaloneRun, Arc<Program>), Exit> {
     let interval = duration("--interval", &args.interval)?;
     duration("--for", &args.duration)?;
     let (program, _) = compile(&args.files)?;
     let tasks = tasks(&program, interval);
-    let mut alone = Alone::new(Arc::clone(&program), tasks, Profile::default()).map_err(|error| {
+    let mut alone = StandaloneRun::new(Arc::clone(&program), tasks, Profile::default()).map_err(|error| {
         output::error(&error.to_string());
         Exit::UserFiles
     })?;
@@ -50,7 +50,7 @@ fn prepare(args: &ProgramRunArgs) -> Result<(Alone, Arc<Program>), Exit> {
 }
 
 /// Runs it and prints what came of it.
-fn finish(args: &ProgramRunArgs, mut alone: Alone, program: &Program) -> Exit {
+fn finish(args: &ProgramRunArgs, mut alone: StandaloneRun, program: &Program) -> Exit {
     let ran = match duration("--for", &args.duration) {
         Ok(time) => alone.run(time),
         Err(exit) => return exit,
@@ -64,7 +64,7 @@ fn finish(args: &ProgramRunArgs, mut alone: Alone, program: &Program) -> Exit {
     };
     let coverage = args.coverage.then(|| {
         let files = by_file(program, &alone.coverage());
-        files.iter().map(runtime::coverage::Covered::record).collect::<Vec<_>>()
+        files.iter().map(runtime::coverage::CoveredFile::record).collect::<Vec<_>>()
     });
     match args.format {
         OutputFormat::Table => {
@@ -89,7 +89,7 @@ fn finish(args: &ProgramRunArgs, mut alone: Alone, program: &Program) -> Exit {
 }
 
 /// Sets a variable as `VARIABLE=VALUE` says.
-fn set(alone: &mut Alone, program: &Program, assignment: &str) -> Result<(), Exit> {
+fn set(alone: &mut StandaloneRun, program: &Program, assignment: &str) -> Result<(), Exit> {
     let Some((name, text)) = assignment.split_once('=') else {
         let help = "write it as VARIABLE=VALUE";
         return Err(refuse("R0503", format!("--set {assignment}: no assignment"), help));
@@ -134,7 +134,7 @@ fn names(lists: &[String]) -> Vec<&str> {
 }
 
 /// All variables, those of structures, blocks and programs one by one.
-fn every(alone: &mut Alone, program: &Program) -> Vec<(String, Shown)> {
+fn every(alone: &mut StandaloneRun, program: &Program) -> Vec<(String, Shown)> {
     let mut values = Vec::new();
     for root in program.roots() {
         if values.len() > MOST_VALUES {

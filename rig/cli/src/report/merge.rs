@@ -6,7 +6,7 @@ use crate::saved_runs::SavedRun;
 use crate::saved_runs::report_folder::ReportFolder;
 use document::Diagnostic;
 use record::{CaseRecord, Provenance, RunRecord};
-use runtime::coverage::Total;
+use runtime::coverage::CoverageTotal;
 use std::path::{Path, PathBuf};
 
 /// The whole, whose traces are still where the parts left them.
@@ -42,7 +42,7 @@ pub(super) fn merge(mut parts: Vec<SavedRun>) -> Result<MergedRun, Vec<Diagnosti
         },
         folders: Vec::with_capacity(count),
     };
-    let mut coverage = Total::default();
+    let mut coverage = CoverageTotal::default();
     for part in &parts {
         if !coverage.add_part(&part.record.coverage) {
             let message = format!("the coverage of `{}` lacks its statements", part.name);

@@ -7,8 +7,8 @@ use clap::Args;
 use control::place;
 use document::Diagnostic;
 use drivers::{BoardFile, OnDisconnect};
-use runtime::live::{LiveRig, Shelf};
-use runtime::suite::{Disk, Files};
+use runtime::live::{LiveRig, PlanSource};
+use runtime::suite::{Disk, FileSource};
 use services::control::{Limits, Serving, Settings};
 use std::path::{Path, PathBuf};
 
@@ -81,7 +81,7 @@ fn known(code: &str) -> &'static str {
 #[derive(Clone, Copy, Debug)]
 pub struct HostPlans;
 
-impl Shelf for HostPlans {
+impl PlanSource for HostPlans {
     fn plans(&self, path: Option<&str>) -> Result<Vec<String>, String> {
         let Some(path) = path else { return Ok(library::plans()) };
         let found = std::fs::metadata(path);
@@ -99,7 +99,7 @@ impl Shelf for HostPlans {
         find::find(&[PathBuf::from(path)]).map_err(|_| format!("`{path}` holds no plan"))
     }
 
-    fn files(&self, plan: &str) -> &'static dyn Files {
+    fn files(&self, plan: &str) -> &'static dyn FileSource {
         if Disk.has(plan) { &Disk } else { &ShippedFiles }
     }
 }

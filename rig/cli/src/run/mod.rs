@@ -14,9 +14,9 @@ use document::{Diagnostic, SourceFile};
 use drivers::BoardFile;
 use runtime::hardware::Hardware;
 use runtime::live;
-use runtime::play::{self, Course, Played, Told};
-use runtime::suite::{self, Disk, Files};
-use runtime::{CaseFiles, ClockKind, RunOptions, Turns};
+use runtime::soft_plc::{self, SoftPlcEvent, SoftPlcReport, SoftPlcSettings};
+use runtime::suite::{self, Disk, FileSource};
+use runtime::{CaseFiles, ClockKind, LoopCounter, RunOptions};
 use serde_json::Value as Json;
 use signal::{Span, Time};
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ use std::sync::{Arc, Mutex};
 static INTERRUPT: AtomicBool = AtomicBool::new(false);
 
 /// What the executor has done: the service manager is told that it goes on.
-static TURNS: Turns = Turns::new();
+static TURNS: LoopCounter = LoopCounter::new();
 
 /// How long an interrupt takes at most to be seen where nothing happens.
 const SLICE: Span = Span::from_millis(50);
@@ -88,7 +88,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     let lasts = args.duration.as_deref().map(duration).transpose().map_err(|found| vec![found])?;
     let board = suite::load_board(&Disk, &args.board.to_string_lossy(), sources)?;
     if board.0.subject.is_external() {
-        return Err(vec![play::not_played(&board.0)]);
+        return Err(vec![soft_plc::real_controller(&board.0)]);
     }
     let (case, files) = case(args, &board, sources)?;
     let notifier = ServiceNotifier::start(&TURNS).map_err(|found| vec![found])?;
@@ -109,7 +109,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     };
     let hardware = Hardware::open(&board.0)?.map(|hardware| hardware.with_lock(lock));
     output::findings(&hardware.as_ref().map(Hardware::warnings).unwrap_or_default(), sources);
-    let plans = live::Bench { shelf: Arc::new(HostPlans), board: board.clone(), seed: args.seed };
+    let plans = live::PlanBench { source: Arc::new(HostPlans), board: board.clone(), seed: args.seed };
     let led = args.control.led;
     let (rig, port) =
         live::open(&case, &files, hardware.as_ref(), led, env!("CARGO_PKG_VERSION"), Some(plans))?;
@@ -118,16 +118,16 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     let options = RunOptions {
         slice: if hardware.is_some() { SLICE } else { MODELLED },
         hardware: hardware.as_ref(),
-        turns: Some(&TURNS),
+        loop_counter: Some(&TURNS),
         live: serving.is_some().then_some(&port),
         ..RunOptions::new(if led { ClockKind::Virtual } else { ClockKind::Real }, &INTERRUPT)
     };
-    let course = Course { lasts, booted: args.booted };
+    let settings = SoftPlcSettings { duration: lasts, booted: args.booted };
     let (tell, told) = mpsc::sync_channel(WAITING);
     let played = std::thread::scope(|scope| {
         let controller = scope.spawn(|| {
             let tell = tell;
-            live::keep(&case, &files, &options, course, &tell)
+            live::run_with_plans(&case, &files, &options, settings, &tell)
         });
         show(&told, &notifier);
         controller.join()
@@ -157,7 +157,7 @@ fn duration(text: &str) -> Result<Span, Diagnostic> {
 /// A plan that has nothing but a program.
 struct ProgramOnlyPlan(String);
 
-impl Files for ProgramOnlyPlan {
+impl FileSource for ProgramOnlyPlan {
     fn read(&self, path: &str) -> Result<String, String> {
         if path == format!("{NAME}.toml") { Ok(self.0.clone()) } else { Disk.read(path) }
     }
@@ -174,7 +174,7 @@ fn case(
     sources: &mut Vec<SourceFile>,
 ) -> Result<(plans::Case, CaseFiles), Vec<Diagnostic>> {
     let program_only;
-    let (files, name): (&dyn Files, &str) = match &args.case {
+    let (files, name): (&dyn FileSource, &str) = match &args.case {
         Some(name) if Disk.has(&path(name)) => (&Disk, name),
         Some(name) => (&ShippedFiles, name),
         None => {
@@ -219,32 +219,32 @@ fn seconds(at: Time) -> f64 {
 }
 
 /// Prints what the controller tells until it is gone.
-fn show(told: &Receiver<Told>, notifier: &ServiceNotifier) {
+fn show(told: &Receiver<SoftPlcEvent>, notifier: &ServiceNotifier) {
     let line = |at: Time, text: &str| output::print(&format!("{:>12.3} s  {text}\n", seconds(at)));
     for told in told {
         match told {
-            Told::Ready => {
+            SoftPlcEvent::Ready => {
                 line(Time::ZERO, "ready");
                 notifier.ready();
             }
-            Told::State(at, state) => {
+            SoftPlcEvent::State(at, state) => {
                 line(at, state.name());
                 notifier.status(state.name());
             }
-            Told::Log(at, text) => line(at, &format!("  {text}")),
+            SoftPlcEvent::Log(at, text) => line(at, &format!("  {text}")),
         }
     }
 }
 
 /// Says how it was, and how the command ends: an interrupt is how a controller that is kept running stops.
-fn end(played: &Played, notifier: &ServiceNotifier) -> Exit {
-    let lasted = seconds(played.ran.closed);
+fn end(played: &SoftPlcReport, notifier: &ServiceNotifier) -> Exit {
+    let lasted = seconds(played.report.closed);
     let milliseconds = |span: Span| span.as_nanos() as f64 / 1e6;
-    let (late, outputs) = (milliseconds(played.late), milliseconds(played.ran.late_outputs));
+    let (late, outputs) = (milliseconds(played.late), milliseconds(played.report.late_outputs));
     output::info(&format!(
         "stopped after {lasted:.3} s, outputs safe; late by {late:.3} ms at worst, outputs by {outputs:.3} ms"
     ));
-    if let Some(wakes) = &played.ran.wakes {
+    if let Some(wakes) = &played.report.wakes {
         let (half, most) = (wakes.p50_ns as f64 / 1e3, wakes.p99_ns as f64 / 1e3);
         output::info(&format!(
             "woken up {} times: half within {half:.1} us, 99 of 100 within {most:.1} us",
@@ -254,10 +254,10 @@ fn end(played: &Played, notifier: &ServiceNotifier) -> Exit {
     for (name, _, figures) in &played.tasks {
         output::info(&format!("{name}: {} cycles, the longest {}", figures.cycles, figures.max));
     }
-    match &played.trouble {
-        Some(trouble) => {
-            output::error(trouble);
-            notifier.status(trouble);
+    match &played.fault {
+        Some(fault) => {
+            output::error(fault);
+            notifier.status(fault);
             Exit::Error
         }
         None => Exit::Passed,

@@ -4,7 +4,7 @@
 //! rig lives only if the executor has turned since it said so last, so that one that hangs is missed by the manager.
 
 use document::Diagnostic;
-use runtime::Turns;
+use runtime::LoopCounter;
 use std::ffi::{OsStr, OsString};
 use std::io;
 use std::os::linux::net::SocketAddrExt;
@@ -80,7 +80,7 @@ impl ServiceNotifier {
     ///
     /// # Errors
     /// What the environment says cannot be, or nobody listens there.
-    pub fn start(turns: &'static Turns) -> Result<ServiceNotifier, Diagnostic> {
+    pub fn start(turns: &'static LoopCounter) -> Result<ServiceNotifier, Diagnostic> {
         let wanted = ManagerEnvironment::read(|name| std::env::var_os(name), std::process::id())?;
         let Some(socket) = wanted.socket else { return Ok(ServiceNotifier { handle: None }) };
         let unreachable = |error: io::Error| {
@@ -158,7 +158,7 @@ fn connect(name: &OsStr) -> io::Result<UnixDatagram> {
 fn notify_loop(
     socket: &UnixDatagram,
     notifications: &Receiver<Notification>,
-    turns: &Turns,
+    turns: &LoopCounter,
     watchdog: Option<Duration>,
 ) {
     // A manager that went away comes back, or ends the rig: neither is for the rig to decide.

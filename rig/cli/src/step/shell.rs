@@ -6,7 +6,7 @@ use plans::judge::{Scenario, Standing};
 use record::Verdict;
 use reports::text::clean;
 use runtime::describe;
-use runtime::stepping::{Go, Pause, Stepper};
+use runtime::stepping::{Pause, StepTarget, Stepper};
 use signal::{Kind, SignalInfo, Span, Time, Trace};
 use std::io::{BufRead, IsTerminal};
 
@@ -161,7 +161,7 @@ fn anchor(at: Time, start: Time) -> String {
 }
 
 impl Stepper for StepShell<'_> {
-    fn pause(&mut self, pause: &Pause<'_>) -> Go {
+    fn pause(&mut self, pause: &Pause<'_>) -> StepTarget {
         self.show(pause);
         let mut input = std::io::stdin().lock();
         loop {
@@ -173,25 +173,25 @@ impl Stepper for StepShell<'_> {
             match read {
                 Ok(1..) => {}
                 // The script is over.
-                Ok(0) => return Go::On,
+                Ok(0) => return StepTarget::ToEnd,
                 Err(error) => {
                     output::error(&format!("standard input cannot be read: {error}"));
                     self.quit = true;
-                    return Go::Quit;
+                    return StepTarget::Quit;
                 }
             }
             match StepCommand::parse(&String::from_utf8_lossy(&bytes)) {
-                Ok(StepCommand::Next) => return Go::Next,
+                Ok(StepCommand::Next) => return StepTarget::Next,
                 Ok(StepCommand::Until(span)) => match pause.start.saturating_add(span) {
-                    at if at > pause.now => return Go::Until(at),
+                    at if at > pause.now => return StepTarget::Until(at),
                     _ => output::error(&format!("the case is at {} already", anchor(pause.now, pause.start))),
                 },
-                Ok(StepCommand::Run) => return Go::On,
+                Ok(StepCommand::Run) => return StepTarget::ToEnd,
                 Ok(StepCommand::Values) => self.values(pause),
                 Ok(StepCommand::Claims) => self.claims(pause),
                 Ok(StepCommand::Quit) => {
                     self.quit = true;
-                    return Go::Quit;
+                    return StepTarget::Quit;
                 }
                 Ok(StepCommand::Help) => output::print(&format!("{HELP}\n")),
                 Err(why) => output::error(&why),

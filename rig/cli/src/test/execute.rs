@@ -12,8 +12,8 @@ use crate::saved_runs::report_folder::ReportFolder;
 use crate::{output, requirements};
 use document::{Diagnostic, SourceFile};
 use record::{CaseRecord, RunRecord, Verdict};
-use runtime::coverage::Total;
-use runtime::suite::{self, Done, Happened, Job, LoadedPlan};
+use runtime::coverage::CoverageTotal;
+use runtime::suite::{self, Job, JobEvent, JobResult, LoadedPlan};
 use runtime::{ClockKind, Hardware, Operator, RunOptions};
 use signal::{Span, Trace};
 use std::sync::atomic::Ordering;
@@ -40,7 +40,7 @@ pub fn execute(
         output::findings(&[found], sources);
         return Err(Exit::UserFiles);
     }
-    output::findings(suite::taken_for_granted(loaded).as_slice(), sources);
+    output::findings(suite::program_not_loaded(loaded).as_slice(), sources);
     let hardware = hardware(args, loaded, jobs, sources)?;
     let real = hardware.is_some() || args.clock == Some(ClockChoice::Real);
     let clock = if real { record::Clock::Real } else { record::Clock::Virtual };
@@ -54,7 +54,7 @@ pub fn execute(
         run: RunRecord::new(env!("CARGO_PKG_VERSION"), provenance::now(args.seed, clock)),
         folder,
         trace_on: args.display.trace_on,
-        coverage: Total::default(),
+        coverage: CoverageTotal::default(),
         reporting: args.reporting.clone(),
         began: Instant::now(),
         wrong_files: false,
@@ -68,11 +68,11 @@ pub fn execute(
     let operator = operator.as_ref().map(|operator| operator as &dyn Operator);
     let options = RunOptions { operator, hardware: hardware.as_ref(), ..options(args, real) };
     suite::watch(loaded, jobs, at_once, args.fail_fast, &options, &mut |happened| match happened {
-        Happened::Begun(place) => observer.case_started(place, &jobs[place]),
-        Happened::Ended(place) => observer.case_ended(place),
-        Happened::Idle => observer.time_passes(),
-        Happened::Done(place, done) => {
-            if let Done::Findings(found) = &done {
+        JobEvent::Begun(place) => observer.case_started(place, &jobs[place]),
+        JobEvent::Ended(place) => observer.case_ended(place),
+        JobEvent::Idle => observer.time_passes(),
+        JobEvent::Done(place, done) => {
+            if let JobResult::Findings(found) = &done {
                 observer.found(found, sources);
             }
             let record = collector.collect(done, &jobs[place], loaded);
@@ -138,7 +138,7 @@ struct RunCollector {
     run: RunRecord,
     folder: Option<ReportFolder>,
     trace_on: TraceOn,
-    coverage: Total,
+    coverage: CoverageTotal,
     reporting: ReportingArgs,
     began: Instant,
     wrong_files: bool,
@@ -147,14 +147,14 @@ struct RunCollector {
 
 impl RunCollector {
     /// Keeps what became of a job, and hands back its record.
-    fn collect(&mut self, done: Done, job: &Job, loaded: &[LoadedPlan]) -> &CaseRecord {
+    fn collect(&mut self, done: JobResult, job: &Job, loaded: &[LoadedPlan]) -> &CaseRecord {
         let (mut record, trace, frames) = match done {
-            Done::Case(result) => {
+            JobResult::Case(result) => {
                 self.coverage.add(result.coverage);
                 (result.record, result.trace, result.frames)
             }
-            Done::Skipped(record) => (*record, None, String::new()),
-            Done::Findings(found) => {
+            JobResult::Skipped(record) => (*record, None, String::new()),
+            JobResult::Findings(found) => {
                 self.wrong_files = true;
                 (refused(&found, job, loaded), None, String::new())
             }

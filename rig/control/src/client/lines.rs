@@ -17,19 +17,19 @@ const LEAST: Duration = Duration::from_micros(100);
 
 /// Why there is no further line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Broken {
+pub enum LineError {
     /// The other side is gone.
     Lost,
     /// A line is longer than any can be.
     TooLong,
 }
 
-impl Broken {
+impl LineError {
     /// As the client tells it.
     pub fn of(self, socket: &Path) -> ClientError {
         match self {
-            Broken::Lost => ClientError::Lost(socket.to_owned()),
-            Broken::TooLong => ClientError::Garbled(format!("a line of more than {LONGEST} bytes")),
+            LineError::Lost => ClientError::Lost(socket.to_owned()),
+            LineError::TooLong => ClientError::Garbled(format!("a line of more than {LONGEST} bytes")),
         }
     }
 }
@@ -52,7 +52,7 @@ impl Lines {
     }
 
     /// The next line without its end; `None` where there is none by this instant.
-    pub fn next(&mut self, until: Option<Instant>) -> Result<Option<&[u8]>, Broken> {
+    pub fn next(&mut self, until: Option<Instant>) -> Result<Option<&[u8]>, LineError> {
         loop {
             if let Some(length) = self.bytes[self.seen..].iter().position(|byte| *byte == b'\n') {
                 let (begin, end) = (self.begin, self.seen + length);
@@ -61,7 +61,7 @@ impl Lines {
             }
             self.seen = self.bytes.len();
             if self.seen - self.begin > LONGEST {
-                return Err(Broken::TooLong);
+                return Err(LineError::TooLong);
             }
             if !self.fill(until)? {
                 return Ok(None);
@@ -70,7 +70,7 @@ impl Lines {
     }
 
     /// Reads a piece; `false` where there was none by this instant.
-    fn fill(&mut self, until: Option<Instant>) -> Result<bool, Broken> {
+    fn fill(&mut self, until: Option<Instant>) -> Result<bool, LineError> {
         self.bytes.drain(..self.begin);
         self.seen -= self.begin;
         self.begin = 0;
@@ -89,10 +89,10 @@ impl Lines {
         };
         self.bytes.truncate(filled + *read.as_ref().unwrap_or(&0));
         match read {
-            Ok(0) => Err(Broken::Lost),
+            Ok(0) => Err(LineError::Lost),
             Ok(_) => Ok(true),
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => Ok(false),
-            Err(_) => Err(Broken::Lost),
+            Err(_) => Err(LineError::Lost),
         }
     }
 }

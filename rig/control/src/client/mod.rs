@@ -8,7 +8,7 @@ mod lines;
 pub use error::ClientError;
 pub use find::{by_name, only, running};
 
-use crate::{Ask, Done, Event, Greeting, Message, PROTOCOL, Reply, Request};
+use crate::{Done, Event, Greeting, Message, Operation, PROTOCOL, Reply, Request};
 use lines::Lines;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
@@ -65,7 +65,7 @@ impl Client {
     /// # Errors
     /// See [`Client::ask`].
     pub fn hello(&mut self, name: &str) -> Result<(), ClientError> {
-        self.ask::<Done>(Ask::Hello { protocol: PROTOCOL, name: name.to_owned() }).map(|_| ())
+        self.ask::<Done>(Operation::Hello { protocol: PROTOCOL, name: name.to_owned() }).map(|_| ())
     }
 
     /// Connects and looks at the greeting, and says nothing.
@@ -97,7 +97,7 @@ impl Client {
     ///
     /// # Errors
     /// What the rig refuses, and whatever can become of a connection.
-    pub fn ask<T: DeserializeOwned>(&mut self, ask: Ask) -> Result<T, ClientError> {
+    pub fn ask<T: DeserializeOwned>(&mut self, ask: Operation) -> Result<T, ClientError> {
         self.ask_within(ask, PATIENCE)
     }
 
@@ -107,7 +107,7 @@ impl Client {
     /// See [`Client::ask`].
     pub fn ask_within<T: DeserializeOwned>(
         &mut self,
-        ask: Ask,
+        ask: Operation,
         patience: Duration,
     ) -> Result<T, ClientError> {
         let id = self.sender.send(ask)?;
@@ -181,7 +181,7 @@ impl Sender {
     ///
     /// # Errors
     /// A rig that does not take it. The connection is of no use then: the request may be sent in part.
-    pub fn send(&mut self, ask: Ask) -> Result<u64, ClientError> {
+    pub fn send(&mut self, ask: Operation) -> Result<u64, ClientError> {
         self.asked += 1;
         let request = Request { id: self.asked, ask };
         let mut line =

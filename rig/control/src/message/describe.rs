@@ -26,7 +26,7 @@ pub enum Clock {
     /// The host's clock.
     #[default]
     Real,
-    /// Clients: time stands still until one asks for more of it ([`crate::Ask::Advance`]).
+    /// Clients: time stands still until one asks for more of it ([`crate::Operation::Advance`]).
     Led,
 }
 

@@ -14,7 +14,7 @@ pub use describe::{
 pub use event::{Change, Event, Fault, FrameSeen, Message, Reply};
 pub use plan::{Measured, PlanEvent, PlanStatus};
 pub use reply::{Advanced, Done, LogLine, Plans, Subscribed, Values};
-pub use request::{Action, Ask, Forces, REQUEST_FIELDS, Request, TOPIC_FIELDS, Topic};
+pub use request::{Action, Forces, Operation, REQUEST_FIELDS, Request, TOPIC_FIELDS, Topic};
 pub use status::{
-    BusStatus, DeviceStatus, Forced, Led, Locked, PointStatus, RigStatus, Status, TaskStatus, Trouble,
+    BusStatus, DeviceStatus, Forced, Led, Locked, PointStatus, RigStatus, Status, StatusWarning, TaskStatus,
 };

@@ -10,13 +10,13 @@ pub struct Request {
     pub id: u64,
     /// What is asked.
     #[serde(flatten)]
-    pub ask: Ask,
+    pub ask: Operation,
 }
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Ask {
+pub enum Operation {
     /// Says who asks, and which protocol it speaks. Nobody has to.
     Hello {
         /// The version that the client was made for.
@@ -80,7 +80,7 @@ pub enum Ask {
     /// Runs cases on the board in place of the controller, which is stopped with safe outputs before and started anew
     /// behind. Answered when it begins; its course is told to those who subscribe to [`Topic::Plan`].
     Plan {
-        /// The case, or the plan with all its cases, by its name as [`Ask::Plans`] tells it.
+        /// The case, or the plan with all its cases, by its name as [`Operation::Plans`] tells it.
         name: String,
     },
     /// Ends the plan that runs.

@@ -32,7 +32,7 @@ pub struct Status {
     /// What the rig says of itself.
     pub rig: RigStatus,
     /// Why figures cannot be trusted; empty where they can.
-    pub troubles: Vec<Trouble>,
+    pub troubles: Vec<StatusWarning>,
     /// It is locked.
     pub locked: Option<Locked>,
     /// A plan runs.
@@ -154,7 +154,7 @@ pub struct RigStatus {
 
 /// Why figures cannot be trusted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Trouble {
+pub struct StatusWarning {
     /// One word: `no-realtime`, `throttled`, `dropped`, `overrun`, `lost`, `untold`.
     pub kind: String,
     /// A sentence.

@@ -2,15 +2,15 @@
 
 use crate::model::Model;
 use crate::show;
-use control::{Action, Ask};
+use control::{Action, Operation};
 
 /// What an entry of the menu does.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum MenuAction {
     /// Asks the rig, once the user has said yes: it moves outputs.
-    Confirmed(Ask),
+    Confirmed(Operation),
     /// Asks the rig.
-    Immediate(Ask),
+    Immediate(Operation),
     /// Lets the user say why, and locks.
     Lock,
 }
@@ -19,14 +19,14 @@ pub(super) enum MenuAction {
 pub(super) fn entries(model: &Model) -> Vec<(&'static str, MenuAction)> {
     let mut entries: Vec<(&'static str, MenuAction)> = Action::ALL
         .iter()
-        .map(|action| (label(*action), MenuAction::Confirmed(Ask::Command { action: *action })))
+        .map(|action| (label(*action), MenuAction::Confirmed(Operation::Command { action: *action })))
         .collect();
-    entries.push(("Release all forces", MenuAction::Confirmed(Ask::ReleaseAll)));
+    entries.push(("Release all forces", MenuAction::Confirmed(Operation::ReleaseAll)));
     if model.status.plan.is_some() {
-        entries.push(("Abort the plan", MenuAction::Confirmed(Ask::Abort)));
+        entries.push(("Abort the plan", MenuAction::Confirmed(Operation::Abort)));
     }
     if model.status.locked.is_some() {
-        entries.push(("Unlock", MenuAction::Immediate(Ask::Unlock)));
+        entries.push(("Unlock", MenuAction::Immediate(Operation::Unlock)));
     } else {
         entries.push(("Lock", MenuAction::Lock));
     }
@@ -49,9 +49,9 @@ const fn label(action: Action) -> &'static str {
 }
 
 /// What the user is asked before.
-pub(super) fn question(ask: &Ask, model: &Model) -> String {
+pub(super) fn question(ask: &Operation, model: &Model) -> String {
     let what = match ask {
-        Ask::Command { action } => match action {
+        Operation::Command { action } => match action {
             Action::Run => "Start the application? Outputs follow the program.",
             Action::Stop => "Stop the application? Outputs go to their fallback values.",
             Action::ResetWarm => "Reset warm? The application stops; retained values stay.",
@@ -65,31 +65,33 @@ pub(super) fn question(ask: &Ask, model: &Model) -> String {
             Action::PowerOn => "Switch the supply on? The controller boots and may start its application.",
             Action::PowerOff => "Switch the supply off? Outputs go off.",
         },
-        Ask::ReleaseAll => {
+        Operation::ReleaseAll => {
             return match model.status.forced.len() {
                 0 => "Nothing is forced. Release all nevertheless?".to_owned(),
                 1 => "Release what is forced? It follows the program or its line again.".to_owned(),
                 count => format!("Release all {count} forces? They follow the program or their lines again."),
             };
         }
-        Ask::Abort => "Abort the plan? Outputs go to their safe values, then the controller begins anew.",
+        Operation::Abort => {
+            "Abort the plan? Outputs go to their safe values, then the controller begins anew."
+        }
         _ => "Do it?",
     };
     what.to_owned()
 }
 
 /// What is said when it is done.
-pub(super) fn done(ask: &Ask) -> String {
+pub(super) fn done(ask: &Operation) -> String {
     match ask {
-        Ask::Write { name, value } => format!("{name} := {}", show::value(*value, &[])),
-        Ask::Force { name, value } => format!("{name} is forced to {}", show::value(*value, &[])),
-        Ask::Release { name } => format!("{name} is released"),
-        Ask::ReleaseAll => "all forces are released".to_owned(),
-        Ask::Command { action } => format!("{}: done", label(*action)),
-        Ask::Plan { name } => format!("{name} begins"),
-        Ask::Abort => "the plan is aborted".to_owned(),
-        Ask::Lock { .. } => "locked".to_owned(),
-        Ask::Unlock => "unlocked".to_owned(),
+        Operation::Write { name, value } => format!("{name} := {}", show::value(*value, &[])),
+        Operation::Force { name, value } => format!("{name} is forced to {}", show::value(*value, &[])),
+        Operation::Release { name } => format!("{name} is released"),
+        Operation::ReleaseAll => "all forces are released".to_owned(),
+        Operation::Command { action } => format!("{}: done", label(*action)),
+        Operation::Plan { name } => format!("{name} begins"),
+        Operation::Abort => "the plan is aborted".to_owned(),
+        Operation::Lock { .. } => "locked".to_owned(),
+        Operation::Unlock => "unlocked".to_owned(),
         _ => "done".to_owned(),
     }
 }

@@ -11,7 +11,7 @@ use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
 use crate::views::{View, ViewRequest};
 use control::client::{self, ClientError};
-use control::{Ask, Done, Event, Fault, Forces, Greeting, Plans, Reply, Request, Subscribed, Topic};
+use control::{Done, Event, Fault, Forces, Greeting, Operation, Plans, Reply, Request, Subscribed, Topic};
 use dialog::Dialog;
 use ratatui::layout::Rect;
 use signals::SignalSubscriptions;
@@ -172,10 +172,10 @@ impl Shell {
             }
             self.say(format!("connected again to {}", greeting.board));
         }
-        self.ask(Ask::Describe, Purpose::Describe);
-        self.ask(Ask::Subscribe { topic: Topic::Status { every_ms: STATUS_EVERY } }, Purpose::Status);
-        self.ask(Ask::Subscribe { topic: Topic::Log }, Purpose::Log);
-        self.ask(Ask::Subscribe { topic: Topic::Plan }, Purpose::Plan);
+        self.ask(Operation::Describe, Purpose::Describe);
+        self.ask(Operation::Subscribe { topic: Topic::Status { every_ms: STATUS_EVERY } }, Purpose::Status);
+        self.ask(Operation::Subscribe { topic: Topic::Log }, Purpose::Log);
+        self.ask(Operation::Subscribe { topic: Topic::Plan }, Purpose::Plan);
     }
 
     fn disconnected(&mut self, why: String) {
@@ -187,13 +187,13 @@ impl Shell {
         self.model.gone = Some(why);
     }
 
-    fn ask(&mut self, ask: Ask, purpose: Purpose) {
+    fn ask(&mut self, ask: Operation, purpose: Purpose) {
         self.asked += 1;
         self.requests.push(Request { id: self.asked, ask });
         self.waiting.insert(self.asked, purpose);
     }
 
-    fn ask_all(&mut self, asks: Vec<(Ask, Purpose)>) {
+    fn ask_all(&mut self, asks: Vec<(Operation, Purpose)>) {
         for (ask, purpose) in asks {
             self.ask(ask, purpose);
         }
@@ -278,11 +278,11 @@ impl Shell {
         match self.frames {
             None if frames => {
                 self.frames = Some(None);
-                self.ask(Ask::Subscribe { topic: Topic::Frames }, Purpose::Frames);
+                self.ask(Operation::Subscribe { topic: Topic::Frames }, Purpose::Frames);
             }
             Some(Some(subscription)) if !frames => {
                 self.frames = None;
-                self.ask(Ask::Unsubscribe { subscription }, Purpose::Ignored);
+                self.ask(Operation::Unsubscribe { subscription }, Purpose::Ignored);
             }
             _ => {}
         }
@@ -315,7 +315,7 @@ impl Shell {
     fn carry_out(&mut self, requests_of_view: Vec<ViewRequest>) {
         for request in requests_of_view {
             match request {
-                ViewRequest::Ask(ask) => self.request_for_user(ask),
+                ViewRequest::Operation(ask) => self.request_for_user(ask),
                 ViewRequest::Confirm(question, ask) => {
                     self.dialog = Some(Dialog::confirm(question, ask));
                 }
@@ -327,14 +327,14 @@ impl Shell {
     }
 
     /// Asks the rig for something that somebody wanted.
-    fn request_for_user(&mut self, ask: Ask) {
+    fn request_for_user(&mut self, ask: Operation) {
         if let Some(why) = &self.model.gone {
             let text = format!("there is no connection to the rig: {why}");
             self.note = Some(Note { text, bad: true });
             return;
         }
         let purpose = match &ask {
-            Ask::Plans { .. } => Purpose::Plans,
+            Operation::Plans { .. } => Purpose::Plans,
             other => Purpose::UserRequest(menu::done(other)),
         };
         self.ask(ask, purpose);
@@ -345,7 +345,7 @@ impl Shell {
         if self.model.gone.is_some() {
             self.loop_commands.push(LoopCommand::End);
         } else {
-            self.ask(Ask::Leave { forces }, Purpose::Leave);
+            self.ask(Operation::Leave { forces }, Purpose::Leave);
         }
     }
 }

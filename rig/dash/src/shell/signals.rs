@@ -3,7 +3,7 @@
 use super::Purpose;
 use crate::model::Model;
 use crate::views::View;
-use control::{Ask, Change, Subscribed, Topic, WireValue};
+use control::{Change, Operation, Subscribed, Topic, WireValue};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most names in one request, so that it stays far below the longest line.
@@ -41,7 +41,7 @@ impl SignalSubscriptions {
     }
 
     /// Looks at what the views want now, of which one is shown; what has to be asked of the rig.
-    pub fn refresh(&mut self, views: &mut [Box<dyn View>], model: &mut Model) -> Vec<(Ask, Purpose)> {
+    pub fn refresh(&mut self, views: &mut [Box<dyn View>], model: &mut Model) -> Vec<(Operation, Purpose)> {
         let mut wanted: [BTreeSet<String>; 2] = Default::default();
         self.by_view.resize_with(views.len(), BTreeSet::new);
         for (view, before) in views.iter_mut().zip(&mut self.by_view) {
@@ -82,18 +82,18 @@ impl SignalSubscriptions {
         requests
     }
 
-    fn request(&self, all: bool, names: Vec<String>) -> (Ask, Purpose) {
+    fn request(&self, all: bool, names: Vec<String>) -> (Operation, Purpose) {
         let round = self.rounds[usize::from(all)];
         let every_ms = if all { ALL_EVERY } else { LAST_EVERY };
         let topic = Topic::Signals { names: names.clone(), every_ms, all };
-        (Ask::Subscribe { topic }, Purpose::Signals { all, round, names })
+        (Operation::Subscribe { topic }, Purpose::Signals { all, round, names })
     }
 
     /// Ends the subscriptions of one of the two.
-    fn retire(&mut self, of: bool, requests: &mut Vec<(Ask, Purpose)>) {
+    fn retire(&mut self, of: bool, requests: &mut Vec<(Operation, Purpose)>) {
         self.coming.retain(|subscription, (all, _)| {
             if *all == of {
-                requests.push((Ask::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
+                requests.push((Operation::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
             }
             *all != of
         });
@@ -107,10 +107,10 @@ impl SignalSubscriptions {
         answer: Subscribed,
         views: &mut [Box<dyn View>],
         model: &mut Model,
-    ) -> Vec<(Ask, Purpose)> {
+    ) -> Vec<(Operation, Purpose)> {
         let mut requests = Vec::new();
         if round != self.rounds[usize::from(all)] {
-            requests.push((Ask::Unsubscribe { subscription: answer.subscription }, Purpose::Ignored));
+            requests.push((Operation::Unsubscribe { subscription: answer.subscription }, Purpose::Ignored));
             return requests;
         }
         let mut names: BTreeMap<u32, Vec<String>> = BTreeMap::new();
@@ -124,7 +124,7 @@ impl SignalSubscriptions {
             old.retain(|number, _| !names.contains_key(number));
             let keep = old.values().flatten().any(|name| wanted.iter().any(|asked| asked.contains(name)));
             if !keep {
-                requests.push((Ask::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
+                requests.push((Operation::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
             }
             keep
         });
@@ -149,7 +149,7 @@ impl SignalSubscriptions {
         &mut self,
         (all, round): (bool, u64),
         mut names: Vec<String>,
-    ) -> Result<Vec<(Ask, Purpose)>, String> {
+    ) -> Result<Vec<(Operation, Purpose)>, String> {
         if round != self.rounds[usize::from(all)] {
             return Ok(Vec::new());
         }

@@ -13,7 +13,7 @@ mod trend;
 use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
 use crate::recording::TrendFiles;
-use control::{Ask, Fault, WireValue};
+use control::{Fault, Operation, WireValue};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyEvent, MouseEvent};
 use ratatui::layout::Rect;
@@ -23,9 +23,9 @@ use std::rc::Rc;
 #[derive(Clone, Debug, PartialEq)]
 pub enum ViewRequest {
     /// Ask the rig, at once.
-    Ask(Ask),
+    Operation(Operation),
     /// Ask it once the user has said yes to this question.
-    Confirm(String, Ask),
+    Confirm(String, Operation),
     /// Let the user type something; [`View::typed`] gets it.
     Prompt {
         /// What stands before it.

@@ -1,13 +1,13 @@
 //! What the executor sees on the board's buses.
 
 use super::Executor;
-use crate::trouble::Trouble;
+use crate::rig_fault::RigFault;
 use drivers::{BusError, BusEvent, BusId, Frame, LossReason};
 use signal::{Cause, Time, When};
 
 impl Executor<'_> {
     /// What the buses told up to now.
-    pub(super) fn poll_buses(&mut self, now: Time) -> Result<(), Trouble> {
+    pub(super) fn poll_buses(&mut self, now: Time) -> Result<(), RigFault> {
         if self.board.buses().is_empty() {
             return Ok(());
         }
@@ -15,28 +15,28 @@ impl Executor<'_> {
         events.clear();
         let polled = self.board.poll_buses(now, &mut events);
         for event in &events {
-            self.tell_bus(event);
+            self.report_bus(event);
             self.see_bus(event);
         }
         self.polled_buses = events;
-        polled.map_err(|error| Trouble::Board { at: now, error })
+        polled.map_err(|error| RigFault::Board { at: now, error })
     }
 
     fn see_bus(&mut self, event: &BusEvent) {
         let name = || self.board.buses()[usize::from(event.bus().0)].name.clone();
         match *event {
             BusEvent::Lost { at, reason, .. } if reason != LossReason::Injected => {
-                self.lose_bus(at, event.bus(), reason);
+                self.bus_lost(at, event.bus(), reason);
             }
             // A modelled controller that goes off its bus was told to, by a plan.
-            BusEvent::State { at, bus, state } if !self.modelled => self.see_state(at, bus, state),
+            BusEvent::State { at, bus, state } if !self.modelled => self.bus_state_changed(at, bus, state),
             BusEvent::Error { at, bus, error: BusError::SendTimeout } if !self.modelled => {
-                self.miss_bus(at, bus)
+                self.frame_not_sent(at, bus)
             }
-            BusEvent::Returned { at, bus } => self.regain_bus(at, bus),
+            BusEvent::Returned { at, bus } => self.bus_returned(at, bus),
             BusEvent::Dropped { at, count, .. } => {
                 let bus = name();
-                self.ran.trouble.get_or_insert(Trouble::FramesDropped { at, bus, count });
+                self.report.fault.get_or_insert(RigFault::FramesDropped { at, bus, count });
             }
             BusEvent::Frame { bus, at, frame, own } => self.see_frame(bus, at, &frame, own),
             _ => {}
@@ -49,7 +49,7 @@ impl Executor<'_> {
             true => When::within(at.earliest, at.latest.max(self.actual)),
             false => at,
         };
-        self.ran.frames.hear(at.latest, bus, frame);
+        self.report.frames.hear(at.latest, bus, frame);
         let place = usize::from(bus.0);
         for index in 0..self.wiring.buses.get(place).map_or(0, Vec::len) {
             let watch = &mut self.wiring.buses[place][index];
@@ -74,13 +74,13 @@ impl Executor<'_> {
     }
 
     /// A step puts a frame on a bus.
-    pub(super) fn send(&mut self, step: usize, bus: BusId, frame: &Frame) -> Result<(), Trouble> {
+    pub(super) fn send(&mut self, step: usize, bus: BusId, frame: &Frame) -> Result<(), RigFault> {
         let sent = self.board.send(self.board_time(), bus, frame);
         if let Err(error) = sent {
             let step = self.schedule.steps()[step].id.clone();
             let bus =
                 self.board.buses().get(usize::from(bus.0)).map_or(String::new(), |bus| bus.name.clone());
-            self.ran.trouble.get_or_insert(Trouble::NotSent { at: self.now, step, bus, error });
+            self.report.fault.get_or_insert(RigFault::NotSent { at: self.now, step, bus, error });
         }
         self.poll()
     }

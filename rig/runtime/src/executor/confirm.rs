@@ -2,15 +2,15 @@
 //! about a line counts from the line: so the mark of a step that drives lines ends when they were seen driven.
 
 use super::Executor;
+use crate::rig_fault::RigFault;
 use crate::schedule::Act;
-use crate::trouble::Trouble;
 use controller::Command;
 use drivers::{Channel, ChannelId};
 use signal::{Span, Value};
 
 /// The writes that were asked for and not seen yet.
 #[derive(Debug, Default)]
-pub(super) struct Awaited {
+pub(super) struct PendingWrites {
     channels: Vec<ChannelId>,
     /// What each channel was driven to last.
     last: Vec<Value>,
@@ -18,10 +18,10 @@ pub(super) struct Awaited {
     step: Option<usize>,
 }
 
-impl Awaited {
+impl PendingWrites {
     /// For these channels, which are as safe has them.
-    pub(super) fn new(channels: &[Channel]) -> Awaited {
-        Awaited {
+    pub(super) fn new(channels: &[Channel]) -> PendingWrites {
+        PendingWrites {
             channels: Vec::with_capacity(channels.len()),
             last: channels.iter().map(|channel| channel.safe).collect(),
             step: None,
@@ -37,7 +37,7 @@ impl Awaited {
 impl Executor<'_> {
     /// Whether what is driven is waited for: a controller that the rig plays is computed meanwhile.
     fn awaits_lines(&self) -> bool {
-        !self.modelled && !self.subject.is_played()
+        !self.modelled && !self.subject.is_model()
     }
 
     /// These writes are about to be made.
@@ -47,10 +47,13 @@ impl Executor<'_> {
         }
         for (channel, value) in &self.writes {
             let place = usize::from(channel.0);
-            let Some(last) = self.awaited.last.get_mut(place) else { continue };
+            let Some(last) = self.pending_writes.last.get_mut(place) else { continue };
             let seen = self.board.channels().get(place).is_some_and(|channel| channel.senses);
-            if std::mem::replace(last, *value) != *value && seen && !self.awaited.channels.contains(channel) {
-                self.awaited.channels.push(*channel);
+            if std::mem::replace(last, *value) != *value
+                && seen
+                && !self.pending_writes.channels.contains(channel)
+            {
+                self.pending_writes.channels.push(*channel);
             }
         }
     }
@@ -61,12 +64,12 @@ impl Executor<'_> {
             *after == Span::ZERO
                 && matches!(act, Act::Drive(..) | Act::Power(_) | Act::Command(Command::Switch(_), _))
         };
-        self.awaited.channels.clear();
+        self.pending_writes.channels.clear();
         if self.waits_for_relay(step) {
             return;
         }
         if self.awaits_lines() && self.schedule.steps()[step].acts.iter().any(drives) {
-            self.awaited.step = Some(step);
+            self.pending_writes.step = Some(step);
         } else {
             self.mark_step(step);
         }
@@ -78,24 +81,24 @@ impl Executor<'_> {
     }
 
     /// An act of a step is done: waits until its lines were driven.
-    pub(super) fn end_act(&mut self, step: usize, place: usize) -> Result<(), Trouble> {
+    pub(super) fn end_act(&mut self, step: usize, place: usize) -> Result<(), RigFault> {
         if !self.awaits_lines() {
             return Ok(());
         }
         let began = self.actual;
         let limit = began.saturating_add(self.limits.late);
-        while !self.awaited.channels.is_empty() && self.ran.trouble.is_none() {
+        while !self.pending_writes.channels.is_empty() && self.report.fault.is_none() {
             self.actual = self.clock.wait(limit).max(self.actual);
             self.poll()?;
-            if self.actual >= limit && !self.awaited.channels.is_empty() {
+            if self.actual >= limit && !self.pending_writes.channels.is_empty() {
                 let late = self.actual - began;
-                self.ran.trouble.get_or_insert(Trouble::Late { at: began, late, limit: self.limits.late });
+                self.report.fault.get_or_insert(RigFault::Late { at: began, late, limit: self.limits.late });
             }
         }
         let acts = &self.schedule.steps()[step].acts;
         let last = acts.get(place + 1).is_none_or(|(after, _)| *after > Span::ZERO);
-        if self.awaited.step == Some(step) && last {
-            self.awaited.step = None;
+        if self.pending_writes.step == Some(step) && last {
+            self.pending_writes.step = None;
             self.mark_step(step);
         }
         Ok(())

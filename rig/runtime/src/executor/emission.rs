@@ -2,14 +2,14 @@
 //! of such a step is its last edge, as far as the board tells its edges.
 
 use super::Executor;
-use crate::trouble::Trouble;
+use crate::rig_fault::RigFault;
 use crate::wiring::Wiring;
 use drivers::{Channel, ChannelId, Emission, Origin};
 use plans::plan::Phase;
 use signal::{Cause, Time, Value, When};
 
 /// The outputs of the subject, bit n for Qn, behind which a channel makes waves without end.
-pub(super) fn delegated(wiring: &Wiring, channels: &[Channel]) -> u32 {
+pub(super) fn offloaded_outputs(wiring: &Wiring, channels: &[Channel]) -> u32 {
     let makes = |channel: ChannelId| {
         let known = channels.get(usize::from(channel.0));
         known.and_then(|known| known.emits).is_some_and(|emits| emits.endless)
@@ -20,7 +20,7 @@ pub(super) fn delegated(wiring: &Wiring, channels: &[Channel]) -> u32 {
 
 /// Pulses of a step that the board tells one by one.
 #[derive(Clone, Copy, Debug)]
-struct Emitting {
+struct ActiveEmission {
     step: usize,
     channel: ChannelId,
     /// Edges that were not told yet.
@@ -33,7 +33,7 @@ struct Emitting {
 
 /// The steps whose pulses the board makes and tells: of each channel at most one.
 #[derive(Debug)]
-pub(super) struct Emissions(Vec<Emitting>);
+pub(super) struct Emissions(Vec<ActiveEmission>);
 
 impl Emissions {
     /// For these channels.
@@ -46,7 +46,7 @@ impl Emissions {
     #[inline]
     pub(super) fn stop(&mut self, channel: ChannelId) -> Option<usize> {
         let place = self.0.iter().position(|emitting| emitting.channel == channel)?;
-        let Emitting { step, until, .. } = self.0.swap_remove(place);
+        let ActiveEmission { step, until, .. } = self.0.swap_remove(place);
         until.map(|_| step)
     }
 
@@ -73,18 +73,18 @@ impl Executor<'_> {
         step: usize,
         channel: ChannelId,
         emission: &Emission,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), RigFault> {
         let place = usize::from(channel.0);
         self.wiring.writers[place] = Cause::Step(step as u16);
         self.restore[place] = self.driven[place];
         self.driven[place] = Value::Bool(false);
         self.stop_pulses(channel);
         let at = self.board_time();
-        self.board.emit(at, channel, emission).map_err(|error| Trouble::Board { at, error })?;
+        self.board.emit(at, channel, emission).map_err(|error| RigFault::Board { at, error })?;
         let senses = self.board.channels().get(place).is_some_and(|channel| channel.senses);
         if let (Emission::Pulses(edges), true) = (emission, senses) {
             let (left, last, until) = (edges.len(), When::exactly(at), None);
-            self.emissions.0.push(Emitting { step, channel, left, last, until });
+            self.emissions.0.push(ActiveEmission { step, channel, left, last, until });
         }
         self.poll()
     }
@@ -96,18 +96,18 @@ impl Executor<'_> {
         output: usize,
         emission: &Emission,
         cause: Cause,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), RigFault> {
         let Some(channel) = self.wiring.output(output) else { return Ok(()) };
         self.wiring.writers[usize::from(channel.0)] = cause;
         self.lines.wrote(channel, at, self.actual);
         let at = self.board_time();
-        self.board.emit(at, channel, emission).map_err(|error| Trouble::Board { at, error })
+        self.board.emit(at, channel, emission).map_err(|error| RigFault::Board { at, error })
     }
 
     /// The program has the period of such a wave begin anew, which no device does.
-    pub(super) fn cannot_begin_anew(&mut self, at: Time, output: usize) {
+    pub(super) fn cannot_restart_period(&mut self, at: Time, output: usize) {
         if let Some(channel) = self.wiring.output(output) {
-            self.ran.trouble.get_or_insert(Trouble::NotAnew { at, channel });
+            self.report.fault.get_or_insert(RigFault::PeriodNotRestarted { at, channel });
         }
     }
 
@@ -117,7 +117,7 @@ impl Executor<'_> {
         if self.emissions.0.is_empty() || origin != Origin::Write {
             return;
         }
-        let told = |emitting: &&mut Emitting| {
+        let told = |emitting: &&mut ActiveEmission| {
             // The first edge of a pulse rises: what was written before may be told only now.
             let rises = emitting.left.is_multiple_of(2);
             emitting.channel == channel && emitting.left > 0 && value == Value::Bool(rises)
@@ -139,7 +139,7 @@ impl Executor<'_> {
 
     /// Whether edges of a step that should be over were not told yet. They have as long as the rig may be late.
     pub(super) fn emits_yet(&mut self, step: usize) -> bool {
-        let of = |emitting: &&mut Emitting| emitting.step == step && emitting.left > 0;
+        let of = |emitting: &&mut ActiveEmission| emitting.step == step && emitting.left > 0;
         let Some(emitting) = self.emissions.0.iter_mut().find(of) else { return false };
         let (now, limit) = (self.now, self.limits.late);
         match emitting.until {
@@ -154,7 +154,7 @@ impl Executor<'_> {
                 let late = self.actual - now + limit;
                 // What was not told by now is not waited for any longer.
                 (emitting.left, emitting.last) = (0, When::within(emitting.last.earliest, self.actual));
-                self.ran.trouble.get_or_insert(Trouble::Late { at: now, late, limit });
+                self.report.fault.get_or_insert(RigFault::Late { at: now, late, limit });
                 false
             }
         }
@@ -183,7 +183,7 @@ impl Executor<'_> {
         }
         let at = self.board_time();
         if let Err(error) = self.board.write(at, &self.writes) {
-            self.ran.trouble.get_or_insert(Trouble::Board { at, error });
+            self.report.fault.get_or_insert(RigFault::Board { at, error });
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Between two turns: what clients of a rig that is kept running ask for, and what is left for them.
 
 use super::Executor;
-use crate::live::{Port, Refused, Role, Source, Want, Wish};
-use crate::trouble::Trouble;
+use crate::live::{Role, ScanCommand, ScanCommandError, ScanPort, ScanRequest, Source};
+use crate::rig_fault::RigFault;
 use control::Action;
 use controller::{Channel, Command, Probe, ProbeId};
 use drivers::{BusEvent, ChannelId, LossReason};
@@ -19,13 +19,13 @@ fn is_there(probe: Probe, role: Role) -> bool {
         || !matches!(probe, Probe::Variable(_) | Probe::Expert { .. } | Probe::TaskFigure { .. })
 }
 
-/// What a client's order came to here: trouble of the rig apart, a value or a refusal.
-type Came = Result<Option<Value>, Refused>;
+/// What a client's order came to here: faults of the rig apart, a value or a refusal.
+type CommandOutcome = Result<Option<Value>, ScanCommandError>;
 
 impl<'a> Executor<'a> {
     /// The same, and clients are served by this port.
     #[must_use]
-    pub fn serving(mut self, port: Option<&'a mut Port>, role: Role) -> Executor<'a> {
+    pub fn serving(mut self, port: Option<&'a mut ScanPort>, role: Role) -> Executor<'a> {
         self.live = port;
         if let Some(live) = &mut self.live {
             self.subject.reserve(live.watches());
@@ -39,9 +39,9 @@ impl<'a> Executor<'a> {
 
     /// Serves the clients. FALSE where time stands still until they lead it on.
     #[inline]
-    pub(super) fn attend(&mut self) -> Result<bool, Trouble> {
-        while let Some(wish) = self.live.as_mut().and_then(|live| live.wish()) {
-            self.obey(wish)?;
+    pub(super) fn serve_clients(&mut self) -> Result<bool, RigFault> {
+        while let Some(request) = self.live.as_mut().and_then(|live| live.next_request()) {
+            self.handle_request(request)?;
         }
         if let Some(live) = &mut self.live {
             live.served();
@@ -52,14 +52,14 @@ impl<'a> Executor<'a> {
         let Some(live) = &mut self.live else { return Ok(true) };
         live.passes();
         if live.is_due(self.now) {
-            self.leave();
+            self.publish_snapshot();
         }
         Ok(true)
     }
 
     /// Up to where clients lead the time.
     #[inline]
-    pub(super) fn lead(&self) -> Time {
+    pub(super) fn stepped_until(&self) -> Time {
         self.live.as_ref().map_or(Time::MAX, |live| live.until())
     }
 
@@ -70,29 +70,29 @@ impl<'a> Executor<'a> {
             self.board.next_event(),
             self.schedule.next_due(),
             self.next_alarm(),
-            self.pulses.next(),
+            self.edges.next(),
         ];
         due.into_iter().flatten().any(|due| due <= self.now)
     }
 
-    fn stand_still(&mut self) -> Result<bool, Trouble> {
+    fn stand_still(&mut self) -> Result<bool, RigFault> {
         if self.live.as_ref().is_some_and(|live| live.is_stale()) {
-            self.leave();
+            self.publish_snapshot();
         }
         if let Some(live) = &mut self.live {
             live.arrive();
-            live.rest();
+            live.wait();
         }
-        if self.interrupt.load(Ordering::Relaxed) { Err(Trouble::Interrupted) } else { Ok(false) }
+        if self.interrupt.load(Ordering::Relaxed) { Err(RigFault::Interrupted) } else { Ok(false) }
     }
 
     /// Leaves a snapshot.
-    fn leave(&mut self) {
+    fn publish_snapshot(&mut self) {
         let Some(live) = &mut self.live else { return };
         let (subject, board) = (&*self.subject, &*self.board);
         let (late, late_outputs) = (self.recorder.late(), self.lines.late_outputs());
         let tasks = live.tasks();
-        live.leave(self.now, |snapshot| {
+        live.publish(self.now, |snapshot| {
             snapshot.state = subject.state();
             snapshot.front = subject.front();
             for place in 0..tasks {
@@ -106,9 +106,9 @@ impl<'a> Executor<'a> {
         });
     }
 
-    fn obey(&mut self, wish: Wish) -> Result<(), Trouble> {
-        match wish {
-            Wish::Watch(source, of) => {
+    fn handle_request(&mut self, request: ScanRequest) -> Result<(), RigFault> {
+        match request {
+            ScanRequest::Watch(source, of) => {
                 let role = self.live.as_ref().map_or(Role::Rig, |live| live.role());
                 let probe = match of {
                     Source::Inside(probe) if is_there(probe, role) => self.subject.watch(probe),
@@ -120,13 +120,15 @@ impl<'a> Executor<'a> {
                     live.change(source, at, value);
                 }
             }
-            Wish::Unwatch(source) => {
+            ScanRequest::Unwatch(source) => {
                 if let Some(probe) = self.live.as_mut().and_then(|live| live.unfollow(source)) {
                     self.subject.unwatch(probe);
                 }
             }
-            Wish::Order(ticket, want) if self.is_case() => return self.obey_in_case(ticket, want),
-            Wish::Order(ticket, Want::Plan) => {
+            ScanRequest::Command(ticket, command) if self.is_case() => {
+                return self.command_in_case(ticket, command);
+            }
+            ScanRequest::Command(ticket, ScanCommand::Plan) => {
                 if let Some(live) = &mut self.live {
                     live.make_room();
                     live.answer(ticket, Ok(None));
@@ -134,20 +136,20 @@ impl<'a> Executor<'a> {
                 // The controller ends as it does behind its time.
                 self.over = true;
             }
-            Wish::Order(ticket, Want::Advance(by)) => {
+            ScanRequest::Command(ticket, ScanCommand::Advance(by)) => {
                 let now = self.now;
                 if let Some(live) = &mut self.live
                     && !live.advance(ticket, now, by)
                 {
-                    live.answer(ticket, Err(Refused::NotLed));
+                    live.answer(ticket, Err(ScanCommandError::NotStepped));
                 }
             }
-            Wish::Order(ticket, want) => {
-                let came = self.carry_out(want);
+            ScanRequest::Command(ticket, command) => {
+                let came = self.carry_out(command);
                 self.apply()?;
                 // Whoever leads the time finds what an order did in the status behind it.
                 if self.live.as_ref().is_some_and(|live| live.is_led()) {
-                    self.leave();
+                    self.publish_snapshot();
                 }
                 if let Some(live) = &mut self.live {
                     live.answer(ticket, came);
@@ -162,25 +164,25 @@ impl<'a> Executor<'a> {
     }
 
     /// While a case runs the board is its own: clients may look, and end it.
-    fn obey_in_case(&mut self, ticket: u64, want: Want) -> Result<(), Trouble> {
-        let came = match want {
-            Want::Read(of) => Ok(Some(self.look(of).1)),
-            Want::Abort => Ok(None),
-            _ => Err(Refused::PlanRuns),
+    fn command_in_case(&mut self, ticket: u64, command: ScanCommand) -> Result<(), RigFault> {
+        let came = match command {
+            ScanCommand::Read(of) => Ok(Some(self.look(of).1)),
+            ScanCommand::Abort => Ok(None),
+            _ => Err(ScanCommandError::PlanRuns),
         };
-        let aborts = want == Want::Abort;
+        let aborts = command == ScanCommand::Abort;
         if let Some(live) = &mut self.live {
             if aborts {
                 live.abort();
             }
             live.answer(ticket, came);
         }
-        if aborts { Err(Trouble::Interrupted) } else { Ok(()) }
+        if aborts { Err(RigFault::Interrupted) } else { Ok(()) }
     }
 
     /// A step of the case began, or is done.
-    pub(super) fn tell_step(&mut self, step: usize, done: bool) {
-        let at = self.now - self.ran.start.unwrap_or(self.now);
+    pub(super) fn report_step(&mut self, step: usize, done: bool) {
+        let at = self.now - self.report.start.unwrap_or(self.now);
         if let Some(live) = &mut self.live {
             live.step(step, at, done);
         }
@@ -200,26 +202,26 @@ impl<'a> Executor<'a> {
         }
     }
 
-    fn carry_out(&mut self, want: Want) -> Came {
-        match want {
-            Want::Read(of) => Ok(Some(self.look(of).1)),
-            Want::Write(Source::Inside(probe), value) => {
+    fn carry_out(&mut self, command: ScanCommand) -> CommandOutcome {
+        match command {
+            ScanCommand::Read(of) => Ok(Some(self.look(of).1)),
+            ScanCommand::Write(Source::Inside(probe), value) => {
                 let written = self.subject.write(self.now, &probe, value, Cause::Unknown, &mut self.effects);
-                written.map(|()| None).map_err(Refused::Write)
+                written.map(|()| None).map_err(ScanCommandError::Write)
             }
-            Want::Write(Source::Channel(channel), value) => self.put(channel, value),
-            Want::Force(channel, on) => self.command(&Command::Force { channel, on }),
-            Want::Release(channel) => self.command(&Command::Unforce(channel)),
-            Want::ReleaseAll => self.release_all(),
-            Want::Command(action) => self.act_on(action),
-            Want::Abort => Err(Refused::NoPlan),
+            ScanCommand::Write(Source::Channel(channel), value) => self.write_channel(channel, value),
+            ScanCommand::Force(channel, on) => self.command(&Command::Force { channel, on }),
+            ScanCommand::Release(channel) => self.command(&Command::Unforce(channel)),
+            ScanCommand::ReleaseAll => self.release_all(),
+            ScanCommand::Command(action) => self.act_on(action),
+            ScanCommand::Abort => Err(ScanCommandError::NoPlan),
             // Answered when they have come to pass.
-            Want::Advance(_) | Want::Plan => Ok(None),
+            ScanCommand::Advance(_) | ScanCommand::Plan => Ok(None),
         }
     }
 
     /// Puts a value on a line that nothing else of the rig drives.
-    fn put(&mut self, channel: ChannelId, value: Value) -> Came {
+    fn write_channel(&mut self, channel: ChannelId, value: Value) -> CommandOutcome {
         self.writes.clear();
         self.writes.push((channel, value));
         if let Some(writer) = self.wiring.writers.get_mut(usize::from(channel.0)) {
@@ -227,20 +229,20 @@ impl<'a> Executor<'a> {
         }
         let written = self.board.write(self.board_time(), &self.writes);
         self.writes.clear();
-        written.map_err(Refused::Board)?;
+        written.map_err(ScanCommandError::Board)?;
         if let Some(driven) = self.driven.get_mut(usize::from(channel.0)) {
             *driven = value;
         }
         Ok(None)
     }
 
-    fn command(&mut self, command: &Command) -> Came {
+    fn command(&mut self, command: &Command) -> CommandOutcome {
         let obeyed = self.subject.command(self.now, command, &mut self.effects);
-        obeyed.map(|()| None).map_err(Refused::Command)
+        obeyed.map(|()| None).map_err(ScanCommandError::Command)
     }
 
-    fn release_all(&mut self) -> Came {
-        let Some(front) = self.subject.front() else { return Err(Refused::NotPlayed) };
+    fn release_all(&mut self) -> CommandOutcome {
+        let Some(front) = self.subject.front() else { return Err(ScanCommandError::NoModel) };
         for (mask, channel) in [
             (front.forced_inputs.0, Channel::Input as fn(usize) -> Channel),
             (front.forced_outputs.0, Channel::Output),
@@ -252,7 +254,7 @@ impl<'a> Executor<'a> {
         Ok(None)
     }
 
-    fn act_on(&mut self, action: Action) -> Came {
+    fn act_on(&mut self, action: Action) -> CommandOutcome {
         let command = match action {
             Action::Run => Command::Run,
             Action::Stop => Command::Stop,
@@ -272,7 +274,7 @@ impl<'a> Executor<'a> {
 
     /// Clients learn what a channel has.
     #[inline]
-    pub(super) fn tell_channel(
+    pub(super) fn report_channel(
         &mut self,
         channel: ChannelId,
         at: When,
@@ -286,7 +288,7 @@ impl<'a> Executor<'a> {
 
     /// Clients learn what was on a bus.
     #[inline]
-    pub(super) fn tell_bus(&mut self, event: &BusEvent) {
+    pub(super) fn report_bus(&mut self, event: &BusEvent) {
         if let Some(live) = &mut self.live {
             live.bus(event);
         }

@@ -1,71 +1,72 @@
 //! Devices that go away while a case runs, and those that come back.
 
 use super::{Executor, LOG_LINES};
+use crate::rig_fault::RigFault;
 use crate::schedule::EndReason;
-use crate::trouble::Trouble;
 use drivers::{BoardError, BusId, BusState, ChannelId, LossReason, OnLoss};
 use signal::Time;
 
 impl Executor<'_> {
     /// The device behind a channel is lost. A device of many channels tells so of each; the first says it all.
-    pub(super) fn lose_channel(&mut self, at: Time, channel: ChannelId, reason: LossReason) {
+    pub(super) fn channel_lost(&mut self, at: Time, channel: ChannelId, reason: LossReason) {
         let device = self.board.device(channel).unwrap_or_default().to_owned();
-        self.lose(at, Trouble::Lost { at, channel, device, reason });
+        self.device_lost(at, RigFault::Lost { at, channel, device, reason });
     }
 
     /// The device of a bus is lost.
-    pub(super) fn lose_bus(&mut self, at: Time, bus: BusId, reason: LossReason) {
+    pub(super) fn bus_lost(&mut self, at: Time, bus: BusId, reason: LossReason) {
         let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
-        self.lose(at, Trouble::BusLost { at, bus: self.bus_name(bus), device, reason });
+        self.device_lost(at, RigFault::BusLost { at, bus: self.bus_name(bus), device, reason });
     }
 
     /// The controller of a bus takes no part in it any more: what passes there is not seen, what is sent does not come.
-    pub(super) fn lose_node(&mut self, at: Time, bus: BusId) {
+    pub(super) fn bus_off(&mut self, at: Time, bus: BusId) {
         let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
-        self.lose(at, Trouble::BusOff { at, bus: self.bus_name(bus), device });
+        self.device_lost(at, RigFault::BusOff { at, bus: self.bus_name(bus), device });
     }
 
-    fn lose(&mut self, at: Time, trouble: Trouble) {
-        if let Trouble::Lost { device, .. } | Trouble::BusLost { device, .. } | Trouble::BusOff { device, .. } =
-            &trouble
-            && self.is_news(at, device.clone())
+    fn device_lost(&mut self, at: Time, fault: RigFault) {
+        if let RigFault::Lost { device, .. }
+        | RigFault::BusLost { device, .. }
+        | RigFault::BusOff { device, .. } = &fault
+            && self.is_first_report(at, device.clone())
         {
-            self.notice(at, trouble.show(self.board.channels()).to_string());
+            self.notice(at, fault.show(self.board.channels()).to_string());
         }
-        self.ran.trouble.get_or_insert(trouble);
+        self.report.fault.get_or_insert(fault);
         if self.limits.on_loss == OnLoss::End {
             self.schedule.end_early(EndReason::Lost, self.now);
         }
     }
 
     /// The device behind a channel is back. Its values come next.
-    pub(super) fn regain_channel(&mut self, at: Time, channel: ChannelId) {
+    pub(super) fn channel_returned(&mut self, at: Time, channel: ChannelId) {
         let device = self.board.device(channel).unwrap_or_default().to_owned();
-        if self.is_news(at, device.clone()) {
+        if self.is_first_report(at, device.clone()) {
             let name = &self.board.channels()[usize::from(channel.0)].name;
             self.notice(at, format!("channel {name} is back at {at}: its device {device} answers"));
         }
     }
 
     /// The device of a bus is back.
-    pub(super) fn regain_bus(&mut self, at: Time, bus: BusId) {
+    pub(super) fn bus_returned(&mut self, at: Time, bus: BusId) {
         if let Some(known) = self.nodes.get_mut(usize::from(bus.0)) {
             *known = BusState::ErrorActive;
         }
         let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
-        if self.is_news(at, device.clone()) {
+        if self.is_first_report(at, device.clone()) {
             let name = self.bus_name(bus);
             self.notice(at, format!("bus {name} is back at {at}: its device {device} answers"));
         }
     }
 
     /// A controller takes part in its bus in another way.
-    pub(super) fn see_state(&mut self, at: Time, bus: BusId, state: BusState) {
+    pub(super) fn bus_state_changed(&mut self, at: Time, bus: BusId, state: BusState) {
         let Some(known) = self.nodes.get_mut(usize::from(bus.0)) else { return };
         let before = std::mem::replace(known, state);
         let how = match (before, state) {
             (before, state) if before == state => return,
-            (_, BusState::BusOff) => return self.lose_node(at, bus),
+            (_, BusState::BusOff) => return self.bus_off(at, bus),
             (BusState::BusOff, _) => "takes part again",
             (_, BusState::ErrorPassive) => "is error-passive: nobody acknowledges, or the bus is disturbed",
             (BusState::ErrorPassive, _) => "is no longer error-passive",
@@ -80,12 +81,12 @@ impl Executor<'_> {
     }
 
     /// A frame did not come to its bus: what the plan wanted to be sent was not.
-    pub(super) fn miss_bus(&mut self, at: Time, bus: BusId) {
+    pub(super) fn frame_not_sent(&mut self, at: Time, bus: BusId) {
         let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
         let state = self.nodes.get(usize::from(bus.0)).copied().unwrap_or(BusState::ErrorActive);
-        let trouble = Trouble::NotOnBus { at, bus: self.bus_name(bus), device, state };
-        self.notice(at, trouble.show(self.board.channels()).to_string());
-        self.ran.trouble.get_or_insert(trouble);
+        let fault = RigFault::NotOnBus { at, bus: self.bus_name(bus), device, state };
+        self.notice(at, fault.show(self.board.channels()).to_string());
+        self.report.fault.get_or_insert(fault);
     }
 
     /// What whoever watches has to know of the devices, and whoever reads the record later.
@@ -94,33 +95,33 @@ impl Executor<'_> {
         if let Some(live) = &mut self.live {
             live.log(at, &text);
         }
-        if !self.modelled && self.ran.log.len() < LOG_LINES {
-            self.ran.log.push((at, text));
+        if !self.modelled && self.report.log.len() < LOG_LINES {
+            self.report.log.push((at, text));
         }
     }
 
     /// Whether this is the first of its channels that tells of a device at this instant.
-    fn is_news(&mut self, at: Time, device: String) -> bool {
+    fn is_first_report(&mut self, at: Time, device: String) -> bool {
         let told = Some((at, device));
         std::mem::replace(&mut self.noticed, told.clone()) != told
     }
 
     /// Why the board did not start.
-    pub(super) fn not_started(&self, error: BoardError) -> Trouble {
-        let retake = self.limits.retake;
+    pub(super) fn not_started(&self, error: BoardError) -> RigFault {
+        let reconnect = self.limits.reconnect;
         match error {
             BoardError::Lost { channel, reason, since } => {
                 let known = self.board.channels().get(usize::from(channel.0));
                 let what = known.map_or_else(String::new, |known| format!("channel {}", known.name));
                 let device = self.board.device(channel).unwrap_or_default().to_owned();
-                Trouble::StillLost { what, device, reason, since, retake }
+                RigFault::StillLost { what, device, reason, since, reconnect }
             }
             BoardError::BusLost { bus, reason, since } => {
                 let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
                 let what = format!("bus {}", self.bus_name(bus));
-                Trouble::StillLost { what, device, reason, since, retake }
+                RigFault::StillLost { what, device, reason, since, reconnect }
             }
-            error => Trouble::Board { at: Time::ZERO, error },
+            error => RigFault::Board { at: Time::ZERO, error },
         }
     }
 

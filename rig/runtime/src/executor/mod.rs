@@ -3,47 +3,47 @@
 //! At one instant the order is: operations of the program that complete, changes of the board, steps of the plan,
 //! timers of the controller (docs/decisions/0003-time-of-an-operation.md).
 
-mod act;
 mod alarms;
+mod board_events;
 mod buses;
 mod confirm;
+mod edges;
 mod emission;
-mod lines;
+mod limits;
 mod live;
 mod loss;
-mod prelude;
-mod pulses;
-mod seen;
-mod settle;
+mod real_lines;
+mod relays;
+mod startup;
+mod steps;
 mod teardown;
-mod terms;
 
 use crate::clock::Clock;
 use crate::frame_log::FrameLog;
-use crate::live::Port;
+use crate::live::ScanPort;
+use crate::loop_counter::LoopCounter;
 use crate::operator::Operator;
-use crate::prepare::Armed;
-use crate::punctuality::Punctuality;
+use crate::prepare::ArmedAlarm;
 use crate::recorder::Recorder;
+use crate::rig_fault::RigFault;
 use crate::schedule::{EndReason, Schedule};
 use crate::stepping::{Stepper, Stepping};
 use crate::subject::Subject;
-use crate::trouble::Trouble;
-use crate::turns::Turns;
+use crate::wake_statistics::WakeStatistics;
 use crate::wiring::Wiring;
-use confirm::Awaited;
+use confirm::PendingWrites;
 use controller::{Effect, Effects};
 use drivers::{Board, BoardEvent, BusEvent, BusState, ChannelId, Emission, TimestampSource};
+use edges::PendingEdges;
 use emission::Emissions;
-use lines::Lines;
 use plans::plan::Phase;
-use pulses::Pulses;
-use settle::Settling;
+use real_lines::RealLines;
+use relays::RelayMarks;
 use signal::{Cause, Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-pub use lines::Heart;
-pub use terms::{Limits, Ran};
+pub use limits::{ExecutorReport, Limits};
+pub use real_lines::Heartbeat;
 
 /// Turns of the loop without a moment of time passing: more is a circuit that oscillates for ever in no time.
 const MOST_SIMULTANEOUS: u32 = 1_000_000;
@@ -59,12 +59,12 @@ pub struct Executor<'a> {
     recorder: &'a mut Recorder,
     schedule: &'a mut Schedule,
     wiring: &'a mut Wiring,
-    alarms: &'a mut Vec<Armed>,
+    alarms: &'a mut Vec<ArmedAlarm>,
     limits: Limits,
     interrupt: &'a AtomicBool,
     operator: Option<&'a dyn Operator>,
-    heart: Option<&'a dyn Heart>,
-    turns: Option<&'a Turns>,
+    heartbeat: Option<&'a dyn Heartbeat>,
+    loop_counter: Option<&'a LoopCounter>,
     /// The guard counts on its beats.
     beating: bool,
     effects: Effects,
@@ -86,28 +86,28 @@ pub struct Executor<'a> {
     /// exactly when things happened. Wires have the clock's time.
     modelled: bool,
     /// What real lines need.
-    lines: Lines,
-    awaited: Awaited,
-    pulses: Pulses,
-    settling: Settling,
+    lines: RealLines,
+    pending_writes: PendingWrites,
+    edges: PendingEdges,
+    relays: RelayMarks,
     emissions: Emissions,
-    punctuality: Option<Punctuality>,
+    punctuality: Option<WakeStatistics>,
     same: u32,
     over: bool,
     /// The last device that was told to be lost, or to be back, and when.
     noticed: Option<(Time, String)>,
     /// The outputs were driven to their safe values.
     safe: bool,
-    ran: Ran,
+    report: ExecutorReport,
     /// Somebody who goes through the case step by step.
     stepping: Option<Stepping<'a>>,
     /// Clients of a rig that is kept running.
-    live: Option<&'a mut Port>,
+    live: Option<&'a mut ScanPort>,
 }
 
 impl std::fmt::Debug for Executor<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Executor").field("now", &self.now).field("ran", &self.ran).finish_non_exhaustive()
+        f.debug_struct("Executor").field("now", &self.now).field("ran", &self.report).finish_non_exhaustive()
     }
 }
 
@@ -137,15 +137,15 @@ pub struct Parts<'a> {
     /// Says who is behind whom.
     pub wiring: &'a mut Wiring,
     /// The alarms.
-    pub alarms: &'a mut Vec<Armed>,
+    pub alarms: &'a mut Vec<ArmedAlarm>,
     /// Ends the case early when it becomes TRUE.
     pub interrupt: &'a AtomicBool,
     /// Can be asked.
     pub operator: Option<&'a dyn Operator>,
     /// Is shown that the executor goes on turning.
-    pub heart: Option<&'a dyn Heart>,
+    pub heartbeat: Option<&'a dyn Heartbeat>,
     /// Counts its turns.
-    pub turns: Option<&'a Turns>,
+    pub loop_counter: Option<&'a LoopCounter>,
 }
 
 impl std::fmt::Debug for Parts<'_> {
@@ -164,14 +164,18 @@ impl<'a> Executor<'a> {
             && parts.board.buses().iter().all(|bus| bus.timestamp == TimestampSource::Virtual);
         let exact = parts.clock.is_exact();
         let frames = FrameLog::of(parts.board.buses());
-        parts.subject.delegate(emission::delegated(parts.wiring, channels));
+        parts.subject.offload_pulses(emission::offloaded_outputs(parts.wiring, channels));
         Executor {
-            awaited: Awaited::new(channels),
-            pulses: Pulses::new(channels.len(), parts.schedule.steps().len()),
-            settling: Settling::new(channels.len()),
+            pending_writes: PendingWrites::new(channels),
+            edges: PendingEdges::new(channels.len(), parts.schedule.steps().len()),
+            relays: RelayMarks::new(channels.len()),
             emissions: Emissions::new(channels),
-            lines: if modelled { Lines::modelled(channels.len()) } else { Lines::new(channels.len()) },
-            punctuality: (!exact).then(|| Punctuality::new(limits.horizon)),
+            lines: if modelled {
+                RealLines::modelled(channels.len())
+            } else {
+                RealLines::new(channels.len())
+            },
+            punctuality: (!exact).then(|| WakeStatistics::new(limits.horizon)),
             effects: Effects::new(),
             spare: Vec::with_capacity(256),
             writes: Vec::with_capacity(channels.len()),
@@ -189,8 +193,8 @@ impl<'a> Executor<'a> {
             alarms: parts.alarms,
             interrupt: parts.interrupt,
             operator: parts.operator,
-            heart: parts.heart,
-            turns: parts.turns,
+            heartbeat: parts.heartbeat,
+            loop_counter: parts.loop_counter,
             beating: false,
             limits,
             now: Time::ZERO,
@@ -201,7 +205,7 @@ impl<'a> Executor<'a> {
             over: false,
             noticed: None,
             safe: false,
-            ran: Ran { log: Vec::with_capacity(64), frames, ..Ran::default() },
+            report: ExecutorReport { log: Vec::with_capacity(64), frames, ..ExecutorReport::default() },
             stepping: None,
             live: None,
         }
@@ -215,59 +219,59 @@ impl<'a> Executor<'a> {
     }
 
     /// Runs the case from power-on to its end and its teardown, then drives every output to its safe value.
-    pub fn run(mut self) -> Ran {
+    pub fn run(mut self) -> ExecutorReport {
         let outcome = self.prelude().and_then(|()| self.main());
-        if let Err(trouble) = outcome {
-            self.ran.trouble.get_or_insert(trouble);
+        if let Err(fault) = outcome {
+            self.report.fault.get_or_insert(fault);
         }
-        self.ran.end = self.now;
-        self.mark_settled(|_| true);
+        self.report.end = self.now;
+        self.mark_pending_faults(|_| true);
         // What comes behind the end raises no alarm.
         self.alarms.clear();
         if let Some(mark) = self.wiring.end {
             self.recorder.mark(mark, self.seen(self.now));
         }
-        if self.ran.start.is_some() {
+        if self.report.start.is_some() {
             self.tear_down();
         }
-        self.ran.closed = self.now;
+        self.report.closed = self.now;
         self.safe = true;
         let at = self.board_time();
         if let Err(error) = self.board.safe(at) {
-            self.ran.trouble.get_or_insert(Trouble::Board { at, error });
+            self.report.fault.get_or_insert(RigFault::Board { at, error });
         }
-        if let Some(heart) = self.heart.filter(|_| self.beating)
-            && let Err(error) = heart.end()
+        if let Some(heartbeat) = self.heartbeat.filter(|_| self.beating)
+            && let Err(error) = heartbeat.end()
         {
-            let trouble = self.unguarded(&error);
-            self.ran.trouble.get_or_insert(trouble);
+            let fault = self.unguarded(&error);
+            self.report.fault.get_or_insert(fault);
         }
         let health = self.board.health();
-        self.ran.dropped = health.dropped;
+        self.report.dropped = health.dropped;
         // What it had not come to by now is late as well.
-        self.ran.late_outputs = self.lines.late_outputs().max(self.actual - self.now);
-        self.ran.horizon = if self.modelled { Span::ZERO } else { self.limits.horizon };
-        self.ran.wakes = self.punctuality.take().map(Punctuality::figures);
+        self.report.late_outputs = self.lines.late_outputs().max(self.actual - self.now);
+        self.report.horizon = if self.modelled { Span::ZERO } else { self.limits.horizon };
+        self.report.wakes = self.punctuality.take().map(WakeStatistics::figures);
         if !health.is_sound() {
-            self.ran.trouble.get_or_insert(Trouble::Unsound { at: self.now, health });
+            self.report.fault.get_or_insert(RigFault::Unsound { at: self.now, health });
         }
         if let Some(error) = self.recorder.take_fault() {
-            self.ran.trouble.get_or_insert(Trouble::Trace(error));
+            self.report.fault.get_or_insert(RigFault::Trace(error));
         }
-        std::mem::take(&mut self.ran)
+        std::mem::take(&mut self.report)
     }
 
-    fn main(&mut self) -> Result<(), Trouble> {
+    fn main(&mut self) -> Result<(), RigFault> {
         // Steps at the start itself come before the first operation of the first cycle.
         while !self.over {
             let timeout = self.loaded.saturating_add(self.limits.timeout);
             let end = self.end();
-            if self.live.is_some() && !self.attend()? {
+            if self.live.is_some() && !self.serve_clients()? {
                 continue;
             }
             if !self.turn(end.min(timeout))? {
                 if self.now >= timeout && end > timeout {
-                    return Err(Trouble::Timeout { limit: self.limits.timeout });
+                    return Err(RigFault::Timeout { limit: self.limits.timeout });
                 }
                 if self.puts_off_end() {
                     continue;
@@ -280,9 +284,9 @@ impl<'a> Executor<'a> {
 
     /// One turn: everything up to the next instant at which something happens. FALSE at `end`, or when nothing
     /// will ever happen again.
-    fn turn(&mut self, end: Time) -> Result<bool, Trouble> {
-        if let Some(turns) = self.turns {
-            turns.add();
+    fn turn(&mut self, end: Time) -> Result<bool, RigFault> {
+        if let Some(loop_counter) = self.loop_counter {
+            loop_counter.add();
         }
         let timer = self.subject.next_timer().unwrap_or(Time::MAX);
         let board = self.board.next_event().unwrap_or(Time::MAX);
@@ -291,15 +295,15 @@ impl<'a> Executor<'a> {
         let wake = self.stepping.as_ref().map_or(Time::MAX, |stepping| stepping.wake(self.now));
         let slice = self.now.saturating_add(self.limits.slice);
         let input = self.lines.next().unwrap_or(Time::MAX);
-        let pulses = self.pulses.next().unwrap_or(Time::MAX);
+        let pulses = self.edges.next().unwrap_or(Time::MAX);
         let due = timer.min(board).min(step).min(alarm).min(end).min(slice).min(wake).min(input).min(pulses);
-        let due = due.min(self.lead());
+        let due = due.min(self.stepped_until());
         if due == Time::MAX {
-            return Err(Trouble::Stuck { at: self.now });
+            return Err(RigFault::Stuck { at: self.now });
         }
         let due = due.max(self.now);
         let next = due;
-        let due = if self.modelled { due } else { self.approach(due)? };
+        let due = if self.modelled { due } else { self.wait_for(due)? };
         let reached = self.subject.run(due, &mut self.effects);
         if due < next && self.has_computed(reached) {
             return Ok(true);
@@ -342,7 +346,7 @@ impl<'a> Executor<'a> {
             return Ok(true);
         }
         if self.interrupt.load(Ordering::Relaxed) {
-            return Err(Trouble::Interrupted);
+            return Err(RigFault::Interrupted);
         }
         if self.limits.fail_fast && self.recorder.failed_early() {
             self.schedule.end_early(EndReason::Claim, self.now);
@@ -351,7 +355,7 @@ impl<'a> Executor<'a> {
         Ok(true)
     }
 
-    fn fire(&mut self, due: Time) -> Result<(), Trouble> {
+    fn fire(&mut self, due: Time) -> Result<(), RigFault> {
         if self.subject.next_timer().is_some_and(|timer| timer <= due) {
             self.subject.fire(due, &mut self.effects);
             self.apply()?;
@@ -360,7 +364,7 @@ impl<'a> Executor<'a> {
     }
 
     /// Carries out what the subject did.
-    fn apply(&mut self) -> Result<(), Trouble> {
+    fn apply(&mut self) -> Result<(), RigFault> {
         if self.effects.list.is_empty() {
             return Ok(());
         }
@@ -383,7 +387,7 @@ impl<'a> Executor<'a> {
                         self.write_effects().and_then(|_| self.emit_wave(at, output, &emission, cause));
                     outcome = outcome.and(made);
                 }
-                Effect::PeriodRestarted { at, output } => self.cannot_begin_anew(at, output),
+                Effect::PeriodRestarted { at, output } => self.cannot_restart_period(at, output),
                 Effect::State { at, state } => {
                     if let Some(signal) = self.wiring.state {
                         let at = self.seen(at);
@@ -404,10 +408,10 @@ impl<'a> Executor<'a> {
                     if let Some(live) = &mut self.live {
                         live.log(at, &crate::log::show(&entry, &*self.subject));
                     }
-                    if self.ran.log.len() < LOG_LINES {
-                        self.ran.log.push((at, crate::log::show(&entry, &*self.subject)));
+                    if self.report.log.len() < LOG_LINES {
+                        self.report.log.push((at, crate::log::show(&entry, &*self.subject)));
                     } else {
-                        self.ran.log_dropped += 1;
+                        self.report.log_dropped += 1;
                     }
                 }
             }
@@ -417,7 +421,7 @@ impl<'a> Executor<'a> {
     }
 
     /// Hands what the subject wrote to the board, if anything.
-    fn write_effects(&mut self) -> Result<bool, Trouble> {
+    fn write_effects(&mut self) -> Result<bool, RigFault> {
         if self.writes.is_empty() {
             return Ok(false);
         }
@@ -425,7 +429,7 @@ impl<'a> Executor<'a> {
         let at = self.board_time();
         let written = self.board.write(at, &self.writes);
         self.writes.clear();
-        written.map_err(|error| Trouble::Board { at, error })?;
+        written.map_err(|error| RigFault::Board { at, error })?;
         Ok(true)
     }
 

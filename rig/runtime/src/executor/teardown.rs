@@ -1,13 +1,13 @@
 //! What comes behind a case, however it ended.
 
 use super::Executor;
-use crate::trouble::Trouble;
+use crate::rig_fault::RigFault;
 
 /// Calls of the board that fail at one instant of a teardown before it is given up.
 const MOST_FAILURES: usize = 1_000;
 
 impl Executor<'_> {
-    /// The teardown: every step of it that can come does, whatever ended the case. Trouble does not keep the steps behind
+    /// The teardown: every step of it that can come does, whatever ended the case. A fault of the rig does not keep the steps after
     /// it from coming, as far as the board answers.
     pub(super) fn tear_down(&mut self) {
         // Nothing of the case comes any more, an interrupt apart: that has been obeyed.
@@ -22,17 +22,17 @@ impl Executor<'_> {
         let limit = self.now.saturating_add(self.limits.teardown);
         let (mut failures, mut since) = (0, self.now);
         while !self.schedule.is_torn_down() {
-            let trouble = match self.turn(limit) {
+            let fault = match self.turn(limit) {
                 Ok(true) => continue,
                 Ok(false) if self.schedule.is_torn_down() => break,
-                Ok(false) => Trouble::Timeout { limit: self.limits.teardown },
-                Err(trouble) => trouble,
+                Ok(false) => RigFault::Timeout { limit: self.limits.teardown },
+                Err(fault) => fault,
             };
             let last = matches!(
-                trouble,
-                Trouble::Timeout { .. } | Trouble::Stuck { .. } | Trouble::Simultaneous { .. }
+                fault,
+                RigFault::Timeout { .. } | RigFault::Stuck { .. } | RigFault::Simultaneous { .. }
             );
-            self.ran.trouble.get_or_insert(trouble);
+            self.report.fault.get_or_insert(fault);
             failures = if self.now > since { 1 } else { failures + 1 };
             since = self.now;
             // A board that answers no call would keep the time from moving for ever.

@@ -1,7 +1,7 @@
 //! Expert functions on the lines of a board: who makes their pulses, and how fast.
 
 use super::configure;
-use crate::prepare::Bench;
+use crate::prepare::TestBench;
 use controller::Channel as Terminal;
 use document::Diagnostic;
 use drivers::{Channel, TimestampSource};
@@ -9,7 +9,7 @@ use expert::{AxisConfig, FunctionKind, WaveConfig};
 use plans::plan::{FunctionSettings, Settings};
 
 /// What the lines behind the outputs of the functions cannot do, and what they do not promise.
-pub(crate) fn on_lines(settings: &Settings, plan: &str, bench: &Bench<'_>) -> Vec<Diagnostic> {
+pub(crate) fn on_lines(settings: &Settings, plan: &str, bench: &TestBench<'_>) -> Vec<Diagnostic> {
     if bench.file.subject.is_external() {
         return Vec::new();
     }
@@ -32,7 +32,7 @@ fn wave_on_line(
     wave: &WaveConfig,
     said: &FunctionSettings,
     plan: &str,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
 ) -> Option<Diagnostic> {
     let channel = behind(wave.output, bench)?;
     match channel.emits {
@@ -52,7 +52,7 @@ fn axis_on_lines(
     axis: &AxisConfig,
     said: &FunctionSettings,
     plan: &str,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
 ) -> Option<Diagnostic> {
     [("a", Some(axis.a)), ("b", axis.b)].into_iter().find_map(|(key, output)| {
         let channel = behind(output?, bench)?;
@@ -64,7 +64,7 @@ fn axis_on_lines(
 }
 
 /// The channel behind an output.
-fn behind<'b>(output: u8, bench: &'b Bench<'_>) -> Option<&'b Channel> {
+fn behind<'b>(output: u8, bench: &'b TestBench<'_>) -> Option<&'b Channel> {
     let of = |binding: &&drivers::Binding| {
         Terminal::at(binding.address, bench.reference) == Some(Terminal::Output(output.into()))
     };

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// Pulses that a channel emits by itself.
 #[derive(Clone, Debug)]
-pub struct Emitted {
+pub struct EmittedPulses {
     /// The channel.
     pub channel: ChannelId,
     /// The pulses.
@@ -18,7 +18,7 @@ pub struct Emitted {
 
 /// Why the board cannot make what a generator does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unmade {
+pub enum EmissionError {
     /// The channel does not have it.
     NotEmitted(NotEmitted),
     /// The line is high at the end.
@@ -31,7 +31,7 @@ pub enum Unmade {
     Phase,
 }
 
-impl Emitted {
+impl EmittedPulses {
     /// How long after the beginning act `n` from 0 comes: the beginning, and the end of a wave that has none itself.
     pub(super) fn after(&self, n: u64) -> Option<Span> {
         match n {
@@ -89,8 +89,8 @@ impl Generator {
     ///
     /// # Errors
     /// What of it the channel cannot emit: found out before there are more edges than it takes.
-    pub fn pulses(&self, lasts: Span, emits: &Emits) -> Result<Emission, Unmade> {
-        let not = |why| Err(Unmade::NotEmitted(why));
+    pub fn pulses(&self, lasts: Span, emits: &Emits) -> Result<Emission, EmissionError> {
+        let not = |why| Err(EmissionError::NotEmitted(why));
         if emits.counted == Span::ZERO {
             return not(NotEmitted::Counted);
         }
@@ -100,7 +100,7 @@ impl Generator {
             writes.clear();
             self.writes(n, &mut writes);
             for (_, value) in &writes {
-                let Some(level) = value.as_bool() else { return Err(Unmade::LetGo) };
+                let Some(level) = value.as_bool() else { return Err(EmissionError::LetGo) };
                 if level == high {
                     continue;
                 }
@@ -114,13 +114,13 @@ impl Generator {
             }
         }
         if high {
-            return Err(Unmade::EndsHigh);
+            return Err(EmissionError::EndsHigh);
         }
         if edges.is_empty() {
-            return Err(Unmade::Still);
+            return Err(EmissionError::Still);
         }
         let emission = Emission::Pulses(Arc::from(edges));
-        emits.check(&emission).map_err(Unmade::NotEmitted)?;
+        emits.check(&emission).map_err(EmissionError::NotEmitted)?;
         Ok(emission)
     }
 }
@@ -150,7 +150,7 @@ mod tests {
         Generator::Wave { channel: ChannelId(0), curve: Curve { shape, lasts, sample: us(1) } }
     }
 
-    fn edges(generator: &Generator, lasts: Span) -> Result<Vec<i64>, Unmade> {
+    fn edges(generator: &Generator, lasts: Span) -> Result<Vec<i64>, EmissionError> {
         match generator.pulses(lasts, &STREAM)? {
             Emission::Pulses(edges) => Ok(edges.iter().map(|edge| edge.as_nanos() / 1_000).collect()),
             Emission::Square { .. } => panic!(),
@@ -160,14 +160,14 @@ mod tests {
     #[test]
     fn edges_are_those_that_would_be_written_one_by_one() {
         assert_eq!(edges(&square(Some(us(95))), us(95)).unwrap(), [0, 10, 40, 50, 80, 90]);
-        assert_eq!(edges(&square(Some(us(85))), us(85)), Err(Unmade::EndsHigh));
+        assert_eq!(edges(&square(Some(us(85))), us(85)), Err(EmissionError::EndsHigh));
     }
 
     // A table or a train may have millions of acts: what does not fit is found at its first edge that does not.
     #[test]
     fn what_a_channel_cannot_emit_is_found_where_it_begins() {
         let hour = Span::from_secs(3_600);
-        let not = |why| Err(Unmade::NotEmitted(why));
+        let not = |why| Err(EmissionError::NotEmitted(why));
         let long = square(Some(hour));
         assert_eq!(long.pulses(hour, &STREAM), not(NotEmitted::Lasting(STREAM.counted)));
         let coarse = Emits { shortest: us(11), ..STREAM };
@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn a_wave_that_is_ended_keeps_the_level_that_it_has_there() {
         let emission = Emission::Square { period: us(40), high: us(10) };
-        let wave = Emitted { channel: ChannelId(3), emission, ends: Some(us(85)) };
+        let wave = EmittedPulses { channel: ChannelId(3), emission, ends: Some(us(85)) };
         let mut writes = Vec::new();
         wave.writes(1, &mut writes);
         assert_eq!(writes, [(ChannelId(3), Value::Bool(true))]);

@@ -10,8 +10,8 @@ mod sequence;
 mod wave;
 
 pub use band::Band;
-pub use emission::{Emitted, Unmade};
-pub use sequence::{Given, Rows};
+pub use emission::{EmissionError, EmittedPulses};
+pub use sequence::{Rows, TableValue};
 pub use wave::{Curve, Form, Shape};
 
 use drivers::{BusId, ChannelId, Emission, Frame};
@@ -59,12 +59,12 @@ pub enum Generator {
         seed: u64,
     },
     /// Pulses that the board makes by itself.
-    Emitted(Emitted),
+    Emitted(EmittedPulses),
 }
 
 /// What an act of a generator asks of the board besides levels and values.
 #[derive(Clone, Debug)]
-pub enum Order {
+pub enum BoardOrder {
     /// To send a frame.
     Send(BusId, Frame),
     /// To emit pulses.
@@ -144,11 +144,11 @@ impl Generator {
     }
 
     /// What act `n` asks of the board besides, if anything.
-    pub fn order(&self, n: u64) -> Option<Order> {
+    pub fn order(&self, n: u64) -> Option<BoardOrder> {
         match self {
-            Generator::Frames { bus, frame, .. } => Some(Order::Send(*bus, *frame)),
+            Generator::Frames { bus, frame, .. } => Some(BoardOrder::Send(*bus, *frame)),
             Generator::Emitted(emitted) if n == 0 => {
-                Some(Order::Emit(emitted.channel, emitted.emission.clone()))
+                Some(BoardOrder::Emit(emitted.channel, emitted.emission.clone()))
             }
             _ => None,
         }

@@ -7,7 +7,7 @@ use signal::{Decimal, Span, Value};
 
 /// A value that a row gives a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Given {
+pub struct TableValue {
     /// As the channel takes it.
     pub value: Value,
     /// The number, where it is one: numbers may go evenly from row to row.
@@ -40,17 +40,17 @@ pub struct Rows {
 
 impl Rows {
     /// The rows of a sequence. `columns` has each channel with what every row gives it, if anything.
-    pub fn new(sequence: &Sequence, columns: Vec<(ChannelId, Vec<Option<Given>>)>) -> Rows {
+    pub fn new(sequence: &Sequence, columns: Vec<(ChannelId, Vec<Option<TableValue>>)>) -> Rows {
         let times: Vec<i64> = sequence.table.times.iter().map(|time| time.as_nanos()).collect();
         let mut before = vec![0];
         for row in 0..times.len() {
             before.push(before[row] + sequence.instants(row));
         }
-        let points = |values: Vec<Option<Given>>| -> Vec<Point> {
+        let points = |values: Vec<Option<TableValue>>| -> Vec<Point> {
             let given = times.iter().zip(values);
-            let given: Vec<(i64, Given)> = given.filter_map(|(at, value)| Some((*at, value?))).collect();
+            let given: Vec<(i64, TableValue)> = given.filter_map(|(at, value)| Some((*at, value?))).collect();
             let point = |place: usize| {
-                let (at, Given { value, number }) = given[place];
+                let (at, TableValue { value, number }) = given[place];
                 let next = given.get(place + 1).and_then(|(_, next)| next.number);
                 let even = number.zip(next).filter(|_| sequence.sample.is_some());
                 Point { at, value, to_next: even.map(|(from, to)| Band::new(from, to)) }

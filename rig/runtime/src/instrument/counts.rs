@@ -84,7 +84,7 @@ pub fn counts(
         unmade: false,
         last: Time::ZERO,
     };
-    trains.settle(SETTLE)?;
+    trains.wait_until_quiet(SETTLE)?;
     let mut found = Counts::default();
     let mut wanted = SLOWEST;
     while wanted <= FASTEST {
@@ -169,7 +169,7 @@ impl Trains<'_> {
     }
 
     /// Waits until nothing has come for so long.
-    fn settle(&mut self, quiet: Span) -> Result<(), LoopFault> {
+    fn wait_until_quiet(&mut self, quiet: Span) -> Result<(), LoopFault> {
         self.last = self.now();
         loop {
             self.poll()?;
@@ -221,7 +221,7 @@ impl Trains<'_> {
         let nanos = u128::try_from(lasted.as_nanos()).unwrap_or(0).max(1);
         let reached = u64::try_from(periods * 500_000_000 / nanos).unwrap_or(u64::MAX);
         let (seen, lost, unmade) = (self.seen, self.lost, self.unmade);
-        self.settle(Span::ZERO)?;
+        self.wait_until_quiet(Span::ZERO)?;
         if unmade {
             return Ok(None);
         }

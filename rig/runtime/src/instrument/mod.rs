@@ -14,7 +14,7 @@ pub use loopback::{Loopback, loopback};
 pub use scan::{Phases, ScanFault, phases};
 pub use square::{EDGES, PERIOD, Square, square};
 
-use crate::executor::Heart;
+use crate::executor::Heartbeat;
 use document::Diagnostic;
 use drivers::{Board, BoardError, BoardEvent, ChannelId, Loop, LossReason, Origin, Surroundings};
 use guard::GuardError;
@@ -42,12 +42,12 @@ pub struct Instrument<'a> {
     /// What it lives in.
     pub lives: &'a Surroundings,
     /// Whoever makes the outputs safe when this ends badly.
-    pub heart: Option<&'a dyn Heart>,
+    pub heartbeat: Option<&'a dyn Heartbeat>,
 }
 
 impl fmt::Debug for Instrument<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Instrument").field("heart", &self.heart).finish_non_exhaustive()
+        f.debug_struct("Instrument").field("heartbeat", &self.heartbeat).finish_non_exhaustive()
     }
 }
 
@@ -56,8 +56,8 @@ impl Drop for Instrument<'_> {
     fn drop(&mut self) {
         // What is not safe now is the guard's.
         let safe = self.board.safe(self.lives.time.now());
-        if let (Ok(()), Some(heart)) = (safe, self.heart) {
-            let _ = heart.end();
+        if let (Ok(()), Some(heartbeat)) = (safe, self.heartbeat) {
+            let _ = heartbeat.end();
         }
     }
 }
@@ -66,19 +66,19 @@ impl Instrument<'_> {
     /// Starts the board; from now on somebody watches.
     fn start(&mut self) -> Result<(), LoopFault> {
         self.board.start(self.lives.time.now())?;
-        self.heart.map_or(Ok(()), Heart::begin)?;
+        self.heartbeat.map_or(Ok(()), Heartbeat::begin)?;
         Ok(())
     }
 
     /// A sign of life.
     fn beat(&self) -> Result<(), LoopFault> {
-        Ok(self.heart.map_or(Ok(()), Heart::beat)?)
+        Ok(self.heartbeat.map_or(Ok(()), Heartbeat::beat)?)
     }
 
     /// Waits until the board has something to report, at most until then, and never so long that nobody would notice.
     fn wait(&self, until: Time) {
         let next = self.board.next_event().unwrap_or(Time::MAX);
-        let every = self.heart.map_or(LONGEST_WAIT, Heart::every).min(LONGEST_WAIT);
+        let every = self.heartbeat.map_or(LONGEST_WAIT, Heartbeat::every).min(LONGEST_WAIT);
         let until = until.min(next).min(self.lives.time.now() + every);
         self.lives.bell.wait_until(self.lives.time.stamp(until));
     }
@@ -143,7 +143,7 @@ impl LoopFault {
     }
 
     /// What to do about it.
-    pub fn mend(&self) -> &str {
+    pub fn fix(&self) -> &str {
         match self {
             LoopFault::Board(_) | LoopFault::Lost(_) => "see that the device is there: `rig board check`",
             LoopFault::Dropped(_) => "the machine is too busy to take edges: `rig doctor` says what helps",
@@ -154,7 +154,7 @@ impl LoopFault {
             LoopFault::Early { .. } => {
                 "the kernel's stamps are of another clock than the rig's: say so to its makers"
             }
-            LoopFault::Unguarded([_, mend]) => mend,
+            LoopFault::Unguarded([_, fix]) => fix,
             LoopFault::Interrupted => "",
         }
     }
@@ -163,7 +163,7 @@ impl LoopFault {
 impl LoopFault {
     /// As a finding of a run that it ends, for a loop of these names.
     pub fn finding(&self, names: &[String; 2]) -> Diagnostic {
-        Diagnostic::error("R0255", self.words(names)).help(self.mend())
+        Diagnostic::error("R0255", self.words(names)).help(self.fix())
     }
 }
 

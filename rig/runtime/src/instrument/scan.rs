@@ -1,7 +1,7 @@
 //! What the phases of a scan take on a board: waking up, taking the inputs, the program, handing over the outputs.
 
 use super::{Instrument, LoopFault};
-use crate::alone::Ended;
+use crate::standalone::StandaloneEnd;
 use drivers::{BoardEvent, ChannelId, LossReason, Origin};
 use host::Histogram;
 use signal::{Span, Value};
@@ -36,7 +36,7 @@ pub enum ScanFault {
     /// The board.
     Board(LoopFault),
     /// The program.
-    Program(Ended),
+    Program(StandaloneEnd),
 }
 
 impl<E: Into<LoopFault>> From<E> for ScanFault {
@@ -54,7 +54,7 @@ pub fn phases(
     mut on: Instrument<'_>,
     [interval, count]: [i64; 2],
     driven: &[ChannelId],
-    program: &mut dyn FnMut() -> Result<(), Ended>,
+    program: &mut dyn FnMut() -> Result<(), StandaloneEnd>,
     stop: &AtomicBool,
 ) -> Result<Phases, ScanFault> {
     on.start()?;

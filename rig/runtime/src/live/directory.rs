@@ -1,7 +1,7 @@
 //! What names mean to the clients of a rig: numbers for signals, and what is behind each.
 
 use super::fault;
-use super::wire::Source;
+use super::queues::Source;
 use crate::catalogue::Catalogue;
 use crate::prepare::state_labels;
 use crate::subject::Observable;
@@ -170,31 +170,32 @@ impl Directory {
         if !known.writable {
             return Err(fault::not_written(&known.name));
         }
-        let whole = |value: Value| value.as_int().ok_or_else(|| fault::unfit(&known.name, "a whole number"));
+        let whole =
+            |value: Value| value.as_int().ok_or_else(|| fault::bad_value(&known.name, "a whole number"));
         let fitting = match known.kind {
             SignalKind::Bool => {
-                let number = whole(value).map_err(|_| fault::unfit(&known.name, "TRUE or FALSE"))?;
+                let number = whole(value).map_err(|_| fault::bad_value(&known.name, "TRUE or FALSE"))?;
                 match number {
                     0 => Value::Bool(false),
                     1 => Value::Bool(true),
-                    _ => return Err(fault::unfit(&known.name, "TRUE or FALSE")),
+                    _ => return Err(fault::bad_value(&known.name, "TRUE or FALSE")),
                 }
             }
             SignalKind::Real => {
-                let number = value.as_real().ok_or_else(|| fault::unfit(&known.name, "a number"))?;
+                let number = value.as_real().ok_or_else(|| fault::bad_value(&known.name, "a number"))?;
                 Value::Real(number)
             }
             SignalKind::Int | SignalKind::Word | SignalKind::State => {
                 let number = whole(value)?;
                 let bounds = self.catalogue.bounds(&known.name);
                 if let Some((low, high)) = bounds.filter(|(low, high)| number < *low || number > *high) {
-                    return Err(fault::unfit(&known.name, &format!("a number from {low} to {high}")));
+                    return Err(fault::bad_value(&known.name, &format!("a number from {low} to {high}")));
                 }
                 if let Some((low, high)) = self.catalogue.times(&known.name)
                     && !(i128::from(low)..=i128::from(high)).contains(&number)
                 {
                     let (low, high) = (Span::from_nanos(low), Span::from_nanos(high));
-                    return Err(fault::unfit(&known.name, &format!("a time from {low} to {high}")));
+                    return Err(fault::bad_value(&known.name, &format!("a time from {low} to {high}")));
                 }
                 value
             }
@@ -230,7 +231,7 @@ impl Directory {
         if let Ok(address) = Address::parse(name)
             && let Err(error) = address.check(&self.limits)
         {
-            return Err(fault::beyond(name, &error.to_string()));
+            return Err(fault::unknown_address(name, &error.to_string()));
         }
         let Some(found) = self.catalogue.observable(name) else { return Err(self.unknown(name)) };
         let Observable { probe, kind } = found;

@@ -1,6 +1,6 @@
 //! What is said to a client whose order is not carried out.
 
-use super::wire::Refused;
+use super::queues::ScanCommandError;
 use control::Fault;
 use controller::{CommandError, State, WriteError};
 
@@ -18,7 +18,7 @@ pub fn unknown(name: &str, meant: Option<&str>) -> Fault {
 }
 
 /// An address that the controller does not have.
-pub fn beyond(name: &str, why: &str) -> Fault {
+pub fn unknown_address(name: &str, why: &str) -> Fault {
     fault("R0601", format!("`{name}` means nothing to this rig: {why}"), "name an address of this controller")
 }
 
@@ -29,7 +29,7 @@ pub fn not_written(name: &str) -> Fault {
 }
 
 /// A value that does not fit.
-pub fn unfit(name: &str, wanted: &str) -> Fault {
+pub fn bad_value(name: &str, wanted: &str) -> Fault {
     fault("R0603", format!("the value does not fit `{name}`"), &format!("it takes {wanted}"))
 }
 
@@ -45,34 +45,34 @@ pub fn not_forced(name: &str) -> Fault {
 }
 
 /// Why the scan did not carry out an order.
-pub fn refused(why: Refused) -> Fault {
+pub fn refused(why: ScanCommandError) -> Fault {
     match why {
-        Refused::Command(refusal) => {
-            fault("R0606", format!("the controller does not obey: {refusal}"), mend(refusal))
+        ScanCommandError::Command(refusal) => {
+            fault("R0606", format!("the controller does not obey: {refusal}"), fix(refusal))
         }
-        Refused::Write(WriteError::State(state)) => fault(
+        ScanCommandError::Write(WriteError::State(state)) => fault(
             "R0606",
             format!("nothing is written in state {state}"),
             "switch it on, and wait until it has booted",
         ),
-        Refused::Write(error) => {
+        ScanCommandError::Write(error) => {
             fault("R0602", error.to_string(), "write a variable, or an address of %M, %Q or %I")
         }
-        Refused::Board(error) => fault("R0608", format!("the board does not do it: {error}"), ""),
-        Refused::NotLed => fault(
+        ScanCommandError::Board(error) => fault("R0608", format!("the board does not do it: {error}"), ""),
+        ScanCommandError::NotStepped => fault(
             "R0607",
             "time passes by itself here".into(),
             "start the rig with `rig run --led` to lead it",
         ),
-        Refused::PlanRuns => plan_runs(),
-        Refused::NoPlan => fault("R0612", "no plan runs".into(), ""),
-        Refused::NotPlayed => {
+        ScanCommandError::PlanRuns => plan_runs(),
+        ScanCommandError::NoPlan => fault("R0612", "no plan runs".into(), ""),
+        ScanCommandError::NoModel => {
             fault("R0606", "the controller is a real one: its memory is out of reach".into(), "")
         }
     }
 }
 
-const fn mend(refusal: CommandError) -> &'static str {
+const fn fix(refusal: CommandError) -> &'static str {
     match refusal {
         CommandError::State(State::Off) => "switch its supply on first",
         CommandError::State(State::Booting) => "wait until it has booted",

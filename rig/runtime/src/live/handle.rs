@@ -1,14 +1,14 @@
 //! The handle of a rig that runs, as the control socket holds it. None of its calls waits for the scan.
 
 use super::describe;
-use super::desk::{Bench, Chosen, Desk, held};
 use super::directory::Directory;
 use super::fault;
-use super::status::Instruments;
-use super::wire::{News, Outcome, Outside, Want, Wish};
+use super::plans::{ChosenCases, ChosenSlot, PlanBench, lock};
+use super::queues::{HandleEnd, Outcome, ScanCommand, ScanEvent, ScanRequest};
+use super::status::StatusSource;
 use control::{Description, Fault, FrameSeen, Greeting, PROTOCOL, PlanEvent, PlanStatus, Signal, Status};
 use host::Bell;
-use services::control::{Answer, MOST_ORDERS, Order, Rig, Ticket, Told};
+use services::control::{Answer, MOST_ORDERS, Order, Rig, RigEvent, Ticket};
 use signal::{Value, When};
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub(super) const MOST_WATCHED: usize = 1_024;
 /// How a source is watched.
 #[derive(Clone, Copy, Debug, Default)]
 struct Watched {
-    /// As often as clients want it.
+    /// As often as clients command it.
     wanted: u32,
     /// The scan knows of it.
     known: bool,
@@ -29,19 +29,19 @@ struct Watched {
 
 /// How plans are chosen, and where those that were wait.
 #[derive(Debug)]
-pub(super) struct Orders {
-    pub bench: Option<Arc<Bench>>,
-    pub desk: Desk,
+pub(super) struct PlanOrders {
+    pub bench: Option<Arc<PlanBench>>,
+    pub chosen_slot: ChosenSlot,
 }
 
 /// The handle.
 pub struct LiveRig {
-    pub(super) ends: Outside,
+    pub(super) ends: HandleEnd,
     pub(super) bell: Arc<Bell>,
     pub(super) description: Description,
     pub(super) version: String,
     pub(super) directory: Directory,
-    pub(super) instruments: Instruments,
+    pub(super) instruments: StatusSource,
     /// By source.
     watched: Vec<Watched>,
     /// How often each signal is wanted.
@@ -50,14 +50,14 @@ pub struct LiveRig {
     watching: usize,
     /// Sources of which the scan does not know yet how they are wanted.
     stale: BTreeSet<u32>,
-    /// Orders that found no room.
-    waiting: VecDeque<Wish>,
+    /// PlanOrders that found no room.
+    waiting: VecDeque<ScanRequest>,
     /// What is told with the next call although the scan does not tell it.
-    own: Vec<Told>,
+    own: Vec<RigEvent>,
     outcomes: Vec<(u64, Outcome)>,
-    orders: Orders,
+    orders: PlanOrders,
     /// A plan that is being read, and for which order.
-    reading: Option<(u64, Receiver<Result<Chosen, Fault>>)>,
+    reading: Option<(u64, Receiver<Result<ChosenCases, Fault>>)>,
     plan: Option<PlanStatus>,
     ended: bool,
 }
@@ -70,13 +70,13 @@ impl std::fmt::Debug for LiveRig {
 
 impl LiveRig {
     pub(super) fn new(
-        ends: Outside,
+        ends: HandleEnd,
         bell: Arc<Bell>,
         description: Description,
         version: &str,
         directory: Directory,
-        instruments: Instruments,
-        orders: Orders,
+        instruments: StatusSource,
+        orders: PlanOrders,
     ) -> LiveRig {
         LiveRig {
             watched: vec![Watched::default(); directory.most()],
@@ -111,8 +111,9 @@ impl LiveRig {
                 continue;
             };
             if watched.known != wanted {
-                let wish = if wanted { Wish::Watch(source, of) } else { Wish::Unwatch(source) };
-                if self.ends.wishes.push(wish).is_err() {
+                let request =
+                    if wanted { ScanRequest::Watch(source, of) } else { ScanRequest::Unwatch(source) };
+                if self.ends.requests.push(request).is_err() {
                     break;
                 }
                 watched.known = wanted;
@@ -122,10 +123,10 @@ impl LiveRig {
         }
         // An order sees what was watched before it.
         while self.stale.is_empty()
-            && let Some(wish) = self.waiting.pop_front()
+            && let Some(request) = self.waiting.pop_front()
         {
-            if let Err(rtrb::PushError::Full(wish)) = self.ends.wishes.push(wish) {
-                self.waiting.push_front(wish);
+            if let Err(rtrb::PushError::Full(request)) = self.ends.requests.push(request) {
+                self.waiting.push_front(request);
                 break;
             }
             rings = true;
@@ -136,7 +137,7 @@ impl LiveRig {
     }
 
     /// The order with its names resolved.
-    fn want(&self, order: &Order) -> Result<Want, Fault> {
+    fn command(&self, order: &Order) -> Result<ScanCommand, Fault> {
         let source = |signal: u32| {
             let found = self.directory.source(signal);
             found.ok_or_else(|| fault::unknown(&signal.to_string(), None)).map(|(_, of)| of)
@@ -146,25 +147,25 @@ impl LiveRig {
             self.directory.terminal(signal).ok_or_else(|| fault::not_forced(name)).map(|found| (found, name))
         };
         Ok(match *order {
-            Order::Read(signal) => Want::Read(source(signal)?),
+            Order::Read(signal) => ScanCommand::Read(source(signal)?),
             Order::Write(signal, value) => {
-                Want::Write(source(signal)?, self.directory.fitting(signal, value)?)
+                ScanCommand::Write(source(signal)?, self.directory.fitting(signal, value)?)
             }
             Order::Force(signal, value) => {
                 let (channel, name) = terminal(signal)?;
                 match value.as_int() {
-                    Some(0) => Want::Force(channel, false),
-                    Some(1) => Want::Force(channel, true),
-                    _ => return Err(fault::unfit(name, "TRUE or FALSE")),
+                    Some(0) => ScanCommand::Force(channel, false),
+                    Some(1) => ScanCommand::Force(channel, true),
+                    _ => return Err(fault::bad_value(name, "TRUE or FALSE")),
                 }
             }
-            Order::Release(signal) => Want::Release(terminal(signal)?.0),
-            Order::ReleaseAll => Want::ReleaseAll,
-            Order::Command(action) => Want::Command(action),
-            Order::Advance(by) => Want::Advance(by),
-            // Its words do not go into the scan: the plan waits on the desk.
-            Order::Plan(_) => Want::Plan,
-            Order::Abort => Want::Abort,
+            Order::Release(signal) => ScanCommand::Release(terminal(signal)?.0),
+            Order::ReleaseAll => ScanCommand::ReleaseAll,
+            Order::Command(action) => ScanCommand::Command(action),
+            Order::Advance(by) => ScanCommand::Advance(by),
+            // Its words do not go into the scan: the plan waits in its slot.
+            Order::Plan(_) => ScanCommand::Plan,
+            Order::Abort => ScanCommand::Abort,
         })
     }
 
@@ -187,7 +188,7 @@ impl LiveRig {
     }
 
     /// The plan that was read, if one is.
-    fn take_plan(&mut self, told: &mut dyn FnMut(Told)) {
+    fn take_plan(&mut self, told: &mut dyn FnMut(RigEvent)) {
         let Some((ticket, chosen)) = &self.reading else { return };
         let ticket = *ticket;
         let chosen = match chosen.try_recv() {
@@ -198,14 +199,14 @@ impl LiveRig {
         self.reading = None;
         match chosen {
             Ok(chosen) => {
-                *held(&self.orders.desk) = Some(chosen);
-                self.waiting.push_back(Wish::Order(ticket, Want::Plan));
+                *lock(&self.orders.chosen_slot) = Some(chosen);
+                self.waiting.push_back(ScanRequest::Command(ticket, ScanCommand::Plan));
             }
-            Err(fault) => told(Told::Answer(Ticket(ticket), Err(fault))),
+            Err(fault) => told(RigEvent::Answer(Ticket(ticket), Err(fault))),
         }
     }
 
-    fn hear_plan(&mut self, event: PlanEvent, told: &mut dyn FnMut(Told)) {
+    fn receive_plan_event(&mut self, event: PlanEvent, told: &mut dyn FnMut(RigEvent)) {
         match &event {
             PlanEvent::Case { name, place, .. } => {
                 self.plan = Some(PlanStatus::of(name, *place));
@@ -213,7 +214,7 @@ impl LiveRig {
             PlanEvent::Over { .. } => self.plan = None,
             _ => {}
         }
-        told(Told::Plan(event));
+        told(RigEvent::Plan(event));
     }
 
     fn frame(&self, bus: drivers::BusId, at: signal::Time, frame: &drivers::Frame, own: bool) -> FrameSeen {
@@ -265,7 +266,7 @@ impl Rig for LiveRig {
             && let Some((at, value)) = watched.last
         {
             // Another name of what is watched already.
-            self.own.push(Told::Change { signal, at, value });
+            self.own.push(RigEvent::Change { signal, at, value });
         }
         watched.wanted += 1;
         *count += 1;
@@ -305,29 +306,29 @@ impl Rig for LiveRig {
         if let Order::Plan(name) = &order {
             return self.read_plan(ticket, name);
         }
-        let want = self.want(&order)?;
+        let command = self.command(&order)?;
         if self.waiting.len() >= MOST_ORDERS {
             return Err(fault::too_many("orders wait"));
         }
-        self.waiting.push_back(Wish::Order(ticket.0, want));
+        self.waiting.push_back(ScanRequest::Command(ticket.0, command));
         self.flush();
         Ok(())
     }
 
-    fn poll(&mut self, told: &mut dyn FnMut(Told)) {
+    fn poll(&mut self, told: &mut dyn FnMut(RigEvent)) {
         self.take_plan(told);
         self.flush();
         for own in self.own.drain(..) {
             told(own);
         }
-        let gone = self.ends.news.is_abandoned();
+        let gone = self.ends.events.is_abandoned();
         // What is answered by now was told before.
         while let Ok(outcome) = self.ends.outcomes.pop() {
             self.outcomes.push(outcome);
         }
-        while let Ok(news) = self.ends.news.pop() {
-            match news {
-                News::Change(source, at, value) => {
+        while let Ok(event) = self.ends.events.pop() {
+            match event {
+                ScanEvent::Change(source, at, value) => {
                     let Some(watched) = self.watched.get_mut(source as usize) else { continue };
                     if watched.wanted == 0 {
                         continue;
@@ -335,16 +336,18 @@ impl Rig for LiveRig {
                     watched.last = Some((at, value));
                     for signal in self.directory.shown(source) {
                         if self.signals.get(*signal as usize).is_some_and(|count| *count > 0) {
-                            told(Told::Change { signal: *signal, at, value });
+                            told(RigEvent::Change { signal: *signal, at, value });
                         }
                     }
                 }
-                News::Log(at, text) => told(Told::Log(at, text)),
-                News::Frame(bus, at, frame, own) => told(Told::Frame(self.frame(bus, at, &frame, own))),
-                News::Step(step, at, done) => {
-                    told(Told::Plan(PlanEvent::Step { step, at: at.as_nanos(), done }));
+                ScanEvent::Log(at, text) => told(RigEvent::Log(at, text)),
+                ScanEvent::Frame(bus, at, frame, own) => {
+                    told(RigEvent::Frame(self.frame(bus, at, &frame, own)))
                 }
-                News::Plan(event) => self.hear_plan(*event, told),
+                ScanEvent::Step(step, at, done) => {
+                    told(RigEvent::Plan(PlanEvent::Step { step, at: at.as_nanos(), done }));
+                }
+                ScanEvent::Plan(event) => self.receive_plan_event(*event, told),
             }
         }
         while let Ok(snapshot) = self.ends.full.pop() {
@@ -359,7 +362,7 @@ impl Rig for LiveRig {
                 Ok(None) => Ok(Answer::Done),
                 Err(why) => Err(fault::refused(why)),
             };
-            told(Told::Answer(Ticket(ticket), answer));
+            told(RigEvent::Answer(Ticket(ticket), answer));
         }
         self.instruments.look_at_host();
         // A rig that is led may wait for room.
@@ -367,7 +370,7 @@ impl Rig for LiveRig {
             self.bell.ring();
         }
         if gone && !std::mem::replace(&mut self.ended, true) {
-            told(Told::Ended("the rig ends".into()));
+            told(RigEvent::Ended("the rig ends".into()));
         }
     }
 }

@@ -7,35 +7,35 @@
 //! time clients lead: its time waits.
 
 mod describe;
-mod desk;
 mod directory;
 mod fault;
 mod handle;
+mod plans;
 mod port;
+mod queues;
 mod snapshot;
 mod status;
-mod wire;
 
 use crate::case::{CaseFiles, DEFAULT_LATE};
 use crate::hardware::Hardware;
-use crate::stage::stage;
+use crate::test_setup::set_up;
+use ::plans::Case;
 use control::{Clock, Description, Subject};
 use describe::Devices;
 use directory::Directory;
 use document::Diagnostic;
-use handle::{MOST_WATCHED, Orders};
-use plans::Case;
-use port::Room;
+use handle::{MOST_WATCHED, PlanOrders};
+use port::PortLimits;
 use profile::OVERLOAD_PERCENT;
 use snapshot::Snapshot;
-use status::Instruments;
+use status::StatusSource;
 use std::sync::Arc;
 
-pub(crate) use desk::held;
-pub use desk::{Bench, Shelf, keep};
 pub use handle::LiveRig;
-pub use port::{Port, Role};
-pub(crate) use wire::{Refused, Source, Want, Wish};
+pub(crate) use plans::lock;
+pub use plans::{PlanBench, PlanSource, run_with_plans};
+pub use port::{Role, ScanPort};
+pub(crate) use queues::{ScanCommand, ScanCommandError, ScanRequest, Source};
 
 /// The two ends of a rig that is about to be kept running: the handle for the socket, the port for the scan.
 ///
@@ -47,21 +47,21 @@ pub fn open(
     hardware: Option<&Hardware>,
     led: bool,
     version: &str,
-    plans: Option<Bench>,
-) -> Result<(LiveRig, Port), Vec<Diagnostic>> {
+    plans: Option<PlanBench>,
+) -> Result<(LiveRig, ScanPort), Vec<Diagnostic>> {
     let file = &files.board;
     if led && file.is_real() {
         let message = format!("`{}` has real lines, whose time nobody leads", file.name);
         let found = Diagnostic::error(fault::LED, message).at(&file.name, 0..0, "");
         return Err(vec![found.help("leave `--led` out, or take a simulated board")]);
     }
-    let mut stage = stage(case, files, None)?;
+    let mut stage = set_up(case, files, None)?;
     if let Some(hardware) = hardware {
-        stage.board = Box::new(hardware.lend());
+        stage.board = Box::new(hardware.lease());
     }
     let board = &*stage.board;
     let Some(catalogue) = stage.subject.catalogue() else {
-        return Err(vec![crate::play::not_played(file)]);
+        return Err(vec![crate::soft_plc::real_controller(file)]);
     };
     let catalogue = catalogue.of_one_program();
     let devices = Devices::of(board);
@@ -88,15 +88,15 @@ pub fn open(
         load_limit: u32::try_from(OVERLOAD_PERCENT * 10).unwrap_or_default(),
     };
     let snapshot = Snapshot::new(description.tasks.len(), board.channels().len(), board.buses().len());
-    let bell = Port::bell(hardware.map(Hardware::surroundings));
-    let (inside, outside) = wire::wires(&snapshot);
+    let bell = ScanPort::bell(hardware.map(Hardware::surroundings));
+    let (inside, outside) = queues::queues(&snapshot);
     let late = hardware.and_then(Hardware::late).unwrap_or(DEFAULT_LATE);
-    let room = Room { sources: directory.most(), watches: MOST_WATCHED, led, late };
-    let desk = desk::Desk::default();
-    let port = Port::new(inside, bell.clone(), snapshot.clone(), room, desk.clone());
+    let room = PortLimits { sources: directory.most(), watches: MOST_WATCHED, led, late };
+    let chosen_slot = plans::ChosenSlot::default();
+    let port = ScanPort::new(inside, bell.clone(), snapshot.clone(), room, chosen_slot.clone());
     let realtime = hardware.is_some_and(Hardware::has_priority);
-    let instruments = Instruments::new(snapshot, devices, channels, hardware.is_some(), realtime);
-    let orders = Orders { bench: plans.map(Arc::new), desk };
+    let instruments = StatusSource::new(snapshot, devices, channels, hardware.is_some(), realtime);
+    let orders = PlanOrders { bench: plans.map(Arc::new), chosen_slot };
     let handle = LiveRig::new(outside, bell, description, version, directory, instruments, orders);
     Ok((handle, port))
 }

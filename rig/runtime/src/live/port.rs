@@ -1,10 +1,10 @@
-//! The end of the scan: it takes wishes, tells news and leaves snapshots, and never waits for anybody.
+//! The end of the scan: it takes requests, reports events and leaves snapshots, and never waits for anybody.
 //!
 //! Only a rig whose time clients lead waits: for what they ask, and for room where they do not take what it tells.
 
-use super::desk::{Chosen, Desk, held};
-use super::snapshot::{Line, Snapshot};
-use super::wire::{Inside, News, Outcome, Refused, Source, Want, Wish};
+use super::plans::{ChosenCases, ChosenSlot, lock};
+use super::queues::{Outcome, ScanCommand, ScanCommandError, ScanEnd, ScanEvent, ScanRequest, Source};
+use super::snapshot::{LineCounts, Snapshot};
 use control::PlanEvent;
 use controller::{JITTER_BORDERS, ProbeId};
 use drivers::{BusEvent, ChannelId, LossReason, Surroundings};
@@ -26,7 +26,7 @@ const NONE: u32 = u32::MAX;
 
 /// What was last seen of a channel.
 #[derive(Clone, Copy, Debug)]
-struct Seen {
+struct LastSeen {
     at: When,
     value: Value,
     /// Under which number changes are told.
@@ -35,8 +35,8 @@ struct Seen {
 
 /// The end of the scan.
 #[derive(Debug)]
-pub struct Port {
-    ends: Inside,
+pub struct ScanPort {
+    ends: ScanEnd,
     bell: Arc<Bell>,
     /// Up to where time may go; [`Time::MAX`] where nobody leads it.
     until: Time,
@@ -51,13 +51,13 @@ pub struct Port {
     watched: Vec<Option<(Source, ProbeId)>>,
     /// The source of each probe.
     probes: Vec<u32>,
-    channels: Vec<Seen>,
+    channels: Vec<LastSeen>,
     /// The next snapshot in the making: counts go there.
     now: Snapshot,
     next: Time,
     /// Something may be otherwise than in the last snapshot of a rig whose time stands still.
     stale: bool,
-    desk: Desk,
+    chosen_slot: ChosenSlot,
     /// What the executor is for that serves it.
     role: Role,
     /// The rig's time at the beginning of the executor's.
@@ -82,7 +82,7 @@ pub enum Role {
 
 /// What a port is made with.
 #[derive(Clone, Copy, Debug)]
-pub struct Room {
+pub struct PortLimits {
     /// Sources that there can ever be.
     pub sources: usize,
     /// Those that can be watched at once.
@@ -93,10 +93,16 @@ pub struct Room {
     pub late: Span,
 }
 
-impl Port {
-    pub(super) fn new(ends: Inside, bell: Arc<Bell>, snapshot: Snapshot, room: Room, desk: Desk) -> Port {
-        let unseen = Seen { at: When::exactly(Time::ZERO), value: Value::Unknown, source: NONE };
-        Port {
+impl ScanPort {
+    pub(super) fn new(
+        ends: ScanEnd,
+        bell: Arc<Bell>,
+        snapshot: Snapshot,
+        room: PortLimits,
+        chosen_slot: ChosenSlot,
+    ) -> ScanPort {
+        let unseen = LastSeen { at: When::exactly(Time::ZERO), value: Value::Unknown, source: NONE };
+        ScanPort {
             ends,
             bell,
             until: if room.led { Time::ZERO } else { Time::MAX },
@@ -110,7 +116,7 @@ impl Port {
             now: snapshot,
             next: Time::ZERO,
             stale: true,
-            desk,
+            chosen_slot,
             role: Role::Rig,
             base: Span::ZERO,
             began: None,
@@ -171,9 +177,9 @@ impl Port {
     }
 
     /// The plan that it made room for.
-    pub(crate) fn chosen(&mut self) -> Option<Chosen> {
+    pub(crate) fn chosen(&mut self) -> Option<ChosenCases> {
         self.aborted = false;
-        std::mem::take(&mut self.leaves).then(|| held(&self.desk).take()).flatten()
+        std::mem::take(&mut self.leaves).then(|| lock(&self.chosen_slot).take()).flatten()
     }
 
     /// The plan is to end.
@@ -193,21 +199,21 @@ impl Port {
 
     /// Answers between two cases. TRUE where the plan is to end.
     pub(crate) fn between(&mut self) -> bool {
-        while let Some(wish) = self.wish() {
-            match wish {
-                Wish::Watch(source, of) => {
+        while let Some(request) = self.next_request() {
+            match request {
+                ScanRequest::Watch(source, of) => {
                     if let Some(watched) = self.watched.get_mut(source as usize) {
                         *watched = Some((of, ProbeId(u32::MAX)));
                     }
                 }
-                Wish::Unwatch(source) => {
+                ScanRequest::Unwatch(source) => {
                     self.unfollow(source);
                 }
-                Wish::Order(ticket, Want::Abort) => {
+                ScanRequest::Command(ticket, ScanCommand::Abort) => {
                     self.abort();
                     self.answer(ticket, Ok(None));
                 }
-                Wish::Order(ticket, _) => self.answer(ticket, Err(Refused::PlanRuns)),
+                ScanRequest::Command(ticket, _) => self.answer(ticket, Err(ScanCommandError::PlanRuns)),
             }
         }
         self.served();
@@ -216,32 +222,32 @@ impl Port {
 
     /// Tells of a plan.
     pub(crate) fn plan(&mut self, event: PlanEvent) {
-        self.tell(News::Plan(Box::new(event)));
+        self.push(ScanEvent::Plan(Box::new(event)));
     }
 
     /// A step of the case began, or is done.
     pub(crate) fn step(&mut self, step: usize, at: Span, done: bool) {
-        self.tell(News::Step(step as u32, at, done));
+        self.push(ScanEvent::Step(step as u32, at, done));
     }
 
-    /// The next wish, if it may be taken before the scan goes on. A rig that is led carries out nothing while time passes
+    /// The next request, if it may be taken before the scan goes on. A rig that is led carries out nothing while time passes
     /// for somebody.
     #[inline]
-    pub(crate) fn wish(&mut self) -> Option<Wish> {
+    pub(crate) fn next_request(&mut self) -> Option<ScanRequest> {
         if self.advancing.is_some() || self.taken >= AT_ONCE {
             return None;
         }
-        let wish = self.ends.wishes.pop().ok()?;
+        let request = self.ends.requests.pop().ok()?;
         self.taken += 1;
         self.stale = true;
-        Some(wish)
+        Some(request)
     }
 
     /// The scan goes on. If more is asked for than was taken, its next wait ends at once.
     #[inline]
     pub(crate) fn served(&mut self) {
         self.taken = 0;
-        if self.advancing.is_none() && !self.ends.wishes.is_empty() {
+        if self.advancing.is_none() && !self.ends.requests.is_empty() {
             self.bell.ring();
         }
     }
@@ -292,7 +298,7 @@ impl Port {
     }
 
     /// Waits for whoever leads the time.
-    pub(crate) fn rest(&self) {
+    pub(crate) fn wait(&self) {
         self.bell.wait_until(host::monotonic().saturating_add(GLANCE));
     }
 
@@ -343,7 +349,7 @@ impl Port {
     #[inline]
     pub(crate) fn change(&mut self, source: u32, at: When, value: Value) {
         let at = When { earliest: self.own(at.earliest), latest: self.own(at.latest) };
-        self.tell(News::Change(source, at, value));
+        self.push(ScanEvent::Change(source, at, value));
     }
 
     /// An observed probe changed.
@@ -383,7 +389,7 @@ impl Port {
             BusEvent::Frame { bus, at, frame, own } => {
                 *(if own { &mut traffic.sent } else { &mut traffic.received }) += 1;
                 let at = self.own(at.latest);
-                self.tell(News::Frame(bus, at, frame, own));
+                self.push(ScanEvent::Frame(bus, at, frame, own));
             }
             BusEvent::State { state, .. } => traffic.state = state,
             BusEvent::Error { .. } => traffic.errors += 1,
@@ -396,7 +402,7 @@ impl Port {
     /// A line of the log.
     pub(crate) fn log(&mut self, at: Time, text: &str) {
         let at = self.own(at);
-        self.tell(News::Log(at, text.to_owned()));
+        self.push(ScanEvent::Log(at, text.to_owned()));
     }
 
     /// A wait ended so much later than it was to.
@@ -414,10 +420,10 @@ impl Port {
     }
 
     #[inline]
-    fn tell(&mut self, news: News) {
-        let Err(rtrb::PushError::Full(news)) = self.ends.news.push(news) else { return };
+    fn push(&mut self, event: ScanEvent) {
+        let Err(rtrb::PushError::Full(event)) = self.ends.events.push(event) else { return };
         if self.led {
-            self.tell_late(news);
+            self.push_waiting(event);
         } else {
             self.now.untold += 1;
         }
@@ -425,12 +431,12 @@ impl Port {
 
     /// Time that is led can wait until somebody listens.
     #[cold]
-    fn tell_late(&mut self, mut news: News) {
-        while !self.ends.news.is_abandoned() {
-            self.rest();
-            match self.ends.news.push(news) {
+    fn push_waiting(&mut self, mut event: ScanEvent) {
+        while !self.ends.events.is_abandoned() {
+            self.wait();
+            match self.ends.events.push(event) {
                 Ok(()) => return,
-                Err(rtrb::PushError::Full(back)) => news = back,
+                Err(rtrb::PushError::Full(back)) => event = back,
             }
         }
     }
@@ -443,12 +449,12 @@ impl Port {
 
     /// Leaves a snapshot; `fill` adds what the port does not know. Whoever asks for one while nobody took those before
     /// gets an older one.
-    pub(crate) fn leave(&mut self, now: Time, fill: impl FnOnce(&mut Snapshot)) {
+    pub(crate) fn publish(&mut self, now: Time, fill: impl FnOnce(&mut Snapshot)) {
         self.next = now.saturating_add(EVERY);
         self.stale = false;
         let mut empty = self.ends.empty.pop();
-        while self.led && empty.is_err() && !self.ends.news.is_abandoned() {
-            self.rest();
+        while self.led && empty.is_err() && !self.ends.events.is_abandoned() {
+            self.wait();
             empty = self.ends.empty.pop();
         }
         let Ok(mut snapshot) = empty else { return };
@@ -466,32 +472,32 @@ impl Port {
     /// A device that was lost is back: what its channel has is told next.
     pub(crate) fn regained(&mut self, channel: ChannelId) {
         if let Some(line) = self.now.lines.get_mut(usize::from(channel.0)) {
-            *line = Line { lost: None, ..*line };
+            *line = LineCounts { lost: None, ..*line };
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::wire::wires;
+    use super::super::queues::queues;
     use super::*;
 
     /// A client that asks faster than it is served takes turns with the scan, and is not forgotten.
     #[test]
     fn the_scan_goes_on_between_wishes_however_many_there_are() {
         let snapshot = Snapshot::new(0, 0, 0);
-        let (inside, mut outside) = wires(&snapshot);
+        let (inside, mut outside) = queues(&snapshot);
         let bell = Arc::<Bell>::default();
-        let room = Room { sources: 1, watches: 1, led: false, late: Span::ZERO };
-        let mut port = Port::new(inside, bell.clone(), snapshot, room, Desk::default());
+        let room = PortLimits { sources: 1, watches: 1, led: false, late: Span::ZERO };
+        let mut port = ScanPort::new(inside, bell.clone(), snapshot, room, ChosenSlot::default());
         let asked = AT_ONCE * 5 / 2;
         for ticket in 0..asked {
-            outside.wishes.push(Wish::Order(ticket.into(), Want::ReleaseAll)).unwrap();
+            outside.requests.push(ScanRequest::Command(ticket.into(), ScanCommand::ReleaseAll)).unwrap();
         }
         let mut turns = Vec::new();
         while turns.iter().sum::<u32>() < asked {
             let mut taken = 0;
-            while port.wish().is_some() {
+            while port.next_request().is_some() {
                 taken += 1;
             }
             turns.push(taken);

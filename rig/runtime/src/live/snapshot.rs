@@ -16,9 +16,9 @@ pub struct Snapshot {
     /// What its tasks did, in the order of the configuration.
     pub tasks: Vec<(TaskFigures, JitterCounts)>,
     /// The channels of the board.
-    pub lines: Vec<Line>,
+    pub lines: Vec<LineCounts>,
     /// Its buses.
-    pub buses: Vec<Traffic>,
+    pub buses: Vec<BusCounts>,
     /// What it says of itself.
     pub health: Health,
     /// How late the rig was at worst, and what it drives.
@@ -29,13 +29,13 @@ pub struct Snapshot {
     pub wakes: JitterCounts,
     /// Waits that ended later than the rig may be.
     pub overruns: u64,
-    /// News that found no room.
+    /// ScanEvent that found no room.
     pub untold: u64,
 }
 
 /// A channel of the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Line {
+pub struct LineCounts {
     /// Rising edges.
     pub rising: u64,
     /// Falling edges.
@@ -46,7 +46,7 @@ pub struct Line {
 
 /// A bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Traffic {
+pub struct BusCounts {
     /// How its controller takes part.
     pub state: BusState,
     /// Its device is lost, and why.
@@ -83,14 +83,20 @@ impl Clone for Snapshot {
 impl Snapshot {
     /// Of a rig that has not begun, with so many tasks, channels and buses.
     pub fn new(tasks: usize, channels: usize, buses: usize) -> Snapshot {
-        let traffic =
-            Traffic { state: BusState::ErrorActive, lost: None, received: 0, sent: 0, errors: 0, dropped: 0 };
+        let traffic = BusCounts {
+            state: BusState::ErrorActive,
+            lost: None,
+            received: 0,
+            sent: 0,
+            errors: 0,
+            dropped: 0,
+        };
         Snapshot {
             at: Time::ZERO,
             state: State::Off,
             front: None,
             tasks: vec![(TaskFigures::default(), JitterCounts::default()); tasks],
-            lines: vec![Line::default(); channels],
+            lines: vec![LineCounts::default(); channels],
             buses: vec![traffic; buses],
             health: Health::default(),
             late: Span::ZERO,

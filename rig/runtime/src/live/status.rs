@@ -1,10 +1,10 @@
 //! From the last snapshot to a status, with what the scan need not know: how the machine under the rig fares.
 
 use super::describe::Devices;
-use super::snapshot::{Line, Snapshot, Traffic, counts};
+use super::snapshot::{BusCounts, LineCounts, Snapshot, counts};
 use control::{
-    BusStatus, Description, DeviceStatus, Forced, Led as Lit, PointStatus, RigStatus, Status, TaskStatus,
-    Trouble, WireValue,
+    BusStatus, Description, DeviceStatus, Forced, Led as Lit, PointStatus, RigStatus, Status, StatusWarning,
+    TaskStatus, WireValue,
 };
 use controller::{FrontPanel, JitterCounts, Led, LedPattern, TaskFigures};
 use drivers::BusState;
@@ -20,7 +20,7 @@ const PER_MILLE: i64 = 1_000_000;
 
 /// What a status is made of.
 #[derive(Debug)]
-pub struct Instruments {
+pub struct StatusSource {
     snapshot: Box<Snapshot>,
     devices: Devices,
     /// The channel behind each point.
@@ -34,7 +34,7 @@ pub struct Instruments {
     throttle: Throttle,
 }
 
-impl Instruments {
+impl StatusSource {
     /// Of a board with these devices.
     pub fn new(
         snapshot: Snapshot,
@@ -42,8 +42,8 @@ impl Instruments {
         channels: Vec<Option<usize>>,
         real: bool,
         realtime: bool,
-    ) -> Instruments {
-        Instruments {
+    ) -> StatusSource {
+        StatusSource {
             snapshot: Box::new(snapshot),
             devices,
             channels,
@@ -139,10 +139,10 @@ impl Instruments {
         (0..self.devices.list.len()).map(of).collect()
     }
 
-    fn troubles(&self, description: &Description) -> Vec<Trouble> {
+    fn troubles(&self, description: &Description) -> Vec<StatusWarning> {
         let now = &*self.snapshot;
         let mut found = Vec::new();
-        let mut add = |kind: &str, text: String| found.push(Trouble { kind: kind.into(), text });
+        let mut add = |kind: &str, text: String| found.push(StatusWarning { kind: kind.into(), text });
         if self.real && !self.realtime {
             let text = "the rig runs without real-time priority: any program can hold it up";
             add("no-realtime", text.into());
@@ -199,11 +199,11 @@ fn forced(front: &FrontPanel) -> Vec<Forced> {
     of(Area::Input, front.forced_inputs).chain(of(Area::Output, front.forced_outputs)).collect()
 }
 
-fn point(line: &Line) -> PointStatus {
+fn point(line: &LineCounts) -> PointStatus {
     PointStatus { rising: line.rising, falling: line.falling, lost: line.lost.is_some() }
 }
 
-fn bus(traffic: &Traffic) -> BusStatus {
+fn bus(traffic: &BusCounts) -> BusStatus {
     let state = match (traffic.lost, traffic.state) {
         (Some(_), _) => "lost",
         (None, BusState::ErrorActive) => "error-active",

@@ -1,6 +1,6 @@
 //! The alarms of a case with their signals.
 
-use super::meaning::Names;
+use super::meaning::SignalMeanings;
 use document::Diagnostic;
 use plans::Case;
 use plans::alarm::Watch;
@@ -8,7 +8,7 @@ use signal::{Kind, SignalId, SignalInfo, Trace};
 
 /// An alarm that is watched while its case runs.
 #[derive(Clone, Debug)]
-pub struct Armed {
+pub struct ArmedAlarm {
     /// Its name.
     pub name: String,
     /// The signal that it watches.
@@ -24,10 +24,10 @@ pub struct Armed {
 /// Defines the marks of the alarms. Reports values that mean nothing for their signals.
 pub(super) fn alarms(
     case: &Case,
-    names: &Names<'_>,
+    names: &SignalMeanings<'_>,
     trace: &mut Trace,
     found: &mut Vec<Diagnostic>,
-) -> Vec<Armed> {
+) -> Vec<ArmedAlarm> {
     let mut armed = Vec::new();
     for alarm in &case.alarms {
         let mut wrong = |code, message: String, help: &str| {
@@ -46,7 +46,7 @@ pub(super) fn alarms(
         };
         match trace.define(SignalInfo::exact(format!("alarm:{}", alarm.name), Kind::Mark)) {
             Ok(mark) => {
-                armed.push(Armed { name: alarm.name.clone(), signal, mark, watch, ends: alarm.ends });
+                armed.push(ArmedAlarm { name: alarm.name.clone(), signal, mark, watch, ends: alarm.ends });
             }
             Err(error) => wrong("R0101", format!("`{}` cannot be recorded: {error}", alarm.name), ""),
         }

@@ -1,9 +1,9 @@
 //! Steps on channels that make pulses by themselves: what such a channel can emit is found out before anything moves.
 
-use super::Bench;
+use super::TestBench;
 use super::lines::of_controller;
-use super::meaning::{Meaning, Names};
-use crate::generator::{Emitted, Generator, Shape, Unmade};
+use super::meaning::{Meaning, SignalMeanings};
+use crate::generator::{EmissionError, EmittedPulses, Generator, Shape};
 use document::Findings;
 use drivers::{ChannelId, Emission, Emits, NotEmitted};
 use plans::Step;
@@ -11,7 +11,11 @@ use plans::steps::{Periodic, Shape as Planned, Stimulus};
 use signal::{Area, Span};
 
 /// The channel of a line that makes pulses by itself, with what it can emit.
-pub(super) fn emitting(name: &str, names: &Names<'_>, bench: &Bench<'_>) -> Option<(ChannelId, Emits)> {
+pub(super) fn emitting(
+    name: &str,
+    names: &SignalMeanings<'_>,
+    bench: &TestBench<'_>,
+) -> Option<(ChannelId, Emits)> {
     let Some(Meaning::Channel(channel, _)) = names.meaning(name) else { return None };
     let emits = bench.board.channels().get(usize::from(channel.0))?.emits?;
     (!of_controller(channel, bench)).then_some((channel, emits))
@@ -22,8 +26,8 @@ pub(super) fn emitting(name: &str, names: &Names<'_>, bench: &Bench<'_>) -> Opti
 pub(super) fn by_itself(
     generator: Generator,
     step: &Step,
-    names: &Names<'_>,
-    bench: &Bench<'_>,
+    names: &SignalMeanings<'_>,
+    bench: &TestBench<'_>,
     out: &mut Findings,
 ) -> Option<Generator> {
     let lines: Vec<&str> = step.stimulus.signals();
@@ -54,7 +58,7 @@ pub(super) fn by_itself(
         Ok(emitted) => Some(Generator::Emitted(emitted)),
         Err(why) => {
             let message = format!("`{name}` cannot emit this: {}", words(why));
-            out.error("R0305", step.span.clone(), message, mend(why, &emits, step));
+            out.error("R0305", step.span.clone(), message, fix(why, &emits, step));
             None
         }
     }
@@ -62,13 +66,18 @@ pub(super) fn by_itself(
 
 /// Whether an input of the model is behind the channel: what the model sees of pulses that are told only when they are
 /// over, all at once, would be none of them.
-fn feeds_model(channel: ChannelId, bench: &Bench<'_>) -> bool {
+fn feeds_model(channel: ChannelId, bench: &TestBench<'_>) -> bool {
     let feeds = |area| area == Area::Input;
     !bench.file.subject.is_external()
         && bench.file.bind.iter().any(|binding| binding.channel == channel && feeds(binding.address.area()))
 }
 
-fn made(generator: &Generator, channel: ChannelId, emits: &Emits, step: &Step) -> Result<Emitted, Unmade> {
+fn made(
+    generator: &Generator,
+    channel: ChannelId,
+    emits: &Emits,
+    step: &Step,
+) -> Result<EmittedPulses, EmissionError> {
     let (lasts, counted) = match &step.stimulus {
         Stimulus::Wave(wave) => match &wave.shape {
             Planned::Square { periodic: Periodic { count, .. }, .. } => (wave.lasts, count.is_some()),
@@ -81,51 +90,53 @@ fn made(generator: &Generator, channel: ChannelId, emits: &Emits, step: &Step) -
         && (emits.endless || lasts.is_none())
     {
         if *phase != 0 {
-            return Err(Unmade::Phase);
+            return Err(EmissionError::Phase);
         }
         let whole = u128::from(Periodic::WHOLE);
         let (period, high) = (cycle.after(1, 1), cycle.after(u128::from(*duty), whole));
         let emission = Emission::Square { period, high };
-        emits.check(&emission).map_err(Unmade::NotEmitted)?;
-        return Ok(Emitted { channel, emission, ends: lasts });
+        emits.check(&emission).map_err(EmissionError::NotEmitted)?;
+        return Ok(EmittedPulses { channel, emission, ends: lasts });
     }
     let emission = generator.pulses(lasts.unwrap_or(Span::MAX), emits)?;
-    Ok(Emitted { channel, emission, ends: None })
+    Ok(EmittedPulses { channel, emission, ends: None })
 }
 
-fn words(why: Unmade) -> String {
+fn words(why: EmissionError) -> String {
     match why {
-        Unmade::NotEmitted(why) => why.to_string(),
-        Unmade::EndsHigh => String::from("what it emits begins and ends low, and this ends high"),
-        Unmade::LetGo => String::from("what it emits is high and low, and this lets the line go"),
-        Unmade::Still => String::from("the line never moves"),
-        Unmade::Phase => String::from("a wave without end begins with its rising edge"),
+        EmissionError::NotEmitted(why) => why.to_string(),
+        EmissionError::EndsHigh => String::from("what it emits begins and ends low, and this ends high"),
+        EmissionError::LetGo => String::from("what it emits is high and low, and this lets the line go"),
+        EmissionError::Still => String::from("the line never moves"),
+        EmissionError::Phase => String::from("a wave without end begins with its rising edge"),
     }
 }
 
-fn mend(why: Unmade, emits: &Emits, step: &Step) -> String {
+fn fix(why: EmissionError, emits: &Emits, step: &Step) -> String {
     let square = matches!(step.stimulus, Stimulus::Wave(_));
     match why {
-        Unmade::NotEmitted(NotEmitted::Short(_)) => {
+        EmissionError::NotEmitted(NotEmitted::Short(_)) => {
             let fastest = 1_000_000_000 / (2 * emits.shortest.as_nanos().max(1));
             format!("lower the frequency, up to {fastest} Hz at a duty of 50 %, or take a duty nearer to it")
         }
-        Unmade::NotEmitted(NotEmitted::Long(_)) => String::from("raise the frequency"),
-        Unmade::NotEmitted(NotEmitted::Lasting(_)) => {
+        EmissionError::NotEmitted(NotEmitted::Long(_)) => String::from("raise the frequency"),
+        EmissionError::NotEmitted(NotEmitted::Lasting(_)) => {
             String::from("make it shorter, or give the generator more room: its board file says how")
         }
-        Unmade::NotEmitted(NotEmitted::Counted) if square => {
+        EmissionError::NotEmitted(NotEmitted::Counted) if square => {
             String::from("leave out `count`, and say with `lasts` how long it takes")
         }
-        Unmade::NotEmitted(NotEmitted::Counted) => {
+        EmissionError::NotEmitted(NotEmitted::Counted) => {
             String::from("emit a `square` wave, or take a line whose generator counts")
         }
-        Unmade::NotEmitted(NotEmitted::Endless) => String::from("say with `count` or `lasts` where it ends"),
-        Unmade::NotEmitted(NotEmitted::Nothing | NotEmitted::Disorder) => String::new(),
-        Unmade::EndsHigh if square => String::from("let it last whole periods, as with `count`"),
-        Unmade::EndsHigh | Unmade::LetGo | Unmade::Still => {
+        EmissionError::NotEmitted(NotEmitted::Endless) => {
+            String::from("say with `count` or `lasts` where it ends")
+        }
+        EmissionError::NotEmitted(NotEmitted::Nothing | NotEmitted::Disorder) => String::new(),
+        EmissionError::EndsHigh if square => String::from("let it last whole periods, as with `count`"),
+        EmissionError::EndsHigh | EmissionError::LetGo | EmissionError::Still => {
             String::from("let the table raise the line and take it back, or drive a line that the rig drives")
         }
-        Unmade::Phase => String::from("leave out `phase`, or take a line that the rig drives"),
+        EmissionError::Phase => String::from("leave out `phase`, or take a line that the rig drives"),
     }
 }

@@ -1,7 +1,7 @@
 //! The channels and terminals that steps act on, and what these can take.
 
-use super::Bench;
-use super::meaning::{Meaning, Names};
+use super::TestBench;
+use super::meaning::{Meaning, SignalMeanings};
 use super::signals::channel_info;
 use crate::subject::Observable;
 use controller::{Channel as Terminal, Probe};
@@ -16,7 +16,12 @@ use signal::{Area, Level, Span, Value};
 pub(crate) const NOT_PROMISED: &str = "R0315";
 
 /// The channel of a line.
-pub(super) fn line(name: &str, names: &Names<'_>, step: &Step, out: &mut Findings) -> Option<ChannelId> {
+pub(super) fn line(
+    name: &str,
+    names: &SignalMeanings<'_>,
+    step: &Step,
+    out: &mut Findings,
+) -> Option<ChannelId> {
     if let Some(Meaning::Channel(channel, _)) = names.meaning(name) {
         return Some(channel);
     }
@@ -29,15 +34,15 @@ pub(super) fn line(name: &str, names: &Names<'_>, step: &Step, out: &mut Finding
 }
 
 /// Whether an output terminal is behind the channel.
-pub(super) fn of_controller(channel: ChannelId, bench: &Bench<'_>) -> bool {
+pub(super) fn of_controller(channel: ChannelId, bench: &TestBench<'_>) -> bool {
     bench.file.bind.iter().any(|binding| binding.channel == channel && binding.address.area() == Area::Output)
 }
 
 /// The channel of a line that the plan may drive: not one that the model drives.
 pub(super) fn driven(
     name: &str,
-    names: &Names<'_>,
-    bench: &Bench<'_>,
+    names: &SignalMeanings<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) -> Option<ChannelId> {
@@ -67,8 +72,8 @@ pub(super) fn driven(
 /// The terminal behind a signal, for forcing.
 pub(super) fn terminal(
     name: &str,
-    names: &Names<'_>,
-    bench: &Bench<'_>,
+    names: &SignalMeanings<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) -> Option<Terminal> {
@@ -120,7 +125,7 @@ pub(crate) fn fault_on(kind: &PlannedFault, channel: &Channel) -> Option<FaultKi
 pub(super) fn value_for(
     literal: &Literal,
     channel: ChannelId,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) -> Option<Value> {
@@ -143,7 +148,7 @@ pub(super) fn value_for(
 pub(super) fn fault_kind(
     kind: &PlannedFault,
     channel: ChannelId,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) -> Option<FaultKind> {
@@ -168,7 +173,7 @@ pub(super) fn fault_kind(
 pub(super) fn warn_if_too_fast(
     channel: ChannelId,
     millihertz: u64,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) {
@@ -189,7 +194,7 @@ pub(super) fn warn_if_too_fast(
 pub(super) fn warn_if_not_promised(
     channel: ChannelId,
     shortest: Span,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) {

@@ -1,6 +1,6 @@
 //! What a bound name is on a bench.
 
-use super::Bench;
+use super::TestBench;
 use crate::subject::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
@@ -19,7 +19,7 @@ pub(super) enum Meaning {
 }
 
 /// What a bound name is on this bench.
-pub(super) fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Findings) -> Option<Meaning> {
+pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut Findings) -> Option<Meaning> {
     let at = binding.span.clone();
     let inside = |name: &str| bench.subject.observable(name).map(Meaning::Inside);
     let found = match &binding.source {
@@ -92,7 +92,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &Bench<'_>, out: &mut Find
 }
 
 /// What is wrong with a name that means an array, or a place outside one: its finding and what mends it.
-fn element(path: &str, bench: &Bench<'_>) -> Option<(String, String)> {
+fn element(path: &str, bench: &TestBench<'_>) -> Option<(String, String)> {
     let array = path.split('[').next().unwrap_or(path);
     let mut elements = (0..=1).rev().map(|place| format!("{array}[{place}]"));
     let example = elements.find(|element| bench.subject.observable(element).is_some())?;
@@ -109,7 +109,7 @@ pub(super) fn suggestion<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
 }
 
 /// What mends the name of a task that there is none of.
-pub(super) fn known_tasks(task: &str, bench: &Bench<'_>) -> String {
+pub(super) fn known_tasks(task: &str, bench: &TestBench<'_>) -> String {
     let known: Vec<&str> = (0..).map_while(|place| bench.subject.task_name(place)).collect();
     match document::suggest(task, known.iter().copied()) {
         Some(meant) => format!("did you mean `{meant}`?"),
@@ -139,12 +139,12 @@ const fn figure_of(figure: TaskFigure) -> controller::TaskFigure {
 }
 
 /// The names of a case with what they mean.
-pub(super) struct Names<'a> {
+pub(super) struct SignalMeanings<'a> {
     pub(super) list: &'a [(String, Meaning, SignalId)],
     pub(super) state: Option<SignalId>,
 }
 
-impl Names<'_> {
+impl SignalMeanings<'_> {
     pub(super) fn signal(&self, name: &str) -> Option<SignalId> {
         if name == "state" {
             return self.state;

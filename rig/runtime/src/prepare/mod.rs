@@ -9,17 +9,17 @@ mod steps;
 mod waves;
 
 use crate::external::NOT_RUNNING;
-use crate::facts;
+use crate::file_signals;
 use crate::frames::{self, Watch};
 use crate::functions;
-use crate::schedule::{Act, Planned};
+use crate::schedule::{Act, PlannedStep};
 use crate::subject::Subject;
 use crate::suite::beside;
 use crate::wiring::Wiring;
 use controller::{Probe, State};
 use document::{Diagnostic, Findings};
 use drivers::{Board, BoardFile};
-use meaning::{Meaning, Names, meaning};
+use meaning::{Meaning, SignalMeanings, meaning};
 use plans::Case;
 use plans::plan::{Phase, ProgramRef, SignalBinding, Source};
 use plans::steps::{Question, Stimulus};
@@ -29,11 +29,11 @@ use signals::{channel_info, clocked, define, policy};
 use std::sync::Arc;
 use steps::plan_step;
 
-pub use alarms::Armed;
+pub use alarms::ArmedAlarm;
 pub(crate) use lines::{NOT_PROMISED, fault_on};
 
 /// What the names of a case are looked up in.
-pub struct Bench<'a> {
+pub struct TestBench<'a> {
     /// The subject.
     pub subject: &'a mut dyn Subject,
     /// The board.
@@ -54,9 +54,9 @@ pub struct Bench<'a> {
     pub exact: bool,
 }
 
-impl std::fmt::Debug for Bench<'_> {
+impl std::fmt::Debug for TestBench<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Bench").field("file", &self.file.name).finish_non_exhaustive()
+        f.debug_struct("TestBench").field("file", &self.file.name).finish_non_exhaustive()
     }
 }
 
@@ -68,11 +68,11 @@ pub struct Prepared {
     /// Who is behind whom.
     pub wiring: Wiring,
     /// The steps.
-    pub steps: Vec<Planned>,
+    pub steps: Vec<PlannedStep>,
     /// Observed probes with their signals, to be read once at the start.
     pub probes: Vec<(Probe, SignalId)>,
     /// The alarms.
-    pub alarms: Vec<Armed>,
+    pub alarms: Vec<ArmedAlarm>,
     /// What is wrong with the plan and does not keep it from running.
     pub warnings: Vec<Diagnostic>,
 }
@@ -106,7 +106,7 @@ pub fn prepare(
     case: &Case,
     plan: &document::SourceFile,
     mut trace: Trace,
-    bench: &mut Bench<'_>,
+    bench: &mut TestBench<'_>,
 ) -> Result<Prepared, Vec<Diagnostic>> {
     let mut out = Findings::new(plan, plans::TOML);
     let mut wiring = Wiring::of(bench.file, bench.reference, bench.board.channels().len());
@@ -149,7 +149,7 @@ pub fn prepare(
             Stimulus::Ask(question) => define(&mut trace, answers(&step.id, question), &mut out),
             _ => None,
         };
-        let names = Names { list: &names, state: wiring.state };
+        let names = SignalMeanings { list: &names, state: wiring.state };
         let planned = plan_step(step, mark, done, &names, &trace, bench, &mut out);
         steps.extend(planned.map(|mut planned| {
             if let (Stimulus::Ask(question), Some(signal)) = (&step.stimulus, answer) {
@@ -163,7 +163,7 @@ pub fn prepare(
     let mut found = out.into_vec();
     found.extend(foreign);
     found.extend(functions::on_lines(&case.settings, &plan.name, bench));
-    let names = Names { list: &names, state: wiring.state };
+    let names = SignalMeanings { list: &names, state: wiring.state };
     let alarms = alarms::alarms(case, &names, &mut trace, &mut found);
     if found.iter().any(Diagnostic::is_error) {
         return Err(found);
@@ -186,13 +186,13 @@ impl Signals {
         case: &Case,
         trace: &mut Trace,
         wiring: &mut Wiring,
-        bench: &mut Bench<'_>,
+        bench: &mut TestBench<'_>,
         out: &mut Findings,
     ) {
         if self.of_bus(binding, trace, wiring, bench, out) {
             return;
         }
-        let found = facts::observable(binding, case, bench, out);
+        let found = file_signals::observable(binding, case, bench, out);
         let found = found.map(|found| found.map(Meaning::Inside));
         let Some(meaning) = found.unwrap_or_else(|| meaning(binding, bench, out)) else { return };
         let mut own = 0.0;
@@ -230,7 +230,7 @@ impl Signals {
         binding: &SignalBinding,
         trace: &mut Trace,
         wiring: &mut Wiring,
-        bench: &Bench<'_>,
+        bench: &TestBench<'_>,
         out: &mut Findings,
     ) -> bool {
         let pattern = match &binding.source {

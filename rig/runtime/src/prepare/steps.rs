@@ -1,10 +1,10 @@
 //! From the steps of a plan to what is done on a bench.
 
-use super::Bench;
+use super::TestBench;
 use super::lines::{driven, fault_kind, line, of_controller, terminal, value_for};
-use super::meaning::{Meaning, Names, known_tasks, suggestion};
+use super::meaning::{Meaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
-use crate::schedule::{Act, Awaited, Expected, FileAct, Planned, Timing};
+use crate::schedule::{Act, AwaitedChange, Expected, FileAction, PlannedStep, Timing};
 use controller::{Channel as Terminal, Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
 use document::Findings;
 use drivers::Fault;
@@ -18,11 +18,11 @@ pub(super) fn plan_step(
     step: &Step,
     mark: SignalId,
     done: SignalId,
-    names: &Names<'_>,
+    names: &SignalMeanings<'_>,
     trace: &Trace,
-    bench: &mut Bench<'_>,
+    bench: &mut TestBench<'_>,
     out: &mut Findings,
-) -> Option<Planned> {
+) -> Option<PlannedStep> {
     let timing = match &step.when {
         StepTime::At(anchor) => Timing::At(anchor.clone()),
         StepTime::When { signal, awaits, from, within } => {
@@ -180,7 +180,7 @@ pub(super) fn plan_step(
         }
         Stimulus::File { path, deed, by_application } => {
             let user = if *by_application { FileUser::Application } else { FileUser::Service };
-            let act = FileAct { path: path.clone(), deed: deed.clone(), user };
+            let act = FileAction { path: path.clone(), deed: deed.clone(), user };
             vec![(Span::ZERO, Act::File(act, expected(step)))]
         }
         Stimulus::Disturb { what, on, lasts } => {
@@ -202,12 +202,12 @@ pub(super) fn plan_step(
     let settle = relay.map_or(Span::ZERO, |channel| bench.board.settle(channel));
     let lasts = step.stimulus.duration() + settle;
     let (id, phase, repeat, parent) = (step.id.clone(), step.phase, step.repeat.clone(), step.parent);
-    Some(Planned { id, mark, done, phase, timing, repeat, parent, acts, generator: generates, lasts })
+    Some(PlannedStep { id, mark, done, phase, timing, repeat, parent, acts, generator: generates, lasts })
 }
 
 /// The place of a source in its application: as a step names it, relative to the plan; the first one where it names
 /// none.
-fn source_file(name: Option<&str>, step: &Step, bench: &Bench<'_>, out: &mut Findings) -> Option<u16> {
+fn source_file(name: Option<&str>, step: &Step, bench: &TestBench<'_>, out: &mut Findings) -> Option<u16> {
     let Some(name) = name else { return Some(0) };
     let known = bench.subject.source_files();
     let found = known.iter().find(|(_, known)| known == name || known.ends_with(&format!("/{name}")));
@@ -227,11 +227,11 @@ fn source_file(name: Option<&str>, step: &Step, bench: &Bench<'_>, out: &mut Fin
 fn disturbance(
     what: plans::steps::Disturbance,
     on: bool,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) -> Option<Disturbance> {
-    use plans::steps::Disturbance as Planned;
+    use plans::steps::Disturbance as PlannedStep;
     let mut output = |address: Address| match Terminal::at(address, bench.reference) {
         Some(Terminal::Output(output)) => Some(output),
         _ => {
@@ -241,11 +241,13 @@ fn disturbance(
         }
     };
     Some(match what {
-        Planned::ShortCircuit(address) => Disturbance::ShortCircuit { output: output(address)?, on },
-        Planned::OverTemperature(address) => Disturbance::OverTemperature { output: output(address)?, on },
-        Planned::NoIoSupply => Disturbance::IoSupply(!on),
-        Planned::External(bit) if FAULT_BITS.contains(&bit) => Disturbance::ExternalError { bit, on },
-        Planned::External(bit) => {
+        PlannedStep::ShortCircuit(address) => Disturbance::ShortCircuit { output: output(address)?, on },
+        PlannedStep::OverTemperature(address) => {
+            Disturbance::OverTemperature { output: output(address)?, on }
+        }
+        PlannedStep::NoIoSupply => Disturbance::IoSupply(!on),
+        PlannedStep::External(bit) if FAULT_BITS.contains(&bit) => Disturbance::ExternalError { bit, on },
+        PlannedStep::External(bit) => {
             let bits: Vec<String> = FAULT_BITS.iter().map(u8::to_string).collect();
             let help = format!("the others are {}", bits.join(", "));
             out.error("R0107", step.span.clone(), format!("bit {bit} is reserved"), help);
@@ -258,7 +260,7 @@ fn disturbance(
 fn bundle(
     program: Option<&ProgramRef>,
     step: &Step,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
     out: &mut Findings,
 ) -> Option<Vec<u8>> {
     let bundle = match program {
@@ -278,7 +280,7 @@ const fn expected(step: &Step) -> Expected {
     if step.refused { Expected::Refused } else { Expected::Obeyed }
 }
 
-fn awaited(awaits: &Await, info: &SignalInfo, step: &Step, out: &mut Findings) -> Option<Awaited> {
+fn awaited(awaits: &Await, info: &SignalInfo, step: &Step, out: &mut Findings) -> Option<AwaitedChange> {
     let mut value = |literal: &Literal| {
         let value = plans::value_of(literal, info).ok();
         if value.is_none() {
@@ -291,12 +293,12 @@ fn awaited(awaits: &Await, info: &SignalInfo, step: &Step, out: &mut Findings) -
         value
     };
     Some(match awaits {
-        Await::Becomes(literal) => Awaited::Becomes(value(literal)?),
-        Await::Rises => Awaited::Rises,
-        Await::Falls => Awaited::Falls,
-        Await::Changes => Awaited::Changes,
-        Await::Above(literal) => Awaited::Above(value(literal)?.as_real()?),
-        Await::Below(literal) => Awaited::Below(value(literal)?.as_real()?),
+        Await::Becomes(literal) => AwaitedChange::Becomes(value(literal)?),
+        Await::Rises => AwaitedChange::Rises,
+        Await::Falls => AwaitedChange::Falls,
+        Await::Changes => AwaitedChange::Changes,
+        Await::Above(literal) => AwaitedChange::Above(value(literal)?.as_real()?),
+        Await::Below(literal) => AwaitedChange::Below(value(literal)?.as_real()?),
     })
 }
 

@@ -1,11 +1,11 @@
 //! From stimuli that go on to their generators: values in the units of their channels.
 
-use super::Bench;
+use super::TestBench;
 use super::emission::{by_itself, emitting};
 use super::lines::{driven, warn_if_not_promised, warn_if_too_fast};
-use super::meaning::Names;
+use super::meaning::SignalMeanings;
 use crate::frames;
-use crate::generator::{Band, Curve, Form, Generator, Given, Rows, Shape};
+use crate::generator::{Band, Curve, Form, Generator, Rows, Shape, TableValue};
 use document::Findings;
 use drivers::ChannelId;
 use plans::Step;
@@ -19,15 +19,20 @@ const INDEX: usize = 2;
 /// The generator of a step that has one: what the rig does, or what it has the board do.
 pub(super) fn generator(
     step: &Step,
-    names: &Names<'_>,
-    bench: &Bench<'_>,
+    names: &SignalMeanings<'_>,
+    bench: &TestBench<'_>,
     out: &mut Findings,
 ) -> Option<Generator> {
     by_itself(by_rig(step, names, bench, out)?, step, names, bench, out)
 }
 
 /// What the rig would write itself, edge by edge.
-fn by_rig(step: &Step, names: &Names<'_>, bench: &Bench<'_>, out: &mut Findings) -> Option<Generator> {
+fn by_rig(
+    step: &Step,
+    names: &SignalMeanings<'_>,
+    bench: &TestBench<'_>,
+    out: &mut Findings,
+) -> Option<Generator> {
     match &step.stimulus {
         Stimulus::Train(train) => {
             let channel = pulsed(&train.signal, names, bench, step, out)?;
@@ -75,8 +80,8 @@ fn by_rig(step: &Step, names: &Names<'_>, bench: &Bench<'_>, out: &mut Findings)
 /// The channel of a line that the plan may drive, or that makes pulses by itself.
 fn pulsed(
     name: &str,
-    names: &Names<'_>,
-    bench: &Bench<'_>,
+    names: &SignalMeanings<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) -> Option<ChannelId> {
@@ -91,10 +96,10 @@ fn values(
     sequence: &Sequence,
     column: usize,
     channel: ChannelId,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
-) -> Option<Vec<Option<Given>>> {
+) -> Option<Vec<Option<TableValue>>> {
     let table = &sequence.table;
     let head = &table.columns[column];
     let level = is_level(channel, bench);
@@ -118,14 +123,14 @@ fn values(
         };
         let value = match (table.cell(row, column), level) {
             (Cell::Kept, _) => None,
-            (Cell::HighZ, _) => Some(Given { value: Value::HighZ, number: None }),
-            (Cell::Level(on), true) => Some(Given { value: Value::Bool(on), number: None }),
+            (Cell::HighZ, _) => Some(TableValue { value: Value::HighZ, number: None }),
+            (Cell::Level(on), true) => Some(TableValue { value: Value::Bool(on), number: None }),
             (Cell::Number(number), true) if number == Decimal::ZERO || number == Decimal::from(1) => {
-                Some(Given { value: Value::Bool(number != Decimal::ZERO), number: None })
+                Some(TableValue { value: Value::Bool(number != Decimal::ZERO), number: None })
             }
             (Cell::Number(value), false) => {
                 let value = number(value)?;
-                Some(Given { value: Value::Real(value.as_f64()), number: Some(value) })
+                Some(TableValue { value: Value::Real(value.as_f64()), number: Some(value) })
             }
             _ => {
                 let message = format!("line {line} of {} does not fit `{}`", table.path, head.name);
@@ -141,8 +146,8 @@ fn values(
 
 fn encoder_lines(
     encoder: &Encoder,
-    names: &Names<'_>,
-    bench: &Bench<'_>,
+    names: &SignalMeanings<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) -> Option<[Option<ChannelId>; 3]> {
@@ -163,12 +168,12 @@ fn encoder_lines(
     Some(lines)
 }
 
-fn is_level(channel: ChannelId, bench: &Bench<'_>) -> bool {
+fn is_level(channel: ChannelId, bench: &TestBench<'_>) -> bool {
     bench.board.channels()[usize::from(channel.0)].is_digital()
 }
 
 /// What a channel carries, in words.
-fn carries(channel: ChannelId, bench: &Bench<'_>) -> String {
+fn carries(channel: ChannelId, bench: &TestBench<'_>) -> String {
     let channel = &bench.board.channels()[usize::from(channel.0)];
     match (channel.is_digital(), channel.unit()) {
         (true, _) => String::from("levels"),
@@ -181,7 +186,7 @@ fn carries(channel: ChannelId, bench: &Bench<'_>) -> String {
 fn curve(
     wave: &Wave,
     channel: ChannelId,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) -> Option<Curve> {
@@ -250,7 +255,7 @@ fn shape(form: Form, periodic: &Periodic, band: Band) -> Shape {
 fn in_unit(
     quantity: &Quantity,
     channel: ChannelId,
-    bench: &Bench<'_>,
+    bench: &TestBench<'_>,
     step: &Step,
     out: &mut Findings,
 ) -> Option<Decimal> {

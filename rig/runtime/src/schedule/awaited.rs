@@ -4,7 +4,7 @@ use signal::Value;
 
 /// What an awaited step waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Awaited {
+pub enum AwaitedChange {
     /// The signal becomes this value.
     Becomes(Value),
     /// It becomes TRUE.
@@ -19,22 +19,24 @@ pub enum Awaited {
     Below(f64),
 }
 
-impl Awaited {
+impl AwaitedChange {
     /// Whether a change of the signal is what is waited for.
     pub(super) fn met(self, before: Option<Value>, value: Value) -> bool {
         let real = |value: Option<Value>| value.and_then(Value::as_real);
         match self {
-            Awaited::Becomes(wanted) => value == wanted,
-            Awaited::Rises => value.as_bool() == Some(true) && before.and_then(Value::as_bool) != Some(true),
-            Awaited::Falls => {
+            AwaitedChange::Becomes(wanted) => value == wanted,
+            AwaitedChange::Rises => {
+                value.as_bool() == Some(true) && before.and_then(Value::as_bool) != Some(true)
+            }
+            AwaitedChange::Falls => {
                 value.as_bool() == Some(false) && before.and_then(Value::as_bool) != Some(false)
             }
-            Awaited::Changes => true,
-            Awaited::Above(limit) => {
+            AwaitedChange::Changes => true,
+            AwaitedChange::Above(limit) => {
                 real(Some(value)).is_some_and(|now| now > limit)
                     && real(before).is_none_or(|then| then <= limit)
             }
-            Awaited::Below(limit) => {
+            AwaitedChange::Below(limit) => {
                 real(Some(value)).is_some_and(|now| now < limit)
                     && real(before).is_none_or(|then| then >= limit)
             }

@@ -11,15 +11,15 @@ use record::Verdict;
 use scanrig_runtime::application::compile;
 use scanrig_runtime::bundle::Bundle;
 use scanrig_runtime::clock::Clock;
-use scanrig_runtime::executor::{Executor, Limits, Parts, Ran};
+use scanrig_runtime::executor::{Executor, ExecutorReport, Limits, Parts};
 use scanrig_runtime::functions;
-use scanrig_runtime::live::{Port, Role};
-use scanrig_runtime::prepare::{Armed, Bench, Prepared, prepare};
+use scanrig_runtime::live::{Role, ScanPort};
+use scanrig_runtime::prepare::{ArmedAlarm, Prepared, TestBench, prepare};
 use scanrig_runtime::recorder::Recorder;
 use scanrig_runtime::schedule::Schedule;
 use scanrig_runtime::store::MemoryStore;
 use scanrig_runtime::subject::{Model, Subject};
-use scanrig_runtime::suite::{self, Done, Files, Job, LoadedPlan};
+use scanrig_runtime::suite::{self, FileSource, Job, JobResult, LoadedPlan};
 use scanrig_runtime::wiring::Wiring;
 use scanrig_runtime::{CaseResult, RunOptions};
 use signal::{Span, Trace};
@@ -30,7 +30,7 @@ use std::sync::atomic::AtomicBool;
 #[derive(Clone, Copy, Debug)]
 pub struct Texts<'a>(pub &'a [(&'a str, &'a str)]);
 
-impl Files for Texts<'_> {
+impl FileSource for Texts<'_> {
     fn read(&self, path: &str) -> Result<String, String> {
         let found = self.0.iter().find(|(name, _)| *name == path);
         found.map(|(_, text)| (*text).to_owned()).ok_or_else(|| format!("the test has no file {path}"))
@@ -48,7 +48,7 @@ impl Texts<'_> {
     }
 
     /// What became of the plan's only case.
-    pub fn done(&self, seed: u64, options: &RunOptions<'_>) -> Done {
+    pub fn done(&self, seed: u64, options: &RunOptions<'_>) -> JobResult {
         let (loaded, jobs) = self.load(seed);
         assert_eq!(jobs.len(), 1);
         let mut last = None;
@@ -59,7 +59,7 @@ impl Texts<'_> {
     /// The result of the plan's only case.
     pub fn run(&self, seed: u64, options: &RunOptions<'_>) -> Box<CaseResult> {
         match self.done(seed, options) {
-            Done::Case(result) => result,
+            JobResult::Case(result) => result,
             other => panic!("{other:#?}"),
         }
     }
@@ -94,7 +94,7 @@ impl Texts<'_> {
         let board = other(drivers::build(&files.board, seed).unwrap());
         let mut model = Model::new(config, Some(program), Box::new(MemoryStore::default()), None).unwrap();
         model.commission(&bundle, State::Running).unwrap();
-        let mut bench = Bench {
+        let mut bench = TestBench {
             subject: &mut model,
             board: &*board,
             file: &files.board,
@@ -128,7 +128,7 @@ pub struct Parted {
     pub wiring: Wiring,
     /// What is wrong with the plan on this board and does not keep it from running.
     pub warnings: Vec<Diagnostic>,
-    alarms: Vec<Armed>,
+    alarms: Vec<ArmedAlarm>,
     timeout: Span,
     teardown: Span,
     /// How late the rig may be.
@@ -138,7 +138,7 @@ pub struct Parted {
 
 impl Parted {
     /// Runs it on this clock; the parts are there to be looked into afterwards.
-    pub fn run(&mut self, clock: &mut dyn Clock, subject: &mut dyn Subject) -> Ran {
+    pub fn run(&mut self, clock: &mut dyn Clock, subject: &mut dyn Subject) -> ExecutorReport {
         self.serve(clock, subject, None)
     }
 
@@ -147,8 +147,8 @@ impl Parted {
         &mut self,
         clock: &mut dyn Clock,
         subject: &mut dyn Subject,
-        port: Option<&mut Port>,
-    ) -> Ran {
+        port: Option<&mut ScanPort>,
+    ) -> ExecutorReport {
         let interrupt = AtomicBool::new(false);
         let limits = Limits {
             initial: State::Running,
@@ -157,7 +157,7 @@ impl Parted {
             horizon: Span::from_micros(100),
             fail_fast: false,
             on_loss: self.on_loss,
-            retake: false,
+            reconnect: false,
             timeout: self.timeout,
             teardown: self.teardown,
         };
@@ -171,8 +171,8 @@ impl Parted {
             alarms: &mut self.alarms,
             interrupt: &interrupt,
             operator: None,
-            heart: None,
-            turns: None,
+            heartbeat: None,
+            loop_counter: None,
         };
         Executor::new(parts, limits).serving(port, Role::Rig).run()
     }

@@ -3,7 +3,7 @@
 use super::{BOARD, PLAN, PROGRAM};
 use crate::allocation::Noting;
 use crate::texts::Texts;
-use scanrig_runtime::live::{self, LiveRig, Port};
+use scanrig_runtime::live::{self, LiveRig, ScanPort};
 use services::control::{Order, Rig, Ticket};
 use signal::{Time, Value};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +13,7 @@ fn plan() -> String {
     PLAN.replace("expect", "ends = \"start + 900 s\"\nexpect")
 }
 
-fn rig(texts: &Texts<'_>) -> (LiveRig, Port) {
+fn rig(texts: &Texts<'_>) -> (LiveRig, ScanPort) {
     let (loaded, jobs) = texts.load(1);
     let case = loaded.plan.case(jobs[0].case).unwrap();
     let files = loaded.files(&case, &jobs[0]).unwrap();
@@ -34,7 +34,7 @@ fn allocations(act: impl FnOnce(LiveRig, &AtomicBool) -> LiveRig + Send) -> (u64
         let client = scope.spawn(|| act(rig, &over));
         let ran = parts.serve(&mut clock, &mut model, Some(&mut port));
         over.store(true, Ordering::Relaxed);
-        assert_eq!(ran.trouble, None);
+        assert_eq!(ran.fault, None);
         client.join().unwrap()
     });
     let [_, Some(from), Some(to)] = clock.allocations else { panic!("{:?}", clock.allocations) };
@@ -62,7 +62,9 @@ fn a_client_that_does_everything_costs_no_memory() {
             }
             let asked = heard + 4;
             while heard < asked && !over.load(Ordering::Relaxed) {
-                rig.poll(&mut |told| heard += u64::from(matches!(told, services::control::Told::Answer(..))));
+                rig.poll(&mut |told| {
+                    heard += u64::from(matches!(told, services::control::RigEvent::Answer(..)))
+                });
             }
             signals.iter().for_each(|signal| rig.unwatch(*signal));
         }

@@ -2,7 +2,7 @@
 
 use super::{Bench, with_rig};
 use control::{Action, SignalKind};
-use services::control::{Answer, Order, Rig, Told};
+use services::control::{Answer, Order, Rig, RigEvent};
 use signal::{Span, Value};
 
 const MS: fn(i64) -> Span = Span::from_millis;
@@ -150,6 +150,6 @@ fn two_names_of_one_place_are_watched_apart() {
         // The program writes it in each cycle, and the force behind the cycle.
         assert!(bench.changes(lamp).len() > 1);
         assert_eq!(bench.changes(image).len(), 1);
-        assert!(!bench.told.iter().any(|told| matches!(told, Told::Ended(_))));
+        assert!(!bench.told.iter().any(|told| matches!(told, RigEvent::Ended(_))));
     });
 }

@@ -7,11 +7,11 @@ mod real;
 
 use crate::texts::Texts;
 use control::{Fault, Signal, Status};
-use scanrig_runtime::live::{self, LiveRig, Shelf};
-use scanrig_runtime::play::{Course, Played};
-use scanrig_runtime::suite::Files;
+use scanrig_runtime::live::{self, LiveRig, PlanSource};
+use scanrig_runtime::soft_plc::{SoftPlcReport, SoftPlcSettings};
+use scanrig_runtime::suite::FileSource;
 use scanrig_runtime::{ClockKind, RunOptions};
-use services::control::{Answer, Order, Rig, Ticket, Told};
+use services::control::{Answer, Order, Rig, RigEvent, Ticket};
 use signal::{Span, Value};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
@@ -90,12 +90,12 @@ expect = [{ state = { stays = \"RUNNING\" } }]
 #[derive(Debug)]
 struct Library;
 
-impl Shelf for Library {
+impl PlanSource for Library {
     fn plans(&self, _path: Option<&str>) -> Result<Vec<String>, String> {
         Ok(vec!["press.toml".into(), "long.toml".into(), "none.toml".into()])
     }
 
-    fn files(&self, _plan: &str) -> &'static dyn Files {
+    fn files(&self, _plan: &str) -> &'static dyn FileSource {
         &Texts(PLANS)
     }
 }
@@ -103,7 +103,7 @@ impl Shelf for Library {
 /// What a rig told, and the rig.
 pub struct Bench<'a> {
     pub rig: &'a mut LiveRig,
-    pub told: Vec<Told>,
+    pub told: Vec<RigEvent>,
     tickets: u64,
 }
 
@@ -113,7 +113,7 @@ impl Bench<'_> {
     }
 
     /// Hears what the rig tells until something is found in it.
-    pub fn until<T>(&mut self, what: &str, mut find: impl FnMut(&Told) -> Option<T>) -> T {
+    pub fn until<T>(&mut self, what: &str, mut find: impl FnMut(&RigEvent) -> Option<T>) -> T {
         let began = Instant::now();
         let mut looked = 0;
         loop {
@@ -134,7 +134,7 @@ impl Bench<'_> {
         let ticket = Ticket(self.tickets);
         self.rig.order(ticket, order)?;
         self.until("an answer", |told| match told {
-            Told::Answer(of, answer) if *of == ticket => Some(answer.clone()),
+            RigEvent::Answer(of, answer) if *of == ticket => Some(answer.clone()),
             _ => None,
         })
     }
@@ -183,8 +183,10 @@ impl Bench<'_> {
 
     /// Every change of a signal so far: when, at the latest, and what.
     pub fn changes(&self, signal: u32) -> Vec<(i64, Value)> {
-        let change = |told: &Told| match told {
-            Told::Change { signal: of, at, value } if *of == signal => Some((at.latest.as_nanos(), *value)),
+        let change = |told: &RigEvent| match told {
+            RigEvent::Change { signal: of, at, value } if *of == signal => {
+                Some((at.latest.as_nanos(), *value))
+            }
             _ => None,
         };
         self.told.iter().filter_map(change).collect()
@@ -192,13 +194,13 @@ impl Bench<'_> {
 }
 
 /// Keeps a rig running while `act` works it, then stops it.
-pub fn with_rig(led: bool, act: impl FnOnce(&mut Bench<'_>)) -> Played {
+pub fn with_rig(led: bool, act: impl FnOnce(&mut Bench<'_>)) -> SoftPlcReport {
     let texts = Texts(&[("plan.toml", PLAN), ("lamp.st", PROGRAM), ("board.toml", BOARD)]);
     let (loaded, jobs) = texts.load(1);
     let case = loaded.plan.case(jobs[0].case).unwrap();
     let files = loaded.files(&case, &jobs[0]).unwrap();
     let board = (files.board.clone(), BOARD.to_owned());
-    let plans = live::Bench { shelf: Arc::new(Library), board, seed: 1 };
+    let plans = live::PlanBench { source: Arc::new(Library), board, seed: 1 };
     let (mut rig, port) = live::open(&case, &files, None, led, "0", Some(plans)).unwrap();
     let port = Mutex::new(port);
     let interrupt = AtomicBool::new(false);
@@ -206,9 +208,9 @@ pub fn with_rig(led: bool, act: impl FnOnce(&mut Bench<'_>)) -> Played {
     let options =
         RunOptions { slice: Span::from_millis(10), live: Some(&port), ..RunOptions::new(kind, &interrupt) };
     let (tell, _told) = mpsc::sync_channel(1_024);
-    let course = Course { lasts: None, booted: true };
+    let settings = SoftPlcSettings { duration: None, booted: true };
     std::thread::scope(|scope| {
-        let scan = scope.spawn(|| live::keep(&case, &files, &options, course, &tell));
+        let scan = scope.spawn(|| live::run_with_plans(&case, &files, &options, settings, &tell));
         let mut bench = Bench { rig: &mut rig, told: Vec::new(), tickets: 0 };
         let acted = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| act(&mut bench)));
         interrupt.store(true, Ordering::Relaxed);

@@ -2,12 +2,12 @@
 
 use super::{Bench, with_rig};
 use control::PlanEvent;
-use services::control::{Answer, Order, Rig, Told};
+use services::control::{Answer, Order, Rig, RigEvent};
 use signal::{Span, Value};
 
 fn over(bench: &mut Bench<'_>) -> String {
     bench.until("the end of the plan", |told| match told {
-        Told::Plan(PlanEvent::Over { verdict, .. }) => Some(verdict.clone()),
+        RigEvent::Plan(PlanEvent::Over { verdict, .. }) => Some(verdict.clone()),
         _ => None,
     })
 }
@@ -27,7 +27,7 @@ fn a_plan_is_told_as_it_goes_and_the_controller_begins_anew() {
             .told
             .iter()
             .filter_map(|told| match told {
-                Told::Plan(event) => Some(event.clone()),
+                RigEvent::Plan(event) => Some(event.clone()),
                 _ => None,
             })
             .collect();

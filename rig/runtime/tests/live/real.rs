@@ -1,7 +1,7 @@
 //! A rig on the host's clock: nobody asks for its time.
 
 use super::with_rig;
-use services::control::{Order, Told};
+use services::control::{Order, RigEvent};
 use signal::{Span, Value};
 
 #[test]
@@ -9,18 +9,18 @@ fn it_runs_by_itself_and_orders_come_between_two_turns() {
     let played = with_rig(false, |bench| {
         let count = bench.watch("MAIN.count");
         bench.until("a third change", |told| match told {
-            Told::Change { signal, value: Value::Int(n), .. } if *signal == count && *n > 2 => Some(()),
+            RigEvent::Change { signal, value: Value::Int(n), .. } if *signal == count && *n > 2 => Some(()),
             _ => None,
         });
         bench.status("a cycle", |status| status.tasks[0].cycles > 2 && status.state == "RUNNING");
         bench.write("start", Value::Bool(true)).unwrap();
         let signal = bench.watch("signal");
         bench.until("the lamp", |told| match told {
-            Told::Change { signal: of, value: Value::Bool(true), .. } if *of == signal => Some(()),
+            RigEvent::Change { signal: of, value: Value::Bool(true), .. } if *of == signal => Some(()),
             _ => None,
         });
         let fault = bench.order(Order::Advance(Span::from_millis(1))).unwrap_err();
         assert_eq!(fault.code, "R0607");
     });
-    assert_eq!(played.trouble, None);
+    assert_eq!(played.fault, None);
 }

@@ -1,6 +1,6 @@
 //! A line becomes a request.
 
-use control::{Ask, Fault, REQUEST_FIELDS, Request, TOPIC_FIELDS};
+use control::{Fault, Operation, REQUEST_FIELDS, Request, TOPIC_FIELDS};
 use document::suggest;
 use serde_json::{Map, Value};
 
@@ -8,7 +8,7 @@ use crate::codes;
 
 /// A line that is no request: the number that it has, if one can be read, and what is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused {
+pub struct BadRequest {
     /// The number.
     pub id: Option<u64>,
     /// What is wrong.
@@ -18,9 +18,9 @@ pub struct Refused {
 /// Reads a line of a client.
 ///
 /// # Errors
-/// [`Refused`] with the place where it stops to be JSON, or the word that is not known and the one that may be meant.
-pub fn decode(line: &[u8]) -> Result<Request, Refused> {
-    let nameless = |fault| Refused { id: None, fault };
+/// [`BadRequest`] with the place where it stops to be JSON, or the word that is not known and the one that may be meant.
+pub fn decode(line: &[u8]) -> Result<Request, BadRequest> {
+    let nameless = |fault| BadRequest { id: None, fault };
     let text = std::str::from_utf8(line).map_err(|error| {
         let message = format!("the line is not UTF-8 from byte {} on", error.valid_up_to() + 1);
         nameless(fault(codes::JSON, message, "write text in UTF-8"))
@@ -37,7 +37,7 @@ pub fn decode(line: &[u8]) -> Result<Request, Refused> {
     };
     let number = fields.remove("id");
     let id = number.as_ref().and_then(Value::as_u64);
-    let refuse = |fault| Refused { id, fault };
+    let refuse = |fault| BadRequest { id, fault };
     let Some(number) = id else {
         let message = match number {
             None => "the request has no `id`",
@@ -50,7 +50,7 @@ pub fn decode(line: &[u8]) -> Result<Request, Refused> {
         known(topic, "of", TOPIC_FIELDS).map_err(refuse)?;
     }
     let kind = fields.get("do").and_then(Value::as_str).unwrap_or_default().to_string();
-    let ask = serde_json::from_value::<Ask>(Value::Object(fields)).map_err(|error| {
+    let ask = serde_json::from_value::<Operation>(Value::Object(fields)).map_err(|error| {
         let message = format!("`{kind}` cannot be read: {}", short(&error.to_string()));
         refuse(fault(codes::REQUEST, message, &help(&kind)))
     })?;
@@ -122,7 +122,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn refused(line: &str) -> (Option<u64>, String, String) {
-        let Refused { id, fault } = decode(line.as_bytes()).expect_err(line);
+        let BadRequest { id, fault } = decode(line.as_bytes()).expect_err(line);
         (id, format!("{} {}", fault.code, fault.message), fault.help)
     }
 
@@ -185,28 +185,28 @@ mod tests {
     }
 
     /// One request of each kind.
-    fn asks() -> Vec<Ask> {
+    fn asks() -> Vec<Operation> {
         let name = || "a".to_string();
         let value = WireValue(signal::Value::Bool(true));
         vec![
-            Ask::Hello { protocol: 1, name: name() },
-            Ask::Describe,
-            Ask::Status,
-            Ask::Read { names: vec![name()] },
-            Ask::Write { name: name(), value },
-            Ask::Force { name: name(), value },
-            Ask::Release { name: name() },
-            Ask::ReleaseAll,
-            Ask::Command { action: Action::ResetWarm },
-            Ask::Subscribe { topic: Topic::Signals { names: vec![name()], every_ms: 5, all: true } },
-            Ask::Unsubscribe { subscription: 1 },
-            Ask::Plans { path: None },
-            Ask::Plan { name: name() },
-            Ask::Abort,
-            Ask::Lock { note: name() },
-            Ask::Unlock,
-            Ask::Leave { forces: Forces::Keep },
-            Ask::Advance { by: 1 },
+            Operation::Hello { protocol: 1, name: name() },
+            Operation::Describe,
+            Operation::Status,
+            Operation::Read { names: vec![name()] },
+            Operation::Write { name: name(), value },
+            Operation::Force { name: name(), value },
+            Operation::Release { name: name() },
+            Operation::ReleaseAll,
+            Operation::Command { action: Action::ResetWarm },
+            Operation::Subscribe { topic: Topic::Signals { names: vec![name()], every_ms: 5, all: true } },
+            Operation::Unsubscribe { subscription: 1 },
+            Operation::Plans { path: None },
+            Operation::Plan { name: name() },
+            Operation::Abort,
+            Operation::Lock { note: name() },
+            Operation::Unlock,
+            Operation::Leave { forces: Forces::Keep },
+            Operation::Advance { by: 1 },
         ]
     }
 

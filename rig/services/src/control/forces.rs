@@ -69,11 +69,11 @@ impl Hub {
 
     /// Adds to what is forced who forced it.
     pub(super) fn name_forces(&mut self) {
-        let mut forced = std::mem::take(&mut self.shot.status.forced);
+        let mut forced = std::mem::take(&mut self.status_cache.status.forced);
         for one in &mut forced {
             let by = self.forces.get(&one.address).map(|by| by.client);
             one.by = by.filter(|id| self.clients.contains_key(id)).map(|id| self.called(id));
         }
-        self.shot.status.forced = forced;
+        self.status_cache.status.forced = forced;
     }
 }

@@ -14,7 +14,7 @@ use super::forces::ForcedBy;
 use super::lines::Line;
 use super::lock::Lock;
 use super::orders::Orders;
-use super::rig::{Rig, Told};
+use super::rig::{Rig, RigEvent};
 use super::settings::Settings;
 use crate::codes;
 use control::LONGEST_LINE;
@@ -38,12 +38,12 @@ pub struct Hub {
     pub(super) forces: BTreeMap<String, ForcedBy>,
     /// The addresses of signals that were named to be forced or released.
     pub(super) addresses: BTreeMap<u32, String>,
-    pub(super) shot: Shot,
+    pub(super) status_cache: StatusCache,
     pub(super) log: VecDeque<LogLine>,
     write: Box<dyn FnMut(&str)>,
     /// What the case that runs has told.
     pub(super) plan: Vec<PlanEvent>,
-    told: Vec<Told>,
+    told: Vec<RigEvent>,
     /// Who has something to send or to do.
     pub(super) touched: BTreeSet<ClientId>,
     pub(super) over: bool,
@@ -51,7 +51,7 @@ pub struct Hub {
 
 /// The status as it was last looked at.
 #[derive(Default)]
-pub(super) struct Shot {
+pub(super) struct StatusCache {
     pub(super) status: Status,
     /// It is still so.
     pub(super) fresh: bool,
@@ -77,7 +77,7 @@ impl Hub {
             watched: BTreeMap::new(),
             forces: BTreeMap::new(),
             addresses: BTreeMap::new(),
-            shot: Shot::default(),
+            status_cache: StatusCache::default(),
             log: VecDeque::new(),
             write,
             plan: Vec::new(),
@@ -109,7 +109,7 @@ impl Hub {
         let mut client = Client::new(peer);
         client.out.put(&Greeting { client: id, ..self.rig.greeting() }, now);
         self.clients.insert(id, client);
-        self.shot.fresh = false;
+        self.status_cache.fresh = false;
         self.touch(id);
         self.say_of(id, "connects", now);
         Ok(id)
@@ -127,7 +127,7 @@ impl Hub {
             self.unwatch(id, *number, subscription.numbers());
         }
         self.orders.forget(id);
-        self.shot.fresh = false;
+        self.status_cache.fresh = false;
     }
 
     /// Bytes of a client.
@@ -197,7 +197,7 @@ impl Hub {
 
     /// Hears what the rig tells, gives it orders, and tells clients.
     pub fn turn(&mut self, now: Time) {
-        self.shot.fresh = false;
+        self.status_cache.fresh = false;
         let mut told = std::mem::take(&mut self.told);
         let queue = self.settings.limits.queue;
         let waits = |client: &Client| client.leads() && !client.cut && client.out.len() >= queue;
@@ -206,7 +206,7 @@ impl Hub {
             self.rig.poll(&mut |one| told.push(one));
         }
         for one in told.drain(..) {
-            self.hear(one, now);
+            self.receive_event(one, now);
         }
         self.told = told;
         self.give(now);
@@ -289,7 +289,7 @@ impl Hub {
     /// Writes a line into the log.
     pub(super) fn say(&mut self, text: &str, now: Time) {
         (self.write)(text);
-        let at = self.shot().status.at;
+        let at = self.current_status().status.at;
         self.log(at, text, now);
     }
 

@@ -25,8 +25,8 @@ mod tell;
 mod topic;
 
 pub use client::{ClientId, Peer};
-pub use decode::{Refused, decode};
+pub use decode::{BadRequest, decode};
 pub use hub::Hub;
-pub use rig::{Answer, MOST_ORDERS, Order, Rig, Ticket, Told};
+pub use rig::{Answer, MOST_ORDERS, Order, Rig, RigEvent, Ticket};
 pub use serve::{Serving, serve};
 pub use settings::{Limits, OnDisconnect, Settings};

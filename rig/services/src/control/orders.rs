@@ -14,19 +14,19 @@ use super::rig::{Answer, MOST_ORDERS, Order, Ticket};
 #[derive(Debug, Default)]
 pub(super) struct Orders {
     /// The orders that are given and not answered.
-    open: BTreeMap<Ticket, Given>,
+    open: BTreeMap<Ticket, OpenOrder>,
     last: u64,
     /// Orders of the rig's own, for clients that are gone.
     own: VecDeque<Order>,
     /// Who has orders to give.
-    hungry: BTreeSet<ClientId>,
+    waiting: BTreeSet<ClientId>,
     /// Who gave the last one.
     served: ClientId,
 }
 
 /// An order that is given.
 #[derive(Debug)]
-struct Given {
+struct OpenOrder {
     /// By whom; none for the rig's own.
     by: Option<ClientId>,
     /// The address that it forces, and who had forced it before.
@@ -45,12 +45,12 @@ enum Releases {
 impl Orders {
     /// Whether orders wait to be given or answered.
     pub(super) fn any(&self) -> bool {
-        !self.open.is_empty() || !self.own.is_empty() || !self.hungry.is_empty()
+        !self.open.is_empty() || !self.own.is_empty() || !self.waiting.is_empty()
     }
 
     /// A client has orders to give.
     pub(super) fn ask(&mut self, client: ClientId) {
-        self.hungry.insert(client);
+        self.waiting.insert(client);
     }
 
     /// The rig itself has one.
@@ -60,12 +60,12 @@ impl Orders {
 
     /// A client is gone.
     pub(super) fn forget(&mut self, client: ClientId) {
-        self.hungry.remove(&client);
+        self.waiting.remove(&client);
     }
 
     /// Who is next: everyone gives one order, then it begins anew.
     fn next(&self) -> Option<ClientId> {
-        self.hungry.range(self.served + 1..).next().or(self.hungry.first()).copied()
+        self.waiting.range(self.served + 1..).next().or(self.waiting.first()).copied()
     }
 }
 
@@ -110,8 +110,8 @@ impl Hub {
     }
 
     /// Notes who forces what.
-    fn note(&mut self, by: Option<ClientId>, order: &Order) -> Given {
-        let mut given = Given { by, forces: None, releases: Releases::None };
+    fn note(&mut self, by: Option<ClientId>, order: &Order) -> OpenOrder {
+        let mut given = OpenOrder { by, forces: None, releases: Releases::None };
         match (order, by) {
             (Order::Force(signal, _), Some(client)) => {
                 let by = ForcedBy { client, signal: *signal };
@@ -131,8 +131,8 @@ impl Hub {
     /// An order is answered.
     pub(super) fn answered(&mut self, ticket: Ticket, answer: Result<Answer, Fault>, now: Time) {
         let Some(given) = self.orders.open.remove(&ticket) else { return };
-        self.shot.fresh = false;
-        let Given { by, forces, releases } = given;
+        self.status_cache.fresh = false;
+        let OpenOrder { by, forces, releases } = given;
         match (&answer, forces, releases) {
             (Err(_), Some((address, before)), _) => {
                 match before {

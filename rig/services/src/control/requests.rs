@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use control::{
-    Advanced, Ask, Change, Done, Fault, Forces, Greeting, Locked, PROTOCOL, Plans, Request, Signal,
+    Advanced, Change, Done, Fault, Forces, Greeting, Locked, Operation, PROTOCOL, Plans, Request, Signal,
     Subscribed, Topic, Values, WireValue,
 };
 use signal::{Span, Time, Value, When};
@@ -58,24 +58,24 @@ impl Hub {
         }
     }
 
-    fn ask(&mut self, id: ClientId, number: u64, ask: Ask, now: Time) -> Result<Outcome, Fault> {
+    fn ask(&mut self, id: ClientId, number: u64, ask: Operation, now: Time) -> Result<Outcome, Fault> {
         if changes(&ask) {
             self.lock.check()?;
         }
         match ask {
-            Ask::Hello { protocol, name } => return self.hello(id, number, protocol, &name, now),
-            Ask::Describe => {
+            Operation::Hello { protocol, name } => return self.hello(id, number, protocol, &name, now),
+            Operation::Describe => {
                 let Some(client) = self.clients.get_mut(&id) else { return Ok(Outcome::Answered) };
                 client.out.answer(&super::hub::Answered { id: number, ok: &self.description }, now);
                 self.touch(id);
             }
-            Ask::Status => {
-                let line = self.shot_line();
+            Operation::Status => {
+                let line = self.status_line();
                 let Some(client) = self.clients.get_mut(&id) else { return Ok(Outcome::Answered) };
                 client.out.answer_written(&[&format!("{{\"id\":{number},\"ok\":"), &line, "}"], now);
                 self.touch(id);
             }
-            Ask::Read { names } => {
+            Operation::Read { names } => {
                 self.few(names.len())?;
                 let mut orders = VecDeque::new();
                 for name in &names {
@@ -83,30 +83,30 @@ impl Hub {
                 }
                 return Ok(Outcome::Orders(orders, Then::Values));
             }
-            Ask::Write { name, value } => {
+            Operation::Write { name, value } => {
                 let signal = self.rig.find(&name)?.number;
                 return Ok(Outcome::order(Order::Write(signal, value.0)));
             }
-            Ask::Force { name, value } => {
+            Operation::Force { name, value } => {
                 let signal = self.find_forced(&name)?;
                 self.say_of(id, &format!("forces {} = {}", signal.name, shown(value)), now);
                 return Ok(Outcome::order(Order::Force(signal.number, value.0)));
             }
-            Ask::Release { name } => {
+            Operation::Release { name } => {
                 let signal = self.find_forced(&name)?;
                 self.say_of(id, &format!("releases {}", signal.name), now);
                 return Ok(Outcome::order(Order::Release(signal.number)));
             }
-            Ask::ReleaseAll => {
+            Operation::ReleaseAll => {
                 self.say_of(id, "releases everything", now);
                 return Ok(Outcome::order(Order::ReleaseAll));
             }
-            Ask::Command { action } => {
+            Operation::Command { action } => {
                 self.say_of(id, &format!("commands {}", action.name()), now);
                 return Ok(Outcome::order(Order::Command(action)));
             }
-            Ask::Subscribe { topic } => return self.subscribe(id, &topic, now),
-            Ask::Unsubscribe { subscription } => {
+            Operation::Subscribe { topic } => return self.subscribe(id, &topic, now),
+            Operation::Unsubscribe { subscription } => {
                 let client = self.clients.get_mut(&id);
                 let Some(ended) = client.and_then(|client| client.subscriptions.remove(&subscription)) else {
                     let message = format!("this connection has no subscription {subscription}");
@@ -116,32 +116,32 @@ impl Hub {
                 self.unwatch(id, subscription, ended.numbers());
                 return Ok(Outcome::Done);
             }
-            Ask::Plans { path } => {
+            Operation::Plans { path } => {
                 let plans = self.rig.plans(path.as_deref())?;
                 self.answer(id, number, Ok(&Plans { plans }), now);
             }
-            Ask::Plan { name } => {
+            Operation::Plan { name } => {
                 self.say_of(id, &format!("runs the plan {}", short(&name)), now);
                 return Ok(Outcome::order(Order::Plan(name)));
             }
-            Ask::Abort => {
+            Operation::Abort => {
                 self.say_of(id, "ends the plan", now);
                 return Ok(Outcome::order(Order::Abort));
             }
-            Ask::Lock { note } => {
+            Operation::Lock { note } => {
                 let by = self.called(id);
                 self.lock.set(Some(Locked { by, note: short(&note) }))?;
-                self.shot.fresh = false;
+                self.status_cache.fresh = false;
                 self.say_of(id, &format!("locks the rig: {}", short(&note)), now);
                 return Ok(Outcome::Done);
             }
-            Ask::Unlock => {
+            Operation::Unlock => {
                 self.lock.set(None)?;
-                self.shot.fresh = false;
+                self.status_cache.fresh = false;
                 self.say_of(id, "unlocks the rig", now);
                 return Ok(Outcome::Done);
             }
-            Ask::Leave { forces } => {
+            Operation::Leave { forces } => {
                 let mut orders = VecDeque::new();
                 if forces == Forces::Release {
                     orders.extend(self.forced_by(id).map(Order::Release));
@@ -151,7 +151,7 @@ impl Hub {
                 }
                 return Ok(Outcome::Orders(orders, Then::Leave));
             }
-            Ask::Advance { by } => {
+            Operation::Advance { by } => {
                 let order = Order::Advance(Span::from_nanos(by));
                 return Ok(Outcome::Orders([order].into(), Then::Advanced));
             }
@@ -177,7 +177,7 @@ impl Hub {
         if let Some(client) = self.clients.get_mut(&id) {
             client.name = (!name.trim().is_empty()).then(|| short(name.trim()));
         }
-        self.shot.fresh = false;
+        self.status_cache.fresh = false;
         self.say_of(id, "says hello", now);
         let greeting = Greeting { client: id, ..self.rig.greeting() };
         self.answer(id, number, Ok(&greeting), now);
@@ -232,7 +232,7 @@ impl Hub {
     pub(super) fn complete(&mut self, id: ClientId, now: Time) {
         let Some(client) = self.clients.get_mut(&id) else { return };
         let Some(Work { id: number, then, values, fault, .. }) = client.work.take() else { return };
-        self.shot.fresh = false;
+        self.status_cache.fresh = false;
         if self.is_led() {
             // Whatever comes of the request is told before its answer: so a client that leads time knows it all.
             self.flush_all(Some(id), now);
@@ -250,7 +250,7 @@ impl Hub {
                 self.answer(id, number, Ok(&Values { values }), now);
             }
             Then::Advanced => {
-                let at = self.shot().status.at;
+                let at = self.current_status().status.at;
                 self.answer(id, number, Ok(&Advanced { at }), now);
             }
             Then::Subscribed { subscription, signals, read } => {
@@ -276,13 +276,13 @@ impl Hub {
         read: &[(u32, Value)],
         now: Time,
     ) -> Subscribed {
-        let shot = Time::from_nanos(self.shot().status.at);
+        let latest = Time::from_nanos(self.current_status().status.at);
         let mut begun = Subscribed { subscription, signals, ..Subscribed::default() };
         let limits = self.settings.limits;
         let led = self.is_led();
         let subscriptions = self.clients.get_mut(&id).map(|client| &mut client.subscriptions);
         let Some(of) = subscriptions.and_then(|all| all.get_mut(&subscription)) else { return begun };
-        of.due = if led { shot + of.every } else { now };
+        of.due = if led { latest + of.every } else { now };
         match &mut of.of {
             Of::Signals { numbers, waiting } => {
                 // What came meanwhile is in these values.
@@ -290,7 +290,7 @@ impl Hub {
                 for &mut signal in numbers {
                     let read = read.iter().find(|(one, _)| *one == signal);
                     let known =
-                        self.rig.last(signal).or(read.map(|(_, value)| (When::exactly(shot), *value)));
+                        self.rig.last(signal).or(read.map(|(_, value)| (When::exactly(latest), *value)));
                     if let Some((at, value)) = known {
                         let (earliest, latest) = (at.earliest.as_nanos(), at.latest.as_nanos());
                         begun.values.push(Change(signal, earliest, latest, WireValue(value)));
@@ -342,26 +342,26 @@ impl Hub {
 }
 
 /// Whether a request changes something that a lock freezes. To end a plan is always allowed: it leads to the safe side.
-fn changes(ask: &Ask) -> bool {
+fn changes(ask: &Operation) -> bool {
     match ask {
-        Ask::Write { .. }
-        | Ask::Force { .. }
-        | Ask::Release { .. }
-        | Ask::ReleaseAll
-        | Ask::Command { .. }
-        | Ask::Plan { .. }
-        | Ask::Lock { .. } => true,
-        Ask::Hello { .. }
-        | Ask::Describe
-        | Ask::Status
-        | Ask::Read { .. }
-        | Ask::Subscribe { .. }
-        | Ask::Unsubscribe { .. }
-        | Ask::Plans { .. }
-        | Ask::Abort
-        | Ask::Unlock
-        | Ask::Leave { .. }
-        | Ask::Advance { .. } => false,
+        Operation::Write { .. }
+        | Operation::Force { .. }
+        | Operation::Release { .. }
+        | Operation::ReleaseAll
+        | Operation::Command { .. }
+        | Operation::Plan { .. }
+        | Operation::Lock { .. } => true,
+        Operation::Hello { .. }
+        | Operation::Describe
+        | Operation::Status
+        | Operation::Read { .. }
+        | Operation::Subscribe { .. }
+        | Operation::Unsubscribe { .. }
+        | Operation::Plans { .. }
+        | Operation::Abort
+        | Operation::Unlock
+        | Operation::Leave { .. }
+        | Operation::Advance { .. } => false,
     }
 }
 

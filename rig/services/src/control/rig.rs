@@ -44,7 +44,7 @@ pub enum Answer {
 
 /// What the rig tells.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Told {
+pub enum RigEvent {
     /// A signal that is watched changed.
     Change {
         /// Its number.
@@ -103,7 +103,7 @@ pub trait Rig: Send {
     /// Plans that cannot be read.
     fn plans(&self, path: Option<&str>) -> Result<Vec<String>, Fault>;
 
-    /// Gives an order; its answer comes with [`Told::Answer`].
+    /// Gives an order; its answer comes with [`RigEvent::Answer`].
     ///
     /// # Errors
     /// What cannot be done, if that is known already. There is room for [`MOST_ORDERS`]: the socket never has more of
@@ -111,5 +111,5 @@ pub trait Rig: Send {
     fn order(&mut self, ticket: Ticket, order: Order) -> Result<(), Fault>;
 
     /// Hands on what the rig told since the last call, in its order.
-    fn poll(&mut self, told: &mut dyn FnMut(Told));
+    fn poll(&mut self, told: &mut dyn FnMut(RigEvent));
 }

@@ -8,8 +8,8 @@ use serde::Serialize;
 use signal::{Span, Time};
 
 use super::client::ClientId;
-use super::hub::{Hub, Shot};
-use super::rig::Told;
+use super::hub::{Hub, StatusCache};
+use super::rig::RigEvent;
 use super::topic::{Of, Subscription};
 
 /// Changes in one message.
@@ -25,9 +25,9 @@ const SIGN_OF_LIFE: Span = Span::from_secs(1);
 
 impl Hub {
     /// Takes what the rig tells.
-    pub(super) fn hear(&mut self, told: Told, now: Time) {
+    pub(super) fn receive_event(&mut self, told: RigEvent, now: Time) {
         match told {
-            Told::Change { signal, at, value } => {
+            RigEvent::Change { signal, at, value } => {
                 let Some(watchers) = self.watched.get(&signal) else { return };
                 let led = self.is_led();
                 for (id, number) in watchers {
@@ -39,7 +39,7 @@ impl Hub {
                     // than that something is missed, a message comes early.
                     let due = led && at.latest >= one.due;
                     if room && one.due != Time::MAX && (due || waiting.is_full()) {
-                        while tell_changes(*number, one, &mut client.out, now) && due {}
+                        while publish_changes(*number, one, &mut client.out, now) && due {}
                         if due {
                             one.due = at.latest + one.every;
                         }
@@ -50,13 +50,13 @@ impl Hub {
                     }
                 }
             }
-            Told::Answer(ticket, answer) => self.answered(ticket, answer, now),
-            Told::Log(at, text) => self.log(at.as_nanos(), &text, now),
-            Told::Frame(frame) => {
-                self.tell(|of| matches!(of, Of::Frames), "frame", "frame", &frame, 1, now);
+            RigEvent::Answer(ticket, answer) => self.answered(ticket, answer, now),
+            RigEvent::Log(at, text) => self.log(at.as_nanos(), &text, now),
+            RigEvent::Frame(frame) => {
+                self.publish(|of| matches!(of, Of::Frames), "frame", "frame", &frame, 1, now);
             }
-            Told::Plan(event) => {
-                self.tell(|of| matches!(of, Of::Plan), "plan", "told", &event, PLAN_QUEUES, now);
+            RigEvent::Plan(event) => {
+                self.publish(|of| matches!(of, Of::Plan), "plan", "told", &event, PLAN_QUEUES, now);
                 if matches!(event, PlanEvent::Case { .. }) {
                     self.plan.clear();
                 }
@@ -64,7 +64,7 @@ impl Hub {
                     self.plan.push(event);
                 }
             }
-            Told::Ended(why) => self.end(&why, now),
+            RigEvent::Ended(why) => self.end(&why, now),
         }
     }
 
@@ -86,7 +86,7 @@ impl Hub {
                     one.missed += 1;
                     continue;
                 }
-                tell_missed(subscription, one, &mut client.out, now);
+                publish_missed(subscription, one, &mut client.out, now);
                 client.out.put(&Event::Log { subscription, at, text: text.into() }, now);
                 self.touched.insert(id);
             }
@@ -94,7 +94,7 @@ impl Hub {
     }
 
     /// Tells a line to everyone who is subscribed to its topic; it is written once for all of them.
-    fn tell(
+    fn publish(
         &mut self,
         is: impl Fn(&Of) -> bool,
         event: &str,
@@ -115,7 +115,7 @@ impl Hub {
                     one.missed += 1;
                     continue;
                 }
-                tell_missed(*number, one, &mut client.out, now);
+                publish_missed(*number, one, &mut client.out, now);
                 let line = line.get_or_insert_with(|| serde_json::to_string(what).unwrap_or_default());
                 let mut head = String::new();
                 let _ = write!(head, "{{\"event\":\"{event}\",\"subscription\":{number},\"{field}\":");
@@ -142,7 +142,7 @@ impl Hub {
     fn flush_those(&mut self, now: Time, due: impl Fn(&Subscription) -> bool, all_to: Option<ClientId>) {
         let led = self.is_led();
         let queue = self.settings.limits.queue;
-        let at = if led { Time::from_nanos(self.shot().status.at) } else { now };
+        let at = if led { Time::from_nanos(self.current_status().status.at) } else { now };
         let ids: Vec<ClientId> = self.clients.keys().copied().collect();
         for id in ids {
             let Some(client) = self.clients.get(&id) else { continue };
@@ -151,7 +151,7 @@ impl Hub {
             }
             let wants_status =
                 client.subscriptions.values().any(|one| matches!(one.of, Of::Status { .. }) && due(one));
-            let line = wants_status.then(|| (self.shot_line(), self.shot.edition));
+            let line = wants_status.then(|| (self.status_line(), self.status_cache.edition));
             let Some(client) = self.clients.get_mut(&id) else { continue };
             let before = client.out.len();
             for (number, one) in &mut client.subscriptions {
@@ -163,7 +163,7 @@ impl Hub {
                     }
                     continue;
                 }
-                tell_missed(*number, one, &mut client.out, now);
+                publish_missed(*number, one, &mut client.out, now);
                 let next = at + one.every;
                 match &mut one.of {
                     Of::Signals { waiting, .. } => {
@@ -172,7 +172,7 @@ impl Hub {
                         }
                         one.due = next;
                         while client.out.len() < queue || all_to == Some(id) {
-                            if !tell_changes(*number, one, &mut client.out, now) {
+                            if !publish_changes(*number, one, &mut client.out, now) {
                                 break;
                             }
                         }
@@ -202,32 +202,32 @@ impl Hub {
     }
 
     /// The status as of this turn.
-    pub(super) fn shot(&mut self) -> &Shot {
-        if !self.shot.fresh {
-            let before = std::mem::replace(&mut self.shot.status, self.rig.status());
-            self.shot.status.clients = u32::try_from(self.clients.len()).unwrap_or(u32::MAX);
-            self.shot.status.locked = self.lock.now().cloned();
+    pub(super) fn current_status(&mut self) -> &StatusCache {
+        if !self.status_cache.fresh {
+            let before = std::mem::replace(&mut self.status_cache.status, self.rig.status());
+            self.status_cache.status.clients = u32::try_from(self.clients.len()).unwrap_or(u32::MAX);
+            self.status_cache.status.locked = self.lock.now().cloned();
             self.name_forces();
-            let status = &self.shot.status;
+            let status = &self.status_cache.status;
             if *status != (Status { at: status.at, ..before }) {
-                self.shot.edition += 1;
+                self.status_cache.edition += 1;
             }
-            self.shot.line = None;
-            self.shot.fresh = true;
+            self.status_cache.line = None;
+            self.status_cache.fresh = true;
         }
-        &self.shot
+        &self.status_cache
     }
 
     /// The status as it stands in a line.
-    pub(super) fn shot_line(&mut self) -> Rc<str> {
-        self.shot();
-        let Shot { line, status, .. } = &mut self.shot;
+    pub(super) fn status_line(&mut self) -> Rc<str> {
+        self.current_status();
+        let StatusCache { line, status, .. } = &mut self.status_cache;
         line.get_or_insert_with(|| serde_json::to_string(status).unwrap_or_default().into()).clone()
     }
 }
 
 /// Tells the next changes of a subscription; tells whether there were any.
-fn tell_changes(
+fn publish_changes(
     subscription: u64,
     one: &mut Subscription,
     out: &mut super::outbox::Outbox,
@@ -243,7 +243,7 @@ fn tell_changes(
 }
 
 /// Tells how many lines of a subscription were left out, if any were.
-fn tell_missed(subscription: u64, one: &mut Subscription, out: &mut super::outbox::Outbox, now: Time) {
+fn publish_missed(subscription: u64, one: &mut Subscription, out: &mut super::outbox::Outbox, now: Time) {
     let lines = std::mem::take(&mut one.missed);
     if lines > 0 {
         out.put(&Event::Missed { subscription, lines }, now);

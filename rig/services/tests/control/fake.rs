@@ -8,7 +8,7 @@ use control::{
     Clock, Description, Direction, Fault, Forced, FrameSeen, Greeting, PROTOCOL, PlanEvent, Point, Signal,
     SignalKind, Status, WireValue,
 };
-use scanrig_services::control::{Answer, MOST_ORDERS, Order, Rig, Ticket, Told};
+use scanrig_services::control::{Answer, MOST_ORDERS, Order, Rig, RigEvent, Ticket};
 use signal::{Time, Value, When};
 
 /// How many signals there are.
@@ -30,7 +30,7 @@ pub struct State {
     pub orders: VecDeque<(Ticket, Order)>,
     /// What was carried out.
     pub done: Vec<Order>,
-    pub told: Vec<Told>,
+    pub told: Vec<RigEvent>,
     pub state: String,
 }
 
@@ -53,15 +53,15 @@ impl Fake {
     pub fn log(&self, text: &str) {
         let mut state = self.state();
         let now = Time::from_nanos(state.now);
-        state.told.push(Told::Log(now, text.into()));
+        state.told.push(RigEvent::Log(now, text.into()));
     }
 
     pub fn frame(&self, frame: FrameSeen) {
-        self.state().told.push(Told::Frame(frame));
+        self.state().told.push(RigEvent::Frame(frame));
     }
 
     pub fn plan(&self, event: PlanEvent) {
-        self.state().told.push(Told::Plan(event));
+        self.state().told.push(RigEvent::Plan(event));
     }
 }
 
@@ -70,7 +70,7 @@ impl State {
         self.values.insert(signal, value);
         if self.watched.contains_key(&signal) {
             let at = When::exactly(Time::from_nanos(self.now));
-            self.told.push(Told::Change { signal, at, value });
+            self.told.push(RigEvent::Change { signal, at, value });
         }
     }
 
@@ -196,14 +196,14 @@ impl Rig for Fake {
         Ok(())
     }
 
-    fn poll(&mut self, told: &mut dyn FnMut(Told)) {
+    fn poll(&mut self, told: &mut dyn FnMut(RigEvent)) {
         let mut state = self.state();
         while !state.hangs
             && let Some((ticket, order)) = state.orders.pop_front()
         {
             let answer = state.carry_out(&order);
             state.done.push(order);
-            state.told.push(Told::Answer(ticket, answer));
+            state.told.push(RigEvent::Answer(ticket, answer));
         }
         for one in std::mem::take(&mut state.told) {
             told(one);

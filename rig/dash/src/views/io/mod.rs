@@ -9,7 +9,7 @@ use crate::glyphs::TerminalFeatures;
 use crate::input_value::{self, ExpectedInput};
 use crate::model::Model;
 use crate::show;
-use control::{Ask, Value, WireValue};
+use control::{Operation, Value, WireValue};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::{Position, Rect};
@@ -110,7 +110,7 @@ impl IoView {
     fn release(&self, model: &Model) -> Vec<ViewRequest> {
         let address = self.chosen_row(model).and_then(|row| row.forcible(model));
         match address.filter(|address| model.forced(address).is_some()) {
-            Some(name) => vec![ViewRequest::Ask(Ask::Release { name })],
+            Some(name) => vec![ViewRequest::Operation(Operation::Release { name })],
             None => vec![ViewRequest::Message("this is not forced".to_owned())],
         }
     }
@@ -118,7 +118,9 @@ impl IoView {
     fn release_all(model: &Model) -> Vec<ViewRequest> {
         match model.status.forced.len() {
             0 => vec![ViewRequest::Message("nothing is forced".to_owned())],
-            count => vec![ViewRequest::Confirm(format!("Release all forces ({count})?"), Ask::ReleaseAll)],
+            count => {
+                vec![ViewRequest::Confirm(format!("Release all forces ({count})?"), Operation::ReleaseAll)]
+            }
         }
     }
 
@@ -288,16 +290,15 @@ impl View for IoView {
                 }
                 return Vec::new();
             }
-            Some(IoPrompt::Force(name)) => {
-                input_value::value(text, &ExpectedInput::level()).map(|value| Ask::Force { name, value })
-            }
+            Some(IoPrompt::Force(name)) => input_value::value(text, &ExpectedInput::level())
+                .map(|value| Operation::Force { name, value }),
             Some(IoPrompt::Write(name, expected)) => {
-                input_value::value(text, &expected).map(|value| Ask::Write { name, value })
+                input_value::value(text, &expected).map(|value| Operation::Write { name, value })
             }
             None => return Vec::new(),
         };
         vec![match asked {
-            Ok(ask) => ViewRequest::Ask(ask),
+            Ok(ask) => ViewRequest::Operation(ask),
             Err(told) => ViewRequest::Message(told),
         }]
     }

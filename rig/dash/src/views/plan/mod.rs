@@ -8,7 +8,7 @@ use crate::canvas::{self, Canvas};
 use crate::glyphs::TerminalFeatures;
 use crate::model::Model;
 use crate::show;
-use control::Ask;
+use control::Operation;
 use progress::{CaseProgress, PlanProgress, StepProgress};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
@@ -57,7 +57,11 @@ impl View for PlanView {
 
     fn opened(&mut self, model: &Model) -> Vec<ViewRequest> {
         self.list = model.status.plan.is_none() && model.plan.is_empty();
-        if model.plans.is_none() { vec![ViewRequest::Ask(Ask::Plans { path: None })] } else { Vec::new() }
+        if model.plans.is_none() {
+            vec![ViewRequest::Operation(Operation::Plans { path: None })]
+        } else {
+            Vec::new()
+        }
     }
 
     fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
@@ -78,7 +82,7 @@ impl View for PlanView {
             KeyCode::Char('l') => self.list = !self.list,
             KeyCode::Char('x') if model.status.plan.is_some() => {
                 let question = "Abort the plan? The controller begins anew.".to_owned();
-                return Some(vec![ViewRequest::Confirm(question, Ask::Abort)]);
+                return Some(vec![ViewRequest::Confirm(question, Operation::Abort)]);
             }
             KeyCode::Char('o') => {
                 self.typing = PlanPrompt::Folder;
@@ -127,7 +131,7 @@ impl View for PlanView {
             PlanPrompt::Folder => {
                 self.list = true;
                 let path = (!text.is_empty()).then(|| text.to_owned());
-                return vec![ViewRequest::Ask(Ask::Plans { path })];
+                return vec![ViewRequest::Operation(Operation::Plans { path })];
             }
         }
         Vec::new()
@@ -155,7 +159,7 @@ impl PlanView {
             "Run `{name}` on the board? The controller stops with safe outputs, the plan moves the outputs, and the \
              controller begins anew."
         );
-        vec![ViewRequest::Confirm(question, Ask::Plan { name })]
+        vec![ViewRequest::Confirm(question, Operation::Plan { name })]
     }
 
     /// Up or down the list, or the cases.

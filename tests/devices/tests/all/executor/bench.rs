@@ -139,7 +139,7 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
         let (clock, progress) = (HostClock::of(&self.at), self.progress.clone());
         let mut clock = Watched { clock, progress, starts: Vec::with_capacity(1 << 19) };
         let ran = self.parts.run(&mut clock, &mut self.model);
-        assert!(ran.start.is_some(), "{:?}", ran.trouble);
+        assert!(ran.start.is_some(), "{:?}", ran.fault);
         self.settle();
         let scans = self.model.figures().iter().map(|(_, _, figures)| figures.cycles).sum();
         let asked = self.model.observable("MAIN.asked").map(|found| self.model.read(&found.probe));

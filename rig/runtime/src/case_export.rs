@@ -12,7 +12,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// What cannot be written.
-pub fn over(case: &Case, files: &CaseFiles) -> io::Result<Hook> {
+pub fn export_case(case: &Case, files: &CaseFiles) -> io::Result<Hook> {
     let folder = tempfile::Builder::new().prefix("rig-case-").tempdir()?;
     let mut program = Vec::new();
     for (place, source) in files.sources.iter().enumerate() {

@@ -11,9 +11,9 @@ const NAMED: u32 = 1 << 31;
 
 /// Paths with the type that the case takes them for.
 #[derive(Clone, Debug, Default)]
-pub struct Names(Arc<Mutex<Vec<(String, Elementary)>>>);
+pub struct VariableNumbers(Arc<Mutex<Vec<(String, Elementary)>>>);
 
-impl Names {
+impl VariableNumbers {
     /// The number of a path: a new one where it is not known.
     pub fn number(&self, path: &str, ty: Elementary) -> u32 {
         let mut names = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -27,21 +27,21 @@ impl Names {
 
     /// Where a program has the variables of the table: `None` for one that it does not have, or has with another
     /// type or in the controller's memory.
-    pub fn resolve(&self, program: &Program) -> Resolved {
+    pub fn resolve(&self, program: &Program) -> ResolvedVariables {
         let names = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let find = |(path, ty): &(String, Elementary)| {
             let same = program.find(path)?.ty == *ty;
             program.resolve(path).filter(|_| same)
         };
-        Resolved(names.iter().map(find).collect())
+        ResolvedVariables(names.iter().map(find).collect())
     }
 }
 
 /// The table for one program.
 #[derive(Clone, Debug, Default)]
-pub struct Resolved(Vec<Option<VarRef>>);
+pub struct ResolvedVariables(Vec<Option<VarRef>>);
 
-impl Resolved {
+impl ResolvedVariables {
     /// The variable behind a number of the table or of the application itself.
     pub fn of(&self, number: u32) -> Option<VarRef> {
         if number & NAMED == 0 {
@@ -69,7 +69,7 @@ mod tests {
         let first = program("PROGRAM MAIN VAR a : INT; b : DINT; c : INT; END_VAR END_PROGRAM");
         let other =
             program("PROGRAM MAIN VAR z : LINT; a : INT; b : REAL; c AT %MW0 : INT; END_VAR END_PROGRAM");
-        let names = Names::default();
+        let names = VariableNumbers::default();
         let numbers = ["MAIN.a", "MAIN.b", "MAIN.c"].map(|path| {
             let variable = first.find(path).unwrap();
             names.number(path, variable.ty)

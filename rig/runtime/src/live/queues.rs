@@ -8,11 +8,11 @@ use drivers::{BoardError, BusId, ChannelId, Frame};
 use rtrb::{Consumer, Producer, RingBuffer};
 use signal::{Span, Time, Value, When};
 
-/// Wishes that wait for the scan: all orders under way, and as many changes of what is watched.
-const WISHES: usize = 1_024;
+/// Requests that wait for the scan: all orders under way, and as many changes of what is watched.
+const REQUESTS: usize = 1_024;
 
 /// What happened and nobody took yet: a busy second.
-const NEWS: usize = 16_384;
+const EVENTS: usize = 16_384;
 
 /// Snapshots under way: one that is filled, one that waits, one that is looked at.
 const SNAPSHOTS: usize = 3;
@@ -28,18 +28,18 @@ pub enum Source {
 
 /// What is asked of the scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wish {
+pub enum ScanRequest {
     /// Changes of this are told from now on, under this number; its present value at once.
     Watch(u32, Source),
     /// No more.
     Unwatch(u32),
     /// An order; its outcome comes under this number.
-    Order(u64, Want),
+    Command(u64, ScanCommand),
 }
 
 /// An order, with every name resolved.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Want {
+pub enum ScanCommand {
     /// A value.
     Read(Source),
     /// Something is written.
@@ -61,11 +61,11 @@ pub enum Want {
 }
 
 /// What an order came to.
-pub type Outcome = Result<Option<Value>, Refused>;
+pub type Outcome = Result<Option<Value>, ScanCommandError>;
 
 /// Why an order was not carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refused {
+pub enum ScanCommandError {
     /// The controller does not obey.
     Command(CommandError),
     /// It cannot be written.
@@ -73,9 +73,9 @@ pub enum Refused {
     /// The board does not do it.
     Board(BoardError),
     /// Nobody leads the time of this rig.
-    NotLed,
+    NotStepped,
     /// There is no controller that the rig plays.
-    NotPlayed,
+    NoModel,
     /// A plan has the board.
     PlanRuns,
     /// None does.
@@ -84,7 +84,7 @@ pub enum Refused {
 
 /// What happened.
 #[derive(Clone, Debug, PartialEq)]
-pub enum News {
+pub enum ScanEvent {
     /// Something that is watched changed.
     Change(u32, When, Value),
     /// A line of the log.
@@ -99,13 +99,13 @@ pub enum News {
 
 /// The ends of the scan.
 #[derive(Debug)]
-pub struct Inside {
+pub struct ScanEnd {
     /// What is asked.
-    pub wishes: Consumer<Wish>,
+    pub requests: Consumer<ScanRequest>,
     /// What came of it.
     pub outcomes: Producer<(u64, Outcome)>,
     /// What happened.
-    pub news: Producer<News>,
+    pub events: Producer<ScanEvent>,
     /// Snapshots to be filled.
     pub empty: Consumer<Box<Snapshot>>,
     /// Those that are.
@@ -114,24 +114,24 @@ pub struct Inside {
 
 /// The other ends.
 #[derive(Debug)]
-pub struct Outside {
-    /// See [`Inside`].
-    pub wishes: Producer<Wish>,
-    /// See [`Inside`].
+pub struct HandleEnd {
+    /// See [`ScanEnd`].
+    pub requests: Producer<ScanRequest>,
+    /// See [`ScanEnd`].
     pub outcomes: Consumer<(u64, Outcome)>,
-    /// See [`Inside`].
-    pub news: Consumer<News>,
-    /// See [`Inside`].
+    /// See [`ScanEnd`].
+    pub events: Consumer<ScanEvent>,
+    /// See [`ScanEnd`].
     pub empty: Producer<Box<Snapshot>>,
-    /// See [`Inside`].
+    /// See [`ScanEnd`].
     pub full: Consumer<Box<Snapshot>>,
 }
 
 /// Both ends, with all memory that they will ever take. Snapshots are like this one.
-pub fn wires(snapshot: &Snapshot) -> (Inside, Outside) {
-    let (wishes, wished) = RingBuffer::new(WISHES);
-    let (outcomes, came) = RingBuffer::new(WISHES);
-    let (news, heard) = RingBuffer::new(NEWS);
+pub fn queues(snapshot: &Snapshot) -> (ScanEnd, HandleEnd) {
+    let (requests, wished) = RingBuffer::new(REQUESTS);
+    let (outcomes, came) = RingBuffer::new(REQUESTS);
+    let (events, heard) = RingBuffer::new(EVENTS);
     let (mut empty, to_fill) = RingBuffer::new(SNAPSHOTS);
     let (full, filled) = RingBuffer::new(SNAPSHOTS);
     for _ in 0..SNAPSHOTS {
@@ -139,7 +139,7 @@ pub fn wires(snapshot: &Snapshot) -> (Inside, Outside) {
         let _ = empty.push(Box::new(snapshot.clone()));
     }
     (
-        Inside { wishes: wished, outcomes, news, empty: to_fill, full },
-        Outside { wishes, outcomes: came, news: heard, empty, full: filled },
+        ScanEnd { requests: wished, outcomes, events, empty: to_fill, full },
+        HandleEnd { requests, outcomes: came, events: heard, empty, full: filled },
     )
 }

@@ -1,4 +1,4 @@
-//! Trouble of the rig itself: the verdict is then `error`, whatever the controller did.
+//! Faults of the rig itself: the verdict is then `error`, whatever the controller did.
 
 use crate::hook::HookError;
 use crate::operator::AskError;
@@ -9,7 +9,7 @@ use std::fmt;
 
 /// What went wrong in the rig, not in the controller.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Trouble {
+pub enum RigFault {
     /// A call of the board failed.
     Board {
         /// When.
@@ -75,7 +75,7 @@ pub enum Trouble {
         /// For how long.
         since: Span,
         /// It is looked for.
-        retake: bool,
+        reconnect: bool,
     },
     /// A frame that was sent did not come to its bus.
     NotOnBus {
@@ -125,14 +125,14 @@ pub enum Trouble {
         limit: Span,
     },
     /// The program had the period of a square wave begin anew that a device makes.
-    NotAnew {
+    PeriodNotRestarted {
         /// When.
         at: Time,
         /// The channel.
         channel: ChannelId,
     },
     /// The subject did not come into the state in which the case begins.
-    Prelude {
+    Startup {
         /// The state it was in.
         state: State,
         /// Why, where it said so.
@@ -189,21 +189,21 @@ pub enum Trouble {
     Interrupted,
 }
 
-impl Trouble {
-    /// The trouble in words, with the names of the board's channels.
-    pub fn show<'a>(&'a self, channels: &'a [Channel]) -> Shown<'a> {
-        Shown { trouble: self, channels }
+impl RigFault {
+    /// The fault in words, with the names of the board's channels.
+    pub fn show<'a>(&'a self, channels: &'a [Channel]) -> RigFaultText<'a> {
+        RigFaultText { fault: self, channels }
     }
 }
 
-/// Trouble in words.
+/// A fault in words.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown<'a> {
-    trouble: &'a Trouble,
+pub struct RigFaultText<'a> {
+    fault: &'a RigFault,
     channels: &'a [Channel],
 }
 
-impl Shown<'_> {
+impl RigFaultText<'_> {
     /// The name of a channel, or its number where the board has no such channel.
     fn name(&self, channel: ChannelId) -> String {
         let known = self.channels.get(usize::from(channel.0));
@@ -244,37 +244,37 @@ fn lost(f: &mut fmt::Formatter<'_>, device: &str, reason: LossReason) -> fmt::Re
     }
 }
 
-impl fmt::Display for Shown<'_> {
+impl fmt::Display for RigFaultText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.trouble {
-            Trouble::Board { at, error } => {
+        match self.fault {
+            RigFault::Board { at, error } => {
                 write!(f, "at {at}: ")?;
                 self.board(f, error)
             }
-            Trouble::Unsound { at, health } => write!(
+            RigFault::Unsound { at, health } => write!(
                 f,
                 "at {at} the board had lost {} channels and {} events, and {} calls had failed",
                 health.lost, health.dropped, health.failed_calls
             ),
-            Trouble::Lost { at, channel, device, reason } => {
+            RigFault::Lost { at, channel, device, reason } => {
                 write!(f, "channel {} was lost at {at}: ", self.name(*channel))?;
                 lost(f, device, *reason)
             }
-            Trouble::BusLost { at, bus, device, reason } => {
+            RigFault::BusLost { at, bus, device, reason } => {
                 write!(f, "bus {bus} was lost at {at}: ")?;
                 lost(f, device, *reason)
             }
-            Trouble::BusOff { at, bus, device } => {
+            RigFault::BusOff { at, bus, device } => {
                 let words = "went off the bus: it had counted 256 errors of sending";
                 match device.as_str() {
                     "" => write!(f, "bus {bus} was lost at {at}: its controller {words}"),
                     device => write!(f, "bus {bus} was lost at {at}: its controller, {device}, {words}"),
                 }
             }
-            Trouble::StillLost { what, device, reason, since, retake } => {
+            RigFault::StillLost { what, device, reason, since, reconnect } => {
                 write!(f, "{what} is lost for {since}: ")?;
                 lost(f, device, *reason)?;
-                f.write_str(match (reason, retake) {
+                f.write_str(match (reason, reconnect) {
                     (LossReason::Gone, false) => {
                         "; `retake = true` below [board] takes back a device that is there again"
                     }
@@ -285,7 +285,7 @@ impl fmt::Display for Shown<'_> {
                     _ => "",
                 })
             }
-            Trouble::NotOnBus { at, bus, device, state } => {
+            RigFault::NotOnBus { at, bus, device, state } => {
                 write!(f, "a frame that was sent on bus {bus} was not on it by {at}: its controller")?;
                 if !device.is_empty() {
                     write!(f, ", {device},")?;
@@ -295,7 +295,7 @@ impl fmt::Display for Shown<'_> {
                     _ => " counts errors of sending: nobody acknowledges, or another bit rate is on the bus",
                 })
             }
-            Trouble::NotSent { at, step, bus, error } => {
+            RigFault::NotSent { at, step, bus, error } => {
                 write!(f, "step `{step}` could not send on bus {bus} at {at}: ")?;
                 match error {
                     BoardError::BusFull(_) => f.write_str("its queue is full"),
@@ -303,17 +303,17 @@ impl fmt::Display for Shown<'_> {
                     error => write!(f, "{error}"),
                 }
             }
-            Trouble::FramesDropped { at, bus, count } => {
+            RigFault::FramesDropped { at, bus, count } => {
                 write!(f, "at least {count} frames of bus {bus} were lost by {at}")
             }
-            Trouble::Dropped { at, channel, count } => {
+            RigFault::Dropped { at, channel, count } => {
                 write!(f, "at least {count} events of channel {} were lost by {at}", self.name(*channel))
             }
-            Trouble::Guard { at, why } => write!(f, "at {at}: {why}"),
-            Trouble::Late { at, late, limit } => {
+            RigFault::Guard { at, why } => write!(f, "at {at}: {why}"),
+            RigFault::Late { at, late, limit } => {
                 write!(f, "the rig was {late} late at {at}, where {limit} is the limit")
             }
-            Trouble::NotAnew { at, channel } => {
+            RigFault::PeriodNotRestarted { at, channel } => {
                 let name = self.name(*channel);
                 write!(
                     f,
@@ -321,41 +321,41 @@ impl fmt::Display for Shown<'_> {
                      leave out `Sync`, or take a line that the rig drives"
                 )
             }
-            Trouble::Prelude { state, refusal: Some(refusal) } => {
+            RigFault::Startup { state, refusal: Some(refusal) } => {
                 write!(
                     f,
                     "the controller did not reach the state in which the case begins: it was {state}: {refusal}"
                 )
             }
-            Trouble::Prelude { state, refusal: None } => {
+            RigFault::Startup { state, refusal: None } => {
                 write!(
                     f,
                     "the controller did not reach the state in which the case begins: it stayed {state}"
                 )
             }
-            Trouble::Timeout { limit } => write!(f, "the case had not ended after its `timeout` of {limit}"),
-            Trouble::Stuck { at } => {
+            RigFault::Timeout { limit } => write!(f, "the case had not ended after its `timeout` of {limit}"),
+            RigFault::Stuck { at } => {
                 write!(f, "nothing happens any more since {at}, and the case has no end")
             }
-            Trouble::Simultaneous { at } => {
+            RigFault::Simultaneous { at } => {
                 write!(f, "events without end at {at}: wires or steps that chase each other")
             }
-            Trouble::Refused { step, refusal } => {
+            RigFault::Refused { step, refusal } => {
                 write!(
                     f,
                     "the command of step `{step}` was refused: {refusal}; `refused = true` expects that"
                 )
             }
-            Trouble::NotWritten { step, error } => write!(f, "step `{step}` could not write: {error}"),
-            Trouble::File { step, error } => {
+            RigFault::NotWritten { step, error } => write!(f, "step `{step}` could not write: {error}"),
+            RigFault::File { step, error } => {
                 write!(f, "step `{step}` could not reach its file: {error}; `refused = true` expects that")
             }
-            Trouble::Trace(error) => write!(f, "the trace could not be written: {error}"),
-            Trouble::Unanswered { step, error } => {
+            RigFault::Trace(error) => write!(f, "the trace could not be written: {error}"),
+            RigFault::Unanswered { step, error } => {
                 write!(f, "step `{step}` asked and got no answer: {error}")
             }
-            Trouble::Hook(error) => write!(f, "{error}"),
-            Trouble::Interrupted => f.write_str("interrupted"),
+            RigFault::Hook(error) => write!(f, "{error}"),
+            RigFault::Interrupted => f.write_str("interrupted"),
         }
     }
 }
@@ -367,9 +367,9 @@ mod tests {
     /// Who reads it is told of `retake` where that would have helped, and only there.
     #[test]
     fn a_device_that_is_still_lost_is_told_with_what_mends_it() {
-        let said = |reason, retake| {
+        let said = |reason, reconnect| {
             let (what, device, since) = (String::from("bus b"), String::from("can0"), Span::from_secs(3));
-            Trouble::StillLost { what, device, reason, since, retake }.show(&[]).to_string()
+            RigFault::StillLost { what, device, reason, since, reconnect }.show(&[]).to_string()
         };
         assert!(said(LossReason::Gone, false).ends_with(
             "can0, is gone; `retake = true` below [board] takes back a device that is there again"
@@ -378,9 +378,9 @@ mod tests {
             said(LossReason::Gone, true)
                 .ends_with("can0, is gone; it was looked for, and is not there as the board file has it")
         );
-        for retake in [false, true] {
+        for reconnect in [false, true] {
             assert_eq!(
-                said(LossReason::Silent, retake),
+                said(LossReason::Silent, reconnect),
                 "bus b is lost for 3 s: its device, can0, does not answer"
             );
         }

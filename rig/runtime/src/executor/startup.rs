@@ -2,13 +2,13 @@
 //! in.
 
 use super::Executor;
-use crate::trouble::Trouble;
+use crate::rig_fault::RigFault;
 use controller::{Command, Probe, State};
 use signal::{Cause, Span, Time, Value, When};
 
 impl Executor<'_> {
     /// Brings the subject into the state in which the case begins.
-    pub(super) fn prelude(&mut self) -> Result<(), Trouble> {
+    pub(super) fn prelude(&mut self) -> Result<(), RigFault> {
         self.clock.begin();
         self.board.start(Time::ZERO).map_err(|error| self.not_started(error))?;
         if !self.modelled {
@@ -24,16 +24,16 @@ impl Executor<'_> {
             self.subject.power(power_on, true, &mut self.effects);
             self.apply()?;
         }
-        if self.subject.is_played() {
+        if self.subject.is_model() {
             // A controller that loads its program takes the host's time, and none of its own.
             self.clock.stood_still(self.actual);
         }
         self.load()?;
-        if let Some(heart) = self.heart {
-            heart.begin().map_err(|error| self.unguarded(&error))?;
+        if let Some(heartbeat) = self.heartbeat {
+            heartbeat.begin().map_err(|error| self.unguarded(&error))?;
             self.beating = true;
         }
-        let limit = self.loaded + self.subject.patience();
+        let limit = self.loaded + self.subject.startup_limit();
         let mut commanded = false;
         loop {
             let state = self.subject.state();
@@ -47,15 +47,15 @@ impl Executor<'_> {
                 let at = self.now;
                 self.subject
                     .command(at, &command, &mut self.effects)
-                    .map_err(|refusal| Trouble::Prelude { state, refusal: Some(refusal) })?;
+                    .map_err(|refusal| RigFault::Startup { state, refusal: Some(refusal) })?;
                 self.apply()?;
                 continue;
             }
             if self.now > limit || !self.turn(limit + Span::from_secs(1))? {
-                return Err(Trouble::Prelude { state, refusal: None });
+                return Err(RigFault::Startup { state, refusal: None });
             }
         }
-        self.ran.start = Some(self.now);
+        self.report.start = Some(self.now);
         let mut at = self.seen(self.now);
         if let Some((earliest, state)) = self.subject.begin() {
             // However uncertain the start is, the subject has this state by then.
@@ -74,8 +74,8 @@ impl Executor<'_> {
     }
 
     /// The subject gets its program: on the host's clock time passes meanwhile, and it is not the case's.
-    fn load(&mut self) -> Result<(), Trouble> {
-        self.subject.load(self.interrupt).map_err(Trouble::Hook)?;
+    fn load(&mut self) -> Result<(), RigFault> {
+        self.subject.load(self.interrupt).map_err(RigFault::Hook)?;
         self.now = self.now.max(self.clock.now());
         self.actual = self.actual.max(self.now);
         self.loaded = self.now;
@@ -85,7 +85,7 @@ impl Executor<'_> {
     }
 
     /// What every observed probe shows before anything happens.
-    fn show_initial(&mut self) -> Result<(), Trouble> {
+    fn show_initial(&mut self) -> Result<(), RigFault> {
         if let Some(signal) = self.wiring.state {
             let state = Value::Int(self.subject.state().number());
             self.recorder.record(signal, When::exactly(self.now), state, Cause::Controller);
@@ -99,7 +99,7 @@ impl Executor<'_> {
         }
         let at = self.board_time();
         let written = self.board.write(at, &self.writes);
-        written.map_err(|error| Trouble::Board { at, error })?;
+        written.map_err(|error| RigFault::Board { at, error })?;
         self.poll()
     }
 }

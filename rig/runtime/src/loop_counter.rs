@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Counts the turns of an executor, of one after the other. On the host's clock no turn lasts longer than what it waits
 /// for, the slice of its options at most: where the count stands still for longer, the executor hangs.
 #[derive(Debug, Default)]
-pub struct Turns(AtomicU64);
+pub struct LoopCounter(AtomicU64);
 
-impl Turns {
+impl LoopCounter {
     /// None so far.
-    pub const fn new() -> Turns {
-        Turns(AtomicU64::new(0))
+    pub const fn new() -> LoopCounter {
+        LoopCounter(AtomicU64::new(0))
     }
 
     /// One turn more.

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 /// What became of a job.
 #[derive(Debug)]
-pub enum Done {
+pub enum JobResult {
     /// It ran, or was found not to apply.
     Case(Box<CaseResult>),
     /// Something is wrong with the user's files.
@@ -21,13 +21,13 @@ pub enum Done {
 
 /// What happens while jobs run, with the place of the job.
 #[derive(Debug)]
-pub enum Happened {
+pub enum JobEvent {
     /// The job begins: told at once, so that several jobs at a time come in any order.
     Begun(usize),
     /// The job has ended: told at once, and its result later.
     Ended(usize),
     /// What became of the job, in the order of the jobs.
-    Done(usize, Done),
+    Done(usize, JobResult),
     /// Nothing, for a while: whoever shows progress shows that time passes.
     Idle,
 }
@@ -42,19 +42,19 @@ pub fn run(
     at_once: usize,
     fail_fast: bool,
     options: &RunOptions<'_>,
-    each: &mut dyn FnMut(usize, Done),
+    each: &mut dyn FnMut(usize, JobResult),
 ) {
     watch(plans, jobs, at_once, fail_fast, options, &mut |happened| {
-        if let Happened::Done(place, done) = happened {
+        if let JobEvent::Done(place, done) = happened {
             each(place, done);
         }
     });
 }
 
 /// What a worker tells.
-enum Told {
+enum WorkerEvent {
     Begun,
-    Done(Done),
+    Done(JobResult),
 }
 
 /// As [`run`], and tells when jobs begin and end.
@@ -64,11 +64,11 @@ pub fn watch(
     at_once: usize,
     fail_fast: bool,
     options: &RunOptions<'_>,
-    tell: &mut dyn FnMut(Happened),
+    tell: &mut dyn FnMut(JobEvent),
 ) {
     let next = AtomicUsize::new(0);
     let stop = AtomicBool::new(false);
-    let (send, receive) = mpsc::sync_channel::<(usize, Told)>(at_once * 2);
+    let (send, receive) = mpsc::sync_channel::<(usize, WorkerEvent)>(at_once * 2);
     std::thread::scope(|scope| {
         for _ in 0..at_once.clamp(1, jobs.len().max(1)) {
             let send = send.clone();
@@ -78,7 +78,7 @@ pub fn watch(
                     let place = next.fetch_add(1, Ordering::Relaxed);
                     let Some(job) = jobs.get(place) else { return };
                     let ended = stop.load(Ordering::Relaxed) || options.interrupt.load(Ordering::Relaxed);
-                    if !ended && send.send((place, Told::Begun)).is_err() {
+                    if !ended && send.send((place, WorkerEvent::Begun)).is_err() {
                         return;
                     }
                     let done = if ended { skipped(plans, job) } else { run_job(plans, job, options) };
@@ -86,7 +86,7 @@ pub fn watch(
                     if fail_fast && !passed(&done) {
                         stop.store(true, Ordering::Relaxed);
                     }
-                    if send.send((place, Told::Done(done))).is_err() {
+                    if send.send((place, WorkerEvent::Done(done))).is_err() {
                         return;
                     }
                 }
@@ -94,68 +94,70 @@ pub fn watch(
         }
         drop(send);
         // Results come in any order and are handed on in the order of the jobs.
-        let mut waiting: Vec<Option<Done>> = Vec::new();
+        let mut waiting: Vec<Option<JobResult>> = Vec::new();
         waiting.resize_with(jobs.len(), || None);
         let mut handed = 0;
         loop {
             let (place, done) = match receive.recv_timeout(IDLE) {
-                Ok((place, Told::Done(done))) => (place, done),
-                Ok((place, Told::Begun)) => {
-                    tell(Happened::Begun(place));
+                Ok((place, WorkerEvent::Done(done))) => (place, done),
+                Ok((place, WorkerEvent::Begun)) => {
+                    tell(JobEvent::Begun(place));
                     continue;
                 }
                 Err(RecvTimeoutError::Timeout) => {
-                    tell(Happened::Idle);
+                    tell(JobEvent::Idle);
                     continue;
                 }
                 Err(RecvTimeoutError::Disconnected) => break,
             };
-            if !matches!(done, Done::Skipped(_)) {
-                tell(Happened::Ended(place));
+            if !matches!(done, JobResult::Skipped(_)) {
+                tell(JobEvent::Ended(place));
             }
             waiting[place] = Some(done);
             while let Some(done) = waiting.get_mut(handed).and_then(Option::take) {
-                tell(Happened::Done(handed, done));
+                tell(JobEvent::Done(handed, done));
                 handed += 1;
             }
         }
     });
 }
 
-fn passed(done: &Done) -> bool {
+fn passed(done: &JobResult) -> bool {
     match done {
-        Done::Case(result) => !result.record.is_judged() || result.record.verdict == record::Verdict::Pass,
-        Done::Findings(_) => false,
-        Done::Skipped(_) => true,
+        JobResult::Case(result) => {
+            !result.record.is_judged() || result.record.verdict == record::Verdict::Pass
+        }
+        JobResult::Findings(_) => false,
+        JobResult::Skipped(_) => true,
     }
 }
 
-fn skipped(plans: &[LoadedPlan], job: &Job) -> Done {
+fn skipped(plans: &[LoadedPlan], job: &Job) -> JobResult {
     let mut record = CaseRecord::skipped(&job.name, "the run ended before it");
     record.turn = job.turn;
     if let Some(loaded) = plans.get(job.plan) {
         record.plan.clone_from(&loaded.plan.path);
         record.title.clone_from(&loaded.plan.title);
     }
-    Done::Skipped(Box::new(record))
+    JobResult::Skipped(Box::new(record))
 }
 
-fn run_job(plans: &[LoadedPlan], job: &Job, options: &RunOptions<'_>) -> Done {
-    let Some(loaded) = plans.get(job.plan) else { return Done::Findings(Vec::new()) };
+fn run_job(plans: &[LoadedPlan], job: &Job, options: &RunOptions<'_>) -> JobResult {
+    let Some(loaded) = plans.get(job.plan) else { return JobResult::Findings(Vec::new()) };
     // What the plan leaves to chance is drawn anew in each turn.
     let case = match loaded.plan.case_with(job.case, job.seed) {
         Ok(case) => case,
-        Err(found) => return Done::Findings(found),
+        Err(found) => return JobResult::Findings(found),
     };
     let files = match loaded.files(&case, job) {
         Ok(files) => files,
-        Err(found) => return Done::Findings(found),
+        Err(found) => return JobResult::Findings(found),
     };
     match run_case(&case, &files, options) {
         Ok(mut result) => {
             result.record.turn = job.turn;
-            Done::Case(Box::new(result))
+            JobResult::Case(Box::new(result))
         }
-        Err(found) => Done::Findings(found),
+        Err(found) => JobResult::Findings(found),
     }
 }

@@ -1,11 +1,11 @@
 //! The steps that are due, and what they do to subject and board.
 
 use super::Executor;
-use crate::generator::Order;
+use crate::generator::BoardOrder;
 use crate::operator::{AskError, Operator};
+use crate::rig_fault::RigFault;
 use crate::schedule::{Act, Due, EndReason, Expected};
 use crate::stepping::Pause;
-use crate::trouble::Trouble;
 use drivers::ChannelId;
 use plans::plan::Phase;
 use plans::steps::Question;
@@ -13,7 +13,7 @@ use signal::{Cause, SignalId, Time, Value};
 
 impl Executor<'_> {
     /// The steps that are due.
-    pub(super) fn steps(&mut self, now: Time) -> Result<(), Trouble> {
+    pub(super) fn steps(&mut self, now: Time) -> Result<(), RigFault> {
         while let Some((_, step, due)) = self.schedule.take(now) {
             match due {
                 Due::Arm | Due::Begin if self.is_past_end(now) => {}
@@ -22,7 +22,7 @@ impl Executor<'_> {
                 Due::Begin => {
                     self.pause(Some(step))?;
                     self.begin_mark(step);
-                    self.tell_step(step, false);
+                    self.report_step(step, false);
                     self.schedule.begin(step, now, &self.driven);
                 }
                 Due::Act(act) => self.act(step, act as usize)?,
@@ -34,7 +34,7 @@ impl Executor<'_> {
                     let done = self.schedule.steps()[step].done;
                     let at = self.emissions.end(step).unwrap_or_else(|| self.seen(self.now));
                     self.recorder.mark(done, at);
-                    self.tell_step(step, true);
+                    self.report_step(step, true);
                     self.schedule.finish(step, now);
                 }
                 // The step's own claim fails with what was waited for. The case goes on without the step, unless
@@ -49,7 +49,7 @@ impl Executor<'_> {
                     }
                 }
                 Due::Stop => self.schedule.stop(step, now),
-                Due::Main if self.ran.trouble.is_some() => self.schedule.end_early(EndReason::Trouble, now),
+                Due::Main if self.report.fault.is_some() => self.schedule.end_early(EndReason::RigFault, now),
                 Due::Main => {
                     if let Some(mark) = self.wiring.main {
                         self.recorder.mark(mark, self.seen(self.now));
@@ -62,19 +62,19 @@ impl Executor<'_> {
     }
 
     /// Asks whoever goes through the case step by step, before this step or at the instant that was asked for.
-    pub(super) fn pause(&mut self, step: Option<usize>) -> Result<(), Trouble> {
+    pub(super) fn pause(&mut self, step: Option<usize>) -> Result<(), RigFault> {
         let Some(stepping) = &mut self.stepping else { return Ok(()) };
         let pause = Pause {
             now: self.now,
-            start: self.ran.start.unwrap_or(self.now),
+            start: self.report.start.unwrap_or(self.now),
             step: step.map(|step| self.schedule.steps()[step].id.as_str()),
             trace: self.recorder.trace(),
         };
-        if stepping.ask(&pause) { Ok(()) } else { Err(Trouble::Interrupted) }
+        if stepping.ask(&pause) { Ok(()) } else { Err(RigFault::Interrupted) }
     }
 
     /// A step drives a line from now on: whatever went on there is over.
-    fn drive(&mut self, channel: ChannelId, value: Value, step: usize) -> Result<(), Trouble> {
+    fn drive(&mut self, channel: ChannelId, value: Value, step: usize) -> Result<(), RigFault> {
         self.schedule.take_over(channel, None);
         self.writes.clear();
         self.writes.push((channel, value));
@@ -82,15 +82,15 @@ impl Executor<'_> {
     }
 
     /// The next act of a step's generator, all of its lines at once.
-    fn emit(&mut self, step: usize, n: u64) -> Result<(), Trouble> {
+    fn emit(&mut self, step: usize, n: u64) -> Result<(), RigFault> {
         self.writes.clear();
         let reached = (!self.modelled).then_some(self.actual);
         if reached.is_some() {
             self.note_late_edge(step);
         }
         match self.schedule.emitted(step, n, reached, &mut self.writes) {
-            Some(Order::Send(bus, frame)) => self.send(step, bus, &frame)?,
-            Some(Order::Emit(channel, emission)) => self.emit_pulses(step, channel, &emission)?,
+            Some(BoardOrder::Send(bus, frame)) => self.send(step, bus, &frame)?,
+            Some(BoardOrder::Emit(channel, emission)) => self.emit_pulses(step, channel, &emission)?,
             None => {}
         }
         self.expect_edges();
@@ -98,7 +98,7 @@ impl Executor<'_> {
     }
 
     /// Hands what a step drives to the board.
-    fn write(&mut self, step: usize) -> Result<(), Trouble> {
+    fn write(&mut self, step: usize) -> Result<(), RigFault> {
         for write in 0..self.writes.len() {
             let (channel, value) = self.writes[write];
             let place = usize::from(channel.0);
@@ -110,7 +110,7 @@ impl Executor<'_> {
         self.expect_writes();
         let at = self.board_time();
         let written = self.board.write(at, &self.writes);
-        written.map_err(|error| Trouble::Board { at, error })?;
+        written.map_err(|error| RigFault::Board { at, error })?;
         self.poll()
     }
 
@@ -123,22 +123,22 @@ impl Executor<'_> {
     }
 
     /// Asks a person. The modelled time stands still meanwhile, on the host's clock too.
-    fn ask(&mut self, step: usize, question: &Question, signal: SignalId) -> Result<(), Trouble> {
+    fn ask(&mut self, step: usize, question: &Question, signal: SignalId) -> Result<(), RigFault> {
         let id = self.schedule.steps()[step].id.clone();
-        let answer = match (self.operator, self.heart) {
+        let answer = match (self.operator, self.heartbeat) {
             (Some(operator), Some(_)) => self.ask_alive(operator, &id, question)?,
             (Some(operator), None) => operator.ask(&id, question, self.interrupt),
             (None, _) => Err(AskError::Nobody),
         };
         // A real controller does not wait for the answer.
-        if self.modelled || self.subject.is_played() {
+        if self.modelled || self.subject.is_model() {
             self.clock.stood_still(self.actual);
         }
         let answer = match answer {
             Ok(answer) if answer < question.answers.len() => answer,
-            Ok(_) => return Err(Trouble::Unanswered { step: id, error: AskError::Nobody }),
-            Err(AskError::Interrupted) => return Err(Trouble::Interrupted),
-            Err(error) => return Err(Trouble::Unanswered { step: id, error }),
+            Ok(_) => return Err(RigFault::Unanswered { step: id, error: AskError::Nobody }),
+            Err(AskError::Interrupted) => return Err(RigFault::Interrupted),
+            Err(error) => return Err(RigFault::Unanswered { step: id, error }),
         };
         let at = self.seen(self.now);
         self.record(signal, at, Value::Int(answer as i64), Cause::Step(step as u16));
@@ -151,7 +151,7 @@ impl Executor<'_> {
         operator: &dyn Operator,
         step: &str,
         question: &Question,
-    ) -> Result<Result<usize, AskError>, Trouble> {
+    ) -> Result<Result<usize, AskError>, RigFault> {
         let interrupt = self.interrupt;
         std::thread::scope(|scope| {
             let asked = scope.spawn(|| operator.ask(step, question, interrupt));
@@ -167,7 +167,7 @@ impl Executor<'_> {
         })
     }
 
-    fn act(&mut self, step: usize, place: usize) -> Result<(), Trouble> {
+    fn act(&mut self, step: usize, place: usize) -> Result<(), RigFault> {
         let act = self.schedule.steps()[step].acts[place].1.clone();
         let (now, at) = (self.now, self.board_time());
         match act {
@@ -181,7 +181,7 @@ impl Executor<'_> {
                 let id = || self.schedule.steps()[step].id.clone();
                 match (answer, expected) {
                     (Err(refusal), Expected::Obeyed) => {
-                        self.ran.trouble.get_or_insert(Trouble::Refused { step: id(), refusal });
+                        self.report.fault.get_or_insert(RigFault::Refused { step: id(), refusal });
                     }
                     (Ok(()), Expected::Refused) => {
                         let note = format!("refused:{}", id());
@@ -195,12 +195,12 @@ impl Executor<'_> {
             Act::Disturb(disturbance) => self.subject.disturb(now, disturbance, &mut self.effects),
             Act::Suspend { task, lasts } => self.subject.suspend(task, now.saturating_add(lasts)),
             Act::Fault(fault) => {
-                self.board.inject(at, fault).map_err(|error| Trouble::Board { at, error })?;
+                self.board.inject(at, fault).map_err(|error| RigFault::Board { at, error })?;
                 self.relay_asked(fault.channel);
                 self.poll()?;
             }
             Act::Clear(channel) => {
-                self.board.clear(at, channel).map_err(|error| Trouble::Board { at, error })?;
+                self.board.clear(at, channel).map_err(|error| RigFault::Board { at, error })?;
                 self.relay_asked(channel);
                 self.poll()?;
             }
@@ -210,7 +210,7 @@ impl Executor<'_> {
                 self.answered(written.is_ok(), step, expected, "the value was written");
                 if let (Err(error), Expected::Obeyed) = (written, expected) {
                     let id = self.schedule.steps()[step].id.clone();
-                    self.ran.trouble.get_or_insert(Trouble::NotWritten { step: id, error });
+                    self.report.fault.get_or_insert(RigFault::NotWritten { step: id, error });
                 }
             }
             Act::Ask(question, signal) => self.ask(step, &question, signal)?,
@@ -219,7 +219,7 @@ impl Executor<'_> {
                 self.answered(done.is_ok(), step, expected, "the file was reached");
                 if let (Err(error), Expected::Obeyed) = (done, expected) {
                     let id = self.schedule.steps()[step].id.clone();
-                    self.ran.trouble.get_or_insert(Trouble::File { step: id, error });
+                    self.report.fault.get_or_insert(RigFault::File { step: id, error });
                 }
             }
         }

@@ -5,7 +5,7 @@
 //! board rings.
 
 use super::{Executor, MOST_SIMULTANEOUS};
-use crate::trouble::Trouble;
+use crate::rig_fault::RigFault;
 use drivers::{ChannelId, Origin};
 use guard::{Beat, GuardError, GuardHandle};
 use signal::{Level, Span, Time, When};
@@ -18,7 +18,7 @@ const MOST_PENDING: usize = 16_384;
 const LONGEST_WAIT: Span = Span::from_millis(50);
 
 /// Shows that the executor goes on turning: whoever misses it makes the outputs safe.
-pub trait Heart: Sync + std::fmt::Debug {
+pub trait Heartbeat: Sync + std::fmt::Debug {
     /// From now on it beats.
     ///
     /// # Errors
@@ -49,7 +49,7 @@ pub trait Heart: Sync + std::fmt::Debug {
     }
 }
 
-impl Heart for GuardHandle {
+impl Heartbeat for GuardHandle {
     fn begin(&self) -> Result<(), GuardError> {
         self.arm()
     }
@@ -77,15 +77,15 @@ impl Heart for GuardHandle {
 
 /// A change of an input terminal that the modelled time has not reached yet.
 #[derive(Clone, Copy, Debug)]
-struct Pending {
+struct PendingInput {
     at: When,
     input: usize,
-    what: Arrival,
+    what: InputChange,
 }
 
 /// What comes to an input terminal.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Arrival {
+pub(super) enum InputChange {
     /// A level.
     Level(Level),
     /// So many steps that hardware counted, below 0 backwards.
@@ -94,9 +94,9 @@ pub(super) enum Arrival {
 
 /// What the executor keeps for real lines.
 #[derive(Debug, Default)]
-pub(super) struct Lines {
+pub(super) struct RealLines {
     /// By their instants.
-    pending: VecDeque<Pending>,
+    pending: VecDeque<PendingInput>,
     /// When the wait for the next thing ended, while nothing has passed since.
     woke: Option<Time>,
     /// How far each channel has counted, as far as it was told.
@@ -111,19 +111,19 @@ pub(super) struct Lines {
     late_outputs: Span,
 }
 
-impl Lines {
+impl RealLines {
     /// For so many channels of modelled lines, which nothing is late on.
-    pub(super) fn modelled(channels: usize) -> Lines {
-        Lines { counts: vec![0; channels], ..Lines::default() }
+    pub(super) fn modelled(channels: usize) -> RealLines {
+        RealLines { counts: vec![0; channels], ..RealLines::default() }
     }
 
     /// For so many channels.
-    pub(super) fn new(channels: usize) -> Lines {
-        Lines {
+    pub(super) fn new(channels: usize) -> RealLines {
+        RealLines {
             pending: VecDeque::with_capacity(MOST_PENDING),
             lag: vec![Span::ZERO; channels],
             wrote: vec![Time::MAX; channels],
-            ..Lines::modelled(channels)
+            ..RealLines::modelled(channels)
         }
     }
 
@@ -159,7 +159,7 @@ impl Lines {
 impl Executor<'_> {
     /// Waits for real time to bring what is due, where nothing is to be computed before; hands back up to where the
     /// modelled time may go now.
-    pub(super) fn approach(&mut self, due: Time) -> Result<Time, Trouble> {
+    pub(super) fn wait_for(&mut self, due: Time) -> Result<Time, RigFault> {
         let silent = self.beat()?;
         if self.subject.is_computing() {
             return Ok(due.min(self.clock.now().max(self.now).saturating_add(self.limits.horizon)));
@@ -171,15 +171,15 @@ impl Executor<'_> {
     }
 
     /// A sign of life; hands back how long the executor may wait until the next.
-    pub(super) fn beat(&mut self) -> Result<Span, Trouble> {
-        let Some(heart) = self.heart else { return Ok(LONGEST_WAIT) };
-        heart.beat().map_err(|error| self.unguarded(&error))?;
-        Ok(heart.every().min(LONGEST_WAIT))
+    pub(super) fn beat(&mut self) -> Result<Span, RigFault> {
+        let Some(heartbeat) = self.heartbeat else { return Ok(LONGEST_WAIT) };
+        heartbeat.beat().map_err(|error| self.unguarded(&error))?;
+        Ok(heartbeat.every().min(LONGEST_WAIT))
     }
 
     /// The guard does not do its part.
-    pub(super) fn unguarded(&self, error: &GuardError) -> Trouble {
-        Trouble::Guard { at: self.now, why: error.to_string() }
+    pub(super) fn unguarded(&self, error: &GuardError) -> RigFault {
+        RigFault::Guard { at: self.now, why: error.to_string() }
     }
 
     /// Whether the application is through before anything is due, with nothing to be released: the next wait is for
@@ -196,14 +196,14 @@ impl Executor<'_> {
 
     /// Time passes to `to`: waits for it, and takes note of how late the wait ended.
     #[inline]
-    pub(super) fn pass(&mut self, to: Time) -> Result<(), Trouble> {
+    pub(super) fn pass(&mut self, to: Time) -> Result<(), RigFault> {
         if to > self.now {
             self.same = 0;
             self.now = to;
         } else {
             self.same += 1;
             if self.same > MOST_SIMULTANEOUS {
-                return Err(Trouble::Simultaneous { at: self.now });
+                return Err(RigFault::Simultaneous { at: self.now });
             }
         }
         let future = to > self.actual;
@@ -218,8 +218,8 @@ impl Executor<'_> {
         if late > Span::ZERO {
             self.recorder.note_late(late);
             if late > self.limits.late {
-                self.ran.overruns += 1;
-                self.ran.trouble.get_or_insert(Trouble::Late { at: to, late, limit: self.limits.late });
+                self.report.overruns += 1;
+                self.report.fault.get_or_insert(RigFault::Late { at: to, late, limit: self.limits.late });
             }
         }
         Ok(())
@@ -234,17 +234,17 @@ impl Executor<'_> {
     }
 
     /// An input terminal changes at `at`, which the modelled time may not have reached.
-    pub(super) fn input(&mut self, channel: ChannelId, at: When, input: usize, what: Arrival) {
+    pub(super) fn input(&mut self, channel: ChannelId, at: When, input: usize, what: InputChange) {
         if self.modelled || at.latest <= self.now {
             self.arrive(self.now.max(at.latest), at, input, what);
             return;
         }
         if self.lines.pending.len() >= MOST_PENDING {
-            self.ran.trouble.get_or_insert(Trouble::Dropped { at: at.latest, channel, count: 1 });
+            self.report.fault.get_or_insert(RigFault::Dropped { at: at.latest, channel, count: 1 });
             return;
         }
         let place = self.lines.pending.partition_point(|pending| pending.at.latest <= at.latest);
-        self.lines.pending.insert(place, Pending { at, input, what });
+        self.lines.pending.insert(place, PendingInput { at, input, what });
     }
 
     /// The inputs that are due.
@@ -257,10 +257,10 @@ impl Executor<'_> {
         }
     }
 
-    fn arrive(&mut self, now: Time, at: When, input: usize, what: Arrival) {
+    fn arrive(&mut self, now: Time, at: When, input: usize, what: InputChange) {
         match what {
-            Arrival::Level(level) => self.subject.input(now, at, input, level, &mut self.effects),
-            Arrival::Steps(steps) => self.subject.count(now, input, steps),
+            InputChange::Level(level) => self.subject.input(now, at, input, level, &mut self.effects),
+            InputChange::Steps(steps) => self.subject.count(now, input, steps),
         }
     }
 
@@ -282,7 +282,7 @@ impl Executor<'_> {
             return When::within(at.earliest, at.latest.max(self.actual));
         }
         // A controller that is not played by the rig was never late because of it.
-        if !self.subject.is_played() {
+        if !self.subject.is_model() {
             return at;
         }
         let late = match origin {

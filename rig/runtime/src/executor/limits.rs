@@ -1,7 +1,7 @@
 //! What an executor is told of a case, and what it leaves.
 
 use crate::frame_log::FrameLog;
-use crate::trouble::Trouble;
+use crate::rig_fault::RigFault;
 use controller::State;
 use drivers::OnLoss;
 use record::Wakes;
@@ -25,7 +25,7 @@ pub struct Limits {
     /// What a lost device does to it.
     pub on_loss: OnLoss,
     /// A device that is gone is looked for, and taken back.
-    pub retake: bool,
+    pub reconnect: bool,
     /// Most modelled time from power-on to the end.
     pub timeout: Span,
     /// Most modelled time of the teardown.
@@ -34,15 +34,15 @@ pub struct Limits {
 
 /// What a case's run leaves besides its trace.
 #[derive(Debug, Default)]
-pub struct Ran {
+pub struct ExecutorReport {
     /// When the case's own time began.
     pub start: Option<Time>,
     /// The end of the case: its teardown comes behind.
     pub end: Time,
     /// The last instant.
     pub closed: Time,
-    /// Trouble of the rig: the verdict is then `error`.
-    pub trouble: Option<Trouble>,
+    /// A fault of the rig: the verdict is then `error`.
+    pub fault: Option<RigFault>,
     /// Deadlines of the rig that it missed.
     pub overruns: u64,
     /// How far the application could run ahead of the clock: 0 where that changes nothing.

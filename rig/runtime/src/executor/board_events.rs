@@ -1,24 +1,24 @@
 //! What the board saw: into the trace, to the subject's inputs, and to whoever looks.
 
 use super::Executor;
-use super::lines::Arrival;
-use crate::trouble::Trouble;
+use super::real_lines::InputChange;
+use crate::rig_fault::RigFault;
 use drivers::{BoardEvent, ChannelKind, LossReason, Origin};
 use signal::{Cause, Level, Value, When};
 
 impl Executor<'_> {
     /// What the board saw up to now goes to the trace and to the subject's inputs.
-    pub(super) fn poll(&mut self) -> Result<(), Trouble> {
+    pub(super) fn poll(&mut self) -> Result<(), RigFault> {
         let mut events = std::mem::take(&mut self.polled);
         events.clear();
         let now = self.board_time();
         let polled = self.board.poll(now, &mut events);
-        self.mark_come();
+        self.mark_faults_seen();
         for event in &events {
             self.see(event);
         }
         self.polled = events;
-        polled.map_err(|error| Trouble::Board { at: now, error })?;
+        polled.map_err(|error| RigFault::Board { at: now, error })?;
         self.poll_buses(now)?;
         // A line may have told the subject's state.
         self.apply()
@@ -35,15 +35,15 @@ impl Executor<'_> {
                     Origin::Gap(gap) => Cause::Gap(gap),
                     _ => Cause::Board,
                 };
-                self.awaited.seen(channel);
-                self.pulses.seen(channel);
+                self.pending_writes.seen(channel);
+                self.edges.seen(channel);
                 self.lines.reached(channel, at.latest, origin);
                 self.see_pulse(channel, at, value, origin);
                 (at, value, cause, origin)
             }
             BoardEvent::Lost { at, reason, .. } => {
                 if reason != LossReason::Injected {
-                    self.lose_channel(at, channel, reason);
+                    self.channel_lost(at, channel, reason);
                 }
                 lost = Some(reason);
                 (When::exactly(at), Value::Unknown, Cause::Board, Origin::Outside)
@@ -52,12 +52,14 @@ impl Executor<'_> {
                 if let Some(live) = &mut self.live {
                     live.regained(channel);
                 }
-                return self.regain_channel(at, channel);
+                return self.channel_returned(at, channel);
             }
-            BoardEvent::Dropped { at, count, channel } => return self.miss_edges(at, channel, count),
+            BoardEvent::Dropped { at, count, channel } => {
+                return self.report_missed_edges(at, channel, count);
+            }
         };
         if self.live.is_some() {
-            self.tell_channel(channel, self.seen_by_board(at, channel, origin), value, lost);
+            self.report_channel(channel, self.seen_by_board(at, channel, origin), value, lost);
         }
         for index in 0..self.wiring.channels[place].len() {
             let signal = self.wiring.channels[place][index];
@@ -65,15 +67,15 @@ impl Executor<'_> {
         }
         if !self.wiring.inputs[place].is_empty() {
             let what = match value {
-                Value::Bool(high) => Arrival::Level(Level::from_bool(high)),
-                Value::Int(count) => Arrival::Steps(self.counted_on(channel, count)),
+                Value::Bool(high) => InputChange::Level(Level::from_bool(high)),
+                Value::Int(count) => InputChange::Steps(self.counted_on(channel, count)),
                 // Between the two levels of a voltage an input keeps the one that it had.
                 Value::Real(volts) | Value::Measured(volts, _) => match profile::input_level(volts) {
-                    Some(high) => Arrival::Level(Level::from_bool(high)),
+                    Some(high) => InputChange::Level(Level::from_bool(high)),
                     None => return,
                 },
                 _ if self.board.channels()[place].kind == ChannelKind::Count => return,
-                _ => Arrival::Level(Level::HighZ),
+                _ => InputChange::Level(Level::HighZ),
             };
             for index in 0..self.wiring.inputs[place].len() {
                 let input = self.wiring.inputs[place][index];

@@ -2,45 +2,45 @@
 //!
 //! It has the lines of a controller beside its terminals: a supply, a Run/Stop switch, and a line that is 1 in RUNNING.
 
-mod kept;
+mod subject;
 
 use crate::case::{CaseFiles, RunOptions, clock};
 use crate::configure::initial_state;
-use crate::executor::{Executor, Limits, Parts, Ran};
+use crate::executor::{Executor, ExecutorReport, Limits, Parts};
 use crate::hardware::Hardware;
 use crate::live;
 use crate::prepare::Prepared;
 use crate::recorder::Recorder;
+use crate::rig_fault::RigFault;
 use crate::schedule::Schedule;
 use crate::spill;
-use crate::stage::{Stage, stage};
 use crate::subject::Subject;
-use crate::trouble::Trouble;
+use crate::test_setup::{TestSetup, set_up};
 use controller::{State, TaskFigures};
 use document::Diagnostic;
 use drivers::{BoardFile, RealtimeSettings};
-use kept::{Kept, Places};
 use plans::Case;
 use plans::judge::Judge;
 use plans::lang::{Anchor, Base};
 use signal::{Span, Time, Trace};
 use std::sync::mpsc::SyncSender;
+use subject::{SoftPlc, SoftPlcTerminals};
 
 /// Longer than any rig is kept running: 100 years.
 const AGES: Span = Span::from_secs(100 * 365 * 86_400);
 
 /// How long a controller is kept running, and from where.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Course {
+pub struct SoftPlcSettings {
     /// How long; until it is interrupted if nothing is said.
-    pub lasts: Option<Span>,
+    pub duration: Option<Span>,
     /// Its first boot takes no time.
     pub booted: bool,
 }
 
 /// What a controller that runs tells whoever watches it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Told {
+pub enum SoftPlcEvent {
     /// The outputs are claimed, and the controller waits for its supply or boots.
     Ready,
     /// It has another state.
@@ -51,15 +51,15 @@ pub enum Told {
 
 /// How a controller that was kept running did.
 #[derive(Debug)]
-pub struct Played {
+pub struct SoftPlcReport {
     /// What the executor says.
-    pub ran: Ran,
+    pub report: ExecutorReport,
     /// How late the rig was at worst.
     pub late: Span,
     /// What its tasks did: name, interval, figures.
     pub tasks: Vec<(String, Span, TaskFigures)>,
-    /// Trouble of the rig, in words.
-    pub trouble: Option<String>,
+    /// The fault of the rig, in words.
+    pub fault: Option<String>,
 }
 
 /// Keeps the controller of a case running, with the case's program and settings and nothing else of it, until it is
@@ -68,25 +68,26 @@ pub struct Played {
 ///
 /// # Errors
 /// Findings in the user's files.
-pub fn play(
+pub fn run(
     case: &Case,
     files: &CaseFiles,
     options: &RunOptions<'_>,
-    course: Course,
-    tell: SyncSender<Told>,
-) -> Result<Played, Vec<Diagnostic>> {
-    let case = bare(case, course.lasts);
-    let mut stage = stage(&case, files, None)?;
+    settings: SoftPlcSettings,
+    tell: SyncSender<SoftPlcEvent>,
+) -> Result<SoftPlcReport, Vec<Diagnostic>> {
+    let case = bare(case, settings.duration);
+    let mut stage = set_up(&case, files, None)?;
     let hardware = options.hardware.filter(|hardware| hardware.name() == files.board.name);
     if let Some(hardware) = hardware {
-        stage.board = Box::new(hardware.lend());
+        stage.board = Box::new(hardware.lease());
     }
     let mut clock = clock(options.clock, files.seed, hardware);
     let trace = Trace::with_spill(options.trace_memory, spill::temporary());
     let Prepared { trace, mut wiring, .. } = stage.prepare(&case, files, trace, clock.is_exact())?;
-    let Stage { subject, mut board, .. } = stage;
+    let TestSetup { subject, mut board, .. } = stage;
     let lines = files.board.lines;
-    let places = Places { inputs: files.reference.input_count(), outputs: files.reference.output_count() };
+    let places =
+        SoftPlcTerminals { inputs: files.reference.input_count(), outputs: files.reference.output_count() };
     for (channel, input) in [(lines.power, places.power()), (lines.run_stop, places.run_stop())] {
         if let Some(inputs) = channel.and_then(|channel| wiring.inputs.get_mut(usize::from(channel.0))) {
             inputs.push(input);
@@ -95,8 +96,8 @@ pub fn play(
     wiring.outputs.push(lines.alarm);
     // Nothing is recorded: what is kept running for months takes no more memory than in its first minute.
     wiring.state = None;
-    let mut subject = Kept::new(subject, lines, places, initial_state(case.settings.initial), tell);
-    subject.quick = course.booted;
+    let mut subject = SoftPlc::new(subject, lines, places, initial_state(case.settings.initial), tell);
+    subject.quick = settings.booted;
     let judge = Judge::new(case.scenario(), trace.signals())?;
     let mut recorder = Recorder::new(trace, judge);
     let mut schedule = Schedule::new(Vec::new(), case.ends.clone());
@@ -108,7 +109,7 @@ pub fn play(
         horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,
         fail_fast: false,
         on_loss: files.board.on_loss,
-        retake: files.board.retakes(),
+        reconnect: files.board.retakes(),
         timeout: case.timeout,
         teardown: case.teardown,
     };
@@ -122,22 +123,22 @@ pub fn play(
         alarms: &mut Vec::new(),
         interrupt: options.interrupt,
         operator: None,
-        heart: hardware.and_then(Hardware::heart),
-        turns: options.turns,
+        heartbeat: hardware.and_then(Hardware::heartbeat),
+        loop_counter: options.loop_counter,
     };
-    let mut port = options.live.map(live::held);
+    let mut port = options.live.map(live::lock);
     let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), live::Role::Rig);
     let entered = hardware.map(Hardware::enter);
-    let ran = executor.run();
+    let report = executor.run();
     drop(entered);
     drop(port);
-    let trouble = ran.trouble.as_ref().filter(|trouble| **trouble != Trouble::Interrupted);
-    let trouble = trouble.map(|trouble| trouble.show(board.channels()).to_string());
-    Ok(Played { late: recorder.late(), tasks: subject.figures(), trouble, ran })
+    let fault = report.fault.as_ref().filter(|fault| **fault != RigFault::Interrupted);
+    let fault = fault.map(|fault| fault.show(board.channels()).to_string());
+    Ok(SoftPlcReport { late: recorder.late(), tasks: subject.figures(), fault, report })
 }
 
 /// A controller that is a real one is not kept running by the rig.
-pub fn not_played(board: &BoardFile) -> Diagnostic {
+pub fn real_controller(board: &BoardFile) -> Diagnostic {
     let message = format!("the subject of `{}` is a real controller, which runs by itself", board.name);
     let help = "run plans on it with `rig test`, or name a board with kind = \"model\"";
     Diagnostic::error("R0221", message).at(&board.name, 0..0, "").help(help)

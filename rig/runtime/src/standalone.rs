@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// A task of a program alone.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AloneTask {
+pub struct StandaloneTask {
     /// Its name.
     pub name: String,
     /// From one release to the next, above 0.
@@ -21,13 +21,13 @@ pub struct AloneTask {
 
 /// The tasks of a program alone, of the highest priority first: those that the sources configure, and a last one for
 /// the PROGRAMs that none of those runs. `interval` is that of a task that has none of its own.
-pub fn tasks(program: &Program, interval: Span) -> Vec<AloneTask> {
+pub fn tasks(program: &Program, interval: Span) -> Vec<StandaloneTask> {
     let mut known: Vec<_> = program.tasks().iter().filter(|task| !task.programs.is_empty()).collect();
     let lowest = u32::from(profile::DEFAULT_PRIORITY);
     known.sort_by_key(|task| task.priority.unwrap_or(lowest));
-    let mut tasks: Vec<AloneTask> = known
+    let mut tasks: Vec<StandaloneTask> = known
         .into_iter()
-        .map(|task| AloneTask {
+        .map(|task| StandaloneTask {
             name: task.name.clone(),
             interval: task.interval.filter(|interval| *interval > Span::ZERO).unwrap_or(interval),
             programs: task.programs.clone(),
@@ -36,15 +36,15 @@ pub fn tasks(program: &Program, interval: Span) -> Vec<AloneTask> {
     let taken = |place: &usize| tasks.iter().any(|task| task.programs.contains(place));
     let rest: Vec<usize> = (0..program.programs().len()).filter(|place| !taken(place)).collect();
     if !rest.is_empty() {
-        tasks.push(AloneTask { name: String::from("MAST"), interval, programs: rest });
+        tasks.push(StandaloneTask { name: String::from("MAST"), interval, programs: rest });
     }
     tasks
 }
 
 /// What a task is doing.
 #[derive(Clone, Debug)]
-struct Turn {
-    task: AloneTask,
+struct TaskProgress {
+    task: StandaloneTask,
     /// The next release.
     release: Time,
     /// When the cycle began that is under way.
@@ -55,7 +55,7 @@ struct Turn {
     first: bool,
 }
 
-impl Turn {
+impl TaskProgress {
     /// When it wants to run.
     fn due(&self) -> Time {
         if self.began.is_some() { self.sleeps } else { self.release }
@@ -64,11 +64,11 @@ impl Turn {
 
 /// A program with memory of its own.
 #[derive(Debug)]
-pub struct Alone {
+pub struct StandaloneRun {
     machine: Machine,
     memory: Memory,
     program: Arc<Program>,
-    turns: Vec<Turn>,
+    turns: Vec<TaskProgress>,
     now: Time,
     rtc: Rtc,
     profile: Profile,
@@ -78,7 +78,7 @@ pub struct Alone {
 
 /// How a run alone ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Ended {
+pub enum StandaloneEnd {
     /// All cycles ran.
     InTime {
         /// How many.
@@ -118,16 +118,16 @@ impl Host for Plain<'_> {
     }
 }
 
-impl Alone {
+impl StandaloneRun {
     /// A program with these tasks, the highest priority first, at the instant 0.
     ///
     /// # Errors
     /// [`MachineError`] where the variables and the stacks of the tasks find no room.
     pub fn new(
         program: Arc<Program>,
-        tasks: Vec<AloneTask>,
+        tasks: Vec<StandaloneTask>,
         profile: Profile,
-    ) -> Result<Alone, MachineError> {
+    ) -> Result<StandaloneRun, MachineError> {
         let places: Vec<Vec<usize>> = tasks.iter().map(|task| task.programs.clone()).collect();
         let machine = Machine::new(Arc::clone(&program), &places)?;
         let mut memory = Memory::new(profile);
@@ -138,9 +138,15 @@ impl Alone {
         }
         let turns = tasks
             .into_iter()
-            .map(|task| Turn { task, release: Time::ZERO, began: None, sleeps: Time::MIN, first: true })
+            .map(|task| TaskProgress {
+                task,
+                release: Time::ZERO,
+                began: None,
+                sleeps: Time::MIN,
+                first: true,
+            })
             .collect();
-        Ok(Alone {
+        Ok(StandaloneRun {
             machine,
             memory,
             program,
@@ -157,7 +163,7 @@ impl Alone {
         self.machine.set_coverage(true);
     }
 
-    /// What ran since [`Alone::cover`].
+    /// What ran since [`StandaloneRun::cover`].
     pub fn coverage(&self) -> Coverage {
         self.machine.coverage()
     }
@@ -177,18 +183,18 @@ impl Alone {
 
     /// Runs the tasks for `duration`. A task of higher priority goes first, between two operations of others. A cycle
     /// that outlasts its interval is followed at once by the next; further releases that it missed are lost.
-    pub fn run(&mut self, duration: Span) -> Ended {
+    pub fn run(&mut self, duration: Span) -> StandaloneEnd {
         let end = self.now.saturating_add(duration);
         let mut cycles = 0;
         while self.now < end {
-            let ready = |turn: &Turn| turn.due() <= self.now;
+            let ready = |turn: &TaskProgress| turn.due() <= self.now;
             let Some(task) = self.turns.iter().position(ready) else {
-                let Some(next) = self.turns.iter().map(Turn::due).min() else { break };
+                let Some(next) = self.turns.iter().map(TaskProgress::due).min() else { break };
                 self.now = next.min(end);
                 continue;
             };
             // What is before it in the list goes before it.
-            let higher = self.turns.iter().take(task).map(Turn::due).min().unwrap_or(end).min(end);
+            let higher = self.turns.iter().take(task).map(TaskProgress::due).min().unwrap_or(end).min(end);
             match self.slice(task, higher, end) {
                 Ok(true) => cycles += 1,
                 Ok(false) => {}
@@ -202,8 +208,10 @@ impl Alone {
             .filter(|turn| turn.due() <= self.now)
             .find_map(|turn| Some((turn, turn.began?)))
         {
-            Some((turn, began)) => Ended::Endless { task: turn.task.name.clone(), at: began - Time::ZERO },
-            None => Ended::InTime { cycles },
+            Some((turn, began)) => {
+                StandaloneEnd::Endless { task: turn.task.name.clone(), at: began - Time::ZERO }
+            }
+            None => StandaloneEnd::InTime { cycles },
         }
     }
 
@@ -258,8 +266,8 @@ impl Alone {
     /// What takes longer than `most` does not end.
     ///
     /// # Errors
-    /// [`Ended`] for a cycle that fails or does not end.
-    pub fn scan(&mut self, most: Span) -> Result<Span, Ended> {
+    /// [`StandaloneEnd`] for a cycle that fails or does not end.
+    pub fn scan(&mut self, most: Span) -> Result<Span, StandaloneEnd> {
         let began = self.now;
         for task in 0..self.turns.len() {
             self.machine.begin(task);
@@ -282,7 +290,7 @@ impl Alone {
                     Stop::Fault(fault) => return Err(self.failed(fault)),
                     Stop::Budget { .. } => {
                         let name = self.turns.get(task).map_or("?", |turn| turn.task.name.as_str());
-                        return Err(Ended::Endless { task: name.to_owned(), at: began - Time::ZERO });
+                        return Err(StandaloneEnd::Endless { task: name.to_owned(), at: began - Time::ZERO });
                     }
                 }
             }
@@ -321,9 +329,12 @@ impl Alone {
         slept
     }
 
-    fn failed(&self, fault: Fault) -> Ended {
+    fn failed(&self, fault: Fault) -> StandaloneEnd {
         let file = self.program.files().get(usize::from(fault.file)).map_or("?", String::as_str);
-        Ended::Fault { at: self.now - Time::ZERO, text: format!("{} at {file}:{}", fault.kind, fault.line) }
+        StandaloneEnd::Fault {
+            at: self.now - Time::ZERO,
+            text: format!("{} at {file}:{}", fault.kind, fault.line),
+        }
     }
 }
 
@@ -333,13 +344,13 @@ mod tests {
     use crate::application::compile;
     use document::SourceFile;
 
-    fn alone(text: &str) -> Alone {
+    fn alone(text: &str) -> StandaloneRun {
         let program = Arc::new(compile(&[SourceFile::new("x.st", text)], Profile::default()).unwrap());
         let tasks = tasks(&program, Span::from_millis(20));
-        Alone::new(program, tasks, Profile::default()).unwrap()
+        StandaloneRun::new(program, tasks, Profile::default()).unwrap()
     }
 
-    fn shown(alone: &mut Alone, path: &str) -> String {
+    fn shown(alone: &mut StandaloneRun, path: &str) -> String {
         alone.show(path).unwrap().to_string()
     }
 
@@ -357,19 +368,19 @@ mod tests {
     #[test]
     fn a_task_of_higher_priority_cuts_in() {
         let mut alone = alone(TWO);
-        assert_eq!(alone.run(Span::from_millis(19)), Ended::InTime { cycles: 5 });
+        assert_eq!(alone.run(Span::from_millis(19)), StandaloneEnd::InTime { cycles: 5 });
         assert_eq!((shown(&mut alone, "quick.n"), shown(&mut alone, "slow.n")), ("4".into(), "1".into()));
         // At 10 ms the loop was under way: a turn takes 195 ns and 49 ns, whatever cut in before.
         let seen: i64 = shown(&mut alone, "quick.seen").parse().unwrap();
         assert!((40_000..41_000).contains(&seen), "{seen}");
         // The run goes on where it stood.
-        assert_eq!(alone.run(Span::from_millis(21)), Ended::InTime { cycles: 5 });
+        assert_eq!(alone.run(Span::from_millis(21)), StandaloneEnd::InTime { cycles: 5 });
     }
 
     #[test]
     fn a_run_may_end_in_the_middle_of_a_cycle() {
         let ended = alone(TWO).run(Span::from_millis(30));
-        assert_eq!(ended, Ended::Endless { task: "late".into(), at: Span::from_nanos(20_000_175) });
+        assert_eq!(ended, StandaloneEnd::Endless { task: "late".into(), at: Span::from_nanos(20_000_175) });
     }
 
     #[test]
@@ -387,6 +398,6 @@ mod tests {
         let mut alone = alone("PROGRAM m VAR n : DINT; END_VAR n := n + 1; END_PROGRAM");
         assert_eq!(alone.scan(Span::from_secs(1)), Ok(Span::from_nanos(90)));
         let ended = alone.scan(Span::from_nanos(50));
-        assert_eq!(ended, Err(Ended::Endless { task: "MAST".into(), at: Span::from_nanos(90) }));
+        assert_eq!(ended, Err(StandaloneEnd::Endless { task: "MAST".into(), at: Span::from_nanos(90) }));
     }
 }

@@ -3,7 +3,7 @@
 //! Setup, main, teardown: main waits until every step of the setup is done; the teardown waits for the end, however that
 //! came about. Steps of a group are steps like others; the one that runs the group is done when all of them are.
 
-use super::{Due, Planned, Root, Schedule};
+use super::{Due, PlannedStep, Schedule, StepAnchor};
 use crate::generator::Generator;
 use drivers::ChannelId;
 use plans::plan::{Phase, Repeat};
@@ -16,7 +16,7 @@ pub enum EndReason {
     /// What a step of the setup waits for did not come.
     Missed(usize),
     /// The rig has trouble.
-    Trouble,
+    RigFault,
     /// A claim is lost, and nobody wants to know more.
     Claim,
     /// An alarm was raised that ends the case.
@@ -27,7 +27,7 @@ pub enum EndReason {
 
 /// Where the case is, and where its steps are.
 #[derive(Debug)]
-pub(super) struct Course {
+pub(super) struct Progress {
     pub(super) phase: Phase,
     pub(super) ended: Option<EndReason>,
     /// When each step began first.
@@ -49,11 +49,11 @@ pub(super) struct Course {
     /// What steps of main would do if main had begun.
     held: Vec<(usize, Due)>,
     /// What the steps hang on that come up to an instant, with the distance from it.
-    untils: Vec<(Root, usize, Span)>,
+    untils: Vec<(StepAnchor, usize, Span)>,
 }
 
-impl Course {
-    pub(super) fn new(steps: &[Planned], places: &BTreeMap<&str, usize>) -> Course {
+impl Progress {
+    pub(super) fn new(steps: &[PlannedStep], places: &BTreeMap<&str, usize>) -> Progress {
         let count = steps.len();
         let mut open = vec![0; count];
         for parent in steps.iter().filter_map(|step| step.parent) {
@@ -61,11 +61,11 @@ impl Course {
         }
         let untils = steps.iter().enumerate().filter_map(|(step, planned)| match &planned.repeat {
             Some(Repeat::Every { until: Some(until), .. }) => {
-                Some((Root::of(&until.base, places), step, until.offset))
+                Some((StepAnchor::of(&until.base, places), step, until.offset))
             }
             _ => None,
         });
-        Course {
+        Progress {
             phase: Phase::Setup,
             ended: None,
             first: vec![None; count],
@@ -85,19 +85,19 @@ impl Course {
 impl Schedule {
     /// The part of the case that is under way.
     pub fn phase(&self) -> Phase {
-        self.course.phase
+        self.progress.phase
     }
 
     /// Why the case ends early, if it does.
     pub fn ended(&self) -> Option<EndReason> {
-        self.course.ended
+        self.progress.ended
     }
 
     /// The same in words, for the record.
     pub fn ended_words(&self) -> Option<String> {
         Some(match self.ended()? {
             EndReason::Missed(step) => format!("step `{}` of the setup never came", self.steps[step].id),
-            EndReason::Trouble => String::from("the rig had trouble in the setup"),
+            EndReason::RigFault => String::from("the rig had trouble in the setup"),
             EndReason::Claim => String::from("a claim was lost"),
             EndReason::Alarm => String::from("an alarm was raised"),
             EndReason::Lost => String::from("a device was lost"),
@@ -107,10 +107,10 @@ impl Schedule {
     /// The case ends now, whatever of it is left: no further step of it comes, and the teardown is next. Where it has
     /// ended already this says nothing new.
     pub fn end_early(&mut self, reason: EndReason, now: Time) {
-        if self.course.phase == Phase::Teardown || self.course.ended.is_some() {
+        if self.progress.phase == Phase::Teardown || self.progress.ended.is_some() {
             return;
         }
-        self.course.ended = Some(reason);
+        self.progress.ended = Some(reason);
         self.end = Some(now);
         self.clear();
     }
@@ -118,8 +118,8 @@ impl Schedule {
     /// The case is over and its teardown begins. FALSE where it has none.
     pub fn begin_teardown(&mut self, now: Time) -> bool {
         self.clear();
-        self.course.phase = Phase::Teardown;
-        self.came(Root::Teardown, now);
+        self.progress.phase = Phase::Teardown;
+        self.anchor_reached(StepAnchor::Teardown, now);
         self.steps.iter().any(|step| step.phase == Phase::Teardown)
     }
 
@@ -133,14 +133,14 @@ impl Schedule {
 
     /// The setup is done and main begins.
     pub fn begin_main(&mut self, now: Time) {
-        self.course.phase = Phase::Main;
+        self.progress.phase = Phase::Main;
         self.end = self.end.map(|end| end.max(now));
-        for place in 0..self.course.held.len() {
-            let (step, due) = self.course.held[place];
+        for place in 0..self.progress.held.len() {
+            let (step, due) = self.progress.held[place];
             self.put(now, step, due);
         }
-        self.course.held.clear();
-        self.came(Root::Main, now);
+        self.progress.held.clear();
+        self.anchor_reached(StepAnchor::Main, now);
     }
 
     /// Nothing that was to come comes any more.
@@ -148,49 +148,49 @@ impl Schedule {
         self.queue.clear();
         self.drivers.fill(None);
         self.armed.fill(false);
-        self.course.held.clear();
+        self.progress.held.clear();
     }
 
     /// The first part of the case begins.
-    pub(super) fn open_course(&mut self) {
-        self.course.phase = if self.course.setup > 0 { Phase::Setup } else { Phase::Main };
+    pub(super) fn begin_first_phase(&mut self) {
+        self.progress.phase = if self.progress.setup > 0 { Phase::Setup } else { Phase::Main };
     }
 
     /// Whether a step belongs to a part of the case that can still come.
     pub(super) fn may_come(&self, step: usize) -> bool {
-        self.steps[step].phase >= self.course.phase
+        self.steps[step].phase >= self.progress.phase
     }
 
     /// Keeps what a step of main would do while the setup is under way.
     pub(super) fn is_held(&mut self, step: usize, due: Due) -> bool {
-        let early = self.course.phase == Phase::Setup
+        let early = self.progress.phase == Phase::Setup
             && matches!(due, Due::Arm | Due::Begin)
             && self.steps[step].phase == Phase::Main;
         if early {
-            self.course.held.push((step, due));
+            self.progress.held.push((step, due));
         }
         early
     }
 
     /// Whether a step that is due begins: one that comes again may have come for the last time.
     pub fn begins(&self, step: usize, now: Time) -> bool {
-        !self.course.stopped[step] && self.course.until[step].is_none_or(|until| now < until)
+        !self.progress.stopped[step] && self.progress.until[step].is_none_or(|until| now < until)
     }
 
     /// What this step waits for happened. TRUE where it is to begin.
     pub(super) fn reacts(&mut self, step: usize) -> bool {
         match &self.steps[step].repeat {
-            Some(Repeat::Each { .. }) if self.course.working[step] => return false,
+            Some(Repeat::Each { .. }) if self.progress.working[step] => return false,
             Some(Repeat::Each { .. }) => {}
             _ => self.armed[step] = false,
         }
-        self.course.working[step] = true;
+        self.progress.working[step] = true;
         true
     }
 
     /// A step that was missed: TRUE where it came before, and only listens no longer.
     pub(super) fn has_come(&mut self, step: usize, now: Time) -> bool {
-        let come = self.course.times[step] > 0 || self.course.working[step];
+        let come = self.progress.times[step] > 0 || self.progress.working[step];
         if come {
             self.stop(step, now);
         }
@@ -199,9 +199,9 @@ impl Schedule {
 
     /// A step comes no more.
     pub fn stop(&mut self, step: usize, now: Time) {
-        if !std::mem::replace(&mut self.course.stopped[step], true)
-            && !self.course.working[step]
-            && self.course.times[step] > 0
+        if !std::mem::replace(&mut self.progress.stopped[step], true)
+            && !self.progress.working[step]
+            && self.progress.times[step] > 0
         {
             self.put(now, step, Due::Done);
         }
@@ -209,10 +209,10 @@ impl Schedule {
 
     /// Counts that a step comes.
     pub(super) fn count(&mut self, step: usize, now: Time) -> u64 {
-        self.course.first[step].get_or_insert(now);
-        self.course.working[step] = true;
-        self.course.times[step] += 1;
-        let n = self.course.times[step];
+        self.progress.first[step].get_or_insert(now);
+        self.progress.working[step] = true;
+        self.progress.times[step] += 1;
+        let n = self.progress.times[step];
         match &self.steps[step].repeat {
             Some(Repeat::Each { times }) if n < *times => {}
             _ => self.armed[step] = false,
@@ -231,18 +231,18 @@ impl Schedule {
 
     /// Whether the step runs a group that has steps: it is done when these are.
     pub(super) fn runs(&self, step: usize) -> bool {
-        self.course.open[step] > 0
+        self.progress.open[step] > 0
     }
 
     /// One time of a step is done. TRUE where that was the last one.
     pub fn is_done(&mut self, step: usize) -> bool {
-        self.course.working[step] = false;
+        self.progress.working[step] = false;
         let last = match &self.steps[step].repeat {
             None => true,
-            Some(repeat) => self.course.stopped[step] || self.course.times[step] >= repeat.times(),
+            Some(repeat) => self.progress.stopped[step] || self.progress.times[step] >= repeat.times(),
         };
         // Of two times that touch each other the end of the first may come behind the beginning of the last.
-        last && !std::mem::replace(&mut self.course.done[step], true)
+        last && !std::mem::replace(&mut self.progress.done[step], true)
     }
 
     /// Looks again at this instant whether a step is done.
@@ -270,26 +270,26 @@ impl Schedule {
     /// Tells those who wait for it that a step is done.
     pub(super) fn close(&mut self, step: usize, now: Time) {
         if let Some(parent) = self.steps[step].parent {
-            self.course.open[parent] -= 1;
-            if self.course.open[parent] == 0 {
+            self.progress.open[parent] -= 1;
+            if self.progress.open[parent] == 0 {
                 self.put(now, parent, Due::Done);
             }
         }
         if self.steps[step].phase == Phase::Setup {
-            self.course.setup -= 1;
-            if self.course.setup == 0 {
+            self.progress.setup -= 1;
+            if self.progress.setup == 0 {
                 self.put(now, step, Due::Main);
             }
         }
     }
 
     /// An instant came up to which steps come.
-    pub(super) fn stops(&mut self, root: Root, now: Time) {
-        for place in 0..self.course.untils.len() {
-            let (of, step, offset) = self.course.untils[place];
+    pub(super) fn stops(&mut self, root: StepAnchor, now: Time) {
+        for place in 0..self.progress.untils.len() {
+            let (of, step, offset) = self.progress.untils[place];
             if of == root && self.may_come(step) {
                 let at = now.saturating_add(offset).max(now);
-                self.course.until[step] = Some(at);
+                self.progress.until[step] = Some(at);
                 self.put(at, step, Due::Stop);
             }
         }

@@ -1,10 +1,10 @@
 //! The model with the lines that it has beside its terminals.
 
-use super::Told;
+use super::SoftPlcEvent;
 use crate::capability::Capability;
 use crate::catalogue::Catalogue;
 use crate::hook::HookError;
-use crate::schedule::FileAct;
+use crate::schedule::FileAction;
 use crate::subject::{Observable, Subject};
 use controller::{
     Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, FrontPanel, JitterCounts,
@@ -19,12 +19,12 @@ use std::sync::mpsc::SyncSender;
 const LONGEST_BOOT: Span = Span::from_secs(60);
 /// Where its lines stand, behind its terminals.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Places {
+pub(super) struct SoftPlcTerminals {
     pub inputs: usize,
     pub outputs: usize,
 }
 
-impl Places {
+impl SoftPlcTerminals {
     pub const fn power(self) -> usize {
         self.inputs
     }
@@ -39,14 +39,14 @@ impl Places {
 }
 
 /// The model with the lines that it has beside its terminals.
-pub(super) struct Kept {
+pub(super) struct SoftPlc {
     model: Box<dyn Subject>,
     lines: SubjectLines,
-    places: Places,
+    places: SoftPlcTerminals,
     /// The state that it is to come into first.
     initial: Option<State>,
     /// It gets its supply as soon as its time begins: it has no line for it, or the line was on before.
-    waits: bool,
+    power_pending: bool,
     begun: bool,
     /// Its next boot takes no time.
     pub quick: bool,
@@ -56,30 +56,30 @@ pub(super) struct Kept {
     ahead: Span,
     supply: bool,
     alarm: bool,
-    tell: SyncSender<Told>,
+    tell: SyncSender<SoftPlcEvent>,
 }
 
-impl std::fmt::Debug for Kept {
+impl std::fmt::Debug for SoftPlc {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Kept").field("lines", &self.lines).finish_non_exhaustive()
+        f.debug_struct("SoftPlc").field("lines", &self.lines).finish_non_exhaustive()
     }
 }
 
-impl Kept {
+impl SoftPlc {
     pub fn new(
         model: Box<dyn Subject>,
         lines: SubjectLines,
-        places: Places,
+        places: SoftPlcTerminals,
         initial: State,
-        tell: SyncSender<Told>,
-    ) -> Kept {
-        let (initial, waits) = (Some(initial), lines.power.is_none());
-        Kept {
+        tell: SyncSender<SoftPlcEvent>,
+    ) -> SoftPlc {
+        let (initial, power_pending) = (Some(initial), lines.power.is_none());
+        SoftPlc {
             model,
             lines,
             places,
             initial,
-            waits,
+            power_pending,
             begun: false,
             quick: false,
             booted: Vec::new(),
@@ -90,7 +90,7 @@ impl Kept {
         }
     }
 
-    fn say(&self, told: Told) {
+    fn report(&self, told: SoftPlcEvent) {
         // Whoever watches may be slow, or gone.
         let _ = self.tell.try_send(told);
     }
@@ -137,7 +137,7 @@ impl Kept {
             let effect = *effect;
             match effect {
                 Effect::State { at, state } => {
-                    self.say(Told::State(at, state));
+                    self.report(SoftPlcEvent::State(at, state));
                     let alarm = state == State::Running;
                     if self.alarm != alarm {
                         self.alarm = alarm;
@@ -149,7 +149,9 @@ impl Kept {
                 }
                 // Changes of the state are told already.
                 Effect::Log { entry: LogEntry::State { .. }, .. } => {}
-                Effect::Log { at, entry } => self.say(Told::Log(at, crate::log::show(&entry, &*self.model))),
+                Effect::Log { at, entry } => {
+                    self.report(SoftPlcEvent::Log(at, crate::log::show(&entry, &*self.model)))
+                }
                 _ => {}
             }
         }
@@ -166,7 +168,7 @@ impl Kept {
             _ => return,
         };
         if let Err(refusal) = self.model.command(self.own(now), &command, effects) {
-            self.say(Told::Log(now, refusal.to_string()));
+            self.report(SoftPlcEvent::Log(now, refusal.to_string()));
         }
     }
 }
@@ -183,13 +185,13 @@ fn instant(effect: &mut Effect) -> &mut Time {
     }
 }
 
-impl Subject for Kept {
+impl Subject for SoftPlc {
     fn capabilities(&self) -> &'static [Capability] {
         self.model.capabilities()
     }
 
-    fn delegate(&mut self, outputs: u32) {
-        self.model.delegate(outputs);
+    fn offload_pulses(&mut self, outputs: u32) {
+        self.model.offload_pulses(outputs);
     }
 
     fn power(&mut self, now: Time, on: bool, effects: &mut Effects) {
@@ -198,7 +200,7 @@ impl Subject for Kept {
 
     fn load(&mut self, _interrupt: &AtomicBool) -> Result<(), HookError> {
         // Its program is loaded now where it can be: that takes the host's time, and none of its own.
-        if self.quick && std::mem::take(&mut self.waits) {
+        if self.quick && std::mem::take(&mut self.power_pending) {
             self.quick = false;
             self.supply = true;
             let mut effects = Effects::new();
@@ -206,12 +208,12 @@ impl Subject for Kept {
             self.boot(Time::ZERO, 0, &mut effects);
             self.booted = effects.list;
         }
-        self.say(Told::Ready);
+        self.report(SoftPlcEvent::Ready);
         Ok(())
     }
 
     fn notice(&mut self, at: Time, text: &str) {
-        self.say(Told::Log(at, text.to_owned()));
+        self.report(SoftPlcEvent::Log(at, text.to_owned()));
     }
 
     fn loaded(&mut self, now: Time, effects: &mut Effects) {
@@ -244,19 +246,19 @@ impl Subject for Kept {
         self.model.is_computing()
     }
 
-    fn is_played(&self) -> bool {
+    fn is_model(&self) -> bool {
         true
     }
 
     fn next_timer(&self) -> Option<Time> {
-        if self.waits {
+        if self.power_pending {
             return Some(Time::ZERO);
         }
         Some(self.model.next_timer()?.saturating_add(-self.ahead))
     }
 
     fn fire(&mut self, now: Time, effects: &mut Effects) {
-        if std::mem::take(&mut self.waits) {
+        if std::mem::take(&mut self.power_pending) {
             self.switch(now, true, effects);
             return;
         }
@@ -270,12 +272,12 @@ impl Subject for Kept {
         if input == self.places.power() {
             match self.begun {
                 true => self.switch(now, level.is_high(), effects),
-                false => self.waits = level.is_high(),
+                false => self.power_pending = level.is_high(),
             }
         } else if input == self.places.run_stop() {
             let moved = self.model.command(self.own(now), &Command::Switch(level.is_high()), effects);
             if let Err(refusal) = moved {
-                self.say(Told::Log(now, refusal.to_string()));
+                self.report(SoftPlcEvent::Log(now, refusal.to_string()));
             }
             self.follow(now, before, effects);
         } else {
@@ -283,9 +285,9 @@ impl Subject for Kept {
         }
     }
 
-    fn lose(&mut self, now: Time, input: usize, edges: u32) {
+    fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
         if input != self.places.power() && input != self.places.run_stop() {
-            self.model.lose(self.own(now), input, edges);
+            self.model.report_missed_edges(self.own(now), input, edges);
         }
     }
 
@@ -301,7 +303,7 @@ impl Subject for Kept {
         obeyed
     }
 
-    fn file(&mut self, now: Time, act: &FileAct, effects: &mut Effects) -> Result<(), FileError> {
+    fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
         self.model.file(now, act, effects)
     }
 

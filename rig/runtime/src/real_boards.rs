@@ -27,7 +27,7 @@ pub fn real_board<'p>(plans: &'p [LoadedPlan], jobs: &[Job]) -> Result<Option<&'
 }
 
 /// That the program in a real controller is taken to be that of the plans, where nothing loads it: a warning.
-pub fn taken_for_granted(plans: &[LoadedPlan]) -> Option<Diagnostic> {
+pub fn program_not_loaded(plans: &[LoadedPlan]) -> Option<Diagnostic> {
     let boards = plans.iter().flat_map(|plan| {
         let given = plan.board.iter().map(|(board, _)| board);
         given.chain(plan.boards.iter().map(|(_, board, _)| board))

@@ -1,10 +1,10 @@
 //! Plans on a rig that is kept running: chosen beside the scan, run in its place, told as they go.
 
 use super::fault;
-use super::port::Port;
+use super::port::ScanPort;
 use crate::case::{CaseFiles, RunOptions, run_case};
-use crate::play::{self, Course, Played, Told};
-use crate::suite::{self, Files, Job, LoadedPlan};
+use crate::soft_plc::{self, SoftPlcEvent, SoftPlcReport, SoftPlcSettings};
+use crate::suite::{self, FileSource, Job, LoadedPlan};
 use control::{Fault, Measured, PlanEvent};
 use document::Diagnostic;
 use drivers::BoardFile;
@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// Where the plans are that a rig can run.
-pub trait Shelf: Send + Sync + std::fmt::Debug {
+pub trait PlanSource: Send + Sync + std::fmt::Debug {
     /// The plans of a file or folder, or those that ship.
     ///
     /// # Errors
@@ -25,14 +25,14 @@ pub trait Shelf: Send + Sync + std::fmt::Debug {
     fn plans(&self, path: Option<&str>) -> Result<Vec<String>, String>;
 
     /// Where the files of a plan are.
-    fn files(&self, plan: &str) -> &'static dyn Files;
+    fn files(&self, plan: &str) -> &'static dyn FileSource;
 }
 
 /// What plans are chosen with.
 #[derive(Clone, Debug)]
-pub struct Bench {
+pub struct PlanBench {
     /// The plans.
-    pub shelf: Arc<dyn Shelf>,
+    pub source: Arc<dyn PlanSource>,
     /// The board that they run on, with its text.
     pub board: (BoardFile, String),
     /// The seed of what they leave to chance.
@@ -41,26 +41,26 @@ pub struct Bench {
 
 /// Cases that were chosen, and wait for the scan to end.
 #[derive(Debug)]
-pub struct Chosen {
+pub struct ChosenCases {
     loaded: LoadedPlan,
     jobs: Vec<Job>,
 }
 
 /// The place where they wait.
-pub type Desk = Arc<Mutex<Option<Chosen>>>;
+pub type ChosenSlot = Arc<Mutex<Option<ChosenCases>>>;
 
 /// What a lock holds, whoever panicked with it.
-pub fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+pub fn lock<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Bench {
+impl PlanBench {
     /// The cases of the plans of a file or folder; without one the plans that ship, which are too many to be read for it.
     ///
     /// # Errors
     /// There are none.
     pub fn list(&self, path: Option<&str>) -> Result<Vec<String>, Fault> {
-        let plans = self.shelf.plans(path).map_err(|why| fault::plan(&why))?;
+        let plans = self.source.plans(path).map_err(|why| fault::plan(&why))?;
         if path.is_none() {
             let named = |plan: String| plan.strip_suffix(".toml").map(str::to_owned).unwrap_or(plan);
             return Ok(plans.into_iter().map(named).collect());
@@ -78,7 +78,7 @@ impl Bench {
     ///
     /// # Errors
     /// A plan that cannot be read, or a case that it does not have.
-    pub fn choose(&self, name: &str) -> Result<Chosen, Fault> {
+    pub fn choose(&self, name: &str) -> Result<ChosenCases, Fault> {
         let plan = name.split('[').next().unwrap_or(name);
         let plan = plan.strip_suffix(".toml").unwrap_or(plan);
         let loaded = self.load(&format!("{plan}.toml")).map_err(|found| {
@@ -97,33 +97,39 @@ impl Bench {
         if jobs.is_empty() {
             return Err(fault::plan("it has no case"));
         }
-        Ok(Chosen { loaded, jobs })
+        Ok(ChosenCases { loaded, jobs })
     }
 
     fn load(&self, plan: &str) -> Result<LoadedPlan, Vec<Diagnostic>> {
-        suite::load_plan(self.shelf.files(plan), plan, Some(&self.board), &[], self.seed, &mut Vec::new())
+        suite::load_plan(self.source.files(plan), plan, Some(&self.board), &[], self.seed, &mut Vec::new())
     }
 }
 
-/// Keeps a controller running as [`play::play`] does, and runs what clients choose in between: the controller is stopped
-/// for it, with its outputs safe, and begins anew behind.
+/// Keeps a controller running as [`soft_plc::run`] does, and runs what clients choose in between: the controller is stopped
+/// for it, with its outputs safe, and begins again after it.
 ///
 /// # Errors
 /// Findings in the user's files.
-pub fn keep(
+pub fn run_with_plans(
     case: &Case,
     files: &CaseFiles,
     options: &RunOptions<'_>,
-    course: Course,
-    tell: &SyncSender<Told>,
-) -> Result<Played, Vec<Diagnostic>> {
+    settings: SoftPlcSettings,
+    tell: &SyncSender<SoftPlcEvent>,
+) -> Result<SoftPlcReport, Vec<Diagnostic>> {
     let began = Instant::now();
     loop {
         let passed = i64::try_from(began.elapsed().as_nanos()).map_or(Span::MAX, Span::from_nanos);
-        let left = course.lasts.map(|lasts| if lasts > passed { lasts - passed } else { Span::ZERO });
-        let lasts = if options.clock == crate::ClockKind::Real { left } else { course.lasts };
-        let played = play::play(case, files, options, Course { lasts, ..course }, tell.clone())?;
-        let chosen = options.live.and_then(|port| held(port).chosen());
+        let left = settings.duration.map(|lasts| if lasts > passed { lasts - passed } else { Span::ZERO });
+        let lasts = if options.clock == crate::ClockKind::Real { left } else { settings.duration };
+        let played = soft_plc::run(
+            case,
+            files,
+            options,
+            SoftPlcSettings { duration: lasts, ..settings },
+            tell.clone(),
+        )?;
+        let chosen = options.live.and_then(|port| lock(port).chosen());
         let (Some(chosen), Some(port)) = (chosen, options.live) else { return Ok(played) };
         run(&chosen, options, port);
         if options.interrupt.load(Ordering::Relaxed) {
@@ -133,21 +139,21 @@ pub fn keep(
 }
 
 /// Runs the cases one after the other.
-fn run(chosen: &Chosen, options: &RunOptions<'_>, port: &Mutex<Port>) {
+fn run(chosen: &ChosenCases, options: &RunOptions<'_>, port: &Mutex<ScanPort>) {
     let most = chosen.jobs.len() as u32;
     let mut verdicts = Vec::new();
     for (place, job) in (1..).zip(&chosen.jobs) {
-        if held(port).between() || options.interrupt.load(Ordering::Relaxed) {
+        if lock(port).between() || options.interrupt.load(Ordering::Relaxed) {
             break;
         }
         let record = run_job(chosen, job, (place, most), options, port);
         verdicts.push(record.verdict);
-        held(port).plan(verdict_of(&record));
-        if held(port).is_aborted() {
+        lock(port).plan(verdict_of(&record));
+        if lock(port).is_aborted() {
             break;
         }
     }
-    let mut port = held(port);
+    let mut port = lock(port);
     let whole = verdicts.len() == chosen.jobs.len() && !port.is_aborted();
     let all = Verdict::fold(verdicts);
     let verdict = if whole { all } else { all.max(Verdict::Inconclusive) };
@@ -156,16 +162,16 @@ fn run(chosen: &Chosen, options: &RunOptions<'_>, port: &Mutex<Port>) {
 }
 
 fn run_job(
-    chosen: &Chosen,
+    chosen: &ChosenCases,
     job: &Job,
     place: (u32, u32),
     options: &RunOptions<'_>,
-    port: &Mutex<Port>,
+    port: &Mutex<ScanPort>,
 ) -> CaseRecord {
     let run = || {
         let case = chosen.loaded.plan.case_with(job.case, job.seed)?;
         let files = chosen.loaded.files(&case, job)?;
-        held(port).plan(begin_of(&case, &files, job, place));
+        lock(port).plan(begin_of(&case, &files, job, place));
         run_case(&case, &files, options)
     };
     match run() {

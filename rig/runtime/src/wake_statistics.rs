@@ -6,17 +6,17 @@ use signal::{Span, Time};
 
 /// Counts wake-ups, and keeps the latest of them with their instants.
 #[derive(Debug)]
-pub struct Punctuality {
+pub struct WakeStatistics {
     from: Span,
     noted: Histogram,
     late: u64,
     latest: Vec<LateWake>,
 }
 
-impl Punctuality {
+impl WakeStatistics {
     /// Wake-ups later than `from` count as late.
-    pub fn new(from: Span) -> Punctuality {
-        Punctuality { from, noted: Histogram::new(), late: 0, latest: Vec::with_capacity(MAX_LATE_WAKES) }
+    pub fn new(from: Span) -> WakeStatistics {
+        WakeStatistics { from, noted: Histogram::new(), late: 0, latest: Vec::with_capacity(MAX_LATE_WAKES) }
     }
 
     /// A wait that was to end at `due` ended so much later.
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn the_latest_are_kept_whenever_they_came() {
-        let mut seen = Punctuality::new(Span::from_micros(100));
+        let mut seen = WakeStatistics::new(Span::from_micros(100));
         for n in 0..1_000 {
             // From 1 us to 1000 us, in an order in which late ones come early and late.
             let late = Span::from_micros((n * 37) % 1_000 + 1);

@@ -14,12 +14,12 @@ use plans::{Case, Step, StepTime, value_of};
 use signal::{SignalInfo, Value};
 
 /// Why a case does not apply to this controller on this board, if it does not.
-pub fn beyond(case: &Case, files: &CaseFiles, board: &dyn Board) -> Option<String> {
+pub fn not_applicable_reason(case: &Case, files: &CaseFiles, board: &dyn Board) -> Option<String> {
     if let Some(reason) = case
         .signals
         .iter()
         .filter(|binding| !case.unspoken.contains(&binding.name))
-        .find_map(|binding| unreached(binding, files, board))
+        .find_map(|binding| unreachable_reason(binding, files, board))
     {
         return Some(reason);
     }
@@ -30,7 +30,7 @@ pub fn beyond(case: &Case, files: &CaseFiles, board: &dyn Board) -> Option<Strin
     if sends.is_some() {
         return sends;
     }
-    if let Some(reason) = case.steps.iter().find_map(|step| faultless(case, step, files, board)) {
+    if let Some(reason) = case.steps.iter().find_map(|step| missing_fault_reason(case, step, files, board)) {
         return Some(reason);
     }
     let external = files.board.subject.external.as_ref()?;
@@ -58,22 +58,23 @@ pub fn beyond(case: &Case, files: &CaseFiles, board: &dyn Board) -> Option<Strin
         (None, Some(_)) => {
             Some(String::from("the board names no `alarm` line that shows the controller's state"))
         }
-        (Some(_), Some(Needed::Apart)) => Some(String::from(
+        (Some(_), Some(StateNeed::Apart)) => Some(String::from(
             "an alarm line shows RUNNING and OFF, and does not tell the other states apart",
         )),
-        (_, None) | (Some(_), Some(Needed::Running)) => None,
+        (_, None) | (Some(_), Some(StateNeed::Running)) => None,
     }
 }
 
 /// Leaves out the signals that the plan does not speak of and that nothing reaches: they would only be recorded.
-pub fn leave_out(case: &mut Case, files: &CaseFiles, board: &dyn Board) {
+pub fn remove_unreachable_signals(case: &mut Case, files: &CaseFiles, board: &dyn Board) {
     let unspoken = std::mem::take(&mut case.unspoken);
-    case.signals.retain(|one| !unspoken.contains(&one.name) || unreached(one, files, board).is_none());
+    case.signals
+        .retain(|one| !unspoken.contains(&one.name) || unreachable_reason(one, files, board).is_none());
     case.unspoken = unspoken;
 }
 
 /// Why a name is nothing that the rig can see, if that is so.
-fn unreached(binding: &SignalBinding, files: &CaseFiles, board: &dyn Board) -> Option<String> {
+fn unreachable_reason(binding: &SignalBinding, files: &CaseFiles, board: &dyn Board) -> Option<String> {
     let external = files.board.subject.is_external();
     let has = |channel: &str| board.find(channel).is_some();
     match &binding.source {
@@ -98,7 +99,7 @@ fn unreached(binding: &SignalBinding, files: &CaseFiles, board: &dyn Board) -> O
 }
 
 /// Why the relays of a board of real lines cannot put a step's fault on its line, if that is so.
-fn faultless(case: &Case, step: &Step, files: &CaseFiles, board: &dyn Board) -> Option<String> {
+fn missing_fault_reason(case: &Case, step: &Step, files: &CaseFiles, board: &dyn Board) -> Option<String> {
     let Stimulus::Fault { signal, kind, lasts } = &step.stimulus else { return None };
     let source = &case.signals.iter().find(|binding| binding.name == *signal)?.source;
     let id = match source {
@@ -124,7 +125,7 @@ fn faultless(case: &Case, step: &Step, files: &CaseFiles, board: &dyn Board) -> 
 }
 
 /// What a case has to see of the controller's state.
-enum Needed {
+enum StateNeed {
     /// Whether it runs.
     Running,
     /// Which of the states it has in which it does not run.
@@ -132,7 +133,7 @@ enum Needed {
 }
 
 /// What the claims and steps of a case have to see of the controller's state, if anything.
-fn needed(case: &Case, state: &SignalInfo) -> Option<Needed> {
+fn needed(case: &Case, state: &SignalInfo) -> Option<StateNeed> {
     let numbers = State::ALL.iter().filter(|state| !matches!(state, State::Running | State::Off));
     let mut values: Vec<Value> = numbers.map(|state| Value::Int(state.number())).collect();
     values.push(Value::Int(NOT_RUNNING.0));
@@ -141,7 +142,7 @@ fn needed(case: &Case, state: &SignalInfo) -> Option<Needed> {
     for expectation in claims {
         seen |= expectation.claim.signals().contains(&state.name);
         if !is_same_for(&*expectation.claim, state, &values) {
-            return Some(Needed::Apart);
+            return Some(StateNeed::Apart);
         }
     }
     for step in &case.steps {
@@ -152,8 +153,8 @@ fn needed(case: &Case, state: &SignalInfo) -> Option<Needed> {
         seen = true;
         match awaits {
             Await::Becomes(literal) if value_of(literal, state).is_ok_and(|one| !values.contains(&one)) => {}
-            _ => return Some(Needed::Apart),
+            _ => return Some(StateNeed::Apart),
         }
     }
-    seen.then_some(Needed::Running)
+    seen.then_some(StateNeed::Running)
 }

@@ -3,13 +3,13 @@
 
 use super::Executor;
 use crate::generator::Generator;
-use crate::trouble::Trouble;
+use crate::rig_fault::RigFault;
 use drivers::ChannelId;
 use signal::{Level, Span, Time, Value};
 
 /// The edges that steps asked for and nobody has seen yet.
 #[derive(Debug, Default)]
-pub(super) struct Pulses {
+pub(super) struct PendingEdges {
     /// How many of each channel.
     asked: Vec<u32>,
     /// Whether one of its edges was seen since it had none to come.
@@ -24,10 +24,10 @@ pub(super) struct Pulses {
     put_off: bool,
 }
 
-impl Pulses {
+impl PendingEdges {
     /// For so many channels and steps.
-    pub(super) fn new(channels: usize, steps: usize) -> Pulses {
-        Pulses {
+    pub(super) fn new(channels: usize, steps: usize) -> PendingEdges {
+        PendingEdges {
             asked: vec![0; channels],
             followed: vec![false; channels],
             missed: vec![false; channels],
@@ -83,7 +83,7 @@ impl Executor<'_> {
         };
         let late = self.actual - at;
         if late > self.limits.late {
-            self.ran.trouble.get_or_insert(Trouble::Late { at, late, limit: self.limits.late });
+            self.report.fault.get_or_insert(RigFault::Late { at, late, limit: self.limits.late });
         }
     }
 
@@ -96,92 +96,92 @@ impl Executor<'_> {
             let place = usize::from(channel.0);
             let sensed = self.board.channels().get(place).is_some_and(|channel| channel.senses);
             if sensed && matches!(value, Value::Bool(_)) && self.driven.get(place) != Some(value) {
-                self.pulses.ask(*channel);
+                self.edges.ask(*channel);
             }
         }
     }
 
     /// Whether the end of a step waits for edges that it asked for.
     pub(super) fn awaits_edges(&mut self, step: usize) -> bool {
-        if self.modelled || self.ran.trouble.is_some() {
+        if self.modelled || self.report.fault.is_some() {
             return false;
         }
         let planned = &self.schedule.steps()[step];
         let Some(generator) = &planned.generator else { return false };
         if let Some(begun) = self.schedule.begun(step).filter(|_| planned.repeat.is_none()) {
             // What follows from late pulses has as much time as it was to have.
-            self.pulses.late = self.pulses.late.max(self.now - begun.saturating_add(planned.lasts));
+            self.edges.late = self.edges.late.max(self.now - begun.saturating_add(planned.lasts));
         }
-        if !generator.channels().any(|channel| self.pulses.owes(channel)) {
+        if !generator.channels().any(|channel| self.edges.owes(channel)) {
             return false;
         }
         let until = self.actual.saturating_add(self.limits.late);
-        self.pulses.ending.push((step, until));
+        self.edges.ending.push((step, until));
         true
     }
 
     /// The end of the case; not before pulses that the rig is late with have come that were to come before it.
     pub(super) fn end(&self) -> Time {
         match self.schedule.end() {
-            Some(end) if self.pulses.put_off && self.is_behind(end) => Time::MAX,
-            Some(end) => end.saturating_add(self.pulses.late),
+            Some(end) if self.edges.put_off && self.is_behind(end) => Time::MAX,
+            Some(end) => end.saturating_add(self.edges.late),
             None => Time::MAX,
         }
     }
 
     /// Whether the case, whose end has come, goes on for what the rig is late with.
     pub(super) fn puts_off_end(&mut self) -> bool {
-        let early = self.over || self.schedule.ended().is_some() || self.ran.trouble.is_some();
-        self.pulses.put_off = !early && self.schedule.end().is_some_and(|end| self.is_behind(end));
-        self.pulses.put_off
+        let early = self.over || self.schedule.ended().is_some() || self.report.fault.is_some();
+        self.edges.put_off = !early && self.schedule.end().is_some_and(|end| self.is_behind(end));
+        self.edges.put_off
     }
 
     fn is_behind(&self, end: Time) -> bool {
-        self.holds_end() || !self.modelled && (!self.pulses.ending.is_empty() || self.schedule.is_behind(end))
+        self.holds_end() || !self.modelled && (!self.edges.ending.is_empty() || self.schedule.is_behind(end))
     }
 
     /// Ends the steps whose last edges were seen, or are not waited for any longer.
     pub(super) fn end_pulses(&mut self) {
-        for place in (0..self.pulses.ending.len()).rev() {
-            let (step, until) = self.pulses.ending[place];
+        for place in (0..self.edges.ending.len()).rev() {
+            let (step, until) = self.edges.ending[place];
             let Some(generator) = &self.schedule.steps()[step].generator else { continue };
-            let owed = generator.channels().any(|channel| self.pulses.owes(channel));
-            let over = self.actual >= until || self.ran.trouble.is_some();
+            let owed = generator.channels().any(|channel| self.edges.owes(channel));
+            let over = self.actual >= until || self.report.fault.is_some();
             if owed && !over {
                 continue;
             }
             let mut late = false;
             for channel in generator.channels() {
-                late |= self.pulses.forget(channel);
+                late |= self.edges.forget(channel);
             }
             // A line that never followed is cut, or held: what that means is for the claims to say.
-            if late && self.ran.trouble.is_none() {
+            if late && self.report.fault.is_none() {
                 let limit = self.limits.late;
-                self.ran.trouble =
-                    Some(Trouble::Late { at: until.saturating_add(-limit), late: limit, limit });
+                self.report.fault =
+                    Some(RigFault::Late { at: until.saturating_add(-limit), late: limit, limit });
             }
-            self.pulses.ending.remove(place);
+            self.edges.ending.remove(place);
             self.schedule.done_at(step, self.now);
         }
     }
 
     /// Changes of a line were lost. The model's counters that look at it are off by up to so many, and say so
     /// (io:STD-HSC-16); who plays a controller goes on with them.
-    pub(super) fn miss_edges(&mut self, at: Time, channel: ChannelId, count: u32) {
-        let trouble = Trouble::Dropped { at, channel, count };
+    pub(super) fn report_missed_edges(&mut self, at: Time, channel: ChannelId, count: u32) {
+        let fault = RigFault::Dropped { at, channel, count };
         let place = usize::from(channel.0);
-        if !std::mem::replace(&mut self.pulses.missed[place], true) {
-            self.notice(at, trouble.show(self.board.channels()).to_string());
+        if !std::mem::replace(&mut self.edges.missed[place], true) {
+            self.notice(at, fault.show(self.board.channels()).to_string());
         }
-        self.ran.trouble.get_or_insert(trouble);
+        self.report.fault.get_or_insert(fault);
         for index in 0..self.wiring.inputs[place].len() {
             let input = self.wiring.inputs[place][index];
-            self.subject.lose(self.now, input, count);
+            self.subject.report_missed_edges(self.now, input, count);
         }
     }
 
     /// The subject turns an output that it has turned already since the board was told: both are edges.
-    pub(super) fn keep_edge(&mut self, channel: ChannelId, level: Level) -> Result<(), Trouble> {
+    pub(super) fn keep_edge(&mut self, channel: ChannelId, level: Level) -> Result<(), RigFault> {
         let turns = |(known, value): &(ChannelId, Value)| *known == channel && *value != Value::from(level);
         if self.modelled || !self.writes.iter().any(turns) {
             return Ok(());
@@ -190,6 +190,6 @@ impl Executor<'_> {
         self.expect_writes();
         let written = self.board.write(at, &self.writes);
         self.writes.clear();
-        written.map_err(|error| Trouble::Board { at, error })
+        written.map_err(|error| RigFault::Board { at, error })
     }
 }

@@ -1,6 +1,6 @@
 //! Signals that stand for files, the log, registers and rows of the relocation table.
 
-use crate::prepare::Bench;
+use crate::prepare::TestBench;
 use crate::subject::Observable;
 use controller::{FileProbe, Probe, RegisterProbe, RelocationPart};
 use document::Findings;
@@ -12,7 +12,7 @@ use signal::Kind;
 pub(crate) fn observable(
     binding: &SignalBinding,
     case: &Case,
-    bench: &mut Bench<'_>,
+    bench: &mut TestBench<'_>,
     out: &mut Findings,
 ) -> Option<Option<Observable>> {
     let mut ask = |fact, kind| Observable { probe: bench.subject.file_probe(fact), kind };

@@ -2,14 +2,14 @@
 //! when it came.
 
 use super::Executor;
+use crate::rig_fault::RigFault;
 use crate::schedule::Act;
-use crate::trouble::Trouble;
 use drivers::{ChannelId, Origin};
 use signal::{Span, Time, When};
 
 /// A step whose relay moves.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Moving {
+pub(super) struct RelayMark {
     step: usize,
     channel: ChannelId,
     /// When it began; `None` until the board was asked.
@@ -18,12 +18,12 @@ pub(super) struct Moving {
 
 /// The steps whose marks wait for relays.
 #[derive(Debug, Default)]
-pub(super) struct Settling(Vec<Moving>);
+pub(super) struct RelayMarks(Vec<RelayMark>);
 
-impl Settling {
+impl RelayMarks {
     /// For steps on so many channels.
-    pub(super) fn new(channels: usize) -> Settling {
-        Settling(Vec::with_capacity(channels))
+    pub(super) fn new(channels: usize) -> RelayMarks {
+        RelayMarks(Vec::with_capacity(channels))
     }
 }
 
@@ -40,37 +40,37 @@ impl Executor<'_> {
             return false;
         };
         // What went before on this wire will never be seen apart from what comes now.
-        self.mark_settled(|moving| moving.channel == channel || moving.step == step);
-        self.settling.0.push(Moving { step, channel, asked: None });
+        self.mark_pending_faults(|moving| moving.channel == channel || moving.step == step);
+        self.relays.0.push(RelayMark { step, channel, asked: None });
         true
     }
 
     /// The board was asked for what a step does to a channel.
     pub(super) fn relay_asked(&mut self, channel: ChannelId) {
         let now = self.now;
-        if let Some(moving) = self.settling.0.iter_mut().find(|moving| moving.channel == channel) {
+        if let Some(moving) = self.relays.0.iter_mut().find(|moving| moving.channel == channel) {
             moving.asked.get_or_insert(now);
         }
     }
 
     /// Marks the steps whose faults came. What the lines told of them is recorded behind the marks.
-    pub(super) fn mark_come(&mut self) {
-        for place in (0..self.settling.0.len()).rev() {
-            let Moving { step, channel, asked: Some(asked) } = self.settling.0[place] else { continue };
+    pub(super) fn mark_faults_seen(&mut self) {
+        for place in (0..self.relays.0.len()).rev() {
+            let RelayMark { step, channel, asked: Some(asked) } = self.relays.0[place] else { continue };
             if let Some(came) = self.board.came(channel) {
                 let came = self.seen_by_board(came, channel, Origin::Outside);
-                self.settling.0.remove(place);
+                self.relays.0.remove(place);
                 self.mark_fault(step, When::within(came.earliest.max(asked), came.latest.max(asked)));
             }
         }
     }
 
     /// Marks these steps, whose faults came at some time up to now.
-    pub(super) fn mark_settled(&mut self, of: impl Fn(Moving) -> bool) {
-        for place in (0..self.settling.0.len()).rev() {
-            let moving = self.settling.0[place];
+    pub(super) fn mark_pending_faults(&mut self, of: impl Fn(RelayMark) -> bool) {
+        for place in (0..self.relays.0.len()).rev() {
+            let moving = self.relays.0[place];
             if of(moving) {
-                self.settling.0.remove(place);
+                self.relays.0.remove(place);
                 self.mark_fault(moving.step, When::within(moving.asked.unwrap_or(self.now), self.actual));
             }
         }
@@ -82,19 +82,19 @@ impl Executor<'_> {
     }
 
     /// A step is over: its fault has come, or comes within what a device may take.
-    pub(super) fn await_relay(&mut self, step: usize) -> Result<(), Trouble> {
+    pub(super) fn await_relay(&mut self, step: usize) -> Result<(), RigFault> {
         let began = self.actual;
         let limit = began.saturating_add(self.limits.late);
-        while self.settling.0.iter().any(|moving| moving.step == step) && self.ran.trouble.is_none() {
+        while self.relays.0.iter().any(|moving| moving.step == step) && self.report.fault.is_none() {
             let next = self.board.next_event().unwrap_or(limit).min(limit);
             self.actual = self.clock.wait(next).max(self.actual);
             self.poll()?;
-            if self.actual >= limit && self.settling.0.iter().any(|moving| moving.step == step) {
+            if self.actual >= limit && self.relays.0.iter().any(|moving| moving.step == step) {
                 let late = self.actual - began;
-                self.ran.trouble.get_or_insert(Trouble::Late { at: began, late, limit: self.limits.late });
+                self.report.fault.get_or_insert(RigFault::Late { at: began, late, limit: self.limits.late });
             }
         }
-        self.mark_settled(|moving| moving.step == step);
+        self.mark_pending_faults(|moving| moving.step == step);
         Ok(())
     }
 }

@@ -3,15 +3,15 @@
 use crate::application::{assign, compile};
 use crate::bundle::Bundle;
 use crate::case::CaseFiles;
-use crate::check::Looked;
+use crate::case_export;
+use crate::check::CaseOnBench;
 use crate::configure::{configuration, initial_state};
 use crate::coverage::Collector;
 use crate::external::External;
 use crate::functions;
-use crate::hand;
 use crate::hook::Hook;
 use crate::inputs;
-use crate::prepare::{Bench, Prepared, prepare};
+use crate::prepare::{Prepared, TestBench, prepare};
 use crate::store::MemoryStore;
 use crate::subject::{Model, Subject};
 use crate::tasks::Tasks;
@@ -25,7 +25,7 @@ use signal::{Time, Trace};
 use std::sync::Arc;
 
 /// Subject and board of a case, before power-on.
-pub(crate) struct Stage {
+pub(crate) struct TestSetup {
     pub(crate) subject: Box<dyn Subject>,
     pub(crate) board: Box<dyn drivers::Board>,
     bundle: Vec<u8>,
@@ -38,7 +38,7 @@ pub(crate) struct Stage {
     pub(crate) warnings: Vec<Diagnostic>,
 }
 
-impl Stage {
+impl TestSetup {
     pub(crate) fn prepare(
         &mut self,
         case: &Case,
@@ -46,7 +46,7 @@ impl Stage {
         trace: Trace,
         exact: bool,
     ) -> Result<Prepared, Vec<Diagnostic>> {
-        let mut bench = Bench {
+        let mut bench = TestBench {
             subject: &mut *self.subject,
             board: &*self.board,
             file: &files.board,
@@ -61,24 +61,24 @@ impl Stage {
     }
 
     /// What is looked at before anything moves.
-    pub(crate) fn looked<'a>(
+    pub(crate) fn on_bench<'a>(
         &'a self,
         case: &'a Case,
         files: &'a CaseFiles,
         prepared: &'a Prepared,
-    ) -> Looked<'a> {
-        Looked { case, files, subject: &*self.subject, board: &*self.board, prepared }
+    ) -> CaseOnBench<'a> {
+        CaseOnBench { case, files, subject: &*self.subject, board: &*self.board, prepared }
     }
 }
 
 /// Compiles the program and builds subject and board. A controller that is empty at the start needs no program.
-pub(crate) fn stage(
+pub(crate) fn set_up(
     case: &Case,
     files: &CaseFiles,
     collector: Option<Collector>,
-) -> Result<Stage, Vec<Diagnostic>> {
+) -> Result<TestSetup, Vec<Diagnostic>> {
     if let Some(settings) = &files.board.subject.external {
-        return outside(case, files, settings);
+        return set_up_external(case, files, settings);
     }
     let initial = initial_state(case.settings.initial);
     let none = files.sources.is_empty() && initial == State::Empty;
@@ -112,7 +112,7 @@ pub(crate) fn stage(
     let board = build(&files.board, files.seed).map_err(|error| refused(&error))?;
     let mut model = Model::new(config, program.clone(), Box::new(MemoryStore::default()), collector)
         .map_err(|error| refused(&error))?;
-    model.know(known);
+    model.add_programs(known);
     if case.settings.firmware_invalid {
         model.damage_firmware();
     }
@@ -127,7 +127,7 @@ pub(crate) fn stage(
             error => refused(&error),
         })?;
     }
-    Ok(Stage { subject: Box::new(model), board, bundle, others, program, tasks, warnings })
+    Ok(TestSetup { subject: Box::new(model), board, bundle, others, program, tasks, warnings })
 }
 
 fn refused(files: &CaseFiles, error: &dyn std::fmt::Display) -> Vec<Diagnostic> {
@@ -136,19 +136,23 @@ fn refused(files: &CaseFiles, error: &dyn std::fmt::Display) -> Vec<Diagnostic> 
 
 /// A real controller on the board. Its program is what is in it, or what the user's command brings; the rig does not
 /// read it.
-fn outside(case: &Case, files: &CaseFiles, settings: &Settings) -> Result<Stage, Vec<Diagnostic>> {
+fn set_up_external(
+    case: &Case,
+    files: &CaseFiles,
+    settings: &Settings,
+) -> Result<TestSetup, Vec<Diagnostic>> {
     let board = build(&files.board, files.seed).map_err(|error| refused(files, &error))?;
     let hook = if settings.load.is_empty() && settings.unload.is_empty() {
         Hook::default()
     } else {
-        hand::over(case, files).map_err(|error| {
+        case_export::export_case(case, files).map_err(|error| {
             let message = format!("what `load` is given cannot be written: {error}");
             vec![Diagnostic::error("R0220", message).help("give the temporary folder room")]
         })?
     };
     let (initial, run) = (initial_state(case.settings.initial), case.settings.switch_at_run != Some(false));
     let subject = External::new(&files.board, settings.clone(), &*board, initial, run, hook);
-    Ok(Stage {
+    Ok(TestSetup {
         subject: Box::new(subject),
         board,
         bundle: Vec::new(),

@@ -4,7 +4,7 @@
 //! its signals. Its steps come when they are due, counted from the start that the user names, and where a step waits
 //! for something, when the capture has it. Behind the end of the capture nothing is known.
 
-use crate::case::{CaseFiles, lay_out};
+use crate::case::{self, CaseFiles};
 use crate::describe;
 use crate::prepare::Prepared;
 use crate::schedule::{Act, Due, EndReason, Schedule, Timing};
@@ -20,7 +20,7 @@ use signal::{
 
 /// The signals and steps of a case, as a run would have them.
 #[derive(Debug)]
-pub struct Layout {
+pub struct CaseLayout {
     prepared: Prepared,
 }
 
@@ -28,11 +28,11 @@ pub struct Layout {
 ///
 /// # Errors
 /// What a run would find in the user's files.
-pub fn lay(case: &Case, files: &CaseFiles) -> Result<Layout, Vec<Diagnostic>> {
-    Ok(Layout { prepared: lay_out(case, files)? })
+pub fn lay_out(case: &Case, files: &CaseFiles) -> Result<CaseLayout, Vec<Diagnostic>> {
+    Ok(CaseLayout { prepared: case::lay_out(case, files)? })
 }
 
-impl Layout {
+impl CaseLayout {
     /// The signals, the marks of the steps among them.
     pub fn signals(&self) -> &[SignalInfo] {
         self.prepared.trace.signals()
@@ -54,7 +54,7 @@ impl Layout {
 
 /// A channel of the capture that is a signal of the case.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wire {
+pub struct ChannelMapping {
     /// Place of the channel.
     pub channel: usize,
     /// Place of the signal.
@@ -131,11 +131,11 @@ fn fit(value: Value, kind: Kind, threshold: Option<f64>) -> Value {
 /// # Errors
 /// The trace cannot hold it.
 pub fn trace(
-    layout: Layout,
+    layout: CaseLayout,
     case: &Case,
     files: &CaseFiles,
     capture: &Capture,
-    wires: &[Wire],
+    wires: &[ChannelMapping],
     instants: Option<&Instants>,
 ) -> Result<Trace, TraceError> {
     let Prepared { trace: model, mut steps, .. } = layout.prepared;
@@ -223,7 +223,12 @@ struct Replay {
 }
 
 impl Replay {
-    fn run(&mut self, capture: &Capture, wires: &[Wire], start: Option<When>) -> Result<(), TraceError> {
+    fn run(
+        &mut self,
+        capture: &Capture,
+        wires: &[ChannelMapping],
+        start: Option<When>,
+    ) -> Result<(), TraceError> {
         let mut waiting = start;
         for change in &capture.changes {
             if let Some(start) = waiting.filter(|start| start.latest <= change.at.latest) {
@@ -261,7 +266,7 @@ impl Replay {
         self.settle(at.latest)
     }
 
-    fn change(&mut self, wire: &Wire, at: When, value: Value) -> Result<(), TraceError> {
+    fn change(&mut self, wire: &ChannelMapping, at: When, value: Value) -> Result<(), TraceError> {
         let signal = SignalId(wire.signal as u32);
         let Some(info) = self.trace.signals().get(wire.signal) else { return Ok(()) };
         let value = fit(value, info.kind, wire.threshold);
