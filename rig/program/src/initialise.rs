@@ -3,7 +3,8 @@
 
 use crate::codes::Code;
 use crate::findings::{At, Findings};
-use crate::machine::{Host, Machine, Stop};
+use crate::host::{Host, Stop};
+use crate::machine::Machine;
 use crate::program::Program;
 use signal::{Address, Span, Time};
 use std::ops::Range;

@@ -38,6 +38,7 @@ mod code;
 mod codes;
 mod emit;
 mod findings;
+mod host;
 mod initialise;
 mod library;
 mod listing;
@@ -52,19 +53,18 @@ mod sema;
 mod set;
 mod shape;
 mod source;
+mod state;
 mod tree;
 mod types;
 mod vendor;
 mod walk;
 
 pub use codes::CODES;
+pub use host::{Fault, FaultKind, Host, Slice, Stop};
 pub use library::Service;
 pub use listing::{ListedLine, ListedStep, ListedUnit};
 pub use look::Shown;
-pub use machine::{
-    BranchCoverage, ChangeError, ChangeReport, Coverage, Fault, FaultKind, Host, Machine, MachineError,
-    Slice, StatementCoverage, Stop,
-};
+pub use machine::{ChangeError, ChangeReport, Machine};
 pub use native::{BlockBody, Native, Pin, PinKind, Pins, STANDARD};
 pub use options::{Costs, Limits, Options};
 pub use parse::{declares, mentions};
@@ -72,6 +72,7 @@ pub use program::{Located, Program, Retention, Storage, TaskInfo, VarRef, Variab
 pub use set::SetError;
 pub use shape::{Member, Root, Shape, ShapeId};
 pub use source::source;
+pub use state::{BranchCoverage, Coverage, MachineError, StatementCoverage};
 pub use types::Elementary;
 
 use codes::Code;

@@ -1,7 +1,8 @@
 //! Showing variables: values with the names and forms that they have in the language.
 
+use crate::host::Host;
 use crate::library::{TextOut, to_text};
-use crate::machine::{Host, Machine};
+use crate::machine::Machine;
 use crate::program::Storage;
 use crate::shape::{Shape, ShapeId, count};
 use crate::types::Elementary;

@@ -4,7 +4,6 @@ use crate::code::{Class, IndexOf, LibraryCall, Statement, Step, TextPair, Unit};
 use crate::native::Native;
 use crate::shape::{Root, Shape, ShapeId};
 use crate::types::Elementary;
-use crate::walk::Spot;
 use document::Diagnostic;
 use signal::{Address, Area, Size, Span};
 use std::collections::BTreeMap;
@@ -309,34 +308,5 @@ impl Program {
     /// The type at a place of the table.
     pub(crate) fn shape(&self, id: ShapeId) -> Option<&Shape> {
         self.shapes.get(id.0 as usize)
-    }
-
-    /// The variable with this path, in capitals or not: `MAIN.n`, or `n` where no other program has one. A
-    /// global variable goes before those of programs. A variable of an elementary type, an enumeration or a subrange, or an array
-    /// of such ones as a whole; its elements too, `MAIN.a[3]`, and those inside structures and blocks, `MAIN.t[2].Q`.
-    pub fn find(&self, path: &str) -> Option<Variable> {
-        let spot = Spot::find(self, path)?;
-        let (ty, dimensions) = match self.shape(spot.shape)? {
-            Shape::Array { dimensions, of, .. } => (self.shape(*of)?.elementary()?, dimensions.clone()),
-            shape => (shape.elementary()?, Vec::new()),
-        };
-        Some(Variable {
-            storage: spot.storage(ty)?,
-            retention: self.retention_at(spot.address),
-            path: spot.path,
-            ty,
-            dimensions,
-            file: spot.file,
-        })
-    }
-
-    /// The reference of a path: of a single variable or element as in [`Program::find`]. `None` for whole arrays and
-    /// located variables, which [`Program::find`] describes.
-    pub fn resolve(&self, path: &str) -> Option<VarRef> {
-        let spot = Spot::find(self, path)?;
-        match spot.storage(self.shape(spot.shape)?.elementary()?)? {
-            Storage::Cell(variable) => Some(variable),
-            Storage::Located(_) => None,
-        }
     }
 }

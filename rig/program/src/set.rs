@@ -1,7 +1,8 @@
 //! Setting variables from text, in the forms that the language gives values.
 
+use crate::host::Host;
 use crate::library::days_of;
-use crate::machine::{Host, Machine};
+use crate::machine::Machine;
 use crate::program::Storage;
 use crate::shape::Shape;
 use crate::types::Elementary::{self, *};

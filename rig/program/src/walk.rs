@@ -1,7 +1,7 @@
 //! Ways through the variables: to one by its path, and over all of them.
 
 use crate::code::map;
-use crate::program::{Entry, Program, Storage, VarRef};
+use crate::program::{Entry, Program, Storage, VarRef, Variable};
 use crate::shape::{Root, Shape, ShapeId, count};
 use crate::types::Elementary;
 use signal::{Address, Area, Size};
@@ -30,6 +30,37 @@ pub(crate) struct Spot {
     pub bit: u8,
     pub shape: ShapeId,
     pub file: u16,
+}
+
+impl Program {
+    /// The variable with this path, in capitals or not: `MAIN.n`, or `n` where no other program has one. A
+    /// global variable goes before those of programs. A variable of an elementary type, an enumeration or a subrange, or an array
+    /// of such ones as a whole; its elements too, `MAIN.a[3]`, and those inside structures and blocks, `MAIN.t[2].Q`.
+    pub fn find(&self, path: &str) -> Option<Variable> {
+        let spot = Spot::find(self, path)?;
+        let (ty, dimensions) = match self.shape(spot.shape)? {
+            Shape::Array { dimensions, of, .. } => (self.shape(*of)?.elementary()?, dimensions.clone()),
+            shape => (shape.elementary()?, Vec::new()),
+        };
+        Some(Variable {
+            storage: spot.storage(ty)?,
+            retention: self.retention_at(spot.address),
+            path: spot.path,
+            ty,
+            dimensions,
+            file: spot.file,
+        })
+    }
+
+    /// The reference of a path: of a single variable or element as in [`Program::find`]. `None` for whole arrays and
+    /// located variables, which [`Program::find`] describes.
+    pub fn resolve(&self, path: &str) -> Option<VarRef> {
+        let spot = Spot::find(self, path)?;
+        match spot.storage(self.shape(spot.shape)?.elementary()?)? {
+            Storage::Cell(variable) => Some(variable),
+            Storage::Located(_) => None,
+        }
+    }
 }
 
 impl Spot {

@@ -3,8 +3,6 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
-use crate::quantity::{self, QuantityError};
-
 /// An instant: nanoseconds since the origin of the trace (the moment recording began).
 ///
 /// Range ±292 years, at whose ends all arithmetic stops: a plan's absurd duration neither panics nor wraps.
@@ -74,17 +72,6 @@ impl Span {
     /// Whether the duration is below zero.
     pub const fn is_negative(self) -> bool {
         self.0 < 0
-    }
-
-    /// Reads a duration such as `100 ms`, `100.3ms`, `-2 us` or `1 min 30 s`.
-    ///
-    /// The number is an exact decimal with optional `_` between digits; units are ns, us (or µs), ms, s,
-    /// min, h and d. What is finer than one nanosecond is refused, never rounded.
-    ///
-    /// # Errors
-    /// [`QuantityError`] with the byte of the first fault.
-    pub fn parse(text: &str) -> Result<Span, QuantityError> {
-        quantity::span(text)
     }
 }
 
@@ -174,53 +161,5 @@ impl Neg for Span {
     type Output = Span;
     fn neg(self) -> Span {
         Span(self.0.saturating_neg())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn durations_are_exact() {
-        assert_eq!(Span::parse("100.3 ms"), Ok(Span(100_300_000)));
-        assert_eq!(Span::parse("0.37ms"), Ok(Span(370_000)));
-        assert_eq!(Span::parse("1 min 30 s"), Ok(Span::from_secs(90)));
-        assert_eq!(Span::parse("-2 µs"), Ok(Span(-2_000)));
-        assert_eq!(Span::parse("1_000 ns"), Ok(Span(1_000)));
-        assert_eq!(Span::parse("0.001 d"), Ok(Span(86_400_000_000)));
-        assert_eq!(Span::parse("-1s500ms"), Ok(Span(-1_500_000_000)));
-    }
-
-    #[test]
-    fn faults_name_their_place() {
-        use crate::QuantityFault as F;
-        for (text, fault, at) in [
-            ("", F::Empty, 0),
-            ("100", F::MissingUnit, 0),
-            ("100 msec", F::NoTime, 4),
-            ("5 V", F::NoTime, 2),
-            ("0.1 ns", F::TooFine, 0),
-            ("300000 d", F::TooLong, 0),
-            ("200 d 106700 d", F::TooLong, 0),
-            (". ms", F::Number, 0),
-            ("1. ms", F::Number, 0),
-        ] {
-            assert_eq!(Span::parse(text), Err(QuantityError { at, fault }), "{text}");
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn what_is_written_reads_back(nanos in any::<i64>()) {
-            let span = Span(nanos);
-            prop_assert_eq!(Span::parse(&span.to_string()), Ok(span));
-        }
-
-        #[test]
-        fn no_text_panics(text in "\\PC*") {
-            let _ = Span::parse(&text);
-        }
     }
 }

@@ -3,7 +3,8 @@
 use super::emit;
 use crate::code::{Op, map};
 use crate::findings::{At, Findings};
-use crate::machine::{Host, Machine, Stop};
+use crate::host::{Host, Stop};
+use crate::machine::Machine;
 use crate::options::Options;
 use crate::program::Program;
 use crate::tree::*;

@@ -5,192 +5,20 @@ mod change;
 mod debug;
 mod force;
 mod retain;
-mod task;
 
 pub use change::{ChangeError, ChangeReport};
-pub(crate) use debug::Debug;
-pub use debug::{BranchCoverage, Coverage, StatementCoverage};
-pub(crate) use task::{Asks, Registers, Task};
 
-use crate::code::{LibraryArgument, map};
-use crate::library::Service;
-use crate::native::{Native, Pins};
+use crate::host::{Host, Slice, Stop};
 use crate::program::{Program, VarRef};
-use crate::run::{Parts, Prepared, run, settle};
+use crate::run::{Parts, Prepared, finish_service, run};
+use crate::state::{
+    Debug, MachineError, NEAR, PinOffsets, READ_ONLY, RETAINED, Scratch, ServiceCall, Task, WATCHED,
+};
 use crate::types::Elementary;
 use force::Forced;
-use signal::{Address, Span, Time, Value};
-use std::fmt;
+use signal::{Span, Time, Value};
 use std::ops::Range;
 use std::sync::Arc;
-
-/// A byte of a variable that somebody watches.
-pub(crate) const WATCHED: u8 = 1;
-/// A byte that belongs to the retained image.
-pub(crate) const RETAINED: u8 = 2;
-/// A byte that is not written.
-pub(crate) const READ_ONLY: u8 = 4;
-/// A byte that is nothing of the above itself, but a store that starts here may reach one that is.
-pub(crate) const NEAR: u8 = 8;
-
-/// The images and the mapped memory, as the program sees them.
-pub trait Host {
-    /// The bits at a place, in the low bits.
-    fn load(&mut self, at: Address) -> u64;
-
-    /// Stores the low bits of `value`. `file` and `line` (from 1) are the place in the source. TRUE where a
-    /// watched location changed: the machine stops right after the operation with [`Stop::Touched`].
-    fn store(&mut self, at: Address, value: u64, file: u16, line: u32) -> bool;
-
-    /// A call of the block with this number, whose body is the host's ([`crate::BlockBody::Host`]). TRUE where the
-    /// host wants to see to what came of it: the machine stops right after the call with [`Stop::Touched`].
-    fn block(&mut self, _block: u16, _pins: &mut Pins<'_>) -> bool {
-        false
-    }
-}
-
-/// What a task did in one slice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Slice {
-    /// Modelled time that was used, never more than the budget.
-    pub used: Span,
-    /// Why it stopped.
-    pub stop: Stop,
-}
-
-/// Why a slice ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
-    /// The next operation takes `next`, more than what is left. Nothing of it has happened.
-    Budget {
-        /// Modelled time of the next operation.
-        next: Span,
-    },
-    /// The cycle is complete.
-    Done,
-    /// A watched variable or location changed at the end of the slice.
-    Touched,
-    /// A statement with a breakpoint comes next, or the next one after [`Machine::step`]. The cycle goes on with
-    /// the next slice.
-    Break,
-    /// The program asks for something, the operation that does so being complete at the end of the slice. The cycle
-    /// goes on with the next slice behind [`Machine::answer`]; without an answer it asks again.
-    Service {
-        /// What it asks for.
-        service: Service,
-        /// The first argument; 0 where there is none.
-        argument: i64,
-    },
-    /// The cycle was abandoned.
-    Fault(Fault),
-}
-
-/// What no program can go on from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fault {
-    /// What happened.
-    pub kind: FaultKind,
-    /// Place of the source file.
-    pub file: u16,
-    /// Line, from 1.
-    pub line: u32,
-}
-
-/// Kinds of faults.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum FaultKind {
-    /// `/` or MOD of whole numbers by 0.
-    DivisionByZero,
-    /// An index outside the bounds of its array.
-    Bounds,
-    /// A pointer, reference or interface that leads nowhere, or to what may not be written.
-    BadReference,
-    /// Calls that need more room than the task's stack has.
-    StackDepth,
-    /// The code asked for what the compiler never emits: a defect of the rig.
-    Internal,
-}
-
-impl fmt::Display for FaultKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            FaultKind::DivisionByZero => "division by zero",
-            FaultKind::Bounds => "index outside the bounds of the array",
-            FaultKind::BadReference => "reference to no variable",
-            FaultKind::StackDepth => "calls nested too deep",
-            FaultKind::Internal => "internal fault of the compiler",
-        })
-    }
-}
-
-/// Why a machine cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MachineError {
-    /// A task names a program by a place that [`Program::programs`] does not have.
-    NoSuchProgram {
-        /// Place of the task.
-        task: usize,
-        /// The place asked for.
-        program: usize,
-    },
-    /// Variables and stacks are more than what a machine addresses.
-    Memory {
-        /// Bytes needed.
-        bytes: usize,
-    },
-}
-
-impl fmt::Display for MachineError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            MachineError::NoSuchProgram { task, program } => {
-                write!(f, "task {task} calls program {program}, which the application does not have")
-            }
-            MachineError::Memory { bytes } => {
-                write!(f, "variables and stacks need {bytes} bytes, and there are {}", map::OWN_END)
-            }
-        }
-    }
-}
-
-impl std::error::Error for MachineError {}
-
-/// Where the pins of a native block lie in an instance.
-#[derive(Clone, Debug)]
-pub(crate) struct PinOffsets {
-    pub offsets: Vec<u16>,
-    pub bytes: u32,
-}
-
-impl PinOffsets {
-    fn new(native: &Native) -> PinOffsets {
-        let (offsets, bytes) = native.layout();
-        PinOffsets { offsets, bytes }
-    }
-}
-
-/// Room for the arguments of the library, sized once.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Scratch {
-    pub bytes: Vec<u8>,
-    pub cells: Vec<i64>,
-}
-
-impl Scratch {
-    fn new(program: &Program) -> Scratch {
-        let (mut bytes, mut cells) = (0, 0);
-        for call in &program.library {
-            let all = call.arguments.iter().chain([&call.result]);
-            let texts = all.map(|argument| match argument {
-                LibraryArgument::Text(text) => text.bytes as usize,
-                LibraryArgument::Cell(..) => 0,
-            });
-            bytes = texts.sum::<usize>().max(bytes);
-            cells = call.arguments.len().max(cells);
-        }
-        Scratch { bytes: vec![0; bytes], cells: vec![0; cells] }
-    }
-}
 
 /// A program with its memory. Nothing is allocated by [`Machine::begin`] and [`Machine::resume`].
 #[derive(Clone, Debug)]
@@ -291,12 +119,13 @@ impl Machine {
         let Some(task) = self.tasks.get_mut(task) else {
             return Slice { used: Span::ZERO, stop: Stop::Done };
         };
-        if let Some(Asks { call, service, argument, answer }) = task.asks {
+        if let Some(ServiceCall { call, service, argument, answer }) = task.asks {
             let nothing = |stop| Slice { used: Span::ZERO, stop };
             let Some(answer) = answer else { return nothing(Stop::Service { service, argument }) };
             task.asks = None;
             let place = (call, answer);
-            let (stop, changed) = settle(&self.program, &mut self.memory, &self.flags, task, host, place);
+            let (stop, changed) =
+                finish_service(&self.program, &mut self.memory, &self.flags, task, host, place);
             self.dirty |= changed & RETAINED != 0;
             if let Some(stop) = stop {
                 return nothing(stop);

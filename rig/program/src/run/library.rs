@@ -3,9 +3,10 @@
 use super::text::At;
 use super::world::{By, Stored, World};
 use crate::code::{LibraryArgument, LibraryCall, LibraryCode, Operand, TextAt};
+use crate::host::{FaultKind, Host};
 use crate::library::{Body, Service, Text, TextCall, TextOut, from_text, to_text};
-use crate::machine::{FaultKind, Host, PinOffsets, READ_ONLY, Scratch, WATCHED};
 use crate::native::{BlockBody, Native, Pins};
+use crate::state::{PinOffsets, READ_ONLY, Scratch, WATCHED};
 use crate::types::Elementary;
 use signal::Time;
 

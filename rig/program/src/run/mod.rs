@@ -10,14 +10,13 @@ mod text;
 mod world;
 
 pub(crate) use fast::Prepared;
-pub(crate) use service::settle;
+pub(crate) use service::finish_service;
 
 use crate::code::{Base, Op, Operand, map};
+use crate::host::{Fault, FaultKind, Host, Slice, Stop};
 use crate::library::{Service, convert};
-use crate::machine::{
-    Asks, Debug, Fault, FaultKind, Host, PinOffsets, Registers, Scratch, Slice, Stop, Task,
-};
 use crate::program::Program;
+use crate::state::{Debug, PinOffsets, Registers, Scratch, ServiceCall, Task};
 use crate::types::Elementary;
 use library::Called;
 use number::{Canonical, Raw, max_f32, max_f64, min_f32, min_f64, shift, spread, turn};
@@ -405,7 +404,7 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
                 match world.call_library(memory, scratch, call, place, now, By { pc: here, unit }) {
                     Ok(Called::Done(stored)) => settle!(stored),
                     Ok(Called::Asks(service, argument)) => {
-                        task.asks = Some(Asks { call: b, service, argument, answer: None });
+                        task.asks = Some(ServiceCall { call: b, service, argument, answer: None });
                         break 'slice Exit::Service(service, argument);
                     }
                     Err(kind) => break 'slice Exit::Fault(kind),

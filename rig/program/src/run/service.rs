@@ -3,12 +3,13 @@
 use super::place;
 use super::world::{By, Stored, World};
 use crate::code::LibraryArgument;
-use crate::machine::{Fault, FaultKind, Host, Stop, Task};
+use crate::host::{Fault, FaultKind, Host, Stop};
 use crate::program::Program;
+use crate::state::Task;
 
 /// Stores the answer to the service that a task waits for; the operation was complete when it was asked. Gives why
 /// the task does not go on at once, and the flags of the bytes that changed.
-pub(crate) fn settle<H: Host>(
+pub(crate) fn finish_service<H: Host>(
     program: &Program,
     memory: &mut [u8],
     flags: &[u8],

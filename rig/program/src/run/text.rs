@@ -2,7 +2,7 @@
 
 use super::world::{By, Stored, World};
 use crate::code::TextAt;
-use crate::machine::Host;
+use crate::host::Host;
 use std::cmp::Ordering;
 
 /// What stands for a character that a STRING cannot hold.

@@ -2,8 +2,9 @@
 //! paths, kept out of the loop of the machine.
 
 use crate::code::map;
-use crate::machine::{Host, READ_ONLY, WATCHED};
+use crate::host::Host;
 use crate::program::Program;
+use crate::state::{READ_ONLY, WATCHED};
 use signal::{Address, Area, Size};
 
 /// How a store went.

@@ -3,9 +3,11 @@
 
 use super::{Board, Builder, at, cycle, done};
 use crate::code::Op::*;
-use crate::machine::{BranchCoverage, ChangeError, ChangeReport, Machine, StatementCoverage, Stop};
+use crate::host::Stop;
+use crate::machine::{ChangeError, ChangeReport, Machine};
 use crate::program::{Program, Retention, Storage};
 use crate::shape::{Member, Shape, ShapeId};
+use crate::state::{BranchCoverage, StatementCoverage};
 use crate::types::Elementary::{Bool, Dint, Int, Lint};
 use signal::{Span, Time, Value};
 use std::sync::Arc;

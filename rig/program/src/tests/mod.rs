@@ -8,7 +8,8 @@ mod slices;
 
 use crate::assemble::finish;
 use crate::code::{Base, Op, Operand, Statement, Step, Unit, map};
-use crate::machine::{Host, Machine, Slice, Stop};
+use crate::host::{Host, Slice, Stop};
+use crate::machine::Machine;
 use crate::program::{Program, Retained, Retention};
 use crate::shape::{Root, Shape, ShapeId};
 use crate::types::Elementary;

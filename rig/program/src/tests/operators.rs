@@ -2,7 +2,7 @@
 
 use super::{Board, Builder, at, cycle};
 use crate::code::Op::{self, *};
-use crate::machine::{FaultKind, Stop};
+use crate::host::{FaultKind, Stop};
 use proptest::prelude::*;
 
 /// A whole number type: bits, signed.

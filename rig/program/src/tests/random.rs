@@ -4,7 +4,8 @@ use super::{Board, Builder, at, frame, this, via};
 use crate::code::{
     Class, IndexOf, LibraryArgument, LibraryCall, LibraryCode, Op, Operand, Statement, Step, TextAt, TextPair,
 };
-use crate::machine::{Machine, Stop};
+use crate::host::Stop;
+use crate::machine::Machine;
 use crate::program::{Program, Retention};
 use crate::types::Elementary;
 use proptest::prelude::*;

@@ -2,7 +2,8 @@
 
 use super::{Board, Builder, at, cycle, done, frame, this, via};
 use crate::code::{Class, IndexOf, Op::*, Operand, TextAt, TextPair};
-use crate::machine::{Fault, FaultKind, Machine, Stop};
+use crate::host::{Fault, FaultKind, Stop};
+use crate::machine::Machine;
 use crate::program::VarRef;
 use crate::types::Elementary::{Bool, Byte, Dint, Int, Lint, Real};
 use proptest::prelude::*;

@@ -1,6 +1,7 @@
 //! Numbers with units, and ranges of them: the one reader of everything that a user writes with a unit.
 
 mod decimal;
+mod duration;
 mod error;
 mod range;
 mod units;
@@ -89,11 +90,6 @@ impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.unit.is_none() { self.number.fmt(f) } else { write!(f, "{} {}", self.number, self.unit) }
     }
-}
-
-/// Reads a duration; see [`Span::parse`].
-pub(crate) fn span(text: &str) -> Result<Span, QuantityError> {
-    Placed::read(text, 0)?.span()
 }
 
 /// A quantity with its places in the text.

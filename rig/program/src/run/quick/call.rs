@@ -3,9 +3,9 @@
 //! They are kept out of the loop: with them in it, all other steps take a tenth longer.
 
 use super::{Around, NONE, Quick};
-use crate::machine::{PinOffsets, Registers, Task};
 use crate::native::{BlockBody, Pins};
 use crate::program::Program;
+use crate::state::{PinOffsets, Registers, Task};
 use signal::{Span, Time};
 
 /// A unit that can be called.

@@ -16,8 +16,8 @@ mod steps;
 
 use super::fast::{FastIndex, From};
 use crate::code::Op;
-use crate::machine::{PinOffsets, Task};
 use crate::program::Program;
+use crate::state::{PinOffsets, Task};
 use call::Callee;
 pub(super) use fold::fold;
 use lookup::Lookup;

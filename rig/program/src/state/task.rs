@@ -22,7 +22,7 @@ pub(crate) struct Registers {
 
 /// A service that a task waits for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Asks {
+pub(crate) struct ServiceCall {
     /// The call's entry in `Program::library`.
     pub call: u32,
     pub service: Service,
@@ -49,7 +49,7 @@ pub(crate) struct Task {
     /// It stops before the next statement.
     pub stepping: bool,
     /// It has asked the caller of the machine for something.
-    pub asks: Option<Asks>,
+    pub asks: Option<ServiceCall>,
 }
 
 impl Task {
