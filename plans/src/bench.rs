@@ -4,7 +4,7 @@
 use signal::{Kind, Policy, Sampling, SignalInfo, Span, Value};
 
 use crate::expect::{Claim, Demand};
-use crate::judge::{Number, Test, slack};
+use crate::monitor::{Number, Test, slack};
 
 /// The values that a signal of whole numbers can have. FALSE is 0, TRUE is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

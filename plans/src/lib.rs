@@ -15,9 +15,11 @@ pub mod judge;
 pub mod lang;
 mod meaning;
 pub mod measure;
+pub mod monitor;
 pub mod plan;
 pub mod register;
 pub mod schema;
+pub mod signals;
 pub mod steps;
 pub mod table;
 

@@ -1,20 +1,21 @@
 //! What a written value means for a signal.
 
-use crate::expect::condition;
+use signal::{Decimal, Kind, Quantity, QuantityFault, QuantityRange, SignalInfo, Unit, Value};
+
 use crate::lang::Literal;
-use signal::{Kind, SignalInfo, Value};
+use crate::monitor::Number;
 
 /// A written value as a value of this signal: labels are those of its state, quantities are in its unit.
 ///
 /// # Errors
 /// Why it has no meaning for the signal.
 pub fn value_of(literal: &Literal, info: &SignalInfo) -> Result<Value, String> {
-    if condition::is_high_z(literal) && info.kind != Kind::State {
+    if is_high_z(literal) && info.kind != Kind::State {
         return Ok(Value::HighZ);
     }
-    Ok(match condition::number(literal, info)? {
-        crate::judge::Number::Real(real) => Value::Real(real),
-        crate::judge::Number::Int(number) => match i64::try_from(number) {
+    Ok(match number(literal, info)? {
+        Number::Real(real) => Value::Real(real),
+        Number::Int(number) => match i64::try_from(number) {
             Ok(number) => Value::Int(number),
             Err(_) => {
                 Value::Word(u64::try_from(number).map_err(|_| String::from("the number has over 64 bits"))?)
@@ -25,5 +26,152 @@ pub fn value_of(literal: &Literal, info: &SignalInfo) -> Result<Value, String> {
 
 /// A written value in words.
 pub fn show_literal(literal: &Literal) -> String {
-    condition::show(literal)
+    literal.to_string()
+}
+
+/// Whether it stands for a line that nobody drives.
+pub(crate) fn is_high_z(literal: &Literal) -> bool {
+    match literal {
+        Literal::Label(word) => word.eq_ignore_ascii_case("z"),
+        Literal::Value(value) => matches!(value, Value::HighZ),
+        Literal::Measure { .. } => false,
+    }
+}
+
+/// A literal as a number of this signal.
+///
+/// # Errors
+/// Why it has no meaning for the signal.
+pub(crate) fn number(literal: &Literal, info: &SignalInfo) -> Result<Number, String> {
+    match literal {
+        Literal::Value(Value::Real(real)) => Ok(Number::Real(*real)),
+        Literal::Value(value) => match value.as_int() {
+            Some(n) => Ok(Number::Int(n)),
+            None => Err(format!("`{value}` is no value that `{}` can be compared with", info.name)),
+        },
+        Literal::Label(word) => {
+            match info.labels.iter().find(|(_, label)| label.eq_ignore_ascii_case(word)) {
+                Some((n, _)) => Ok(Number::Int(i128::from(*n))),
+                None if info.labels.is_empty() => {
+                    Err(format!("`{}` has no named states, so it cannot be `{word}`", info.name))
+                }
+                None => {
+                    let known = info.labels.iter().map(|(_, label)| label.as_str());
+                    let hint = match document::suggest(word, known.clone()) {
+                        Some(meant) => format!("did you mean `{meant}`?"),
+                        None => format!("its states are {}", known.collect::<Vec<_>>().join(", ")),
+                    };
+                    Err(format!("`{}` has no state `{word}`; {hint}", info.name))
+                }
+            }
+        }
+        Literal::Measure { .. } => exact(literal, info).map(Number::from),
+    }
+}
+
+/// A quantity in the unit of this signal, exactly.
+fn in_unit_of(quantity: &Quantity, info: &SignalInfo) -> Result<Decimal, String> {
+    let own = Unit::new(&info.unit);
+    let number = if quantity.unit.is_none() {
+        Some(quantity.number)
+    } else if own.is_none() && quantity.is_time() {
+        // A variable of type TIME has no unit: it holds nanoseconds.
+        quantity.in_unit(&Unit::new("ns"))
+    } else {
+        quantity.in_unit(&own)
+    };
+    number.ok_or_else(|| {
+        let has = if own.is_none() { "no unit".into() } else { format!("the unit {}", info.unit) };
+        format!("`{}` has {has}; `{quantity}` cannot be compared with it", info.name)
+    })
+}
+
+/// A value and its tolerance as exact numbers in the unit of a signal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Around {
+    /// The value.
+    pub(crate) middle: Decimal,
+    /// The least that is within the tolerance.
+    pub(crate) min: Decimal,
+    /// The greatest that is within the tolerance.
+    pub(crate) max: Decimal,
+}
+
+impl Around {
+    /// `tolerance` may be a part of `middle`, as in `10 %`, for a signal that is not in `%` itself.
+    ///
+    /// # Errors
+    /// Why the two have no meaning for the signal.
+    pub(crate) fn new(middle: &Literal, tolerance: &Literal, info: &SignalInfo) -> Result<Around, String> {
+        let own = Quantity { number: exact(middle, info)?, unit: Unit::new(&info.unit) };
+        let band = match tolerance.quantity() {
+            Some(part) if part.is_part() && !own.is_part() => part,
+            _ => Quantity { number: exact(tolerance, info)?, unit: own.unit.clone() },
+        };
+        let range = QuantityRange::around(&own, &band).map_err(|fault| match fault {
+            QuantityFault::Negative => format!("a tolerance of {tolerance} can never be met"),
+            fault => format!("{middle} ± {tolerance}: {fault}"),
+        })?;
+        let end = |end: Option<Quantity>| end.map_or(own.number, |end| end.number);
+        Ok(Around { middle: own.number, min: end(range.min), max: end(range.max) })
+    }
+}
+
+/// A literal as an exact number of this signal.
+pub(crate) fn exact(literal: &Literal, info: &SignalInfo) -> Result<Decimal, String> {
+    if let Some(quantity) = literal.quantity() {
+        return in_unit_of(&quantity, info);
+    }
+    let exact = match number(literal, info)? {
+        Number::Int(whole) => Some(Decimal::from(whole)),
+        Number::Real(real) => Decimal::from_f64(real),
+    };
+    exact.ok_or_else(|| format!("`{literal}` is no finite number"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn literal_of(text: &str) -> Literal {
+        Literal::parse(text).unwrap()
+    }
+
+    #[test]
+    fn quantities_meet_in_the_unit_of_the_signal() {
+        let bind = |unit: &str, text: &str| {
+            let mut info = SignalInfo::exact("u", Kind::Real);
+            info.unit = unit.into();
+            number(&literal_of(text), &info)
+        };
+        assert_eq!(bind("V", "1500 mV"), Ok(Number::Real(1.5)));
+        assert_eq!(bind("°C", "20.5 degC"), Ok(Number::Real(20.5)));
+        assert_eq!(bind("l/min", "3 l/min"), Ok(Number::Int(3)));
+        assert_eq!(bind("ms", "1 s 500 ms"), Ok(Number::Int(1500)));
+        assert_eq!(bind("", "T#1ms"), Ok(Number::Int(1_000_000)));
+        assert_eq!(bind("V", "3"), Ok(Number::Int(3)));
+        let fault = "`u` has the unit V; `1 A` cannot be compared with it";
+        assert_eq!(bind("V", "1 A"), Err(fault.into()));
+        for (unit, text) in [("V", "500 ms"), ("", "1 V"), ("l/min", "3 l/h"), ("h", "90 min")] {
+            assert!(bind(unit, text).is_err(), "{text} in {unit}");
+        }
+    }
+
+    #[test]
+    fn a_tolerance_ends_where_its_decimals_say() {
+        let ends = |unit: &str, middle: &str, tolerance: &str| {
+            let mut info = SignalInfo::exact("u", Kind::Real);
+            info.unit = unit.into();
+            let around = Around::new(&literal_of(middle), &literal_of(tolerance), &info)?;
+            Ok((around.min.as_f64(), around.max.as_f64()))
+        };
+        // In floats 0.3 + 0.1 is above 0.4, and 24 - 2.4 below 21.6.
+        assert_eq!(ends("V", "0.3", "100 mV"), Ok((0.2, 0.4)));
+        assert_eq!(ends("V", "24 V", "10 %"), Ok((21.6, 26.4)));
+        assert_eq!(ends("%", "50 %", "5 %"), Ok((45.0, 55.0)));
+        assert_eq!(ends("", "1000", "0.5 %"), Ok((995.0, 1005.0)));
+        assert_eq!(ends("", "16#10", "1"), Ok((15.0, 17.0)));
+        assert!(ends("V", "24 V", "-1").is_err_and(|why: String| why.contains("never be met")));
+        assert!(ends("V", "24 V", "1 A").is_err());
+    }
 }

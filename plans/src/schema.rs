@@ -4,7 +4,8 @@ use document::schema::{Grammar, Verbs, schema};
 use document::{KeySpec, KeyType};
 use serde_json::Value as Json;
 
-use crate::plan::{EXPECT_KEYS, INCLUDED_KEYS, PLAN_KEYS, SOURCE_KEYS, STEP_KEYS, SUITE_KEYS};
+use crate::plan::{EXPECT_KEYS, INCLUDED_KEYS, PLAN_KEYS, STEP_KEYS, SUITE_KEYS};
+use crate::signals::SOURCE_KEYS;
 use crate::{expect, lang, steps};
 
 /// The schema of a plan.

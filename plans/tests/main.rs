@@ -3,8 +3,8 @@
 mod alarms;
 mod broken;
 mod claims;
+mod global_checks;
 mod goldens;
-mod guards;
 mod limits;
 mod oracle;
 mod oracle_courses;

@@ -6,7 +6,7 @@
 //! A [`Rule`] says of each value whether the condition holds; a [`Watch`] follows it while the case runs; the claim
 //! of the alarm follows it again in the recorded trace, and decides. What counts is the time from `start` to `end`.
 
-mod judge;
+mod monitor;
 mod rule;
 mod watch;
 
@@ -16,9 +16,11 @@ use document::Diagnostic;
 use record::Origin;
 use signal::{SignalInfo, Span};
 
-use crate::expect::{Claim, Expectation, Place, condition, known, meant};
-use crate::judge::{Guard, Monitor, NotJudged, Number, Scene, Window, Wiring, blind, slack};
+use crate::expect::GlobalCheck;
+use crate::expect::{Claim, Expectation, Place, condition::Condition as Wanted, known, meant};
 use crate::lang::{Anchor, Literal};
+use crate::meaning::exact;
+use crate::monitor::{Monitor, NotJudged, Number, Scene, Window, Wiring, blind, slack};
 
 pub use rule::{Phase, Rule};
 pub use watch::Watch;
@@ -66,15 +68,15 @@ impl Alarm {
     pub fn rule(&self, info: &SignalInfo) -> Result<Rule, String> {
         let (limit, above) = match &self.condition {
             Condition::Is(literal) => {
-                let wanted = condition::Condition::OneOf(vec![literal.clone()]);
+                let wanted = Wanted::OneOf(vec![literal.clone()]);
                 return Ok(Rule::is(wanted.bind(info)?, slack(info)));
             }
             Condition::Above(limit) => (limit, true),
             Condition::Below(limit) => (limit, false),
         };
-        let on = condition::exact(limit, info)?;
+        let on = exact(limit, info)?;
         let band = match &self.hysteresis {
-            Some(band) => condition::exact(band, info)?,
+            Some(band) => exact(band, info)?,
             None => return Ok(Rule::limit(above, Number::from(on), Number::from(on), slack(info))),
         };
         let off = if above { on.minus(band) } else { on.plus(band) };
@@ -100,14 +102,14 @@ impl Alarm {
     }
 
     /// The claim that the alarm is not raised.
-    pub(crate) fn guard(self: &Arc<Alarm>) -> Guard {
+    pub(crate) fn global_check(self: &Arc<Alarm>) -> GlobalCheck {
         let expectation = Expectation {
             name: self.name.clone(),
             verb: VERB,
             claim: Arc::clone(self) as Arc<dyn Claim>,
             place: Some(self.place.clone()),
         };
-        Guard { expectation, origin: self.origin }
+        GlobalCheck { expectation, origin: self.origin }
     }
 }
 
@@ -146,6 +148,6 @@ impl Claim for Alarm {
         };
         let rule = self.rule(info).map_err(NotJudged::NoMeaning)?;
         let missed = blind(info, Some(self.delay));
-        Ok(Box::new(judge::Follow::new(self, rule, info, window, missed, scene.is_open(&Anchor::END))))
+        Ok(Box::new(monitor::Follow::new(self, rule, info, window, missed, scene.is_open(&Anchor::END))))
     }
 }

@@ -2,7 +2,7 @@
 
 use signal::Value;
 
-use crate::judge::{Number, Test, Truth};
+use crate::monitor::{Number, Test, Truth};
 
 /// Whether the condition holds at the moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

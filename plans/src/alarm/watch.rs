@@ -69,7 +69,7 @@ impl Watch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judge::Number;
+    use crate::monitor::Number;
 
     fn watch(delay: i64) -> Watch {
         Watch::new(Rule::limit(true, Number::Int(6), Number::Int(5), 0.0), Span::from_nanos(delay))

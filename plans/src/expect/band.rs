@@ -8,8 +8,8 @@ use signal::{Kind, SignalInfo};
 use super::Context;
 use super::condition::Condition;
 use crate::codes;
-use crate::judge::{Number, Test};
 use crate::lang::Literal;
+use crate::monitor::{Number, Test};
 
 /// The limits of a figure as a range.
 pub(super) const IS_RANGE: KeySpec = KeySpec::optional(

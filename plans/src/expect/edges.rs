@@ -14,10 +14,10 @@ use signal::{SignalInfo, Value};
 use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, count_range, counts, signal};
 use super::{Claim, Context, Demand, Verb};
 use crate::codes;
-use crate::judge::count::{Counted, Counter};
-use crate::judge::edges::{Edge, Finder};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 use crate::lang::Anchor;
+use crate::monitor::count::{Counted, Counter};
+use crate::monitor::edges::{Edge, Finder};
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 
 /// `edges`.
 pub(super) const EDGES: Verb = Verb {

@@ -12,12 +12,13 @@ use record::Figure;
 use signal::{SignalInfo, Value};
 
 use super::common::{WHEN, anchor};
-use super::condition::{literal, number};
+use super::condition::literal;
 use super::value::{instant, observed, unknown};
 use super::{Claim, Context, Demand, Verb};
-use crate::judge::reading::{Candidate, Reader};
-use crate::judge::{Finding, Monitor, NotJudged, Number, Point, Scene, Seen, Truth, Wiring, slack};
 use crate::lang::{Anchor, Literal};
+use crate::meaning::number;
+use crate::monitor::reading::{Candidate, Reader};
+use crate::monitor::{Finding, Monitor, NotJudged, Number, Point, Scene, Seen, Truth, Wiring, slack};
 
 /// `equal`.
 pub(super) const EQUAL: Verb = Verb {

@@ -15,9 +15,9 @@ use signal::{SignalInfo, Span, Value};
 use super::common::{FROM, Limits, SIGNAL, Single, anchor, delay_words, signal, span_range, spans, width};
 use super::condition::Condition;
 use super::{Claim, Context, Demand, Verb};
-use crate::judge::edges::{Delay, Edge, Finder, First, Found, LAST};
-use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
 use crate::lang::Anchor;
+use crate::monitor::edges::{Delay, Edge, Finder, First, Found, LAST};
+use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
 
 /// How late the edge may be.
 pub(super) const WITHIN: KeySpec = KeySpec::optional(

@@ -15,11 +15,12 @@ use record::Figure;
 use signal::{Kind, SignalInfo, Span, Value};
 
 use super::common::{Between, FROM, SIGNAL, UNTIL, blind_words, signal};
-use super::condition::{Condition, literal, number};
+use super::condition::{Condition, literal};
 use super::{Claim, Context, Demand, Verb, keeps};
 use crate::codes;
-use crate::judge::{Finding, Monitor, NotJudged, Number, Scene, Seen, Truth, Window, Wiring, blind, slack};
 use crate::lang::{Anchor, Literal};
+use crate::meaning::number;
+use crate::monitor::{Finding, Monitor, NotJudged, Number, Scene, Seen, Truth, Window, Wiring, blind, slack};
 
 /// `follows`.
 pub(super) const FOLLOWS: Verb = Verb {

@@ -17,12 +17,12 @@ use super::common::{
 };
 use super::{Claim, Context, Demand, Verb};
 use crate::codes;
-use crate::judge::count::Counter;
-use crate::judge::edges::{Edge, Finder};
-use crate::judge::gaps::{Gap, Gaps};
-use crate::judge::pulses::Chain;
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
 use crate::lang::Anchor;
+use crate::monitor::count::Counter;
+use crate::monitor::edges::{Edge, Finder};
+use crate::monitor::gaps::{Gap, Gaps};
+use crate::monitor::pulses::Chain;
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
 
 /// `frames`.
 pub(super) const FRAMES: Verb = Verb {

@@ -14,9 +14,9 @@ use signal::Span;
 use super::common::{FROM, Limits, Single, anchor, delay_words, span_range, spans, width};
 use super::first_edge::WITHIN;
 use super::{Claim, Context, Expectation, Place, Verb};
-use crate::judge::edges::{First, Found};
-use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, StepFacts, Wiring};
 use crate::lang::{Anchor, Base};
+use crate::monitor::edges::{First, Found};
+use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring};
 
 /// `happens`.
 pub(super) const HAPPENS: Verb = Verb {
@@ -53,13 +53,13 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
 }
 
 /// The claim that a step which waits for an event came.
-pub(crate) fn implied(step: &StepFacts) -> Expectation {
-    let id = Anchor { base: Base::Step(step.id.clone()), offset: Span::ZERO };
+pub(crate) fn implied(step: &str, wait: Option<Span>, line: u32) -> Expectation {
+    let id = Anchor { base: Base::Step(step.to_owned()), offset: Span::ZERO };
     Expectation {
         name: String::new(),
         verb: "happens",
-        claim: Arc::new(Happens { step: id, from: None, within: None, wait: step.awaited }),
-        place: Some(Place { file: Arc::from(""), span: 0..0, line: step.line }),
+        claim: Arc::new(Happens { step: id, from: None, within: None, wait }),
+        place: Some(Place { file: Arc::from(""), span: 0..0, line }),
     }
 }
 

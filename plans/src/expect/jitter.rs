@@ -4,7 +4,7 @@
 //! { jitter = { signal = "pulses", max = "200 ns", from = "train", until = "train.done" } }
 //! { jitter = { signal = "pulses", compares = "periods", take = "rms", grid = "100 kHz", max = "50 ns" } }
 //! ```
-//! The figures are defined in [`crate::judge::jitter`]. With fewer than three edges the claim fails.
+//! The figures are defined in [`crate::monitor::jitter`]. With fewer than three edges the claim fails.
 
 use std::fmt;
 use std::sync::Arc;
@@ -18,10 +18,10 @@ use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, count_ran
 use super::condition::{MAX, MIN};
 use super::{Claim, Context, Demand, Verb};
 use crate::codes;
-use crate::judge::edges::Edge;
-use crate::judge::jitter::{Asked, Compared, Found, Grid, Jitter};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 use crate::lang::{Anchor, millihertz};
+use crate::monitor::edges::Edge;
+use crate::monitor::jitter::{Asked, Compared, Found, Grid, Jitter};
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 
 /// What is compared.
 pub(crate) const COMPARES: KeySpec = KeySpec::optional(

@@ -16,9 +16,9 @@ use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, signal, s
 use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
 use super::{Claim, Context, Demand, Verb};
 use crate::codes;
-use crate::judge::segments::{Breach, Kept, Segments, Weight};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Test, Truth, Wiring, blind, slack};
 use crate::lang::Anchor;
+use crate::monitor::segments::{Breach, Kept, Segments, Weight};
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Test, Truth, Wiring, blind, slack};
 
 /// `stays`.
 pub(super) const STAYS: Verb = Verb {
@@ -275,7 +275,7 @@ impl Common {
         finding.reason = self.reason(&kept);
         finding.margin = self.margin(&kept, extreme);
         if let Some(breach) = kept.worst {
-            finding.deciding = Some(crate::judge::clipped(breach.start.0, breach.start.1));
+            finding.deciding = Some(crate::monitor::clipped(breach.start.0, breach.start.1));
             finding.cause = Some(breach.cause);
             finding.uncertainty = width(breach.start).filter(|_| breach.start.0 != i64::MIN);
         } else if let Some((_, seen)) = extreme {

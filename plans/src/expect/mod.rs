@@ -3,7 +3,6 @@
 //! A verb is a table of keys, a reader and a [`Claim`]; [`VERBS`] lists them all, and nothing outside this
 //! folder knows any of them by name. How to add one: `docs/add-an-expectation.md`.
 
-pub(crate) mod answered;
 pub(crate) mod band;
 mod becomes;
 mod common;
@@ -40,16 +39,17 @@ use std::fmt::{self, Debug};
 use std::ops::Range;
 use std::sync::Arc;
 
-use document::{Diagnostic, Fields, Findings, KeySpec, Node};
+use document::{Diagnostic, Fields, Findings, KeySpec};
+use record::Origin;
 
 use crate::codes;
-use crate::judge::{Monitor, NotJudged, Scene, Wiring};
-use crate::lang::Anchor;
+use crate::lang::{Anchor, Names};
+use crate::monitor::{Monitor, NotJudged, Scene, Wiring};
 
 pub use demand::Demand;
 
 pub(crate) use common::{Between, blind_words, delay_words, span_range, unclear};
-pub(crate) use condition::{Around, literal, number};
+pub(crate) use condition::literal;
 
 /// A verb of `expect`: `{ falls = { signal = ... } }`.
 #[derive(Debug)]
@@ -62,20 +62,6 @@ pub struct Verb {
     pub keys: &'static [KeySpec],
     /// Makes the claim of a table that was held against `keys`. `None` after it reported what is wrong.
     pub read: fn(&Fields<'_>, &mut Context<'_>) -> Option<Arc<dyn Claim>>,
-}
-
-/// What a verb's reader may ask of the plan around it.
-pub trait Names {
-    /// Reads an instant such as `busy + 102 ms`; reports what is wrong with it, unknown steps included.
-    fn anchor(&self, node: &Node, out: &mut Findings) -> Option<Anchor>;
-    /// Where counting begins that says nothing else.
-    fn begin(&self) -> Anchor {
-        Anchor::START
-    }
-    /// Reads the name of a signal: bound by the plan, built in, or a variable's path.
-    fn signal(&self, node: &Node, out: &mut Findings) -> Option<String>;
-    /// Reads `n` or `n @ cut`: a signal, and the instant at which its value is meant.
-    fn at_value(&self, node: &Node, out: &mut Findings) -> Option<(String, Option<Anchor>)>;
 }
 
 /// Where a reader reports, and the plan around it.
@@ -105,6 +91,15 @@ pub struct Expectation {
     pub claim: Arc<dyn Claim>,
     /// Where it stands; `None` for a claim that is in no plan file.
     pub place: Option<Place>,
+}
+
+/// An invariant or an alarm: a claim that holds in every case that its file covers.
+#[derive(Clone, Debug)]
+pub struct GlobalCheck {
+    /// The claim.
+    pub expectation: Expectation,
+    /// The kind of file that it stands in.
+    pub origin: Origin,
 }
 
 /// Where an expectation or a measurement stands.

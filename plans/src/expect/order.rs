@@ -15,9 +15,9 @@ use signal::Span;
 use super::common::{FROM, anchor, delay_words};
 use super::{Claim, Context, Demand, Verb};
 use crate::codes;
-use crate::judge::edges::{Delay, Edge, Finder, First};
-use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
 use crate::lang::Anchor;
+use crate::monitor::edges::{Delay, Edge, Finder, First};
+use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
 
 /// `order`.
 pub(super) const ORDER: Verb = Verb {

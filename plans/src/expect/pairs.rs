@@ -11,8 +11,8 @@ use super::common::Between;
 use super::condition::Condition;
 use super::keeps::Keeps;
 use super::{Claim, Context, Demand};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Wiring};
 use crate::lang::Anchor;
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Wiring};
 
 /// The claim.
 #[derive(Clone, Debug)]

@@ -17,10 +17,10 @@ use super::common::{
 };
 use super::{Claim, Context, Demand, Verb};
 use crate::codes;
-use crate::judge::edges::{Edge, Finder};
-use crate::judge::pulses::Chain;
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 use crate::lang::Anchor;
+use crate::monitor::edges::{Edge, Finder};
+use crate::monitor::pulses::Chain;
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 
 /// `period`.
 pub(super) const PERIOD: Verb = Verb {

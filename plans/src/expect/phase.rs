@@ -19,9 +19,9 @@ use super::common::{Between, FROM, LONGER, UNTIL, blind_words, delay_words, sign
 use super::condition::{MAX, MIN};
 use super::{Claim, Context, Demand, Verb};
 use crate::codes;
-use crate::judge::edges::{Edge, Finder, LAST};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 use crate::lang::Anchor;
+use crate::monitor::edges::{Edge, Finder, LAST};
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 
 /// `phase`.
 pub(super) const PHASE: Verb = Verb {

@@ -16,9 +16,9 @@ use super::common::{Between, FROM, LONGER, UNTIL};
 use super::condition::{MAX, MIN};
 use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, Train};
 use super::{Claim, Context, Demand, Verb};
-use crate::judge::track::{Step, Track};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring};
 use crate::lang::Anchor;
+use crate::monitor::track::{Step, Track};
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring};
 
 /// The keys that `position` and its measurement share.
 pub(crate) const KEYS: &[document::KeySpec] = &[PULSES, DIRECTION, INVERTED, BACKWARDS, QUADRATURE, LONGER];

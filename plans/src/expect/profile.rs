@@ -6,7 +6,7 @@
 //! { profile = { signal = "A", points = [{ at = "0 ms", frequency = "1 kHz" }, { at = "1 s", frequency = "5 kHz" }],
 //!     tolerance = "50 Hz", from = "go", until = "go + 2 s" } }
 //! ```
-//! What it means to follow stands in [`crate::judge::course`]. A window without a count fails the claim.
+//! What it means to follow stands in [`crate::monitor::course`]. A window without a count fails the claim.
 
 use std::sync::Arc;
 
@@ -19,11 +19,11 @@ use super::shape::{MOVE, POINTS};
 use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, Train};
 use super::{Claim, Context, Demand, Verb, shape};
 use crate::codes;
-use crate::judge::course::{Course, Deciding, Found, Held};
-use crate::judge::shape::Shape;
-use crate::judge::track::{Step, Track};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring};
 use crate::lang::Anchor;
+use crate::monitor::course::{Course, Deciding, Found, Held};
+use crate::monitor::shape::Shape;
+use crate::monitor::track::{Step, Track};
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring};
 
 /// How far off in time.
 const WITHIN: KeySpec = KeySpec::optional(

@@ -15,10 +15,10 @@ use super::common::{
     Between, FROM, Limits, SIGNAL, Single, UNTIL, delay_words, signal, span_range, spans, width,
 };
 use super::{Claim, Context, Demand, Verb};
-use crate::judge::levels::Levels;
-use crate::judge::pulses::{Chain, FirstPulse, Pulse, Spread};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
 use crate::lang::Anchor;
+use crate::monitor::levels::Levels;
+use crate::monitor::pulses::{Chain, FirstPulse, Pulse, Spread};
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
 
 /// `pulse`.
 pub(super) const PULSE: Verb = Verb {

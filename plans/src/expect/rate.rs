@@ -18,9 +18,9 @@ use super::band::{Band, IS_RANGE, shown};
 use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, signal};
 use super::condition::{MAX, MIN};
 use super::{Claim, Context, Demand, Verb};
-use crate::judge::cycles::{Cycles, Found, Stretch};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 use crate::lang::Anchor;
+use crate::monitor::cycles::{Cycles, Found, Stretch};
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
 
 /// Which edges begin a cycle.
 const EDGE: KeySpec = KeySpec::optional(

@@ -15,14 +15,15 @@ use signal::{Kind, SignalInfo, Span};
 
 use super::band::shown;
 use super::common::{Between, FROM, SIGNAL, UNTIL, delay_words, signal};
-use super::condition::{Condition, IS, MAX, MIN, literal, number};
+use super::condition::{Condition, IS, MAX, MIN, literal};
 use super::{Claim, Context, Demand, Verb};
 use crate::codes;
-use crate::judge::extremes::Extremes;
-use crate::judge::reading::Reader;
-use crate::judge::segments::{Segments, Weight};
-use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Test, Truth, Wiring, slack};
 use crate::lang::{Anchor, Literal};
+use crate::meaning::number;
+use crate::monitor::extremes::Extremes;
+use crate::monitor::reading::Reader;
+use crate::monitor::segments::{Segments, Weight};
+use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Test, Truth, Wiring, slack};
 
 /// `settles`.
 pub(super) const SETTLES: Verb = Verb {
@@ -274,7 +275,7 @@ impl Monitor for Follow {
         }
         match (kept.worst, self.entered) {
             (Some(breach), _) if !unknown => {
-                finding.deciding = Some(crate::judge::clipped(breach.start.0, breach.start.1));
+                finding.deciding = Some(crate::monitor::clipped(breach.start.0, breach.start.1));
                 finding.cause = Some(breach.cause);
                 finding
             }

@@ -5,7 +5,7 @@ use signal::{Quantity, Unit};
 
 use super::Context;
 use crate::codes;
-use crate::judge::shape::Shape;
+use crate::monitor::shape::Shape;
 
 /// Most points of a shape.
 const MOST: usize = 1_000;

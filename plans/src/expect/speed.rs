@@ -18,9 +18,9 @@ use super::band::{Band, IS_RANGE, shown};
 use super::common::{Between, FROM, SIGNAL, UNTIL, signal};
 use super::condition::{MAX, MIN};
 use super::{Claim, Context, Demand, Verb};
-use crate::judge::speed::Speed;
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
 use crate::lang::Anchor;
+use crate::monitor::speed::Speed;
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
 
 /// Its unit.
 pub(crate) const UNIT: &str = "Hz";

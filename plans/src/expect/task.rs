@@ -15,7 +15,7 @@ use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
 use super::{Claim, Context, Verb, entry, keeps, value};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::plan::TaskFigure;
+use crate::signals::TaskFigure;
 
 /// `task`.
 pub(super) const TASK: Verb = Verb {

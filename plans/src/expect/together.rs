@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use crate::judge::{Finding, Monitor, Seen, Truth};
+use crate::monitor::{Finding, Monitor, Seen, Truth};
 
 use super::keeps::Common;
 

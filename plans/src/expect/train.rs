@@ -6,8 +6,8 @@ use signal::{Kind, Sampling, SignalInfo, Span};
 use super::Context;
 use super::common::{blind_words, signal};
 use crate::codes;
-use crate::judge::track::{Carried, Track};
-use crate::judge::{NotJudged, Scene, Wiring, blind, slack};
+use crate::monitor::track::{Carried, Track};
+use crate::monitor::{NotJudged, Scene, Wiring, blind, slack};
 
 /// The pulses.
 pub(crate) const PULSES: KeySpec = KeySpec::required(

@@ -17,9 +17,9 @@ use super::condition::{Condition, IS, MAX, MIN, ONE_OF, literal};
 use super::equal::{Operand, read_pair};
 use super::{Claim, Context, Demand, Verb};
 use crate::codes;
-use crate::judge::reading::{Candidate, Reader};
-use crate::judge::{Finding, Monitor, NotJudged, Point, Scene, Seen, Test, Truth, Wiring, slack};
 use crate::lang::{Anchor, Literal};
+use crate::monitor::reading::{Candidate, Reader};
+use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Test, Truth, Wiring, slack};
 
 /// `value`.
 pub(super) const VALUE: Verb = Verb {

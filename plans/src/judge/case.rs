@@ -6,18 +6,17 @@ use document::Diagnostic;
 use record::{Origin, Verdict, Window};
 use signal::{Event, SignalInfo, Span, When};
 
-use super::anchors::Anchors;
+use super::claim_record::{claim_record, writer};
 use super::counting::Counting;
 use super::live::Live;
 use super::order::Orderer;
-use super::told::{claim_record, writer};
 use super::unknown::{Unknown, add_why};
-use super::{Monitor, NotJudged, Outcome, Scene, Wiring};
-use crate::expect::{Expectation, Place, answered, happens};
+use super::{Outcome, answered};
+use crate::expect::{Expectation, GlobalCheck, Place, happens};
 use crate::lang::{Anchor, Base};
 use crate::measure::{Gauge, Measurement};
-use crate::plan::Phase;
-use crate::steps::Question;
+use crate::monitor::{Anchors, Monitor, NotJudged, Scene, Seen, Wiring};
+use crate::steps::{CasePart, Question};
 
 /// A step of the case, as far as the judge needs it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -29,20 +28,11 @@ pub struct StepFacts {
     /// The signal that its train of pulses is emitted on.
     pub train: Option<String>,
     /// The part of the case that it belongs to.
-    pub phase: Phase,
+    pub part: CasePart,
     /// What a person is asked: the answer has to be that which passes.
     pub asks: Option<Question>,
     /// Line of the plan, from 1.
     pub line: u32,
-}
-
-/// A claim that stands for more than its case: an invariant or an alarm.
-#[derive(Clone, Debug)]
-pub struct Guard {
-    /// The claim.
-    pub expectation: Expectation,
-    /// The kind of file that it stands in.
-    pub origin: Origin,
 }
 
 /// What is to be judged of a case.
@@ -55,7 +45,7 @@ pub struct Scenario {
     /// The steps, in the plan's order: the place is that of [`signal::Cause::Step`].
     pub steps: Vec<StepFacts>,
     /// Invariants and alarms, which are judged behind the expectations.
-    pub guards: Vec<Guard>,
+    pub global_checks: Vec<GlobalCheck>,
 }
 
 impl Scenario {
@@ -70,8 +60,8 @@ impl Scenario {
         let mut names: Vec<String> = Vec::new();
         let claims = self.expectations.iter().flat_map(|each| each.claim.signals());
         let measured = self.measurements.iter().flat_map(Measurement::signals);
-        let guards = self.guards.iter().flat_map(|guard| guard.expectation.claim.signals());
-        for name in claims.chain(measured).chain(guards) {
+        let global_checks = self.global_checks.iter().flat_map(|guard| guard.expectation.claim.signals());
+        for name in claims.chain(measured).chain(global_checks) {
             if !names.contains(&name) {
                 names.push(name);
             }
@@ -81,22 +71,22 @@ impl Scenario {
 
     /// The part of the case that a claim looks at, by the instants that it hangs on and the signals that it looks at:
     /// what names the teardown sees it to its end, and what is of a step of the setup alone does not need the rest.
-    fn part(&self, anchors: &[&Anchor], signals: &[String]) -> Phase {
-        let phase = |id: &str| self.steps.iter().find(|step| step.id == id).map(|step| step.phase);
+    fn part(&self, anchors: &[&Anchor], signals: &[String]) -> CasePart {
+        let part = |id: &str| self.steps.iter().find(|step| step.id == id).map(|step| step.part);
         let own = |signal: &String| {
-            signal.strip_prefix("step:").or_else(|| signal.strip_prefix("answer:")).and_then(phase)
+            signal.strip_prefix("step:").or_else(|| signal.strip_prefix("answer:")).and_then(part)
         };
         let named = anchors.iter().any(|anchor| {
-            anchor.base == Base::Teardown || anchor.base.step().and_then(phase) == Some(Phase::Teardown)
+            anchor.base == Base::Teardown || anchor.base.step().and_then(part) == Some(CasePart::Teardown)
         });
         match signals.iter().filter_map(own).max() {
-            _ if named => Phase::Teardown,
-            Some(phase) => phase,
-            None => Phase::Main,
+            _ if named => CasePart::Teardown,
+            Some(part) => part,
+            None => CasePart::Main,
         }
     }
 
-    fn part_of_claim(&self, expectation: &Expectation) -> Phase {
+    fn part_of_claim(&self, expectation: &Expectation) -> CasePart {
         self.part(&expectation.claim.anchors(), &expectation.claim.signals())
     }
 
@@ -147,13 +137,13 @@ impl Judge {
     pub fn new(mut scenario: Scenario, signals: &[SignalInfo]) -> Result<Judge, Vec<Diagnostic>> {
         for step in &scenario.steps {
             if step.awaited.is_some() {
-                scenario.expectations.push(happens::implied(step));
+                scenario.expectations.push(happens::implied(&step.id, step.awaited, step.line));
             }
             if let Some(question) = &step.asks {
                 scenario.expectations.push(answered::implied(step, question));
             }
         }
-        scenario.expectations.extend(scenario.guards.iter().map(|guard| guard.expectation.clone()));
+        scenario.expectations.extend(scenario.global_checks.iter().map(|guard| guard.expectation.clone()));
         let mut found = Vec::new();
         let wiring = Wiring { signals };
         for expectation in &scenario.expectations {
@@ -172,7 +162,7 @@ impl Judge {
         let anchors = Anchors::new(scenario.anchors(), |id| scenario.train(id), signals);
         let mut live = Live::new(&scenario.expectations, signals);
         for (at, expectation) in scenario.expectations.iter().enumerate() {
-            if scenario.part_of_claim(expectation) == Phase::Teardown {
+            if scenario.part_of_claim(expectation) == CasePart::Teardown {
                 live.pass_over(at);
             }
         }
@@ -310,7 +300,7 @@ struct Follower {
 
 impl Follower {
     #[inline]
-    fn feed(self, running: &mut [Running], seen: &super::Seen) {
+    fn feed(self, running: &mut [Running], seen: &Seen) {
         if seen.a <= self.last.0 && seen.place <= self.last.1 {
             running[self.at].feed(self.slot, seen);
         }
@@ -336,14 +326,14 @@ impl Stage {
                 unknown: Unknown::default(),
             });
         }
-        let setup = scenario.steps.iter().any(|step| step.phase == Phase::Setup);
+        let setup = scenario.steps.iter().any(|step| step.part == CasePart::Setup);
         let begun =
             !setup || scene.anchors.resolve(&Anchor { base: Base::Main, offset: Span::ZERO }).is_some();
         // What holds in every case holds in its setup, too.
-        let own = scenario.expectations.len() - scenario.guards.len();
-        let part = |phase: Phase, standing: bool| {
-            let missing = phase == Phase::Main && !begun && !standing;
-            let whole = Scene { closing: phase == Phase::Teardown, ..*scene };
+        let own = scenario.expectations.len() - scenario.global_checks.len();
+        let part = |of: CasePart, standing: bool| {
+            let missing = of == CasePart::Main && !begun && !standing;
+            let whole = Scene { closing: of == CasePart::Teardown, ..*scene };
             if missing { Err(NotJudged::NoMain(why.to_owned())) } else { Ok(whole) }
         };
         for (at, expectation) in scenario.expectations.iter().enumerate() {
@@ -411,8 +401,8 @@ impl Stage {
         let (mut claims, mut measurements) = (Vec::new(), Vec::new());
         let mut running = self.running.into_iter();
         let counting = self.counting;
-        // The guards stand behind the case's own claims.
-        let own = scenario.expectations.len() - scenario.guards.len();
+        // The global_checks stand behind the case's own claims.
+        let own = scenario.expectations.len() - scenario.global_checks.len();
         for ((place, expectation), running) in scenario.expectations.iter().enumerate().zip(running.by_ref())
         {
             let Running::Claim(judged) = running else { continue };
@@ -429,7 +419,7 @@ impl Stage {
             {
                 (record.verdict, record.reason) = (Verdict::Inconclusive, why);
             }
-            if let Some(guard) = place.checked_sub(own).and_then(|place| scenario.guards.get(place)) {
+            if let Some(guard) = place.checked_sub(own).and_then(|place| scenario.global_checks.get(place)) {
                 record.guard = true;
                 record.origin = guard.origin;
                 let file = expectation.place.as_ref().map(|place| place.file.to_string());
@@ -471,7 +461,7 @@ impl Stage {
 
 impl Running {
     #[inline]
-    fn feed(&mut self, slot: usize, seen: &super::Seen) {
+    fn feed(&mut self, slot: usize, seen: &Seen) {
         match self {
             Running::Claim(Ok(monitor)) => monitor.feed(slot, seen),
             Running::Claim(Err(_)) => {}

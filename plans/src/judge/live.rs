@@ -6,10 +6,9 @@
 use signal::{Event, SignalInfo};
 
 use super::order::Orderer;
-use super::scene::lag;
-use super::{Monitor, Scene, Seen};
 use crate::expect::Expectation;
 use crate::lang::Anchor;
+use crate::monitor::{Monitor, Scene, Seen, lag};
 
 /// How far a claim is watched.
 enum Watch {

@@ -8,54 +8,17 @@
 //! memory that does not grow with the trace, margins and evidence for the reader of a report. Not goals:
 //! knowing what a verb means (that is [`crate::expect`]'s), running anything.
 
-mod anchors;
+mod answered;
 mod case;
-pub mod count;
+mod claim_record;
 mod counting;
-pub mod course;
-pub mod cycles;
-pub mod edges;
-pub mod extremes;
-pub mod gaps;
-mod hull;
-pub mod jitter;
-pub mod levels;
 mod live;
 mod order;
 mod outcome;
-mod point;
-pub mod pulses;
-pub mod reading;
-mod scene;
-pub mod segments;
-pub mod shape;
-pub mod speed;
 mod standing;
-mod test;
-mod told;
-pub mod track;
 mod unknown;
 
-pub use case::{Guard, Judge, JudgeError, Scenario, StepFacts};
+pub use case::{Judge, JudgeError, Scenario, StepFacts};
 pub use counting::note_of as counts_note;
-pub(crate) use outcome::clipped;
-pub use outcome::{Finding, Outcome};
-pub use point::{Point, Seen, Window};
-pub use scene::{NotJudged, Scene, Wiring, blind};
+pub use outcome::Outcome;
 pub use standing::Standing;
-pub use test::{Number, Test, Truth, slack};
-
-/// Follows the signals of one claim and comes to a finding.
-pub trait Monitor {
-    /// The next event of the signal at place `slot` of [`crate::expect::Claim::signals`].
-    fn feed(&mut self, slot: usize, seen: &Seen);
-
-    /// Whether the claim is lost whatever comes, when every event before `now` (nanoseconds) is known.
-    /// A claim that cannot tell before the end says no.
-    fn lost(&mut self, _now: i64) -> bool {
-        false
-    }
-
-    /// The finding when nothing comes any more.
-    fn finish(self: Box<Self>) -> Finding;
-}

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 use signal::Event;
 
-use super::Seen;
+use crate::monitor::Seen;
 
 /// Most events of one signal that wait for a successor. Beyond it the oldest passes with the interval it has:
 /// wider than need be, so that a verdict can become inconclusive by it but never wrong.

@@ -8,11 +8,11 @@ use super::{Limits, Measurement, Quantity};
 use crate::expect::band::figure;
 use crate::expect::position::Counting;
 use crate::expect::profile::Following;
-use crate::expect::{Around, number};
-use crate::judge::edges::{Finder, First};
-use crate::judge::reading::Reader;
-use crate::judge::{NotJudged, Number, Point, Scene, Seen, slack};
 use crate::lang::Literal;
+use crate::meaning::{Around, number};
+use crate::monitor::edges::{Finder, First};
+use crate::monitor::reading::Reader;
+use crate::monitor::{NotJudged, Number, Point, Scene, Seen, slack};
 
 /// Limits as numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -25,10 +25,10 @@ use crate::expect::Place;
 use crate::expect::band::figure;
 use crate::expect::profile::Shaped;
 use crate::expect::train::Train;
-use crate::judge::edges::Edge;
-use crate::judge::jitter::Asked;
-use crate::judge::{NotJudged, Scene, Wiring};
 use crate::lang::{Anchor, Literal};
+use crate::monitor::edges::Edge;
+use crate::monitor::jitter::Asked;
+use crate::monitor::{NotJudged, Scene, Wiring};
 
 pub use gauge::Gauge;
 pub use read::{KEYS, read};
@@ -50,7 +50,7 @@ pub enum Quantity {
         /// The signal.
         signal: String,
         /// Which edge.
-        edge: crate::judge::edges::Edge,
+        edge: crate::monitor::edges::Edge,
     },
     /// The value of a signal at an instant.
     Value {

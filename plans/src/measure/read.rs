@@ -13,8 +13,8 @@ use crate::expect::jitter::{COMPARES, GRID, asked};
 use crate::expect::profile::Shaped;
 use crate::expect::train::Train;
 use crate::expect::{Between, Context, literal, position, profile};
-use crate::judge::edges::Edge;
 use crate::lang::{Anchor, Literal};
+use crate::monitor::edges::Edge;
 
 const EDGE_KEYS: &[KeySpec] = &[
     KeySpec::required("signal", KeyType::SignalRef, "The signal that ends the time"),

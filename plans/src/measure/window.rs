@@ -5,14 +5,14 @@ use signal::SignalInfo;
 
 use super::gauge::{Bounds, failed, judge, open};
 use super::{Figure, Take};
-use crate::judge::cycles::Cycles;
-use crate::judge::edges::{Edge, Finder};
-use crate::judge::extremes::Extremes;
-use crate::judge::jitter::Jitter;
-use crate::judge::levels::Levels;
-use crate::judge::pulses::{FirstPulse, Pulse};
-use crate::judge::speed::Speed;
-use crate::judge::{Seen, Window, slack};
+use crate::monitor::cycles::Cycles;
+use crate::monitor::edges::{Edge, Finder};
+use crate::monitor::extremes::Extremes;
+use crate::monitor::jitter::Jitter;
+use crate::monitor::levels::Levels;
+use crate::monitor::pulses::{FirstPulse, Pulse};
+use crate::monitor::speed::Speed;
+use crate::monitor::{Seen, Window, slack};
 
 /// What follows the signal.
 #[derive(Debug)]

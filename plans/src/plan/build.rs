@@ -9,17 +9,19 @@ use signal::Span;
 use super::envelope::{self, Form};
 use super::expand::{self, Placed};
 use super::keys::{EXPECT_KEYS, PLAN_KEYS};
+use super::names::CaseNames;
 use super::read::Document;
-use super::scope::Scope;
 use super::settings::SETTINGS_KEYS;
 use super::step::{StepReader, step_names};
 use super::variants::{Variant, show};
-use super::{Case, ProgramRef, Refusal, Settings, check, facts, guards, refusal, settings, signals, times};
+use super::{Case, Refusal, Settings, check, facts, global_checks, refusal, settings, times};
 use crate::codes;
-use crate::expect::{self, Context, Expectation, Names, Place};
+use crate::expect::{self, Context, Expectation, Place};
 use crate::frames::can::{self, Frames};
-use crate::lang::{Anchor, Bindings, substitute};
+use crate::lang::{Anchor, Bindings, Names, substitute};
 use crate::measure::{self, Measurement};
+use crate::signals;
+use crate::steps::ProgramRef;
 
 const EXPECTATION: Form =
     Form { what: "expectation", list: "expect", own: EXPECT_KEYS, code: codes::EXPECT_VERB, alone: None };
@@ -119,9 +121,9 @@ fn whole(
     bound.extend(frames.bindings);
     let lists = expand::lists(document, row, &bindings, out);
     let here = &lists.steps;
-    let scope = Scope {
+    let scope = CaseNames {
         steps: step_names(here),
-        phases: here.iter().map(|step| step.phase).collect(),
+        parts: here.iter().map(|step| step.part).collect(),
         call: RefCell::default(),
         elsewhere: elsewhere(document, row),
         row,
@@ -150,7 +152,7 @@ fn whole(
         let help = "add an expectation, or a step that runs a group that has one";
         out.error(codes::NOTHING_CLAIMED, 0..0, "the case neither claims nor measures anything", help);
     }
-    let standing = guards::of_case(document, row, &bindings, &scope, out);
+    let standing = global_checks::of_case(document, row, &bindings, &scope, out);
     if let Some(refused) = head.entry("refused").or_else(|| head.entry("warned")) {
         claims_or_refusal(refused, refusal.as_ref(), expectations.len() + measurements.len(), out);
     }
@@ -265,7 +267,7 @@ fn phase_suffix(variant: &Variant<'_>, document: &Document) -> String {
 fn expectations(
     document: &Document,
     here: &[Placed<'_>],
-    scope: &Scope<'_>,
+    scope: &CaseNames<'_>,
     out: &mut Findings,
 ) -> Vec<Expectation> {
     let mut list = Vec::new();
@@ -328,7 +330,7 @@ pub(super) fn place(document: &Document, node: &Node) -> Place {
 fn measurements(
     document: &Document,
     here: &[Placed<'_>],
-    scope: &Scope<'_>,
+    scope: &CaseNames<'_>,
     out: &mut Findings,
 ) -> Vec<Measurement> {
     let mut list = Vec::new();

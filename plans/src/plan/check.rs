@@ -8,12 +8,13 @@ use document::Findings;
 use signal::{Kind, SignalInfo, Span, Value};
 
 use super::times::part;
-use super::{Settings, SignalBinding, Source, Step, StepTime, TaskFigure};
+use super::{Settings, Step, StepTime};
 use crate::codes;
 use crate::expect::{Demand, Expectation, condition::Condition};
-use crate::judge::Truth;
 use crate::lang::{Anchor, Base, Literal};
 use crate::measure::Measurement;
+use crate::monitor::Truth;
+use crate::signals::{SignalBinding, Source, TaskFigure};
 use crate::steps::Stimulus;
 
 /// The parts of a case that are held against each other.

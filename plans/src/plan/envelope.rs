@@ -5,16 +5,16 @@ use std::collections::BTreeSet;
 
 use document::{Data, Entry, Findings, KeySpec, Node, Table, suggest};
 
-use super::Phase;
 use super::variants::Row;
 use crate::codes;
+use crate::steps::CasePart;
 
 /// An entry of one of the plan's lists.
 #[derive(Clone, Debug)]
 pub(super) struct Listed {
     pub(super) node: Node,
     /// The part of the case, for steps.
-    pub(super) phase: Phase,
+    pub(super) part: CasePart,
     /// The rows that have it; `None`: all.
     rows: Option<BTreeSet<String>>,
 }
@@ -53,12 +53,12 @@ pub(super) fn list(root: &Table, key: &str, rows: &[Row], out: &mut Findings) ->
             continue;
         };
         let named = table.get("rows").map(|node| row_names(node, &known, out));
-        let phase = match key {
-            "setup" => Phase::Setup,
-            "teardown" => Phase::Teardown,
-            _ => Phase::Main,
+        let part = match key {
+            "setup" => CasePart::Setup,
+            "teardown" => CasePart::Teardown,
+            _ => CasePart::Main,
         };
-        listed.push(Listed { node: entry.clone(), phase, rows: named });
+        listed.push(Listed { node: entry.clone(), part, rows: named });
     }
     listed
 }

@@ -7,13 +7,13 @@ use std::rc::Rc;
 use document::{Data, Findings, Node, suggest};
 use signal::Span;
 
-use super::Phase;
 use super::envelope::Listed;
 use super::groups::{self, DEEPEST, Group};
 use super::keys::MOST_TIMES;
 use super::read::{Document, MAX_STEPS};
 use crate::codes;
 use crate::lang::{Anchor, Base, Bindings, substitute};
+use crate::steps::CasePart;
 
 /// A step that runs a group, as what the group brings knows it.
 #[derive(Debug, Default)]
@@ -44,7 +44,7 @@ pub(super) struct Placed<'d> {
     /// With every reference replaced.
     pub(super) node: Cow<'d, Node>,
     /// The part of the case, for steps.
-    pub(super) phase: Phase,
+    pub(super) part: CasePart,
     /// The call that brings it.
     pub(super) call: Rc<Call>,
     /// For steps, the place of the one that runs their group.
@@ -109,9 +109,9 @@ pub(super) fn present<'d>(
         let before = out.errors();
         let node = substitute(&listed.node, bindings, out);
         if out.errors() == before {
-            let (call, phase) = (Rc::clone(call), listed.phase);
+            let (call, part) = (Rc::clone(call), listed.part);
             let listed = call.path.is_empty().then_some(at);
-            here.push(Placed { listed, node, phase, call, parent: None, turn: None });
+            here.push(Placed { listed, node, part, call, parent: None, turn: None });
         }
     }
     here
@@ -139,7 +139,7 @@ impl<'d> Expander<'d, '_> {
         };
         let parent = self.lists.steps.len();
         let node = step.node.clone();
-        let (phase, call) = (step.phase, Rc::clone(&step.call));
+        let (part, call) = (step.part, Rc::clone(&step.call));
         self.lists.steps.push(step);
         let Some((group, args)) = self.arguments(&run, &call, out) else { return };
         let mut places = vec![node.span.clone()];
@@ -151,7 +151,7 @@ impl<'d> Expander<'d, '_> {
         }
         let Some(turns) = turns(&node) else {
             let inner = Rc::new(Call { path: id, places });
-            self.bring(group, &args, &inner, phase, parent, depth, out);
+            self.bring(group, &args, &inner, part, parent, depth, out);
             return;
         };
         for (n, after) in turns {
@@ -162,9 +162,9 @@ impl<'d> Expander<'d, '_> {
             let path = format!("{id}[{n}]");
             let (node, call) = (node.clone(), Rc::clone(&call));
             let turn = Some((n, after));
-            self.lists.steps.push(Placed { listed: None, node, phase, call, parent: Some(parent), turn });
+            self.lists.steps.push(Placed { listed: None, node, part, call, parent: Some(parent), turn });
             let inner = Rc::new(Call { path, places: places.clone() });
-            self.bring(group, &args, &inner, phase, place, depth, out);
+            self.bring(group, &args, &inner, part, place, depth, out);
         }
         call.announce(out);
     }
@@ -176,7 +176,7 @@ impl<'d> Expander<'d, '_> {
         group: &'d Group,
         args: &[(&'d str, Node)],
         call: &Rc<Call>,
-        phase: Phase,
+        part: CasePart,
         parent: usize,
         depth: usize,
         out: &mut Findings,
@@ -191,7 +191,7 @@ impl<'d> Expander<'d, '_> {
         self.lists.measure.extend(present(&group.measure, None, &bindings, call, out));
         for step in present(&group.steps, None, &bindings, call, out) {
             call.announce(out);
-            self.step(Placed { phase, parent: Some(parent), ..step }, depth + 1, out);
+            self.step(Placed { part, parent: Some(parent), ..step }, depth + 1, out);
         }
     }
 

@@ -4,9 +4,11 @@ use document::{Fields, Findings, Node, suggest};
 use profile::Profile;
 
 use super::read::Document;
-use super::{Initial, ProgramRef, Settings, SignalBinding, Source, Step};
+use super::{Initial, Settings, Step};
 use crate::codes;
 use crate::lang::{Amount, Bound, Need, Relation};
+use crate::signals::{SignalBinding, Source};
+use crate::steps::ProgramRef;
 
 /// Areas of the requirements.
 const AREAS: &[&str] = &["controller", "io", "ethernet", "serial-can", "plcsystem"];

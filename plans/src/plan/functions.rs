@@ -8,8 +8,8 @@ use std::ops::Range;
 use document::{Data, Fields, Findings, KeySpec, KeyType, Node, Table};
 use signal::{Area, Quantity, Span, Unit};
 
-use super::inputs::terminal;
 use crate::codes;
+use crate::lang::terminal;
 
 /// What an expert function is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,12 +7,13 @@ use std::collections::BTreeMap;
 
 use document::{Data, Diagnostic, Entry, Fields, Findings, Joined, KeyType, Node, SourceFile, Table, toml};
 
+use super::groups;
 use super::keys::INCLUDED_KEYS;
 use super::settings::SETTINGS_KEYS;
 use super::variants::Variants;
-use super::{groups, signals};
 use crate::codes;
 use crate::frames::can::{self, Databases};
+use crate::signals;
 use crate::table::Tables;
 
 /// Most files that a plan includes, whether itself or through others.

@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use document::{Data, Entry, Fields, Findings, KeySpec, KeyType, Node};
 use profile::{BounceFilter, EventEdges, InputFilter};
-use signal::{Address, Area, Size, Span};
+use signal::{Address, Area, Span};
 
 use super::settings::Settings;
-use super::signals::address;
 use crate::codes;
+use crate::lang::terminal;
 
 const FILTER_EACH: KeyType = KeyType::Duration;
 
@@ -125,16 +125,4 @@ fn bounce(node: &Node, out: &mut Findings) -> Option<BounceFilter> {
 pub(super) fn key(entry: &Entry, area: Area, out: &mut Findings) -> Option<Address> {
     let key = Node::new(entry.key_span.clone(), Data::Text(entry.key.clone()));
     terminal(&key, &entry.key, area, out)
-}
-
-/// The text as the address of an input or output.
-pub(super) fn terminal(node: &Node, text: &str, area: Area, out: &mut Findings) -> Option<Address> {
-    let address = address(node, text, out)?;
-    if address.area() != area || address.size() != Size::Bit {
-        let example =
-            if area == Area::Input { "an input such as \"%IX0.0\"" } else { "an output such as \"%QX0.4\"" };
-        out.bad(codes::ADDRESS, node, format!("`{text}` is not {example}"), "");
-        return None;
-    }
-    Some(address)
 }

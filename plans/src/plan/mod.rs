@@ -6,16 +6,15 @@ mod envelope;
 mod expand;
 mod facts;
 mod functions;
+mod global_checks;
 mod groups;
-mod guards;
 mod include;
 mod inputs;
 mod keys;
+mod names;
 mod read;
 mod refusal;
-mod scope;
 mod settings;
-mod signals;
 mod step;
 mod times;
 mod variants;
@@ -24,224 +23,28 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use profile::Profile;
-use signal::{Address, Span};
+use signal::Span;
 
 use crate::alarm::Alarm;
-use crate::expect::Expectation;
-use crate::frames::can::{FramePattern, FrameSignal};
-use crate::judge::{Guard, Scenario, StepFacts};
+use crate::expect::{Expectation, GlobalCheck};
+use crate::judge::{Scenario, StepFacts};
 use crate::lang::{Anchor, Literal, Need};
 use crate::measure::Measurement;
-use crate::steps::Stimulus;
+use crate::signals::SignalBinding;
+use crate::steps::{CasePart, ProgramRef, Stimulus};
 
 pub use functions::{FunctionSettings, FunctionType, FunctionValue};
-pub use guards::{Guards, SUITE_KEYS};
+pub use global_checks::{GlobalChecks, SUITE_KEYS};
 pub use include::{PlanText, check_included, gather};
 pub use inputs::InputSettings;
 pub(crate) use keys::EXPECT_KEYS;
 pub use keys::{GROUP_KEYS, INCLUDED_KEYS, PLAN_KEYS, STEP_KEYS};
 pub use read::{MAX_CASES, MAX_STEPS, Plan, read, read_gathered};
 pub use refusal::Refusal;
-pub use scope::Scope;
-pub(crate) use settings::output;
 pub use settings::{
     AlwaysUpdate, HaltOutputs, Initial, OutputsInStop, Rearming, Settings, StartingMode, TaskSettings,
     TaskType, WatchdogBasis,
 };
-
-pub(crate) use signals::{AT_MOST_EVERY, BUILT_IN, DEADBAND, RECORD, SOURCE_KEYS, recording};
-
-/// The program of a case.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ProgramRef {
-    /// Structured Text files, as written: relative to the plan's folder.
-    Files(Vec<String>),
-    /// Structured Text in the plan itself, with the byte of the plan at which it begins (where the plan has
-    /// it as it is).
-    Text {
-        /// The source.
-        text: String,
-        /// Byte of the plan, `None` if escapes stand in it.
-        at: Option<usize>,
-    },
-    /// None: the controller starts without an application.
-    None,
-}
-
-/// What a name of a plan stands for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// An input or output terminal of the controller: the line itself (`%IX0.0`, `%QX0.4`).
-    Line(Address),
-    /// A place of the memory (`%MW10`), or more than one bit of the inputs or outputs (`%IW0`).
-    Memory(Address),
-    /// A bit of the image that the program sees, behind the filter or before the output.
-    Image(Address),
-    /// A variable of the program, a system variable (`PLC_R...`) or a channel of the board, found by the runtime
-    /// in this order.
-    Path(String),
-    /// A channel of the board.
-    Channel(String),
-    /// A figure of a task.
-    Task {
-        /// Name of the task.
-        task: String,
-        /// Which figure.
-        figure: TaskFigure,
-    },
-    /// How many entries of the controller's log hold this text.
-    Log(String),
-    /// A file of the controller.
-    File {
-        /// Its path, in any case of letters.
-        path: String,
-        /// What is asked of it.
-        asks: FileFigure,
-    },
-    /// A register as a client in the network reads it.
-    Register {
-        /// Its number.
-        register: u16,
-        /// The exception of reading it in place of its value.
-        exception: bool,
-    },
-    /// How many frames like this were on their bus.
-    Frames(Arc<FramePattern>),
-    /// A value in the last frame like this.
-    FrameSignal(Arc<FrameSignal>),
-    /// A row of the relocation table.
-    Relocation {
-        /// Its variable.
-        row: String,
-        /// What is asked of it.
-        figure: RowFigure,
-    },
-}
-
-/// What can be asked of a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FileFigure {
-    /// Whether it is there.
-    Exists,
-    /// Whether it holds a text.
-    Holds(String),
-    /// Its bytes.
-    Size,
-    /// Entries that it lost because the disk was full.
-    Lost,
-}
-
-/// What can be asked of a row of the relocation table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum RowFigure {
-    /// Its first register, -1 where its variable does not exist.
-    Address,
-    /// How many registers it has.
-    Length,
-    /// Whether its variable exists.
-    Valid,
-}
-
-/// What can be asked of a task. Times are in nanoseconds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum TaskFigure {
-    /// Cycles that ended.
-    Cycles,
-    /// Processor time of the last cycle.
-    LastCycle,
-    /// Least processor time of a cycle.
-    MinCycle,
-    /// Most processor time of a cycle.
-    MaxCycle,
-    /// From start to end of the last cycle.
-    Elapsed,
-    /// Cycles that took longer than the interval.
-    Overruns,
-    /// Lost releases.
-    Lost,
-    /// Watchdog exceptions.
-    Exceptions,
-    /// Mean processor time of a cycle.
-    MeanCycle,
-    /// From the last release to the start of its cycle.
-    Jitter,
-    /// Least time from a release to the start of its cycle.
-    MinJitter,
-    /// Most time from a release to the start of its cycle.
-    MaxJitter,
-    /// Per cent of the processor in the last whole second.
-    Load,
-}
-
-impl TaskFigure {
-    /// The names in plans, in the order of the enumeration.
-    pub const NAMES: &[&str] = &[
-        "cycles",
-        "last-cycle",
-        "min-cycle",
-        "max-cycle",
-        "elapsed",
-        "overruns",
-        "lost",
-        "exceptions",
-        "mean-cycle",
-        "jitter",
-        "min-jitter",
-        "max-jitter",
-        "load",
-    ];
-
-    /// Every figure.
-    pub const ALL: [TaskFigure; 13] = [
-        TaskFigure::Cycles,
-        TaskFigure::LastCycle,
-        TaskFigure::MinCycle,
-        TaskFigure::MaxCycle,
-        TaskFigure::Elapsed,
-        TaskFigure::Overruns,
-        TaskFigure::Lost,
-        TaskFigure::Exceptions,
-        TaskFigure::MeanCycle,
-        TaskFigure::Jitter,
-        TaskFigure::MinJitter,
-        TaskFigure::MaxJitter,
-        TaskFigure::Load,
-    ];
-
-    /// The figure of this name.
-    pub fn find(name: &str) -> Option<TaskFigure> {
-        let at = Self::NAMES.iter().position(|known| *known == name)?;
-        Self::ALL.get(at).copied()
-    }
-}
-
-/// Which changes of a signal are recorded.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Recording {
-    /// Every change.
-    Changes,
-    /// Changes by more than this, a number above 0 or such a quantity.
-    Deadband(Literal),
-    /// At most one value in this time, which is above 0.
-    AtMostEvery(Span),
-}
-
-/// A name of the plan and what it stands for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SignalBinding {
-    /// The name that the trace has.
-    pub name: String,
-    /// What it stands for.
-    pub source: Source,
-    /// How it is recorded.
-    pub recording: Recording,
-    /// It is there for the trace, even if nothing speaks of it.
-    pub record: bool,
-    /// The file that binds or first uses it, where that is not the plan.
-    pub file: Option<Arc<str>>,
-    /// Bytes of that file.
-    pub span: Range<usize>,
-}
 
 /// What an awaited step waits for.
 #[derive(Clone, Debug, PartialEq)]
@@ -258,29 +61,6 @@ pub enum Await {
     Above(Literal),
     /// It moves from at or above to below this.
     Below(Literal),
-}
-
-/// A part of a case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Phase {
-    /// Before the steps proper, which wait for all of it.
-    Setup,
-    /// The steps proper.
-    #[default]
-    Main,
-    /// Behind the case, however it ended.
-    Teardown,
-}
-
-impl Phase {
-    /// The word in records.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Phase::Setup => "setup",
-            Phase::Main => "main",
-            Phase::Teardown => "teardown",
-        }
-    }
 }
 
 /// How a step comes more than once.
@@ -348,7 +128,7 @@ pub struct Step {
     /// group and a `.` in front.
     pub id: String,
     /// The part of the case that it belongs to.
-    pub phase: Phase,
+    pub part: CasePart,
     /// When it comes.
     pub when: StepTime,
     /// How it comes more than once.
@@ -395,7 +175,7 @@ pub struct Case {
     /// What is measured.
     pub measurements: Vec<Measurement>,
     /// What is claimed of every case: of the plan, then of suite and board.
-    pub invariants: Vec<Guard>,
+    pub invariants: Vec<GlobalCheck>,
     /// What ends the case when it lasts.
     pub alarms: Vec<Arc<Alarm>>,
     /// The end of the case; its base is as that of [`StepTime::At`].
@@ -424,7 +204,12 @@ impl Case {
         Scenario {
             expectations: self.expectations.clone(),
             measurements: self.measurements.clone(),
-            guards: self.invariants.iter().cloned().chain(self.alarms.iter().map(Alarm::guard)).collect(),
+            global_checks: self
+                .invariants
+                .iter()
+                .cloned()
+                .chain(self.alarms.iter().map(Alarm::global_check))
+                .collect(),
             steps: self
                 .steps
                 .iter()
@@ -438,7 +223,7 @@ impl Case {
                         Stimulus::Train(train) => Some(train.signal.clone()),
                         _ => None,
                     },
-                    phase: step.phase,
+                    part: step.part,
                     asks: match &step.stimulus {
                         Stimulus::Ask(question) => Some(question.clone()),
                         _ => None,

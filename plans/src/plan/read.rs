@@ -12,8 +12,9 @@ use super::envelope::{self, Listed};
 use super::groups::{self, Group};
 use super::include::{PlanText, gather};
 use super::variants::Variants;
-use super::{Case, ProgramRef, refusal};
+use super::{Case, refusal};
 use crate::codes;
+use crate::steps::ProgramRef;
 
 /// Most cases of a plan.
 pub const MAX_CASES: u64 = 100_000;

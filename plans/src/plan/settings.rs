@@ -9,6 +9,7 @@ use signal::{Address, Area, Span};
 use super::functions::{self, FunctionSettings};
 use super::inputs::{self, InputSettings};
 use crate::codes;
+use crate::lang::terminal;
 
 const TASK_KEYS: &[KeySpec] = &[
     KeySpec::optional(
@@ -307,7 +308,9 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
             "configured" => HaltOutputs::Configured,
             _ => HaltOutputs::Default,
         }),
-        alarm_output: fields.get("alarm-output").and_then(|node| output(node, out)),
+        alarm_output: fields
+            .get("alarm-output")
+            .and_then(|node| terminal(node, node.as_text()?, Area::Output, out)),
         rearming: fields.text("rearming").map(|mode| match mode {
             "automatic" => Rearming::Automatic,
             _ => Rearming::Manual,
@@ -394,11 +397,6 @@ fn defaults(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
             settings.output_defaults.push((address, on));
         }
     }
-}
-
-/// The address of an output, written as a text.
-pub(crate) fn output(node: &Node, out: &mut Findings) -> Option<Address> {
-    inputs::terminal(node, node.as_text()?, Area::Output, out)
 }
 
 fn task(name: &str, table: &Table, out: &mut Findings) -> TaskSettings {

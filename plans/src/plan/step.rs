@@ -9,15 +9,16 @@ use super::envelope::{self, Form};
 use super::expand::Placed;
 use super::groups::RESERVED;
 use super::keys::{MOST_TIMES, STEP_KEYS};
+use super::names::{CaseNames, StepName};
 use super::read::Document;
-use super::scope::{Scope, StepName};
 use super::times::Written;
 use super::variants::Variant;
-use super::{Await, Phase, Repeat, Step, StepTime};
+use super::{Await, Repeat, Step, StepTime};
 use crate::codes;
-use crate::expect::Names;
+use crate::lang::Names;
 use crate::lang::{Anchor, Base, Literal, is_id};
-use crate::steps::{self, Stimulus};
+use crate::steps::CasePart;
+use crate::steps::{self, StepNames, Stimulus};
 
 const STEP: Form =
     Form { what: "step", list: "steps", own: STEP_KEYS, code: codes::STEP_VERB, alone: Some("when") };
@@ -54,7 +55,7 @@ pub(super) struct StepReader<'a> {
     pub(super) variant: &'a Variant<'a>,
     pub(super) number: u64,
     pub(super) seed: u64,
-    pub(super) scope: &'a Scope<'a>,
+    pub(super) scope: &'a CaseNames<'a>,
 }
 
 impl StepReader<'_> {
@@ -68,7 +69,7 @@ impl StepReader<'_> {
         let verbs: Vec<&'static str> = steps::VERBS.iter().map(|verb| verb.name).collect();
         let mut ids: BTreeMap<String, &Node> = BTreeMap::new();
         // The step before, in the same list.
-        let mut before: BTreeMap<(&str, Phase), String> = BTreeMap::new();
+        let mut before: BTreeMap<(&str, CasePart), String> = BTreeMap::new();
         for placed in here {
             self.scope.enter(&placed.call, out);
             let id = placed.id();
@@ -78,7 +79,7 @@ impl StepReader<'_> {
             {
                 report_twice(id, place, first, out);
             }
-            let list = (placed.call.path.as_str(), placed.phase);
+            let list = (placed.call.path.as_str(), placed.part);
             if let Some((step, time)) = self.step(placed, &verbs, before.get(&list), out) {
                 steps.push(step);
                 written.push(time);
@@ -130,8 +131,8 @@ impl StepReader<'_> {
         let written = Written { anchor, node: place, until, phase: phase? };
         let id = placed.id().unwrap_or(id);
         let repeat = if placed.turn.is_some() { None } else { repeat? };
-        let (span, phase, parent) = (node.span.clone(), placed.phase, placed.parent);
-        Some((Step { id, phase, when, repeat, parent, stimulus, refused, span, line }, written))
+        let (span, part, parent) = (node.span.clone(), placed.part, placed.parent);
+        Some((Step { id, part, when, repeat, parent, stimulus, refused, span, line }, written))
     }
 
     /// How the step comes more than once: `None` after it reported what is wrong, `Some(None)` for once.
@@ -291,9 +292,9 @@ impl StepReader<'_> {
     /// Where waiting begins in a list that has no step before.
     fn first(&self, placed: &Placed<'_>) -> Anchor {
         let at = |base| Anchor { base, offset: Span::ZERO };
-        match (placed.call.path.as_str(), placed.phase) {
-            ("", Phase::Main) if self.scope.phases.contains(&Phase::Setup) => at(Base::Main),
-            ("", Phase::Teardown) => at(Base::Teardown),
+        match (placed.call.path.as_str(), placed.part) {
+            ("", CasePart::Main) if self.scope.parts.contains(&CasePart::Setup) => at(Base::Main),
+            ("", CasePart::Teardown) => at(Base::Teardown),
             ("", _) => Anchor::START,
             (path, _) => at(Base::Step(path.to_owned())),
         }

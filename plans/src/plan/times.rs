@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use document::{Diagnostic, Findings, Node};
 use signal::Span;
 
-use super::{Phase, Repeat, Step, StepTime};
+use super::{Repeat, Step, StepTime};
 use crate::codes;
 use crate::lang::{Anchor, Base};
+use crate::steps::CasePart;
 use crate::steps::Stimulus;
 
 /// How long after its last step a case ends where the plan does not say.
@@ -110,7 +111,7 @@ pub(super) fn settle(
         written,
         ends: ends.as_ref(),
         marks: vec![Mark::New; steps.len() + 1],
-        setup: steps.iter().any(|step| step.phase == Phase::Setup),
+        setup: steps.iter().any(|step| step.part == CasePart::Setup),
     };
     for at in 0..=steps.len() {
         if at < steps.len() || ends.is_some() {
@@ -139,8 +140,8 @@ pub(super) fn settle(
     if out.errors() > before {
         return None;
     }
-    let teardown = allowance(steps, &places, &untils, Phase::Teardown);
-    let main = allowance(steps, &places, &untils, Phase::Main);
+    let teardown = allowance(steps, &places, &untils, CasePart::Teardown);
+    let main = allowance(steps, &places, &untils, CasePart::Main);
     let ids: Vec<String> = steps.iter().map(|step| step.id.clone()).collect();
     for (at, step) in steps.iter_mut().enumerate() {
         let anchor = to_anchor(places[at]?, &ids);
@@ -223,8 +224,8 @@ impl Chain<'_, '_> {
     }
 
     /// The part of the case that a place belongs to; the end of the case belongs to the steps proper.
-    fn phase(&self, at: usize) -> Phase {
-        self.steps.get(at).map_or(Phase::Main, |step| step.phase)
+    fn part(&self, at: usize) -> CasePart {
+        self.steps.get(at).map_or(CasePart::Main, |step| step.part)
     }
 
     /// Where an instant stands that hangs on no step.
@@ -240,38 +241,40 @@ impl Chain<'_, '_> {
     /// What the instant at `at` hangs on: a step, the end, or nothing for `start` and the like.
     fn base_of(&self, at: usize, out: &mut Findings) -> Result<Option<usize>, ()> {
         let Some(anchor) = self.anchor(at) else { return Err(()) };
-        self.base_in(&anchor.base, self.phase(at), self.node(at), out)
+        self.base_in(&anchor.base, self.part(at), self.node(at), out)
     }
 
     /// What a base is to something of a part of the case; reports what it cannot hang on.
     fn base_in(
         &self,
         base: &Base,
-        phase: Phase,
+        part: CasePart,
         node: &Node,
         out: &mut Findings,
     ) -> Result<Option<usize>, ()> {
         let step = base.step().map(|id| self.places.get(id).copied());
-        let of = step.flatten().map(|step| self.steps[step].phase);
-        let possible = match (phase, base, of) {
-            (Phase::Setup, Base::Start, _) | (Phase::Main, Base::Start | Base::Main | Base::End, _) => true,
-            (Phase::Teardown, Base::Teardown, _) => true,
-            (Phase::Main, _, Some(of)) => of != Phase::Teardown,
-            (phase, _, Some(of)) => of == phase,
+        let of = step.flatten().map(|step| self.steps[step].part);
+        let possible = match (part, base, of) {
+            (CasePart::Setup, Base::Start, _) | (CasePart::Main, Base::Start | Base::Main | Base::End, _) => {
+                true
+            }
+            (CasePart::Teardown, Base::Teardown, _) => true,
+            (CasePart::Main, _, Some(of)) => of != CasePart::Teardown,
+            (part, _, Some(of)) => of == part,
             // Unknown steps were reported when the text was read.
             (.., None) => step.is_some(),
         };
         if !possible {
-            let (message, help) = match phase {
-                Phase::Setup => (
+            let (message, help) = match part {
+                CasePart::Setup => (
                     "the setup hangs on what comes behind it",
                     "count from `start` or from a step of the setup",
                 ),
-                Phase::Main => (
+                CasePart::Main => (
                     "the steps of the case hang on its teardown",
                     "count from `start`, `main` or from a step of the case",
                 ),
-                Phase::Teardown => (
+                CasePart::Teardown => (
                     "the teardown hangs on a step that may never have come",
                     "count from `teardown` or from a step of the teardown",
                 ),
@@ -344,7 +347,7 @@ impl Chain<'_, '_> {
                 );
                 continue;
             }
-            let Ok(base) = self.base_in(&until.base, step.phase, node, out) else { continue };
+            let Ok(base) = self.base_in(&until.base, step.part, node, out) else { continue };
             let fixed = match until.base {
                 Base::Main if self.setup => Root::Main,
                 Base::Teardown => Root::Teardown,
@@ -425,7 +428,7 @@ fn default_end(
     main: Root,
 ) -> Option<Rooted> {
     let after = i128::from(AFTER_LAST.as_nanos());
-    let mut proper = steps.iter().enumerate().filter(|(_, step)| step.phase == Phase::Main);
+    let mut proper = steps.iter().enumerate().filter(|(_, step)| step.part == CasePart::Main);
     let Some((last, step)) = proper.clone().next_back() else {
         return Some(Rooted { root: main, nanos: after });
     };
@@ -448,7 +451,7 @@ fn check(
     out: &mut Findings,
 ) {
     // The setup lasts this long at least.
-    let setup = steps.iter().zip(places).filter(|(step, _)| step.phase == Phase::Setup);
+    let setup = steps.iter().zip(places).filter(|(step, _)| step.part == CasePart::Setup);
     let setup = setup.filter_map(|(step, place)| {
         let waits = matches!(step.when, StepTime::When { .. });
         let place = (*place)?;
@@ -458,7 +461,7 @@ fn check(
     for (at, step) in steps.iter().enumerate() {
         let Some(place) = places[at] else { continue };
         let waits = matches!(step.when, StepTime::When { .. });
-        let least = if step.phase == Phase::Main && place.root == Root::Start { setup } else { 0 };
+        let least = if step.part == CasePart::Main && place.root == Root::Start { setup } else { 0 };
         // Waiting may begin before anything happens.
         if place.nanos < least && !waits {
             let root = if least > 0 { "main".to_owned() } else { place.root.name(steps) };
@@ -471,7 +474,10 @@ fn check(
                 _ => "nobody knows beforehand when it happens: count forwards from it",
             };
             out.bad(codes::STEP_BEFORE, written[at].node, message, help);
-        } else if ends_given && step.phase == Phase::Main && place.root == end.root && place.nanos > end.nanos
+        } else if ends_given
+            && step.part == CasePart::Main
+            && place.root == end.root
+            && place.nanos > end.nanos
         {
             let late = Span::from_nanos(i64::try_from(place.nanos - end.nanos).unwrap_or(i64::MAX));
             let message = format!("the step `{}` comes {late} after the end of the case", step.id);
@@ -493,10 +499,10 @@ fn to_anchor(place: Rooted, ids: &[String]) -> Anchor {
 
 /// The longest that the teardown can take when every wait takes as long as it may, or what stands before it apart from
 /// the end itself.
-fn allowance(steps: &[Step], places: &[Option<Rooted>], untils: &[Option<Rooted>], phase: Phase) -> Span {
+fn allowance(steps: &[Step], places: &[Option<Rooted>], untils: &[Option<Rooted>], part: CasePart) -> Span {
     let mut nanos = ALLOWANCE;
     for (at, step) in steps.iter().enumerate() {
-        if (step.phase == Phase::Teardown) != (phase == Phase::Teardown) {
+        if (step.part == CasePart::Teardown) != (part == CasePart::Teardown) {
             continue;
         }
         let place = places[at].map_or(0, |place| place.nanos.max(0));
@@ -504,7 +510,7 @@ fn allowance(steps: &[Step], places: &[Option<Rooted>], untils: &[Option<Rooted>
         nanos += untils[at].map_or(0, |until| until.nanos.max(0));
         if let StepTime::When { within, .. } = &step.when {
             nanos += i128::from(within.as_nanos()) + place;
-        } else if phase == Phase::Teardown || step.phase == Phase::Setup {
+        } else if part == CasePart::Teardown || step.part == CasePart::Setup {
             nanos += place;
         }
     }

@@ -3,8 +3,8 @@
 
 use document::{Findings, KeySpec, KeyType, Node};
 
+use super::{ProgramRef, StepNames, table_fields};
 use super::{Stimulus, Verb};
-use crate::plan::{ProgramRef, Scope};
 
 const PROGRAM: KeySpec = KeySpec::optional(
     "program",
@@ -34,7 +34,7 @@ pub(super) const DOWNLOAD: Verb = Verb {
     doc: "Downloads an application.",
     value: KeyType::Table(PROGRAM_KEYS),
     needs: &["download"],
-    read: |node, scope, _| Some(Stimulus::Download(program(node, scope)?)),
+    read: |node, _, _| Some(Stimulus::Download(program(node)?)),
 };
 
 pub(super) const MULTIPLE_DOWNLOAD: Verb = Verb {
@@ -50,7 +50,7 @@ pub(super) const PLACE_BOOT_APPLICATION: Verb = Verb {
     doc: "Puts a boot application into the controller by SD card or FTP.",
     value: KeyType::Table(PROGRAM_KEYS),
     needs: &["download"],
-    read: |node, scope, _| Some(Stimulus::PlaceBootApplication(program(node, scope)?)),
+    read: |node, _, _| Some(Stimulus::PlaceBootApplication(program(node)?)),
 };
 
 pub(super) const RESET_ORIGIN_DEVICE: Verb = Verb {
@@ -70,20 +70,20 @@ pub(super) const FIRMWARE: Verb = Verb {
 };
 
 /// The program of a table, `None` inside for the plan's own.
-fn program(node: &Node, scope: &Scope<'_>) -> Option<Option<ProgramRef>> {
-    let fields = scope.fields(node, PROGRAM_KEYS)?;
+fn program(node: &Node) -> Option<Option<ProgramRef>> {
+    let fields = table_fields(node, PROGRAM_KEYS)?;
     let files: Vec<String> =
         fields.each("program").iter().filter_map(Node::as_text).map(str::to_owned).collect();
     Some((!files.is_empty()).then_some(ProgramRef::Files(files)))
 }
 
-fn read_multiple(node: &Node, scope: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
-    let start = scope.fields(node, MULTIPLE_KEYS)?.boolean("start").unwrap_or(true);
-    Some(Stimulus::MultipleDownload { program: program(node, scope)?, start })
+fn read_multiple(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
+    let start = table_fields(node, MULTIPLE_KEYS)?.boolean("start").unwrap_or(true);
+    Some(Stimulus::MultipleDownload { program: program(node)?, start })
 }
 
-fn read_device(node: &Node, scope: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, DEVICE_KEYS)?;
+fn read_device(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, DEVICE_KEYS)?;
     let [user_management, plc_logic, certificates] =
         ["user-management", "plc-logic", "certificates"].map(|key| fields.boolean(key).unwrap_or(false));
     Some(Stimulus::ResetOriginDevice { user_management, plc_logic, certificates })

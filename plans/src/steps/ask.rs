@@ -2,9 +2,9 @@
 
 use document::{Fields, Findings, KeySpec, KeyType, Node};
 
+use super::{StepNames, table_fields};
 use super::{Stimulus, Verb};
 use crate::codes;
-use crate::plan::Scope;
 
 /// Longest text that a person is asked, in bytes.
 const LONGEST: usize = 2_000;
@@ -43,8 +43,8 @@ pub struct Question {
     pub pass: usize,
 }
 
-fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, KEYS)?;
+fn read(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, KEYS)?;
     let text = fields.get("text")?;
     let words = text.as_text()?.trim();
     if words.is_empty() || words.len() > LONGEST {

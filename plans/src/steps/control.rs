@@ -4,7 +4,7 @@ use document::{Findings, KeySpec, KeyType, Node};
 
 use super::drive::above_zero;
 use super::{Command, Stimulus, Verb};
-use crate::plan::Scope;
+use super::{StepNames, table_fields};
 
 const CUT_KEYS: &[KeySpec] = &[KeySpec::required("lasts", KeyType::Duration, "How long the supply is off.")];
 
@@ -62,7 +62,7 @@ pub(super) const MARK: Verb = Verb {
     read: |_, _, _| Some(Stimulus::Mark),
 };
 
-fn read_command(node: &Node, _: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
+fn read_command(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
     Some(Stimulus::Command(match node.as_text()? {
         "run" => Command::Run,
         "stop" => Command::Stop,
@@ -80,10 +80,10 @@ fn read_command(node: &Node, _: &Scope<'_>, _: &mut Findings) -> Option<Stimulus
     }))
 }
 
-fn read_power(node: &Node, _: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
+fn read_power(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
     Some(Stimulus::Power(node.as_text()? == "on"))
 }
 
-fn read_power_cut(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    Some(Stimulus::PowerCut(above_zero(&scope.fields(node, CUT_KEYS)?, "lasts", out)?))
+fn read_power_cut(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    Some(Stimulus::PowerCut(above_zero(&table_fields(node, CUT_KEYS)?, "lasts", out)?))
 }

@@ -2,8 +2,8 @@
 
 use document::{Findings, KeySpec, KeyType, Node};
 
+use super::{ProgramRef, StepNames, table_fields};
 use super::{Stimulus, Verb};
-use crate::plan::{ProgramRef, Scope};
 
 const BREAKPOINT_KEYS: &[KeySpec] = &[
     KeySpec::required(
@@ -60,15 +60,15 @@ pub(super) const STEP_STATEMENT: Verb = Verb {
     read: |_, _, _| Some(Stimulus::StepStatement),
 };
 
-fn read_breakpoint(node: &Node, scope: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, BREAKPOINT_KEYS)?;
+fn read_breakpoint(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, BREAKPOINT_KEYS)?;
     let line = u32::try_from(fields.integer("line")?).ok()?;
     let file = fields.get("file").and_then(Node::as_text).map(str::to_owned);
     Some(Stimulus::Breakpoint { line, file })
 }
 
-fn read_change(node: &Node, scope: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, CHANGE_KEYS)?;
+fn read_change(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, CHANGE_KEYS)?;
     let files = fields.each("program").iter().filter_map(Node::as_text).map(str::to_owned).collect();
     Some(Stimulus::OnlineChange(ProgramRef::Files(files)))
 }

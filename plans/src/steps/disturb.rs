@@ -1,11 +1,12 @@
 //! `short-circuit`, `over-temperature`, `supply-io` and `external-error`: what goes wrong around the controller.
 
 use document::{Findings, KeySpec, KeyType, Node};
-use signal::{Address, Span};
+use signal::{Address, Area, Span};
 
 use super::drive::above_zero;
 use super::{Disturbance, Stimulus, Verb};
-use crate::plan::{Scope, output};
+use super::{StepNames, table_fields};
+use crate::lang::terminal;
 
 const OUTPUT_KEYS: &[KeySpec] = &[
     KeySpec::required("output", KeyType::Text, "The output, as in %QX0.0."),
@@ -59,15 +60,16 @@ pub(super) const EXTERNAL_ERROR: Verb = Verb {
 };
 
 /// An output and for how long something is wrong with it.
-fn at_output(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<(Address, Option<Span>)> {
-    let fields = scope.fields(node, OUTPUT_KEYS)?;
-    let address = output(fields.get("output")?, out);
+fn at_output(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<(Address, Option<Span>)> {
+    let fields = table_fields(node, OUTPUT_KEYS)?;
+    let place = fields.get("output")?;
+    let address = terminal(place, place.as_text()?, Area::Output, out);
     let lasts = if fields.has("for") { Some(above_zero(&fields, "for", out)?) } else { None };
     Some((address?, lasts))
 }
 
-fn read_external(node: &Node, scope: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, ERROR_KEYS)?;
+fn read_external(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, ERROR_KEYS)?;
     let bit = u8::try_from(fields.integer("bit")?).ok()?;
     let on = fields.boolean("on").unwrap_or(true);
     Some(Stimulus::Disturb { what: Disturbance::External(bit), on, lasts: None })

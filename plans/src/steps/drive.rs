@@ -3,10 +3,10 @@
 use document::{Data, Fields, Findings, KeySpec, KeyType, Node};
 use signal::Span;
 
+use super::{StepNames, table_fields};
 use super::{Stimulus, Verb};
 use crate::codes;
 use crate::lang::Literal;
-use crate::plan::Scope;
 
 const SIGNAL: KeySpec = KeySpec::required("signal", KeyType::SignalRef, "The signal.");
 
@@ -65,8 +65,13 @@ pub(super) const WRITE: Verb = Verb {
 };
 
 /// The signal and the value of one table; reports what is wrong with either.
-fn pair(fields: &Fields<'_>, key: &str, scope: &Scope<'_>, out: &mut Findings) -> Option<(String, Literal)> {
-    let signal = scope.signal_of(fields.get(key)?, out);
+fn pair(
+    fields: &Fields<'_>,
+    key: &str,
+    scope: &dyn StepNames,
+    out: &mut Findings,
+) -> Option<(String, Literal)> {
+    let signal = scope.signal(fields.get(key)?, out);
     let value = Literal::read(fields.get("value")?, out);
     Some((signal?, value?))
 }
@@ -82,7 +87,7 @@ pub(crate) fn above_zero(fields: &Fields<'_>, key: &str, out: &mut Findings) -> 
     Some(span)
 }
 
-fn read_set(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
+fn read_set(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
     let tables = match &node.data {
         Data::Array(list) => list.as_slice(),
         _ => std::slice::from_ref(node),
@@ -90,7 +95,7 @@ fn read_set(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimul
     let mut list: Vec<(String, Literal)> = Vec::with_capacity(tables.len());
     let mut right = true;
     for table in tables {
-        let fields = scope.fields(table, VALUED)?;
+        let fields = table_fields(table, VALUED)?;
         match pair(&fields, "signal", scope, out) {
             Some((signal, _)) if list.iter().any(|(known, _)| *known == signal) => {
                 let message = format!("`{signal}` is set twice at one instant");
@@ -104,9 +109,9 @@ fn read_set(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimul
     right.then_some(Stimulus::Set(list))
 }
 
-fn read_pulse(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, PULSE_KEYS)?;
-    let signal = scope.signal_of(fields.get("signal")?, out);
+fn read_pulse(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, PULSE_KEYS)?;
+    let signal = scope.signal(fields.get("signal")?, out);
     let width = above_zero(&fields, "width", out);
     let value = match fields.get("value") {
         Some(value) => Literal::read(value, out),
@@ -115,18 +120,18 @@ fn read_pulse(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stim
     Some(Stimulus::Pulse { signal: signal?, value: value?, width: width? })
 }
 
-fn read_force(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let (signal, value) = pair(&scope.fields(node, VALUED)?, "signal", scope, out)?;
+fn read_force(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let (signal, value) = pair(&table_fields(node, VALUED)?, "signal", scope, out)?;
     Some(Stimulus::Force { signal, value })
 }
 
-fn read_release(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, &[SIGNAL])?;
-    Some(Stimulus::Release { signal: scope.signal_of(fields.get("signal")?, out)? })
+fn read_release(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, &[SIGNAL])?;
+    Some(Stimulus::Release { signal: scope.signal(fields.get("signal")?, out)? })
 }
 
-fn read_write(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let (of, written) = pair(&scope.fields(node, WRITE_KEYS)?, "of", scope, out)?;
+fn read_write(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let (of, written) = pair(&table_fields(node, WRITE_KEYS)?, "of", scope, out)?;
     // A place of memory has no unit: a duration is written as the nanoseconds that it holds.
     let value = written.value().map_or(written, Literal::Value);
     Some(Stimulus::Write { of, value })

@@ -8,9 +8,9 @@ use signal::{Quantity, Span, Unit};
 
 use super::drive::above_zero;
 use super::{MAX_PULSES, Stimulus, Verb};
+use super::{StepNames, table_fields};
 use crate::codes;
 use crate::lang::millihertz;
-use crate::plan::Scope;
 
 /// Most motions of one step.
 const MAX_MOTIONS: usize = 1_000;
@@ -185,8 +185,8 @@ impl Encoder {
     }
 }
 
-fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, KEYS)?;
+fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, KEYS)?;
     let lines = fields.integer("lines");
     let a = scope.whole_signal(fields.get("a")?, out);
     let b = scope.whole_signal(fields.get("b")?, out);
@@ -232,10 +232,10 @@ fn add(
     position: i64,
     lines: Option<i64>,
     node: &Node,
-    scope: &Scope<'_>,
+    _: &dyn StepNames,
     out: &mut Findings,
 ) -> Option<i64> {
-    let fields = scope.fields(node, MOTION_KEYS)?;
+    let fields = table_fields(node, MOTION_KEYS)?;
     let given: Vec<&str> = ["by", "to", "pause"].into_iter().filter(|key| fields.has(key)).collect();
     let [key] = given.as_slice() else {
         let message = "a motion has none of, or several of, `by`, `to` and `pause`";

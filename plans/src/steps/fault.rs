@@ -4,9 +4,9 @@ use document::{Fields, Findings, KeySpec, KeyType, Node};
 
 use super::drive::above_zero;
 use super::{FaultKind, Stimulus, Verb};
+use super::{StepNames, table_fields};
 use crate::codes;
 use crate::lang::Literal;
-use crate::plan::Scope;
 
 const KINDS: &[&str] = &["stuck", "open", "short-to-ground", "short-to-supply", "glitch", "late", "lost"];
 
@@ -47,13 +47,13 @@ fn own_keys(kind: &str) -> &'static [&'static str] {
     }
 }
 
-fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, KEYS)?;
+fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, KEYS)?;
     let kind = fields.text("kind")?;
     if !keys_fit(&fields, node, kind, out) {
         return None;
     }
-    let signal = scope.signal_of(fields.get("signal")?, out);
+    let signal = scope.signal(fields.get("signal")?, out);
     let lasts = if fields.has("for") { Some(above_zero(&fields, "for", out)?) } else { None };
     let value = fields.get("value").map(|value| Literal::read(value, out));
     let kind = match kind {
@@ -85,7 +85,7 @@ fn keys_fit(fields: &Fields<'_>, node: &Node, kind: &str, out: &mut Findings) ->
     out.errors() == before
 }
 
-fn read_clear(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, CLEAR_KEYS)?;
-    Some(Stimulus::Clear { signal: scope.signal_of(fields.get("signal")?, out)? })
+fn read_clear(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, CLEAR_KEYS)?;
+    Some(Stimulus::Clear { signal: scope.signal(fields.get("signal")?, out)? })
 }

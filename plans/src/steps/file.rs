@@ -3,8 +3,8 @@
 use document::{Findings, KeySpec, KeyType, Node};
 
 use super::{FileDeed, Stimulus, Verb};
+use super::{StepNames, table_fields};
 use crate::codes;
-use crate::plan::Scope;
 
 /// Most bytes of a file that a step writes: the flash memory of the controllers.
 const MOST_BYTES: i64 = 128 << 20;
@@ -34,8 +34,8 @@ pub(super) const FILE: Verb = Verb {
     read,
 };
 
-fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, KEYS)?;
+fn read(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, KEYS)?;
     let given: Vec<&str> = ["put", "remove", "log"].into_iter().filter(|key| fields.has(key)).collect();
     let [key] = given.as_slice() else {
         let message = "the step names none of `put`, `remove` and `log`, or several";

@@ -4,8 +4,8 @@
 use document::{Findings, KeySpec, KeyType, Node};
 
 use super::drive::above_zero;
+use super::{StepNames, table_fields};
 use super::{Stimulus, Verb};
-use crate::plan::Scope;
 
 const KEYS: &[KeySpec] = &[
     KeySpec::required("task", KeyType::Text, "Name of the task."),
@@ -21,8 +21,8 @@ pub(super) const OVERLOAD: Verb = Verb {
     read,
 };
 
-fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, KEYS)?;
+fn read(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, KEYS)?;
     // Whether there is such a task is known only with the program: it may configure tasks of its own.
     let task = fields.text("task").map(str::to_owned);
     let cycle = above_zero(&fields, "cycle", out);
@@ -44,8 +44,8 @@ pub(super) const SUSPEND: Verb = Verb {
     read: read_suspend,
 };
 
-fn read_suspend(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, SUSPEND_KEYS)?;
+fn read_suspend(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, SUSPEND_KEYS)?;
     let task = fields.text("task").map(str::to_owned);
     let lasts = above_zero(&fields, "for", out);
     Some(Stimulus::Suspend { task: task?, lasts: lasts? })

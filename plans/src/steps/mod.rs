@@ -5,6 +5,7 @@
 
 mod application;
 mod ask;
+mod case;
 mod control;
 mod cycle;
 mod debug;
@@ -19,13 +20,17 @@ mod sequence;
 mod train;
 mod wave;
 
-use document::{Findings, KeyType, Node};
+use std::sync::Arc;
+
+use document::{Fields, Findings, KeySpec, KeyType, Node};
 use signal::{Address, Span};
 
-use crate::lang::Literal;
-use crate::plan::{ProgramRef, Scope};
+use crate::frames::{Databases, Named};
+use crate::lang::{Literal, Names};
+use crate::table::{Fault, Table};
 
 pub use ask::Question;
+pub use case::{CasePart, ProgramRef};
 pub use cycle::Cycle;
 pub(crate) use drive::above_zero;
 pub use encoder::{Encoder, Motion};
@@ -45,7 +50,29 @@ pub struct Verb {
     /// The powers that it needs of rig and subject, words of [`crate::lang::CAPABILITIES`].
     pub needs: &'static [&'static str],
     /// Makes the stimulus of a value that was held against `value`. `None` after it reported what is wrong.
-    pub(crate) read: fn(&Node, &Scope<'_>, &mut Findings) -> Option<Stimulus>,
+    pub(crate) read: fn(&Node, &dyn StepNames, &mut Findings) -> Option<Stimulus>,
+}
+
+/// What a verb's reader may ask of the plan around it, beside instants and signals.
+pub(crate) trait StepNames: Names {
+    /// The name of a signal of which every change counts; reports one whose trace leaves some out.
+    fn whole_signal(&self, node: &Node, out: &mut Findings) -> Option<String>;
+    /// The table of this name, a file relative to the plan.
+    ///
+    /// # Errors
+    /// Why there is none.
+    fn table(&self, name: &str) -> Result<Arc<Table>, Fault>;
+    /// The DBC files that the plan may name.
+    fn databases(&self) -> &Databases;
+    /// The frames of this name.
+    fn frame(&self, name: &str) -> Option<Named>;
+    /// The names of all frames.
+    fn frame_names(&self) -> Vec<&str>;
+}
+
+/// The fields of a table that was held against these keys before.
+pub(crate) fn table_fields<'n>(node: &'n Node, specs: &'static [KeySpec]) -> Option<Fields<'n>> {
+    Some(Fields::checked(node.as_table()?, specs))
 }
 
 /// Every verb of `steps`, in alphabetical order.

@@ -2,8 +2,8 @@
 
 use document::{Findings, KeyType, Node};
 
+use super::StepNames;
 use super::{Stimulus, Verb};
-use crate::plan::Scope;
 
 pub(super) const RUN: Verb = Verb {
     name: "run",
@@ -14,7 +14,7 @@ pub(super) const RUN: Verb = Verb {
 };
 
 /// Which group it is, and whether it has the arguments, was looked at when its steps were put into the case.
-fn read(node: &Node, _: &Scope<'_>, _: &mut Findings) -> Option<Stimulus> {
+fn read(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
     let group = node.as_table()?.get("group")?.as_text()?.to_owned();
     Some(Stimulus::Run { group })
 }

@@ -7,8 +7,8 @@ use signal::Span;
 
 use super::drive::above_zero;
 use super::{MAX_PULSES, Stimulus, Verb};
+use super::{StepNames, table_fields};
 use crate::codes;
-use crate::plan::Scope;
 use crate::table::{Cell, Fault, Table};
 
 const KEYS: &[KeySpec] = &[
@@ -78,8 +78,8 @@ impl Sequence {
     }
 }
 
-fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, KEYS)?;
+fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, KEYS)?;
     let place = fields.get("file")?;
     let name = place.as_text()?;
     let table = match scope.table(name) {
@@ -128,7 +128,7 @@ fn columns(
     fields: &document::Fields<'_>,
     file: &Node,
     table: &Table,
-    scope: &Scope<'_>,
+    scope: &dyn StepNames,
     out: &mut Findings,
 ) -> Option<Vec<(usize, String)>> {
     let mut columns: Vec<(usize, String)> = Vec::new();
@@ -138,7 +138,7 @@ fn columns(
                 // The name at the place of the file, for what is wrong with it.
                 let mut name = Node::new(file.span.clone(), Data::Text(column.name.clone()));
                 name.origin = file.origin.clone();
-                columns.push((place, scope.signal_of(&name, out)?));
+                columns.push((place, scope.signal(&name, out)?));
             }
         }
         Some(given) => {
@@ -153,7 +153,7 @@ fn columns(
                     out.error(codes::COLUMN, entry.key_span.clone(), message, help);
                     return None;
                 };
-                columns.push((place, scope.signal_of(&entry.node, out)?));
+                columns.push((place, scope.signal(&entry.node, out)?));
             }
         }
     }

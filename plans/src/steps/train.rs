@@ -4,9 +4,9 @@ use document::{Findings, KeySpec, KeyType, Node};
 use signal::Span;
 
 use super::cycle::{Cycle, FREQUENCY, PERIOD, part};
+use super::{StepNames, table_fields};
 use super::{Stimulus, Verb};
 use crate::codes;
-use crate::plan::Scope;
 
 /// Most pulses of one train.
 pub const MAX_PULSES: u32 = 10_000_000;
@@ -79,8 +79,8 @@ impl Train {
     }
 }
 
-fn read(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, KEYS)?;
+fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, KEYS)?;
     let signal = scope.whole_signal(fields.get("signal")?, out);
     let cycle = Cycle::read(&fields, node, "train", out);
     let duty = part(&fields, "duty", out);

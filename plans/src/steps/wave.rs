@@ -9,8 +9,8 @@ use signal::{Decimal, Quantity, QuantityRange, Span, Unit};
 use super::cycle::{Cycle, FREQUENCY, PERIOD, millionths, part};
 use super::drive::above_zero;
 use super::{MAX_PULSES, Stimulus, Verb};
+use super::{StepNames, table_fields};
 use crate::codes;
-use crate::plan::Scope;
 
 /// Most values that a wave of known length goes through.
 const MAX_SAMPLES: i64 = 10_000_000;
@@ -236,9 +236,9 @@ impl Wave {
     }
 }
 
-fn read_ramp(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, RAMP_KEYS)?;
-    let signal = scope.signal_of(fields.get("signal")?, out);
+fn read_ramp(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, RAMP_KEYS)?;
+    let signal = scope.signal(fields.get("signal")?, out);
     let from = quantity(&fields, "from");
     let to = quantity(&fields, "to")?;
     let lasts = above_zero(&fields, "lasts", out)?;
@@ -260,9 +260,9 @@ fn read_ramp(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimu
     }))
 }
 
-fn read_noise(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, NOISE_KEYS)?;
-    let signal = scope.signal_of(fields.get("signal")?, out);
+fn read_noise(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, NOISE_KEYS)?;
+    let signal = scope.signal(fields.get("signal")?, out);
     let range = range(&fields, out)?;
     let deviation = quantity(&fields, "deviation");
     if let Some(deviation) = &deviation
@@ -282,14 +282,14 @@ fn read_periodic(
     node: &Node,
     keys: &'static [KeySpec],
     verb: &str,
-    scope: &Scope<'_>,
+    scope: &dyn StepNames,
     out: &mut Findings,
 ) -> Option<Stimulus> {
-    let fields = scope.fields(node, keys)?;
+    let fields = table_fields(node, keys)?;
     // Every edge of a square wave counts, as every pulse of a train does.
     let signal = match verb {
         "square" => scope.whole_signal(fields.get("signal")?, out),
-        _ => scope.signal_of(fields.get("signal")?, out),
+        _ => scope.signal(fields.get("signal")?, out),
     };
     let range = if fields.has("range") { Some(range(&fields, out)?) } else { None };
     let cycle = Cycle::read(&fields, node, &format!("{verb} wave"), out)?;

@@ -12,7 +12,7 @@ use capture::{Capture, Channel, Knowledge, Shape};
 use document::Diagnostic;
 use plans::Case;
 use plans::lang::{Anchor, Base};
-use plans::plan::Phase;
+use plans::steps::CasePart;
 use signal::{
     Cause, ClockDomain, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, TraceError,
     Value, When,
@@ -317,7 +317,7 @@ impl Replay {
                 }
                 Due::Missed => {
                     let missed = self.schedule.miss(step, at);
-                    if missed && self.schedule.steps()[step].phase == Phase::Setup {
+                    if missed && self.schedule.steps()[step].phase == CasePart::Setup {
                         self.schedule.end_early(EndReason::Missed(step), at);
                     }
                 }

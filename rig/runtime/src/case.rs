@@ -25,7 +25,8 @@ use drivers::BoardFile;
 use drivers::RealtimeSettings;
 use plans::Case;
 use plans::judge::{Judge, Outcome};
-use plans::plan::{Guards, ProgramRef};
+use plans::plan::GlobalChecks;
+use plans::steps::ProgramRef;
 use profile::{Profile, Reference};
 use record::{CaseRecord, CaseStatus, FramesKept, RigTiming, StepRecord, TaskFigures, Verdict};
 use signal::{SignalId, Span, Time, Trace, Value, When};
@@ -118,7 +119,7 @@ pub struct CaseFiles {
     /// Text of the board file, empty for the default board.
     pub board_text: String,
     /// What suites and the board claim of every case.
-    pub guards: Vec<Arc<Guards>>,
+    pub guards: Vec<Arc<GlobalChecks>>,
     /// The controller.
     pub profile: Profile,
     /// Its reference.

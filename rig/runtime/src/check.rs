@@ -13,7 +13,7 @@ use drivers::{Board, BoardFile, ChannelId};
 use plans::Case;
 use plans::bench::{Bounds, Doubt, doubt};
 use plans::expect::{Demand, Expectation};
-use plans::plan::{FileFigure, RowFigure, SignalBinding, Source, TaskFigure};
+use plans::signals::{FileFigure, RowFigure, SignalBinding, Source, TaskFigure};
 use signal::{SignalId, Span};
 
 /// What is looked at.

@@ -7,7 +7,7 @@ use document::Joined;
 use drivers::Channel;
 use plans::Case;
 use plans::judge::counts_note;
-use plans::plan::ProgramRef;
+use plans::steps::ProgramRef;
 use plans::steps::{Command, Disturbance, FaultKind, FileDeed, Shape, Stimulus};
 use record::{CaseRecord, Hashes, Origin, Parameter, StepRecord};
 use sha2::{Digest, Sha256};
@@ -72,7 +72,7 @@ pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
                 id: step.id.clone(),
                 at_ns: None,
                 what: what(&step.stimulus),
-                phase: step.phase.word().to_owned(),
+                phase: step.part.word().to_owned(),
             })
             .collect(),
         ..CaseRecord::default()

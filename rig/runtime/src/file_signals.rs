@@ -5,7 +5,7 @@ use crate::subject::Observable;
 use controller::{FileProbe, Probe, RegisterProbe, RelocationPart};
 use document::Findings;
 use plans::Case;
-use plans::plan::{FileFigure, RowFigure, SignalBinding, Source};
+use plans::signals::{FileFigure, RowFigure, SignalBinding, Source};
 use signal::Kind;
 
 /// What a bound name is, where it stands for files, the log or registers: these the subject has to be told of.

@@ -4,7 +4,7 @@ use crate::case::verdict;
 use crate::describe;
 use document::{Diagnostic, SourceFile};
 use plans::judge::Judge;
-use plans::plan::{Guards, PlanText};
+use plans::plan::{GlobalChecks, PlanText};
 use record::CaseRecord;
 use signal::{Time, Trace, When};
 
@@ -85,7 +85,7 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
 }
 
 /// The invariants and alarms of suites and the board that the run held against its cases.
-fn guards_of(trace: &Trace) -> Result<Vec<Guards>, Vec<Diagnostic>> {
+fn guards_of(trace: &Trace) -> Result<Vec<GlobalChecks>, Vec<Diagnostic>> {
     let mut list = Vec::new();
     for (key, text) in trace.notes() {
         let Some((_, named)) = key.strip_prefix("guards:").and_then(|key| key.split_once(':')) else {
@@ -93,7 +93,11 @@ fn guards_of(trace: &Trace) -> Result<Vec<Guards>, Vec<Diagnostic>> {
         };
         let Some((kind, name)) = named.split_once(':') else { continue };
         let file = SourceFile::new(name, text);
-        list.push(if kind == "board" { Guards::of_board(&file)? } else { Guards::of_suite(&file)? });
+        list.push(if kind == "board" {
+            GlobalChecks::of_board(&file)?
+        } else {
+            GlobalChecks::of_suite(&file)?
+        });
     }
     Ok(list)
 }

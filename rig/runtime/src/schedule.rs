@@ -8,7 +8,8 @@ use crate::generator::{BoardOrder, Generator};
 use controller::{Command, Disturbance, FileUser, Probe};
 use drivers::{ChannelId, Fault};
 use plans::lang::{Anchor, Base};
-use plans::plan::{Phase, Repeat};
+use plans::plan::Repeat;
+use plans::steps::CasePart;
 use plans::steps::{FileDeed, Question};
 use signal::{SignalId, Span, Time, Value};
 use std::cmp::Reverse;
@@ -109,7 +110,7 @@ pub struct PlannedStep {
     /// The mark of its end.
     pub done: SignalId,
     /// The part of the case that it belongs to.
-    pub phase: Phase,
+    pub phase: CasePart,
     /// When it comes.
     pub timing: Timing,
     /// How it comes more than once.
@@ -259,7 +260,7 @@ impl Schedule {
 
     /// The end of the case, once it is known. It does not end before its setup is done, unless that fails.
     pub fn end(&self) -> Option<Time> {
-        let comes = self.progress.phase == Phase::Main || self.progress.ended.is_some();
+        let comes = self.progress.phase == CasePart::Main || self.progress.ended.is_some();
         self.end.filter(|_| comes)
     }
 

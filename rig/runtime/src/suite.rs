@@ -7,7 +7,8 @@ pub use crate::real_boards::{program_not_loaded, real_board};
 use crate::suites;
 use document::{Diagnostic, SourceFile};
 use drivers::file::{BoardFile, Subject as BoardSubject, Terminals, UnknownSubject, read as read_board};
-use plans::plan::{Guards, PlanText, ProgramRef};
+use plans::plan::{GlobalChecks, PlanText};
+use plans::steps::ProgramRef;
 use plans::steps::Stimulus;
 use plans::{Case, Plan};
 use profile::{Profile, Reference};
@@ -157,9 +158,9 @@ pub struct LoadedPlan {
     /// The board that the command line gives in place of the plan's own.
     pub(crate) board: Option<(BoardFile, String)>,
     /// What the suites that the plan is of claim of its cases, the outermost first.
-    suites: Vec<Arc<Guards>>,
+    suites: Vec<Arc<GlobalChecks>>,
     /// What its boards claim, by the names of their files.
-    board_guards: Vec<Arc<Guards>>,
+    board_guards: Vec<Arc<GlobalChecks>>,
 }
 
 /// Reads a plan and everything that it names.
@@ -305,8 +306,8 @@ pub(crate) fn nobody_to_ask(case: &Case, plan: &str) -> Option<Diagnostic> {
 }
 
 /// What a board claims of the cases that run on it, if anything.
-fn guards_of(name: &str, text: &str) -> Result<Option<Arc<Guards>>, Vec<Diagnostic>> {
-    let guards = Guards::of_board(&SourceFile::new(name, text))?;
+fn guards_of(name: &str, text: &str) -> Result<Option<Arc<GlobalChecks>>, Vec<Diagnostic>> {
+    let guards = GlobalChecks::of_board(&SourceFile::new(name, text))?;
     Ok((!guards.is_empty()).then(|| Arc::new(guards)))
 }
 
@@ -322,7 +323,7 @@ pub fn load_board(
     let file = load(files, path).map_err(|found| vec![found])?;
     sources.push(file.clone());
     let board = read_board(&file, &terminals)?;
-    Guards::of_board(&file)?;
+    GlobalChecks::of_board(&file)?;
     Ok((board, file.text))
 }
 

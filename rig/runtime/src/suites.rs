@@ -2,7 +2,7 @@
 
 use crate::suite::{FileSource, load};
 use document::{Diagnostic, SourceFile};
-use plans::plan::Guards;
+use plans::plan::GlobalChecks;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -25,12 +25,12 @@ pub fn load_suite(
     files: &dyn FileSource,
     path: &str,
     sources: &mut Vec<SourceFile>,
-) -> Result<Guards, Vec<Diagnostic>> {
+) -> Result<GlobalChecks, Vec<Diagnostic>> {
     let file = load(files, path).map_err(|found| vec![found])?;
     if sources.iter().all(|known| known.name != file.name) {
         sources.push(file.clone());
     }
-    Guards::of_suite(&file)
+    GlobalChecks::of_suite(&file)
 }
 
 /// The suites that a plan is of, the outermost first.
@@ -38,7 +38,7 @@ pub(crate) fn suites_of(
     files: &dyn FileSource,
     plan: &str,
     sources: &mut Vec<SourceFile>,
-) -> Result<Vec<Arc<Guards>>, Vec<Diagnostic>> {
+) -> Result<Vec<Arc<GlobalChecks>>, Vec<Diagnostic>> {
     let mut suites = Vec::new();
     for folder in files.folders(plan).into_iter().rev() {
         let path = if folder.is_empty() { SUITE_FILE.to_owned() } else { in_folder(&folder, SUITE_FILE) };

@@ -20,7 +20,7 @@ use document::{Diagnostic, SourceFile};
 use drivers::External as Settings;
 use drivers::file::build;
 use plans::Case;
-use plans::plan::ProgramRef;
+use plans::steps::ProgramRef;
 use signal::{Time, Trace};
 use std::sync::Arc;
 

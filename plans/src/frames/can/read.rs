@@ -17,7 +17,7 @@ use super::pattern::{FramePattern, From, MAX_EXTENDED_ID, MAX_ID};
 use crate::codes;
 use crate::frames::DataPattern;
 use crate::lang::{is_id, is_path};
-use crate::plan::{AT_MOST_EVERY, BUILT_IN, DEADBAND, RECORD, SignalBinding, Source, recording};
+use crate::signals::{AT_MOST_EVERY, BUILT_IN, DEADBAND, RECORD, SignalBinding, Source, recording};
 
 pub(super) const BUS: KeySpec =
     KeySpec::optional("bus", KeyType::Text, "The bus, by its name in the board file.");

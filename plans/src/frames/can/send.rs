@@ -17,8 +17,8 @@ use super::pattern::{FramePattern, MAX_EXTENDED_ID};
 use super::read::{self, BRS, BUS, DATA, DBC, EXTENDED, FD, ID, MESSAGE, Named, REMOTE};
 use crate::codes;
 use crate::lang::Literal;
-use crate::plan::Scope;
 use crate::steps::{MAX_PULSES, Stimulus, Verb, above_zero};
+use crate::steps::{StepNames, table_fields};
 use crate::value_of;
 
 const KEYS: &[KeySpec] = &[
@@ -136,8 +136,8 @@ impl Send {
     }
 }
 
-fn read_send(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimulus> {
-    let fields = scope.fields(node, KEYS)?;
+fn read_send(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, KEYS)?;
     let (named, name) = described(node, &fields, scope, out)?;
     let frame = out_frame(node, &fields, &named, out)?;
     let count = fields.integer("count").map_or(1, |count| u32::try_from(count).unwrap_or(MAX_PULSES));
@@ -172,7 +172,7 @@ fn read_send(node: &Node, scope: &Scope<'_>, out: &mut Findings) -> Option<Stimu
 fn described(
     node: &Node,
     fields: &Fields<'_>,
-    scope: &Scope<'_>,
+    scope: &dyn StepNames,
     out: &mut Findings,
 ) -> Option<(Named, Option<String>)> {
     let Some(place) = fields.get("frame") else {
@@ -195,7 +195,7 @@ fn described(
         return None;
     }
     let Some(named) = scope.frame(name) else {
-        let help = read::unknown(name, scope.frames().map(String::as_str));
+        let help = read::unknown(name, scope.frame_names().into_iter());
         out.bad(codes::UNKNOWN_FRAME, place, format!("the plan has no frame `{name}`"), help);
         return None;
     };

@@ -5,7 +5,7 @@ use super::Executor;
 use crate::rig_fault::RigFault;
 use crate::wiring::Wiring;
 use drivers::{Channel, ChannelId, Emission, Origin};
-use plans::plan::Phase;
+use plans::steps::CasePart;
 use signal::{Cause, Time, Value, When};
 
 /// The outputs of the subject, bit n for Qn, behind which a channel makes waves without end.
@@ -169,7 +169,7 @@ impl Executor<'_> {
 
     /// Whether the end of the case has come, and only waits for pulses: no step comes behind it.
     pub(super) fn is_past_end(&self, now: Time) -> bool {
-        self.schedule.phase() == Phase::Main && self.schedule.end().is_some_and(|end| now > end)
+        self.schedule.phase() == CasePart::Main && self.schedule.end().is_some_and(|end| now > end)
     }
 
     /// The case is over: waves without an end of their own end, as they would if the rig drove them.

@@ -36,7 +36,7 @@ use controller::{Effect, Effects};
 use drivers::{Board, BoardEvent, BusEvent, BusState, ChannelId, Emission, TimestampSource};
 use edges::PendingEdges;
 use emission::Emissions;
-use plans::plan::Phase;
+use plans::steps::CasePart;
 use real_lines::RealLines;
 use relays::RelayMarks;
 use signal::{Cause, Span, Time, Value, When};
@@ -331,7 +331,7 @@ impl<'a> Executor<'a> {
             self.raise_due();
         }
         if self.over
-            || self.schedule.ended().is_some() && self.schedule.phase() != Phase::Teardown
+            || self.schedule.ended().is_some() && self.schedule.phase() != CasePart::Teardown
             || due >= end
         {
             // Whatever is due at the end itself still belongs to the case, but no step comes after it.
@@ -342,7 +342,7 @@ impl<'a> Executor<'a> {
         if wake <= due {
             self.pause(None)?;
         }
-        if self.schedule.phase() == Phase::Teardown {
+        if self.schedule.phase() == CasePart::Teardown {
             return Ok(true);
         }
         if self.interrupt.load(Ordering::Relaxed) {

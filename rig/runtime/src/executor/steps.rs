@@ -7,7 +7,7 @@ use crate::rig_fault::RigFault;
 use crate::schedule::{Act, Due, EndReason, Expected};
 use crate::stepping::Pause;
 use drivers::ChannelId;
-use plans::plan::Phase;
+use plans::steps::CasePart;
 use plans::steps::Question;
 use signal::{Cause, SignalId, Time, Value};
 
@@ -43,8 +43,8 @@ impl Executor<'_> {
                     let missed = self.schedule.miss(step, now);
                     match self.schedule.steps()[step].phase {
                         // What the setup prepares is not there: nothing of the steps proper would mean anything.
-                        Phase::Setup if missed => self.schedule.end_early(EndReason::Missed(step), now),
-                        Phase::Main => self.over |= missed && self.schedule.is_exhausted(),
+                        CasePart::Setup if missed => self.schedule.end_early(EndReason::Missed(step), now),
+                        CasePart::Main => self.over |= missed && self.schedule.is_exhausted(),
                         _ => {}
                     }
                 }

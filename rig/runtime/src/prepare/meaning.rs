@@ -5,7 +5,7 @@ use crate::subject::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
 use drivers::ChannelId;
-use plans::plan::{SignalBinding, Source, TaskFigure};
+use plans::signals::{SignalBinding, Source, TaskFigure};
 use signal::{Address, Kind, SignalId};
 
 /// What a name turned out to be.

@@ -21,7 +21,8 @@ use document::{Diagnostic, Findings};
 use drivers::{Board, BoardFile};
 use meaning::{Meaning, SignalMeanings, meaning};
 use plans::Case;
-use plans::plan::{Phase, ProgramRef, SignalBinding, Source};
+use plans::signals::{SignalBinding, Source};
+use plans::steps::{CasePart, ProgramRef};
 use plans::steps::{Question, Stimulus};
 use profile::{Profile, Reference};
 use signal::{Kind, SignalId, SignalInfo, Span, Trace};
@@ -131,11 +132,11 @@ pub fn prepare(
         *place = define(&mut trace, SignalInfo::exact(mark, Kind::Mark), &mut out);
     }
     for (phase, mark, place) in [
-        (Phase::Setup, "step:main", &mut wiring.main),
-        (Phase::Teardown, "step:teardown", &mut wiring.teardown),
-        (Phase::Teardown, "step:teardown.done", &mut wiring.closed),
+        (CasePart::Setup, "step:main", &mut wiring.main),
+        (CasePart::Teardown, "step:teardown", &mut wiring.teardown),
+        (CasePart::Teardown, "step:teardown.done", &mut wiring.closed),
     ] {
-        if case.steps.iter().any(|step| step.phase == phase) {
+        if case.steps.iter().any(|step| step.part == phase) {
             *place = define(&mut trace, SignalInfo::exact(mark, Kind::Mark), &mut out);
         }
     }

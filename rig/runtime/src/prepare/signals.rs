@@ -2,7 +2,7 @@
 
 use document::Findings;
 use drivers::{Channel, ChannelKind, TimestampSource};
-use plans::plan::{Recording, SignalBinding};
+use plans::signals::{Recording, SignalBinding};
 use signal::{ClockDomain, Kind, Policy, Sampling, SignalId, SignalInfo, Trace, TraceError, Value};
 
 /// Which changes of a bound signal the trace keeps. `own` is the deadband that its channel has on the board: what is

@@ -9,7 +9,8 @@ use controller::{Channel as Terminal, Command, DeviceReset, Disturbance, FAULT_B
 use document::Findings;
 use drivers::Fault;
 use plans::lang::Literal;
-use plans::plan::{Await, ProgramRef};
+use plans::plan::Await;
+use plans::steps::ProgramRef;
 use plans::steps::Stimulus;
 use plans::{Step, StepTime};
 use signal::{Address, Kind, SignalId, SignalInfo, Span, Trace, Value};
@@ -201,7 +202,7 @@ pub(super) fn plan_step(
     });
     let settle = relay.map_or(Span::ZERO, |channel| bench.board.settle(channel));
     let lasts = step.stimulus.duration() + settle;
-    let (id, phase, repeat, parent) = (step.id.clone(), step.phase, step.repeat.clone(), step.parent);
+    let (id, phase, repeat, parent) = (step.id.clone(), step.part, step.repeat.clone(), step.parent);
     Some(PlannedStep { id, mark, done, phase, timing, repeat, parent, acts, generator: generates, lasts })
 }
 

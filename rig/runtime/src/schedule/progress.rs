@@ -6,7 +6,8 @@
 use super::{Due, PlannedStep, Schedule, StepAnchor};
 use crate::generator::Generator;
 use drivers::ChannelId;
-use plans::plan::{Phase, Repeat};
+use plans::plan::Repeat;
+use plans::steps::CasePart;
 use signal::{Span, Time, Value};
 use std::collections::BTreeMap;
 
@@ -28,7 +29,7 @@ pub enum EndReason {
 /// Where the case is, and where its steps are.
 #[derive(Debug)]
 pub(super) struct Progress {
-    pub(super) phase: Phase,
+    pub(super) phase: CasePart,
     pub(super) ended: Option<EndReason>,
     /// When each step began first.
     pub(super) first: Vec<Option<Time>>,
@@ -66,7 +67,7 @@ impl Progress {
             _ => None,
         });
         Progress {
-            phase: Phase::Setup,
+            phase: CasePart::Setup,
             ended: None,
             first: vec![None; count],
             times: vec![0; count],
@@ -74,7 +75,7 @@ impl Progress {
             stopped: vec![false; count],
             until: vec![None; count],
             done: vec![false; count],
-            setup: steps.iter().filter(|step| step.phase == Phase::Setup).count(),
+            setup: steps.iter().filter(|step| step.phase == CasePart::Setup).count(),
             held: Vec::with_capacity(count),
             untils: untils.collect(),
             open,
@@ -84,7 +85,7 @@ impl Progress {
 
 impl Schedule {
     /// The part of the case that is under way.
-    pub fn phase(&self) -> Phase {
+    pub fn phase(&self) -> CasePart {
         self.progress.phase
     }
 
@@ -107,7 +108,7 @@ impl Schedule {
     /// The case ends now, whatever of it is left: no further step of it comes, and the teardown is next. Where it has
     /// ended already this says nothing new.
     pub fn end_early(&mut self, reason: EndReason, now: Time) {
-        if self.progress.phase == Phase::Teardown || self.progress.ended.is_some() {
+        if self.progress.phase == CasePart::Teardown || self.progress.ended.is_some() {
             return;
         }
         self.progress.ended = Some(reason);
@@ -118,9 +119,9 @@ impl Schedule {
     /// The case is over and its teardown begins. FALSE where it has none.
     pub fn begin_teardown(&mut self, now: Time) -> bool {
         self.clear();
-        self.progress.phase = Phase::Teardown;
+        self.progress.phase = CasePart::Teardown;
         self.anchor_reached(StepAnchor::Teardown, now);
-        self.steps.iter().any(|step| step.phase == Phase::Teardown)
+        self.steps.iter().any(|step| step.phase == CasePart::Teardown)
     }
 
     /// Whether nothing of the teardown is left that could come.
@@ -133,7 +134,7 @@ impl Schedule {
 
     /// The setup is done and main begins.
     pub fn begin_main(&mut self, now: Time) {
-        self.progress.phase = Phase::Main;
+        self.progress.phase = CasePart::Main;
         self.end = self.end.map(|end| end.max(now));
         for place in 0..self.progress.held.len() {
             let (step, due) = self.progress.held[place];
@@ -153,7 +154,7 @@ impl Schedule {
 
     /// The first part of the case begins.
     pub(super) fn begin_first_phase(&mut self) {
-        self.progress.phase = if self.progress.setup > 0 { Phase::Setup } else { Phase::Main };
+        self.progress.phase = if self.progress.setup > 0 { CasePart::Setup } else { CasePart::Main };
     }
 
     /// Whether a step belongs to a part of the case that can still come.
@@ -163,9 +164,9 @@ impl Schedule {
 
     /// Keeps what a step of main would do while the setup is under way.
     pub(super) fn is_held(&mut self, step: usize, due: Due) -> bool {
-        let early = self.progress.phase == Phase::Setup
+        let early = self.progress.phase == CasePart::Setup
             && matches!(due, Due::Arm | Due::Begin)
-            && self.steps[step].phase == Phase::Main;
+            && self.steps[step].phase == CasePart::Main;
         if early {
             self.progress.held.push((step, due));
         }
@@ -275,7 +276,7 @@ impl Schedule {
                 self.put(now, parent, Due::Done);
             }
         }
-        if self.steps[step].phase == Phase::Setup {
+        if self.steps[step].phase == CasePart::Setup {
             self.progress.setup -= 1;
             if self.progress.setup == 0 {
                 self.put(now, step, Due::Main);

@@ -5,7 +5,7 @@ use signal::{Address, Area, Decimal, Size, Span, Value};
 
 use super::{FileFigure, Recording, RowFigure, SignalBinding, Source, TaskFigure};
 use crate::codes;
-use crate::lang::{Literal, is_id, is_path};
+use crate::lang::{Literal, address, is_id, is_path};
 
 const PATH: KeySpec = KeySpec::optional("path", KeyType::Text, "A variable, or a channel of the board.");
 const ADDRESS: KeySpec =
@@ -83,13 +83,13 @@ const BINDING_KEYS: &[KeySpec] = &[
 ];
 
 /// What a name can stand for.
-pub(super) const SIGNAL_TYPE: KeyType = KeyType::Either(&[KeyType::Text, KeyType::Table(BINDING_KEYS)]);
+pub(crate) const SIGNAL_TYPE: KeyType = KeyType::Either(&[KeyType::Text, KeyType::Table(BINDING_KEYS)]);
 
 /// Names that the trace has by itself.
 pub(crate) const BUILT_IN: &[&str] = &["state"];
 
 /// Reads the bindings of a plan whose table was held against its keys.
-pub(super) fn read(table: &Table, out: &mut Findings) -> Vec<SignalBinding> {
+pub(crate) fn read(table: &Table, out: &mut Findings) -> Vec<SignalBinding> {
     let mut list = Vec::with_capacity(table.entries.len());
     for entry in &table.entries {
         let (name, place) = (&entry.key, entry.key_span.clone());
@@ -130,7 +130,7 @@ fn binding(node: &Node, out: &mut Findings) -> Option<(Source, Recording)> {
 }
 
 /// What a text or table stands for; reports what is wrong with it.
-pub(super) fn source(node: &Node, out: &mut Findings) -> Option<Source> {
+pub(crate) fn source(node: &Node, out: &mut Findings) -> Option<Source> {
     match node.as_text() {
         Some(text) => text_source(node, text, out),
         None => table_source(node, &fields(node, SOURCE_KEYS, out)?, out),
@@ -296,7 +296,7 @@ pub(crate) fn recording(fields: &Fields<'_>, out: &mut Findings) -> Option<Recor
 }
 
 /// What a text stands for.
-pub(super) fn text_source(node: &Node, text: &str, out: &mut Findings) -> Option<Source> {
+pub(crate) fn text_source(node: &Node, text: &str, out: &mut Findings) -> Option<Source> {
     let text = text.trim();
     if text.starts_with('%') {
         return Some(addressed(address(node, text, out)?));
@@ -314,23 +314,4 @@ pub(super) fn text_source(node: &Node, text: &str, out: &mut Findings) -> Option
 fn addressed(address: Address) -> Source {
     let line = address.area() != Area::Memory && address.size() == Size::Bit;
     if line { Source::Line(address) } else { Source::Memory(address) }
-}
-
-/// An address; reports what is wrong with it.
-pub(super) fn address(node: &Node, text: &str, out: &mut Findings) -> Option<Address> {
-    match Address::parse(text.trim()) {
-        Ok(address) => Some(address),
-        Err(error) => {
-            let shift = text.len() - text.trim_start().len();
-            let at = (shift + error.offset()).min(text.len());
-            out.bad_inside(
-                codes::ADDRESS,
-                node,
-                Some(at..text.trim_end().len().max(at)),
-                error.to_string(),
-                "",
-            );
-            None
-        }
-    }
 }

@@ -9,8 +9,8 @@ use signal::{SignalInfo, Span, Value};
 
 use super::{Alarm, Phase, Rule};
 use crate::expect::{blind_words, delay_words, span_range, unclear};
-use crate::judge::{Finding, Monitor, Seen, Window};
 use crate::lang::Anchor;
+use crate::monitor::{Finding, Monitor, Seen, Window};
 
 /// A time for which the condition lasted.
 #[derive(Clone, Copy, Debug)]

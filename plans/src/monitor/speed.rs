@@ -84,7 +84,7 @@ mod tests {
     use proptest::prelude::*;
     use signal::{Cause, Event, SignalId, Span, Time, Value, When};
 
-    use crate::judge::Point;
+    use crate::monitor::Point;
 
     fn event(a: i64, b: i64, value: i64, place: u64) -> Seen {
         let at = When::within(Time::from_nanos(a), Time::from_nanos(b));

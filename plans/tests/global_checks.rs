@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use document::{Diagnostic, SourceFile, line_col};
 use record::Origin;
-use scanrig_plans::plan::{Guards, Source};
+use scanrig_plans::plan::GlobalChecks;
+use scanrig_plans::signals::Source;
 use scanrig_plans::{CODES, Case, read};
 
 fn plan(text: &str) -> Case {
@@ -12,8 +13,8 @@ fn plan(text: &str) -> Case {
     read(&SourceFile::new("lamp.toml", text), &[], 1).expect("a plan").case(0).expect("a case")
 }
 
-fn suite(name: &str, text: &str) -> Guards {
-    Guards::of_suite(&SourceFile::new(name, format!("format = 1\n{text}\n"))).expect("a suite")
+fn suite(name: &str, text: &str) -> GlobalChecks {
+    GlobalChecks::of_suite(&SourceFile::new(name, format!("format = 1\n{text}\n"))).expect("a suite")
 }
 
 /// `tests/broken-suites/*.toml` say in their first line what must be found, as broken plans do.
@@ -25,7 +26,8 @@ fn broken_suites_are_refused_at_the_right_place() {
     let mut wrong = String::new();
     for path in paths {
         let text = std::fs::read_to_string(&path).unwrap();
-        let found = Guards::of_suite(&SourceFile::new("suite.toml", text.clone())).err().unwrap_or_default();
+        let found =
+            GlobalChecks::of_suite(&SourceFile::new("suite.toml", text.clone())).err().unwrap_or_default();
         let place = |one: &Diagnostic| {
             assert!(CODES.iter().any(|(code, _)| *code == one.code), "{} is not in the register", one.code);
             let (line, column) = one.labels.first().map_or((0, 0), |at| line_col(&text, at.span.start));
@@ -45,18 +47,18 @@ fn broken_suites_are_refused_at_the_right_place() {
 #[test]
 fn a_suite_adds_its_claims_with_their_places() {
     let mut case = plan("signals = { lamp = \"%QX0.4\" }\nexpect = [{ rises = { signal = \"lamp\" } }]");
-    let guards = suite(
+    let checks = suite(
         "suite.toml",
         "signals = { lamp = \"%QX0.4\", horn = \"%QX0.5\" }\ninvariants = [{ never = { all = [\"lamp\", \"horn\"] } }]\n\
          alarms = [{ name = \"heat\", when = { signal = \"%MW3\", above = 5 } }]",
     );
-    guards.attach(&mut case).unwrap();
+    checks.attach(&mut case).unwrap();
     let names: Vec<&str> = case.signals.iter().map(|signal| signal.name.as_str()).collect();
     assert_eq!(names, ["lamp", "horn", "%MW3"]);
     assert!(case.signals[0].file.is_none() && case.signals[1].file.as_deref() == Some("suite.toml"));
     assert!(case.needs.iter().any(|need| need.word == "memory-access"));
     let scenario = case.scenario();
-    let [never, alarm] = scenario.guards.as_slice() else { panic!("{scenario:#?}") };
+    let [never, alarm] = scenario.global_checks.as_slice() else { panic!("{scenario:#?}") };
     assert_eq!((never.origin, never.expectation.place.as_ref().unwrap().line), (Origin::Suite, 3));
     assert_eq!(alarm.expectation.name, "heat");
     // The plan's own claims stay where they are.
@@ -85,11 +87,11 @@ fn what_the_plan_records_coarsely_a_suite_records_whole() {
     let mut case = plan(
         "signals = { n = { path = \"MAIN.n\", at-most-every = \"1 s\" } }\nexpect = [{ stays = { signal = \"n\", min = 0 } }]",
     );
-    let guards = suite(
+    let checks = suite(
         "suite.toml",
         "signals = { n = \"MAIN.n\" }\ninvariants = [{ stays = { signal = \"n\", max = 5 } }]",
     );
-    guards.attach(&mut case).unwrap();
+    checks.attach(&mut case).unwrap();
     assert_eq!(case.signals[1].name, "suite n");
 }
 
@@ -97,9 +99,9 @@ fn what_the_plan_records_coarsely_a_suite_records_whole() {
 fn a_board_speaks_of_its_channels() {
     let text =
         "format = 1\n[board]\nkind = \"simulated\"\n[[invariants]]\nnever = { all = [\"Q4\", \"%QX0.5\"] }\n";
-    let guards = Guards::of_board(&SourceFile::new("bench.toml", text)).unwrap();
+    let checks = GlobalChecks::of_board(&SourceFile::new("bench.toml", text)).unwrap();
     let mut case = plan("expect = [{ value = { of = \"Q4\", is = 1 } }]");
-    guards.attach(&mut case).unwrap();
+    checks.attach(&mut case).unwrap();
     let sources: Vec<(&str, &Source)> =
         case.signals.iter().map(|signal| (signal.name.as_str(), &signal.source)).collect();
     // In the plan Q4 is a variable first.
@@ -112,8 +114,8 @@ fn a_board_speaks_of_its_channels() {
 fn two_alarms_of_one_name_are_shown_with_both_places() {
     let alarm = "alarms = [{ name = \"heat\", when = { signal = \"lamp\", is = true } }]";
     let mut case = plan(&format!("signals = {{ lamp = \"%QX0.4\" }}\n{alarm}"));
-    let guards = suite("suite.toml", &format!("signals = {{ lamp = \"%QX0.4\" }}\n{alarm}"));
-    let found = guards.attach(&mut case).unwrap_err();
+    let checks = suite("suite.toml", &format!("signals = {{ lamp = \"%QX0.4\" }}\n{alarm}"));
+    let found = checks.attach(&mut case).unwrap_err();
     let files: Vec<&str> = found[0].labels.iter().map(|label| label.file.as_str()).collect();
     assert_eq!((found[0].code, files), ("P0406", vec!["suite.toml", "lamp.toml"]));
 }

@@ -5,16 +5,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use document::{Fields, Findings, KeySpec, Node, suggest};
+use document::{Findings, Node, suggest};
 use signal::Span;
 
 use super::expand::Call;
-use super::signals::{self, BUILT_IN};
-use super::{FileFigure, Phase, Recording, RowFigure, SignalBinding, Source, TaskFigure};
 use crate::codes;
-use crate::expect::Names;
 use crate::frames::can::{Databases, Named};
-use crate::lang::{Anchor, AnchorError, Base, Operand, OperandError};
+use crate::lang::{Anchor, AnchorError, Base, Names, Operand, OperandError};
+use crate::signals::{self, BUILT_IN, FileFigure, Recording, RowFigure, SignalBinding, Source, TaskFigure};
+use crate::steps::{CasePart, StepNames};
 use crate::table::{Fault, Table, Tables};
 
 /// Signals in order of first use.
@@ -35,11 +34,11 @@ pub(super) struct StepName {
 
 /// The names of one case.
 #[derive(Debug)]
-pub struct Scope<'a> {
+pub(super) struct CaseNames<'a> {
     /// Steps of this case by their ids.
     pub(super) steps: BTreeMap<String, StepName>,
     /// The parts that the case has steps in.
-    pub(super) phases: BTreeSet<Phase>,
+    pub(super) parts: BTreeSet<CasePart>,
     /// The call whose group is read.
     pub(super) call: RefCell<Rc<Call>>,
     /// Ids of steps that only other rows have.
@@ -62,36 +61,9 @@ pub struct Scope<'a> {
     pub(super) used: RefCell<Used>,
 }
 
-impl Scope<'_> {
-    /// The fields of a table that was held against these keys before.
-    pub(crate) fn fields<'n>(&self, node: &'n Node, specs: &'static [KeySpec]) -> Option<Fields<'n>> {
-        Some(Fields::checked(node.as_table()?, specs))
-    }
-
-    /// The table of this name, a file relative to the plan.
-    pub(crate) fn table(&self, name: &str) -> Result<Arc<Table>, Fault> {
-        self.tables.get(name)
-    }
-
-    /// The DBC files that the plan may name.
-    pub(crate) fn databases(&self) -> &Databases {
-        self.databases
-    }
-
-    /// The frames of this name.
-    pub(crate) fn frame(&self, name: &str) -> Option<Named> {
-        let named = self.frames.get(name)?.clone();
-        self.spoken_of.borrow_mut().insert(name.to_owned());
-        Some(named)
-    }
-
-    /// The names of all frames.
-    pub(crate) fn frames(&self) -> impl Iterator<Item = &String> + Clone {
-        self.frames.keys()
-    }
-
+impl CaseNames<'_> {
     /// The name of a signal; reports what is wrong with it.
-    pub(crate) fn signal_of(&self, node: &Node, out: &mut Findings) -> Option<String> {
+    fn signal_of(&self, node: &Node, out: &mut Findings) -> Option<String> {
         let Some(text) = node.as_text() else {
             let source = signals::source(node, out)?;
             let name = source_name(&source);
@@ -112,21 +84,6 @@ impl Scope<'_> {
             _ => name.to_owned(),
         };
         Some(self.use_source(name, source, node))
-    }
-
-    /// The name of a signal of which every change counts; reports one whose trace leaves some out.
-    pub(crate) fn whole_signal(&self, node: &Node, out: &mut Findings) -> Option<String> {
-        let name = self.signal_of(node, out)?;
-        let binding = self.bound.iter().find(|binding| binding.name == name);
-        let key = match binding.map(|binding| &binding.recording) {
-            None | Some(Recording::Changes) => return Some(name),
-            Some(Recording::Deadband(_)) => "deadband",
-            Some(Recording::AtMostEvery(_)) => "at-most-every",
-        };
-        let message = format!("every change of `{name}` counts here, and it is recorded with `{key}`");
-        let help = format!("bind the signal under a second name, without `{key}`");
-        out.bad(codes::RECORDING, node, message, help);
-        None
     }
 
     /// What is read from now on belongs to this call, and so do findings about it.
@@ -163,7 +120,7 @@ impl Scope<'_> {
     /// The instant with the full id of its step; reports a step that is not there and a part that it does not have.
     /// `at` is where the instant begins in the text.
     fn known(&self, anchor: Anchor, node: &Node, at: usize, out: &mut Findings) -> Option<Anchor> {
-        if anchor.base == Base::Teardown && !self.phases.contains(&Phase::Teardown) {
+        if anchor.base == Base::Teardown && !self.parts.contains(&CasePart::Teardown) {
             let place = Some(at..at + "teardown".len());
             let help = "add teardown = [ ... ], or count from `end`";
             out.bad_inside(codes::NO_TEARDOWN, node, place, "the plan has no teardown", help);
@@ -247,7 +204,41 @@ impl Scope<'_> {
     }
 }
 
-impl Names for Scope<'_> {
+impl StepNames for CaseNames<'_> {
+    fn whole_signal(&self, node: &Node, out: &mut Findings) -> Option<String> {
+        let name = self.signal_of(node, out)?;
+        let binding = self.bound.iter().find(|binding| binding.name == name);
+        let key = match binding.map(|binding| &binding.recording) {
+            None | Some(Recording::Changes) => return Some(name),
+            Some(Recording::Deadband(_)) => "deadband",
+            Some(Recording::AtMostEvery(_)) => "at-most-every",
+        };
+        let message = format!("every change of `{name}` counts here, and it is recorded with `{key}`");
+        let help = format!("bind the signal under a second name, without `{key}`");
+        out.bad(codes::RECORDING, node, message, help);
+        None
+    }
+
+    fn table(&self, name: &str) -> Result<Arc<Table>, Fault> {
+        self.tables.get(name)
+    }
+
+    fn databases(&self) -> &Databases {
+        self.databases
+    }
+
+    fn frame(&self, name: &str) -> Option<Named> {
+        let named = self.frames.get(name)?.clone();
+        self.spoken_of.borrow_mut().insert(name.to_owned());
+        Some(named)
+    }
+
+    fn frame_names(&self) -> Vec<&str> {
+        self.frames.keys().map(String::as_str).collect()
+    }
+}
+
+impl Names for CaseNames<'_> {
     fn begin(&self) -> Anchor {
         self.first()
     }

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use document::Diagnostic;
 use signal::Value;
 
-use super::{Claim, Expectation, Place};
-use crate::judge::{Finding, Monitor, NotJudged, Scene, Seen, StepFacts, Wiring};
+use super::StepFacts;
+use crate::expect::{Claim, Expectation, Place, known};
 use crate::lang::Anchor;
+use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Wiring};
 use crate::steps::Question;
 
 /// The claim.
@@ -48,7 +49,7 @@ impl Claim for Answered {
     }
 
     fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
-        super::known(&self.signals()[0], wiring, out);
+        known(&self.signals()[0], wiring, out);
     }
 
     fn start(&self, _: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

@@ -15,15 +15,18 @@ use super::build::{expectation, place};
 use super::envelope::Form;
 use super::expand::{Placed, present};
 use super::keys::EXPECT_KEYS;
+use super::names::CaseNames;
 use super::read::Document;
-use super::scope::Scope;
-use super::signals::{self, SIGNAL_TYPE};
-use super::{Case, SignalBinding, Source, facts};
+use super::{Case, facts};
 use crate::alarm::{Alarm, Condition};
 use crate::codes;
-use crate::expect::{Names, Place};
-use crate::judge::Guard;
+use crate::expect::GlobalCheck;
+use crate::expect::Place;
+use crate::lang::Names;
 use crate::lang::{Anchor, Bindings, Literal};
+use crate::signals::{self, SIGNAL_TYPE};
+use crate::signals::{SignalBinding, Source};
+use crate::steps::StepNames;
 
 /// The keys of an alarm's `when`.
 const WHEN_KEYS: &[KeySpec] = &[
@@ -73,7 +76,7 @@ const INVARIANT: Form =
 /// What was read for a case.
 #[derive(Debug, Default)]
 pub(super) struct Standing {
-    pub(super) invariants: Vec<Guard>,
+    pub(super) invariants: Vec<GlobalCheck>,
     pub(super) alarms: Vec<Arc<Alarm>>,
 }
 
@@ -82,7 +85,7 @@ pub(super) fn of_case(
     document: &Document,
     row: Option<&str>,
     bindings: &Bindings<'_>,
-    scope: &Scope<'_>,
+    scope: &CaseNames<'_>,
     out: &mut Findings,
 ) -> Standing {
     let names = Lasting { scope, rename: &str::to_owned };
@@ -113,7 +116,7 @@ impl Standing {
             return;
         }
         read.place = Some(place);
-        self.invariants.push(Guard { expectation: read, origin });
+        self.invariants.push(GlobalCheck { expectation: read, origin });
     }
 
     fn alarm(&mut self, node: &Node, names: &Lasting<'_>, origin: Origin, place: Place, out: &mut Findings) {
@@ -187,7 +190,7 @@ fn alarm(
 /// The names that a claim may speak of which holds in every case: none of a step, and signals as the trace of this
 /// case calls them.
 struct Lasting<'a> {
-    scope: &'a Scope<'a>,
+    scope: &'a CaseNames<'a>,
     rename: &'a dyn Fn(&str) -> String,
 }
 
@@ -220,7 +223,7 @@ impl Names for Lasting<'_> {
 
 /// The invariants and alarms of a suite or board file, without what is wrong with them.
 #[derive(Clone, Debug)]
-pub struct Guards {
+pub struct GlobalChecks {
     file: SourceFile,
     name: Arc<str>,
     origin: Origin,
@@ -231,12 +234,12 @@ pub struct Guards {
     pub warnings: Vec<Diagnostic>,
 }
 
-impl Guards {
+impl GlobalChecks {
     /// Reads a suite file.
     ///
     /// # Errors
     /// Everything that is wrong with it, with codes of [`crate::CODES`].
-    pub fn of_suite(file: &SourceFile) -> Result<Guards, Vec<Diagnostic>> {
+    pub fn of_suite(file: &SourceFile) -> Result<GlobalChecks, Vec<Diagnostic>> {
         let root = toml::parse(file, codes::TOML)?;
         let mut out = Findings::new(file, codes::TOML);
         let mut head = root.clone();
@@ -245,7 +248,7 @@ impl Guards {
         let fields = Fields::check(&head, 0..0, "suite file", SUITE_KEYS, &mut out);
         let table = fields.get("signals").and_then(Node::as_table);
         let signals = table.map_or_else(Vec::new, |table| signals::read(table, &mut out));
-        Guards::read(file, Origin::Suite, &root, signals, out)
+        GlobalChecks::read(file, Origin::Suite, &root, signals, out)
     }
 
     /// Reads what a board file says besides the board: its names are the board's channels and the controller's
@@ -253,9 +256,9 @@ impl Guards {
     ///
     /// # Errors
     /// Everything that is wrong with its invariants and alarms.
-    pub fn of_board(file: &SourceFile) -> Result<Guards, Vec<Diagnostic>> {
+    pub fn of_board(file: &SourceFile) -> Result<GlobalChecks, Vec<Diagnostic>> {
         let root = toml::parse(file, codes::TOML)?;
-        Guards::read(file, Origin::Board, &root, Vec::new(), Findings::new(file, codes::TOML))
+        GlobalChecks::read(file, Origin::Board, &root, Vec::new(), Findings::new(file, codes::TOML))
     }
 
     fn read(
@@ -264,12 +267,19 @@ impl Guards {
         root: &Table,
         signals: Vec<SignalBinding>,
         mut out: Findings,
-    ) -> Result<Guards, Vec<Diagnostic>> {
+    ) -> Result<GlobalChecks, Vec<Diagnostic>> {
         let mut list = |key| entries(root, key, &mut out);
         let (invariants, alarms) = (list("invariants"), list("alarms"));
         let name = Arc::from(file.name.as_str());
-        let mut guards =
-            Guards { file: file.clone(), name, origin, signals, invariants, alarms, warnings: Vec::new() };
+        let mut guards = GlobalChecks {
+            file: file.clone(),
+            name,
+            origin,
+            signals,
+            invariants,
+            alarms,
+            warnings: Vec::new(),
+        };
         let scope = guards.scope();
         guards.standing(&scope, &str::to_owned, &mut out);
         let spoken_of = scope.spoken_of.into_inner();
@@ -300,10 +310,10 @@ impl Guards {
         self.invariants.is_empty() && self.alarms.is_empty()
     }
 
-    fn scope(&self) -> Scope<'_> {
-        Scope {
+    fn scope(&self) -> CaseNames<'_> {
+        CaseNames {
             steps: Default::default(),
-            phases: Default::default(),
+            parts: Default::default(),
             call: RefCell::default(),
             elsewhere: Vec::new(),
             row: None,
@@ -319,7 +329,12 @@ impl Guards {
     }
 
     /// Reads every entry by the names of `scope`, which the trace calls as `rename` says.
-    fn standing(&self, scope: &Scope<'_>, rename: &dyn Fn(&str) -> String, out: &mut Findings) -> Standing {
+    fn standing(
+        &self,
+        scope: &CaseNames<'_>,
+        rename: &dyn Fn(&str) -> String,
+        out: &mut Findings,
+    ) -> Standing {
         let names = Lasting { scope, rename };
         let place = |node: &Node| {
             let line = u32::try_from(line_col(&self.file.text, node.span.start).0).unwrap_or(u32::MAX);

@@ -3,8 +3,9 @@
 use record::{ClaimRecord, Verdict};
 use signal::Cause;
 
-use super::{Finding, NotJudged, StepFacts};
+use super::StepFacts;
 use crate::expect::Expectation;
+use crate::monitor::{Finding, NotJudged};
 
 /// The record of a claim. `silent` says that a signal of it was never observed.
 pub(super) fn claim_record(

@@ -1,0 +1,52 @@
+//! Monitors: what follows the signals of one claim through the trace, and what they are made of.
+//!
+//! A [`Monitor`] is fed with the events of its signals, each with the interval in which it happened, and comes to a
+//! [`Finding`]: can the claim hold in some placement of the events, and can it break? [`Scene`] gives it the signals and
+//! instants that it starts from. The modules are the ways of looking that several verbs share: edges, pulses, segments of
+//! values, values at instants, counts.
+//!
+//! Nothing here knows a verb (those are in [`crate::expect`] and [`crate::measure`]) or a case ([`crate::judge`]).
+
+mod anchors;
+pub mod count;
+pub mod course;
+pub mod cycles;
+pub mod edges;
+pub mod extremes;
+mod finding;
+pub mod gaps;
+mod hull;
+pub mod jitter;
+pub mod levels;
+mod point;
+pub mod pulses;
+pub mod reading;
+mod scene;
+pub mod segments;
+pub mod shape;
+pub mod speed;
+mod test;
+pub mod track;
+
+pub(crate) use anchors::Anchors;
+pub use finding::Finding;
+pub(crate) use finding::clipped;
+pub use point::{Point, Seen, Window};
+pub(crate) use scene::lag;
+pub use scene::{NotJudged, Scene, Wiring, blind};
+pub use test::{Number, Test, Truth, slack};
+
+/// Follows the signals of one claim and comes to a finding.
+pub trait Monitor {
+    /// The next event of the signal at place `slot` of [`crate::expect::Claim::signals`].
+    fn feed(&mut self, slot: usize, seen: &Seen);
+
+    /// Whether the claim is lost whatever comes, when every event before `now` (nanoseconds) is known.
+    /// A claim that cannot tell before the end says no.
+    fn lost(&mut self, _now: i64) -> bool {
+        false
+    }
+
+    /// The finding when nothing comes any more.
+    fn finish(self: Box<Self>) -> Finding;
+}
