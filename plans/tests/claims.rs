@@ -1,8 +1,9 @@
 //! What is refused: claims that make no sense in themselves, and claims that make none for their signals.
 
 use document::{Fields, Findings, Node, SourceFile};
-use scanrig_plans::expect::{self, Context, Expectation, Names};
+use scanrig_plans::expect::{self, Context, Expectation};
 use scanrig_plans::judge::{Judge, Scenario};
+use scanrig_plans::lang::Names;
 use scanrig_plans::{Anchor, TOML, measure};
 use signal::{Kind, SignalInfo};
 

@@ -12,8 +12,9 @@ use std::path::Path;
 
 use document::{Fields, Findings, Node, SourceFile};
 use record::Verdict;
-use scanrig_plans::expect::{self, Context, Expectation, Names};
+use scanrig_plans::expect::{self, Context, Expectation};
 use scanrig_plans::judge::{Judge, Scenario, StepFacts};
+use scanrig_plans::lang::Names;
 use scanrig_plans::{Anchor, measure};
 use signal::{Cause, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, Value, When};
 

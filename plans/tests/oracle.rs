@@ -8,8 +8,9 @@ use std::sync::Arc;
 use document::{Fields, Findings, Node, SourceFile};
 use proptest::prelude::*;
 use record::Verdict;
-use scanrig_plans::expect::{self, Claim, Context, Expectation, Names};
+use scanrig_plans::expect::{self, Claim, Context, Expectation};
 use scanrig_plans::judge::{Judge, Scenario};
+use scanrig_plans::lang::Names;
 use scanrig_plans::{Anchor, TOML};
 use signal::{Cause, Event, Kind, SignalId, SignalInfo, Span, Time, Trace, Value, When};
 

@@ -6,8 +6,9 @@
 use document::{Fields, Findings, Node, SourceFile};
 use proptest::prelude::*;
 use record::Verdict;
-use scanrig_plans::expect::{self, Context, Expectation, Names};
+use scanrig_plans::expect::{self, Context, Expectation};
 use scanrig_plans::judge::{Judge, Outcome, Scenario};
+use scanrig_plans::lang::Names;
 use scanrig_plans::{Anchor, TOML, measure};
 use signal::{Cause, Event, Kind, SignalId, SignalInfo, Span, Time, Trace, Value, When};
 

@@ -17,10 +17,10 @@ use super::variants::{Variant, show};
 use super::{Case, Refusal, Settings, check, facts, global_checks, refusal, settings, times};
 use crate::codes;
 use crate::expect::{self, Context, Expectation, Place};
-use crate::frames::can::{self, Frames};
 use crate::lang::{Anchor, Bindings, Names, substitute};
 use crate::measure::{self, Measurement};
 use crate::signals;
+use crate::signals::frames::{self, Frames};
 use crate::steps::ProgramRef;
 
 const EXPECTATION: Form =
@@ -116,7 +116,7 @@ fn whole(
     let mut bound = bound;
     let frames = fields.get("frames").and_then(Node::as_table).map_or_else(Frames::default, |table| {
         let taken = |name: &str| bound.iter().any(|binding| binding.name == name);
-        can::read(table, &document.text.databases, &taken, out)
+        frames::read(table, &document.text.databases, &taken, out)
     });
     bound.extend(frames.bindings);
     let lists = expand::lists(document, row, &bindings, out);

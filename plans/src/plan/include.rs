@@ -12,8 +12,8 @@ use super::keys::INCLUDED_KEYS;
 use super::settings::SETTINGS_KEYS;
 use super::variants::Variants;
 use crate::codes;
-use crate::frames::can::{self, Databases};
-use crate::signals;
+use crate::frames::can::Databases;
+use crate::signals::{self, frames};
 use crate::table::Tables;
 
 /// Most files that a plan includes, whether itself or through others.
@@ -114,7 +114,7 @@ pub fn check_included(
         signals::read(table, &mut out);
     }
     if let Some(table) = fields.get("frames").and_then(Node::as_table) {
-        can::read(table, &text.databases, &|_| false, &mut out);
+        frames::read(table, &text.databases, &|_| false, &mut out);
     }
     if let Some(node) = fields.get(SETTINGS) {
         document::check_value(node, SETTINGS, &KeyType::Table(SETTINGS_KEYS), &mut out);

@@ -6,9 +6,9 @@ use super::global_checks::ALARM_KEYS;
 use super::refusal::REFUSAL_KEYS;
 use super::settings::SETTINGS_KEYS;
 use super::variants::{PARAMETER_TYPE, ROW_TYPE, SWEEP_TYPE};
-use crate::frames::can::FRAME_TYPE;
 use crate::measure;
 use crate::signals::SIGNAL_TYPE;
+use crate::signals::frames::FRAME_TYPE;
 
 const FILES: KeyType = KeyType::OneOrMore(&KeyType::Text);
 

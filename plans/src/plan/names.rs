@@ -10,8 +10,9 @@ use signal::Span;
 
 use super::expand::Call;
 use crate::codes;
-use crate::frames::can::{Databases, Named};
+use crate::frames::can::Databases;
 use crate::lang::{Anchor, AnchorError, Base, Names, Operand, OperandError};
+use crate::signals::frames::NamedFrame;
 use crate::signals::{self, BUILT_IN, FileFigure, Recording, RowFigure, SignalBinding, Source, TaskFigure};
 use crate::steps::{CasePart, StepNames};
 use crate::table::{Fault, Table, Tables};
@@ -50,7 +51,7 @@ pub(super) struct CaseNames<'a> {
     /// The DBC files that the plan may name.
     pub(super) databases: &'a Databases,
     /// The frames that it names.
-    pub(super) frames: BTreeMap<String, Named>,
+    pub(super) frames: BTreeMap<String, NamedFrame>,
     /// Signals that the plan binds.
     pub(super) bound: Vec<SignalBinding>,
     /// Names of `bound`.
@@ -227,7 +228,7 @@ impl StepNames for CaseNames<'_> {
         self.databases
     }
 
-    fn frame(&self, name: &str) -> Option<Named> {
+    fn frame(&self, name: &str) -> Option<NamedFrame> {
         let named = self.frames.get(name)?.clone();
         self.spoken_of.borrow_mut().insert(name.to_owned());
         Some(named)

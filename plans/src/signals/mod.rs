@@ -1,5 +1,6 @@
 //! Signals of a plan: what a name stands for, and how its changes are recorded.
 
+pub(crate) mod frames;
 mod read;
 
 use std::ops::Range;
@@ -7,12 +8,10 @@ use std::sync::Arc;
 
 use signal::{Address, Span};
 
-use crate::frames::{FramePattern, FrameSignal};
+use crate::frames::can::{FramePattern, FrameSignal};
 use crate::lang::Literal;
 
-pub(crate) use read::{
-    AT_MOST_EVERY, BUILT_IN, DEADBAND, RECORD, SIGNAL_TYPE, SOURCE_KEYS, read, recording, source, text_source,
-};
+pub(crate) use read::{BUILT_IN, SIGNAL_TYPE, SOURCE_KEYS, read, source, text_source};
 
 /// What a name of a plan stands for.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -16,6 +16,7 @@ mod fault;
 mod file;
 mod load;
 mod run;
+mod send;
 mod sequence;
 mod train;
 mod wave;
@@ -25,15 +26,16 @@ use std::sync::Arc;
 use document::{Fields, Findings, KeySpec, KeyType, Node};
 use signal::{Address, Span};
 
-use crate::frames::{Databases, Named};
+use crate::frames::can::Databases;
 use crate::lang::{Literal, Names};
+use crate::signals::frames::NamedFrame;
 use crate::table::{Fault, Table};
 
 pub use ask::Question;
 pub use case::{CasePart, ProgramRef};
 pub use cycle::Cycle;
-pub(crate) use drive::above_zero;
 pub use encoder::{Encoder, Motion};
+pub use send::{OutFrame, SendFrames};
 pub use sequence::Sequence;
 pub use train::{MAX_PULSES, Train};
 pub use wave::{Periodic, Shape, Wave};
@@ -65,7 +67,7 @@ pub(crate) trait StepNames: Names {
     /// The DBC files that the plan may name.
     fn databases(&self) -> &Databases;
     /// The frames of this name.
-    fn frame(&self, name: &str) -> Option<Named>;
+    fn frame(&self, name: &str) -> Option<NamedFrame>;
     /// The names of all frames.
     fn frame_names(&self) -> Vec<&str>;
 }
@@ -104,7 +106,7 @@ pub static VERBS: &[Verb] = &[
     application::RESET_ORIGIN_DEVICE,
     debug::RESUME,
     run::RUN,
-    crate::frames::can::SEND,
+    send::SEND,
     sequence::SEQUENCE,
     drive::SET,
     disturb::SHORT_CIRCUIT,
@@ -340,7 +342,7 @@ pub enum Stimulus {
         group: String,
     },
     /// Puts frames on a bus.
-    Send(Box<crate::frames::can::Send>),
+    Send(Box<SendFrames>),
     /// Asks a person.
     Ask(Question),
     /// Nothing: marks an instant.

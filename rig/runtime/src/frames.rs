@@ -1,7 +1,8 @@
 //! Frames of buses between plan and board: who counts them, what they carry, what is sent.
 
 use drivers::{Board, Bus, BusId, BusKind, Frame, MAX_DATA};
-use plans::frames::can::{FramePattern, FrameSignal, FrameView, OutFrame};
+use plans::frames::can::{FramePattern, FrameSignal, FrameView};
+use plans::steps::OutFrame;
 use signal::{Kind, SignalId, SignalInfo, Value};
 use std::sync::Arc;
 

@@ -15,8 +15,7 @@ pub use sequence::{Rows, TableValue};
 pub use wave::{Curve, Form, Shape};
 
 use drivers::{BusId, ChannelId, Emission, Frame};
-use plans::frames::can::Send;
-use plans::steps::{Encoder, Train};
+use plans::steps::{Encoder, SendFrames, Train};
 use signal::{Random, Span, Value};
 
 /// A stimulus under way.
@@ -54,7 +53,7 @@ pub enum Generator {
         /// Each of them.
         frame: Frame,
         /// When they come.
-        send: Box<Send>,
+        send: Box<SendFrames>,
         /// What their jitter is drawn from.
         seed: u64,
     },

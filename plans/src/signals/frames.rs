@@ -12,38 +12,40 @@ use std::sync::Arc;
 
 use document::{Fields, Findings, KeySpec, KeyType, Node, Table};
 
-use super::dbc::{Database, Databases, FieldSpec, MessageSpec};
-use super::pattern::{FramePattern, From, MAX_EXTENDED_ID, MAX_ID};
+use super::read::{AT_MOST_EVERY, BUILT_IN, DEADBAND, RECORD, recording};
+use super::{SignalBinding, Source};
 use crate::codes;
 use crate::frames::DataPattern;
+use crate::frames::can::{
+    Database, Databases, FieldSpec, FramePattern, FrameSignal, From, MAX_EXTENDED_ID, MAX_ID, MessageSpec,
+};
 use crate::lang::{is_id, is_path};
-use crate::signals::{AT_MOST_EVERY, BUILT_IN, DEADBAND, RECORD, SignalBinding, Source, recording};
 
-pub(super) const BUS: KeySpec =
+pub(crate) const BUS: KeySpec =
     KeySpec::optional("bus", KeyType::Text, "The bus, by its name in the board file.");
-pub(super) const ID: KeySpec =
+pub(crate) const ID: KeySpec =
     KeySpec::optional("id", KeyType::Integer(0, MAX_EXTENDED_ID as i64), "The identifier, as in 0x701.");
-pub(super) const EXTENDED: KeySpec = KeySpec::optional(
+pub(crate) const EXTENDED: KeySpec = KeySpec::optional(
     "extended",
     KeyType::Bool,
     "The identifier has 29 bits; those above 0x7FF have if left out.",
 );
-pub(super) const FD: KeySpec = KeySpec::optional(
+pub(crate) const FD: KeySpec = KeySpec::optional(
     "fd",
     KeyType::Bool,
     "CAN FD frames are meant, or with `false` classic ones; both if left out.",
 );
-pub(super) const BRS: KeySpec =
+pub(crate) const BRS: KeySpec =
     KeySpec::optional("brs", KeyType::Bool, "A CAN FD frame that is sent has its data at the data bit rate.");
-pub(super) const REMOTE: KeySpec =
+pub(crate) const REMOTE: KeySpec =
     KeySpec::optional("remote", KeyType::Bool, "Remote frames are meant, which ask for data.");
-pub(super) const DATA: KeySpec = KeySpec::optional(
+pub(crate) const DATA: KeySpec = KeySpec::optional(
     "data",
     KeyType::Text,
     "The data, as in \"05 .. *\": digits, a dot for any, `*` for any further bytes; any if left out.",
 );
-pub(super) const DBC: KeySpec = KeySpec::optional("dbc", KeyType::Text, "A DBC file, relative to the plan.");
-pub(super) const MESSAGE: KeySpec =
+pub(crate) const DBC: KeySpec = KeySpec::optional("dbc", KeyType::Text, "A DBC file, relative to the plan.");
+pub(crate) const MESSAGE: KeySpec =
     KeySpec::optional("message", KeyType::Text, "A message of the DBC file, in place of `id`.");
 
 const FRAME_KEYS: &[KeySpec] = &[
@@ -79,18 +81,9 @@ const FRAME_KEYS: &[KeySpec] = &[
 /// An entry of `frames`.
 pub(crate) const FRAME_TYPE: KeyType = KeyType::Table(FRAME_KEYS);
 
-/// A value in frames.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FrameSignal {
-    /// The frames.
-    pub pattern: FramePattern,
-    /// Where it stands in them.
-    pub field: FieldSpec,
-}
-
 /// What a name of `frames` stands for.
 #[derive(Clone, Debug)]
-pub(crate) struct Named {
+pub(crate) struct NamedFrame {
     /// The frames.
     pub(crate) pattern: FramePattern,
     /// Their message, where they have one.
@@ -103,7 +96,7 @@ pub(crate) struct Frames {
     /// The names as signals.
     pub(crate) bindings: Vec<SignalBinding>,
     /// The names as frames.
-    pub(crate) named: BTreeMap<String, Named>,
+    pub(crate) named: BTreeMap<String, NamedFrame>,
 }
 
 /// Reads the frames of a plan; `taken` tells which names its signals have.
@@ -149,7 +142,7 @@ pub(crate) fn read(
 }
 
 /// The number of frames, or a value in them.
-fn source(fields: &Fields<'_>, named: &Named, out: &mut Findings) -> Option<Source> {
+fn source(fields: &Fields<'_>, named: &NamedFrame, out: &mut Findings) -> Option<Source> {
     let pattern = named.pattern.clone();
     let Some(node) = fields.get("signal") else {
         if fields.has("signal") {
@@ -167,7 +160,7 @@ fn source(fields: &Fields<'_>, named: &Named, out: &mut Findings) -> Option<Sour
 }
 
 /// The signal of a message; reports one that it does not have.
-pub(super) fn field<'m>(message: &'m MessageSpec, node: &Node, out: &mut Findings) -> Option<&'m FieldSpec> {
+pub(crate) fn field<'m>(message: &'m MessageSpec, node: &Node, out: &mut Findings) -> Option<&'m FieldSpec> {
     let name = node.as_text()?;
     let found = message.field(name);
     if found.is_none() {
@@ -179,7 +172,7 @@ pub(super) fn field<'m>(message: &'m MessageSpec, node: &Node, out: &mut Finding
 }
 
 /// What may have been meant by a name.
-pub(super) fn unknown<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+pub(crate) fn unknown<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
     match document::suggest(name, known.clone()) {
         Some(meant) => format!("did you mean `{meant}`?"),
         None => {
@@ -194,12 +187,12 @@ pub(super) fn unknown<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clo
 }
 
 /// The frames that a table describes.
-pub(super) fn named(
+pub(crate) fn named(
     node: &Node,
     fields: &Fields<'_>,
     databases: &Databases,
     out: &mut Findings,
-) -> Option<Named> {
+) -> Option<NamedFrame> {
     let Some(bus) = fields.text("bus") else {
         if !fields.has("bus") {
             let help = "add bus = \"...\", a name of the board file's `buses`";
@@ -268,7 +261,7 @@ pub(super) fn named(
         message: message.as_ref().map(|message| message.name.clone()),
         length,
     };
-    Some(Named { pattern, message })
+    Some(NamedFrame { pattern, message })
 }
 
 /// The identifier that a table gives.
@@ -291,7 +284,7 @@ fn identifier(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<(u
 }
 
 /// Data as they are written; reports what is wrong with them.
-pub(super) fn data(node: &Node, out: &mut Findings) -> Option<DataPattern> {
+pub(crate) fn data(node: &Node, out: &mut Findings) -> Option<DataPattern> {
     let text = node.as_text()?;
     match DataPattern::parse(text) {
         Ok(pattern) => Some(pattern),

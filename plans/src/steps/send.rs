@@ -12,13 +12,12 @@ use std::fmt;
 use document::{Fields, Findings, KeySpec, KeyType, Node};
 use signal::{Kind, Random, SignalInfo, Span};
 
-use super::dbc::{FieldSpec, MessageSpec};
-use super::pattern::{FramePattern, MAX_EXTENDED_ID};
-use super::read::{self, BRS, BUS, DATA, DBC, EXTENDED, FD, ID, MESSAGE, Named, REMOTE};
+use super::drive::above_zero;
+use super::{MAX_PULSES, StepNames, Stimulus, Verb, table_fields};
 use crate::codes;
+use crate::frames::can::{FieldSpec, FramePattern, MAX_EXTENDED_ID, MessageSpec};
 use crate::lang::Literal;
-use crate::steps::{MAX_PULSES, Stimulus, Verb, above_zero};
-use crate::steps::{StepNames, table_fields};
+use crate::signals::frames::{self, BRS, BUS, DATA, DBC, EXTENDED, FD, ID, MESSAGE, NamedFrame, REMOTE};
 use crate::value_of;
 
 const KEYS: &[KeySpec] = &[
@@ -51,7 +50,7 @@ const KEYS: &[KeySpec] = &[
     ),
 ];
 
-pub(crate) const SEND: Verb = Verb {
+pub(super) const SEND: Verb = Verb {
     name: "send",
     doc: "Puts a frame, or several one after another, on a bus.",
     value: KeyType::Table(KEYS),
@@ -94,7 +93,7 @@ impl fmt::Display for OutFrame {
 
 /// Frames that a step sends.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Send {
+pub struct SendFrames {
     /// Each of them.
     pub frame: OutFrame,
     /// The name of `frames`, where the plan gives one.
@@ -107,7 +106,7 @@ pub struct Send {
     pub jitter: Span,
 }
 
-impl Send {
+impl SendFrames {
     /// When frame `n` from 0 comes after the beginning, without jitter.
     pub fn nominal(&self, n: u64) -> Span {
         let nanos = i128::from(self.period.as_nanos()) * i128::from(n);
@@ -160,7 +159,7 @@ fn read_send(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<S
         out.bad(codes::SEND, node, "the jitter is not less than half of the period", help);
         return None;
     }
-    let send = Send { frame, name, period, count, jitter };
+    let send = SendFrames { frame, name, period, count, jitter };
     if send.length() == Span::MAX {
         out.bad(codes::SEND, node, "the frames last longer than there is time", "send fewer");
         return None;
@@ -174,12 +173,12 @@ fn described(
     fields: &Fields<'_>,
     scope: &dyn StepNames,
     out: &mut Findings,
-) -> Option<(Named, Option<String>)> {
+) -> Option<(NamedFrame, Option<String>)> {
     let Some(place) = fields.get("frame") else {
         if fields.has("frame") {
             return None;
         }
-        return Some((read::named(node, fields, scope.databases(), out)?, None));
+        return Some((frames::named(node, fields, scope.databases(), out)?, None));
     };
     let name = place.as_text()?;
     if let Some(entry) =
@@ -195,7 +194,7 @@ fn described(
         return None;
     }
     let Some(named) = scope.frame(name) else {
-        let help = read::unknown(name, scope.frame_names().into_iter());
+        let help = frames::unknown(name, scope.frame_names().into_iter());
         out.bad(codes::UNKNOWN_FRAME, place, format!("the plan has no frame `{name}`"), help);
         return None;
     };
@@ -203,7 +202,7 @@ fn described(
 }
 
 /// The frame with its data.
-fn out_frame(node: &Node, fields: &Fields<'_>, named: &Named, out: &mut Findings) -> Option<OutFrame> {
+fn out_frame(node: &Node, fields: &Fields<'_>, named: &NamedFrame, out: &mut Findings) -> Option<OutFrame> {
     let pattern = &named.pattern;
     let place = fields.get("frame").unwrap_or(node);
     if !pattern.is_one() {
@@ -247,7 +246,7 @@ fn out_frame(node: &Node, fields: &Fields<'_>, named: &Named, out: &mut Findings
 }
 
 /// The data: those of the step, of its frame, or made of values.
-fn data(place: &Node, fields: &Fields<'_>, named: &Named, out: &mut Findings) -> Option<Vec<u8>> {
+fn data(place: &Node, fields: &Fields<'_>, named: &NamedFrame, out: &mut Findings) -> Option<Vec<u8>> {
     let values = fields.get("values");
     if let Some(node) = fields.get("data") {
         if let Some(values) = values {
@@ -255,7 +254,7 @@ fn data(place: &Node, fields: &Fields<'_>, named: &Named, out: &mut Findings) ->
             out.bad(codes::SEND, values, "the data are given already: values say them twice", help);
             return None;
         }
-        let exact = read::data(node, out)?.exact();
+        let exact = frames::data(node, out)?.exact();
         if exact.is_none() {
             out.bad(codes::SEND, node, "data that are sent leave nothing open", "write every digit");
         }
@@ -289,7 +288,7 @@ fn encoded(message: &MessageSpec, values: Option<&Node>, out: &mut Findings) -> 
     let entries = values.and_then(Node::as_table).map_or(&[][..], |table| &table.entries);
     for entry in entries {
         let Some(field) = message.field(&entry.key) else {
-            let help = read::unknown(&entry.key, message.fields.iter().map(|field| field.name.as_str()));
+            let help = frames::unknown(&entry.key, message.fields.iter().map(|field| field.name.as_str()));
             let text = format!("the message `{}` has no signal `{}`", message.name, entry.key);
             out.error(codes::DBC_NAME, entry.key_span.clone(), text, help);
             return None;
