@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use fake::LINES;
 use rustix::time::{ClockId, clock_gettime};
 use scanrig_drivers::gpio::{Backend, Edge, Levels, Port, Served};
-use scanrig_drivers::{Board, BoardEvent, ChannelId, GpioBoard, HeldLines, Surroundings};
+use scanrig_drivers::{Board, BoardEvent, BoardExt, ChannelId, GpioBoard, HeldLines, Surroundings};
 use signal::{Span, Time, Value};
 
 const SCANS: u32 = 200_000;

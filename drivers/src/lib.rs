@@ -29,8 +29,9 @@ mod thread;
 pub mod wrap;
 
 pub use board::{
-    Board, BoardError, BoardEvent, Call, Channel, ChannelId, ChannelKind, Emission, Emits, Fault, FaultKind,
-    FaultSet, Health, LossReason, NotEmitted, Origin, TimestampSource,
+    Board, BoardError, BoardEvent, BoardExt, Buses, Call, Channel, ChannelId, ChannelKind, Descriptions,
+    Emission, Emits, Fault, FaultInjection, FaultKind, FaultSet, Health, LossReason, NotEmitted, Origin,
+    PulseOutputs, TimestampSource,
 };
 pub use bus::{Bus, BusError, BusEvent, BusId, BusKind, BusState, Frame, MAX_DATA};
 pub use file::{
@@ -44,4 +45,4 @@ pub use looped::Loop;
 pub use realtime::RealtimeSettings;
 pub use sim::{BusSpec, SimulatedBoard};
 pub use surroundings::{Keeper, Surroundings};
-pub use wrap::{Disturbance, Faulty, Traced};
+pub use wrap::{Disturbance, Faulty};

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 use crate::generating::{Did, Script, board, file};
 use scanrig_drivers::emit::EmitBoard;
 use scanrig_drivers::{
-    Board, BoardError, BoardEvent, ChannelId, Emission, LossReason, NotEmitted, Origin, Surroundings, build,
+    Board, BoardError, BoardEvent, BoardExt, ChannelId, Emission, LossReason, NotEmitted, Origin,
+    Surroundings, build,
 };
 use signal::{Span, Time, Value, When};
 

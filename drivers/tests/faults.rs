@@ -2,7 +2,9 @@
 
 use crate::common::*;
 use scanrig_drivers::circuit::ChannelSpec;
-use scanrig_drivers::{Board, BoardError, BoardEvent, Fault, FaultKind, LossReason, SimulatedBoard};
+use scanrig_drivers::{
+    Board, BoardError, BoardEvent, BoardExt, Fault, FaultKind, LossReason, SimulatedBoard,
+};
 use signal::Value;
 
 fn loop_back() -> SimulatedBoard {
@@ -24,7 +26,7 @@ fn a_stuck_line_follows_its_drivers_again_when_cleared() {
     let events = poll(&mut board, 30);
     assert_eq!(changes(&events, 0), [(10, OFF)]);
     assert_eq!(changes(&events, 1), []);
-    board.clear(at(40), id(0)).unwrap();
+    board.clear_faults(at(40), id(0)).unwrap();
     let events = poll(&mut board, 50);
     assert_eq!(changes(&events, 0), [(40, ON)]);
     assert_eq!(changes(&events, 1), [(40, ON)]);
@@ -37,7 +39,7 @@ fn shorts_and_a_cut_replace_the_level() {
     board.inject(at(2), fault(1, FaultKind::ShortToGround)).unwrap();
     board.inject(at(3), fault(1, FaultKind::ShortToSupply)).unwrap();
     board.inject(at(4), fault(1, FaultKind::Open)).unwrap();
-    board.clear(at(5), id(1)).unwrap();
+    board.clear_faults(at(5), id(1)).unwrap();
     // The cut input reads its pull.
     assert_eq!(changes(&poll(&mut board, 9), 1), [(1, ON), (2, OFF), (3, ON), (4, OFF), (5, ON)]);
     board.inject(at(10), fault(0, FaultKind::Open)).unwrap();
@@ -66,7 +68,7 @@ fn late_changes_come_later_and_all_come() {
     board.write(at(40), &[(id(0), ON)]).unwrap();
     assert_eq!(changes(&poll(&mut board, 80), 1), [(70, ON), (71, OFF)]);
     // What is on its way when the fault is cleared is there at once.
-    board.clear(at(85), id(1)).unwrap();
+    board.clear_faults(at(85), id(1)).unwrap();
     assert_eq!(changes(&poll(&mut board, 1_000), 1), [(85, ON)]);
 }
 
@@ -120,7 +122,7 @@ fn an_analog_value_can_be_stuck_and_cut() {
     let mut board = loop_back();
     board.write(at(1), &[(id(2), Value::Real(20.5))]).unwrap();
     board.inject(at(2), fault(2, FaultKind::StuckAt(Value::Int(7)))).unwrap();
-    board.clear(at(3), id(2)).unwrap();
+    board.clear_faults(at(3), id(2)).unwrap();
     board.inject(at(4), fault(2, FaultKind::Open)).unwrap();
     let expected = [20.5, 7.0, 20.5, 0.0].map(Value::Real);
     let values: Vec<Value> = changes(&poll(&mut board, 9), 2).into_iter().map(|(_, value)| value).collect();

@@ -9,7 +9,7 @@ use crate::fake::Fake;
 use host::monotonic;
 use scanrig_drivers::gpio::Edge;
 use scanrig_drivers::{
-    Board, BoardError, BoardEvent, ChannelId, GpioBoard, LossReason, Origin, Surroundings, build,
+    Board, BoardError, BoardEvent, BoardExt, ChannelId, GpioBoard, LossReason, Origin, Surroundings, build,
 };
 use signal::{Span, Time, Value};
 
@@ -369,5 +369,5 @@ fn a_board_on_paper_has_the_channels_and_never_starts() {
     let (board, _at) = crate::fake::board(Fake::new(), SILENT);
     assert_eq!(paper.channels(), board.channels());
     assert_eq!(paper.start(Time::ZERO), Err(BoardError::NotStarted));
-    assert!(paper.held().unwrap().is_empty());
+    assert!(paper.output_claims().unwrap().is_empty());
 }

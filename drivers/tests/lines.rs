@@ -3,7 +3,7 @@
 use crate::common::*;
 use proptest::prelude::*;
 use scanrig_drivers::circuit::{Bounce, ChannelSpec, CircuitFault, Part, Pull, Spacing, WireSpec};
-use scanrig_drivers::{Board, BoardError, BoardEvent, Fault, FaultKind, Origin, SimulatedBoard};
+use scanrig_drivers::{Board, BoardError, BoardEvent, BoardExt, Fault, FaultKind, Origin, SimulatedBoard};
 use signal::{Time, Value};
 
 #[test]

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use scanrig_drivers::circuit::{ChannelSpec, Circuit, Pull};
 use scanrig_drivers::real::{FaultRelays, WireRelays};
-use scanrig_drivers::{Board, BoardError, BoardEvent, ChannelId, Fault, FaultKind, SimulatedBoard};
+use scanrig_drivers::{Board, BoardError, BoardEvent, BoardExt, ChannelId, Fault, FaultKind, SimulatedBoard};
 use signal::{Span, Time, Value, When};
 
 const SETTLE: Span = Span::from_millis(10);
@@ -71,11 +71,18 @@ fn begun() -> FaultRelays<SimulatedBoard> {
 fn a_fault_drives_its_relay_and_its_end_lets_it_go() {
     let mut board = begun();
     board.inject(at_ms(5), fault(0, FaultKind::Open, Some(40))).unwrap();
-    assert_eq!((board.came(ChannelId(0)), board.settle(ChannelId(0))), (None, SETTLE));
+    assert_eq!(
+        (board.fault_settled_at(ChannelId(0)), board.fault_switching_time(ChannelId(0))),
+        (None, SETTLE)
+    );
     assert_eq!(moves(&mut board, 14), [(5, 1, true)]);
-    assert_eq!(board.came(ChannelId(0)), None);
+    assert_eq!(board.fault_settled_at(ChannelId(0)), None);
     assert_eq!(moves(&mut board, 15), []);
-    assert_eq!(board.came(ChannelId(0)), Some(When::within(at_ms(5), at_ms(15))), "the contact has settled");
+    assert_eq!(
+        board.fault_settled_at(ChannelId(0)),
+        Some(When::within(at_ms(5), at_ms(15))),
+        "the contact has settled"
+    );
     assert_eq!(moves(&mut board, 44), []);
     assert_eq!(moves(&mut board, 60), [(45, 1, false)]);
     assert_eq!(board.next_event(), None);
@@ -89,7 +96,7 @@ fn one_relay_opens_before_another_closes() {
     // The first one settles, opens, settles; then the second closes. Behind its end the older fault is back.
     let expected = [(0, 2, true), (10, 2, false), (20, 3, true), (102, 3, false), (112, 2, true)];
     assert_eq!(moves(&mut board, 150), expected);
-    board.clear(at_ms(150), ChannelId(0)).unwrap();
+    board.clear_faults(at_ms(150), ChannelId(0)).unwrap();
     assert_eq!(moves(&mut board, 200), [(150, 2, false)]);
 }
 
@@ -99,7 +106,7 @@ fn a_wire_that_can_be_seen_tells_when_it_is_shorted() {
     let level = |board: &mut FaultRelays<SimulatedBoard>, ms, high| {
         board.write(at_ms(ms), &[(ChannelId(0), Value::Bool(high))]).unwrap();
         moves(board, ms);
-        board.came(ChannelId(0))
+        board.fault_settled_at(ChannelId(0))
     };
     board.inject(at_ms(0), fault(0, FaultKind::ShortToGround, None)).unwrap();
     moves(&mut board, 1);
@@ -109,10 +116,10 @@ fn a_wire_that_can_be_seen_tells_when_it_is_shorted() {
     // Asked for once more it is there already; and of a wire that opens any change tells.
     moves(&mut board, 20);
     board.inject(at_ms(20), fault(0, FaultKind::ShortToGround, None)).unwrap();
-    assert_eq!(board.came(ChannelId(0)), Some(When::exactly(at_ms(20))));
-    board.clear(at_ms(21), ChannelId(0)).unwrap();
+    assert_eq!(board.fault_settled_at(ChannelId(0)), Some(When::exactly(at_ms(20))));
+    board.clear_faults(at_ms(21), ChannelId(0)).unwrap();
     moves(&mut board, 22);
-    assert_eq!(board.came(ChannelId(0)), None);
+    assert_eq!(board.fault_settled_at(ChannelId(0)), None);
     assert_eq!(level(&mut board, 23, true), Some(When::exactly(at_ms(23))));
 }
 
@@ -190,7 +197,7 @@ proptest! {
             let outcome = match what {
                 0..=2 => board.inject(at_ms(now), fault(0, kind[usize::from(what)], Some(lasts))),
                 3 => board.inject(at_ms(now), fault(4, FaultKind::ShortToSupply, Some(lasts))),
-                _ => board.clear(at_ms(now), ChannelId(u16::from(what - 4) * 4)),
+                _ => board.clear_faults(at_ms(now), ChannelId(u16::from(what - 4) * 4)),
             };
             let refused = matches!(
                 outcome, Err(BoardError::FaultsApart { .. } | BoardError::TooManyFaults { .. })

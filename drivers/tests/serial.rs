@@ -13,8 +13,8 @@ use scanrig_drivers::serial::{
     Frames, Framing, LineSettings, OpenError, Parity, PortSpec, Received, SerialPort, Symbol,
 };
 use scanrig_drivers::{
-    BoardError, BoardFile, BoardKind, BusEvent, BusId, BusKind, Frame, LossReason, Surroundings, Terminals,
-    build, open, read,
+    BoardError, BoardExt, BoardFile, BoardKind, BusEvent, BusId, BusKind, Frame, LossReason, Surroundings,
+    Terminals, build, open, read,
 };
 use signal::Span;
 use tokio::runtime::{Builder, Runtime};
@@ -77,7 +77,7 @@ fn a_serial_line_is_what_its_board_file_says() {
     assert_eq!((rs485.delay_before, rs485.delay_after, rs485.terminate), (2, 0, false));
     // On paper, the board has its buses on any machine.
     let outline = build(&board, 0).unwrap();
-    let named: Vec<_> = outline.buses().iter().map(|bus| (bus.name.as_str(), bus.kind)).collect();
+    let named: Vec<_> = outline.bus_list().iter().map(|bus| (bus.name.as_str(), bus.kind)).collect();
     let serial = |baud| BusKind::Serial { baud };
     assert_eq!(named, [("plain", serial(19_200)), ("modbus", serial(250_000))]);
 }
@@ -238,7 +238,7 @@ fn a_line_that_goes_away_is_lost_until_the_next_run() {
     let at = Surroundings::new(Realtime::default());
     let mut board = open(&board_on(&near, ""), &at).unwrap().unwrap();
     let bus = BusId(0);
-    assert_eq!(board.buses()[0].name, "modbus");
+    assert_eq!(board.bus_list()[0].name, "modbus");
     board.start(at.time.now()).unwrap();
     assert_eq!(
         board.send(at.time.now(), bus, &Frame::classic(1, false, &[]).unwrap()),

@@ -3,7 +3,7 @@
 use document::SourceFile;
 use scanrig_drivers::circuit::Circuit;
 use scanrig_drivers::{
-    Board, BoardEvent, ChannelKind, Fault, FaultKind, LossReason, SimulatedBoard, Terminals, read,
+    Board, BoardEvent, BoardExt, ChannelKind, Fault, FaultKind, LossReason, SimulatedBoard, Terminals, read,
 };
 use signal::{Span, Time, Value, When};
 

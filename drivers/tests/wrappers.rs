@@ -2,9 +2,14 @@
 
 use crate::common::*;
 use proptest::prelude::*;
-use scanrig_drivers::wrap::Entry;
-use scanrig_drivers::{Board, BoardError, BoardEvent, Disturbance, Faulty, SimulatedBoard, Traced};
-use signal::{Span, Value};
+use scanrig_drivers::real::{FaultRelays, OfflineBoard};
+use scanrig_drivers::{
+    Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, BusSpec, Buses, Channel, ChannelId,
+    Descriptions, Disturbance, Emission, Faulty, Frame, Health, HeldLines, LineApi, PulseOutputs,
+    SimulatedBoard,
+};
+use signal::{Span, Time, Value};
+use std::fs::File;
 
 fn board() -> SimulatedBoard {
     let mut circuit = digital(1, 1);
@@ -128,21 +133,136 @@ proptest! {
     }
 }
 
-#[test]
-fn the_trace_of_a_board_is_bounded() {
-    let mut board = Traced::new(board(), 3);
+/// A simulated board that has every capability: devices and noise behind its channels, one
+/// behind its bus, outputs that emit, claims.
+#[derive(Debug)]
+struct Capable(SimulatedBoard);
+
+impl Board for Capable {
+    fn inner(&self) -> Option<&dyn Board> {
+        Some(&self.0)
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        Some(&mut self.0)
+    }
+
+    fn channels(&self) -> &[Channel] {
+        self.0.channels()
+    }
+
+    fn start(&mut self, now: Time) -> Result<(), BoardError> {
+        self.0.start(now)
+    }
+
+    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
+        self.0.write(now, writes)
+    }
+
+    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        self.0.poll(now, out)
+    }
+
+    fn next_event(&self) -> Option<Time> {
+        self.0.next_event()
+    }
+
+    fn safe(&mut self, now: Time) -> Result<(), BoardError> {
+        self.0.safe(now)
+    }
+
+    fn health(&self) -> Health {
+        self.0.health()
+    }
+
+    fn buses(&self) -> Option<&dyn Buses> {
+        Some(self)
+    }
+
+    fn buses_mut(&mut self) -> Option<&mut dyn Buses> {
+        Some(self)
+    }
+
+    fn pulse_outputs(&mut self) -> Option<&mut dyn PulseOutputs> {
+        Some(self)
+    }
+
+    fn output_claims(&self) -> Result<Vec<HeldLines>, BoardError> {
+        let claim = File::open("/dev/null").unwrap().into();
+        Ok(vec![HeldLines { device: "chip".into(), claim, api: LineApi::V2, mask: 1, safe: 0 }])
+    }
+
+    fn descriptions(&self) -> Option<&dyn Descriptions> {
+        Some(self)
+    }
+}
+
+impl Buses for Capable {
+    fn bus_list(&self) -> &[Bus] {
+        Buses::bus_list(&self.0)
+    }
+
+    fn bus_device(&self, _bus: BusId) -> Option<&str> {
+        Some("can0")
+    }
+
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+        Buses::send(&mut self.0, now, bus, frame)
+    }
+
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        Buses::poll_buses(&mut self.0, now, out)
+    }
+}
+
+impl PulseOutputs for Capable {
+    fn emit(&mut self, _now: Time, _channel: ChannelId, _emission: &Emission) -> Result<(), BoardError> {
+        Ok(())
+    }
+}
+
+impl Descriptions for Capable {
+    fn device(&self, _channel: ChannelId) -> Option<&str> {
+        Some("chip")
+    }
+
+    fn noise(&self, _channel: ChannelId) -> Option<f64> {
+        Some(0.5)
+    }
+}
+
+/// Every capability of the board within, through a wrapper that changes none of them.
+fn hides_nothing(mut board: impl Board) {
+    let channel = id(0);
     board.start(at(0)).unwrap();
-    board.write(at(1), &[(id(0), ON)]).unwrap();
-    assert!(board.write(at(2), &[(id(7), ON)]).is_err());
-    let entries: Vec<_> = board.entries().map(|(_, entry)| *entry).collect();
-    let expected = [
-        Entry::Write { channel: id(0), value: ON },
-        Entry::Write { channel: id(7), value: ON },
-        Entry::Failed(BoardError::NoChannel(id(7))),
-    ];
-    assert_eq!(entries, expected);
-    poll(&mut board, 10);
-    let counts = board.counts();
-    assert_eq!((counts.starts, counts.writes, counts.polls, counts.events, counts.failed), (1, 2, 1, 4, 1));
-    assert_eq!(board.entries().count(), 3);
+    assert_eq!((board.device(channel), board.noise(channel)), (Some("chip"), Some(0.5)));
+    assert_eq!(board.output_claims().unwrap().len(), 1);
+    let square = Emission::Square { period: ns(10), high: ns(5) };
+    assert_eq!(board.emit(at(1), channel, &square), Ok(()));
+    assert!(board.faults().is_some() && board.faults_mut().is_some());
+    assert_eq!((board.bus_list().len(), board.bus_device(BusId(0))), (1, Some("can0")));
+    assert!(board.buses_mut().is_some());
+}
+
+#[test]
+fn a_wrapper_hides_no_capability_of_the_board_within() {
+    let capable = || {
+        let mut circuit = digital(1, 1);
+        let (name, bitrate) = ("can".into(), 500_000);
+        circuit.buses.push(BusSpec { name, bitrate, data_bitrate: None, joins: None });
+        Capable(SimulatedBoard::new(&circuit, 0).unwrap())
+    };
+    hides_nothing(capable());
+    hides_nothing(Faulty::new(capable(), Disturbance::default(), 0));
+    hides_nothing(FaultRelays::new(capable(), &[], None));
+    hides_nothing(Box::new(capable()) as Box<dyn Board>);
+    hides_nothing(Faulty::new(FaultRelays::new(capable(), &[], None), Disturbance::default(), 0));
+}
+
+#[test]
+fn what_a_board_lacks_is_refused() {
+    let mut board = OfflineBoard::default();
+    let square = Emission::Square { period: ns(10), high: ns(5) };
+    assert!(matches!(board.emit(at(0), id(0), &square), Err(BoardError::NotEmitted(..))));
+    assert_eq!((board.device(id(0)), board.fault_settled_at(id(0))), (None, None));
 }

@@ -11,11 +11,11 @@ use super::find::find;
 use super::node::Node;
 use super::running::{Manner, Running};
 use super::spec::CanBusSpec;
-use crate::account::{Account, START, drives_none, known};
+use crate::account::{Account, START, drives_none};
 use crate::file::{BoardFile, codes};
 use crate::real::RealSpec;
 use crate::{
-    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Call, Channel, ChannelId, Fault, Frame, Health,
+    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Call, Channel, ChannelId, Frame, Health,
     Surroundings,
 };
 
@@ -121,6 +121,14 @@ impl CanBoard {
 }
 
 impl Board for CanBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -169,16 +177,6 @@ impl Board for CanBoard {
         self.account.next_event(&self.surroundings.time, owed)
     }
 
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        known(&self.channels, channel)
-    }
-
     /// Nothing is sent from now on. What the kernel has already may still reach the bus.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.account.latch(now);
@@ -204,7 +202,17 @@ impl Board for CanBoard {
         }
     }
 
-    fn buses(&self) -> &[Bus] {
+    fn buses(&self) -> Option<&dyn Buses> {
+        Some(self)
+    }
+
+    fn buses_mut(&mut self) -> Option<&mut dyn Buses> {
+        Some(self)
+    }
+}
+
+impl Buses for CanBoard {
+    fn bus_list(&self) -> &[Bus] {
         &self.buses
     }
 

@@ -6,13 +6,14 @@ use signal::{Span, Time, Value};
 
 use super::watched::Watched;
 use super::{Converter, ConverterKind, ConverterSpec, ConvertersSpec, Refusal, SampleSpec, iio, spi};
-use crate::account::{Account, START, drives_none, known};
+use crate::account::{Account, START, drives_none};
 use crate::file::{BoardFile, codes};
 use crate::real::RealSpec;
 use crate::telling::Telling;
 use crate::thread::not_started;
 use crate::{
-    Board, BoardError, BoardEvent, Channel, ChannelId, Fault, FaultSet, Health, Surroundings, TimestampSource,
+    Board, BoardError, BoardEvent, Channel, ChannelId, Descriptions, FaultSet, Health, Surroundings,
+    TimestampSource,
 };
 
 /// Describes the channels that have inputs of converters.
@@ -160,6 +161,14 @@ impl ConverterBoard {
 }
 
 impl Board for ConverterBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -203,30 +212,11 @@ impl Board for ConverterBoard {
         self.account.next_event(&self.surroundings.time, owed)
     }
 
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        known(&self.channels, channel)
-    }
-
     /// Nothing is driven: the converters rest until the next start.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.account.latch(now);
         self.devices.iter().for_each(Watched::rest);
         Ok(())
-    }
-
-    fn device(&self, channel: ChannelId) -> Option<&str> {
-        let mut devices = self.devices.iter();
-        devices.find(|device| device.channels.contains(&channel)).map(|device| device.device.as_str())
-    }
-
-    fn noise(&self, channel: ChannelId) -> Option<f64> {
-        self.devices.iter().find_map(|device| device.noise(channel))
     }
 
     fn health(&self) -> Health {
@@ -237,5 +227,20 @@ impl Board for ConverterBoard {
             latched_safe: self.account.is_latched(),
             ..Health::default()
         }
+    }
+
+    fn descriptions(&self) -> Option<&dyn Descriptions> {
+        Some(self)
+    }
+}
+
+impl Descriptions for ConverterBoard {
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        let mut devices = self.devices.iter();
+        devices.find(|device| device.channels.contains(&channel)).map(|device| device.device.as_str())
+    }
+
+    fn noise(&self, channel: ChannelId) -> Option<f64> {
+        self.devices.iter().find_map(|device| device.noise(channel))
     }
 }

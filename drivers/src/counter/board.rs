@@ -9,13 +9,14 @@ use signal::{Span, Time, Value, When};
 use super::device::Opener;
 use super::watched::Watched;
 use super::{Counter, KernelCounter};
-use crate::account::{Account, START, drives_none, known};
+use crate::account::{Account, START, drives_none};
 use crate::file::BoardFile;
 use crate::real::RealSpec;
 use crate::telling::Telling;
 use crate::thread::not_started;
 use crate::{
-    Board, BoardError, BoardEvent, Channel, ChannelId, Fault, FaultSet, Health, Surroundings, TimestampSource,
+    Board, BoardError, BoardEvent, Channel, ChannelId, Descriptions, FaultSet, Health, Surroundings,
+    TimestampSource,
 };
 
 /// Describes the channels behind which counters count.
@@ -145,6 +146,14 @@ impl CounterBoard {
 }
 
 impl Board for CounterBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -188,26 +197,11 @@ impl Board for CounterBoard {
         self.account.next_event(&self.surroundings.time, owed)
     }
 
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        known(&self.channels, channel)
-    }
-
     /// Nothing is driven: the counters go on by themselves, and nobody looks until the next start.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.account.latch(now);
         self.devices.iter().for_each(Watched::rest);
         Ok(())
-    }
-
-    fn device(&self, channel: ChannelId) -> Option<&str> {
-        let mut devices = self.devices.iter();
-        devices.find(|device| device.channel == channel).map(|device| device.device.as_str())
     }
 
     fn health(&self) -> Health {
@@ -218,5 +212,20 @@ impl Board for CounterBoard {
             latched_safe: self.account.is_latched(),
             ..Health::default()
         }
+    }
+
+    fn descriptions(&self) -> Option<&dyn Descriptions> {
+        Some(self)
+    }
+}
+
+impl Descriptions for CounterBoard {
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        let mut devices = self.devices.iter();
+        devices.find(|device| device.channel == channel).map(|device| device.device.as_str())
+    }
+
+    fn noise(&self, _channel: ChannelId) -> Option<f64> {
+        None
     }
 }

@@ -10,15 +10,15 @@ use super::spec::{GeneratorKind, GeneratorSpec, GeneratorsSpec, OutputSpec};
 use super::stream::Stream;
 use super::watched::Watched;
 use super::{Generator, Pwm, pwm, stream};
-use crate::account::{Account, START, known};
+use crate::account::{Account, START};
 use crate::convert::Refusal;
 use crate::file::{BoardFile, codes};
 use crate::real::RealSpec;
 use crate::telling::Telling;
 use crate::thread::not_started;
 use crate::{
-    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Emission, Fault, FaultSet, Health, HeldLines,
-    Surroundings, TimestampSource,
+    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Descriptions, Emission, FaultSet, Health,
+    HeldLines, PulseOutputs, Surroundings, TimestampSource,
 };
 
 /// Describes the channels that have outputs of generators.
@@ -213,6 +213,14 @@ fn again(generator: GeneratorSpec, outputs: Vec<OutputSpec>, at: Surroundings, d
 }
 
 impl Board for EmitBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -247,19 +255,6 @@ impl Board for EmitBoard {
         Ok(())
     }
 
-    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
-        self.account.drive_at(now)?;
-        let (device, output) = self.output(channel)?;
-        if let Some(emits) = &self.channels[usize::from(channel.0)].emits {
-            emits.check(emission).map_err(|why| BoardError::NotEmitted(channel, why))?;
-        }
-        let order = match emission {
-            Emission::Square { period, high } => Order::Square { period: *period, high: *high },
-            Emission::Pulses(edges) => Order::Pulses(edges.clone()),
-        };
-        self.devices[device].emit(output, order)
-    }
-
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
         self.account.come_to(now)?;
         let mut telling = Telling::new(out, &self.surroundings.time, now);
@@ -282,16 +277,6 @@ impl Board for EmitBoard {
     fn next_event(&self) -> Option<Time> {
         let owed = self.devices.iter().filter_map(Watched::overdue);
         self.account.next_event(&self.surroundings.time, owed)
-    }
-
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        known(&self.channels, channel)
     }
 
     /// Waits for the generators, as long as one may be silent. Pulses that are under way then cannot be called back: they
@@ -320,12 +305,7 @@ impl Board for EmitBoard {
         }
     }
 
-    fn device(&self, channel: ChannelId) -> Option<&str> {
-        let mine = |device: &&Watched| device.outputs.iter().any(|output| output.channel == channel);
-        self.devices.iter().find(mine).map(|device| device.device.as_str())
-    }
-
-    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+    fn output_claims(&self) -> Result<Vec<HeldLines>, BoardError> {
         let copy = |held: &HeldLines| {
             let claim = held.claim.try_clone()?;
             Ok(HeldLines {
@@ -341,5 +321,39 @@ impl Board for EmitBoard {
             code: error.raw_os_error().unwrap_or(Errno::MFILE.raw_os_error()),
         };
         self.held.iter().map(copy).collect::<std::io::Result<_>>().map_err(refused)
+    }
+
+    fn pulse_outputs(&mut self) -> Option<&mut dyn PulseOutputs> {
+        Some(self)
+    }
+
+    fn descriptions(&self) -> Option<&dyn Descriptions> {
+        Some(self)
+    }
+}
+
+impl PulseOutputs for EmitBoard {
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        self.account.drive_at(now)?;
+        let (device, output) = self.output(channel)?;
+        if let Some(emits) = &self.channels[usize::from(channel.0)].emits {
+            emits.check(emission).map_err(|why| BoardError::NotEmitted(channel, why))?;
+        }
+        let order = match emission {
+            Emission::Square { period, high } => Order::Square { period: *period, high: *high },
+            Emission::Pulses(edges) => Order::Pulses(edges.clone()),
+        };
+        self.devices[device].emit(output, order)
+    }
+}
+
+impl Descriptions for EmitBoard {
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        let mine = |device: &&Watched| device.outputs.iter().any(|output| output.channel == channel);
+        self.devices.iter().find(mine).map(|device| device.device.as_str())
+    }
+
+    fn noise(&self, _channel: ChannelId) -> Option<f64> {
+        None
     }
 }

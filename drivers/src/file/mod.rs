@@ -28,7 +28,7 @@ use document::Diagnostic;
 use signal::{Address, Area, Size};
 
 use crate::circuit::{ChannelSpec, Circuit, CircuitError, Pull};
-use crate::real::{self as devices, Outline, RealSpec};
+use crate::real::{self as devices, OfflineBoard, RealSpec};
 use crate::wrap::{Disturbance, Faulty};
 use crate::{Board, ChannelId, Loop, RealtimeSettings, SimulatedBoard, Surroundings};
 
@@ -192,14 +192,14 @@ impl BoardFile {
     }
 }
 
-/// Builds the board of a file; all that is random on it follows from `seed`. Of real lines it is the [`Outline`],
+/// Builds the board of a file; all that is random on it follows from `seed`. Of real lines it is the [`OfflineBoard`],
 /// which touches no device: what a plan can be checked against on any machine.
 ///
 /// # Errors
 /// The first of [`Circuit::check`]: none for a file that [`read`] let through.
 pub fn build(file: &BoardFile, seed: u64) -> Result<Box<dyn Board>, CircuitError> {
     if let BoardKind::Real(spec) = &file.kind {
-        return Ok(Box::new(Outline::new(file, spec)));
+        return Ok(Box::new(OfflineBoard::new(file, spec)));
     }
     let board = SimulatedBoard::new(&file.circuit, seed)?;
     Ok(match file.disturbance {

@@ -13,12 +13,12 @@ use super::make::{Chip, Maker, Served};
 use super::port::Port;
 use super::retake::{Retaken, Retaking};
 use super::{FoundChip, GpioSpec};
-use crate::account::{Account, START, known};
+use crate::account::{Account, START};
 use crate::file::BoardFile;
 use crate::telling::Telling;
 use crate::thread::not_started;
 use crate::{
-    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Fault, Health, HeldLines, LossReason,
+    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Descriptions, Health, HeldLines, LossReason,
     Surroundings,
 };
 
@@ -181,6 +181,14 @@ impl GpioBoard {
 }
 
 impl Board for GpioBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.maker.channels
     }
@@ -250,16 +258,6 @@ impl Board for GpioBoard {
         self.account.next_event(&self.maker.surroundings.time, owed)
     }
 
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        known(&self.maker.channels, channel)
-    }
-
     /// Waits for the chips, at most as long as one may be silent. A chip that hangs is made safe as soon as its call
     /// ends.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
@@ -289,12 +287,7 @@ impl Board for GpioBoard {
         }
     }
 
-    fn device(&self, channel: ChannelId) -> Option<&str> {
-        let serves = |chip: &&Chip| chip.lines.channels().any(|other| other == channel);
-        self.chips.iter().find(serves).map(|chip| chip.device.as_str())
-    }
-
-    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+    fn output_claims(&self) -> Result<Vec<HeldLines>, BoardError> {
         let mut all = Vec::new();
         for chip in &self.chips {
             let held = chip.port.held(&chip.device);
@@ -304,5 +297,20 @@ impl Board for GpioBoard {
             })?);
         }
         Ok(all)
+    }
+
+    fn descriptions(&self) -> Option<&dyn Descriptions> {
+        Some(self)
+    }
+}
+
+impl Descriptions for GpioBoard {
+    fn device(&self, channel: ChannelId) -> Option<&str> {
+        let serves = |chip: &&Chip| chip.lines.channels().any(|other| other == channel);
+        self.chips.iter().find(serves).map(|chip| chip.device.as_str())
+    }
+
+    fn noise(&self, _channel: ChannelId) -> Option<f64> {
+        None
     }
 }

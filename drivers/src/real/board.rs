@@ -12,8 +12,8 @@ use crate::file::BoardFile;
 use crate::gpio::GpioBoard;
 use crate::serial::SerialBoard;
 use crate::{
-    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Emission, Fault, Frame, Health,
-    HeldLines, Surroundings,
+    Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Descriptions,
+    Emission, Frame, Health, HeldLines, PulseOutputs, Surroundings,
 };
 
 /// Finds and claims the devices of a file, outputs at their safe values.
@@ -101,7 +101,7 @@ impl RealBoard {
             self.channels[at] = part.channels()[at].clone();
             self.behind[at] = Some(number);
         }
-        for (at, bus) in part.buses().iter().enumerate() {
+        for (at, bus) in part.bus_list().iter().enumerate() {
             if self.buses.len() <= at {
                 self.buses.push(bus.clone());
                 self.carries.push(None);
@@ -140,6 +140,14 @@ pub(crate) fn sort<E: Copy>(events: &mut [E], latest: impl Fn(&E) -> Time) {
 }
 
 impl Board for RealBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -168,14 +176,6 @@ impl Board for RealBoard {
         Ok(())
     }
 
-    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
-        match self.behind.get(usize::from(channel.0)) {
-            None => Err(BoardError::NoChannel(channel)),
-            Some(None) => Err(BoardError::NotDriven(channel)),
-            Some(Some(part)) => self.parts[usize::from(*part)].emit(now, channel, emission),
-        }
-    }
-
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
         let first = out.len();
         let mut outcome = Ok(());
@@ -188,22 +188,6 @@ impl Board for RealBoard {
 
     fn next_event(&self) -> Option<Time> {
         self.parts.iter().filter_map(|part| part.next_event()).min()
-    }
-
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        match self.behind.get(usize::from(fault.channel.0)) {
-            None => Err(BoardError::NoChannel(fault.channel)),
-            Some(None) => Err(BoardError::NoSuchFault(fault.channel)),
-            Some(Some(part)) => self.parts[usize::from(*part)].inject(now, fault),
-        }
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        match self.behind.get(usize::from(channel.0)) {
-            None => Err(BoardError::NoChannel(channel)),
-            Some(None) => Ok(()),
-            Some(Some(part)) => self.parts[usize::from(*part)].clear(now, channel),
-        }
     }
 
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
@@ -219,14 +203,42 @@ impl Board for RealBoard {
         self.parts.iter().map(|part| part.health()).fold(Health::default(), Health::and)
     }
 
-    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
+    fn output_claims(&self) -> Result<Vec<HeldLines>, BoardError> {
         let mut all = Vec::new();
         for part in &self.parts {
-            all.extend(part.held()?);
+            all.extend(part.output_claims()?);
         }
         Ok(all)
     }
 
+    fn pulse_outputs(&mut self) -> Option<&mut dyn PulseOutputs> {
+        Some(self)
+    }
+
+    fn descriptions(&self) -> Option<&dyn Descriptions> {
+        Some(self)
+    }
+
+    fn buses(&self) -> Option<&dyn Buses> {
+        Some(self)
+    }
+
+    fn buses_mut(&mut self) -> Option<&mut dyn Buses> {
+        Some(self)
+    }
+}
+
+impl PulseOutputs for RealBoard {
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        match self.behind.get(usize::from(channel.0)) {
+            None => Err(BoardError::NoChannel(channel)),
+            Some(None) => Err(BoardError::NotDriven(channel)),
+            Some(Some(part)) => self.parts[usize::from(*part)].emit(now, channel, emission),
+        }
+    }
+}
+
+impl Descriptions for RealBoard {
     fn device(&self, channel: ChannelId) -> Option<&str> {
         let part = self.behind.get(usize::from(channel.0)).copied().flatten()?;
         self.parts[usize::from(part)].device(channel)
@@ -236,14 +248,16 @@ impl Board for RealBoard {
         let part = self.behind.get(usize::from(channel.0)).copied().flatten()?;
         self.parts[usize::from(part)].noise(channel)
     }
+}
+
+impl Buses for RealBoard {
+    fn bus_list(&self) -> &[Bus] {
+        &self.buses
+    }
 
     fn bus_device(&self, bus: BusId) -> Option<&str> {
         let part = self.carries.get(usize::from(bus.0)).copied().flatten()?;
         self.parts[usize::from(part)].bus_device(bus)
-    }
-
-    fn buses(&self) -> &[Bus] {
-        &self.buses
     }
 
     fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {

@@ -2,7 +2,7 @@
 
 mod board;
 mod look;
-mod outline;
+mod offline;
 mod relays;
 mod spec;
 mod uses;
@@ -11,8 +11,8 @@ mod wire;
 pub(crate) use board::sort;
 pub use board::{RealBoard, open};
 pub use look::{Look, look};
-pub use outline::Outline;
-pub(crate) use outline::{blank, channels};
+pub use offline::OfflineBoard;
+pub(crate) use offline::{blank, channels};
 pub use relays::FaultRelays;
 pub use spec::{RealSpec, SILENT_AFTER};
 pub use uses::{Used, uses};

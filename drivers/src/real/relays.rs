@@ -10,8 +10,8 @@ use super::RealSpec;
 use super::wire::{self, FaultWay, WireRelays};
 use crate::sim::MAX_FAULTS;
 use crate::{
-    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Emission, Fault, FaultKind,
-    Frame, Health, HeldLines, Surroundings,
+    Board, BoardError, BoardEvent, BoardExt, Channel, ChannelId, Fault, FaultInjection, FaultKind, Health,
+    Surroundings,
 };
 
 /// A fault that was asked for.
@@ -35,19 +35,19 @@ struct Wire {
     /// When it began to move: not before this instant.
     moves: Time,
     /// When the wire came to be as it is wanted, where that is known.
-    came: Option<When>,
+    settled_at: Option<When>,
 }
 
 impl Wire {
     fn new(spec: WireRelays) -> Wire {
         let faults = Vec::with_capacity(usize::from(MAX_FAULTS));
-        Wire { spec, faults, on: None, asked: None, settles: None, moves: Time::ZERO, came: None }
+        Wire { spec, faults, on: None, asked: None, settles: None, moves: Time::ZERO, settled_at: None }
     }
 
     /// No fault is wanted, and every relay is off.
     fn forget(&mut self) {
         self.faults.clear();
-        (self.on, self.asked, self.settles, self.came) = (None, None, None, None);
+        (self.on, self.asked, self.settles, self.settled_at) = (None, None, None, None);
     }
 
     /// The relay of the newest fault.
@@ -90,7 +90,7 @@ impl Wire {
     /// The wire is as the relay that moved last has it, since this instant.
     fn arrived(&mut self, at: When) {
         if self.on == self.wanted() {
-            self.came.get_or_insert(at);
+            self.settled_at.get_or_insert(at);
         }
     }
 
@@ -179,14 +179,14 @@ impl<B: Board> FaultRelays<B> {
             self.inner.write(now, &[(relay, Value::Bool(on))])?;
             let wire = &mut self.wires[at];
             wire.on = on.then_some(way);
-            (wire.asked, wire.moves, wire.came) = (Some((relay, on)), now, None);
+            (wire.asked, wire.moves, wire.settled_at) = (Some((relay, on)), now, None);
         }
         Ok(())
     }
 
     /// The faults of a wire are others now.
     fn ask(&mut self, at: usize, now: Time) -> Result<(), BoardError> {
-        self.wires[at].came = None;
+        self.wires[at].settled_at = None;
         self.turn(now)?;
         let wire = &mut self.wires[at];
         if !wire.is_moving() {
@@ -223,6 +223,14 @@ impl<B: Board> FaultRelays<B> {
 }
 
 impl<B: Board> Board for FaultRelays<B> {
+    fn inner(&self) -> Option<&dyn Board> {
+        Some(&self.inner)
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        Some(&mut self.inner)
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -249,10 +257,6 @@ impl<B: Board> Board for FaultRelays<B> {
         self.inner.write(now, writes)
     }
 
-    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
-        self.inner.emit(now, channel, emission)
-    }
-
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
         let first = out.len();
         let outcome = self.inner.poll(now, out);
@@ -272,35 +276,6 @@ impl<B: Board> Board for FaultRelays<B> {
         [self.inner.next_event(), own].into_iter().flatten().min()
     }
 
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        let (at, active) = self.fault(now, fault)?;
-        let wanted = |other: &&usize| self.wires[**other].wanted().is_some();
-        if let Some(other) = self.wires[at].spec.apart.iter().find(wanted) {
-            let other = self.wires[*other].spec.channel;
-            return Err(BoardError::FaultsApart { channel: fault.channel, other });
-        }
-        let wire = &mut self.wires[at];
-        if wire.faults.len() >= usize::from(MAX_FAULTS) {
-            return Err(BoardError::TooManyFaults { channel: fault.channel, limit: MAX_FAULTS });
-        }
-        wire.faults.push(active);
-        self.ask(at, now)
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        let Some(at) = self.wire(channel) else { return self.inner.clear(now, channel) };
-        self.wires[at].faults.clear();
-        self.ask(at, now)
-    }
-
-    fn settle(&self, channel: ChannelId) -> Span {
-        self.wire(channel).map_or(Span::ZERO, |at| self.wires[at].spec.settle)
-    }
-
-    fn came(&self, channel: ChannelId) -> Option<When> {
-        self.wires[self.wire(channel)?].came
-    }
-
     /// Relays go back with all other outputs.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         let moves = self.wires.iter().any(|wire| wire.on.is_some() || wire.is_moving());
@@ -316,19 +291,42 @@ impl<B: Board> Board for FaultRelays<B> {
         self.inner.health()
     }
 
-    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
-        self.inner.held()
+    fn faults(&self) -> Option<&dyn FaultInjection> {
+        Some(self)
     }
 
-    fn buses(&self) -> &[Bus] {
-        self.inner.buses()
+    fn faults_mut(&mut self) -> Option<&mut dyn FaultInjection> {
+        Some(self)
+    }
+}
+
+impl<B: Board> FaultInjection for FaultRelays<B> {
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        let (at, active) = self.fault(now, fault)?;
+        let wanted = |other: &&usize| self.wires[**other].wanted().is_some();
+        if let Some(other) = self.wires[at].spec.apart.iter().find(wanted) {
+            let other = self.wires[*other].spec.channel;
+            return Err(BoardError::FaultsApart { channel: fault.channel, other });
+        }
+        let wire = &mut self.wires[at];
+        if wire.faults.len() >= usize::from(MAX_FAULTS) {
+            return Err(BoardError::TooManyFaults { channel: fault.channel, limit: MAX_FAULTS });
+        }
+        wire.faults.push(active);
+        self.ask(at, now)
     }
 
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
-        self.inner.send(now, bus, frame)
+    fn clear_faults(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        let Some(at) = self.wire(channel) else { return self.inner.clear_faults(now, channel) };
+        self.wires[at].faults.clear();
+        self.ask(at, now)
     }
 
-    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
-        self.inner.poll_buses(now, out)
+    fn fault_switching_time(&self, channel: ChannelId) -> Span {
+        self.wire(channel).map_or(Span::ZERO, |at| self.wires[at].spec.settle)
+    }
+
+    fn fault_settled_at(&self, channel: ChannelId) -> Option<When> {
+        self.wires[self.wire(channel)?].settled_at
     }
 }

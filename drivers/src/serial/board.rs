@@ -12,12 +12,12 @@ use tokio::runtime::Builder;
 use super::find::Identity;
 use super::work::{Running, Shared, Worker};
 use super::{OpenError, SerialPort, SerialSpec};
-use crate::account::{Account, START, drives_none, known};
+use crate::account::{Account, START, drives_none};
 use crate::file::{BoardFile, codes};
 use crate::holder::{all_holders, words};
 use crate::real::RealSpec;
 use crate::{
-    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, Frame, Health,
+    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Frame, Health,
     LossReason, Surroundings,
 };
 
@@ -183,6 +183,14 @@ pub(crate) fn refused(error: &OpenError) -> (&'static str, String, String) {
 }
 
 impl Board for SerialBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -225,16 +233,6 @@ impl Board for SerialBoard {
         self.account.next_event(&self.surroundings.time, owed)
     }
 
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        known(&self.channels, channel)
-    }
-
     /// Nothing is driven: a line that nobody sends on is idle.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.account.latch(now);
@@ -251,12 +249,22 @@ impl Board for SerialBoard {
         }
     }
 
-    fn bus_device(&self, bus: BusId) -> Option<&str> {
-        self.lines.iter().find(|line| line.bus == bus).map(|line| line.device.as_str())
+    fn buses(&self) -> Option<&dyn Buses> {
+        Some(self)
     }
 
-    fn buses(&self) -> &[Bus] {
+    fn buses_mut(&mut self) -> Option<&mut dyn Buses> {
+        Some(self)
+    }
+}
+
+impl Buses for SerialBoard {
+    fn bus_list(&self) -> &[Bus] {
         &self.buses
+    }
+
+    fn bus_device(&self, bus: BusId) -> Option<&str> {
+        self.lines.iter().find(|line| line.bus == bus).map(|line| line.device.as_str())
     }
 
     fn send(&mut self, now: Time, bus: BusId, _frame: &Frame) -> Result<(), BoardError> {

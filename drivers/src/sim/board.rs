@@ -11,7 +11,10 @@ use super::line::{Line, MAX_FAULTS};
 use super::links::{Links, PlantAt};
 use super::tally::Tallies;
 use super::wire::Wire;
-use crate::board::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, LossReason, Origin};
+use crate::board::{
+    self, Board, BoardError, BoardEvent, Channel, ChannelId, Fault, FaultInjection, Health, LossReason,
+    Origin,
+};
 use crate::bus::{Bus, BusEvent, BusId, Frame};
 use crate::circuit::{Circuit, CircuitError, CircuitFault, Part, PlantSpec, fit};
 use crate::plant::{Lag, Plant};
@@ -361,6 +364,14 @@ impl SimulatedBoard {
 }
 
 impl Board for SimulatedBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -421,31 +432,6 @@ impl Board for SimulatedBoard {
         waiting.into_iter().chain(next).chain(self.buses.next_event()).min()
     }
 
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        let place = self.place(fault.channel)?;
-        let (fault, until) = checks::fault(&self.channels[place], now, fault)?;
-        self.advance(now, false)?;
-        if !self.lines[place].inject(fault, until) {
-            return Err(BoardError::TooManyFaults { channel: fault.channel, limit: MAX_FAULTS });
-        }
-        self.stale = true;
-        self.notice_loss(now, place);
-        self.mark(place, Origin::Fault);
-        self.finish(now)
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        let place = self.place(channel)?;
-        self.advance(now, false)?;
-        if self.lines[place].has_faults() {
-            self.lines[place].clear();
-            self.stale = true;
-            self.notice_loss(now, place);
-            self.mark(place, Origin::Fault);
-        }
-        self.finish(now)
-    }
-
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.health.latched_safe = true;
         self.buses.safe();
@@ -475,7 +461,60 @@ impl Board for SimulatedBoard {
         self.health
     }
 
-    fn buses(&self) -> &[Bus] {
+    fn faults(&self) -> Option<&dyn FaultInjection> {
+        Some(self)
+    }
+
+    fn faults_mut(&mut self) -> Option<&mut dyn FaultInjection> {
+        Some(self)
+    }
+
+    fn buses(&self) -> Option<&dyn board::Buses> {
+        Some(self)
+    }
+
+    fn buses_mut(&mut self) -> Option<&mut dyn board::Buses> {
+        Some(self)
+    }
+}
+
+impl FaultInjection for SimulatedBoard {
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        let place = self.place(fault.channel)?;
+        let (fault, until) = checks::fault(&self.channels[place], now, fault)?;
+        self.advance(now, false)?;
+        if !self.lines[place].inject(fault, until) {
+            return Err(BoardError::TooManyFaults { channel: fault.channel, limit: MAX_FAULTS });
+        }
+        self.stale = true;
+        self.notice_loss(now, place);
+        self.mark(place, Origin::Fault);
+        self.finish(now)
+    }
+
+    fn clear_faults(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        let place = self.place(channel)?;
+        self.advance(now, false)?;
+        if self.lines[place].has_faults() {
+            self.lines[place].clear();
+            self.stale = true;
+            self.notice_loss(now, place);
+            self.mark(place, Origin::Fault);
+        }
+        self.finish(now)
+    }
+
+    fn fault_switching_time(&self, _channel: ChannelId) -> Span {
+        Span::ZERO
+    }
+
+    fn fault_settled_at(&self, _channel: ChannelId) -> Option<When> {
+        None
+    }
+}
+
+impl board::Buses for SimulatedBoard {
+    fn bus_list(&self) -> &[Bus] {
         self.buses.list()
     }
 
@@ -492,5 +531,9 @@ impl Board for SimulatedBoard {
         }
         self.buses.poll(now, out);
         Ok(())
+    }
+
+    fn bus_device(&self, _bus: BusId) -> Option<&str> {
+        None
     }
 }

@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 use signal::{Span, Time, Value, When};
 
 use crate::board::{
-    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Emission, Fault, Health, LossReason, Origin,
+    Board, BoardError, BoardEvent, BoardExt, Call, Channel, ChannelId, Emission, Fault, FaultInjection,
+    Health, LossReason, Origin, PulseOutputs,
 };
-use crate::{Bus, BusEvent, BusId, Frame, HeldLines};
 use signal::Random;
 
 /// The most events that are held back at once; what comes on top is dropped and reported as such.
@@ -229,6 +229,14 @@ const EVENTS_LANE: u64 = 0xFA01;
 const CALLS_LANE: u64 = 0xFA02;
 
 impl<B: Board> Board for Faulty<B> {
+    fn inner(&self) -> Option<&dyn Board> {
+        Some(&self.inner)
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        Some(&mut self.inner)
+    }
+
     fn channels(&self) -> &[Channel] {
         self.inner.channels()
     }
@@ -247,12 +255,6 @@ impl<B: Board> Board for Faulty<B> {
         self.disturb_call(Call::Write)?;
         self.reachable(writes.iter().map(|(channel, _)| *channel), now)?;
         self.inner.write(now, writes)
-    }
-
-    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
-        self.disturb_call(Call::Write)?;
-        self.reachable([channel], now)?;
-        self.inner.emit(now, channel, emission)
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
@@ -274,54 +276,8 @@ impl<B: Board> Board for Faulty<B> {
         self.inner.next_event().into_iter().chain(held).chain(self.next_back()).min()
     }
 
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.disturb_call(Call::Configure)?;
-        self.inner.inject(now, fault)
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.disturb_call(Call::Configure)?;
-        self.inner.clear(now, channel)
-    }
-
-    fn settle(&self, channel: ChannelId) -> Span {
-        self.inner.settle(channel)
-    }
-
-    fn came(&self, channel: ChannelId) -> Option<When> {
-        self.inner.came(channel)
-    }
-
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.inner.safe(now)
-    }
-
-    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
-        self.inner.held()
-    }
-
-    fn device(&self, channel: ChannelId) -> Option<&str> {
-        self.inner.device(channel)
-    }
-
-    fn noise(&self, channel: ChannelId) -> Option<f64> {
-        self.inner.noise(channel)
-    }
-
-    fn bus_device(&self, bus: BusId) -> Option<&str> {
-        self.inner.bus_device(bus)
-    }
-
-    fn buses(&self) -> &[Bus] {
-        self.inner.buses()
-    }
-
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
-        self.inner.send(now, bus, frame)
-    }
-
-    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
-        self.inner.poll_buses(now, out)
     }
 
     fn health(&self) -> Health {
@@ -332,5 +288,41 @@ impl<B: Board> Board for Faulty<B> {
             failed_calls: inner.failed_calls + self.health.failed_calls,
             ..inner
         }
+    }
+
+    fn pulse_outputs(&mut self) -> Option<&mut dyn PulseOutputs> {
+        if self.inner.pulse_outputs().is_some() { Some(self) } else { None }
+    }
+
+    fn faults_mut(&mut self) -> Option<&mut dyn FaultInjection> {
+        if self.inner.faults().is_some() { Some(self) } else { None }
+    }
+}
+
+impl<B: Board> PulseOutputs for Faulty<B> {
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
+        self.disturb_call(Call::Write)?;
+        self.reachable([channel], now)?;
+        self.inner.emit(now, channel, emission)
+    }
+}
+
+impl<B: Board> FaultInjection for Faulty<B> {
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
+        self.disturb_call(Call::Configure)?;
+        self.inner.inject(now, fault)
+    }
+
+    fn clear_faults(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
+        self.disturb_call(Call::Configure)?;
+        self.inner.clear_faults(now, channel)
+    }
+
+    fn fault_switching_time(&self, channel: ChannelId) -> Span {
+        self.inner.fault_switching_time(channel)
+    }
+
+    fn fault_settled_at(&self, channel: ChannelId) -> Option<When> {
+        self.inner.fault_settled_at(channel)
     }
 }

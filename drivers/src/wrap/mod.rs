@@ -1,7 +1,5 @@
-//! Boards around any board: one that makes trouble, one that remembers.
+//! A board around any board: one that makes trouble.
 
 mod faulty;
-mod traced;
 
 pub use faulty::{Disturbance, Faulty, MAX_HELD};
-pub use traced::{Counts, Entry, Traced};

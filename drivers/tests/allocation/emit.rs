@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::generating::{self, Script};
-use scanrig_drivers::{Board, BoardEvent, ChannelId, Emission};
+use scanrig_drivers::{Board, BoardEvent, BoardExt, ChannelId, Emission};
 use signal::{Span, Time, Value};
 
 pub fn pulses_allocate_nothing() {

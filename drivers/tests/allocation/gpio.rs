@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::fake::{self, Fake};
 use host::monotonic;
-use scanrig_drivers::{Board, BoardEvent};
+use scanrig_drivers::{Board, BoardEvent, BoardExt};
 use signal::{Span, Time, Value};
 
 pub fn scans_allocate_nothing() {

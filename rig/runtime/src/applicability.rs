@@ -6,7 +6,7 @@ use crate::external::NOT_RUNNING;
 use crate::frames;
 use crate::prepare::{fault_on, state_info};
 use controller::{Channel as Terminal, State};
-use drivers::{Board, FaultKind};
+use drivers::{Board, BoardExt, FaultKind};
 use plans::bench::is_same_for;
 use plans::plan::{Await, Initial};
 use plans::signals::{SignalBinding, Source};
@@ -111,7 +111,7 @@ fn missing_fault_reason(case: &Case, step: &Step, files: &CaseFiles, board: &dyn
     let channel = board.channels().get(usize::from(id.0)).filter(|_| files.board.is_real())?;
     // A value that does not fit is the plan's own trouble.
     let fault = fault_on(kind, channel)?;
-    let (name, settle) = (&channel.name, board.settle(id));
+    let (name, settle) = (&channel.name, board.fault_switching_time(id));
     if !channel.faults.contains(fault) {
         let what = show_fault(kind);
         return Some(format!("the board has no relay that brings the fault \"{what}\" about on `{name}`"));

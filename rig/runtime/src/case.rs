@@ -21,8 +21,8 @@ use crate::suite::nobody_to_ask;
 use crate::test_setup::{TestSetup, set_up};
 use crate::{applicability, describe, lanes, refusal, spill};
 use document::{Diagnostic, Joined, SourceFile};
-use drivers::BoardFile;
 use drivers::RealtimeSettings;
+use drivers::{BoardExt, BoardFile};
 use plans::Case;
 use plans::judge::{Judge, Outcome};
 use plans::plan::GlobalChecks;
@@ -400,7 +400,7 @@ fn run_here(
     };
     let (kept, more) = ran.frames.counts();
     record.frames = (kept > 0).then_some(FramesKept { kept, more });
-    let frames = ran.frames.text(board.buses());
+    let frames = ran.frames.text(board.bus_list());
     Ok(CaseResult { record, trace: Some(trace), frames, coverage })
 }
 

@@ -1,6 +1,6 @@
 //! Frames of buses between plan and board: who counts them, what they carry, what is sent.
 
-use drivers::{Board, Bus, BusId, BusKind, Frame, MAX_DATA};
+use drivers::{Board, BoardExt, Bus, BusId, BusKind, Frame, MAX_DATA};
 use plans::frames::can::{FramePattern, FrameSignal, FrameView};
 use plans::steps::OutFrame;
 use signal::{Kind, SignalId, SignalInfo, Value};
@@ -103,8 +103,8 @@ fn stamped(info: SignalInfo, bus: &Bus) -> SignalInfo {
 
 /// The CAN bus of this name.
 pub fn find<'b>(board: &'b dyn Board, name: &str) -> Option<(BusId, &'b Bus)> {
-    let place = board.buses().iter().position(|bus| bus.name == name)?;
-    let bus = &board.buses()[place];
+    let place = board.bus_list().iter().position(|bus| bus.name == name)?;
+    let bus = &board.bus_list()[place];
     matches!(bus.kind, BusKind::Can { .. }).then_some((BusId(u16::try_from(place).ok()?), bus))
 }
 
@@ -113,7 +113,7 @@ pub fn lacks(board: &dyn Board, name: &str) -> Option<String> {
     if find(board, name).is_some() {
         return None;
     }
-    Some(match board.buses().iter().any(|bus| bus.name == name) {
+    Some(match board.bus_list().iter().any(|bus| bus.name == name) {
         true => format!("bus `{name}` of the board carries no frames"),
         false => format!("the board has no bus `{name}`"),
     })

@@ -8,13 +8,14 @@ use crate::figures::{self, MachineFigures};
 use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
 use drivers::convert::Date;
+use drivers::real::OfflineBoard;
 use drivers::{
-    Board, BoardError, BoardEvent, BoardFile, BoardKind, Bus, BusEvent, BusId, Channel, ChannelId, Emission,
-    Fault, Frame, Health, HeldLines, Loop, RealtimeSettings, Surroundings,
+    Board, BoardError, BoardEvent, BoardFile, BoardKind, Channel, ChannelId, Health, Loop, RealtimeSettings,
+    Surroundings,
 };
 use guard::{Guard, GuardError, GuardHandle, Lacks};
 use host::{Entered, Privilege, Punctual, Refused, Role};
-use signal::{Span, Time, Value, When};
+use signal::{Span, Time, Value};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 
@@ -115,7 +116,7 @@ impl Hardware {
         });
         let Some(board) = opened? else { return Ok(None) };
         let held = board
-            .held()
+            .output_claims()
             .map_err(|error| GuardError::Lines { device: file.name.clone(), why: error.to_string() });
         held.and_then(|held| guard.hold(held)).map_err(refused)?;
         let lacks = guard.lacks();
@@ -168,7 +169,7 @@ impl Hardware {
         let mut place = self.place.lock();
         loop {
             if let Some(board) = place.take() {
-                return BoardLease { board: Some(board), place: self.place.clone() };
+                return BoardLease { board, place: self.place.clone() };
             }
             place = self.place.back.wait(place).unwrap_or_else(PoisonError::into_inner);
         }
@@ -306,99 +307,53 @@ impl Drop for Hardware {
 /// A board on loan.
 #[derive(Debug)]
 pub struct BoardLease {
-    /// There until it goes back.
-    board: Option<Box<dyn Board>>,
+    board: Box<dyn Board>,
     place: Arc<BoardSlot>,
 }
 
 impl Drop for BoardLease {
     fn drop(&mut self) {
-        *self.place.lock() = self.board.take();
+        let nothing = Box::new(OfflineBoard::default());
+        *self.place.lock() = Some(std::mem::replace(&mut self.board, nothing));
         self.place.back.notify_one();
     }
 }
 
-impl BoardLease {
-    fn board(&mut self) -> Result<&mut Box<dyn Board>, BoardError> {
-        self.board.as_mut().ok_or(BoardError::NotStarted)
-    }
-}
-
 impl Board for BoardLease {
+    fn inner(&self) -> Option<&dyn Board> {
+        Some(&*self.board)
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        Some(&mut *self.board)
+    }
+
     fn channels(&self) -> &[Channel] {
-        self.board.as_ref().map_or(&[], |board| board.channels())
+        self.board.channels()
     }
 
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.board()?.start(now)
+        self.board.start(now)
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.board()?.write(now, writes)
-    }
-
-    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
-        self.board()?.emit(now, channel, emission)
+        self.board.write(now, writes)
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.board()?.poll(now, out)
+        self.board.poll(now, out)
     }
 
     fn next_event(&self) -> Option<Time> {
-        self.board.as_ref()?.next_event()
-    }
-
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.board()?.inject(now, fault)
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.board()?.clear(now, channel)
-    }
-
-    fn settle(&self, channel: ChannelId) -> Span {
-        self.board.as_ref().map_or(Span::ZERO, |board| board.settle(channel))
-    }
-
-    fn came(&self, channel: ChannelId) -> Option<When> {
-        self.board.as_ref()?.came(channel)
+        self.board.next_event()
     }
 
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.board()?.safe(now)
+        self.board.safe(now)
     }
 
     fn health(&self) -> Health {
-        self.board.as_ref().map_or_else(Health::default, |board| board.health())
-    }
-
-    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
-        self.board.as_ref().map_or(Ok(Vec::new()), |board| board.held())
-    }
-
-    fn device(&self, channel: ChannelId) -> Option<&str> {
-        self.board.as_ref()?.device(channel)
-    }
-
-    fn noise(&self, channel: ChannelId) -> Option<f64> {
-        self.board.as_ref()?.noise(channel)
-    }
-
-    fn bus_device(&self, bus: BusId) -> Option<&str> {
-        self.board.as_ref()?.bus_device(bus)
-    }
-
-    fn buses(&self) -> &[Bus] {
-        self.board.as_ref().map_or(&[], |board| board.buses())
-    }
-
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
-        self.board()?.send(now, bus, frame)
-    }
-
-    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
-        self.board()?.poll_buses(now, out)
+        self.board.health()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::texts::{Parted, Texts};
 use document::SourceFile;
-use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, Origin, TimestampSource};
+use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Health, Origin, TimestampSource};
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::ExecutorReport;
 use scanrig_runtime::external::External;
@@ -54,6 +54,14 @@ struct Slow {
 }
 
 impl Board for Slow {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -81,14 +89,6 @@ impl Board for Slow {
 
     fn next_event(&self) -> Option<Time> {
         None
-    }
-
-    fn inject(&mut self, _now: Time, fault: Fault) -> Result<(), BoardError> {
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, _now: Time, _channel: ChannelId) -> Result<(), BoardError> {
-        Ok(())
     }
 
     fn safe(&mut self, _now: Time) -> Result<(), BoardError> {

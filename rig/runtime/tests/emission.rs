@@ -2,7 +2,7 @@
 
 use crate::texts::{Parted, Texts};
 use drivers::{
-    Board, BoardError, BoardEvent, Channel, ChannelId, Emission, Emits, Fault, Health, Origin,
+    Board, BoardError, BoardEvent, Channel, ChannelId, Emission, Emits, Health, Origin, PulseOutputs,
     TimestampSource,
 };
 use scanrig_runtime::clock::Clock;
@@ -116,6 +116,14 @@ impl Emitting {
 }
 
 impl Board for Emitting {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -131,6 +139,31 @@ impl Board for Emitting {
         Ok(())
     }
 
+    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
+        if self.told.last().is_some_and(|last| last.latest() <= now) {
+            out.append(&mut self.told);
+        }
+        Ok(())
+    }
+
+    fn next_event(&self) -> Option<Time> {
+        None
+    }
+
+    fn safe(&mut self, _now: Time) -> Result<(), BoardError> {
+        Ok(())
+    }
+
+    fn health(&self) -> Health {
+        Health::default()
+    }
+
+    fn pulse_outputs(&mut self) -> Option<&mut dyn PulseOutputs> {
+        Some(self)
+    }
+}
+
+impl PulseOutputs for Emitting {
     fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError> {
         self.note(now, channel, Asked::Emit(emission.clone()));
         let known = &self.channels[usize::from(channel.0)];
@@ -145,33 +178,6 @@ impl Board for Emitting {
             }
         }
         Ok(())
-    }
-
-    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        if self.told.last().is_some_and(|last| last.latest() <= now) {
-            out.append(&mut self.told);
-        }
-        Ok(())
-    }
-
-    fn next_event(&self) -> Option<Time> {
-        None
-    }
-
-    fn inject(&mut self, _now: Time, fault: Fault) -> Result<(), BoardError> {
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, _now: Time, _channel: ChannelId) -> Result<(), BoardError> {
-        Ok(())
-    }
-
-    fn safe(&mut self, _now: Time) -> Result<(), BoardError> {
-        Ok(())
-    }
-
-    fn health(&self) -> Health {
-        Health::default()
     }
 }
 

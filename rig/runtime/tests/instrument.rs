@@ -1,8 +1,8 @@
 //! The rig as an instrument, on a loop whose every trouble is made on purpose.
 
 use drivers::{
-    Board, BoardError, BoardEvent, Channel, ChannelId, ChannelKind, Fault, FaultSet, Health, Loop,
-    LossReason, Origin, Surroundings, TimestampSource,
+    Board, BoardError, BoardEvent, Channel, ChannelId, ChannelKind, FaultSet, Health, Loop, LossReason,
+    Origin, Surroundings, TimestampSource,
 };
 use guard::GuardError;
 use host::Realtime;
@@ -72,6 +72,14 @@ fn echo(trouble: Trouble, from: u64) -> Echo {
 }
 
 impl Board for Echo {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -129,14 +137,6 @@ impl Board for Echo {
 
     fn next_event(&self) -> Option<Time> {
         self.coming.iter().map(BoardEvent::latest).min()
-    }
-
-    fn inject(&mut self, _: Time, fault: Fault) -> Result<(), BoardError> {
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, _: Time, _: ChannelId) -> Result<(), BoardError> {
-        Ok(())
     }
 
     fn safe(&mut self, _: Time) -> Result<(), BoardError> {

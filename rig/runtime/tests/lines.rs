@@ -4,7 +4,7 @@
 use crate::scripted::{ScriptBoard, ScriptClock, Shared};
 use crate::texts::{Parted, Texts};
 use controller::{Config, InputConfig};
-use drivers::{Board, ChannelId};
+use drivers::{BoardExt, ChannelId};
 use profile::InputFilter;
 use scanrig_runtime::executor::ExecutorReport;
 use scanrig_runtime::rig_fault::RigFault;

@@ -9,7 +9,7 @@ use crate::output;
 use clap::Args;
 use document::{Diagnostic, suggest};
 use drivers::gpio::{Direction, LineSpec};
-use drivers::{Board, BoardEvent, Channel, ChannelId};
+use drivers::{Board, BoardEvent, BoardExt, Channel, ChannelId};
 use guard::GuardError;
 use plans::steps::Question;
 use runtime::{AskError, Hardware, Operator};

@@ -6,7 +6,7 @@ use super::traffic::{self, Traffic};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use drivers::{Board, BoardEvent, Bus, Channel, ChannelId, ChannelKind, Surroundings};
+use drivers::{Board, BoardEvent, BoardExt, Bus, Channel, ChannelId, ChannelKind, Surroundings};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use signal::{Span, Time};
 use std::io::IsTerminal;
@@ -58,14 +58,14 @@ fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
     }
     let mut board = bench.open(&watched, &surroundings)?;
     let mut tallies = vec![ChannelActivity::default(); board.channels().len()];
-    let mut traffics = vec![Traffic::default(); board.buses().len()];
+    let mut traffics = vec![Traffic::default(); board.bus_list().len()];
     let outcome = follow(&mut *board, &surroundings, args.lasts, &mut tallies, &mut traffics);
     output::print("\n");
     if !tallies.is_empty() {
         output::print(&table(board.channels(), &tallies));
     }
-    let wide = widest(board.channels(), board.buses());
-    for (bus, traffic) in board.buses().iter().zip(&traffics) {
+    let wide = widest(board.channels(), board.bus_list());
+    for (bus, traffic) in board.bus_list().iter().zip(&traffics) {
         output::print(&format!("{}\n", traffic::row(bus, traffic, wide)));
     }
     outcome.map(|()| if board.health().is_sound() { Exit::Passed } else { Exit::Error })
@@ -80,7 +80,7 @@ fn follow(
     traffics: &mut [Traffic],
 ) -> Result<(), Exit> {
     let channels = board.channels().to_vec();
-    let buses = board.buses().to_vec();
+    let buses = board.bus_list().to_vec();
     let mut view = WatchScreen::new(&channels, &buses);
     let (mut events, mut passed) = (Vec::new(), Vec::new());
     let end = lasts.map(|lasts| surroundings.time.now() + lasts);

@@ -2,13 +2,13 @@
 
 use super::Executor;
 use crate::rig_fault::RigFault;
-use drivers::{BusError, BusEvent, BusId, Frame, LossReason};
+use drivers::{BoardExt, BusError, BusEvent, BusId, Frame, LossReason};
 use signal::{Cause, Time, When};
 
 impl Executor<'_> {
     /// What the buses told up to now.
     pub(super) fn poll_buses(&mut self, now: Time) -> Result<(), RigFault> {
-        if self.board.buses().is_empty() {
+        if self.board.bus_list().is_empty() {
             return Ok(());
         }
         let mut events = std::mem::take(&mut self.polled_buses);
@@ -23,7 +23,7 @@ impl Executor<'_> {
     }
 
     fn see_bus(&mut self, event: &BusEvent) {
-        let name = || self.board.buses()[usize::from(event.bus().0)].name.clone();
+        let name = || self.board.bus_list()[usize::from(event.bus().0)].name.clone();
         match *event {
             BusEvent::Lost { at, reason, .. } if reason != LossReason::Injected => {
                 self.bus_lost(at, event.bus(), reason);
@@ -79,7 +79,7 @@ impl Executor<'_> {
         if let Err(error) = sent {
             let step = self.schedule.steps()[step].id.clone();
             let bus =
-                self.board.buses().get(usize::from(bus.0)).map_or(String::new(), |bus| bus.name.clone());
+                self.board.bus_list().get(usize::from(bus.0)).map_or(String::new(), |bus| bus.name.clone());
             self.report.fault.get_or_insert(RigFault::NotSent { at: self.now, step, bus, error });
         }
         self.poll()

@@ -4,7 +4,7 @@
 use super::Executor;
 use crate::rig_fault::RigFault;
 use crate::wiring::Wiring;
-use drivers::{Channel, ChannelId, Emission, Origin};
+use drivers::{BoardExt, Channel, ChannelId, Emission, Origin};
 use plans::steps::CasePart;
 use signal::{Cause, Time, Value, When};
 

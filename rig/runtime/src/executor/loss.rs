@@ -3,7 +3,7 @@
 use super::{Executor, LOG_LINES};
 use crate::rig_fault::RigFault;
 use crate::schedule::EndReason;
-use drivers::{BoardError, BusId, BusState, ChannelId, LossReason, OnLoss};
+use drivers::{BoardError, BoardExt, BusId, BusState, ChannelId, LossReason, OnLoss};
 use signal::Time;
 
 impl Executor<'_> {
@@ -126,7 +126,7 @@ impl Executor<'_> {
     }
 
     fn bus_name(&self, bus: BusId) -> String {
-        let known = self.board.buses().get(usize::from(bus.0));
+        let known = self.board.bus_list().get(usize::from(bus.0));
         known.map_or_else(|| bus.0.to_string(), |known| known.name.clone())
     }
 }

@@ -33,7 +33,7 @@ use crate::wake_statistics::WakeStatistics;
 use crate::wiring::Wiring;
 use confirm::PendingWrites;
 use controller::{Effect, Effects};
-use drivers::{Board, BoardEvent, BusEvent, BusState, ChannelId, Emission, TimestampSource};
+use drivers::{Board, BoardEvent, BoardExt, BusEvent, BusState, ChannelId, Emission, TimestampSource};
 use edges::PendingEdges;
 use emission::Emissions;
 use plans::steps::CasePart;
@@ -161,9 +161,9 @@ impl<'a> Executor<'a> {
         let driven: Vec<Value> = channels.iter().map(|channel| channel.safe).collect();
         // A board may have buses alone.
         let modelled = channels.iter().all(|channel| channel.timestamp == TimestampSource::Virtual)
-            && parts.board.buses().iter().all(|bus| bus.timestamp == TimestampSource::Virtual);
+            && parts.board.bus_list().iter().all(|bus| bus.timestamp == TimestampSource::Virtual);
         let exact = parts.clock.is_exact();
-        let frames = FrameLog::of(parts.board.buses());
+        let frames = FrameLog::of(parts.board.bus_list());
         parts.subject.offload_pulses(emission::offloaded_outputs(parts.wiring, channels));
         Executor {
             pending_writes: PendingWrites::new(channels),
@@ -180,8 +180,8 @@ impl<'a> Executor<'a> {
             spare: Vec::with_capacity(256),
             writes: Vec::with_capacity(channels.len()),
             polled: Vec::with_capacity(1024),
-            polled_buses: Vec::with_capacity(if parts.board.buses().is_empty() { 0 } else { 1024 }),
-            nodes: vec![BusState::ErrorActive; parts.board.buses().len()],
+            polled_buses: Vec::with_capacity(if parts.board.bus_list().is_empty() { 0 } else { 1024 }),
+            nodes: vec![BusState::ErrorActive; parts.board.bus_list().len()],
             restore: driven.clone(),
             driven,
             clock: parts.clock,

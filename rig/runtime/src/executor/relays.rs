@@ -4,7 +4,7 @@
 use super::Executor;
 use crate::rig_fault::RigFault;
 use crate::schedule::Act;
-use drivers::{ChannelId, Origin};
+use drivers::{BoardExt, ChannelId, Origin};
 use signal::{Span, Time, When};
 
 /// A step whose relay moves.
@@ -36,7 +36,8 @@ impl Executor<'_> {
             _ => None,
         };
         let channel = self.schedule.steps()[step].acts.iter().find_map(put);
-        let Some(channel) = channel.filter(|channel| self.board.settle(*channel) > Span::ZERO) else {
+        let Some(channel) = channel.filter(|channel| self.board.fault_switching_time(*channel) > Span::ZERO)
+        else {
             return false;
         };
         // What went before on this wire will never be seen apart from what comes now.
@@ -57,7 +58,7 @@ impl Executor<'_> {
     pub(super) fn mark_faults_seen(&mut self) {
         for place in (0..self.relays.0.len()).rev() {
             let RelayMark { step, channel, asked: Some(asked) } = self.relays.0[place] else { continue };
-            if let Some(came) = self.board.came(channel) {
+            if let Some(came) = self.board.fault_settled_at(channel) {
                 let came = self.seen_by_board(came, channel, Origin::Outside);
                 self.relays.0.remove(place);
                 self.mark_fault(step, When::within(came.earliest.max(asked), came.latest.max(asked)));

@@ -6,7 +6,7 @@ use crate::operator::{AskError, Operator};
 use crate::rig_fault::RigFault;
 use crate::schedule::{Act, Due, EndReason, Expected};
 use crate::stepping::Pause;
-use drivers::ChannelId;
+use drivers::{BoardExt, ChannelId};
 use plans::steps::CasePart;
 use plans::steps::Question;
 use signal::{Cause, SignalId, Time, Value};
@@ -200,7 +200,7 @@ impl Executor<'_> {
                 self.poll()?;
             }
             Act::Clear(channel) => {
-                self.board.clear(at, channel).map_err(|error| RigFault::Board { at, error })?;
+                self.board.clear_faults(at, channel).map_err(|error| RigFault::Board { at, error })?;
                 self.relay_asked(channel);
                 self.poll()?;
             }

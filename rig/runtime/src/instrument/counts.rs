@@ -2,7 +2,7 @@
 //! missing or cannot be made any faster.
 
 use super::{Instrument, LONGEST_WAIT, LoopFault, SETTLE};
-use drivers::{BoardError, BoardEvent, ChannelId, Emission, Loop, LossReason, Origin};
+use drivers::{BoardError, BoardEvent, BoardExt, ChannelId, Emission, Loop, LossReason, Origin};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

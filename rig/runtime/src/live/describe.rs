@@ -5,7 +5,7 @@ use control::{
     BusInfo, Channel as OnBoard, DeviceInfo, Direction, FrameSeen, FunctionInfo, Point, SignalKind, TaskInfo,
 };
 use controller::{TaskConfig, TaskKind};
-use drivers::{Board, BoardFile, BusId, BusKind, ChannelId, ChannelKind, Frame};
+use drivers::{Board, BoardExt, BoardFile, BusId, BusKind, ChannelId, ChannelKind, Frame};
 use expert::{CounterKind, CounterMode, FunctionKind, Terminal};
 use program::Storage;
 use signal::{Address, Area, Time};
@@ -36,7 +36,7 @@ impl Devices {
         };
         let channels = 0..board.channels().len() as u16;
         let of_channels = channels.map(|channel| place(board.device(ChannelId(channel)))).collect();
-        let buses = 0..board.buses().len() as u16;
+        let buses = 0..board.bus_list().len() as u16;
         let of_buses = buses.map(|bus| place(board.bus_device(BusId(bus)))).collect();
         Devices { list, of_channels, of_buses }
     }
@@ -207,7 +207,7 @@ pub fn buses(board: &dyn Board) -> Vec<BusInfo> {
         };
         BusInfo { name: bus.name.clone(), kind: kind.into(), settings }
     };
-    board.buses().iter().map(bus).collect()
+    board.bus_list().iter().map(bus).collect()
 }
 
 /// A frame as clients are told of it.

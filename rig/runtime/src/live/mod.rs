@@ -24,6 +24,7 @@ use control::{Clock, Description, Subject};
 use describe::Devices;
 use directory::Directory;
 use document::Diagnostic;
+use drivers::BoardExt;
 use handle::{MOST_WATCHED, PlanOrders};
 use port::PortLimits;
 use profile::OVERLOAD_PERCENT;
@@ -87,7 +88,7 @@ pub fn open(
         on_disconnect: String::new(),
         load_limit: u32::try_from(OVERLOAD_PERCENT * 10).unwrap_or_default(),
     };
-    let snapshot = Snapshot::new(description.tasks.len(), board.channels().len(), board.buses().len());
+    let snapshot = Snapshot::new(description.tasks.len(), board.channels().len(), board.bus_list().len());
     let bell = ScanPort::bell(hardware.map(Hardware::surroundings));
     let (inside, outside) = queues::queues(&snapshot);
     let late = hardware.and_then(Hardware::late).unwrap_or(DEFAULT_LATE);

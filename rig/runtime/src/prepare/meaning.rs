@@ -4,7 +4,7 @@ use super::TestBench;
 use crate::subject::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
-use drivers::ChannelId;
+use drivers::{BoardExt, ChannelId};
 use plans::signals::{SignalBinding, Source, TaskFigure};
 use signal::{Address, Kind, SignalId};
 

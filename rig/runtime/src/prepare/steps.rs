@@ -7,7 +7,7 @@ use super::waves::generator;
 use crate::schedule::{Act, AwaitedChange, Expected, FileAction, PlannedStep, Timing};
 use controller::{Channel as Terminal, Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
 use document::Findings;
-use drivers::Fault;
+use drivers::{BoardExt, Fault};
 use plans::lang::Literal;
 use plans::plan::Await;
 use plans::steps::ProgramRef;
@@ -200,7 +200,7 @@ pub(super) fn plan_step(
         Act::Clear(channel) => Some(*channel),
         _ => None,
     });
-    let settle = relay.map_or(Span::ZERO, |channel| bench.board.settle(channel));
+    let settle = relay.map_or(Span::ZERO, |channel| bench.board.fault_switching_time(channel));
     let lasts = step.stimulus.duration() + settle;
     let (id, phase, repeat, parent) = (step.id.clone(), step.part, step.repeat.clone(), step.parent);
     Some(PlannedStep { id, mark, done, phase, timing, repeat, parent, acts, generator: generates, lasts })

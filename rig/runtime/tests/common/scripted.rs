@@ -1,7 +1,7 @@
 //! Real lines without a machine: a board whose edges come when its script says, on a clock that is as late as the
 //! script says. Time passes only while somebody waits.
 
-use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Fault, Health, Origin, TimestampSource};
+use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Health, Origin, TimestampSource};
 use scanrig_runtime::clock::Clock;
 use signal::{Span, Time, Value, When};
 use std::collections::VecDeque;
@@ -93,6 +93,14 @@ impl ScriptBoard {
 }
 
 impl Board for ScriptBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -130,14 +138,6 @@ impl Board for ScriptBoard {
 
     fn next_event(&self) -> Option<Time> {
         None
-    }
-
-    fn inject(&mut self, _now: Time, fault: Fault) -> Result<(), BoardError> {
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, _now: Time, _channel: ChannelId) -> Result<(), BoardError> {
-        Ok(())
     }
 
     fn safe(&mut self, _now: Time) -> Result<(), BoardError> {

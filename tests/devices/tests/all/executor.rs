@@ -12,7 +12,7 @@ use std::time::Duration;
 use bench::{Bench, Start};
 use devices::{ADC, Adc, Call, Lab, MAIN, MCP3008, PATIENCE, SERIAL_A, bind_spi, wait_for};
 use drivers::serial::{LineSettings, PortSpec, SerialPort};
-use drivers::{BusId, Frame, Surroundings};
+use drivers::{BoardExt, BusId, Frame, Surroundings};
 use host::{Realtime, Role, monotonic};
 use memory::{LOOKING, look};
 use signal::{Span, Time};

@@ -2,7 +2,7 @@
 
 use devices::{Lab, PATIENCE, bind_spi};
 use document::{Diagnostic, SourceFile};
-use drivers::{Board, BoardEvent, BoardFile, LossReason, Surroundings, Terminals, read};
+use drivers::{Board, BoardEvent, BoardExt, BoardFile, LossReason, Surroundings, Terminals, read};
 use host::Realtime;
 use signal::{Span, Time, Value, When};
 use std::time::Instant;

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use devices::PATIENCE;
 use document::{Diagnostic, SourceFile};
-use drivers::{Board, BusEvent, BusId, Frame, Subject, Surroundings, Terminals, UnknownSubject};
+use drivers::{Board, BoardExt, BusEvent, BusId, Frame, Subject, Surroundings, Terminals, UnknownSubject};
 use host::Realtime;
 use signal::{Span, Time};
 

@@ -3,7 +3,7 @@
 use std::process::{Command, Stdio};
 
 use devices::Lab;
-use drivers::{BoardError, BusEvent, Frame};
+use drivers::{BoardError, BoardExt, BusEvent, Frame};
 use signal::Span;
 
 use super::bench::{Bench, CLASSIC, FAR, NEAR, TROUBLED, fresh};

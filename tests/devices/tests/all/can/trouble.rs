@@ -1,7 +1,7 @@
 //! Buses in trouble: what controllers report, queues that fill up, interfaces that go away.
 
 use devices::Lab;
-use drivers::{BoardError, BusError, BusEvent, BusState, Frame, LossReason};
+use drivers::{BoardError, BoardExt, BusError, BusEvent, BusState, Frame, LossReason};
 use host::{Realtime, Role};
 use signal::Span;
 

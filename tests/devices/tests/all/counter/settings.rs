@@ -4,6 +4,7 @@ use super::bench::{Bench, PATIENT, file, open};
 use crate::rig::Rig;
 use devices::{Counter, Lab, rig};
 use document::Diagnostic;
+use drivers::BoardExt;
 use rustix::process::Signal;
 use std::process::Command;
 

@@ -2,7 +2,9 @@
 
 use devices::{Lab, PATIENCE};
 use document::{Diagnostic, SourceFile};
-use drivers::{Board, BoardEvent, BoardFile, ChannelId, Emission, LossReason, Surroundings, Terminals, read};
+use drivers::{
+    Board, BoardEvent, BoardExt, BoardFile, ChannelId, Emission, LossReason, Surroundings, Terminals, read,
+};
 use host::Realtime;
 use signal::{Span, Time, Value, When};
 use std::time::Instant;

@@ -2,7 +2,7 @@
 
 use super::bench::{Bench, PATIENT, file, open, square};
 use devices::PwmChip;
-use drivers::LossReason;
+use drivers::{BoardExt, LossReason};
 use signal::{Span, Value};
 use std::fs;
 

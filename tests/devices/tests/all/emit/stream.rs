@@ -2,7 +2,7 @@
 
 use super::bench::{Bench, PATIENT, file, open, pulses};
 use devices::{PATIENCE, Sink, bind_spi, unbind_spi, wait_for};
-use drivers::{LossReason, TimestampSource};
+use drivers::{BoardExt, LossReason, TimestampSource};
 use signal::{Span, Value};
 use std::time::Duration;
 

@@ -4,10 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 
 use controller::TaskKind;
-use drivers::{
-    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Channel, ChannelId, Fault, Frame, Health, HeldLines,
-    Surroundings,
-};
+use drivers::{Board, BoardError, BoardEvent, BoardExt, Channel, ChannelId, Health, Surroundings};
 use host::{Punctual, Realtime, Role};
 use scanrig_runtime::clock::{Clock, HostClock};
 use scanrig_runtime::subject::{Model, Subject};
@@ -219,6 +216,14 @@ struct Counted {
 }
 
 impl Board for Counted {
+    fn inner(&self) -> Option<&dyn Board> {
+        Some(&*self.board)
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        Some(&mut *self.board)
+    }
+
     fn channels(&self) -> &[Channel] {
         self.board.channels()
     }
@@ -258,39 +263,11 @@ impl Board for Counted {
         self.board.next_event()
     }
 
-    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError> {
-        self.board.inject(now, fault)
-    }
-
-    fn clear(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError> {
-        self.board.clear(now, channel)
-    }
-
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.board.safe(now)
     }
 
     fn health(&self) -> Health {
         self.board.health()
-    }
-
-    fn held(&self) -> Result<Vec<HeldLines>, BoardError> {
-        self.board.held()
-    }
-
-    fn buses(&self) -> &[Bus] {
-        self.board.buses()
-    }
-
-    fn bus_device(&self, bus: BusId) -> Option<&str> {
-        self.board.bus_device(bus)
-    }
-
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
-        self.board.send(now, bus, frame)
-    }
-
-    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
-        self.board.poll_buses(now, out)
     }
 }

@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use devices::PATIENCE;
 use document::{Diagnostic, SourceFile};
-use drivers::{Board, BoardEvent, BoardFile, ChannelId, Subject, Surroundings, Terminals, UnknownSubject};
+use drivers::{
+    Board, BoardEvent, BoardExt, BoardFile, ChannelId, Subject, Surroundings, Terminals, UnknownSubject,
+};
 use host::Realtime;
 use signal::{Address, Area, Span, Time, Value};
 

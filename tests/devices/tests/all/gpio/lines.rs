@@ -204,7 +204,7 @@ fn a_claim_can_be_held_beside_the_board() {
                  z = { kind = \"digital\", line = 6, drives = true, safe = true }";
     for (backend, api, safe) in [("v2", LineApi::V2, 0b100), ("v1", LineApi::V1 { lines: 3 }, 0b101)] {
         let bench = Bench::of_main(backend, lines);
-        let held = bench.board.held().unwrap();
+        let held = bench.board.output_claims().unwrap();
         assert_eq!(held.len(), 1, "{backend}");
         assert_eq!((held[0].api, held[0].mask, held[0].safe), (api, 0b111, safe), "{backend}");
         assert!(held[0].device.contains(MAIN.label()), "{}", held[0].device);
@@ -309,7 +309,7 @@ fn a_lone_input_is_claimed_with_the_outputs() {
                 c = { kind = \"digital\", line = 4, drives = true, safe = true }\n";
     let mut bench = Bench::open(text);
     bench.start();
-    let held = bench.board.held().unwrap();
+    let held = bench.board.output_claims().unwrap();
     assert_eq!((held[0].mask, held[0].safe), (0b1101, 0b1001));
     for (high, levels) in [(true, [true, true, true]), (false, [true, false, true])] {
         bench.write(&[("b", high)]);

@@ -49,7 +49,7 @@ fn chips_and_lines_that_are_not_there_are_named_with_what_was_meant() {
     // A link leads to the chip, and a line may be named on the one chip as on the other.
     let linked = file("path = \"/dev/rig/gpio1\"", "line = \"VALVE\", drives = true");
     let bench = Bench::open(&linked);
-    assert_eq!(bench.board.held().unwrap().len(), 1);
+    assert_eq!(bench.board.output_claims().unwrap().len(), 1);
 }
 
 #[test]
@@ -230,7 +230,7 @@ fn a_board_that_is_dropped_leaves_its_outputs_safe() {
         bench.start();
         bench.write(&[("out", true)]);
         bench.until("it is driven", |_| MAIN.line(9).value());
-        let held = bench.board.held().unwrap();
+        let held = bench.board.output_claims().unwrap();
         drop(bench);
         assert!(!MAIN.line(9).value(), "{backend}");
         drop(held);

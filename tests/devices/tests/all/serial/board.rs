@@ -5,7 +5,7 @@ use std::time::Instant;
 use devices::{Lab, PATIENCE, SERIAL_A, SERIAL_C, wait_for};
 use drivers::holders;
 use drivers::{
-    Board, BoardError, BoardEvent, BusEvent, BusId, LossReason, Surroundings, Terminals, open, read,
+    Board, BoardError, BoardEvent, BoardExt, BusEvent, BusId, LossReason, Surroundings, Terminals, open, read,
 };
 use host::{Realtime, monotonic};
 use signal::Value;
@@ -109,7 +109,7 @@ fn a_board_has_lines_of_both_kinds() {
                 lamp = { kind = \"digital\", line = 3, drives = true }\n";
     let mut bench = Bench::open("", more);
     bench.start().unwrap();
-    let names: Vec<&str> = bench.board.buses().iter().map(|bus| bus.name.as_str()).collect();
+    let names: Vec<&str> = bench.board.bus_list().iter().map(|bus| bus.name.as_str()).collect();
     assert_eq!((names, bench.board.channels().len()), (vec!["modbus", "scales"], 1));
     let lamp = drivers::ChannelId(0);
     bench.board.write(bench.at.time.now(), &[(lamp, Value::Bool(true))]).unwrap();

@@ -1,26 +1,28 @@
-//! A board of real devices on paper.
+//! A board of real devices that nobody opened.
 
 use super::{RealSpec, WireRelays, wire};
 use crate::circuit::ChannelSpec;
 use crate::file::BoardFile;
 use crate::{
-    Board, BoardError, BoardEvent, Bus, Channel, ChannelId, Fault, FaultSet, Health, TimestampSource,
+    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Fault, FaultInjection,
+    FaultSet, Frame, Health, TimestampSource,
 };
 use crate::{can, convert, counter, emit, gpio, serial};
-use signal::{Span, Time, Value};
+use signal::{Span, Time, Value, When};
 
 /// The channels and buses of real devices that nobody opened: what a plan is checked against on any machine. It never starts.
-#[derive(Clone, Debug)]
-pub struct Outline {
+/// The default one has none.
+#[derive(Clone, Debug, Default)]
+pub struct OfflineBoard {
     channels: Vec<Channel>,
     buses: Vec<Bus>,
     relays: Vec<WireRelays>,
 }
 
-impl Outline {
-    /// The outline of a file's board.
-    pub fn new(file: &BoardFile, spec: &RealSpec) -> Outline {
-        Outline { channels: channels(file, spec), buses: buses(spec), relays: spec.relays.clone() }
+impl OfflineBoard {
+    /// The offline board of a file's board.
+    pub fn new(file: &BoardFile, spec: &RealSpec) -> OfflineBoard {
+        OfflineBoard { channels: channels(file, spec), buses: buses(spec), relays: spec.relays.clone() }
     }
 }
 
@@ -63,7 +65,15 @@ pub(crate) fn blank(file: &BoardFile) -> Vec<Channel> {
     file.circuit.channels.iter().map(unknown).collect()
 }
 
-impl Board for Outline {
+impl Board for OfflineBoard {
+    fn inner(&self) -> Option<&dyn Board> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
+        None
+    }
+
     fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -84,18 +94,6 @@ impl Board for Outline {
         None
     }
 
-    fn inject(&mut self, _now: Time, fault: Fault) -> Result<(), BoardError> {
-        Err(BoardError::NoSuchFault(fault.channel))
-    }
-
-    fn clear(&mut self, _now: Time, _channel: ChannelId) -> Result<(), BoardError> {
-        Ok(())
-    }
-
-    fn settle(&self, channel: ChannelId) -> Span {
-        wire::settle(&self.relays, channel)
-    }
-
     fn safe(&mut self, _now: Time) -> Result<(), BoardError> {
         Ok(())
     }
@@ -104,7 +102,55 @@ impl Board for Outline {
         Health::default()
     }
 
-    fn buses(&self) -> &[Bus] {
+    fn buses(&self) -> Option<&dyn Buses> {
+        Some(self)
+    }
+
+    fn buses_mut(&mut self) -> Option<&mut dyn Buses> {
+        Some(self)
+    }
+
+    fn faults(&self) -> Option<&dyn FaultInjection> {
+        Some(self)
+    }
+
+    fn faults_mut(&mut self) -> Option<&mut dyn FaultInjection> {
+        Some(self)
+    }
+}
+
+impl FaultInjection for OfflineBoard {
+    fn inject(&mut self, _now: Time, fault: Fault) -> Result<(), BoardError> {
+        Err(BoardError::NoSuchFault(fault.channel))
+    }
+
+    fn clear_faults(&mut self, _now: Time, _channel: ChannelId) -> Result<(), BoardError> {
+        Ok(())
+    }
+
+    fn fault_switching_time(&self, channel: ChannelId) -> Span {
+        wire::settle(&self.relays, channel)
+    }
+
+    fn fault_settled_at(&self, _channel: ChannelId) -> Option<When> {
+        None
+    }
+}
+
+impl Buses for OfflineBoard {
+    fn bus_list(&self) -> &[Bus] {
         &self.buses
+    }
+
+    fn bus_device(&self, _bus: BusId) -> Option<&str> {
+        None
+    }
+
+    fn send(&mut self, _now: Time, _bus: BusId, _frame: &Frame) -> Result<(), BoardError> {
+        Err(BoardError::NotStarted)
+    }
+
+    fn poll_buses(&mut self, _now: Time, _out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
+        Err(BoardError::NotStarted)
     }
 }

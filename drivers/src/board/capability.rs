@@ -1,0 +1,78 @@
+//! What only some boards can do.
+//!
+//! No method has a body here: a wrapper that changes a capability has to say what becomes of each of its methods.
+
+use std::fmt;
+
+use signal::{Span, Time, When};
+
+use super::{BoardError, ChannelId, Emission, Fault};
+use crate::{Bus, BusEvent, BusId, Frame};
+
+/// The buses of a board.
+pub trait Buses: fmt::Debug {
+    /// The buses; a [`BusId`] is a place in this slice. Fixed from the making of the board.
+    fn bus_list(&self) -> &[Bus];
+
+    /// The device of a bus in words, as in `can0`. `None` where there is none.
+    fn bus_device(&self, bus: BusId) -> Option<&str>;
+
+    /// Puts a frame into the queue of a bus. It is on the bus when [`Buses::poll_buses`] reports it as its own.
+    ///
+    /// # Errors
+    /// [`BoardError::NoBus`], [`BoardError::BadFrame`], [`BoardError::BusFull`], [`BoardError::Latched`],
+    /// [`BoardError::NotStarted`], [`BoardError::Backwards`], [`BoardError::Os`].
+    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError>;
+
+    /// As [`Board::poll`](super::Board::poll), of what happened on the buses.
+    ///
+    /// # Errors
+    /// As [`Board::poll`](super::Board::poll).
+    fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError>;
+}
+
+/// Outputs that emit pulses by themselves, without a write for each edge.
+pub trait PulseOutputs: fmt::Debug {
+    /// Has the channel emit pulses by itself, from as soon as its device can. What it emitted before ends, as
+    /// [`Emission::Square`] says; a write to the channel ends it, too.
+    ///
+    /// # Errors
+    /// [`BoardError::NotEmitted`] where the channel's [`Channel::emits`](super::Channel::emits) does not have it, and as
+    /// [`Board::write`](super::Board::write).
+    fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError>;
+}
+
+/// Faults that can be put on the channels of a board.
+pub trait FaultInjection: fmt::Debug {
+    /// Injects a fault from `now` on.
+    ///
+    /// # Errors
+    /// [`BoardError::NoSuchFault`] where the channel's [`Channel::faults`](super::Channel::faults) lacks it,
+    /// [`BoardError::BadValue`], [`BoardError::BadFaultTime`], [`BoardError::TooManyFaults`],
+    /// [`BoardError::FaultsApart`], and as [`Board::write`](super::Board::write).
+    fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError>;
+
+    /// Ends every injected fault of the channel, if it has any.
+    ///
+    /// # Errors
+    /// [`BoardError::NoChannel`], and as [`Board::write`](super::Board::write).
+    fn clear_faults(&mut self, now: Time, channel: ChannelId) -> Result<(), BoardError>;
+
+    /// The longest that a fault on this channel takes to come or to go, beyond the call of a device: the time of a relay.
+    /// A fault that lasts less than twice as long cannot be injected.
+    fn fault_switching_time(&self, channel: ChannelId) -> Span;
+
+    /// When the faults of this channel came to be what was asked for last; `None` while that is not known yet, because
+    /// a relay moves, and where faults take no time.
+    fn fault_settled_at(&self, channel: ChannelId) -> Option<When>;
+}
+
+/// What is known of the devices behind the channels.
+pub trait Descriptions: fmt::Debug {
+    /// The device behind a channel in words, as in `/dev/gpiochip0 (pinctrl-bcm2711)`. `None` where there is none.
+    fn device(&self, channel: ChannelId) -> Option<&str>;
+
+    /// How noisy an analog channel was when it was read last: the standard deviation of its samples, in its unit. `None`
+    /// where a reading is one sample.
+    fn noise(&self, channel: ChannelId) -> Option<f64>;
+}
