@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use fake::LINES;
 use rustix::time::{ClockId, clock_gettime};
 use scanrig_drivers::gpio::{Backend, Edge, Levels, Port, Served};
-use scanrig_drivers::{Board, BoardEvent, BoardExt, ChannelId, GpioBoard, HeldLines, Surroundings};
+use scanrig_drivers::{Board, BoardContext, BoardEvent, BoardExt, ChannelId, GpioBoard, OutputClaim};
 use signal::{Span, Time, Value};
 
 const SCANS: u32 = 200_000;
@@ -54,7 +54,7 @@ impl Port for Stub {
         Ok(())
     }
 
-    fn held(&self, _device: &str) -> io::Result<Vec<HeldLines>> {
+    fn held(&self, _device: &str) -> io::Result<Vec<OutputClaim>> {
         Ok(Vec::new())
     }
 }
@@ -71,7 +71,7 @@ enum Moving {
 struct Bench {
     board: GpioBoard,
     served: Served,
-    at: Surroundings,
+    at: BoardContext,
     /// Edges that every input has had.
     edges: u32,
 }

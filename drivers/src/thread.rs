@@ -14,8 +14,8 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use rustix::io::Errno;
 use signal::{Span, Time};
 
+use crate::event_collector::EventCollector;
 use crate::file::{BoardFile, codes};
-use crate::telling::Telling;
 use crate::{BoardError, BoardEvent, ChannelId, LossReason};
 
 /// What board and thread share.
@@ -189,7 +189,7 @@ impl DeviceThread {
         let (reason, since) = match self.is_gone() {
             true => (LossReason::Gone, self.presence.gone_at.load(Ordering::Acquire)),
             // Its call began so long before it counts as one that hangs.
-            false => (LossReason::Silent, if due == 0 { 0 } else { due.saturating_sub(self.limit) }),
+            false => (LossReason::Unresponsive, if due == 0 { 0 } else { due.saturating_sub(self.limit) }),
         };
         let since = if since == 0 { 0 } else { monotonic().saturating_sub(since).max(0) };
         BoardError::Lost { channel, reason, since: Span::from_nanos(since) }
@@ -202,50 +202,50 @@ impl DeviceThread {
 
     /// Tells whether a device of these channels still answers, which owes an answer until this stamp; 0 for none. TRUE where
     /// it does again: then what is there now is to be told.
-    pub(crate) fn tell_answers(
+    pub(crate) fn report_presence(
         &mut self,
         due: i64,
         channels: impl Iterator<Item = ChannelId>,
-        telling: &mut Telling<'_>,
+        collector: &mut EventCollector<'_>,
     ) -> bool {
-        let now = telling.time.stamp(telling.now);
+        let now = collector.time.stamp(collector.now);
         let reason = match self.lost {
             _ if self.is_gone() => Some(LossReason::Gone),
             // It says itself when it is there again.
             Some(LossReason::Gone) => return false,
-            _ => (due != 0 && due < now).then_some(LossReason::Silent),
+            _ => (due != 0 && due < now).then_some(LossReason::Unresponsive),
         };
         if reason == self.lost {
             return false;
         }
         self.lost = reason;
-        tell(reason, channels, telling.now, telling);
+        tell(reason, channels, collector.now, collector);
         reason.is_none()
     }
 
     /// Tells that a device of these channels is there again, even where it was not told that it was gone.
-    pub(crate) fn tell_returned(
+    pub(crate) fn report_return(
         &mut self,
         at: Time,
         channels: impl Iterator<Item = ChannelId> + Clone,
-        telling: &mut Telling<'_>,
+        collector: &mut EventCollector<'_>,
     ) {
         if self.lost.take().is_none() {
-            tell(Some(LossReason::Gone), channels.clone(), at, telling);
+            tell(Some(LossReason::Gone), channels.clone(), at, collector);
         }
-        tell(None, channels, at, telling);
+        tell(None, channels, at, collector);
     }
 
     /// Tells what found no room.
-    pub(crate) fn tell_unreported(
+    pub(crate) fn report_overflow(
         &self,
         channels: impl Iterator<Item = ChannelId>,
-        telling: &mut Telling<'_>,
+        collector: &mut EventCollector<'_>,
     ) {
         let unreported = self.presence.unreported.swap(0, Ordering::AcqRel);
         if unreported > 0 {
             let count = u32::try_from(unreported).unwrap_or(u32::MAX);
-            channels.for_each(|channel| telling.dropped(channel, telling.now, count));
+            channels.for_each(|channel| collector.dropped(channel, collector.now, count));
         }
     }
 
@@ -284,10 +284,10 @@ fn tell(
     lost: Option<LossReason>,
     channels: impl Iterator<Item = ChannelId>,
     at: Time,
-    telling: &mut Telling<'_>,
+    collector: &mut EventCollector<'_>,
 ) {
     for channel in channels {
-        telling.tell(match lost {
+        collector.tell(match lost {
             Some(reason) => BoardEvent::Lost { channel, at, reason },
             None => BoardEvent::Returned { channel, at },
         });

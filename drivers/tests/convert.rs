@@ -6,9 +6,9 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::scripted::{INPUTS, Script};
-use scanrig_drivers::convert::{ConverterBoard, Date, InRange, calibrated};
+use scanrig_drivers::adc::{AdcBoard, Date, InRange, calibrated};
 use scanrig_drivers::{
-    Board, BoardError, BoardEvent, ChannelId, LossReason, Surroundings, TimestampSource, build,
+    Board, BoardContext, BoardError, BoardEvent, ChannelId, LossReason, TimestampSource, build,
 };
 use signal::{Span, Time, Value, When};
 
@@ -18,22 +18,24 @@ const ENODEV: i32 = 19;
 const SLOW: &str = "20 s";
 
 struct Bench {
-    board: ConverterBoard,
-    at: Surroundings,
+    board: AdcBoard,
+    at: BoardContext,
     script: Arc<Script>,
     events: Vec<BoardEvent>,
 }
 
 impl Bench {
-    fn new(silent_after: &str, period: &str, retake: bool, more: &str) -> Bench {
+    fn new(unresponsive_after: &str, period: &str, reconnect: bool, more: &str) -> Bench {
         let script = Arc::new(Script::default());
-        let (board, at) =
-            crate::scripted::board(&crate::scripted::file(silent_after, period, retake, more), &script);
+        let (board, at) = crate::scripted::board(
+            &crate::scripted::file(unresponsive_after, period, reconnect, more),
+            &script,
+        );
         Bench { board, at, script, events: Vec::new() }
     }
 
-    fn started(silent_after: &str, period: &str, retake: bool, more: &str) -> Bench {
-        let mut bench = Bench::new(silent_after, period, retake, more);
+    fn started(unresponsive_after: &str, period: &str, reconnect: bool, more: &str) -> Bench {
+        let mut bench = Bench::new(unresponsive_after, period, reconnect, more);
         bench.start().unwrap();
         bench
     }
@@ -158,10 +160,12 @@ fn a_call_that_hangs_is_a_device_that_is_silent_until_it_answers() {
     bench.script.show(3, 2.0);
     bench.script.shut(true);
     bench.until("a call that hangs", |bench| bench.script.waiting.load(Ordering::Acquire));
-    bench.until("the loss", |bench| (0..4).all(|of| bench.fate(of) == [Some(LossReason::Silent)]));
+    bench.until("the loss", |bench| (0..4).all(|of| bench.fate(of) == [Some(LossReason::Unresponsive)]));
     assert_eq!(bench.board.health().lost, INPUTS as u32);
     bench.script.shut(false);
-    bench.until("the return", |bench| (0..4).all(|of| bench.fate(of) == [Some(LossReason::Silent), None]));
+    bench.until("the return", |bench| {
+        (0..4).all(|of| bench.fate(of) == [Some(LossReason::Unresponsive), None])
+    });
     assert_eq!(bench.last(3), Some(Value::Real(2.0)));
     assert_eq!(
         (bench.board.health().lost, bench.board.health().is_sound()),
@@ -258,8 +262,7 @@ fn a_board_of_converters_drives_nothing() {
     assert_eq!(bench.board.next_event(), None);
     bench.start().unwrap();
     let now = bench.at.time.now();
-    let write =
-        |board: &mut ConverterBoard, channel| board.write(now, &[(ChannelId(channel), Value::Real(1.0))]);
+    let write = |board: &mut AdcBoard, channel| board.write(now, &[(ChannelId(channel), Value::Real(1.0))]);
     assert_eq!(write(&mut bench.board, 0), Err(BoardError::NotDriven(ChannelId(0))));
     assert_eq!(write(&mut bench.board, 99), Err(BoardError::NoChannel(ChannelId(99))));
     bench.board.safe(now).unwrap();

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::scripted_counter::{Script, board, file};
 use scanrig_drivers::counter::CounterBoard;
 use scanrig_drivers::{
-    Board, BoardError, BoardEvent, ChannelId, ChannelKind, LossReason, Surroundings, TimestampSource,
+    Board, BoardContext, BoardError, BoardEvent, ChannelId, ChannelKind, LossReason, TimestampSource,
 };
 use signal::{Span, Time, Value, When};
 
@@ -19,16 +19,16 @@ const SLOW: &str = "20 s";
 
 struct Bench {
     board: CounterBoard,
-    at: Surroundings,
+    at: BoardContext,
     script: Arc<Script>,
     events: Vec<BoardEvent>,
 }
 
 impl Bench {
-    fn started(silent_after: &str, retake: bool) -> Bench {
+    fn started(unresponsive_after: &str, reconnect: bool) -> Bench {
         let script = Arc::new(Script::default());
         script.value.store(4_000_000_000, Ordering::Release);
-        let (board, at) = board(&file(silent_after, "200 us", retake), &script);
+        let (board, at) = board(&file(unresponsive_after, "200 us", reconnect), &script);
         let mut bench = Bench { board, at, script, events: Vec::new() };
         bench.start().unwrap();
         bench
@@ -115,7 +115,7 @@ fn a_channel_tells_how_far_it_has_counted_over_every_wrap() {
 fn a_call_that_hangs_is_told_and_survived() {
     let mut bench = Bench::started("100 ms", false);
     bench.script.shut(true);
-    bench.until("the loss", |bench| bench.fate() == Some(Some(LossReason::Silent)));
+    bench.until("the loss", |bench| bench.fate() == Some(Some(LossReason::Unresponsive)));
     bench.moves(9);
     bench.script.shut(false);
     bench.until("the return", |bench| bench.fate() == Some(None));

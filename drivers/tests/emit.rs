@@ -6,10 +6,10 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::generating::{Did, Script, board, file};
-use scanrig_drivers::emit::EmitBoard;
+use scanrig_drivers::generator::GeneratorBoard;
 use scanrig_drivers::{
-    Board, BoardError, BoardEvent, BoardExt, ChannelId, Emission, LossReason, NotEmitted, Origin,
-    Surroundings, build,
+    Board, BoardContext, BoardError, BoardEvent, BoardExt, ChannelId, Emission, LossReason, NotEmitted,
+    Origin, build,
 };
 use signal::{Span, Time, Value, When};
 
@@ -22,17 +22,17 @@ const P0: ChannelId = ChannelId(1);
 const P1: ChannelId = ChannelId(2);
 
 struct Bench {
-    board: EmitBoard,
-    at: Surroundings,
+    board: GeneratorBoard,
+    at: BoardContext,
     stream: Arc<Script>,
     chip: Arc<Script>,
     events: Vec<BoardEvent>,
 }
 
 impl Bench {
-    fn started(silent_after: &str, retake: bool) -> Bench {
+    fn started(unresponsive_after: &str, reconnect: bool) -> Bench {
         let (stream, chip) = (Arc::new(Script::default()), Arc::new(Script::default()));
-        let (board, at) = board(&file(silent_after, retake), [&stream, &chip]);
+        let (board, at) = board(&file(unresponsive_after, reconnect), [&stream, &chip]);
         let mut bench = Bench { board, at, stream, chip, events: Vec::new() };
         bench.start().unwrap();
         bench
@@ -215,7 +215,7 @@ fn a_call_that_hangs_holds_up_no_other_device_and_a_start_drops_what_waited() {
     bench.stream.shut(true);
     bench.emit(S, &pulses(1)).unwrap();
     bench.emit(S, &pulses(2)).unwrap();
-    bench.until("the silence", |bench| bench.fate(S) == [Some(LossReason::Silent)]);
+    bench.until("the silence", |bench| bench.fate(S) == [Some(LossReason::Unresponsive)]);
     bench.emit(P0, &square(1_000, 400)).unwrap();
     bench.until("the wave", |bench| bench.chip.did().len() == 2);
     let now = bench.at.time.now();
@@ -224,7 +224,7 @@ fn a_call_that_hangs_holds_up_no_other_device_and_a_start_drops_what_waited() {
     bench.at.time.restart();
     let refused = bench.board.start(Time::ZERO);
     assert!(
-        matches!(refused, Err(BoardError::Lost { channel: S, reason: LossReason::Silent, .. })),
+        matches!(refused, Err(BoardError::Lost { channel: S, reason: LossReason::Unresponsive, .. })),
         "{refused:?}"
     );
     bench.stream.shut(false);

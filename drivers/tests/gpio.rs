@@ -9,7 +9,7 @@ use crate::fake::Fake;
 use host::monotonic;
 use scanrig_drivers::gpio::Edge;
 use scanrig_drivers::{
-    Board, BoardError, BoardEvent, BoardExt, ChannelId, GpioBoard, LossReason, Origin, Surroundings, build,
+    Board, BoardContext, BoardError, BoardEvent, BoardExt, ChannelId, GpioBoard, LossReason, Origin, build,
 };
 use signal::{Span, Time, Value};
 
@@ -20,7 +20,7 @@ const PATIENT: &str = "20 s";
 
 struct Bench {
     board: GpioBoard,
-    at: Surroundings,
+    at: BoardContext,
     chip: Arc<Fake>,
     events: Vec<BoardEvent>,
 }
@@ -30,9 +30,9 @@ impl Bench {
         Bench::patient(SILENT)
     }
 
-    fn patient(silent_after: &str) -> Bench {
+    fn patient(unresponsive_after: &str) -> Bench {
         let chip = Fake::new();
-        let (board, at) = crate::fake::board(chip.clone(), silent_after);
+        let (board, at) = crate::fake::board(chip.clone(), unresponsive_after);
         let mut bench = Bench { board, at, chip, events: Vec::new() };
         bench.start();
         bench
@@ -221,7 +221,8 @@ fn a_device_that_hangs_is_lost_and_made_safe_when_it_comes_back() {
     bench.write("o0", true);
     assert!(bench.board.next_event().is_some_and(|at| at <= bench.at.time.now() + Span::from_millis(51)));
     bench.until("every channel is lost", |bench| bench.board.health().lost == 32);
-    let lost = |event: &&BoardEvent| matches!(event, BoardEvent::Lost { reason: LossReason::Silent, .. });
+    let lost =
+        |event: &&BoardEvent| matches!(event, BoardEvent::Lost { reason: LossReason::Unresponsive, .. });
     assert_eq!(bench.events.iter().filter(lost).count(), 32);
     // Far more than there is room for.
     for turn in 0..3_000 {

@@ -13,7 +13,7 @@ use scanrig_drivers::serial::{
     Frames, Framing, LineSettings, OpenError, Parity, PortSpec, Received, SerialPort, Symbol,
 };
 use scanrig_drivers::{
-    BoardError, BoardExt, BoardFile, BoardKind, BusEvent, BusId, BusKind, Frame, LossReason, Surroundings,
+    BoardContext, BoardError, BoardExt, BoardFile, BoardKind, BusEvent, BusId, BusKind, Frame, LossReason,
     Terminals, build, open, read,
 };
 use signal::Span;
@@ -208,20 +208,20 @@ fn what_a_port_cannot_do_is_said_by_its_key() {
 #[test]
 fn ports_that_cannot_be_had_are_told_by_place() {
     let refused = |path: &str| {
-        let found = open(&board_on(path.as_ref(), ""), &Surroundings::new(Realtime::default())).unwrap_err();
+        let found = open(&board_on(path.as_ref(), ""), &BoardContext::new(Realtime::default())).unwrap_err();
         assert!(!found[0].help.is_empty() && found[0].labels.len() == 1, "{found:?}");
         found[0].code
     };
     assert_eq!(refused("/dev/ttyNOWHERE"), "B0144");
     assert_eq!(refused("/dev/null"), "B0147");
     let (_far, near) = pair();
-    let surroundings = Surroundings::new(Realtime::default());
-    let _held = open(&board_on(&near, ""), &surroundings).unwrap();
+    let context = BoardContext::new(Realtime::default());
+    let _held = open(&board_on(&near, ""), &context).unwrap();
     assert_eq!(refused(near.to_str().unwrap()), "B0145");
 }
 
 /// Polls the board's buses until they tell something.
-fn told(board: &mut dyn scanrig_drivers::Board, at: &Surroundings) -> Vec<BusEvent> {
+fn told(board: &mut dyn scanrig_drivers::Board, at: &BoardContext) -> Vec<BusEvent> {
     let mut events = Vec::new();
     let deadline = Instant::now() + Duration::from_secs(20);
     while events.is_empty() {
@@ -235,7 +235,7 @@ fn told(board: &mut dyn scanrig_drivers::Board, at: &Surroundings) -> Vec<BusEve
 #[test]
 fn a_line_that_goes_away_is_lost_until_the_next_run() {
     let (far, near) = pair();
-    let at = Surroundings::new(Realtime::default());
+    let at = BoardContext::new(Realtime::default());
     let mut board = open(&board_on(&near, ""), &at).unwrap().unwrap();
     let bus = BusId(0);
     assert_eq!(board.bus_list()[0].name, "modbus");
@@ -261,7 +261,7 @@ fn a_line_that_goes_away_is_lost_until_the_next_run() {
 #[test]
 fn what_nobody_reads_does_not_pile_up() {
     let (mut far, near) = pair();
-    let at = Surroundings::new(Realtime::default());
+    let at = BoardContext::new(Realtime::default());
     let mut board = open(&board_on(&near, ""), &at).unwrap().unwrap();
     board.start(at.time.now()).unwrap();
     // More than the kernel keeps: this would never end otherwise.

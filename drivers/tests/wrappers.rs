@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use scanrig_drivers::real::{FaultRelays, OfflineBoard};
 use scanrig_drivers::{
     Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, BusSpec, Buses, Channel, ChannelId,
-    Descriptions, Disturbance, Emission, Faulty, Frame, Health, HeldLines, LineApi, PulseOutputs,
+    Descriptions, Disturbance, Emission, Faulty, Frame, Health, LineApi, OutputClaim, PulseOutputs,
     SimulatedBoard,
 };
 use signal::{Span, Time, Value};
@@ -187,9 +187,9 @@ impl Board for Capable {
         Some(self)
     }
 
-    fn output_claims(&self) -> Result<Vec<HeldLines>, BoardError> {
+    fn output_claims(&self) -> Result<Vec<OutputClaim>, BoardError> {
         let claim = File::open("/dev/null").unwrap().into();
-        Ok(vec![HeldLines { device: "chip".into(), claim, api: LineApi::V2, mask: 1, safe: 0 }])
+        Ok(vec![OutputClaim { device: "chip".into(), claim, api: LineApi::V2, mask: 1, safe: 0 }])
     }
 
     fn descriptions(&self) -> Option<&dyn Descriptions> {

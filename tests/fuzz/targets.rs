@@ -5,9 +5,9 @@ mod lines_of_clients;
 
 use capture::{Capture, Format};
 use document::{Diagnostic, SourceFile, render};
+use drivers::adc::iio::{Element, Sampled, Scans};
+use drivers::adc::spi::{Chosen, FRAME, Input, PARTS, Sweep};
 use drivers::can::{Filter, Reported, Told};
-use drivers::convert::iio::{Element, Sampled, Scans};
-use drivers::convert::spi::{Chosen, FRAME, Input, PARTS, Sweep};
 use drivers::counter::{CounterSpec, FindCount, FindCounter, Follower, Function as Counting, Reading};
 use drivers::serial::{Frames, Framing, Marks, Received, Symbol};
 use expert::{

@@ -1,6 +1,6 @@
 //! The channels of a board.
 
-use super::{Emits, FaultSet};
+use super::{FaultSet, PulseCapability};
 use signal::{Span, Value};
 
 /// The place of a channel in [`Board::channels`](super::Board::channels).
@@ -57,7 +57,7 @@ pub struct Channel {
     /// The fastest pulse train that [`Board::write`](super::Board::write) can emit on it, in Hz (0 = none).
     pub max_pulse_hz: u64,
     /// What it emits by itself: pulses that nobody writes edge by edge.
-    pub emits: Option<Emits>,
+    pub emits: Option<PulseCapability>,
     /// The fastest pulse train of which the board is known to count every pulse, in Hz; `None` where nobody said. A claim
     /// that counts faster ones is inconclusive.
     pub counts_hz: Option<u64>,

@@ -6,7 +6,7 @@ use signal::Span;
 
 /// What a channel can emit by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Emits {
+pub struct PulseCapability {
     /// The shortest time at one level.
     pub shortest: Span,
     /// The longest period of a square wave.
@@ -70,7 +70,7 @@ impl std::fmt::Display for NotEmitted {
     }
 }
 
-impl Emits {
+impl PulseCapability {
     /// Whether it can emit this.
     ///
     /// # Errors
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn only_what_a_channel_can_emit_is_accepted() {
-        let pwm = Emits {
+        let pwm = PulseCapability {
             shortest: US(2),
             longest: US(1_000),
             resolution: Span::from_nanos(10),
@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(pwm.check(&square(2_000, 5)), Err(NotEmitted::Long(US(1_000))));
         let pulses = |edges: &[i64]| Emission::Pulses(edges.iter().map(|at| US(*at)).collect());
         assert_eq!(pwm.check(&pulses(&[0, 5])), Err(NotEmitted::Counted));
-        let stream = Emits { counted: US(100), endless: false, ..pwm };
+        let stream = PulseCapability { counted: US(100), endless: false, ..pwm };
         assert_eq!(stream.check(&pulses(&[0, 5, 10, 15])), Ok(()));
         assert_eq!(stream.check(&square(10, 5)), Err(NotEmitted::Endless));
         assert_eq!(stream.check(&pulses(&[0, 5, 6, 15])), Err(NotEmitted::Short(US(2))));

@@ -30,7 +30,7 @@ pub enum LossReason {
     /// The device was unplugged or its driver unbound.
     Gone,
     /// The device does not answer any more.
-    Silent,
+    Unresponsive,
 }
 
 impl fmt::Display for LossReason {
@@ -39,7 +39,7 @@ impl fmt::Display for LossReason {
         f.write_str(match self {
             LossReason::Injected => "is cut off, as asked",
             LossReason::Gone => "is gone",
-            LossReason::Silent => "does not answer",
+            LossReason::Unresponsive => "does not answer",
         })
     }
 }

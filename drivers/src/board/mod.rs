@@ -11,12 +11,12 @@ mod fault;
 
 use std::fmt;
 
-use crate::HeldLines;
+use crate::OutputClaim;
 use signal::{Time, Value};
 
 pub use capability::{Buses, Descriptions, FaultInjection, PulseOutputs};
 pub use channel::{Channel, ChannelId, ChannelKind, TimestampSource};
-pub use emission::{Emission, Emits, NotEmitted};
+pub use emission::{Emission, NotEmitted, PulseCapability};
 pub use error::{BoardError, Call};
 pub use event::{BoardEvent, Health, LossReason, Origin};
 pub use ext::BoardExt;
@@ -117,7 +117,7 @@ pub trait Board: Send + fmt::Debug {
     ///
     /// # Errors
     /// [`BoardError::Os`] where the claim cannot be shared.
-    fn output_claims(&self) -> Result<Vec<HeldLines>, BoardError> {
+    fn output_claims(&self) -> Result<Vec<OutputClaim>, BoardError> {
         self.inner().map_or(Ok(Vec::new()), |board| board.output_claims())
     }
 

@@ -9,14 +9,14 @@ use super::adapter::{Adapter, Interface};
 use super::configure::NotSetUp;
 use super::find::find;
 use super::node::Node;
-use super::running::{Manner, Running};
+use super::running::{Running, ThreadConfig};
 use super::spec::CanBusSpec;
-use crate::account::{Account, START, drives_none};
 use crate::file::{BoardFile, codes};
 use crate::real::RealSpec;
+use crate::run_state::{RunState, START, drives_none};
 use crate::{
-    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Call, Channel, ChannelId, Frame, Health,
-    Surroundings,
+    Board, BoardContext, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Call, Channel, ChannelId,
+    Frame, Health,
 };
 
 /// How long an interface may take to be put back as it was.
@@ -29,14 +29,14 @@ const LOOK: Span = Span::from_millis(50);
 /// each talks to it.
 #[derive(Debug)]
 pub struct CanBoard {
-    surroundings: Surroundings,
-    silent_after: Span,
+    context: BoardContext,
+    unresponsive_after: Span,
     /// Interfaces that went away are taken back.
-    retake: bool,
+    reconnect: bool,
     channels: Vec<Channel>,
     buses: Vec<Bus>,
     nodes: Vec<Node>,
-    account: Account,
+    run: RunState,
 }
 
 impl CanBoard {
@@ -47,9 +47,9 @@ impl CanBoard {
     pub fn open(
         file: &BoardFile,
         spec: &RealSpec,
-        surroundings: &Surroundings,
+        context: &BoardContext,
     ) -> Result<CanBoard, Vec<Diagnostic>> {
-        let mut board = CanBoard::without_buses(file, spec, surroundings);
+        let mut board = CanBoard::without_buses(file, spec, context);
         let mut found = Vec::new();
         for bus in &spec.can.buses {
             if let Err(wrong) = find(file, bus).and_then(|()| board.add(file, bus)) {
@@ -59,20 +59,20 @@ impl CanBoard {
         if found.is_empty() { Ok(board) } else { Err(found) }
     }
 
-    fn without_buses(file: &BoardFile, spec: &RealSpec, surroundings: &Surroundings) -> CanBoard {
+    fn without_buses(file: &BoardFile, spec: &RealSpec, context: &BoardContext) -> CanBoard {
         let mut buses = Vec::new();
         super::describe(&spec.can, &mut buses);
         for bus in &spec.can.buses {
-            buses[usize::from(bus.bus.0)].resolution = surroundings.resolution;
+            buses[usize::from(bus.bus.0)].resolution = context.resolution;
         }
         CanBoard {
-            surroundings: surroundings.clone(),
-            silent_after: spec.silent_after,
-            retake: spec.retake,
+            context: context.clone(),
+            unresponsive_after: spec.unresponsive_after,
+            reconnect: spec.reconnect,
             channels: crate::real::blank(file),
             buses,
             nodes: Vec::new(),
-            account: Account::default(),
+            run: RunState::default(),
         }
     }
 
@@ -105,17 +105,17 @@ impl CanBoard {
         interface.prepare().map_err(cannot)?;
         let (port, _) = interface.open().map_err(refused)?;
         // What the rig has set up it puts back as it was, and controllers take their time.
-        let end = if bus.configure { self.silent_after.max(PUT_BACK) } else { self.silent_after };
-        let manner = Manner {
-            resolution: self.surroundings.resolution.as_nanos(),
-            limit: self.silent_after.as_nanos(),
+        let end = if bus.configure { self.unresponsive_after.max(PUT_BACK) } else { self.unresponsive_after };
+        let config = ThreadConfig {
+            resolution: self.context.resolution.as_nanos(),
+            limit: self.unresponsive_after.as_nanos(),
             patience: end.as_nanos(),
-            retake: self.retake,
-            realtime: self.surroundings.realtime,
+            reconnect: self.reconnect,
+            realtime: self.context.realtime,
         };
         let adapter = Box::new(interface);
-        let running = Running::start(&bus.interface, adapter, port, &self.surroundings.bell, manner);
-        self.nodes.push(Node::new(bus.clone(), running.map_err(refused)?, manner.limit));
+        let running = Running::start(&bus.interface, adapter, port, &self.context.bell, config);
+        self.nodes.push(Node::new(bus.clone(), running.map_err(refused)?, config.limit));
         Ok(())
     }
 }
@@ -135,10 +135,10 @@ impl Board for CanBoard {
 
     /// Waits for the interfaces, as long as one may be silent or two seconds.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.account.end();
+        self.run.end();
         let starts: Vec<u64> = self.nodes.iter_mut().map(Node::ask_start).collect();
-        let silent_after = self.silent_after.max(START);
-        let patience = || monotonic().saturating_add(silent_after.as_nanos());
+        let unresponsive_after = self.unresponsive_after.max(START);
+        let patience = || monotonic().saturating_add(unresponsive_after.as_nanos());
         let due = patience();
         for (node, start) in self.nodes.iter_mut().zip(starts) {
             let mut begun = node.await_start(start, due);
@@ -146,7 +146,7 @@ impl Board for CanBoard {
             // frames of the last run go when somebody acknowledges them.
             let wanted = |node: &Node, begun| match begun {
                 true => node.is_behind(),
-                false => self.retake && node.gone(),
+                false => self.reconnect && node.gone(),
             };
             while wanted(node, begun) && monotonic() < due {
                 node.shared.answer.wait_until(due.min(monotonic().saturating_add(LOOK.as_nanos())));
@@ -158,30 +158,30 @@ impl Board for CanBoard {
                 return Err(node.is_lost());
             }
         }
-        self.account.begin(now);
+        self.run.begin(now);
         Ok(())
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
+        self.run.come_to(now)?;
         drives_none(&self.channels, writes)
     }
 
     fn poll(&mut self, now: Time, _out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.account.come_to(now)
+        self.run.come_to(now)
     }
 
     /// What lies ahead of the last poll, and when an interface that owes an answer counts as lost.
     fn next_event(&self) -> Option<Time> {
         let owed = self.nodes.iter().filter_map(Node::overdue);
-        self.account.next_event(&self.surroundings.time, owed)
+        self.run.next_event(&self.context.time, owed)
     }
 
     /// Nothing is sent from now on. What the kernel has already may still reach the bus.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.account.latch(now);
+        self.run.latch(now);
         let asked: Vec<u64> = self.nodes.iter_mut().map(Node::ask_safe).collect();
-        let due = monotonic().saturating_add(self.silent_after.as_nanos());
+        let due = monotonic().saturating_add(self.unresponsive_after.as_nanos());
         let mut outcome = Ok(());
         for (node, asked) in self.nodes.iter().zip(asked) {
             if !node.await_safe(asked, due) {
@@ -197,7 +197,7 @@ impl Board for CanBoard {
             lost: self.nodes.iter().filter(|node| node.lost.is_some()).count() as u32,
             dropped: self.nodes.iter().map(|node| node.dropped).sum(),
             failed_calls: self.nodes.iter().map(Node::failed).sum(),
-            latched_safe: self.account.is_latched(),
+            latched_safe: self.run.is_latched(),
             ..Health::default()
         }
     }
@@ -221,20 +221,20 @@ impl Buses for CanBoard {
     }
 
     fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
-        self.account.drive_at(now)?;
-        let stamp = self.surroundings.time.stamp(now);
+        self.run.drive_at(now)?;
+        let stamp = self.context.time.stamp(now);
         let node = self.nodes.iter_mut().find(|node| node.spec.bus == bus).ok_or(BoardError::NoBus(bus))?;
         node.send(stamp, frame)
     }
 
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
+        self.run.come_to(now)?;
         let first = out.len();
         for node in &mut self.nodes {
-            node.poll(&self.surroundings.time, now, out);
+            node.poll(&self.context.time, now, out);
         }
         crate::real::sort(&mut out[first..], BusEvent::latest);
-        self.account.lies_ahead(self.nodes.iter().filter_map(|node| node.ahead).min());
+        self.run.lies_ahead(self.nodes.iter().filter_map(|node| node.ahead).min());
         Ok(())
     }
 }

@@ -11,7 +11,7 @@ use super::adapter::{Adapter, Change};
 use super::arrivals::{Arrivals, BATCH};
 use super::port::Port;
 use super::report::Reported;
-use super::running::{Manner, REPORTS};
+use super::running::{REPORTS, ThreadConfig};
 use super::shared::{Report, Shared};
 use super::wire::{FD, Told, decode, encode};
 use crate::{BusError, BusState, Frame};
@@ -34,7 +34,7 @@ pub(super) struct Device {
     resolution: i64,
     limit: i64,
     /// An interface that went away is taken back.
-    retake: bool,
+    reconnect: bool,
     started: u64,
     state: BusState,
     /// When it left the bus, or the rig tried in vain to bring it back.
@@ -68,7 +68,7 @@ impl Device {
         shared: Arc<Shared>,
         (frames, reports): (Consumer<Frame>, Producer<Report>),
         bell: Arc<Bell>,
-        manner: Manner,
+        config: ThreadConfig,
     ) -> Device {
         Device {
             adapter,
@@ -77,9 +77,9 @@ impl Device {
             frames,
             reports,
             bell,
-            resolution: manner.resolution,
-            limit: manner.limit,
-            retake: manner.retake,
+            resolution: config.resolution,
+            limit: config.limit,
+            reconnect: config.reconnect,
             started: 0,
             state: BusState::ErrorActive,
             off_since: None,
@@ -181,7 +181,7 @@ impl Device {
 
     /// It is there again.
     fn back(&mut self) {
-        if self.port.is_none() && self.retake {
+        if self.port.is_none() && self.reconnect {
             self.open();
         }
     }

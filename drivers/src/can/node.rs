@@ -58,7 +58,7 @@ impl Node {
         let now = monotonic();
         let (reason, since) = match self.gone() {
             true => (LossReason::Gone, self.shared.gone_since.load(Ordering::Acquire)),
-            false => (LossReason::Silent, self.overdue().map_or(now, |due| due - self.limit)),
+            false => (LossReason::Unresponsive, self.overdue().map_or(now, |due| due - self.limit)),
         };
         BoardError::BusLost { bus: self.id(), reason, since: Span::from_nanos((now - since).max(0)) }
     }
@@ -232,10 +232,12 @@ impl Node {
         let bus = self.id();
         match self.lost {
             None if self.overdue().is_some_and(|due| due < stamp) => {
-                self.lost = Some(LossReason::Silent);
-                out.push(BusEvent::Lost { bus, at, reason: LossReason::Silent });
+                self.lost = Some(LossReason::Unresponsive);
+                out.push(BusEvent::Lost { bus, at, reason: LossReason::Unresponsive });
             }
-            Some(LossReason::Silent) if !self.owing() && self.shared.in_call.load(Ordering::Acquire) == 0 => {
+            Some(LossReason::Unresponsive)
+                if !self.owing() && self.shared.in_call.load(Ordering::Acquire) == 0 =>
+            {
                 self.lost = None;
                 out.push(BusEvent::Returned { bus, at });
             }

@@ -29,7 +29,7 @@ pub(super) struct Running {
 
 /// How a thread works.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Manner {
+pub(super) struct ThreadConfig {
     /// How long before its stamp a frame may have ended, in nanoseconds.
     pub(super) resolution: i64,
     /// How long a call may last, in nanoseconds.
@@ -37,7 +37,7 @@ pub(super) struct Manner {
     /// How long the end of the thread is waited for, in nanoseconds.
     pub(super) patience: i64,
     /// An interface that went away is taken back.
-    pub(super) retake: bool,
+    pub(super) reconnect: bool,
     /// How the thread runs.
     pub(super) realtime: Realtime,
 }
@@ -49,16 +49,16 @@ impl Running {
         adapter: Box<dyn Adapter>,
         port: Box<dyn Port>,
         bell: &Arc<Bell>,
-        manner: Manner,
+        config: ThreadConfig,
     ) -> std::io::Result<Running> {
         let shared = Arc::new(Shared::new()?);
         let (frames, to_send) = rtrb::RingBuffer::new(TO_SEND);
         let (reports, reported) = rtrb::RingBuffer::new(REPORTS);
         let ends = (to_send, reports);
-        let device = Device::new(adapter, port, shared.clone(), ends, bell.clone(), manner);
+        let device = Device::new(adapter, port, shared.clone(), ends, bell.clone(), config);
         let thread = std::thread::Builder::new().name(format!("can {name}"));
-        let thread = thread.spawn(move || device.run(manner.realtime))?;
-        Ok(Running { shared, frames, reports: reported, patience: manner.patience, thread: Some(thread) })
+        let thread = thread.spawn(move || device.run(config.realtime))?;
+        Ok(Running { shared, frames, reports: reported, patience: config.patience, thread: Some(thread) })
     }
 }
 

@@ -12,7 +12,7 @@ use signal::Span;
 use super::adapter::{Adapter, Change};
 use super::node::Node;
 use super::port::Port;
-use super::running::{Manner, Running};
+use super::running::{Running, ThreadConfig};
 use super::spec::CanBusSpec;
 use super::wire::{FD, encode};
 use crate::{BoardError, BusError, BusEvent, BusId, BusState, Frame, LossReason};
@@ -104,14 +104,19 @@ struct Bench {
 const BUS: BusId = BusId(0);
 
 impl Bench {
-    fn new(silent_after: Span) -> Bench {
+    fn new(unresponsive_after: Span) -> Bench {
         let script = Arc::new((Mutex::default(), Condvar::new()));
         let source = eventfd(0, EventfdFlags::CLOEXEC).unwrap();
         let port = Box::new(Scripted { script: script.clone(), source });
-        let limit = silent_after.as_nanos();
-        let manner =
-            Manner { resolution: 0, limit, patience: limit, retake: false, realtime: Realtime::default() };
-        let running = Running::start("test", Box::new(Fixed), port, &Arc::new(Bell::new()), manner).unwrap();
+        let limit = unresponsive_after.as_nanos();
+        let config = ThreadConfig {
+            resolution: 0,
+            limit,
+            patience: limit,
+            reconnect: false,
+            realtime: Realtime::default(),
+        };
+        let running = Running::start("test", Box::new(Fixed), port, &Arc::new(Bell::new()), config).unwrap();
         let spec = CanBusSpec {
             bus: BUS,
             name: "bus".into(),
@@ -203,7 +208,7 @@ fn a_call_that_hangs_makes_the_bus_silent_until_it_ends() {
     bench.change(|script| script.hang = true);
     let asked = bench.time.now();
     bench.send(1).unwrap();
-    let silent = |event: &BusEvent| matches!(event, BusEvent::Lost { reason: LossReason::Silent, .. });
+    let silent = |event: &BusEvent| matches!(event, BusEvent::Lost { reason: LossReason::Unresponsive, .. });
     bench.until("silence", |bench| bench.told(silent));
     let told = bench.events.iter().find(|event| silent(event)).unwrap().latest();
     // The call counts from the turn of the device that it is part of, which may have begun a moment before.

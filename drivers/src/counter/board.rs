@@ -7,21 +7,21 @@ use host::monotonic;
 use signal::{Span, Time, Value, When};
 
 use super::device::Opener;
-use super::watched::Watched;
+use super::handle::CounterHandle;
 use super::{Counter, KernelCounter};
-use crate::account::{Account, START, drives_none};
+use crate::event_collector::EventCollector;
 use crate::file::BoardFile;
 use crate::real::RealSpec;
-use crate::telling::Telling;
+use crate::run_state::{RunState, START, drives_none};
 use crate::thread::not_started;
 use crate::{
-    Board, BoardError, BoardEvent, Channel, ChannelId, Descriptions, FaultSet, Health, Surroundings,
+    Board, BoardContext, BoardError, BoardEvent, Channel, ChannelId, Descriptions, FaultSet, Health,
     TimestampSource,
 };
 
 /// Describes the channels behind which counters count.
 pub fn describe(file: &BoardFile, spec: &RealSpec, resolution: Span, channels: &mut [Channel]) {
-    let (silent_after, spec) = (spec.silent_after, &spec.counters);
+    let (unresponsive_after, spec) = (spec.unresponsive_after, &spec.counters);
     for count in &spec.counts {
         let at = usize::from(count.channel.0);
         let (Some(channel), Some(known), Some(counter)) =
@@ -33,7 +33,7 @@ pub fn describe(file: &BoardFile, spec: &RealSpec, resolution: Span, channels: &
         let (timestamp, resolution, shortest) = match counter.tells_steps() {
             true => (TimestampSource::Kernel, resolution, Span::ZERO),
             // No pulse is missed, but a count that was there and is gone again between two readings.
-            false => (TimestampSource::Sampled { period }, period, counter.longest(silent_after)),
+            false => (TimestampSource::Sampled { period }, period, counter.longest(unresponsive_after)),
         };
         *channel = Channel {
             name: known.name.clone(),
@@ -74,11 +74,11 @@ impl std::fmt::Debug for Source {
 #[derive(Debug)]
 pub struct CounterBoard {
     channels: Vec<Channel>,
-    silent_after: Span,
-    retake: bool,
-    surroundings: Surroundings,
-    devices: Vec<Watched>,
-    account: Account,
+    unresponsive_after: Span,
+    reconnect: bool,
+    context: BoardContext,
+    devices: Vec<CounterHandle>,
+    run: RunState,
 }
 
 impl CounterBoard {
@@ -89,7 +89,7 @@ impl CounterBoard {
     pub fn open(
         file: &BoardFile,
         spec: &RealSpec,
-        surroundings: &Surroundings,
+        context: &BoardContext,
     ) -> Result<CounterBoard, Vec<Diagnostic>> {
         let (mut sources, mut found) = (Vec::new(), Vec::new());
         for count in &spec.counters.counts {
@@ -109,7 +109,7 @@ impl CounterBoard {
         if !found.is_empty() {
             return Err(found);
         }
-        CounterBoard::on(file, spec, surroundings, sources)
+        CounterBoard::on(file, spec, context, sources)
             .map_err(|error| not_started(file, "the thread of a counter", &error))
     }
 
@@ -120,27 +120,32 @@ impl CounterBoard {
     pub fn on(
         file: &BoardFile,
         spec: &RealSpec,
-        surroundings: &Surroundings,
+        context: &BoardContext,
         sources: Vec<Source>,
     ) -> std::io::Result<CounterBoard> {
         let mut channels = crate::real::blank(file);
-        describe(file, spec, surroundings.resolution, &mut channels);
+        describe(file, spec, context.resolution, &mut channels);
         let mut devices = Vec::new();
         for source in sources {
             let count = spec.counters.counts.iter().find(|count| count.channel == source.channel);
             let Some(counter) = count.and_then(|count| spec.counters.counters.get(count.counter)) else {
                 continue;
             };
-            let around = (&surroundings.bell, surroundings.realtime, surroundings.resolution);
-            devices.push(Watched::start(source, counter, (spec.silent_after, spec.retake), around)?);
+            let around = (&context.bell, context.realtime, context.resolution);
+            devices.push(CounterHandle::start(
+                source,
+                counter,
+                (spec.unresponsive_after, spec.reconnect),
+                around,
+            )?);
         }
         Ok(CounterBoard {
             channels,
-            silent_after: spec.silent_after,
-            retake: spec.retake,
-            surroundings: surroundings.clone(),
+            unresponsive_after: spec.unresponsive_after,
+            reconnect: spec.reconnect,
+            context: context.clone(),
             devices,
-            account: Account::default(),
+            run: RunState::default(),
         })
     }
 }
@@ -160,56 +165,56 @@ impl Board for CounterBoard {
 
     /// Waits until every count was read, as long as a counter may be silent or two seconds.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.account.end();
-        let starts: Vec<u64> = self.devices.iter_mut().map(Watched::ask_start).collect();
-        let due = monotonic().saturating_add(self.silent_after.max(START).as_nanos());
+        self.run.end();
+        let starts: Vec<u64> = self.devices.iter_mut().map(CounterHandle::ask_start).collect();
+        let due = monotonic().saturating_add(self.unresponsive_after.max(START).as_nanos());
         for (device, start) in self.devices.iter_mut().zip(starts) {
-            if !device.await_start(start, due, self.retake) {
+            if !device.await_start(start, due, self.reconnect) {
                 return Err(device.is_lost());
             }
         }
-        self.account.begin(now);
-        self.account.owes_start();
+        self.run.begin(now);
+        self.run.owes_start();
         Ok(())
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
+        self.run.come_to(now)?;
         drives_none(&self.channels, writes)
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        let mut telling = Telling::new(out, &self.surroundings.time, now);
-        if let Some(start) = self.account.take_fresh() {
-            self.devices.iter().for_each(|device| device.present(When::exactly(start), &mut telling));
+        self.run.come_to(now)?;
+        let mut collector = EventCollector::new(out, &self.context.time, now);
+        if let Some(start) = self.run.take_fresh() {
+            self.devices.iter().for_each(|device| device.present(When::exactly(start), &mut collector));
         }
         for device in &mut self.devices {
-            device.poll(&mut telling);
+            device.poll(&mut collector);
         }
-        self.account.told(telling);
+        self.run.told(collector);
         Ok(())
     }
 
     /// What lies ahead of the last poll, and when a counter that owes an answer counts as lost.
     fn next_event(&self) -> Option<Time> {
-        let owed = self.devices.iter().filter_map(Watched::overdue);
-        self.account.next_event(&self.surroundings.time, owed)
+        let owed = self.devices.iter().filter_map(CounterHandle::overdue);
+        self.run.next_event(&self.context.time, owed)
     }
 
     /// Nothing is driven: the counters go on by themselves, and nobody looks until the next start.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.account.latch(now);
-        self.devices.iter().for_each(Watched::rest);
+        self.run.latch(now);
+        self.devices.iter().for_each(CounterHandle::rest);
         Ok(())
     }
 
     fn health(&self) -> Health {
         Health {
             lost: self.devices.iter().filter(|device| device.has_gone()).count() as u32,
-            dropped: self.account.dropped(),
-            failed_calls: self.devices.iter().map(Watched::failed_calls).sum(),
-            latched_safe: self.account.is_latched(),
+            dropped: self.run.dropped(),
+            failed_calls: self.devices.iter().map(CounterHandle::failed_calls).sum(),
+            latched_safe: self.run.is_latched(),
             ..Health::default()
         }
     }

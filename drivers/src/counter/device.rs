@@ -55,7 +55,7 @@ pub(super) struct Device {
     /// Time between two readings.
     pub(super) period: i64,
     /// A device that was gone is taken back.
-    pub(super) retake: bool,
+    pub(super) reconnect: bool,
     pub(super) started: u64,
     /// Whether the start has been answered.
     pub(super) complete: bool,
@@ -156,8 +156,8 @@ impl Device {
 
     /// Whether a device that was gone is there again.
     fn look_again(&mut self, now: i64) {
-        self.due = if self.retake { now.saturating_add(self.reporter.limit()) } else { i64::MAX };
-        if !self.retake {
+        self.due = if self.reconnect { now.saturating_add(self.reporter.limit()) } else { i64::MAX };
+        if !self.reconnect {
             return;
         }
         self.counter = (self.opener)();

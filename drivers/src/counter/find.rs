@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use document::suggest;
 
 use super::spec::{CounterSpec, FindCount, FindCounter};
-use crate::convert::Refusal;
+use crate::adc::Refusal;
 use crate::file::codes;
 use crate::inventory::{line, names};
 

@@ -15,7 +15,7 @@ use super::find::{CounterDevice, HardwareCount, look, named};
 use super::follow::{Reading, unseen};
 use super::spec::CounterSpec;
 use super::{Counter, Way};
-use crate::convert::Refusal;
+use crate::adc::Refusal;
 use crate::file::codes;
 use crate::inventory::{line, names};
 

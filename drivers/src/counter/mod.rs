@@ -10,9 +10,9 @@ mod find;
 mod follow;
 #[cfg(test)]
 mod follow_tests;
+mod handle;
 mod kernel;
 mod spec;
-mod watched;
 
 pub use board::{CounterBoard, Source, describe};
 pub use find::{CounterDevice, HardwareCount, find, list, look, named};

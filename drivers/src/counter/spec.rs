@@ -61,9 +61,9 @@ impl CounterSpec {
     }
 
     /// The longest time between two readings that is not told as a loss, where a call on the device may last so long.
-    pub fn longest(&self, silent_after: Span) -> Span {
+    pub fn longest(&self, unresponsive_after: Span) -> Span {
         let periods = self.period.as_nanos().saturating_mul(2);
-        Span::from_nanos(silent_after.as_nanos().saturating_add(periods))
+        Span::from_nanos(unresponsive_after.as_nanos().saturating_add(periods))
     }
 
     /// Whether it tells when it wraps.

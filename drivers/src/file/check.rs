@@ -4,13 +4,13 @@ use document::{Fields, Findings, Node};
 
 use super::bench::Bench;
 use super::{BoardKind, codes};
-use crate::{ChannelId, Loop};
+use crate::{ChannelId, LoopbackPair};
 
 /// What the key `check` of a real board says.
-pub(super) fn looped(board: &Fields, bench: &Bench, out: &mut Findings) -> Option<Loop> {
+pub(super) fn looped(board: &Fields, bench: &Bench, out: &mut Findings) -> Option<LoopbackPair> {
     let fields = board.inner("check")?;
     let (from, to) = (fields.get("out")?, fields.get("in")?);
-    let found = Loop { out: bench.channel(from, out)?, input: bench.channel(to, out)? };
+    let found = LoopbackPair { out: bench.channel(from, out)?, input: bench.channel(to, out)? };
     let channels = &bench.file.circuit.channels;
     let mut suits = |node: &Node, yes: bool, message: String, help: &str| {
         if !yes {

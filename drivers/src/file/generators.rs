@@ -5,9 +5,9 @@ use signal::{Area, Span, Value};
 
 use super::bench::Bench;
 use super::real::{OF_LINE, channels};
-use super::{codes, convert, keys, number};
+use super::{adc, codes, keys, number};
 use crate::ChannelId;
-use crate::emit::{
+use crate::generator::{
     BUFFER, BitClock, FindPwm, GeneratorKind, GeneratorSpec, GeneratorsSpec, OutputSpec, PwmSpec, StreamSpec,
 };
 
@@ -165,7 +165,7 @@ fn output(
     out: &mut Findings,
 ) -> Option<OutputSpec> {
     let mut sound = fields.text("kind") == Some("digital");
-    let strange = OF_LINE.iter().chain(convert::OF_INPUT).chain(&["pull", "drives"]);
+    let strange = OF_LINE.iter().chain(adc::OF_INPUT).chain(&["pull", "drives"]);
     for entry in strange.filter(|key| **key != SHARED).filter_map(|key| fields.entry(key)) {
         let message = format!("a channel behind a generator has no `{}`", entry.key);
         let help = "remove it, or its `generator`";

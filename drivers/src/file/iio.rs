@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use document::{Entry, Fields, Findings};
 
 use super::codes;
-use crate::convert::SampleSpec;
-use crate::convert::iio::{Buffering, FindDevice, IioSpec, MAX_BUFFER};
+use crate::adc::SampleSpec;
+use crate::adc::iio::{Buffering, FindDevice, IioSpec, MAX_BUFFER};
 
 /// Scans that the kernel keeps, where the board file does not say.
 const BUFFER: i64 = 1024;

@@ -22,7 +22,7 @@ const FASTEST: f64 = 500e6;
 /// The GPIO lines of a file whose channels and bindings were read. `None` where something is wrong with them.
 pub(super) fn gpio(
     fields: &Fields,
-    silent_after: Span,
+    unresponsive_after: Span,
     bench: &mut Bench,
     out: &mut Findings,
 ) -> Option<GpioSpec> {
@@ -46,7 +46,7 @@ pub(super) fn gpio(
     lines.sort_by_key(|line: &LineSpec| line.channel);
     crowded(&chips, &lines, out);
     twice(&lines, out);
-    (!out.has_errors()).then_some(GpioSpec { backend, consumer, silent_after, chips, lines })
+    (!out.has_errors()).then_some(GpioSpec { backend, consumer, unresponsive_after, chips, lines })
 }
 
 fn consumer(board: &Fields, out: &mut Findings) -> Option<String> {

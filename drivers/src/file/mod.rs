@@ -1,12 +1,12 @@
 //! The board file: which controller is tested, on which board, bound how.
 
+mod adc;
 mod bench;
 mod buses;
 mod can;
 mod check;
 pub(crate) mod codes;
 mod control;
-mod convert;
 mod counter;
 mod generators;
 mod guard;
@@ -30,7 +30,7 @@ use signal::{Address, Area, Size};
 use crate::circuit::{ChannelSpec, Circuit, CircuitError, Pull};
 use crate::real::{self as devices, OfflineBoard, RealSpec};
 use crate::wrap::{Disturbance, Faulty};
-use crate::{Board, ChannelId, Loop, RealtimeSettings, SimulatedBoard, Surroundings};
+use crate::{Board, BoardContext, ChannelId, LoopbackPair, RealtimeSettings, SimulatedBoard};
 
 pub use codes::CODES;
 pub use control::{ControlSettings, OnDisconnect};
@@ -106,7 +106,7 @@ pub struct BoardFile {
     /// What kind of board it is.
     pub kind: BoardKind,
     /// The loop by which the rig checks itself before a run on real lines.
-    pub check: Option<Loop>,
+    pub check: Option<LoopbackPair>,
     /// The channels, and what else the simulated board is made of.
     pub circuit: Circuit,
     /// Terminals and channels, by address; inputs first. Each address once.
@@ -164,8 +164,8 @@ impl BoardFile {
     }
 
     /// Whether a device that went away is taken back when it is there again.
-    pub fn retakes(&self) -> bool {
-        matches!(&self.kind, BoardKind::Real(spec) if spec.retake)
+    pub fn reconnects(&self) -> bool {
+        matches!(&self.kind, BoardKind::Real(spec) if spec.reconnect)
     }
 
     /// The channel that a terminal is wired to.
@@ -213,12 +213,9 @@ pub fn build(file: &BoardFile, seed: u64) -> Result<Box<dyn Board>, CircuitError
 ///
 /// # Errors
 /// All that is not there, not free, not permitted or cannot be done, at its place in the file, under [`CODES`].
-pub fn open(
-    file: &BoardFile,
-    surroundings: &Surroundings,
-) -> Result<Option<Box<dyn Board>>, Vec<Diagnostic>> {
+pub fn open(file: &BoardFile, context: &BoardContext) -> Result<Option<Box<dyn Board>>, Vec<Diagnostic>> {
     match &file.kind {
         BoardKind::Simulated => Ok(None),
-        BoardKind::Real(spec) => Ok(Some(devices::open(file, spec, surroundings)?)),
+        BoardKind::Real(spec) => Ok(Some(devices::open(file, spec, context)?)),
     }
 }

@@ -79,7 +79,7 @@ pub fn read(
         bench.file.check = board.and_then(|board| check::looped(&board, &bench, &mut out));
         return if out.has_errors() { Err(out.into_vec()) } else { Ok(bench.file) };
     }
-    real::strangers(&fields, &mut out);
+    real::reject_real_only_keys(&fields, &mut out);
     counter::tallies(&fields, &mut bench, &mut out);
     let wires = parts::wires(fields.each("wires"), &mut bench, &mut out);
     let plants = parts::plants(fields.each("plants"), &mut bench, &mut out);

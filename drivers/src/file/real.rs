@@ -4,10 +4,10 @@ use document::{Entry, Fields, Findings, Node};
 
 use super::bench::Bench;
 use super::buses::buses;
-use super::{can, codes, convert, counter, generators, keys, lines, relays, serial};
+use super::{adc, can, codes, counter, generators, keys, lines, relays, serial};
 use crate::BusId;
 use crate::can::CanSpec;
-use crate::real::{RealSpec, SILENT_AFTER};
+use crate::real::{RealSpec, UNRESPONSIVE_AFTER};
 
 /// What only a board of real devices has: tables of the file, keys of its board.
 const TABLES: &[&str] = &["chips", "converters", "counters", "fault-relays", "generators"];
@@ -17,7 +17,7 @@ pub(super) const OF_LINE: &[&str] =
     &["chip", "line", "bias", "active-low", "debounce", "drive", "readback", "counts-up-to", "pulses-up-to"];
 
 /// Reports keys of real devices on a simulated board.
-pub(super) fn strangers(fields: &Fields, out: &mut Findings) {
+pub(super) fn reject_real_only_keys(fields: &Fields, out: &mut Findings) {
     let help = "remove it, or make the board one of kind = \"real\"";
     let mut strange = |fields: &Fields, keys: &[&str]| {
         for entry in keys.iter().filter_map(|key| fields.entry(key)) {
@@ -31,7 +31,7 @@ pub(super) fn strangers(fields: &Fields, out: &mut Findings) {
     }
     for (_, fields) in channels(fields) {
         strange(&fields, OF_LINE);
-        strange(&fields, convert::OF_INPUT);
+        strange(&fields, adc::OF_INPUT);
         strange(&fields, counter::OF_COUNT);
         strange(&fields, generators::OF_OUTPUT);
     }
@@ -45,13 +45,13 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
         out.error(codes::OTHER_BOARD, entry.key_span.clone(), message, help);
     }
     let board = fields.inner("board")?;
-    let silent_after = board.duration("silent-after").unwrap_or(SILENT_AFTER);
-    if let Some(node) = board.get("silent-after").filter(|_| silent_after.as_nanos() == 0) {
+    let unresponsive_after = board.duration("silent-after").unwrap_or(UNRESPONSIVE_AFTER);
+    if let Some(node) = board.get("silent-after").filter(|_| unresponsive_after.as_nanos() == 0) {
         out.bad(codes::TIME, node, "every call on a device lasts longer than 0", "write a duration above 0");
     }
     let relays = relays::relays(fields, bench, out);
-    let gpio = lines::gpio(fields, silent_after, bench, out);
-    let converters = convert::converters(fields, bench, out);
+    let gpio = lines::gpio(fields, unresponsive_after, bench, out);
+    let converters = adc::converters(fields, bench, out);
     let counters = counter::counters(fields, bench, out);
     let generators = generators::generators(fields, bench, out);
     let mut on_can = Vec::new();
@@ -73,8 +73,8 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
     serial::twice(&ports, out);
     let gpio = gpio.filter(|_| !out.has_errors())?;
     Some(RealSpec {
-        silent_after,
-        retake: board.boolean("retake").unwrap_or(false),
+        unresponsive_after,
+        reconnect: board.boolean("retake").unwrap_or(false),
         gpio,
         converters,
         counters,

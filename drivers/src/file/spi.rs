@@ -5,8 +5,8 @@ use signal::Span;
 
 use super::iio::OF_IIO;
 use super::{codes, number};
-use crate::convert::spi::{SpiSpec, Sweep, choose, part};
-use crate::convert::{ConverterSpec, SampleSpec};
+use crate::adc::spi::{SpiSpec, Sweep, choose, part};
+use crate::adc::{AdcSpec, SampleSpec};
 
 /// A clock rate that hardly any wiring is too long for.
 const USUAL: u32 = 1_000_000;
@@ -81,7 +81,7 @@ pub(super) fn spi(entry: &Entry, fields: &Fields, out: &mut Findings) -> Option<
 }
 
 /// Looks whether the part has the inputs that channels want of it, and the time to read them.
-pub(super) fn inputs(converter: &ConverterSpec, spec: &SpiSpec, samples: &[SampleSpec], out: &mut Findings) {
+pub(super) fn inputs(converter: &AdcSpec, spec: &SpiSpec, samples: &[SampleSpec], out: &mut Findings) {
     let mut chosen = Vec::new();
     for sample in samples {
         match choose(spec, sample) {

@@ -11,15 +11,15 @@ use super::find::find;
 use super::lines::Lines;
 use super::make::{Chip, Maker, Served};
 use super::port::Port;
-use super::retake::{Retaken, Retaking};
+use super::reconnect::{Reconnected, Reconnector};
 use super::{FoundChip, GpioSpec};
-use crate::account::{Account, START};
+use crate::event_collector::EventCollector;
 use crate::file::BoardFile;
-use crate::telling::Telling;
+use crate::run_state::{RunState, START};
 use crate::thread::not_started;
 use crate::{
-    Board, BoardError, BoardEvent, Call, Channel, ChannelId, Descriptions, Health, HeldLines, LossReason,
-    Surroundings,
+    Board, BoardContext, BoardError, BoardEvent, Call, Channel, ChannelId, Descriptions, Health, LossReason,
+    OutputClaim,
 };
 
 /// The line that a channel drives: its chip, its place among the chip's outputs.
@@ -33,8 +33,8 @@ pub struct GpioBoard {
     drives: Vec<Driven>,
     chips: Vec<Chip>,
     /// Looks for chips that are gone, where the board file wants them back.
-    retaking: Option<Retaking>,
-    account: Account,
+    reconnector: Option<Reconnector>,
+    run: RunState,
     /// Calls that had failed on chips that were replaced since.
     failed: u64,
 }
@@ -47,10 +47,10 @@ impl GpioBoard {
     pub fn open(
         file: &BoardFile,
         spec: &GpioSpec,
-        surroundings: &Surroundings,
+        context: &BoardContext,
     ) -> Result<GpioBoard, Vec<Diagnostic>> {
-        let mut board = GpioBoard::without_chips(file, spec, surroundings);
-        let retake = file.retakes();
+        let mut board = GpioBoard::without_chips(file, spec, context);
+        let reconnect = file.reconnects();
         for found in find(file, spec)? {
             let place = spec.chips[found.spec].place.clone();
             let claimed = board.maker.claim(found).map_err(|(code, message, help)| {
@@ -58,10 +58,10 @@ impl GpioBoard {
             })?;
             board.add(claimed);
         }
-        if retake {
-            let retaking = Retaking::start(board.maker.clone(), &board.chips)
+        if reconnect {
+            let reconnector = Reconnector::start(board.maker.clone(), &board.chips)
                 .map_err(|error| not_started(file, "the thread that takes chips back", &error))?;
-            board.retaking = Some(retaking);
+            board.reconnector = Some(reconnector);
         }
         Ok(board)
     }
@@ -73,11 +73,11 @@ impl GpioBoard {
     pub fn on_port(
         file: &BoardFile,
         spec: &GpioSpec,
-        surroundings: &Surroundings,
+        context: &BoardContext,
         found: FoundChip,
         port: Arc<dyn Port>,
     ) -> std::io::Result<GpioBoard> {
-        let mut board = GpioBoard::without_chips(file, spec, surroundings);
+        let mut board = GpioBoard::without_chips(file, spec, context);
         let chip = board.maker.work(found, port)?;
         board.add(chip);
         Ok(board)
@@ -91,23 +91,23 @@ impl GpioBoard {
     pub fn served(
         file: &BoardFile,
         spec: &GpioSpec,
-        surroundings: &Surroundings,
+        context: &BoardContext,
         found: FoundChip,
         port: Arc<dyn Port>,
     ) -> std::io::Result<(GpioBoard, Served)> {
-        let mut board = GpioBoard::without_chips(file, spec, surroundings);
+        let mut board = GpioBoard::without_chips(file, spec, context);
         let (chip, served) = board.maker.prepare(found, port)?;
         board.add(chip);
         Ok((board, served))
     }
 
-    fn without_chips(file: &BoardFile, spec: &GpioSpec, surroundings: &Surroundings) -> GpioBoard {
+    fn without_chips(file: &BoardFile, spec: &GpioSpec, context: &BoardContext) -> GpioBoard {
         GpioBoard {
-            maker: Maker::new(file, spec, surroundings),
+            maker: Maker::new(file, spec, context),
             drives: vec![None; file.circuit.channels.len()],
             chips: Vec::new(),
-            retaking: None,
-            account: Account::default(),
+            reconnector: None,
+            run: RunState::default(),
             failed: 0,
         }
     }
@@ -125,23 +125,25 @@ impl GpioBoard {
     }
 
     /// Puts a chip that is back in the place of the one that went away.
-    fn replace(&mut self, Retaken { at, chip }: Retaken) -> Chip {
+    fn replace(&mut self, Reconnected { at, chip }: Reconnected) -> Chip {
         self.route(at, &chip);
         self.failed += self.chips[at].lines.failures();
         std::mem::replace(&mut self.chips[at], chip)
     }
 
     /// Takes chips that are back, and says so. What they drove before they drive again.
-    fn take_back(&mut self, telling: &mut Telling<'_>) {
-        while let Some(retaken) = self.retaking.as_mut().and_then(|retaking| retaking.back.pop().ok()) {
-            let at = retaken.at;
+    fn take_back(&mut self, collector: &mut EventCollector<'_>) {
+        while let Some(reconnected) =
+            self.reconnector.as_mut().and_then(|reconnector| reconnector.back.pop().ok())
+        {
+            let at = reconnected.at;
             // What the old one had still to tell, its loss included.
-            self.chips[at].lines.poll(telling);
-            let old = self.replace(retaken);
+            self.chips[at].lines.poll(collector);
+            let old = self.replace(reconnected);
             let lines = &mut self.chips[at].lines;
-            lines.returned(telling);
-            if !self.account.is_latched() {
-                lines.follow(&old.lines, telling.time.stamp(telling.now));
+            lines.returned(collector);
+            if !self.run.is_latched() {
+                lines.follow(&old.lines, collector.time.stamp(collector.now));
             }
             self.done_with(old);
         }
@@ -149,9 +151,9 @@ impl GpioBoard {
 
     /// A chip whose threads end by and by.
     fn done_with(&mut self, old: Chip) {
-        if let Some(retaking) = &mut self.retaking {
+        if let Some(reconnector) = &mut self.reconnector {
             // There is room for more chips than can be on their way.
-            let _ = retaking.old.push(old);
+            let _ = reconnector.old.push(old);
         }
     }
 
@@ -162,13 +164,15 @@ impl GpioBoard {
     fn return_lost(&mut self) -> Result<(), BoardError> {
         let due = self.due(START);
         loop {
-            while let Some(retaken) = self.retaking.as_mut().and_then(|retaking| retaking.back.pop().ok()) {
-                let old = self.replace(retaken);
+            while let Some(reconnected) =
+                self.reconnector.as_mut().and_then(|reconnector| reconnector.back.pop().ok())
+            {
+                let old = self.replace(reconnected);
                 self.done_with(old);
             }
             let Some(gone) = self.chips.iter().find(|chip| chip.lines.gone()) else { return Ok(()) };
-            match &self.retaking {
-                Some(retaking) if monotonic() < due => retaking.wait(due),
+            match &self.reconnector {
+                Some(reconnector) if monotonic() < due => reconnector.wait(due),
                 _ => return Err(gone.lines.is_lost(LossReason::Gone)),
             }
         }
@@ -176,7 +180,7 @@ impl GpioBoard {
 
     /// When a chip that does not answer by then is not waited for any longer; at least so long.
     fn due(&self, least: Span) -> i64 {
-        monotonic().saturating_add(self.maker.spec.silent_after.max(least).as_nanos())
+        monotonic().saturating_add(self.maker.spec.unresponsive_after.max(least).as_nanos())
     }
 }
 
@@ -195,24 +199,24 @@ impl Board for GpioBoard {
 
     /// Waits for the chips, as long as one may be silent or two seconds.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.account.end();
+        self.run.end();
         self.return_lost()?;
         let starts: Vec<u64> = self.chips.iter_mut().map(|chip| chip.lines.ask_start()).collect();
         let due = self.due(START);
         for (chip, start) in self.chips.iter_mut().zip(starts) {
             if !chip.lines.await_start(start, due) {
-                let reason = if chip.lines.gone() { LossReason::Gone } else { LossReason::Silent };
+                let reason = if chip.lines.gone() { LossReason::Gone } else { LossReason::Unresponsive };
                 return Err(chip.lines.is_lost(reason));
             }
         }
-        self.account.begin(now);
-        self.account.owes_start();
+        self.run.begin(now);
+        self.run.owes_start();
         self.failed = 0;
         Ok(())
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.account.drive_at(now)?;
+        self.run.drive_at(now)?;
         for chip in &mut self.chips {
             chip.lines.next = chip.lines.wanted;
         }
@@ -228,7 +232,7 @@ impl Board for GpioBoard {
             };
             lines.next = if high { lines.next | bit } else { lines.next & !bit };
         }
-        let now = self.maker.surroundings.time.stamp(now);
+        let now = self.maker.context.time.stamp(now);
         for chip in &mut self.chips {
             chip.lines.ask(now);
         }
@@ -236,32 +240,32 @@ impl Board for GpioBoard {
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        let time = self.maker.surroundings.time.clone();
-        let mut telling = Telling::new(out, &time, now);
-        if let Some(start) = self.account.take_fresh() {
+        self.run.come_to(now)?;
+        let time = self.maker.context.time.clone();
+        let mut collector = EventCollector::new(out, &time, now);
+        if let Some(start) = self.run.take_fresh() {
             for chip in &self.chips {
-                chip.lines.present(start, &mut telling);
+                chip.lines.present(start, &mut collector);
             }
         }
-        self.take_back(&mut telling);
+        self.take_back(&mut collector);
         for chip in &mut self.chips {
-            chip.lines.poll(&mut telling);
+            chip.lines.poll(&mut collector);
         }
-        self.account.told(telling);
+        self.run.told(collector);
         Ok(())
     }
 
     /// What lies ahead of the last poll, and when a chip that owes an answer counts as lost.
     fn next_event(&self) -> Option<Time> {
         let owed = self.chips.iter().filter_map(|chip| chip.lines.overdue());
-        self.account.next_event(&self.maker.surroundings.time, owed)
+        self.run.next_event(&self.maker.context.time, owed)
     }
 
     /// Waits for the chips, at most as long as one may be silent. A chip that hangs is made safe as soon as its call
     /// ends.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.account.latch(now);
+        self.run.latch(now);
         let wanted: Vec<u64> = self.chips.iter_mut().map(|chip| chip.lines.ask_safe()).collect();
         let due = self.due(Span::ZERO);
         let mut outcome = Ok(());
@@ -279,15 +283,15 @@ impl Board for GpioBoard {
         let lines = || self.chips.iter().map(|chip| &chip.lines);
         Health {
             lost: lines().map(Lines::lost_channels).sum(),
-            dropped: self.account.dropped()
+            dropped: self.run.dropped()
                 + lines().map(|lines| u64::from(lines.shared.open.load(Acquire))).sum::<u64>(),
             failed_calls: self.failed + lines().map(Lines::failures).sum::<u64>(),
-            latched_safe: self.account.is_latched(),
+            latched_safe: self.run.is_latched(),
             ..Health::default()
         }
     }
 
-    fn output_claims(&self) -> Result<Vec<HeldLines>, BoardError> {
+    fn output_claims(&self) -> Result<Vec<OutputClaim>, BoardError> {
         let mut all = Vec::new();
         for chip in &self.chips {
             let held = chip.port.held(&chip.device);

@@ -43,7 +43,7 @@ pub(super) struct Shared {
     /// Edges that found no room on their way to the board, by input.
     pub(super) spilled: [AtomicU32; 64],
     /// Whether some did.
-    pub(super) spilt: AtomicBool,
+    pub(super) overflowed: AtomicBool,
     /// Numbers of edges that have not come yet.
     pub(super) open: AtomicU32,
     /// Reports that found no room.
@@ -73,7 +73,7 @@ impl Shared {
             touched: AtomicU64::new(0),
             reading: AtomicBool::new(false),
             spilled: [const { AtomicU32::new(0) }; 64],
-            spilt: AtomicBool::new(false),
+            overflowed: AtomicBool::new(false),
             open: AtomicU32::new(0),
             unreported: AtomicU64::new(0),
             stop: AtomicBool::new(false),
@@ -117,7 +117,7 @@ impl Shared {
 
 /// The board's side of a chip at work. Dropping it ends the threads; outputs are left safe.
 #[derive(Debug)]
-pub(super) struct Running {
+pub(super) struct ChipWorker {
     pub(super) shared: Arc<Shared>,
     pub(super) images: Producer<Image>,
     pub(super) reports: Consumer<Report>,
@@ -128,22 +128,29 @@ pub(super) struct Running {
     threads: Vec<std::thread::JoinHandle<()>>,
 }
 
-impl Running {
+impl ChipWorker {
     /// A chip whose threads are still to be started.
     pub(super) fn new(
         port: Arc<dyn Port>,
         safe: u64,
         pace: Pace,
         bell: &Arc<Bell>,
-        silent_after: i64,
-    ) -> std::io::Result<(Running, Device, Edges)> {
+        unresponsive_after: i64,
+    ) -> std::io::Result<(ChipWorker, Device, Edges)> {
         let shared = Arc::new(Shared::new());
         let (device, images, reports) =
-            device(port.clone(), shared.clone(), bell.clone(), safe, pace, silent_after);
+            device(port.clone(), shared.clone(), bell.clone(), safe, pace, unresponsive_after);
         let end = Arc::new(eventfd(0, EventfdFlags::CLOEXEC)?);
         let (edges, notes) = edges(port, shared.clone(), bell.clone(), end.clone());
-        let running =
-            Running { shared, images, reports, notes, end, patience: silent_after, threads: Vec::new() };
+        let running = ChipWorker {
+            shared,
+            images,
+            reports,
+            notes,
+            end,
+            patience: unresponsive_after,
+            threads: Vec::new(),
+        };
         Ok((running, device, edges))
     }
 
@@ -172,7 +179,7 @@ impl Running {
     }
 }
 
-impl Drop for Running {
+impl Drop for ChipWorker {
     fn drop(&mut self) {
         self.shared.latched.store(true, Ordering::Release);
         self.shared.stop.store(true, Ordering::Release);

@@ -159,7 +159,7 @@ fn give(notes: &mut Producer<Note>, shared: &Shared, note: Note) {
     if notes.push(note).is_err() {
         let count = note.lost.saturating_add(u32::from(note.high.is_some()));
         shared.spilled[usize::from(note.input) % 64].fetch_add(count, Ordering::Relaxed);
-        shared.spilt.store(true, Ordering::Release);
+        shared.overflowed.store(true, Ordering::Release);
     }
 }
 

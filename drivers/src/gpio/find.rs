@@ -45,7 +45,7 @@ pub fn find(file: &BoardFile, spec: &GpioSpec) -> Result<Vec<FoundChip>, Vec<Dia
     find_some(file, spec, |_| true)
 }
 
-/// The chips of this machine that a board means, as [`crate::HeldLines::device`] names them; whether they can be had
+/// The chips of this machine that a board means, as [`crate::OutputClaim::device`] names them; whether they can be had
 /// is not looked at.
 pub fn devices(spec: &GpioSpec) -> Vec<String> {
     let meant = |info: &&ChipInfo| spec.chips.iter().any(|chip| means(chip, info));

@@ -4,7 +4,7 @@ use signal::{Span, Time, When};
 
 use super::edges::Note;
 use super::port::Levels;
-use crate::telling::Telling;
+use crate::event_collector::EventCollector;
 use crate::{ChannelId, Origin};
 
 /// One input line.
@@ -65,21 +65,21 @@ impl Inputs {
     }
 
     /// The levels as they are.
-    pub(super) fn present(&self, at: When, telling: &mut Telling<'_>) {
+    pub(super) fn present(&self, at: When, collector: &mut EventCollector<'_>) {
         for (place, Known { line, .. }) in
             self.lines.iter().enumerate().filter(|(_, known)| known.line.senses)
         {
-            telling.changed(line.channel, at, self.levels >> place & 1 == 1, Origin::Outside);
+            collector.changed(line.channel, at, self.levels >> place & 1 == 1, Origin::Outside);
         }
     }
 
     /// An edge, or the loss of some. `wanted` is what the outputs were asked to be.
-    pub(super) fn edge(&mut self, note: &Note, wanted: u64, telling: &mut Telling<'_>) {
+    pub(super) fn edge(&mut self, note: &Note, wanted: u64, collector: &mut EventCollector<'_>) {
         let place = usize::from(note.input);
         let (Some(known), true) = (self.lines.get_mut(place), note.stamp >= self.began) else { return };
         let line = &known.line;
-        let at = telling.time.at(note.stamp);
-        telling.dropped(line.channel, at, note.lost);
+        let at = collector.time.at(note.stamp);
+        collector.dropped(line.channel, at, note.lost);
         let Some(high) = note.high else { return };
         let bit = 1u64 << note.input;
         let (fresh, strayed) = (self.fresh & bit != 0, self.strayed & bit != 0);
@@ -90,7 +90,7 @@ impl Inputs {
             // that the line has is one whose direction the kernel was too late to see.
             let read = fresh && note.stamp <= self.surveyed || strayed && note.stamp <= known.found;
             if !read {
-                telling.dropped(line.channel, at, 1);
+                collector.dropped(line.channel, at, 1);
             }
             return;
         }
@@ -101,24 +101,24 @@ impl Inputs {
             let own = line.output.is_some_and(|output| (wanted >> output & 1 == 1) == high);
             let origin = if own { Origin::Write } else { Origin::Outside };
             let at = When::within(at.saturating_add(-line.resolution), at);
-            telling.changed(line.channel, at, high, origin);
+            collector.changed(line.channel, at, high, origin);
         }
     }
 
     /// An input has had this level for a while, and no edge told of it.
-    pub(super) fn stray(&mut self, input: u8, high: bool, stamp: i64, telling: &mut Telling<'_>) {
+    pub(super) fn stray(&mut self, input: u8, high: bool, stamp: i64, collector: &mut EventCollector<'_>) {
         let (place, bit) = (usize::from(input), 1u64 << input);
         let Some(known) = self.lines.get_mut(place).filter(|_| (self.levels & bit != 0) != high) else {
             return;
         };
         let line = known.line;
-        let at = telling.time.at(stamp);
-        telling.dropped(line.channel, at, 1);
+        let at = collector.time.at(stamp);
+        collector.dropped(line.channel, at, 1);
         self.levels ^= bit;
         self.strayed |= bit;
         let before = std::mem::replace(known, Known { line, last: at, found: stamp });
         if line.senses {
-            telling.changed(line.channel, When::within(before.last.min(at), at), high, Origin::Outside);
+            collector.changed(line.channel, When::within(before.last.min(at), at), high, Origin::Outside);
         }
     }
 }

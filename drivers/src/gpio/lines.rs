@@ -6,10 +6,10 @@ use std::sync::atomic::Ordering;
 use host::monotonic;
 use signal::{Span, Time, When};
 
-use super::chip::{Running, Shared};
+use super::chip::{ChipWorker, Shared};
 use super::device::{Image, Report};
 use super::inputs::Inputs;
-use crate::telling::Telling;
+use crate::event_collector::EventCollector;
 use crate::{BoardError, BoardEvent, ChannelId, LossReason, Origin};
 
 /// Images of the outputs of a chip.
@@ -31,7 +31,7 @@ pub(super) struct Masks {
 #[derive(Debug)]
 pub(super) struct Lines {
     pub(super) shared: Arc<Shared>,
-    pub(super) running: Running,
+    pub(super) running: ChipWorker,
     /// The channel of each output.
     pub(super) drives: Vec<ChannelId>,
     inputs: Inputs,
@@ -49,7 +49,7 @@ pub(super) struct Lines {
     behind: bool,
     /// The newest image that was handed over, and the outputs that carry pulses of which an edge found no room.
     handed: u64,
-    eaten: u64,
+    dropped: u64,
     /// What the outputs were driven to last.
     driven: u64,
     pub(super) lost: Option<LossReason>,
@@ -59,7 +59,7 @@ pub(super) struct Lines {
 
 impl Lines {
     pub(super) fn new(
-        running: Running,
+        running: ChipWorker,
         drives: Vec<ChannelId>,
         inputs: Inputs,
         masks: Masks,
@@ -79,7 +79,7 @@ impl Lines {
             owes: 0,
             behind: false,
             handed: masks.safe,
-            eaten: 0,
+            dropped: 0,
             driven: masks.safe,
             lost: None,
             failed: 0,
@@ -107,7 +107,7 @@ impl Lines {
                 (self.asked, self.behind, self.lost) =
                     (self.shared.taken.load(Ordering::Acquire), false, None);
                 self.taken = self.asked;
-                (self.handed, self.eaten) = (bits, 0);
+                (self.handed, self.dropped) = (bits, 0);
                 self.failed = self.shared.failed.load(Ordering::Acquire);
                 for spilled in &self.shared.spilled {
                     spilled.store(0, Ordering::Release);
@@ -159,7 +159,7 @@ impl Lines {
             // The image that found no room is replaced: what it turned is driven at one instant with what this one
             // turns, or never.
             let lost = (self.handed ^ self.wanted) | (self.wanted ^ self.next);
-            self.eaten |= if self.next == self.wanted { 0 } else { lost & self.masks.timed };
+            self.dropped |= if self.next == self.wanted { 0 } else { lost & self.masks.timed };
         }
         self.wanted = self.next;
         self.look(now);
@@ -197,18 +197,18 @@ impl Lines {
     }
 
     /// The levels of all sensed lines as they are.
-    pub(super) fn present(&self, at: Time, telling: &mut Telling<'_>) {
+    pub(super) fn present(&self, at: Time, collector: &mut EventCollector<'_>) {
         let at = When::exactly(at);
-        self.inputs.present(at, telling);
+        self.inputs.present(at, collector);
         let silent = self.masks.double | self.masks.unseen;
         for (place, channel) in self.drives.iter().enumerate().filter(|(place, _)| silent >> place & 1 == 0) {
-            telling.changed(*channel, at, self.driven >> place & 1 == 1, Origin::Write);
+            collector.changed(*channel, at, self.driven >> place & 1 == 1, Origin::Write);
         }
     }
 
     /// Tells what happened up to now.
-    pub(super) fn poll(&mut self, telling: &mut Telling<'_>) {
-        let now = telling.time.stamp(telling.now);
+    pub(super) fn poll(&mut self, collector: &mut EventCollector<'_>) {
+        let now = collector.time.stamp(collector.now);
         self.look(now);
         if self.behind {
             self.ask(now);
@@ -216,112 +216,112 @@ impl Lines {
         // Both queues are in the order of their stamps: what is older comes first.
         loop {
             let report = self.running.reports.peek().ok().copied();
-            self.edges(report.map_or(i64::MAX, |report| stamp_of(&report)).min(now), telling);
+            self.edges(report.map_or(i64::MAX, |report| stamp_of(&report)).min(now), collector);
             let Some(report) = report else { break };
             if stamp_of(&report) > now {
-                telling.ahead(stamp_of(&report));
+                collector.ahead(stamp_of(&report));
                 break;
             }
             // It is the one that was looked at.
             let _ = self.running.reports.pop();
-            self.report(report, telling);
+            self.report(report, collector);
         }
-        self.spilled(telling);
-        self.answers(telling);
+        self.spilled(collector);
+        self.answers(collector);
     }
 
     /// Edges up to this stamp.
-    fn edges(&mut self, until: i64, telling: &mut Telling<'_>) {
+    fn edges(&mut self, until: i64, collector: &mut EventCollector<'_>) {
         let ready = self.running.notes.slots();
         let Ok(chunk) = self.running.notes.read_chunk(ready) else { return };
         let (first, second) = chunk.as_slices();
         let mut taken = 0;
         for note in first.iter().chain(second) {
             if note.stamp > until {
-                telling.ahead(note.stamp);
+                collector.ahead(note.stamp);
                 break;
             }
-            self.inputs.edge(note, self.wanted, telling);
+            self.inputs.edge(note, self.wanted, collector);
             taken += 1;
         }
         chunk.commit(taken);
     }
 
-    fn report(&mut self, report: Report, telling: &mut Telling<'_>) {
+    fn report(&mut self, report: Report, collector: &mut EventCollector<'_>) {
         match report {
             Report::Set { before, after, bits } => {
-                let at = When::within(telling.time.at(before), telling.time.at(after));
+                let at = When::within(collector.time.at(before), collector.time.at(after));
                 let mut flips = (bits ^ self.driven) & !self.masks.double & !self.masks.unseen;
                 self.driven = bits;
                 while flips != 0 {
                     let place = flips.trailing_zeros();
                     flips &= flips - 1;
                     if let Some(channel) = self.drives.get(place as usize) {
-                        telling.changed(*channel, at, bits >> place & 1 == 1, Origin::Write);
+                        collector.changed(*channel, at, bits >> place & 1 == 1, Origin::Write);
                     }
                 }
             }
             Report::Swallowed { output, count, at } => {
                 if let Some(channel) = self.drives.get(usize::from(output)) {
-                    telling.dropped(*channel, telling.time.at(at), count);
+                    collector.dropped(*channel, collector.time.at(at), count);
                 }
             }
-            Report::Strayed { input, high, at } => self.inputs.stray(input, high, at, telling),
+            Report::Strayed { input, high, at } => self.inputs.stray(input, high, at, collector),
             // Was waited for.
             Report::Started { .. } => {}
         }
     }
 
     /// What found no room on its way.
-    fn spilled(&mut self, telling: &mut Telling<'_>) {
-        let eaten = std::mem::take(&mut self.eaten);
-        for (_, channel) in self.drives.iter().enumerate().filter(|(place, _)| eaten >> place & 1 == 1) {
-            telling.dropped(*channel, telling.now, 1);
+    fn spilled(&mut self, collector: &mut EventCollector<'_>) {
+        let dropped = std::mem::take(&mut self.dropped);
+        for (_, channel) in self.drives.iter().enumerate().filter(|(place, _)| dropped >> place & 1 == 1) {
+            collector.dropped(*channel, collector.now, 1);
         }
-        if self.shared.spilt.swap(false, Ordering::AcqRel) {
+        if self.shared.overflowed.swap(false, Ordering::AcqRel) {
             for (place, channel) in self.inputs.channels().enumerate() {
                 let count = self.shared.spilled[place].swap(0, Ordering::AcqRel);
-                telling.dropped(channel, telling.now, count);
+                collector.dropped(channel, collector.now, count);
             }
         }
         if self.shared.unreported.load(Ordering::Relaxed) > 0 {
             let count = u32::try_from(self.shared.unreported.swap(0, Ordering::AcqRel)).unwrap_or(u32::MAX);
             for channel in &self.drives {
-                telling.dropped(*channel, telling.now, count);
+                collector.dropped(*channel, collector.now, count);
             }
         }
     }
 
     /// Whether the chip still answers.
-    fn answers(&mut self, telling: &mut Telling<'_>) {
-        let now = telling.time.stamp(telling.now);
+    fn answers(&mut self, collector: &mut EventCollector<'_>) {
+        let now = collector.time.stamp(collector.now);
         let reason = match (self.gone(), self.lost) {
             (true, _) => Some(LossReason::Gone),
             (false, Some(_)) => {
                 // It was silent. It answers again when no call is under way and nothing is owed.
                 let silent = self.taken != self.asked || self.shared.in_call.load(Ordering::Acquire) != 0;
-                silent.then_some(LossReason::Silent)
+                silent.then_some(LossReason::Unresponsive)
             }
-            (false, None) => self.overdue().is_some_and(|due| due < now).then_some(LossReason::Silent),
+            (false, None) => self.overdue().is_some_and(|due| due < now).then_some(LossReason::Unresponsive),
         };
         if reason == self.lost {
             return;
         }
         self.lost = reason;
-        let at = telling.now;
-        let Some(reason) = reason else { return self.returned(telling) };
+        let at = collector.now;
+        let Some(reason) = reason else { return self.returned(collector) };
         for channel in self.channels() {
-            telling.tell(BoardEvent::Lost { channel, at, reason });
+            collector.tell(BoardEvent::Lost { channel, at, reason });
         }
     }
 
     /// The chip is back, and these are its levels.
-    pub(super) fn returned(&self, telling: &mut Telling<'_>) {
-        let at = telling.now;
+    pub(super) fn returned(&self, collector: &mut EventCollector<'_>) {
+        let at = collector.now;
         for channel in self.channels() {
-            telling.tell(BoardEvent::Returned { channel, at });
+            collector.tell(BoardEvent::Returned { channel, at });
         }
-        self.present(at, telling);
+        self.present(at, collector);
     }
 
     /// Drives what the chip in whose place this one comes was asked to drive.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rustix::io::Errno;
 use signal::Span;
 
-use super::chip::Running;
+use super::chip::ChipWorker;
 use super::device::Device;
 use super::edges::Edges;
 use super::find::{device, why};
@@ -17,7 +17,7 @@ use super::v1::PortV1;
 use super::v2::PortV2;
 use super::{Backend, Drive, Edge, FoundChip, GpioError, GpioSpec};
 use crate::file::{BoardFile, codes};
-use crate::{Channel, ChannelId, Surroundings, TimestampSource};
+use crate::{BoardContext, Channel, ChannelId, TimestampSource};
 
 /// How much longer than asked for the kernel may debounce: it counts in ticks, of which there are at least 100 a second.
 const TICKS: Span = Span::from_millis(20);
@@ -57,16 +57,16 @@ pub(super) struct Chip {
 pub(super) struct Maker {
     pub(super) file: BoardFile,
     pub(super) spec: GpioSpec,
-    pub(super) surroundings: Surroundings,
+    pub(super) context: BoardContext,
     /// The channels, as exact as the chips that were made allow.
     pub(super) channels: Vec<Channel>,
 }
 
 impl Maker {
-    pub(super) fn new(file: &BoardFile, spec: &GpioSpec, surroundings: &Surroundings) -> Maker {
+    pub(super) fn new(file: &BoardFile, spec: &GpioSpec, context: &BoardContext) -> Maker {
         let mut channels = crate::real::blank(file);
         super::describe(file, spec, &mut channels);
-        Maker { file: file.clone(), spec: spec.clone(), surroundings: surroundings.clone(), channels }
+        Maker { file: file.clone(), spec: spec.clone(), context: context.clone(), channels }
     }
 
     /// Claims a chip's lines and starts its threads. On failure the code, the words and what mends it.
@@ -88,7 +88,7 @@ impl Maker {
     pub(super) fn work(&mut self, found: FoundChip, port: Arc<dyn Port>) -> std::io::Result<Chip> {
         let name = found.info.name.clone();
         let (mut chip, Served { device, edges }) = self.prepare(found, port)?;
-        chip.lines.running.start(&name, device, edges, self.surroundings.realtime)?;
+        chip.lines.running.start(&name, device, edges, self.context.realtime)?;
         Ok(chip)
     }
 
@@ -112,7 +112,7 @@ impl Maker {
             self.stamped(*channel, found.backend, Span::from_micros(i64::from(line.debounce_us)));
         }
         for channel in found.drives.iter().filter(|channel| !found.senses.contains(channel)) {
-            self.channels[usize::from(channel.0)].resolution = self.surroundings.resolution;
+            self.channels[usize::from(channel.0)].resolution = self.context.resolution;
         }
         let senses = |channel: &ChannelId| self.channels[usize::from(channel.0)].senses;
         let masked = |yes: &dyn Fn(&ChannelId) -> bool| {
@@ -131,9 +131,9 @@ impl Maker {
             output: found.drives.iter().position(|other| other == channel).map(|place| place as u8),
         });
         let inputs = Inputs::new(inputs.collect());
-        let limit = self.spec.silent_after.as_nanos();
+        let limit = self.spec.unresponsive_after.as_nanos();
         let (running, of_device, edges) =
-            Running::new(port.clone(), safe, pace, &self.surroundings.bell, limit)?;
+            ChipWorker::new(port.clone(), safe, pace, &self.context.bell, limit)?;
         let device = device(&found.info);
         let lines = Lines::new(running, found.drives, inputs, masks, limit);
         Ok((Chip { spec: found.spec, device, port, lines }, Served { device: of_device, edges }))
@@ -142,7 +142,7 @@ impl Maker {
     /// What the events of an input are worth.
     fn stamped(&mut self, channel: ChannelId, backend: Backend, debounce: Span) {
         let channel = &mut self.channels[usize::from(channel.0)];
-        channel.resolution = self.surroundings.resolution;
+        channel.resolution = self.context.resolution;
         if debounce > Span::ZERO {
             channel.resolution = channel.resolution + debounce + TICKS;
         }
@@ -150,7 +150,7 @@ impl Maker {
             // The kernel stamps the edges, but may lose some without a sign: no more is certain than of a line that is
             // looked at now and then.
             channel.timestamp = TimestampSource::Sampled { period: channel.resolution };
-            channel.shortest_pulse = self.spec.silent_after;
+            channel.shortest_pulse = self.spec.unresponsive_after;
         }
     }
 }

@@ -13,7 +13,7 @@ mod lines;
 mod make;
 mod pace;
 mod port;
-mod retake;
+mod reconnect;
 mod spec;
 mod track;
 mod v1;

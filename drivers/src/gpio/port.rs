@@ -5,7 +5,7 @@ use std::io;
 use std::os::fd::BorrowedFd;
 
 use super::{Backend, Bias, Drive};
-use crate::HeldLines;
+use crate::OutputClaim;
 
 /// A line to be claimed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,5 +91,5 @@ pub trait Port: Send + Sync + fmt::Debug {
     ///
     /// # Errors
     /// The kernel has no descriptor left.
-    fn held(&self, device: &str) -> io::Result<Vec<HeldLines>>;
+    fn held(&self, device: &str) -> io::Result<Vec<OutputClaim>>;
 }

@@ -21,7 +21,7 @@ pub struct GpioSpec {
     /// What the rig calls itself as the holder of lines, where `gpioinfo` shows it.
     pub consumer: String,
     /// How long a call on a chip may last before the chip counts as lost.
-    pub silent_after: Span,
+    pub unresponsive_after: Span,
     /// The chips.
     pub chips: Vec<ChipSpec>,
     /// The lines behind channels of the board, in the order of the channels.

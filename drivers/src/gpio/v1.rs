@@ -12,7 +12,7 @@ use gpiocdev_uapi::v1::{self, LineEdgeEvent, LineEdgeEventKind, LineValues};
 use super::error::uapi;
 use super::port::{Claim, Edge, Levels, Port, Wanted};
 use super::{Backend, Bias, Drive, GpioCall, GpioError};
-use crate::{HeldLines, LineApi};
+use crate::{LineApi, OutputClaim};
 
 /// Edges that one call reads at most: all that the kernel keeps for a line.
 const BATCH: usize = 16;
@@ -193,10 +193,10 @@ impl Port for PortV1 {
         Ok(())
     }
 
-    fn held(&self, device: &str) -> io::Result<Vec<HeldLines>> {
+    fn held(&self, device: &str) -> io::Result<Vec<OutputClaim>> {
         let one = |group: &Group| {
             let count = group.places.len();
-            Ok(HeldLines {
+            Ok(OutputClaim {
                 device: device.to_owned(),
                 claim: OwnedFd::from(group.claim.try_clone()?),
                 api: LineApi::V1 { lines: count as u8 },

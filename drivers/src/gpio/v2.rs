@@ -12,7 +12,7 @@ use gpiocdev_uapi::v2::{self, LineEdgeEvent, LineEdgeEventKind, LineValues};
 use super::error::uapi;
 use super::port::{Claim, Edge, Levels, Port, Wanted};
 use super::{Backend, Bias, Drive, GpioCall, GpioError};
-use crate::{HeldLines, LineApi};
+use crate::{LineApi, OutputClaim};
 
 /// Edges that the kernel keeps for a claim until they are read; it takes no more.
 const KERNEL_ROOM: u32 = 1024;
@@ -200,10 +200,10 @@ impl Port for PortV2 {
         Ok(())
     }
 
-    fn held(&self, device: &str) -> io::Result<Vec<HeldLines>> {
+    fn held(&self, device: &str) -> io::Result<Vec<OutputClaim>> {
         let Some(outputs) = &self.outputs else { return Ok(Vec::new()) };
         let claim: OwnedFd = outputs.try_clone()?.into();
         let (mask, safe) = (self.drive.mask, self.drive.spread(self.safe));
-        Ok(vec![HeldLines { device: device.to_owned(), claim, api: LineApi::V2, mask, safe }])
+        Ok(vec![OutputClaim { device: device.to_owned(), claim, api: LineApi::V2, mask, safe }])
     }
 }

@@ -4,16 +4,16 @@ use document::Diagnostic;
 use signal::{Time, Value};
 
 use super::{RealSpec, channels, relays};
+use crate::adc::AdcBoard;
 use crate::can::CanBoard;
-use crate::convert::ConverterBoard;
 use crate::counter::CounterBoard;
-use crate::emit::EmitBoard;
 use crate::file::BoardFile;
+use crate::generator::GeneratorBoard;
 use crate::gpio::GpioBoard;
 use crate::serial::SerialBoard;
 use crate::{
-    Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Descriptions,
-    Emission, Frame, Health, HeldLines, PulseOutputs, Surroundings,
+    Board, BoardContext, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, Buses, Channel, ChannelId,
+    Descriptions, Emission, Frame, Health, OutputClaim, PulseOutputs,
 };
 
 /// Finds and claims the devices of a file, outputs at their safe values.
@@ -23,30 +23,30 @@ use crate::{
 pub fn open(
     file: &BoardFile,
     spec: &RealSpec,
-    surroundings: &Surroundings,
+    context: &BoardContext,
 ) -> Result<Box<dyn Board>, Vec<Diagnostic>> {
     let mut board = RealBoard::new(channels(file, spec));
     let mut found = Vec::new();
     if !spec.gpio.lines.is_empty() {
-        match GpioBoard::open(file, &spec.gpio, surroundings) {
+        match GpioBoard::open(file, &spec.gpio, context) {
             Ok(lines) => board.add(Box::new(lines), spec.gpio.lines.iter().map(|line| line.channel)),
             Err(more) => found.extend(more),
         }
     }
     if !spec.can.buses.is_empty() {
-        match CanBoard::open(file, spec, surroundings) {
+        match CanBoard::open(file, spec, context) {
             Ok(buses) => board.add(Box::new(buses), []),
             Err(more) => found.extend(more),
         }
     }
     if !spec.serial.is_empty() {
-        match SerialBoard::open(file, spec, surroundings) {
+        match SerialBoard::open(file, spec, context) {
             Ok(ports) => board.add(Box::new(ports), []),
             Err(more) => found.extend(more),
         }
     }
     if !spec.converters.samples.is_empty() {
-        match ConverterBoard::open(file, spec, surroundings) {
+        match AdcBoard::open(file, spec, context) {
             Ok(inputs) => {
                 board.add(Box::new(inputs), spec.converters.samples.iter().map(|sample| sample.channel))
             }
@@ -54,7 +54,7 @@ pub fn open(
         }
     }
     if !spec.counters.counts.is_empty() {
-        match CounterBoard::open(file, spec, surroundings) {
+        match CounterBoard::open(file, spec, context) {
             Ok(counts) => {
                 board.add(Box::new(counts), spec.counters.counts.iter().map(|count| count.channel));
             }
@@ -62,14 +62,14 @@ pub fn open(
         }
     }
     if !spec.generators.outputs.is_empty() {
-        match EmitBoard::open(file, spec, surroundings) {
+        match GeneratorBoard::open(file, spec, context) {
             Ok(outputs) => {
                 board.add(Box::new(outputs), spec.generators.outputs.iter().map(|output| output.channel))
             }
             Err(more) => found.extend(more),
         }
     }
-    if found.is_empty() { Ok(relays::around(board.alone(), spec, surroundings)) } else { Err(found) }
+    if found.is_empty() { Ok(relays::around(board.alone(), spec, context)) } else { Err(found) }
 }
 
 /// Several devices as one board. Each is a board of its own that speaks of the channels and buses of the whole.
@@ -203,7 +203,7 @@ impl Board for RealBoard {
         self.parts.iter().map(|part| part.health()).fold(Health::default(), Health::and)
     }
 
-    fn output_claims(&self) -> Result<Vec<HeldLines>, BoardError> {
+    fn output_claims(&self) -> Result<Vec<OutputClaim>, BoardError> {
         let mut all = Vec::new();
         for part in &self.parts {
             all.extend(part.output_claims()?);

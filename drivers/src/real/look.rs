@@ -5,11 +5,11 @@ use rustix::fs::{Access, access};
 use std::path::Path;
 
 use super::RealSpec;
+use crate::adc::{AdcKind, AdcSpec, FindInput, Refusal, SampleSpec, iio, spi};
 use crate::can::{self, CanBusSpec};
-use crate::convert::{ConverterKind, ConverterSpec, FindInput, Refusal, SampleSpec, iio, spi};
 use crate::counter;
-use crate::emit::{self, GeneratorSpec, OutputSpec};
 use crate::file::BoardFile;
+use crate::generator::{self, GeneratorSpec, OutputSpec};
 use crate::serial::{self, OpenError, SerialSpec};
 use crate::{BusId, ChannelId};
 
@@ -82,10 +82,10 @@ pub fn look(file: &BoardFile, spec: &RealSpec) -> Look {
 }
 
 /// What is behind each input of a converter.
-fn inputs_of(converter: &ConverterSpec, inputs: &[SampleSpec]) -> Result<Vec<String>, Vec<Refusal>> {
+fn inputs_of(converter: &AdcSpec, inputs: &[SampleSpec]) -> Result<Vec<String>, Vec<Refusal>> {
     let one = |refusal| vec![refusal];
     match &converter.kind {
-        ConverterKind::Spi(spec) => {
+        AdcKind::Spi(spec) => {
             for sample in inputs {
                 spi::choose(spec, sample).map_err(one)?;
             }
@@ -98,7 +98,7 @@ fn inputs_of(converter: &ConverterSpec, inputs: &[SampleSpec]) -> Result<Vec<Str
             let of = format!("of {} on {}", spec.part.name(), spec.path.display());
             Ok(inputs.iter().map(|sample| format!("measures {} {of}, free", words(sample))).collect())
         }
-        ConverterKind::Iio(spec) => {
+        AdcKind::Iio(spec) => {
             let (device, places) = iio::look(spec, inputs)?;
             let of = iio::named(&device);
             let words = |place: &usize| {
@@ -112,7 +112,7 @@ fn inputs_of(converter: &ConverterSpec, inputs: &[SampleSpec]) -> Result<Vec<Str
 
 /// What is behind each output of a generator.
 fn generated(file: &BoardFile, generator: &GeneratorSpec, outputs: &[OutputSpec], look: &mut Look) {
-    match emit::look(generator, outputs) {
+    match generator::look(generator, outputs) {
         Ok(words) => {
             let words = outputs.iter().zip(words).map(|(output, words)| (output.channel, Some(words)));
             look.inputs.extend(words);

@@ -14,6 +14,6 @@ pub use look::{Look, look};
 pub use offline::OfflineBoard;
 pub(crate) use offline::{blank, channels};
 pub use relays::FaultRelays;
-pub use spec::{RealSpec, SILENT_AFTER};
+pub use spec::{RealSpec, UNRESPONSIVE_AFTER};
 pub use uses::{Used, uses};
 pub use wire::{FaultWay, SETTLE, WireRelays};

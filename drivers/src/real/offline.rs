@@ -7,7 +7,7 @@ use crate::{
     Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Fault, FaultInjection,
     FaultSet, Frame, Health, TimestampSource,
 };
-use crate::{can, convert, counter, emit, gpio, serial};
+use crate::{adc, can, counter, generator, gpio, serial};
 use signal::{Span, Time, Value, When};
 
 /// The channels and buses of real devices that nobody opened: what a plan is checked against on any machine. It never starts.
@@ -30,9 +30,9 @@ impl OfflineBoard {
 pub(crate) fn channels(file: &BoardFile, spec: &RealSpec) -> Vec<Channel> {
     let mut channels = blank(file);
     gpio::describe(file, &spec.gpio, &mut channels);
-    convert::describe(file, &spec.converters, &mut channels);
+    adc::describe(file, &spec.converters, &mut channels);
     counter::describe(file, spec, Span::ZERO, &mut channels);
-    emit::describe(file, &spec.generators, &mut channels);
+    generator::describe(file, &spec.generators, &mut channels);
     wire::describe(&spec.relays, &mut channels);
     channels
 }

@@ -10,8 +10,8 @@ use super::RealSpec;
 use super::wire::{self, FaultWay, WireRelays};
 use crate::sim::MAX_FAULTS;
 use crate::{
-    Board, BoardError, BoardEvent, BoardExt, Channel, ChannelId, Fault, FaultInjection, FaultKind, Health,
-    Surroundings,
+    Board, BoardContext, BoardError, BoardEvent, BoardExt, Channel, ChannelId, Fault, FaultInjection,
+    FaultKind, Health,
 };
 
 /// A fault that was asked for.
@@ -111,10 +111,10 @@ impl Wire {
 }
 
 /// The board of real devices with its relays in charge of its faults, where it has some.
-pub(super) fn around(board: Box<dyn Board>, spec: &RealSpec, surroundings: &Surroundings) -> Box<dyn Board> {
+pub(super) fn around(board: Box<dyn Board>, spec: &RealSpec, context: &BoardContext) -> Box<dyn Board> {
     match spec.relays.as_slice() {
         [] => board,
-        wires => Box::new(FaultRelays::new(board, wires, Some(surroundings))),
+        wires => Box::new(FaultRelays::new(board, wires, Some(context))),
     }
 }
 
@@ -127,7 +127,7 @@ pub struct FaultRelays<B: Board> {
     /// Whether a channel is that of a relay.
     is_relay: Vec<bool>,
     /// What a run lives in; `None` in virtual time, where nothing is waited for.
-    surroundings: Option<Surroundings>,
+    context: Option<BoardContext>,
     /// When relays that were on were let go at the end of a run, on the monotonic clock.
     released: Option<i64>,
     last: Time,
@@ -135,7 +135,7 @@ pub struct FaultRelays<B: Board> {
 
 impl<B: Board> FaultRelays<B> {
     /// Puts relays of these wires, which are outputs of the board, in charge of its faults.
-    pub fn new(inner: B, wires: &[WireRelays], surroundings: Option<&Surroundings>) -> FaultRelays<B> {
+    pub fn new(inner: B, wires: &[WireRelays], context: Option<&BoardContext>) -> FaultRelays<B> {
         let mut channels = inner.channels().to_vec();
         wire::describe(wires, &mut channels);
         let mut is_relay = vec![false; channels.len()];
@@ -149,7 +149,7 @@ impl<B: Board> FaultRelays<B> {
             channels,
             wires: wires.iter().cloned().map(Wire::new).collect(),
             is_relay,
-            surroundings: surroundings.cloned(),
+            context: context.cloned(),
             released: None,
             last: Time::ZERO,
         }
@@ -239,7 +239,7 @@ impl<B: Board> Board for FaultRelays<B> {
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
         self.wires.iter_mut().for_each(Wire::forget);
         let settle = self.wires.iter().map(|wire| wire.spec.settle).max().unwrap_or(Span::ZERO);
-        if let (Some(lives), Some(released)) = (&self.surroundings, self.released.take()) {
+        if let (Some(lives), Some(released)) = (&self.context, self.released.take()) {
             let settled = released.saturating_add(settle.as_nanos());
             while monotonic() < settled {
                 lives.bell.wait_until(settled);

@@ -1,28 +1,28 @@
 //! What a board file says of a board of real devices.
 
+use crate::adc::AdcsSpec;
 use crate::can::CanSpec;
-use crate::convert::ConvertersSpec;
 use crate::counter::CountersSpec;
-use crate::emit::GeneratorsSpec;
+use crate::generator::GeneratorsSpec;
 use crate::gpio::GpioSpec;
 use crate::real::WireRelays;
 use crate::serial::SerialSpec;
 use signal::Span;
 
 /// How long a call on a device may last, where the board file does not say.
-pub const SILENT_AFTER: Span = Span::from_millis(100);
+pub const UNRESPONSIVE_AFTER: Span = Span::from_millis(100);
 
 /// A board of real devices as a board file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RealSpec {
     /// How long a call on a device may last before the device counts as lost.
-    pub silent_after: Span,
+    pub unresponsive_after: Span,
     /// A device that went away is taken back when it is there again.
-    pub retake: bool,
+    pub reconnect: bool,
     /// GPIO chips and lines.
     pub gpio: GpioSpec,
     /// Converters and their inputs.
-    pub converters: ConvertersSpec,
+    pub converters: AdcsSpec,
     /// Counters and their channels.
     pub counters: CountersSpec,
     /// Generators and their outputs.

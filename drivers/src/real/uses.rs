@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::RealSpec;
-use crate::convert::{ConverterKind, iio};
+use crate::adc::{AdcKind, iio};
 use crate::counter::CounterSpec;
-use crate::emit::{self, GeneratorKind};
+use crate::generator::{self, GeneratorKind};
 use crate::{can, counter, gpio};
 
 /// A device of this machine that a board uses, or some lines of one.
@@ -57,8 +57,8 @@ pub fn uses(spec: &RealSpec) -> Vec<Used> {
             continue;
         }
         used.extend(match &converter.kind {
-            ConverterKind::Spi(spi) => Used::behind(&spi.path),
-            ConverterKind::Iio(spec) => {
+            AdcKind::Spi(spi) => Used::behind(&spi.path),
+            AdcKind::Iio(spec) => {
                 iio::find(Path::new("/"), spec).ok().map(|device| Used::whole(device.number))
             }
         });
@@ -74,7 +74,7 @@ pub fn uses(spec: &RealSpec) -> Vec<Used> {
         }
         used.extend(match &generator.kind {
             GeneratorKind::Stream(stream) => Used::behind(&stream.path),
-            GeneratorKind::Pwm(pwm) => emit::find(Path::new("/"), pwm).ok().map(|chip| Used {
+            GeneratorKind::Pwm(pwm) => generator::find(Path::new("/"), pwm).ok().map(|chip| Used {
                 device: chip.name,
                 lines: Some(outputs.iter().map(|output| u32::from(output.output)).collect()),
             }),

@@ -12,13 +12,13 @@ use tokio::runtime::Builder;
 use super::find::Identity;
 use super::work::{Running, Shared, Worker};
 use super::{OpenError, SerialPort, SerialSpec};
-use crate::account::{Account, START, drives_none};
 use crate::file::{BoardFile, codes};
 use crate::holder::{all_holders, words};
 use crate::real::RealSpec;
+use crate::run_state::{RunState, START, drives_none};
 use crate::{
-    Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Frame, Health,
-    LossReason, Surroundings,
+    Board, BoardContext, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Frame,
+    Health, LossReason,
 };
 
 /// The serial lines of a board: held for the rig alone while it lives, each by a thread of its own. Their bytes are the
@@ -28,10 +28,10 @@ pub struct SerialBoard {
     channels: Vec<Channel>,
     buses: Vec<Bus>,
     lines: Vec<Line>,
-    surroundings: Surroundings,
-    silent_after: Span,
-    retake: bool,
-    account: Account,
+    context: BoardContext,
+    unresponsive_after: Span,
+    reconnect: bool,
+    run: RunState,
 }
 
 #[derive(Debug)]
@@ -54,7 +54,7 @@ impl SerialBoard {
     pub fn open(
         file: &BoardFile,
         spec: &RealSpec,
-        surroundings: &Surroundings,
+        context: &BoardContext,
     ) -> Result<SerialBoard, Vec<Diagnostic>> {
         let mut buses = Vec::new();
         super::describe(&spec.serial, &mut buses);
@@ -62,10 +62,10 @@ impl SerialBoard {
             channels: crate::real::blank(file),
             buses,
             lines: Vec::with_capacity(spec.serial.len()),
-            surroundings: surroundings.clone(),
-            silent_after: spec.silent_after,
-            retake: file.retakes(),
-            account: Account::default(),
+            context: context.clone(),
+            unresponsive_after: spec.unresponsive_after,
+            reconnect: file.reconnects(),
+            run: RunState::default(),
         };
         let mut found = Vec::new();
         for line in &spec.serial {
@@ -94,11 +94,11 @@ impl SerialBoard {
             spec: spec.port.clone(),
             identity: Identity::of(&spec.port.path),
             shared,
-            bell: self.surroundings.bell.clone(),
-            retake: self.retake,
-            realtime: self.surroundings.realtime,
+            bell: self.context.bell.clone(),
+            reconnect: self.reconnect,
+            realtime: self.context.realtime,
         };
-        let patience = self.silent_after.as_nanos();
+        let patience = self.unresponsive_after.as_nanos();
         let running = Running::start(worker, runtime, port, patience).map_err(cannot)?;
         let device = spec.port.path.display().to_string();
         Ok(Line { bus: spec.bus, device, running, lost: None, losses: 0, failed: 0 })
@@ -117,10 +117,10 @@ impl Line {
         let gone = self.running.shared.gone.load(Ordering::Acquire);
         let silent = match self.lost {
             // It was silent. It answers again when no call is under way.
-            Some(LossReason::Silent) => self.overdue(limit).is_some(),
+            Some(LossReason::Unresponsive) => self.overdue(limit).is_some(),
             _ => self.overdue(limit).is_some_and(|due| due < stamp),
         };
-        let reason = if gone { Some(LossReason::Gone) } else { silent.then_some(LossReason::Silent) };
+        let reason = if gone { Some(LossReason::Gone) } else { silent.then_some(LossReason::Unresponsive) };
         let bus = self.bus;
         if losses != self.losses {
             self.losses = losses;
@@ -197,13 +197,13 @@ impl Board for SerialBoard {
 
     /// Waits for ports that are being taken back, for two seconds or as long as one may be silent.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.account.end();
-        let due = monotonic().saturating_add(self.silent_after.max(START).as_nanos());
+        self.run.end();
+        let due = monotonic().saturating_add(self.unresponsive_after.max(START).as_nanos());
         for line in &mut self.lines {
             let shared = &line.running.shared;
             while shared.gone.load(Ordering::Acquire) {
                 let stamp = monotonic();
-                if !self.retake || stamp >= due {
+                if !self.reconnect || stamp >= due {
                     let since = Span::from_nanos(stamp - shared.since.load(Ordering::Acquire));
                     return Err(BoardError::BusLost { bus: line.bus, reason: LossReason::Gone, since });
                 }
@@ -213,29 +213,29 @@ impl Board for SerialBoard {
             line.losses = shared.losses.load(Ordering::Acquire);
             line.failed = shared.failed.load(Ordering::Acquire);
         }
-        self.account.begin(now);
+        self.run.begin(now);
         Ok(())
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
+        self.run.come_to(now)?;
         drives_none(&self.channels, writes)
     }
 
     fn poll(&mut self, now: Time, _out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.account.come_to(now)
+        self.run.come_to(now)
     }
 
     /// When a port whose call is under way counts as lost.
     fn next_event(&self) -> Option<Time> {
         let answering = self.lines.iter().filter(|line| line.lost.is_none());
-        let owed = answering.filter_map(|line| line.overdue(self.silent_after));
-        self.account.next_event(&self.surroundings.time, owed)
+        let owed = answering.filter_map(|line| line.overdue(self.unresponsive_after));
+        self.run.next_event(&self.context.time, owed)
     }
 
     /// Nothing is driven: a line that nobody sends on is idle.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.account.latch(now);
+        self.run.latch(now);
         Ok(())
     }
 
@@ -244,7 +244,7 @@ impl Board for SerialBoard {
         Health {
             lost: self.lines.iter().filter(|line| line.lost.is_some()).count() as u32,
             failed_calls: self.lines.iter().map(failed).sum(),
-            latched_safe: self.account.is_latched(),
+            latched_safe: self.run.is_latched(),
             ..Health::default()
         }
     }
@@ -268,16 +268,16 @@ impl Buses for SerialBoard {
     }
 
     fn send(&mut self, now: Time, bus: BusId, _frame: &Frame) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
+        self.run.come_to(now)?;
         let known = self.lines.iter().any(|line| line.bus == bus);
         Err(if known { BoardError::BadFrame(bus) } else { BoardError::NoBus(bus) })
     }
 
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
-        self.account.come_to(now)?;
-        let stamp = self.surroundings.time.stamp(now);
+        self.run.come_to(now)?;
+        let stamp = self.context.time.stamp(now);
         for line in &mut self.lines {
-            line.poll(now, stamp, self.silent_after, out);
+            line.poll(now, stamp, self.unresponsive_after, out);
         }
         Ok(())
     }
@@ -311,7 +311,7 @@ mod tests {
         assert_eq!(due, 20 + LIMIT.as_nanos());
         assert_eq!(poll(&mut line, due), []);
         let at = Time::from_nanos(due + 1);
-        assert_eq!(poll(&mut line, due + 1), [BusEvent::Lost { bus, at, reason: LossReason::Silent }]);
+        assert_eq!(poll(&mut line, due + 1), [BusEvent::Lost { bus, at, reason: LossReason::Unresponsive }]);
         assert_eq!(poll(&mut line, due + 2), []);
         shared.in_call.store(0, Ordering::Release);
         let at = Time::from_nanos(due + 3);

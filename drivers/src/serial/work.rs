@@ -47,7 +47,7 @@ pub(super) struct Worker {
     /// Is rung when there is something to tell.
     pub(super) bell: Arc<Bell>,
     /// It is taken back when it is there again.
-    pub(super) retake: bool,
+    pub(super) reconnect: bool,
     /// How the thread runs while it has a port.
     pub(super) realtime: Realtime,
 }
@@ -85,7 +85,7 @@ impl Worker {
             self.gone(true);
             // What is closed may be slow to go.
             self.timed(|| drop(port));
-            if !self.retake {
+            if !self.reconnect {
                 return;
             }
             held = self.take_back().await;

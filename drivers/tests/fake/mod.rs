@@ -14,7 +14,9 @@ use document::SourceFile;
 use host::Realtime;
 use rustix::event::{EventfdFlags, eventfd};
 use scanrig_drivers::gpio::{Backend, ChipInfo, Claim, Edge, FoundChip, GpioSpec, Levels, Port, Wanted};
-use scanrig_drivers::{BoardFile, BoardKind, ChannelId, GpioBoard, HeldLines, Surroundings, Terminals, read};
+use scanrig_drivers::{
+    BoardContext, BoardFile, BoardKind, ChannelId, GpioBoard, OutputClaim, Terminals, read,
+};
 
 /// Lines of each direction.
 pub const LINES: usize = 16;
@@ -141,7 +143,7 @@ impl Port for Fake {
         Ok(())
     }
 
-    fn held(&self, _device: &str) -> io::Result<Vec<HeldLines>> {
+    fn held(&self, _device: &str) -> io::Result<Vec<OutputClaim>> {
         Ok(Vec::new())
     }
 }
@@ -150,9 +152,9 @@ impl Port for Fake {
 pub const PULSED: [usize; 2] = [12, 13];
 
 /// The board file of the chip: outputs `o0` ..., inputs `i0` ..., a chip that is lost after so long.
-pub fn file(silent_after: &str) -> BoardFile {
+pub fn file(unresponsive_after: &str) -> BoardFile {
     let mut text = format!(
-        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{silent_after}\"\n[chips]\nmain = {{ label = \"fake\" }}\n\
+        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{unresponsive_after}\"\n[chips]\nmain = {{ label = \"fake\" }}\n\
          [channels]\n",
     );
     for line in 0..LINES {
@@ -165,8 +167,8 @@ pub fn file(silent_after: &str) -> BoardFile {
 }
 
 /// A board of the chip.
-pub fn board(port: Arc<dyn Port>, silent_after: &str) -> (GpioBoard, Surroundings) {
-    let (file, found, at) = parts(silent_after);
+pub fn board(port: Arc<dyn Port>, unresponsive_after: &str) -> (GpioBoard, BoardContext) {
+    let (file, found, at) = parts(unresponsive_after);
     (GpioBoard::on_port(&file, spec(&file), &at, found, port).unwrap(), at)
 }
 
@@ -177,8 +179,8 @@ pub fn spec(file: &BoardFile) -> &GpioSpec {
 }
 
 /// What a board of the chip is made of.
-pub fn parts(silent_after: &str) -> (BoardFile, FoundChip, Surroundings) {
-    let file = file(silent_after);
+pub fn parts(unresponsive_after: &str) -> (BoardFile, FoundChip, BoardContext) {
+    let file = file(unresponsive_after);
     let line = |number| Wanted {
         number,
         bias: None,
@@ -208,5 +210,5 @@ pub fn parts(silent_after: &str) -> (BoardFile, FoundChip, Surroundings) {
         drives: of("o"),
         senses: of("i"),
     };
-    (file, found, Surroundings::new(Realtime::default()))
+    (file, found, BoardContext::new(Realtime::default()))
 }

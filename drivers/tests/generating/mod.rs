@@ -10,8 +10,8 @@ use std::time::Duration;
 
 use document::SourceFile;
 use host::{Realtime, monotonic};
-use scanrig_drivers::emit::{EmitBoard, Generator, Sent, Source};
-use scanrig_drivers::{BoardFile, BoardKind, HeldLines, Surroundings, Terminals, read};
+use scanrig_drivers::generator::{Generator, GeneratorBoard, Sent, Source};
+use scanrig_drivers::{BoardContext, BoardFile, BoardKind, OutputClaim, Terminals, read};
 use signal::Span;
 
 /// What was asked of a generator.
@@ -124,15 +124,15 @@ impl Generator for Scripted {
         self.0.call(None)
     }
 
-    fn held(&self) -> io::Result<Vec<HeldLines>> {
+    fn held(&self) -> io::Result<Vec<OutputClaim>> {
         Ok(Vec::new())
     }
 }
 
 /// The board file.
-pub fn file(silent_after: &str, retake: bool) -> BoardFile {
+pub fn file(unresponsive_after: &str, reconnect: bool) -> BoardFile {
     let text = format!(
-        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{silent_after}\"\nretake = {retake}\n[generators]\n\
+        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{unresponsive_after}\"\nretake = {reconnect}\n[generators]\n\
          stream = {{ kind = \"spi\", path = \"/dev/none\" }}\nchip = {{ kind = \"pwm\", name = \"none\" }}\n[channels]\n\
          S = {{ kind = \"digital\", generator = \"stream\" }}\nP0 = {{ kind = \"digital\", generator = \"chip\" }}\n\
          P1 = {{ kind = \"digital\", generator = \"chip\", output = 1, safe = true }}\n",
@@ -142,9 +142,9 @@ pub fn file(silent_after: &str, retake: bool) -> BoardFile {
 }
 
 /// A board of both generators, the stream by the first script, the chip by the second.
-pub fn board(file: &BoardFile, scripts: [&Arc<Script>; 2]) -> (EmitBoard, Surroundings) {
+pub fn board(file: &BoardFile, scripts: [&Arc<Script>; 2]) -> (GeneratorBoard, BoardContext) {
     let BoardKind::Real(spec) = &file.kind else { panic!("{:?}", file.kind) };
-    let at = Surroundings::new(Realtime::default());
+    let at = BoardContext::new(Realtime::default());
     let source = |(place, script): (usize, &Arc<Script>)| {
         let of = script.clone();
         let scripted = move || -> Box<dyn Generator> { Box::new(Scripted(of.clone())) };
@@ -157,5 +157,5 @@ pub fn board(file: &BoardFile, scripts: [&Arc<Script>; 2]) -> (EmitBoard, Surrou
         }
     };
     let sources = scripts.into_iter().enumerate().map(source).collect();
-    (EmitBoard::on(file, spec, &at, sources).unwrap(), at)
+    (GeneratorBoard::on(file, spec, &at, sources).unwrap(), at)
 }

@@ -9,9 +9,9 @@ use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
 use host::{Realtime, monotonic};
-use scanrig_drivers::convert::{Converter, ConverterBoard, InRange, Pace, Reading, Source};
+use scanrig_drivers::adc::{Adc, AdcBoard, InRange, Pace, Reading, Source};
 use scanrig_drivers::real::RealSpec;
-use scanrig_drivers::{BoardFile, BoardKind, Surroundings, Terminals, read};
+use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Terminals, read};
 use signal::Span;
 
 /// Inputs of the converter.
@@ -56,7 +56,7 @@ pub struct Scripted {
     period: Span,
 }
 
-impl Converter for Scripted {
+impl Adc for Scripted {
     fn device(&self) -> &str {
         "scripted"
     }
@@ -88,9 +88,9 @@ impl Converter for Scripted {
 }
 
 /// The board file: channels `a0` ... of the converter's inputs, read so often, and what else is said of `a1`.
-pub fn file(silent_after: &str, period: &str, retake: bool, more: &str) -> BoardFile {
+pub fn file(unresponsive_after: &str, period: &str, reconnect: bool, more: &str) -> BoardFile {
     let mut text = format!(
-        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{silent_after}\"\nretake = {retake}\n[converters]\n\
+        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{unresponsive_after}\"\nretake = {reconnect}\n[converters]\n\
          adc = {{ kind = \"spi\", path = \"/dev/none\", part = \"ads8684\", period = \"{period}\", speed = \"17 MHz\" }}\n\
          [channels]\n",
     );
@@ -109,17 +109,17 @@ pub fn spec(file: &BoardFile) -> &RealSpec {
 }
 
 /// A board of the converter.
-pub fn board(file: &BoardFile, script: &Arc<Script>) -> (ConverterBoard, Surroundings) {
-    let (spec, at) = (spec(file), Surroundings::new(Realtime::default()));
+pub fn board(file: &BoardFile, script: &Arc<Script>) -> (AdcBoard, BoardContext) {
+    let (spec, at) = (spec(file), BoardContext::new(Realtime::default()));
     let period = spec.converters.converters[0].period;
     let scripted = {
         let script = script.clone();
-        move || -> Box<dyn Converter> { Box::new(Scripted { script: script.clone(), period }) }
+        move || -> Box<dyn Adc> { Box::new(Scripted { script: script.clone(), period }) }
     };
     let again = {
         let (script, scripted) = (script.clone(), scripted.clone());
         Box::new(move || script.there.load(Ordering::Acquire).then(&scripted))
     };
     let source = Source { converter: scripted(), inputs: spec.converters.samples.clone(), period, again };
-    (ConverterBoard::on(file, spec, &at, vec![source]).unwrap(), at)
+    (AdcBoard::on(file, spec, &at, vec![source]).unwrap(), at)
 }

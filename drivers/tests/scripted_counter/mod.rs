@@ -10,7 +10,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use document::SourceFile;
 use host::{CounterEvent, Realtime, monotonic};
 use scanrig_drivers::counter::{Counter, CounterBoard, Reading, Source};
-use scanrig_drivers::{BoardFile, BoardKind, Surroundings, Terminals, read};
+use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Terminals, read};
 
 /// What the counter is to do.
 #[derive(Debug, Default)]
@@ -76,9 +76,9 @@ impl Counter for Scripted {
 }
 
 /// The board file: a channel `shaft` of a counter that is read so often.
-pub fn file(silent_after: &str, period: &str, retake: bool) -> BoardFile {
+pub fn file(unresponsive_after: &str, period: &str, reconnect: bool) -> BoardFile {
     let text = format!(
-        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{silent_after}\"\nretake = {retake}\n[counters]\n\
+        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{unresponsive_after}\"\nretake = {reconnect}\n[counters]\n\
          wheel = {{ path = \"/dev/none\", period = \"{period}\" }}\n[channels]\nshaft = {{ kind = \"count\" }}\n",
     );
     read(&SourceFile::new("counter.toml", text), &|_| Ok(Terminals::default()))
@@ -86,9 +86,9 @@ pub fn file(silent_after: &str, period: &str, retake: bool) -> BoardFile {
 }
 
 /// A board of the counter.
-pub fn board(file: &BoardFile, script: &Arc<Script>) -> (CounterBoard, Surroundings) {
+pub fn board(file: &BoardFile, script: &Arc<Script>) -> (CounterBoard, BoardContext) {
     let BoardKind::Real(spec) = &file.kind else { panic!("{:?}", file.kind) };
-    let at = Surroundings::new(Realtime::default());
+    let at = BoardContext::new(Realtime::default());
     let again = {
         let script = script.clone();
         move || -> Option<Box<dyn Counter>> {

@@ -3,7 +3,7 @@
 use crate::page::Page;
 use crate::wire::{Message, PWM, Tag};
 use crate::{GuardError, Lacks, Reason};
-use drivers::{Bite, GuardSettings, HeldLines, Keeper, LineApi};
+use drivers::{Bite, GuardSettings, LineApi, OutputClaim, OutputGuard};
 use host::{Unstoppable, monotonic, never_stops};
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
@@ -95,8 +95,8 @@ impl Guard {
     }
 }
 
-impl Keeper for GuardHandle {
-    fn replace(&self, device: &str, lines: Vec<HeldLines>) -> Result<(), String> {
+impl OutputGuard for GuardHandle {
+    fn replace(&self, device: &str, lines: Vec<OutputClaim>) -> Result<(), String> {
         GuardHandle::replace(self, device, lines).map_err(|error| error.to_string())
     }
 }
@@ -130,7 +130,7 @@ impl GuardHandle {
     ///
     /// # Errors
     /// [`GuardError::Lines`], [`GuardError::Gone`], [`GuardError::Latched`].
-    pub fn hold(&self, lines: Vec<HeldLines>) -> Result<(), GuardError> {
+    pub fn hold(&self, lines: Vec<OutputClaim>) -> Result<(), GuardError> {
         let mut inner = self.inner();
         self.done(inner.ask(&Message::new(Tag::Forget, [0; 4]), &[], self.patience())?)?;
         self.give(&mut inner, lines)
@@ -141,14 +141,14 @@ impl GuardHandle {
     ///
     /// # Errors
     /// As [`GuardHandle::hold`].
-    pub fn replace(&self, gone: &str, lines: Vec<HeldLines>) -> Result<(), GuardError> {
+    pub fn replace(&self, gone: &str, lines: Vec<OutputClaim>) -> Result<(), GuardError> {
         let mut inner = self.inner();
         let release = Message::new(Tag::Release, [0; 4]).with(gone);
         self.done(inner.ask(&release, &[], self.patience())?)?;
         self.give(&mut inner, lines)
     }
 
-    fn give(&self, inner: &mut Inner, lines: Vec<HeldLines>) -> Result<(), GuardError> {
+    fn give(&self, inner: &mut Inner, lines: Vec<OutputClaim>) -> Result<(), GuardError> {
         for held in lines {
             let count = match held.api {
                 LineApi::V1 { lines } => i64::from(lines),

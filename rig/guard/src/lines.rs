@@ -1,6 +1,6 @@
 //! Output lines as the guard drives them: all of a claim at once, through a descriptor of its own.
 
-use drivers::{HeldLines, LineApi};
+use drivers::{LineApi, OutputClaim};
 use gpiocdev_uapi::{Error, v1, v2};
 use rustix::io::{Errno, pread, pwrite};
 use std::fs::File;
@@ -31,7 +31,7 @@ pub struct KernelLines {
 
 impl KernelLines {
     /// Takes the claim over.
-    pub fn new(held: HeldLines) -> KernelLines {
+    pub fn new(held: OutputClaim) -> KernelLines {
         KernelLines { claim: held.claim.into(), api: held.api, mask: held.mask }
     }
 }
@@ -117,7 +117,7 @@ mod tests {
     fn a_descriptor_that_is_no_claim_is_an_error_of_the_kernel() {
         for api in [LineApi::V2, LineApi::V1 { lines: 2 }] {
             let claim = File::open("/dev/null").unwrap().into();
-            let held = HeldLines { device: "null".into(), claim, api, mask: 1, safe: 0 };
+            let held = OutputClaim { device: "null".into(), claim, api, mask: 1, safe: 0 };
             let mut lines = KernelLines::new(held);
             assert!(lines.drive(0).unwrap_err().raw_os_error().is_some());
             assert!(lines.read().is_err());
@@ -129,7 +129,7 @@ mod tests {
         let path = std::env::temp_dir().join(format!("duty-{}", std::process::id()));
         std::fs::write(&path, "7\n").unwrap();
         let claim = File::options().read(true).write(true).open(&path).unwrap().into();
-        let held = HeldLines { device: "pwmchip0".into(), claim, api: LineApi::Pwm, mask: 1, safe: 0 };
+        let held = OutputClaim { device: "pwmchip0".into(), claim, api: LineApi::Pwm, mask: 1, safe: 0 };
         let mut lines = KernelLines::new(held);
         assert_eq!(lines.read().unwrap(), 1);
         assert!(lines.drive(1).is_err());

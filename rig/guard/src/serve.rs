@@ -5,7 +5,7 @@ use crate::page::Page;
 use crate::setup::set_up;
 use crate::watch::{Dog, Ending, Open, Post, Watch};
 use crate::wire::{Message, Tag};
-use drivers::{Bite, HeldLines};
+use drivers::{Bite, OutputClaim};
 use host::{Watchdog, monotonic};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, eventfd, poll};
 use rustix::io::Errno;
@@ -26,7 +26,7 @@ pub fn serve() -> ExitCode {
 }
 
 /// As [`serve`], for claims of any kind.
-pub fn serve_with(open: &dyn Fn(HeldLines) -> Box<dyn Lines>) -> ExitCode {
+pub fn serve_with(open: &dyn Fn(OutputClaim) -> Box<dyn Lines>) -> ExitCode {
     if std::io::stdin().is_terminal() {
         eprintln!("rig guard is started by the rig itself and by nobody else");
         return ExitCode::from(2);

@@ -82,7 +82,7 @@ impl AsFd for Guest {
     }
 }
 
-/// Asks the guards of rigs that are gone to let go of a device ([`drivers::HeldLines::device`]). Gives how many did:
+/// Asks the guards of rigs that are gone to let go of a device ([`drivers::OutputClaim::device`]). Gives how many did:
 /// with more than none, its lines can be claimed now.
 pub fn take_over(device: &str) -> usize {
     let Ok(table) = std::fs::read_to_string("/proc/net/unix") else { return 0 };

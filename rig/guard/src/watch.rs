@@ -10,7 +10,7 @@ use crate::lines::Lines;
 use crate::page::Page;
 use crate::takeover::{Guest, Listener};
 use crate::wire::{Descriptors, Message, PWM, Tag};
-use drivers::{Bite, HeldLines, LineApi};
+use drivers::{Bite, LineApi, OutputClaim};
 use host::{Watchdog, monotonic};
 use nix::sys::signalfd::SignalFd;
 use pending::Pending;
@@ -111,7 +111,7 @@ pub(crate) struct Post {
 }
 
 /// Makes lines of a claim.
-pub(crate) type Open<'a> = &'a dyn Fn(HeldLines) -> Box<dyn Lines>;
+pub(crate) type Open<'a> = &'a dyn Fn(OutputClaim) -> Box<dyn Lines>;
 
 /// The guard at work.
 pub(crate) struct Watch<'a> {
@@ -376,7 +376,7 @@ impl<'a> Watch<'a> {
         };
         let (mask, device) = (mask.cast_unsigned(), message.text().to_owned());
         let safe = safe.cast_unsigned() & mask;
-        let lines = (self.open)(HeldLines { device: device.clone(), claim, api, mask, safe });
+        let lines = (self.open)(OutputClaim { device: device.clone(), claim, api, mask, safe });
         let driver = Driver::start(device, lines, safe, &self.finished).map_err(|error| error.to_string())?;
         self.drivers.push(driver);
         Ok(())

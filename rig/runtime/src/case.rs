@@ -347,7 +347,7 @@ fn run_here(
         horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,
         fail_fast: options.fail_fast,
         on_loss: files.board.on_loss,
-        reconnect: files.board.retakes(),
+        reconnect: files.board.reconnects(),
         timeout: case.timeout,
         teardown: case.teardown,
     };

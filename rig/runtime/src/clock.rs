@@ -1,6 +1,6 @@
 //! The clocks that an executor can run on: virtual, virtual with seeded lateness, and the host's.
 
-use drivers::Surroundings;
+use drivers::BoardContext;
 use host::{Bell, TimeBase, Woken};
 use signal::{Random, Span, Time};
 use std::sync::Arc;
@@ -114,7 +114,7 @@ impl HostClock {
     }
 
     /// The clock of a board: its time, and whoever rings its bell ends a wait.
-    pub fn of(surroundings: &Surroundings) -> Self {
+    pub fn of(surroundings: &BoardContext) -> Self {
         HostClock { base: surroundings.time.clone(), bell: surroundings.bell.clone(), rung: false }
     }
 }
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_ring_ends_a_wait_early_and_is_told_once() {
-        let lives = Surroundings::new(host::Realtime::default());
+        let lives = BoardContext::new(host::Realtime::default());
         let mut clock = HostClock::of(&lives);
         let far = clock.now() + Span::from_secs(3600);
         lives.bell.ring();

@@ -7,11 +7,11 @@ use crate::executor::Heartbeat;
 use crate::figures::{self, MachineFigures};
 use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
-use drivers::convert::Date;
+use drivers::adc::Date;
 use drivers::real::OfflineBoard;
 use drivers::{
-    Board, BoardError, BoardEvent, BoardFile, BoardKind, Channel, ChannelId, Health, Loop, RealtimeSettings,
-    Surroundings,
+    Board, BoardContext, BoardError, BoardEvent, BoardFile, BoardKind, Channel, ChannelId, Health,
+    LoopbackPair, RealtimeSettings,
 };
 use guard::{Guard, GuardError, GuardHandle, Lacks};
 use host::{Entered, Privilege, Punctual, Refused, Role};
@@ -25,7 +25,7 @@ pub struct Hardware {
     place: Arc<BoardSlot>,
     /// Name of the board file.
     name: String,
-    surroundings: Surroundings,
+    surroundings: BoardContext,
     settings: RealtimeSettings,
     punctual: Punctual,
     refused: Vec<Refused>,
@@ -66,7 +66,7 @@ impl Hardware {
     pub fn new(
         name: &str,
         board: Box<dyn Board>,
-        surroundings: Surroundings,
+        surroundings: BoardContext,
         settings: RealtimeSettings,
     ) -> Hardware {
         let punctual = Punctual::begin();
@@ -102,14 +102,14 @@ impl Hardware {
         // First of all: there are no threads yet, and no memory is locked.
         let guard = Arc::new(Guard::spawn(&file.guard).map_err(refused)?);
         let mut standing = figures::standing(file);
-        for calibrated in drivers::convert::calibrated(file, Date::today()) {
+        for calibrated in drivers::adc::calibrated(file, Date::today()) {
             standing.facts.push((format!("Channel {}", calibrated.channel), calibrated.words));
             standing.warnings.extend(calibrated.expired);
         }
-        let mut surroundings = Surroundings::new(file.realtime.threads());
+        let mut surroundings = BoardContext::new(file.realtime.threads());
         surroundings.resolution = standing.resolution;
-        let keeper: Weak<GuardHandle> = Arc::downgrade(&guard);
-        surroundings.keeper = Some(keeper);
+        let output_guard: Weak<GuardHandle> = Arc::downgrade(&guard);
+        surroundings.output_guard = Some(output_guard);
         let opened = drivers::file::open(file, &surroundings).or_else(|found| {
             // The guard of a run that died may still hold the lines safe for it.
             if took_over(file, &found) { drivers::file::open(file, &surroundings) } else { Err(found) }
@@ -145,7 +145,7 @@ impl Hardware {
     }
 
     /// The time, the bell and the priorities of the board.
-    pub fn surroundings(&self) -> &Surroundings {
+    pub fn surroundings(&self) -> &BoardContext {
         &self.surroundings
     }
 
@@ -190,7 +190,11 @@ impl Hardware {
     ///
     /// # Errors
     /// Why the board is no instrument, as a finding to be shown; nothing of it where the user interrupted.
-    pub fn check(&mut self, looped: Option<Loop>, interrupt: &AtomicBool) -> Result<(), Option<Diagnostic>> {
+    pub fn check(
+        &mut self,
+        looped: Option<LoopbackPair>,
+        interrupt: &AtomicBool,
+    ) -> Result<(), Option<Diagnostic>> {
         let Some(looped) = looped else { return Ok(()) };
         let mut board = self.lease();
         let names = instrument::names(&board, looped);
@@ -367,7 +371,7 @@ mod tests {
     fn hardware() -> Hardware {
         let board = SimulatedBoard::new(&Circuit::default(), 1).unwrap();
         let settings = RealtimeSettings { priority: None, ..RealtimeSettings::default() };
-        Hardware::new("bench.toml", Box::new(board), Surroundings::new(Realtime::default()), settings)
+        Hardware::new("bench.toml", Box::new(board), BoardContext::new(Realtime::default()), settings)
     }
 
     #[test]

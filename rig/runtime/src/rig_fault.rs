@@ -380,7 +380,7 @@ mod tests {
         );
         for reconnect in [false, true] {
             assert_eq!(
-                said(LossReason::Silent, reconnect),
+                said(LossReason::Unresponsive, reconnect),
                 "bus b is lost for 3 s: its device, can0, does not answer"
             );
         }

@@ -2,8 +2,8 @@
 
 use crate::texts::{Parted, Texts};
 use drivers::{
-    Board, BoardError, BoardEvent, Channel, ChannelId, Emission, Emits, Health, Origin, PulseOutputs,
-    TimestampSource,
+    Board, BoardError, BoardEvent, Channel, ChannelId, Emission, Health, Origin, PulseCapability,
+    PulseOutputs, TimestampSource,
 };
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::ExecutorReport;
@@ -80,7 +80,7 @@ struct Emitting {
 
 impl Emitting {
     fn like(board: &dyn Board, world: &Shared, loses: usize) -> Emitting {
-        let emits = Emits {
+        let emits = PulseCapability {
             shortest: US(1),
             longest: Span::from_secs(1),
             resolution: US(1),
@@ -91,7 +91,7 @@ impl Emitting {
             let mut channel = Channel { timestamp: TimestampSource::Kernel, ..channel.clone() };
             match channel.name.as_str() {
                 "stream" => {
-                    channel.emits = Some(Emits { counted: MS(32), endless: false, ..emits });
+                    channel.emits = Some(PulseCapability { counted: MS(32), endless: false, ..emits });
                     channel.drives = false;
                 }
                 "fan" | "Q0" => {

@@ -1,8 +1,8 @@
 //! The rig as an instrument, on a loop whose every trouble is made on purpose.
 
 use drivers::{
-    Board, BoardError, BoardEvent, Channel, ChannelId, ChannelKind, FaultSet, Health, Loop, LossReason,
-    Origin, Surroundings, TimestampSource,
+    Board, BoardContext, BoardError, BoardEvent, Channel, ChannelId, ChannelKind, FaultSet, Health,
+    LoopbackPair, LossReason, Origin, TimestampSource,
 };
 use guard::GuardError;
 use host::Realtime;
@@ -38,7 +38,7 @@ struct Echo {
 
 const OUT: ChannelId = ChannelId(0);
 const IN: ChannelId = ChannelId(1);
-const LOOP: Loop = Loop { out: OUT, input: IN };
+const LOOP: LoopbackPair = LoopbackPair { out: OUT, input: IN };
 
 fn channel(name: &str) -> Channel {
     Channel {
@@ -149,11 +149,11 @@ impl Board for Echo {
     }
 }
 
-fn lives() -> Surroundings {
-    Surroundings::new(Realtime::default())
+fn lives() -> BoardContext {
+    BoardContext::new(Realtime::default())
 }
 
-fn on<'a>(board: &'a mut Echo, lives: &'a Surroundings) -> Instrument<'a> {
+fn on<'a>(board: &'a mut Echo, lives: &'a BoardContext) -> Instrument<'a> {
     Instrument { board, lives, heartbeat: None }
 }
 
@@ -262,7 +262,7 @@ impl Heartbeat for Pulse {
     }
 }
 
-fn watched<'a>(board: &'a mut Echo, lives: &'a Surroundings, pulse: &'a Pulse) -> Instrument<'a> {
+fn watched<'a>(board: &'a mut Echo, lives: &'a BoardContext, pulse: &'a Pulse) -> Instrument<'a> {
     Instrument { board, lives, heartbeat: Some(pulse) }
 }
 

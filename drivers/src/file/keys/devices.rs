@@ -2,7 +2,7 @@
 
 use document::{KeySpec, KeyType};
 
-use crate::convert::iio::MAX_BUFFER;
+use crate::adc::iio::MAX_BUFFER;
 
 pub(in crate::file) const CONVERTER: &[KeySpec] = &[
     KeySpec::required(

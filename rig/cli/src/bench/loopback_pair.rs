@@ -3,7 +3,7 @@
 use super::refuse;
 use crate::exit::Exit;
 use clap::Args;
-use drivers::{BoardFile, ChannelId, Loop};
+use drivers::{BoardFile, ChannelId, LoopbackPair};
 use std::path::Path;
 
 /// The options that name another loop than that of the board file.
@@ -22,7 +22,7 @@ impl LoopbackPairArgs {
     ///
     /// # Errors
     /// R0254: a channel that is not there, or a board without a loop; it was said.
-    pub fn find(&self, file: &BoardFile, path: &Path) -> Result<Loop, Exit> {
+    pub fn find(&self, file: &BoardFile, path: &Path) -> Result<LoopbackPair, Exit> {
         match (&self.out, &self.input, file.check) {
             (Some(out), Some(input), _) => {
                 let channel = |option: &str, name: &str| -> Result<ChannelId, Exit> {
@@ -31,7 +31,7 @@ impl LoopbackPairArgs {
                         refuse("R0254", message, "name a channel of the board file")
                     })
                 };
-                Ok(Loop { out: channel("--out", out)?, input: channel("--in", input)? })
+                Ok(LoopbackPair { out: channel("--out", out)?, input: channel("--in", input)? })
             }
             (_, _, Some(looped)) => Ok(looped),
             _ => {

@@ -111,7 +111,7 @@ impl ChannelActivity {
 pub fn loss(reason: LossReason) -> &'static str {
     match reason {
         LossReason::Injected | LossReason::Gone => "gone",
-        LossReason::Silent => "silent",
+        LossReason::Unresponsive => "silent",
     }
 }
 
@@ -200,7 +200,7 @@ mod tests {
             tally.take(&BoardEvent::Dropped { channel, at: at(2), count: 3 }),
             ActivityChange::Dropped(3)
         );
-        let reason = LossReason::Silent;
+        let reason = LossReason::Unresponsive;
         assert_eq!(
             tally.take(&BoardEvent::Lost { channel, at: at(3), reason }),
             ActivityChange::Lost(reason)

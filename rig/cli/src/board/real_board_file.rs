@@ -3,13 +3,13 @@
 use crate::exit::Exit;
 use crate::output;
 use document::{Diagnostic, SourceFile};
+use drivers::adc::SampleSpec;
 use drivers::circuit::ChannelSpec;
-use drivers::convert::SampleSpec;
 use drivers::counter::CountSpec;
 use drivers::file::{BoardFile, BoardKind};
 use drivers::gpio::{Direction, LineSpec};
 use drivers::real::{FaultWay, RealSpec};
-use drivers::{Board, BoardError, ChannelId, Surroundings};
+use drivers::{Board, BoardContext, BoardError, ChannelId};
 use runtime::suite::{self, Disk};
 use signal::Time;
 use std::path::Path;
@@ -140,7 +140,7 @@ impl RealBoardFile {
     ///
     /// # Errors
     /// They cannot be had, which was said.
-    pub fn open(&self, file: &BoardFile, surroundings: &Surroundings) -> Result<Box<dyn Board>, Exit> {
+    pub fn open(&self, file: &BoardFile, surroundings: &BoardContext) -> Result<Box<dyn Board>, Exit> {
         let opened = drivers::file::open(file, surroundings).map_err(|found| self.wrong(&found))?;
         // Only a simulated board has nothing to open, and such files were refused.
         let mut board = opened.ok_or(Exit::UserFiles)?;

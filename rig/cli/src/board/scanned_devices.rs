@@ -1,8 +1,8 @@
 //! Converters, counters and buses of this machine, as a board file describes them.
 
 use super::toml_text::{bare, is_name, quoted};
+use drivers::adc::iio::{self, IioDevice};
 use drivers::can::{self, Link, Modes};
-use drivers::convert::iio::{self, IioDevice};
 use drivers::counter::{self, CounterDevice, Function};
 use drivers::inventory::{Device, DeviceKind};
 use host::Machine;

@@ -6,7 +6,7 @@ use super::traffic::{self, Traffic};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
-use drivers::{Board, BoardEvent, BoardExt, Bus, Channel, ChannelId, ChannelKind, Surroundings};
+use drivers::{Board, BoardContext, BoardEvent, BoardExt, Bus, Channel, ChannelId, ChannelKind};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use signal::{Span, Time};
 use std::io::IsTerminal;
@@ -46,7 +46,7 @@ fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
         let what = if left.len() == 1 { "is an output" } else { "are outputs" };
         output::note(&format!("{} {what} and left alone: to watch would be to let go", left.join(", ")));
     }
-    let surroundings = Surroundings::new(host::Realtime::default());
+    let surroundings = BoardContext::new(host::Realtime::default());
     let bell = surroundings.bell.clone();
     let handled = ctrlc::set_handler(move || {
         INTERRUPT.store(true, Ordering::Relaxed);
@@ -74,7 +74,7 @@ fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
 /// Takes what happens until the end.
 fn follow(
     board: &mut dyn Board,
-    surroundings: &Surroundings,
+    surroundings: &BoardContext,
     lasts: Option<Span>,
     tallies: &mut [ChannelActivity],
     traffics: &mut [Traffic],

@@ -5,9 +5,9 @@ use super::devices::{GROUP, grant};
 use super::settings::{self, TRANSFERS};
 use crate::exit::Exit;
 use crate::output;
-use drivers::convert::ConverterKind;
-use drivers::emit::GeneratorKind;
+use drivers::adc::AdcKind;
 use drivers::file::{BoardFile, BoardKind};
+use drivers::generator::GeneratorKind;
 use host::Machine;
 use runtime::suite::{self, Disk};
 use std::path::Path;
@@ -56,7 +56,7 @@ fn of(file: &BoardFile) -> BoardDevices {
     let read = |spi: bool| {
         spec.converters.samples.iter().any(|sample| {
             let kind = spec.converters.converters.get(sample.converter).map(|converter| &converter.kind);
-            kind.is_some_and(|kind| matches!(kind, ConverterKind::Spi(_)) == spi)
+            kind.is_some_and(|kind| matches!(kind, AdcKind::Spi(_)) == spi)
         })
     };
     let generators = || {

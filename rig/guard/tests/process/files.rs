@@ -1,6 +1,6 @@
 //! Lines whose levels stand in a file.
 
-use drivers::{HeldLines, LineApi};
+use drivers::{LineApi, OutputClaim};
 use scanrig_guard::Lines;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
@@ -27,9 +27,9 @@ pub fn write(file: &File, levels: u64) -> io::Result<()> {
 
 /// A device in its folder, as its board would hand it to the guard. What its name begins with is what is wrong
 /// with it: see [`open`].
-pub fn held(folder: &Path, device: &str) -> HeldLines {
+pub fn held(folder: &Path, device: &str) -> OutputClaim {
     let claim = OpenOptions::new().read(true).write(true).open(folder.join(device)).unwrap().into();
-    HeldLines { device: device.into(), claim, api: LineApi::V2, mask: MASK, safe: SAFE }
+    OutputClaim { device: device.into(), claim, api: LineApi::V2, mask: MASK, safe: SAFE }
 }
 
 /// How many allocations the guard had made at each of the drives of a device.
@@ -48,7 +48,7 @@ struct FileLines {
 /// Lines of a file. `slow` ones take a second from the second drive on; `tardy` ones about as long as the guard waits
 /// until it drives again; `broken` ones fail; `stubborn` ones read
 /// otherwise from the second drive on.
-pub fn open(held: HeldLines) -> Box<dyn Lines> {
+pub fn open(held: OutputClaim) -> Box<dyn Lines> {
     let file = File::from(held.claim);
     let here = rustix::fs::readlink(format!("/proc/self/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&file)), []);
     let log = Path::new(here.unwrap().to_str().unwrap()).with_extension("log");

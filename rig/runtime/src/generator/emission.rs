@@ -1,7 +1,7 @@
 //! Pulses that the board makes by itself: one act in place of one for each edge.
 
 use super::Generator;
-use drivers::{ChannelId, Emission, Emits, NotEmitted};
+use drivers::{ChannelId, Emission, NotEmitted, PulseCapability};
 use signal::{Span, Value};
 use std::sync::Arc;
 
@@ -89,7 +89,7 @@ impl Generator {
     ///
     /// # Errors
     /// What of it the channel cannot emit: found out before there are more edges than it takes.
-    pub fn pulses(&self, lasts: Span, emits: &Emits) -> Result<Emission, EmissionError> {
+    pub fn pulses(&self, lasts: Span, emits: &PulseCapability) -> Result<Emission, EmissionError> {
         let not = |why| Err(EmissionError::NotEmitted(why));
         if emits.counted == Span::ZERO {
             return not(NotEmitted::Counted);
@@ -135,7 +135,7 @@ mod tests {
         Span::from_micros(n)
     }
 
-    const STREAM: Emits = Emits {
+    const STREAM: PulseCapability = PulseCapability {
         shortest: us(1),
         longest: us(100),
         resolution: us(1),
@@ -170,9 +170,9 @@ mod tests {
         let not = |why| Err(EmissionError::NotEmitted(why));
         let long = square(Some(hour));
         assert_eq!(long.pulses(hour, &STREAM), not(NotEmitted::Lasting(STREAM.counted)));
-        let coarse = Emits { shortest: us(11), ..STREAM };
+        let coarse = PulseCapability { shortest: us(11), ..STREAM };
         assert_eq!(long.pulses(hour, &coarse), not(NotEmitted::Short(us(11))));
-        let endless = Emits { counted: Span::ZERO, ..STREAM };
+        let endless = PulseCapability { counted: Span::ZERO, ..STREAM };
         assert_eq!(long.pulses(hour, &endless), not(NotEmitted::Counted));
     }
 

@@ -2,7 +2,7 @@
 //! missing or cannot be made any faster.
 
 use super::{Instrument, LONGEST_WAIT, LoopFault, SETTLE};
-use drivers::{BoardError, BoardEvent, BoardExt, ChannelId, Emission, Loop, LossReason, Origin};
+use drivers::{BoardError, BoardEvent, BoardExt, ChannelId, Emission, LoopbackPair, LossReason, Origin};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -70,7 +70,7 @@ pub struct Counts {
 /// Why nothing can be measured.
 pub fn counts(
     mut on: Instrument<'_>,
-    looped: Loop,
+    looped: LoopbackPair,
     repeats: u32,
     stop: &AtomicBool,
 ) -> Result<Counts, LoopFault> {
@@ -117,7 +117,7 @@ pub fn counts(
 /// A board whose loop carries trains.
 struct Trains<'a> {
     on: Instrument<'a>,
-    looped: Loop,
+    looped: LoopbackPair,
     events: Vec<BoardEvent>,
     seen: u32,
     lost: u32,
@@ -272,7 +272,7 @@ impl Trains<'_> {
 ///
 /// # Errors
 /// What its channels lack.
-pub fn is_countable(board: &dyn drivers::Board, looped: Loop) -> Result<(), BoardError> {
+pub fn is_countable(board: &dyn drivers::Board, looped: LoopbackPair) -> Result<(), BoardError> {
     let known = |channel: ChannelId| {
         board.channels().get(usize::from(channel.0)).ok_or(BoardError::NoChannel(channel))
     };

@@ -1,7 +1,7 @@
 //! How long it takes from an output to an input: by stamps, and by counting the turns of a loop that drives itself.
 
 use super::{Driven, Instrument, LoopFault};
-use drivers::Loop;
+use drivers::LoopbackPair;
 use host::Histogram;
 use signal::Span;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -39,7 +39,7 @@ impl Loopback {
 /// Why it is no loop.
 pub fn loopback(
     on: Instrument<'_>,
-    looped: Loop,
+    looped: LoopbackPair,
     count: u64,
     stop: &AtomicBool,
 ) -> Result<Loopback, LoopFault> {

@@ -16,7 +16,7 @@ pub use square::{EDGES, PERIOD, Square, square};
 
 use crate::executor::Heartbeat;
 use document::Diagnostic;
-use drivers::{Board, BoardError, BoardEvent, ChannelId, Loop, LossReason, Origin, Surroundings};
+use drivers::{Board, BoardContext, BoardError, BoardEvent, ChannelId, LoopbackPair, LossReason, Origin};
 use guard::GuardError;
 use signal::{Span, Time, Value, When};
 use std::fmt;
@@ -28,7 +28,7 @@ const PATIENCE: Span = Span::from_secs(1);
 const LONGEST_WAIT: Span = Span::from_millis(50);
 
 /// Names of a loop's channels, as messages have them.
-pub fn names(board: &dyn Board, looped: Loop) -> [String; 2] {
+pub fn names(board: &dyn Board, looped: LoopbackPair) -> [String; 2] {
     let name = |channel: ChannelId| {
         board.channels().get(usize::from(channel.0)).map_or_else(String::new, |known| known.name.clone())
     };
@@ -40,7 +40,7 @@ pub struct Instrument<'a> {
     /// The board.
     pub board: &'a mut dyn Board,
     /// What it lives in.
-    pub lives: &'a Surroundings,
+    pub lives: &'a BoardContext,
     /// Whoever makes the outputs safe when this ends badly.
     pub heartbeat: Option<&'a dyn Heartbeat>,
 }
@@ -196,7 +196,7 @@ struct Round {
 #[derive(Debug)]
 struct Driven<'a> {
     on: Instrument<'a>,
-    looped: Loop,
+    looped: LoopbackPair,
     events: Vec<BoardEvent>,
     /// Whether the input has the level of the output; found out by the first edge.
     follows: Option<bool>,
@@ -206,7 +206,7 @@ struct Driven<'a> {
 
 impl<'a> Driven<'a> {
     /// Starts the board, drives the output low and lets the input follow.
-    fn start(mut on: Instrument<'a>, looped: Loop) -> Result<Driven<'a>, LoopFault> {
+    fn start(mut on: Instrument<'a>, looped: LoopbackPair) -> Result<Driven<'a>, LoopFault> {
         on.start()?;
         let mut driven =
             Driven { on, looped, events: Vec::with_capacity(256), follows: None, edges: 0, level: false };

@@ -1,7 +1,7 @@
 //! A known square wave: before a run on real lines judges anything, the rig looks at what it makes itself.
 
 use super::{Driven, Instrument, LoopFault};
-use drivers::Loop;
+use drivers::LoopbackPair;
 use signal::Span;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,7 +37,7 @@ impl fmt::Display for Square {
 ///
 /// # Errors
 /// Why the board is no instrument.
-pub fn square(on: Instrument<'_>, looped: Loop, stop: &AtomicBool) -> Result<Square, LoopFault> {
+pub fn square(on: Instrument<'_>, looped: LoopbackPair, stop: &AtomicBool) -> Result<Square, LoopFault> {
     let mut driven = Driven::start(on, looped)?;
     let mut found = Square { edges: 0, stamped_within: Span::ZERO, seen_within: Span::ZERO };
     let half = Span::from_nanos(PERIOD.as_nanos() / 2);

@@ -7,7 +7,7 @@ use super::queues::{Outcome, ScanCommand, ScanCommandError, ScanEnd, ScanEvent, 
 use super::snapshot::{LineCounts, Snapshot};
 use control::PlanEvent;
 use controller::{JITTER_BORDERS, ProbeId};
-use drivers::{BusEvent, ChannelId, LossReason, Surroundings};
+use drivers::{BoardContext, BusEvent, ChannelId, LossReason};
 use host::Bell;
 use signal::{Span, Time, Value, When};
 use std::sync::Arc;
@@ -127,7 +127,7 @@ impl ScanPort {
     }
 
     /// The bell that clients ring. One of a board is that which ends the waits of its clock.
-    pub fn bell(surroundings: Option<&Surroundings>) -> Arc<Bell> {
+    pub fn bell(surroundings: Option<&BoardContext>) -> Arc<Bell> {
         surroundings.map_or_else(Arc::default, |surroundings| surroundings.bell.clone())
     }
 

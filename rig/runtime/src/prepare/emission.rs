@@ -5,7 +5,7 @@ use super::lines::of_controller;
 use super::meaning::{Meaning, SignalMeanings};
 use crate::generator::{EmissionError, EmittedPulses, Generator, Shape};
 use document::Findings;
-use drivers::{ChannelId, Emission, Emits, NotEmitted};
+use drivers::{ChannelId, Emission, NotEmitted, PulseCapability};
 use plans::Step;
 use plans::steps::{Periodic, Shape as Planned, Stimulus};
 use signal::{Area, Span};
@@ -15,7 +15,7 @@ pub(super) fn emitting(
     name: &str,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
-) -> Option<(ChannelId, Emits)> {
+) -> Option<(ChannelId, PulseCapability)> {
     let Some(Meaning::Channel(channel, _)) = names.meaning(name) else { return None };
     let emits = bench.board.channels().get(usize::from(channel.0))?.emits?;
     (!of_controller(channel, bench)).then_some((channel, emits))
@@ -75,7 +75,7 @@ fn feeds_model(channel: ChannelId, bench: &TestBench<'_>) -> bool {
 fn made(
     generator: &Generator,
     channel: ChannelId,
-    emits: &Emits,
+    emits: &PulseCapability,
     step: &Step,
 ) -> Result<EmittedPulses, EmissionError> {
     let (lasts, counted) = match &step.stimulus {
@@ -112,7 +112,7 @@ fn words(why: EmissionError) -> String {
     }
 }
 
-fn fix(why: EmissionError, emits: &Emits, step: &Step) -> String {
+fn fix(why: EmissionError, emits: &PulseCapability, step: &Step) -> String {
     let square = matches!(step.stimulus, Stimulus::Wave(_));
     match why {
         EmissionError::NotEmitted(NotEmitted::Short(_)) => {

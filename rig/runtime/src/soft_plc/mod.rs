@@ -109,7 +109,7 @@ pub fn run(
         horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,
         fail_fast: false,
         on_loss: files.board.on_loss,
-        reconnect: files.board.retakes(),
+        reconnect: files.board.reconnects(),
         timeout: case.timeout,
         teardown: case.teardown,
     };

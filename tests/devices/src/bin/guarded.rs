@@ -4,7 +4,7 @@
 //!     guarded v1|v2 LIMIT_MS HOLD_MS WATCHDOG,SECONDS,BITE|- WORD...
 
 use devices::{AUX, Chip, MAIN, program};
-use drivers::{Bite, GuardSettings, HeldLines, LineApi, WatchdogSettings};
+use drivers::{Bite, GuardSettings, LineApi, OutputClaim, WatchdogSettings};
 use gpiocdev_uapi::{v1, v2};
 use guard::{Beat, Guard, GuardError, GuardHandle};
 use signal::Span;
@@ -91,8 +91,8 @@ impl Claim {
         self.set(!self.safe & self.mask());
     }
 
-    fn held(&self) -> HeldLines {
-        HeldLines {
+    fn held(&self) -> OutputClaim {
+        OutputClaim {
             device: self.chip.label().into(),
             claim: self.lines.try_clone().unwrap().into(),
             api: self.api,

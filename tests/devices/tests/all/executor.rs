@@ -12,7 +12,7 @@ use std::time::Duration;
 use bench::{Bench, Start};
 use devices::{ADC, Adc, Call, Lab, MAIN, MCP3008, PATIENCE, SERIAL_A, bind_spi, wait_for};
 use drivers::serial::{LineSettings, PortSpec, SerialPort};
-use drivers::{BoardExt, BusId, Frame, Surroundings};
+use drivers::{BoardContext, BoardExt, BusId, Frame};
 use host::{Realtime, Role, monotonic};
 use memory::{LOOKING, look};
 use signal::{Span, Time};
@@ -127,7 +127,7 @@ buses = { bus = { kind = \"can\", interface = \"rcan0\", bitrate = 500_000 } }
 ";
     let terminals = |_: &drivers::Subject| Ok(drivers::Terminals::default());
     let file = drivers::read(&document::SourceFile::new("can.toml", text), &terminals).unwrap();
-    let at = Surroundings::new(Realtime::with_priority(80));
+    let at = BoardContext::new(Realtime::with_priority(80));
     let mut board = drivers::open(&file, &at).unwrap().unwrap();
     board.start(Time::ZERO).unwrap();
     let board = std::sync::Mutex::new(board);

@@ -4,8 +4,8 @@ mod plan;
 
 use devices::{ADC, Adc, Lab, PATIENCE, wait_for};
 use document::SourceFile;
-use drivers::convert::{self, Converter, ConverterSpec, InRange, Pace, Reading, Refusal, SampleSpec};
-use drivers::{Board, BoardEvent, BoardFile, BoardKind, ChannelId, LossReason, Surroundings, Terminals};
+use drivers::adc::{self, Adc, AdcSpec, InRange, Pace, Reading, Refusal, SampleSpec};
+use drivers::{Board, BoardContext, BoardEvent, BoardFile, BoardKind, ChannelId, LossReason, Terminals};
 use host::{Realtime, monotonic};
 use rustix::event::{PollFd, PollFlags, poll};
 use signal::{Span, Time};
@@ -35,25 +35,25 @@ fn read(text: &str) -> BoardFile {
 }
 
 /// The converter with these inputs.
-fn spec(keys: &str, inputs: &[u16]) -> (ConverterSpec, Vec<SampleSpec>) {
+fn spec(keys: &str, inputs: &[u16]) -> (AdcSpec, Vec<SampleSpec>) {
     let channel = |input| format!("v{input} = {{ kind = \"analog\", unit = \"V\", input = {input} }}\n");
     let file = read(&text(keys, &inputs.iter().map(channel).collect::<String>()));
     let BoardKind::Real(spec) = file.kind else { panic!("a real board") };
     (spec.converters.converters[0].clone(), spec.converters.samples)
 }
 
-fn opened(keys: &str, inputs: &[u16]) -> Box<dyn Converter> {
+fn opened(keys: &str, inputs: &[u16]) -> Box<dyn Adc> {
     let (converter, samples) = spec(keys, inputs);
-    convert::open(&converter, &samples).unwrap()
+    adc::open(&converter, &samples).unwrap()
 }
 
 fn refused(keys: &str, inputs: &[u16]) -> Refusal {
     let (converter, samples) = spec(keys, inputs);
-    convert::open(&converter, &samples).unwrap_err()
+    adc::open(&converter, &samples).unwrap_err()
 }
 
 /// What comes of the converter until there are so many readings.
-fn readings(converter: &mut dyn Converter, least: usize) -> Vec<Reading> {
+fn readings(converter: &mut dyn Adc, least: usize) -> Vec<Reading> {
     let mut out = Vec::new();
     let due = Instant::now() + PATIENCE;
     while out.len() < least {
@@ -284,13 +284,13 @@ fn a_device_that_is_taken_away_says_so_and_can_be_had_again() {
 /// A board at work, and what it told.
 struct Bench {
     board: Box<dyn Board>,
-    at: Surroundings,
+    at: BoardContext,
     events: Vec<BoardEvent>,
 }
 
 impl Bench {
     fn start(keys: &str, channels: &str) -> Bench {
-        let at = Surroundings::new(Realtime::with_priority(80));
+        let at = BoardContext::new(Realtime::with_priority(80));
         let mut board = drivers::open(&read(&text(keys, channels)), &at).unwrap().expect("a real board");
         at.time.restart();
         board.start(Time::ZERO).unwrap();
@@ -362,7 +362,7 @@ fn a_board_loses_a_converter_that_hangs_or_goes_and_takes_it_back() {
         adc.set(0, 1.0);
         let mut bench = Bench::start(keys, channels);
         bench.until("the level at the start", |event| shows(event, 0, 1.0, 0.001));
-        for (reason, begin) in [(LossReason::Silent, 0), (LossReason::Gone, 1)] {
+        for (reason, begin) in [(LossReason::Unresponsive, 0), (LossReason::Gone, 1)] {
             bench.events.clear();
             match begin {
                 0 => adc.stall(Duration::from_millis(1_000), 1),

@@ -2,7 +2,7 @@
 
 use devices::{Lab, PATIENCE, bind_spi};
 use document::{Diagnostic, SourceFile};
-use drivers::{Board, BoardEvent, BoardExt, BoardFile, LossReason, Surroundings, Terminals, read};
+use drivers::{Board, BoardContext, BoardEvent, BoardExt, BoardFile, LossReason, Terminals, read};
 use host::Realtime;
 use signal::{Span, Time, Value, When};
 use std::time::Instant;
@@ -31,7 +31,7 @@ pub fn volts(inputs: impl IntoIterator<Item = u8>) -> String {
 /// A board at work, and what it told.
 pub struct Bench {
     pub board: Box<dyn Board>,
-    pub at: Surroundings,
+    pub at: BoardContext,
     pub events: Vec<BoardEvent>,
     _lab: Lab,
 }
@@ -105,8 +105,8 @@ impl Bench {
 }
 
 /// Opens the board of a file.
-pub fn open(file: &BoardFile) -> Result<(Box<dyn Board>, Surroundings), Vec<Diagnostic>> {
-    let at = Surroundings::new(Realtime::default());
+pub fn open(file: &BoardFile) -> Result<(Box<dyn Board>, BoardContext), Vec<Diagnostic>> {
+    let at = BoardContext::new(Realtime::default());
     let board = drivers::open(file, &at)?.expect("a real board");
     Ok((board, at))
 }

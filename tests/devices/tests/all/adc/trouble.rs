@@ -47,7 +47,7 @@ fn a_transfer_that_hangs_is_told_and_survived() {
     let adc = MCP3008.reset();
     let mut bench = Bench::started(&file("silent-after = \"300 ms\"", MCP, &volts(0..2)));
     adc.stall(Duration::from_millis(1_500), 1);
-    bench.until("the loss", |bench| bench.fate("a0").contains(&Some(LossReason::Silent)));
+    bench.until("the loss", |bench| bench.fate("a0").contains(&Some(LossReason::Unresponsive)));
     assert_eq!(adc.inside(), 1, "the call hangs");
     adc.volts(0, 1.65);
     bench.until("the return", |bench| bench.fate("a0").last() == Some(&None));

@@ -6,14 +6,14 @@ use std::time::Instant;
 
 use devices::PATIENCE;
 use document::{Diagnostic, SourceFile};
-use drivers::{Board, BoardExt, BusEvent, BusId, Frame, Subject, Surroundings, Terminals, UnknownSubject};
+use drivers::{Board, BoardContext, BoardExt, BusEvent, BusId, Frame, Subject, Terminals, UnknownSubject};
 use host::Realtime;
 use signal::{Span, Time};
 
 /// A board at work, with the clock that a run would have.
 pub struct Bench {
     pub board: Box<dyn Board>,
-    pub at: Surroundings,
+    pub at: BoardContext,
     pub events: Vec<BusEvent>,
 }
 
@@ -49,7 +49,7 @@ impl Bench {
         let text = format!("format = 1\n[board]\nkind = \"real\"\n{board}\n[buses]\n{buses}\n");
         let file = drivers::read(&SourceFile::new("bench.toml", &text), &terminals)
             .unwrap_or_else(|found| panic!("{found:#?}"));
-        let at = Surroundings::new(Realtime::with_priority(80));
+        let at = BoardContext::new(Realtime::with_priority(80));
         let board = drivers::open(&file, &at)?.expect("a real board");
         Ok(Bench { board, at, events: Vec::with_capacity(1 << 16) })
     }

@@ -200,8 +200,8 @@ fn a_call_that_hangs_makes_its_bus_silent_and_holds_up_nobody() {
     bench.send(other, &frame(2));
     // The board's own calls come back at once.
     assert!(bench.now() < asked + Span::from_millis(300), "sending took until {}", bench.now());
-    bench.until("silence", |bench| bench.told(NEAR, lost(LossReason::Silent)));
-    let told = bench.events.iter().find(|event| lost(LossReason::Silent)(event)).unwrap().latest();
+    bench.until("silence", |bench| bench.told(NEAR, lost(LossReason::Unresponsive)));
+    let told = bench.events.iter().find(|event| lost(LossReason::Unresponsive)(event)).unwrap().latest();
     assert!(told >= asked + Span::from_millis(300), "{told}");
     bench.until("the return", |bench| bench.told(NEAR, |event| matches!(event, BusEvent::Returned { .. })));
     bench.until("the frames", |bench| bench.frames(FAR).len() == 1 && bench.frames(other).len() == 1);

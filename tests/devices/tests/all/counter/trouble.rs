@@ -14,7 +14,7 @@ fn a_reading_that_hangs_is_told_and_nothing_is_miscounted() {
     let mut bench = Bench::started(&file("silent-after = \"300 ms\"", "period = \"5 ms\""));
     let wheel = bench.counter.count(0);
     wheel.stall(Duration::from_millis(1_500), 1);
-    bench.until("the loss", |bench| bench.fate().contains(&Some(LossReason::Silent)));
+    bench.until("the loss", |bench| bench.fate().contains(&Some(LossReason::Unresponsive)));
     assert_eq!(wheel.inside(), 1, "the call hangs");
     wheel.steps(250);
     bench.until("the return", |bench| bench.fate().last() == Some(&None));

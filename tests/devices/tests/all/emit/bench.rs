@@ -3,7 +3,7 @@
 use devices::{Lab, PATIENCE};
 use document::{Diagnostic, SourceFile};
 use drivers::{
-    Board, BoardEvent, BoardExt, BoardFile, ChannelId, Emission, LossReason, Surroundings, Terminals, read,
+    Board, BoardContext, BoardEvent, BoardExt, BoardFile, ChannelId, Emission, LossReason, Terminals, read,
 };
 use host::Realtime;
 use signal::{Span, Time, Value, When};
@@ -34,7 +34,7 @@ pub fn pulses(edges: impl IntoIterator<Item = i64>) -> Emission {
 /// A board at work, and what it told.
 pub struct Bench {
     pub board: Box<dyn Board>,
-    pub at: Surroundings,
+    pub at: BoardContext,
     pub events: Vec<BoardEvent>,
     _lab: Lab,
 }
@@ -108,8 +108,8 @@ impl Bench {
 }
 
 /// Opens the board of a file.
-pub fn open(file: &BoardFile) -> Result<(Box<dyn Board>, Surroundings), Vec<Diagnostic>> {
-    let at = Surroundings::new(Realtime::default());
+pub fn open(file: &BoardFile) -> Result<(Box<dyn Board>, BoardContext), Vec<Diagnostic>> {
+    let at = BoardContext::new(Realtime::default());
     let board = drivers::open(file, &at)?.expect("a real board");
     Ok((board, at))
 }

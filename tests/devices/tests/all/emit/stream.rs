@@ -117,7 +117,7 @@ fn a_bus_that_fails_hangs_or_goes_away_is_told_and_taken_back_at_rest() {
     sink.part().fault("none");
     sink.stall(Duration::from_millis(1_500), 1);
     bench.emit("I0", &train);
-    bench.until("the silence", |bench| bench.fate("I0") == [Some(LossReason::Silent)]);
+    bench.until("the silence", |bench| bench.fate("I0") == [Some(LossReason::Unresponsive)]);
     assert_eq!(sink.part().inside(), 1, "the call hangs");
     bench.until("the answer", |bench| bench.fate("I0").len() == 2);
     bench.until("the edges of the train", |bench| bench.changes("I0").len() >= 5);

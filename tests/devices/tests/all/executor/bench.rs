@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 
 use controller::TaskKind;
-use drivers::{Board, BoardError, BoardEvent, BoardExt, Channel, ChannelId, Health, Surroundings};
+use drivers::{Board, BoardContext, BoardError, BoardEvent, BoardExt, Channel, ChannelId, Health};
 use host::{Punctual, Realtime, Role};
 use scanrig_runtime::clock::{Clock, HostClock};
 use scanrig_runtime::subject::{Model, Subject};
@@ -52,7 +52,7 @@ pub struct Outcome {
 pub struct Bench {
     model: Model,
     parts: Parted,
-    at: Surroundings,
+    at: BoardContext,
     /// How far the case is, in nanoseconds.
     pub progress: Arc<AtomicI64>,
     pub counts: Arc<Counts>,
@@ -118,7 +118,7 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
         let (loaded, jobs) = texts.load(1);
         let case = loaded.plan.case(jobs[0].case).unwrap();
         let file = loaded.files(&case, &jobs[0]).unwrap().board;
-        let at = Surroundings::new(Realtime::with_priority(80));
+        let at = BoardContext::new(Realtime::with_priority(80));
         let board = drivers::open(&file, &at).unwrap_or_else(|found| panic!("{found:#?}")).unwrap();
         let counts = Arc::new(Counts::default());
         let find = |name: &str| board.find(name).unwrap();

@@ -5,7 +5,7 @@ use std::time::Instant;
 use devices::PATIENCE;
 use document::{Diagnostic, SourceFile};
 use drivers::{
-    Board, BoardEvent, BoardExt, BoardFile, ChannelId, Subject, Surroundings, Terminals, UnknownSubject,
+    Board, BoardContext, BoardEvent, BoardExt, BoardFile, ChannelId, Subject, Terminals, UnknownSubject,
 };
 use host::Realtime;
 use signal::{Address, Area, Span, Time, Value};
@@ -28,7 +28,7 @@ pub fn read(text: &str) -> BoardFile {
 /// A board at work, with the clock that a run would have.
 pub struct Bench {
     pub board: Box<dyn Board>,
-    pub at: Surroundings,
+    pub at: BoardContext,
     pub events: Vec<BoardEvent>,
 }
 
@@ -74,7 +74,7 @@ impl Bench {
     }
 
     fn try_open_with(text: &str, realtime: Realtime) -> Result<Bench, Vec<Diagnostic>> {
-        let at = Surroundings::new(realtime);
+        let at = BoardContext::new(realtime);
         let board = drivers::open(&read(text), &at)?.expect("a real board");
         Ok(Bench { board, at, events: Vec::with_capacity(1 << 18) })
     }

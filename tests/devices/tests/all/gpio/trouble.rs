@@ -173,7 +173,7 @@ fn a_call_that_hangs_holds_up_nobody_and_its_chip_is_lost_until_it_ends() {
         bench.until("it is lost", |bench| bench.board.health().lost == 3);
         let (id, asked) = (bench.channel("out"), Time::ZERO);
         let lost = bench.events.iter().find_map(|event| match event {
-            BoardEvent::Lost { channel, at, reason: LossReason::Silent } if *channel == id => Some(*at),
+            BoardEvent::Lost { channel, at, reason: LossReason::Unresponsive } if *channel == id => Some(*at),
             _ => None,
         });
         assert!(lost.unwrap() >= asked + Span::from_millis(100));

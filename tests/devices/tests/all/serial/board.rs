@@ -5,14 +5,14 @@ use std::time::Instant;
 use devices::{Lab, PATIENCE, SERIAL_A, SERIAL_C, wait_for};
 use drivers::holders;
 use drivers::{
-    Board, BoardError, BoardEvent, BoardExt, BusEvent, BusId, LossReason, Surroundings, Terminals, open, read,
+    Board, BoardContext, BoardError, BoardEvent, BoardExt, BusEvent, BusId, LossReason, Terminals, open, read,
 };
 use host::{Realtime, monotonic};
 use signal::Value;
 
 struct Bench {
     board: Box<dyn Board>,
-    at: Surroundings,
+    at: BoardContext,
 }
 
 impl Bench {
@@ -24,7 +24,7 @@ impl Bench {
         );
         let file = document::SourceFile::new("board.toml", text);
         let file = read(&file, &|_| Ok(Terminals::default())).unwrap_or_else(|found| panic!("{found:#?}"));
-        let at = Surroundings::new(Realtime::default());
+        let at = BoardContext::new(Realtime::default());
         let board = open(&file, &at).unwrap_or_else(|found| panic!("{found:#?}")).unwrap();
         Bench { board, at }
     }
@@ -136,7 +136,7 @@ fn two_names_of_one_port_are_told_at_the_second() {
     );
     let file = document::SourceFile::new("board.toml", text);
     let file = read(&file, &|_| Ok(Terminals::default())).unwrap();
-    let found = open(&file, &Surroundings::new(Realtime::default())).unwrap_err();
+    let found = open(&file, &BoardContext::new(Realtime::default())).unwrap_err();
     let said: Vec<(&str, &str)> = found.iter().map(|one| (one.code, one.message.as_str())).collect();
     assert!(found[0].help.contains("another line of the board"), "{found:#?}");
     let [("B0145", busy), ("B0148", speed)] = said[..] else { panic!("{said:#?}") };

@@ -1,0 +1,335 @@
+//! One generator as the board follows it: what it was asked for, what it did, whether it still answers.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use host::{Bell, Realtime, monotonic};
+use rtrb::{Consumer, Producer};
+use rustix::io::Errno;
+use signal::{Span, Time, Value, When};
+
+use super::bits::{BitClock, Layout};
+use super::board::Source;
+use super::device::{Asked, Device, Order, Report, Shared};
+use super::sent_edges::{AT_ONCE, Stream};
+use super::spec::GeneratorKind;
+use crate::event_collector::EventCollector;
+use crate::thread::{DeviceThread, ends};
+use crate::{BoardError, Call, ChannelId, Origin};
+
+/// Orders on their way to a device, and reports on their way back.
+const ORDERS: usize = 256;
+
+/// An output as the board knows it.
+#[derive(Debug)]
+pub(super) struct Known {
+    pub(super) channel: ChannelId,
+    pub(super) safe: bool,
+    /// Its changes are told.
+    senses: bool,
+    /// How its pulses become bits; `None` for one that emits waves and keeps levels.
+    stream: Option<(BitClock, Layout)>,
+    /// What it was asked to keep up.
+    wanted: Option<Order>,
+}
+
+/// A generator at work. Dropping it brings its outputs to rest and ends its thread.
+#[derive(Debug)]
+pub(super) struct GeneratorHandle {
+    shared: Arc<Shared>,
+    asked: Producer<Asked>,
+    reports: Consumer<Report>,
+    pub(super) outputs: Vec<Known>,
+    /// What messages call it.
+    pub(super) device: String,
+    /// The number of the last order.
+    number: u64,
+    /// Pulses that were ordered and not reported yet, by the numbers of their orders.
+    waiting: VecDeque<(u64, Arc<[Span]>)>,
+    /// Those that were sent and are still to be told.
+    sent: VecDeque<Stream>,
+    thread: DeviceThread,
+}
+
+impl GeneratorHandle {
+    /// Sets a generator to work.
+    pub(super) fn start(
+        source: Source,
+        senses: impl Fn(ChannelId) -> bool,
+        (limit, reconnect): (Span, bool),
+        (bell, realtime): (&Arc<Bell>, Realtime),
+    ) -> std::io::Result<GeneratorHandle> {
+        let Source { generator, kind, outputs, again } = source;
+        let shared = Arc::<Shared>::default();
+        let (orders, asked) = rtrb::RingBuffer::new(ORDERS);
+        let (reporter, mut thread, reports) = ends(ORDERS, bell, limit);
+        let of = generator.device().to_owned();
+        let device = Device {
+            generator: Some(generator),
+            opener: again,
+            shared: shared.clone(),
+            asked,
+            reporter,
+            reconnect,
+            rested: 0,
+            look: 0,
+        };
+        thread.start(format!("emit {of}"), move || device.run(realtime))?;
+        let known = outputs.iter().map(|output| Known {
+            channel: output.channel,
+            safe: output.safe,
+            senses: senses(output.channel),
+            stream: match &kind {
+                GeneratorKind::Stream(stream) => Some((stream.clock, stream.layout(output.active_low))),
+                GeneratorKind::Pwm(_) => None,
+            },
+            wanted: None,
+        });
+        Ok(GeneratorHandle {
+            shared,
+            asked: orders,
+            reports,
+            outputs: known.collect(),
+            device: of,
+            number: 0,
+            waiting: VecDeque::with_capacity(ORDERS),
+            sent: VecDeque::with_capacity(ORDERS),
+            thread,
+        })
+    }
+
+    /// Asks for rest. The number of this request.
+    pub(super) fn ask_rest(&mut self) -> u64 {
+        self.outputs.iter_mut().for_each(|output| output.wanted = None);
+        self.shared.ask_rest()
+    }
+
+    /// Waits until all is at rest, at least until `due`, and as long as pulses that are under way take. FALSE where it is
+    /// not by then.
+    pub(super) fn await_rest(&self, request: u64, due: i64, reconnect: bool) -> bool {
+        loop {
+            if self.shared.rested.load(Ordering::Acquire) >= request {
+                return true;
+            }
+            let due = due.max(self.due());
+            if self.is_gone() && !reconnect || monotonic() >= due {
+                return false;
+            }
+            self.thread.wait(due);
+        }
+    }
+
+    /// The same at most until `due`; pulses that are under way then come to rest by themselves.
+    pub(super) fn await_safe(&self, request: u64, due: i64) -> bool {
+        loop {
+            if self.shared.rested.load(Ordering::Acquire) >= request {
+                return true;
+            }
+            let now = monotonic();
+            if self.is_gone() || now >= due {
+                return !self.is_gone() && self.due() > now;
+            }
+            self.thread.wait(due);
+        }
+    }
+
+    /// A run begins: what was before is forgotten.
+    pub(super) fn begin(&mut self) {
+        while self.reports.pop().is_ok() {}
+        self.waiting.clear();
+        self.sent.clear();
+        self.thread.begin();
+    }
+
+    pub(super) fn is_gone(&self) -> bool {
+        self.thread.is_gone()
+    }
+
+    /// What a start says that cannot bring it to rest.
+    pub(super) fn is_lost(&self) -> BoardError {
+        let channel = self.outputs.first().map_or(ChannelId(0), |output| output.channel);
+        self.thread.loss(channel, self.due())
+    }
+
+    /// Until when an answer is owed; 0 for none.
+    fn due(&self) -> i64 {
+        self.shared.due.load(Ordering::Acquire)
+    }
+
+    /// Whether an output can be written this.
+    ///
+    /// # Errors
+    /// It takes no such value.
+    pub(super) fn takes(&self, output: u8, value: Value) -> Result<(), BoardError> {
+        let Some(known) = self.outputs.get(usize::from(output)) else { return Ok(()) };
+        match value {
+            Value::HighZ => Ok(()),
+            // Between two streams the line is at rest, and nothing else can be had.
+            Value::Bool(high) if known.stream.is_none() || high == known.safe => Ok(()),
+            _ => Err(BoardError::BadValue(known.channel)),
+        }
+    }
+
+    /// Writes an output; let go of, it rests.
+    ///
+    /// # Errors
+    /// The device has more orders than it will ever come to.
+    pub(super) fn write(&mut self, output: u8, value: Value) -> Result<(), BoardError> {
+        let Some(known) = self.outputs.get_mut(usize::from(output)) else { return Ok(()) };
+        let high = match value {
+            Value::Bool(high) => high,
+            _ => known.safe,
+        };
+        if known.stream.is_some() {
+            // Pulses that did not begin do not; those under way go to their end.
+            if !self.waiting.is_empty() {
+                self.shared.epoch.fetch_add(1, Ordering::AcqRel);
+            }
+            return Ok(());
+        }
+        let before = match known.wanted {
+            None => Some(known.safe),
+            Some(Order::Level(before)) => Some(before),
+            Some(_) => None,
+        };
+        if before == Some(high) {
+            return Ok(());
+        }
+        known.wanted = Some(Order::Level(high));
+        self.order(output, Order::Level(high))
+    }
+
+    /// Has an output emit what it can emit.
+    ///
+    /// # Errors
+    /// As [`GeneratorHandle::write`].
+    pub(super) fn emit(&mut self, output: u8, order: Order) -> Result<(), BoardError> {
+        if let Some(known) = self.outputs.get_mut(usize::from(output)) {
+            known.wanted = Some(order.clone()).filter(|_| known.stream.is_none());
+        }
+        self.order(output, order)
+    }
+
+    fn order(&mut self, output: u8, order: Order) -> Result<(), BoardError> {
+        self.number += 1;
+        let pulses = match &order {
+            Order::Pulses(edges) => Some(edges.clone()),
+            _ => None,
+        };
+        let epoch = self.shared.epoch.load(Ordering::Acquire);
+        let full = pulses.is_some() && self.waiting.len() >= ORDERS;
+        if full || self.asked.push(Asked { number: self.number, output, epoch, order }).is_err() {
+            return Err(BoardError::Os { call: Call::Write, code: Errno::AGAIN.raw_os_error() });
+        }
+        self.waiting.extend(pulses.map(|edges| (self.number, edges)));
+        self.shared.orders.ring();
+        Ok(())
+    }
+
+    /// When the device counts as silent if it does not answer.
+    pub(super) fn overdue(&self) -> Option<i64> {
+        self.thread.overdue(self.due())
+    }
+
+    /// What all outputs whose changes are told are at rest.
+    pub(super) fn present(&self, at: Time, collector: &mut EventCollector<'_>) {
+        for output in self.outputs.iter().filter(|output| output.senses) {
+            collector.changed(output.channel, When::exactly(at), output.safe, Origin::Write);
+        }
+    }
+
+    /// Tells what happened up to now. TRUE where there is more to tell than one poll does.
+    pub(super) fn poll(&mut self, latched: bool, collector: &mut EventCollector<'_>) -> bool {
+        while let Some(report) = collector.next(&mut self.reports, stamp_of) {
+            self.report(report, latched, collector);
+        }
+        let due = self.due();
+        let channels = self.outputs.iter().map(|output| output.channel);
+        self.thread.report_overflow(channels.clone(), collector);
+        if self.thread.report_presence(due, channels, collector) {
+            self.present(collector.now, collector);
+        }
+        self.tell_edges(collector)
+    }
+
+    fn report(&mut self, report: Report, latched: bool, collector: &mut EventCollector<'_>) {
+        match report {
+            Report::Sent { number, sent } => {
+                if let Some(edges) = self.take(number) {
+                    self.sent.push_back(Stream::new(edges, sent));
+                }
+            }
+            Report::Dropped { number, output, at } => {
+                // What was ordered before the start is of no interest.
+                let Some(known) = self.outputs.get(usize::from(output)) else { return };
+                let (channel, pulses) = (known.channel, known.stream.is_some());
+                let edges = self.take(number).map(|edges| edges.len());
+                let count = if pulses { edges } else { Some(1) };
+                if let Some(count) = count.filter(|_| !latched) {
+                    let count = u32::try_from(count).unwrap_or(u32::MAX);
+                    collector.dropped(channel, collector.time.at(at), count);
+                }
+            }
+            Report::Returned { at } => {
+                let at = collector.time.at(at);
+                let channels = self.outputs.iter().map(|output| output.channel);
+                self.thread.report_return(at, channels, collector);
+                self.present(at, collector);
+                for output in 0..self.outputs.len() {
+                    if let Some(order) = self.outputs[output].wanted.clone().filter(|_| !latched) {
+                        // A device that was just opened has room.
+                        let _ = self.order(output as u8, order);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The edges of an order for pulses; `None` where it is not waited for.
+    fn take(&mut self, number: u64) -> Option<Arc<[Span]>> {
+        let (first, _) = self.waiting.front()?;
+        if *first == number { self.waiting.pop_front().map(|(_, edges)| edges) } else { None }
+    }
+
+    fn tell_edges(&mut self, collector: &mut EventCollector<'_>) -> bool {
+        let Some(&Known { channel, senses, stream: Some((clock, layout)), .. }) = self.outputs.first() else {
+            return false;
+        };
+        let mut left = if senses { AT_ONCE } else { 0 };
+        while let Some(stream) = self.sent.front_mut() {
+            left -= stream.tell(clock, layout, channel, left, collector);
+            if senses && !stream.is_over() {
+                return true;
+            }
+            self.sent.pop_front();
+        }
+        false
+    }
+
+    /// Channels that are lost with the device.
+    pub(super) fn lost_channels(&self) -> u32 {
+        if self.thread.is_lost() { self.outputs.len() as u32 } else { 0 }
+    }
+
+    /// Calls that failed since the start.
+    pub(super) fn failed_calls(&self) -> u64 {
+        self.thread.failed_calls()
+    }
+}
+
+impl Drop for GeneratorHandle {
+    fn drop(&mut self) {
+        let _ = self.shared.ask_rest();
+        let shared = &self.shared;
+        // Pulses that are under way go to their end, and when a call that hangs ends, rest is all that it finds.
+        self.thread.end(|| shared.orders.ring(), || shared.due.load(Ordering::Acquire));
+    }
+}
+
+fn stamp_of(report: &Report) -> i64 {
+    match *report {
+        Report::Sent { sent, .. } => sent.after,
+        Report::Dropped { at, .. } | Report::Returned { at } => at,
+    }
+}

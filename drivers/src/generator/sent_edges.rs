@@ -1,0 +1,65 @@
+//! The edges of a stream that was sent, told a few at a time.
+
+use std::sync::Arc;
+
+use signal::{Span, Time, When};
+
+use super::Sent;
+use super::bits::{BitClock, Layout};
+use crate::event_collector::EventCollector;
+use crate::{ChannelId, Origin};
+
+/// Edges that one poll tells at most.
+pub(super) const AT_ONCE: usize = 256;
+
+/// A stream whose edges are being told.
+#[derive(Debug)]
+pub(super) struct Stream {
+    edges: Arc<[Span]>,
+    next: usize,
+    sent: Sent,
+}
+
+impl Stream {
+    pub(super) fn new(edges: Arc<[Span]>, sent: Sent) -> Stream {
+        Stream { edges, next: 0, sent }
+    }
+
+    /// Whether all was told.
+    pub(super) fn is_over(&self) -> bool {
+        self.next >= self.edges.len()
+    }
+
+    /// Tells the next edges, as many as that. Gives how many it told.
+    ///
+    /// A bit cannot have come before those in front of it had their time since the call began, nor so late that those
+    /// behind it had not theirs until it ended: the clock is not faster than it was set to, whatever else it is.
+    pub(super) fn tell(
+        &mut self,
+        clock: BitClock,
+        layout: Layout,
+        channel: ChannelId,
+        most: usize,
+        collector: &mut EventCollector<'_>,
+    ) -> usize {
+        let last = self.edges.len().min(self.next.saturating_add(most));
+        for place in self.next..last {
+            let at = self.at(clock, layout, self.edges[place], collector);
+            collector.changed(channel, at, place % 2 == 0, Origin::Write);
+        }
+        let told = last - self.next;
+        self.next = last;
+        told
+    }
+
+    fn at(&self, clock: BitClock, layout: Layout, edge: Span, collector: &EventCollector<'_>) -> When {
+        let Sent { before, after, bits } = self.sent;
+        let bit = layout.lead.saturating_add(clock.bit(edge));
+        let earliest = before.saturating_add(clock.lasts(bit));
+        // In some modes a bit begins half a period earlier against its clock than in others.
+        let behind = bits.saturating_sub(bit.saturating_add(1));
+        let latest = after.saturating_sub(clock.lasts(behind)).max(earliest);
+        let at: [Time; 2] = [earliest, latest].map(|stamp| collector.time.at(stamp));
+        When::within(at[0], at[1])
+    }
+}
