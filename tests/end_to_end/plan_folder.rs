@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use record::CaseRecord;
-use runtime::suite::{self, FileSource, JobResult};
+use runtime::jobs::{self, JobResult};
+use runtime::suite::{self, FileSource};
 use runtime::{ClockKind, RunOptions};
 
 /// A folder of plans, with one file read otherwise than it is written.
@@ -43,7 +44,7 @@ impl PlanFolder {
         jobs.retain(|job| job.turn.is_none_or(|turn| turn <= turns));
         let mut records = Vec::new();
         let options = RunOptions::new(ClockKind::Virtual, &NEVER);
-        suite::run(&loaded, &jobs, 2, false, &options, &mut |_, done| match done {
+        jobs::run(&loaded, &jobs, 2, false, &options, &mut |_, done| match done {
             JobResult::Case(result) => records.push(result.record),
             JobResult::Findings(found) => panic!("{plan}: {found:?}"),
             JobResult::Skipped(_) => panic!("{plan}: skipped"),

@@ -9,7 +9,8 @@ use document::Diagnostic;
 use plans::register::{Class, Entry, Register};
 use profile::Profile;
 use record::{RequirementFact, RunRecord, Verdict};
-use runtime::suite::{self, JobResult};
+use runtime::jobs::{self, JobResult};
+use runtime::suite;
 use runtime::{ClockKind, RunOptions};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -270,7 +271,7 @@ fn run_library() -> Result<RunRecord, Diagnostic> {
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
     let at_once = std::thread::available_parallelism().map_or(1, usize::from);
     let mut run = RunRecord::default();
-    suite::run(&loaded, &jobs, at_once, false, &options, &mut |_, done| {
+    jobs::run(&loaded, &jobs, at_once, false, &options, &mut |_, done| {
         if let JobResult::Case(result) = done {
             run.push(result.record);
         }

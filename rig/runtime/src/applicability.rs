@@ -1,6 +1,6 @@
 //! What a plan asks for that no line of the board reaches: such a case does not apply.
 
-use crate::case::CaseFiles;
+use crate::case_files::CaseFiles;
 use crate::describe::show_fault;
 use crate::external::NOT_RUNNING;
 use crate::frames;

@@ -4,8 +4,9 @@
 //! its signals. Its steps come when they are due, counted from the start that the user names, and where a step waits
 //! for something, when the capture has it. Behind the end of the capture nothing is known.
 
-use crate::case::{self, CaseFiles};
+use crate::case_files::CaseFiles;
 use crate::describe;
+use crate::look_up;
 use crate::prepare::Prepared;
 use crate::schedule::{Act, Due, EndReason, Schedule, Timing};
 use capture::{Capture, Channel, Knowledge, Shape};
@@ -29,7 +30,7 @@ pub struct CaseLayout {
 /// # Errors
 /// What a run would find in the user's files.
 pub fn lay_out(case: &Case, files: &CaseFiles) -> Result<CaseLayout, Vec<Diagnostic>> {
-    Ok(CaseLayout { prepared: case::lay_out(case, files)? })
+    Ok(CaseLayout { prepared: look_up::lay_out(case, files)? })
 }
 
 impl CaseLayout {

@@ -1,16 +1,18 @@
 //! One case from its plan to its record.
 
+use crate::case_files::CaseFiles;
 use crate::check;
 use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
 use crate::configure::initial_state;
 use crate::coverage::{Collector, CoveredFile};
 use crate::executor::{Executor, ExecutorReport, Limits, Parts};
 use crate::hardware::{Hardware, in_virtual_time};
-use crate::live::{self, ScanPort};
+use crate::look_up::look_up;
 use crate::needs::{Unmet, unmet};
 use crate::operator::Operator;
 use crate::prepare::{NOT_PROMISED, Prepared};
 use crate::recorder::Recorder;
+use crate::scan_port::{self, ScanPort};
 
 use crate::loop_counter::LoopCounter;
 use crate::rig_fault::RigFault;
@@ -20,19 +22,15 @@ use crate::subject::Subject;
 use crate::suite::nobody_to_ask;
 use crate::test_setup::{TestSetup, set_up};
 use crate::{applicability, describe, lanes, refusal, spill};
-use document::{Diagnostic, Joined, SourceFile};
+use document::Diagnostic;
+use drivers::BoardExt;
 use drivers::RealtimeSettings;
-use drivers::{BoardExt, BoardFile};
 use plans::Case;
 use plans::judge::{Judge, Outcome};
-use plans::plan::GlobalChecks;
-use plans::steps::ProgramRef;
-use profile::{Profile, Reference};
 use record::{CaseRecord, CaseStatus, FramesKept, RigTiming, StepRecord, TaskFigures, Verdict};
 use signal::{SignalId, Span, Time, Trace, Value, When};
-use std::borrow::Cow;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 /// The memory that a trace takes before it goes on in a file, in bytes: enough for the traces of all but the longest
@@ -99,58 +97,6 @@ impl<'a> RunOptions<'a> {
     }
 }
 
-/// A case with the files that it is made of.
-#[derive(Clone, Debug)]
-pub struct CaseFiles {
-    /// Name of the case in the run.
-    pub name: String,
-    /// What the command line gives for the plan's parameters.
-    pub given: Vec<(String, String)>,
-    /// The plan.
-    pub plan: SourceFile,
-    /// The plan and what it includes: the places of the case count through all of them.
-    pub joined: Joined,
-    /// The sources of the program.
-    pub sources: Vec<SourceFile>,
-    /// The programs that steps bring to the controller, each once.
-    pub others: Vec<OtherProgram>,
-    /// The board.
-    pub board: BoardFile,
-    /// Text of the board file, empty for the default board.
-    pub board_text: String,
-    /// What suites and the board claim of every case.
-    pub guards: Vec<Arc<GlobalChecks>>,
-    /// The controller.
-    pub profile: Profile,
-    /// Its reference.
-    pub reference: &'static Reference,
-    /// The seed of everything that is left to chance.
-    pub seed: u64,
-}
-
-impl CaseFiles {
-    /// The case with what suites and the board claim of it.
-    ///
-    /// # Errors
-    /// Two alarms of one name.
-    pub fn guarded<'c>(&self, case: &'c Case) -> Result<Cow<'c, Case>, Vec<Diagnostic>> {
-        let mut case = Cow::Borrowed(case);
-        for guards in &self.guards {
-            guards.attach(case.to_mut())?;
-        }
-        Ok(case)
-    }
-}
-
-/// A program that a step brings to the controller.
-#[derive(Clone, Debug)]
-pub struct OtherProgram {
-    /// As the step names it.
-    pub program: ProgramRef,
-    /// Its sources.
-    pub sources: Vec<SourceFile>,
-}
-
 /// A case that was run, with its trace where there is one.
 #[derive(Debug)]
 pub struct CaseResult {
@@ -194,41 +140,6 @@ fn check_here(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Dia
         }
         _ => look_up(case, files),
     }
-}
-
-/// Builds subject and board of a case and looks up its names: signals and steps as a run would have them.
-pub(crate) fn lay_out(case: &Case, files: &CaseFiles) -> Result<Prepared, Vec<Diagnostic>> {
-    let case = &*files.guarded(case)?;
-    set_up(case, files, None)?.prepare(case, files, Trace::new(), true)
-}
-
-/// Builds subject and board of a case and looks up its names.
-pub(crate) fn look_up(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
-    let mut case = files.guarded(case)?;
-    let mut stage = set_up(&case, files, None)?;
-    if let Some(reason) = applicability::not_applicable_reason(&case, files, &*stage.board) {
-        return Ok(vec![check::no_verdict(files, &reason)]);
-    }
-    if files.board.subject.is_external() {
-        if let Some(Unmet::Power(reason)) = unmet(&case, &*stage.subject, &*stage.board, Span::ZERO) {
-            return Ok(vec![check::no_verdict(files, &reason)]);
-        }
-        applicability::remove_unreachable_signals(case.to_mut(), files, &*stage.board);
-    }
-    let case = &*case;
-    let prepared = stage.prepare(case, files, Trace::new(), true)?;
-    Judge::new(case.scenario(), prepared.trace.signals())?;
-    let looked = stage.on_bench(case, files, &prepared);
-    let found = check::claims(&looked);
-    if found.iter().any(Diagnostic::is_error) {
-        return Err(found);
-    }
-    let needs = check::needs(&looked);
-    let mut warnings = stage.warnings;
-    warnings.extend(prepared.warnings);
-    warnings.extend(found);
-    warnings.extend(needs);
-    Ok(warnings)
 }
 
 /// Runs a case. Cases that do not apply here, and cases that this instrument cannot judge, come back with the
@@ -364,8 +275,8 @@ fn run_here(
         heartbeat: hardware.and_then(Hardware::heartbeat),
         loop_counter: options.loop_counter,
     };
-    let mut port = options.live.map(live::lock);
-    let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), live::Role::Case);
+    let mut port = options.live.map(scan_port::lock);
+    let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), scan_port::Role::Case);
     let entered = hardware.map(Hardware::enter);
     let mut ran = match stepper {
         Some(stepper) => executor.stepping(stepper).run(),

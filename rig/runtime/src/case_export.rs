@@ -1,6 +1,6 @@
 //! What a command that loads a real controller is told of the case: in its environment, and in files beside it.
 
-use crate::case::CaseFiles;
+use crate::case_files::CaseFiles;
 use crate::hook::Hook;
 use plans::Case;
 use plans::plan::{HaltOutputs, Initial, OutputsInStop, Rearming, StartingMode};

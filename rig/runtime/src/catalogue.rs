@@ -2,7 +2,7 @@
 
 use crate::functions;
 use crate::inputs;
-use crate::subject::Observable;
+use crate::observable::Observable;
 use crate::variable_numbers::VariableNumbers;
 use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
 use expert::ExpertConfig;

@@ -1,7 +1,7 @@
 //! What a bench tells of a case before anything moves: values that its signals cannot have, signals that nothing can
 //! move, needs that it does not meet.
 
-use crate::case::CaseFiles;
+use crate::case_files::CaseFiles;
 use crate::generator::Generator;
 use crate::needs::{Unmet, unmet};
 use crate::prepare::Prepared;

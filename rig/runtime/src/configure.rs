@@ -1,6 +1,6 @@
 //! The controller's configuration from what a plan sets.
 
-use crate::case::CaseFiles;
+use crate::case_files::CaseFiles;
 use crate::functions;
 use crate::inputs;
 use controller::{

@@ -1,6 +1,6 @@
 //! What a record and a trace say of where they come from.
 
-use crate::case::CaseFiles;
+use crate::case_files::CaseFiles;
 use crate::subject::Subject;
 use crate::wiring::Wiring;
 use document::Joined;

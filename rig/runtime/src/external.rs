@@ -3,8 +3,9 @@
 
 use crate::capability::Capability;
 use crate::hook::{Hook, HookError};
+use crate::observable::Observable;
 use crate::schedule::FileAction;
-use crate::subject::{Observable, Subject};
+use crate::subject::Subject;
 use controller::{
     Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, Probe, ProbeId, State,
     TaskFigures, WriteError,

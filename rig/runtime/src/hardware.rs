@@ -3,8 +3,8 @@
 
 use crate::bench_lock::BenchLock;
 use crate::clock::HostClock;
-use crate::executor::Heartbeat;
 use crate::figures::{self, MachineFigures};
+use crate::heartbeat::Heartbeat;
 use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
 use drivers::adc::Date;

@@ -1,6 +1,7 @@
 //! What a plan needs of subject, board and rig.
 
-use crate::subject::{Capability, Subject};
+use crate::capability::Capability;
+use crate::subject::Subject;
 use drivers::{Board, Channel, FaultSet};
 use plans::Case;
 use plans::lang::{Amount, Need, Relation};

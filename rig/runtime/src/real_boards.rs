@@ -1,6 +1,7 @@
 //! The real lines of a run, and the real controller on them.
 
-use crate::suite::{Job, LoadedPlan, beside};
+use crate::file_source::beside;
+use crate::suite::{Job, LoadedPlan};
 use document::Diagnostic;
 use drivers::file::BoardFile;
 

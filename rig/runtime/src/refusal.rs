@@ -1,7 +1,8 @@
 //! Cases that are to be refused or warned of when they are checked, and never run.
 
 use crate::application::{compile, notes};
-use crate::case::{CaseFiles, look_up};
+use crate::case_files::CaseFiles;
+use crate::look_up::look_up;
 use document::Diagnostic;
 use plans::Case;
 use plans::plan::Refusal;

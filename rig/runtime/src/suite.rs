@@ -1,9 +1,8 @@
 //! Many plans: their files, their cases, and several cases at once.
 
 use crate::blocks;
-use crate::case::{CaseFiles, OtherProgram};
-pub use crate::jobs::{JobEvent, JobResult, run, watch};
-pub use crate::real_boards::{program_not_loaded, real_board};
+use crate::case_files::{CaseFiles, OtherProgram};
+pub use crate::file_source::{Disk, FileSource, beside, load, load_program};
 use crate::suites;
 use document::{Diagnostic, SourceFile};
 use drivers::file::{BoardFile, Subject as BoardSubject, Terminals, UnknownSubject, read as read_board};
@@ -13,101 +12,7 @@ use plans::steps::Stimulus;
 use plans::{Case, Plan};
 use profile::{Profile, Reference};
 use signal::{Address, Area};
-use std::path::Path;
 use std::sync::Arc;
-
-/// Where plans, programs and board files come from: a disk, or what is built into the binary.
-pub trait FileSource: Sync {
-    /// The text of a file.
-    ///
-    /// # Errors
-    /// Why it cannot be read.
-    fn read(&self, path: &str) -> Result<String, String>;
-
-    /// The bytes of a file, which need not be UTF-8.
-    ///
-    /// # Errors
-    /// Why it cannot be read.
-    fn bytes(&self, path: &str) -> Result<Vec<u8>, String> {
-        self.read(path).map(String::into_bytes)
-    }
-
-    /// Whether there is such a file.
-    fn has(&self, path: &str) -> bool {
-        self.read(path).is_ok()
-    }
-
-    /// The folders that a file is in and whose suites it is of, the innermost first; empty for where paths are
-    /// written from.
-    fn folders(&self, path: &str) -> Vec<String> {
-        suites::written(path)
-    }
-}
-
-/// Largest file that is read.
-const LARGEST_FILE: u64 = 8 << 20;
-
-/// The host's disk.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Disk;
-
-impl FileSource for Disk {
-    fn read(&self, path: &str) -> Result<String, String> {
-        let bytes = self.bytes(path)?;
-        if path.to_ascii_lowercase().ends_with(".dbc") && std::str::from_utf8(&bytes).is_err() {
-            // Older tools write Latin-1, where each byte is the character of its number.
-            return Ok(bytes.into_iter().map(char::from).collect());
-        }
-        String::from_utf8(bytes)
-            .map_err(|error| format!("it is no UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
-    }
-
-    fn bytes(&self, path: &str) -> Result<Vec<u8>, String> {
-        let length = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-        if length > LARGEST_FILE {
-            return Err(format!("it has {length} bytes, {LARGEST_FILE} is the most"));
-        }
-        std::fs::read(path).map_err(|error| error.to_string())
-    }
-
-    fn has(&self, path: &str) -> bool {
-        Path::new(path).is_file()
-    }
-
-    fn folders(&self, path: &str) -> Vec<String> {
-        suites::on_disk(path)
-    }
-}
-
-/// A path beside another file.
-pub fn beside(file: &str, path: &str) -> String {
-    match file.rfind('/') {
-        Some(at) if !path.starts_with('/') => format!("{}/{path}", &file[..at]),
-        _ => path.to_owned(),
-    }
-}
-
-/// Reads a user's file into a source.
-///
-/// # Errors
-/// A finding with the path and the reason.
-pub fn load(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic> {
-    let text = files
-        .read(path)
-        .map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
-    Ok(SourceFile::new(path, text))
-}
-
-/// Reads a file of Structured Text, in whatever encoding and wrapping it is distributed.
-///
-/// # Errors
-/// A finding with the path and the reason.
-pub fn load_program(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic> {
-    let bytes = files
-        .bytes(path)
-        .map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
-    program::source(path, &bytes)
-}
 
 /// The terminals of a board file's subject.
 ///

@@ -2,8 +2,8 @@
 
 use crate::application::{assign, compile};
 use crate::bundle::Bundle;
-use crate::case::CaseFiles;
 use crate::case_export;
+use crate::case_files::CaseFiles;
 use crate::check::CaseOnBench;
 use crate::configure::{configuration, initial_state};
 use crate::coverage::Collector;
@@ -11,9 +11,10 @@ use crate::external::External;
 use crate::functions;
 use crate::hook::Hook;
 use crate::inputs;
+use crate::model::Model;
 use crate::prepare::{Prepared, TestBench, prepare};
 use crate::store::MemoryStore;
-use crate::subject::{Model, Subject};
+use crate::subject::Subject;
 use crate::tasks::Tasks;
 use controller::{Command, Config, Effects, LoadError, RelocationPart, State};
 use document::{Diagnostic, SourceFile};

@@ -2,7 +2,8 @@
 //! (docs/decisions/0003-time-of-an-operation.md).
 
 use crate::common::Library;
-use scanrig_runtime::suite::{self, Job, JobResult};
+use scanrig_runtime::jobs::{self, JobResult};
+use scanrig_runtime::suite::Job;
 use scanrig_runtime::{ClockKind, RunOptions};
 use signal::Span;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -58,7 +59,7 @@ fn jobs_do_not_show_in_the_traces() {
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
     let traces = |at_once| {
         let mut traces = Vec::new();
-        suite::run(&library.plans, &library.jobs, at_once, false, &options, &mut |_, done| match done {
+        jobs::run(&library.plans, &library.jobs, at_once, false, &options, &mut |_, done| match done {
             JobResult::Case(result) => traces.push((result.record.name, result.record.trace_sha256)),
             other => panic!("{other:?}"),
         });

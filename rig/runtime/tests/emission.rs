@@ -7,8 +7,8 @@ use drivers::{
 };
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::ExecutorReport;
+use scanrig_runtime::model::Model;
 use scanrig_runtime::rig_fault::RigFault;
-use scanrig_runtime::subject::Model;
 use signal::{Span, Time, Value, When};
 use std::sync::{Arc, Mutex};
 

@@ -4,7 +4,7 @@
 use crate::texts::Texts;
 use plans::steps::Question;
 use record::{CaseRecord, Verdict};
-use scanrig_runtime::suite::JobResult;
+use scanrig_runtime::jobs::JobResult;
 use scanrig_runtime::{AskError, CaseResult, ClockKind, Operator, RunOptions, rejudge};
 use signal::{LoadLimits, Trace};
 use std::sync::Mutex;

@@ -2,7 +2,8 @@
 
 use crate::common::Library;
 use record::{CaseRecord, Verdict};
-use scanrig_runtime::suite::{self, JobResult, LoadedPlan};
+use scanrig_runtime::jobs::{self, JobResult};
+use scanrig_runtime::suite::LoadedPlan;
 use scanrig_runtime::{ClockKind, RunOptions, rejudge};
 use signal::{LoadLimits, Trace};
 use std::sync::atomic::AtomicBool;
@@ -21,7 +22,7 @@ fn every_case_passes_and_its_trace_says_so_again() {
     let interrupt = AtomicBool::new(false);
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
     let mut wrong = Vec::new();
-    suite::run(&library.plans, &library.jobs, 2, false, &options, &mut |place, done| match done {
+    jobs::run(&library.plans, &library.jobs, 2, false, &options, &mut |place, done| match done {
         JobResult::Case(result) => {
             let record = &result.record;
             if record.verdict != Verdict::Pass {
@@ -61,7 +62,7 @@ fn a_trace_without_memory_comes_to_the_same() {
     let run = |trace_memory| {
         let options = RunOptions { trace_memory, ..RunOptions::new(ClockKind::Virtual, &interrupt) };
         let mut results = vec![None; library.jobs.len()];
-        suite::run(&library.plans, &library.jobs, 2, false, &options, &mut |place, done| {
+        jobs::run(&library.plans, &library.jobs, 2, false, &options, &mut |place, done| {
             let JobResult::Case(result) = done else { panic!("{}: {done:?}", library.jobs[place].name) };
             let events = result.trace.as_ref().map_or(0, Trace::len);
             results[place] = Some((events, CaseRecord { host_ms: 0, ..result.record }));

@@ -6,9 +6,12 @@ use controller::{
     WriteError,
 };
 use record::Verdict;
+use scanrig_runtime::capability::Capability;
 use scanrig_runtime::clock::VirtualClock;
+use scanrig_runtime::model::Model;
+use scanrig_runtime::observable::Observable;
 use scanrig_runtime::schedule::FileAction;
-use scanrig_runtime::subject::{Capability, Model, Observable, Subject};
+use scanrig_runtime::subject::Subject;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Cause, Level, Span, Time, Value, When};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -111,7 +111,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     output::findings(&hardware.as_ref().map(Hardware::warnings).unwrap_or_default(), sources);
     let plans = live::PlanBench { source: Arc::new(HostPlans), board: board.clone(), seed: args.seed };
     let led = args.control.led;
-    let (rig, port) =
+    let (rig, port, slot) =
         live::open(&case, &files, hardware.as_ref(), led, env!("CARGO_PKG_VERSION"), Some(plans))?;
     let serving = serve(&args.control, &board.0, rig).map_err(|found| vec![found])?;
     let port = Mutex::new(port);
@@ -127,7 +127,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     let played = std::thread::scope(|scope| {
         let controller = scope.spawn(|| {
             let tell = tell;
-            live::run_with_plans(&case, &files, &options, settings, &tell)
+            live::run_with_plans(&case, &files, &options, settings, &slot, &tell)
         });
         show(&told, &notifier);
         controller.join()

@@ -13,7 +13,9 @@ use crate::{output, requirements};
 use document::{Diagnostic, SourceFile};
 use record::{CaseRecord, RunRecord, Verdict};
 use runtime::coverage::CoverageTotal;
-use runtime::suite::{self, Job, JobEvent, JobResult, LoadedPlan};
+use runtime::jobs::{self, JobEvent, JobResult};
+use runtime::real_boards;
+use runtime::suite::{self, Job, LoadedPlan};
 use runtime::{ClockKind, Hardware, Operator, RunOptions};
 use signal::{Span, Trace};
 use std::sync::atomic::Ordering;
@@ -40,7 +42,7 @@ pub fn execute(
         output::findings(&[found], sources);
         return Err(Exit::UserFiles);
     }
-    output::findings(suite::program_not_loaded(loaded).as_slice(), sources);
+    output::findings(real_boards::program_not_loaded(loaded).as_slice(), sources);
     let hardware = hardware(args, loaded, jobs, sources)?;
     let real = hardware.is_some() || args.clock == Some(ClockChoice::Real);
     let clock = if real { record::Clock::Real } else { record::Clock::Virtual };
@@ -67,7 +69,7 @@ pub fn execute(
     observer.run_started(&collector.run, at_once);
     let operator = operator.as_ref().map(|operator| operator as &dyn Operator);
     let options = RunOptions { operator, hardware: hardware.as_ref(), ..options(args, real) };
-    suite::watch(loaded, jobs, at_once, args.fail_fast, &options, &mut |happened| match happened {
+    jobs::watch(loaded, jobs, at_once, args.fail_fast, &options, &mut |happened| match happened {
         JobEvent::Begun(place) => observer.case_started(place, &jobs[place]),
         JobEvent::Ended(place) => observer.case_ended(place),
         JobEvent::Idle => observer.time_passes(),
@@ -93,7 +95,7 @@ fn hardware(
         output::findings(found, sources);
         Exit::UserFiles
     };
-    let Some(board) = suite::real_board(loaded, jobs).map_err(|found| refused(&[found]))? else {
+    let Some(board) = real_boards::real_board(loaded, jobs).map_err(|found| refused(&[found]))? else {
         return Ok(None);
     };
     if args.clock == Some(ClockChoice::Virtual) {

@@ -1,8 +1,8 @@
 //! Between two turns: what clients of a rig that is kept running ask for, and what is left for them.
 
 use super::Executor;
-use crate::live::{Role, ScanCommand, ScanCommandError, ScanPort, ScanRequest, Source};
 use crate::rig_fault::RigFault;
+use crate::scan_port::{Role, ScanCommand, ScanCommandError, ScanPort, ScanRequest, Source};
 use control::Action;
 use controller::{Channel, Command, Probe, ProbeId};
 use drivers::{BusEvent, ChannelId, LossReason};

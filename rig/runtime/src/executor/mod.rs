@@ -20,12 +20,13 @@ mod teardown;
 
 use crate::clock::Clock;
 use crate::frame_log::FrameLog;
-use crate::live::ScanPort;
+use crate::heartbeat::Heartbeat;
 use crate::loop_counter::LoopCounter;
 use crate::operator::Operator;
 use crate::prepare::ArmedAlarm;
 use crate::recorder::Recorder;
 use crate::rig_fault::RigFault;
+use crate::scan_port::ScanPort;
 use crate::schedule::{EndReason, Schedule};
 use crate::stepping::{Stepper, Stepping};
 use crate::subject::Subject;
@@ -43,7 +44,6 @@ use signal::{Cause, Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use limits::{ExecutorReport, Limits};
-pub use real_lines::Heartbeat;
 
 /// Turns of the loop without a moment of time passing: more is a circuit that oscillates for ever in no time.
 const MOST_SIMULTANEOUS: u32 = 1_000_000;

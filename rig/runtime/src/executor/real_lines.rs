@@ -7,7 +7,7 @@
 use super::{Executor, MOST_SIMULTANEOUS};
 use crate::rig_fault::RigFault;
 use drivers::{ChannelId, Origin};
-use guard::{Beat, GuardError, GuardHandle};
+use guard::GuardError;
 use signal::{Level, Span, Time, When};
 use std::collections::VecDeque;
 
@@ -16,64 +16,6 @@ const MOST_PENDING: usize = 16_384;
 
 /// The longest that a wait lasts at a stretch, so that an interrupt is seen.
 const LONGEST_WAIT: Span = Span::from_millis(50);
-
-/// Shows that the executor goes on turning: whoever misses it makes the outputs safe.
-pub trait Heartbeat: Sync + std::fmt::Debug {
-    /// From now on it beats.
-    ///
-    /// # Errors
-    /// Nobody watches.
-    fn begin(&self) -> Result<(), GuardError>;
-
-    /// It turns.
-    ///
-    /// # Errors
-    /// Nobody watches any more, or the outputs were made safe already.
-    fn beat(&self) -> Result<(), GuardError>;
-
-    /// The longest that it may be silent.
-    fn every(&self) -> Span;
-
-    /// The outputs are safe, and it beats no more.
-    ///
-    /// # Errors
-    /// They are not.
-    fn end(&self) -> Result<(), GuardError>;
-
-    /// Nobody drives any more, and devices are about to be given back: from then on nothing of them can be looked at.
-    ///
-    /// # Errors
-    /// Outputs are not safe.
-    fn close(&self) -> Result<(), GuardError> {
-        Ok(())
-    }
-}
-
-impl Heartbeat for GuardHandle {
-    fn begin(&self) -> Result<(), GuardError> {
-        self.arm()
-    }
-
-    fn beat(&self) -> Result<(), GuardError> {
-        match GuardHandle::beat(self) {
-            Beat::Kept => Ok(()),
-            Beat::Latched(reason) => Err(GuardError::Latched(reason)),
-            Beat::Unguarded => Err(GuardError::Gone),
-        }
-    }
-
-    fn every(&self) -> Span {
-        self.beat_every()
-    }
-
-    fn end(&self) -> Result<(), GuardError> {
-        self.disarm()
-    }
-
-    fn close(&self) -> Result<(), GuardError> {
-        GuardHandle::close(self)
-    }
-}
 
 /// A change of an input terminal that the modelled time has not reached yet.
 #[derive(Clone, Copy, Debug)]

@@ -4,15 +4,13 @@
 mod axis;
 mod configure;
 mod counted;
-mod lines;
 
 pub use configure::{check, configure, warnings};
 pub use counted::{check as check_counted, counted};
-pub(crate) use lines::on_lines;
 
-use crate::subject::Observable;
+use crate::observable::Observable;
 use controller::Probe;
-use expert::{AxisState, ExpertConfig, FunctionKind, FunctionProbe};
+use expert::{ExpertConfig, FunctionKind, FunctionProbe};
 use signal::Kind;
 
 /// What can be looked at of a counter or meter, by its name.
@@ -58,23 +56,6 @@ const GENERATOR: &[(&str, FunctionProbe, Kind)] = &[
     ("pulses", FunctionProbe::Pulses, Kind::Int),
     ("error", FunctionProbe::Error, Kind::Int),
 ];
-
-/// The names of an axis' states, by their numbers (io:STD-PTO-03).
-const STATES: [(AxisState, &str); 7] = [
-    (AxisState::Disabled, "Disabled"),
-    (AxisState::Standstill, "Standstill"),
-    (AxisState::Homing, "Homing"),
-    (AxisState::DiscreteMotion, "DiscreteMotion"),
-    (AxisState::ContinuousMotion, "ContinuousMotion"),
-    (AxisState::Stopping, "Stopping"),
-    (AxisState::ErrorStop, "ErrorStop"),
-];
-
-/// The names of the values of a fact, where they have any.
-pub fn labels(fact: FunctionProbe) -> Vec<(i64, String)> {
-    let states = STATES.iter().map(|(state, name)| (*state as i64, (*name).to_owned()));
-    states.filter(|_| fact == FunctionProbe::State).collect()
-}
 
 const fn facts(kind: &FunctionKind) -> &'static [(&'static str, FunctionProbe, Kind)] {
     match kind {

@@ -14,7 +14,7 @@ pub use loopback::{Loopback, loopback};
 pub use scan::{Phases, ScanFault, phases};
 pub use square::{EDGES, PERIOD, Square, square};
 
-use crate::executor::Heartbeat;
+use crate::heartbeat::Heartbeat;
 use document::Diagnostic;
 use drivers::{Board, BoardContext, BoardError, BoardEvent, ChannelId, LoopbackPair, LossReason, Origin};
 use guard::GuardError;

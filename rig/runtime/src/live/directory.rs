@@ -1,10 +1,10 @@
 //! What names mean to the clients of a rig: numbers for signals, and what is behind each.
 
 use super::fault;
-use super::queues::Source;
 use crate::catalogue::Catalogue;
+use crate::observable::Observable;
 use crate::prepare::state_labels;
-use crate::subject::Observable;
+use crate::scan_port::Source;
 use control::{Fault, Signal, SignalKind};
 use controller::{Channel as Terminal, Probe};
 use drivers::{BoardFile, Channel, ChannelId, ChannelKind};

@@ -1,6 +1,6 @@
 //! What is said to a client whose order is not carried out.
 
-use super::queues::ScanCommandError;
+use crate::scan_port::ScanCommandError;
 use control::Fault;
 use controller::{CommandError, State, WriteError};
 

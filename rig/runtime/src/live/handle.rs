@@ -3,9 +3,9 @@
 use super::describe;
 use super::directory::Directory;
 use super::fault;
-use super::plans::{ChosenCases, ChosenSlot, PlanBench, lock};
-use super::queues::{HandleEnd, Outcome, ScanCommand, ScanEvent, ScanRequest};
+use super::plans::{ChosenCases, PlanBench, PlanSlot};
 use super::status::StatusSource;
+use crate::scan_port::{HandleEnd, Outcome, ScanCommand, ScanEvent, ScanRequest};
 use control::{Description, Fault, FrameSeen, Greeting, PROTOCOL, PlanEvent, PlanStatus, Signal, Status};
 use host::Bell;
 use services::control::{Answer, MOST_ORDERS, Order, Rig, RigEvent, Ticket};
@@ -31,7 +31,7 @@ struct Watched {
 #[derive(Debug)]
 pub(super) struct PlanOrders {
     pub bench: Option<Arc<PlanBench>>,
-    pub chosen_slot: ChosenSlot,
+    pub slot: PlanSlot,
 }
 
 /// The handle.
@@ -199,7 +199,7 @@ impl LiveRig {
         self.reading = None;
         match chosen {
             Ok(chosen) => {
-                *lock(&self.orders.chosen_slot) = Some(chosen);
+                self.orders.slot.put(chosen);
                 self.waiting.push_back(ScanRequest::Command(ticket, ScanCommand::Plan));
             }
             Err(fault) => told(RigEvent::Answer(Ticket(ticket), Err(fault))),

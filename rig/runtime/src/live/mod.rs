@@ -11,13 +11,12 @@ mod directory;
 mod fault;
 mod handle;
 mod plans;
-mod port;
-mod queues;
-mod snapshot;
 mod status;
 
-use crate::case::{CaseFiles, DEFAULT_LATE};
+use crate::case::DEFAULT_LATE;
+use crate::case_files::CaseFiles;
 use crate::hardware::Hardware;
+use crate::scan_port::{PortLimits, ScanPort, Snapshot, queues};
 use crate::test_setup::set_up;
 use ::plans::Case;
 use control::{Clock, Description, Subject};
@@ -26,19 +25,15 @@ use directory::Directory;
 use document::Diagnostic;
 use drivers::BoardExt;
 use handle::{MOST_WATCHED, PlanOrders};
-use port::PortLimits;
 use profile::OVERLOAD_PERCENT;
-use snapshot::Snapshot;
 use status::StatusSource;
 use std::sync::Arc;
 
 pub use handle::LiveRig;
-pub(crate) use plans::lock;
-pub use plans::{PlanBench, PlanSource, run_with_plans};
-pub use port::{Role, ScanPort};
-pub(crate) use queues::{ScanCommand, ScanCommandError, ScanRequest, Source};
+pub use plans::{PlanBench, PlanSlot, PlanSource, run_with_plans};
 
-/// The two ends of a rig that is about to be kept running: the handle for the socket, the port for the scan.
+/// The two ends of a rig that is about to be kept running: the handle for the socket, the port for the scan; and where plans
+/// that a client chose wait for [`run_with_plans`].
 ///
 /// # Errors
 /// Findings in the user's files, and a rig on real lines whose time clients are to lead.
@@ -49,7 +44,7 @@ pub fn open(
     led: bool,
     version: &str,
     plans: Option<PlanBench>,
-) -> Result<(LiveRig, ScanPort), Vec<Diagnostic>> {
+) -> Result<(LiveRig, ScanPort, PlanSlot), Vec<Diagnostic>> {
     let file = &files.board;
     if led && file.is_real() {
         let message = format!("`{}` has real lines, whose time nobody leads", file.name);
@@ -90,14 +85,14 @@ pub fn open(
     };
     let snapshot = Snapshot::new(description.tasks.len(), board.channels().len(), board.bus_list().len());
     let bell = ScanPort::bell(hardware.map(Hardware::surroundings));
-    let (inside, outside) = queues::queues(&snapshot);
+    let (inside, outside) = queues(&snapshot);
     let late = hardware.and_then(Hardware::late).unwrap_or(DEFAULT_LATE);
     let room = PortLimits { sources: directory.most(), watches: MOST_WATCHED, led, late };
-    let chosen_slot = plans::ChosenSlot::default();
-    let port = ScanPort::new(inside, bell.clone(), snapshot.clone(), room, chosen_slot.clone());
+    let slot = PlanSlot::default();
+    let port = ScanPort::new(inside, bell.clone(), snapshot.clone(), room);
     let realtime = hardware.is_some_and(Hardware::has_priority);
     let instruments = StatusSource::new(snapshot, devices, channels, hardware.is_some(), realtime);
-    let orders = PlanOrders { bench: plans.map(Arc::new), chosen_slot };
+    let orders = PlanOrders { bench: plans.map(Arc::new), slot: slot.clone() };
     let handle = LiveRig::new(outside, bell, description, version, directory, instruments, orders);
-    Ok((handle, port))
+    Ok((handle, port, slot))
 }

@@ -1,8 +1,9 @@
 //! Plans on a rig that is kept running: chosen beside the scan, run in its place, told as they go.
 
 use super::fault;
-use super::port::ScanPort;
-use crate::case::{CaseFiles, RunOptions, run_case};
+use crate::case::{ClockKind, RunOptions, run_case};
+use crate::case_files::CaseFiles;
+use crate::scan_port::{ScanPort, lock};
 use crate::soft_plc::{self, SoftPlcEvent, SoftPlcReport, SoftPlcSettings};
 use crate::suite::{self, FileSource, Job, LoadedPlan};
 use control::{Fault, Measured, PlanEvent};
@@ -13,7 +14,7 @@ use record::{CaseRecord, CaseStatus, MeasurementRecord, Verdict};
 use signal::Span;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::SyncSender;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 /// Where the plans are that a rig can run.
@@ -47,11 +48,18 @@ pub struct ChosenCases {
 }
 
 /// The place where they wait.
-pub type ChosenSlot = Arc<Mutex<Option<ChosenCases>>>;
+#[derive(Clone, Debug, Default)]
+pub struct PlanSlot(Arc<Mutex<Option<ChosenCases>>>);
 
-/// What a lock holds, whoever panicked with it.
-pub fn lock<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
-    lock.lock().unwrap_or_else(PoisonError::into_inner)
+impl PlanSlot {
+    /// Leaves cases for the rig to run, in place of those that were left before.
+    pub(super) fn put(&self, chosen: ChosenCases) {
+        *lock(&self.0) = Some(chosen);
+    }
+
+    fn take(&self) -> Option<ChosenCases> {
+        lock(&self.0).take()
+    }
 }
 
 impl PlanBench {
@@ -115,13 +123,14 @@ pub fn run_with_plans(
     files: &CaseFiles,
     options: &RunOptions<'_>,
     settings: SoftPlcSettings,
+    slot: &PlanSlot,
     tell: &SyncSender<SoftPlcEvent>,
 ) -> Result<SoftPlcReport, Vec<Diagnostic>> {
     let began = Instant::now();
     loop {
         let passed = i64::try_from(began.elapsed().as_nanos()).map_or(Span::MAX, Span::from_nanos);
         let left = settings.duration.map(|lasts| if lasts > passed { lasts - passed } else { Span::ZERO });
-        let lasts = if options.clock == crate::ClockKind::Real { left } else { settings.duration };
+        let lasts = if options.clock == ClockKind::Real { left } else { settings.duration };
         let played = soft_plc::run(
             case,
             files,
@@ -129,8 +138,10 @@ pub fn run_with_plans(
             SoftPlcSettings { duration: lasts, ..settings },
             tell.clone(),
         )?;
-        let chosen = options.live.and_then(|port| lock(port).chosen());
-        let (Some(chosen), Some(port)) = (chosen, options.live) else { return Ok(played) };
+        let Some(port) = options.live.filter(|port| lock(port).take_plan_request()) else {
+            return Ok(played);
+        };
+        let Some(chosen) = slot.take() else { return Ok(played) };
         run(&chosen, options, port);
         if options.interrupt.load(Ordering::Relaxed) {
             return Ok(played);

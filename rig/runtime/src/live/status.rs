@@ -1,7 +1,7 @@
 //! From the last snapshot to a status, with what the scan need not know: how the machine under the rig fares.
 
 use super::describe::Devices;
-use super::snapshot::{BusCounts, LineCounts, Snapshot, counts};
+use crate::scan_port::{BusCounts, LineCounts, Snapshot, counts};
 use control::{
     BusStatus, Description, DeviceStatus, Forced, Led as Lit, PointStatus, RigStatus, Status, StatusWarning,
     TaskStatus, WireValue,

@@ -3,7 +3,7 @@
 use super::TestBench;
 use super::meaning::{Meaning, SignalMeanings};
 use super::signals::channel_info;
-use crate::subject::Observable;
+use crate::observable::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
 use drivers::{BoardKind, Channel, ChannelId, FaultKind};

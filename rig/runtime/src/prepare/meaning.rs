@@ -1,7 +1,7 @@
 //! What a bound name is on a bench.
 
 use super::TestBench;
-use crate::subject::Observable;
+use crate::observable::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
 use drivers::{BoardExt, ChannelId};

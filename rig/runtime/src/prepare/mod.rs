@@ -2,6 +2,8 @@
 
 mod alarms;
 mod emission;
+mod file_signals;
+mod function_lines;
 mod lines;
 mod meaning;
 mod signals;
@@ -9,12 +11,10 @@ mod steps;
 mod waves;
 
 use crate::external::NOT_RUNNING;
-use crate::file_signals;
+use crate::file_source::beside;
 use crate::frames::{self, Watch};
-use crate::functions;
 use crate::schedule::{Act, PlannedStep};
 use crate::subject::Subject;
-use crate::suite::beside;
 use crate::wiring::Wiring;
 use controller::{Probe, State};
 use document::{Diagnostic, Findings};
@@ -163,7 +163,7 @@ pub fn prepare(
     }
     let mut found = out.into_vec();
     found.extend(foreign);
-    found.extend(functions::on_lines(&case.settings, &plan.name, bench));
+    found.extend(function_lines::on_lines(&case.settings, &plan.name, bench));
     let names = SignalMeanings { list: &names, state: wiring.state };
     let alarms = alarms::alarms(case, &names, &mut trace, &mut found);
     if found.iter().any(Diagnostic::is_error) {

@@ -4,14 +4,15 @@
 
 mod subject;
 
-use crate::case::{CaseFiles, RunOptions, clock};
+use crate::case::{RunOptions, clock};
+use crate::case_files::CaseFiles;
 use crate::configure::initial_state;
 use crate::executor::{Executor, ExecutorReport, Limits, Parts};
 use crate::hardware::Hardware;
-use crate::live;
 use crate::prepare::Prepared;
 use crate::recorder::Recorder;
 use crate::rig_fault::RigFault;
+use crate::scan_port;
 use crate::schedule::Schedule;
 use crate::spill;
 use crate::subject::Subject;
@@ -126,8 +127,8 @@ pub fn run(
         heartbeat: hardware.and_then(Hardware::heartbeat),
         loop_counter: options.loop_counter,
     };
-    let mut port = options.live.map(live::lock);
-    let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), live::Role::Rig);
+    let mut port = options.live.map(scan_port::lock);
+    let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), scan_port::Role::Rig);
     let entered = hardware.map(Hardware::enter);
     let report = executor.run();
     drop(entered);

@@ -4,8 +4,9 @@ use super::SoftPlcEvent;
 use crate::capability::Capability;
 use crate::catalogue::Catalogue;
 use crate::hook::HookError;
+use crate::observable::Observable;
 use crate::schedule::FileAction;
-use crate::subject::{Observable, Subject};
+use crate::subject::Subject;
 use controller::{
     Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, FrontPanel, JitterCounts,
     LogEntry, Probe, ProbeId, State, TaskFigures, WriteError,

@@ -13,13 +13,15 @@ use scanrig_runtime::bundle::Bundle;
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::{Executor, ExecutorReport, Limits, Parts};
 use scanrig_runtime::functions;
-use scanrig_runtime::live::{Role, ScanPort};
+use scanrig_runtime::jobs::{self, JobResult};
+use scanrig_runtime::model::Model;
 use scanrig_runtime::prepare::{ArmedAlarm, Prepared, TestBench, prepare};
 use scanrig_runtime::recorder::Recorder;
+use scanrig_runtime::scan_port::{Role, ScanPort};
 use scanrig_runtime::schedule::Schedule;
 use scanrig_runtime::store::MemoryStore;
-use scanrig_runtime::subject::{Model, Subject};
-use scanrig_runtime::suite::{self, FileSource, Job, JobResult, LoadedPlan};
+use scanrig_runtime::subject::Subject;
+use scanrig_runtime::suite::{self, FileSource, Job, LoadedPlan};
 use scanrig_runtime::wiring::Wiring;
 use scanrig_runtime::{CaseResult, RunOptions};
 use signal::{Span, Trace};
@@ -52,7 +54,7 @@ impl Texts<'_> {
         let (loaded, jobs) = self.load(seed);
         assert_eq!(jobs.len(), 1);
         let mut last = None;
-        suite::run(&[loaded], &jobs, 1, false, options, &mut |_, done| last = Some(done));
+        jobs::run(&[loaded], &jobs, 1, false, options, &mut |_, done| last = Some(done));
         last.unwrap()
     }
 

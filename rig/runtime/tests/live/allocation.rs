@@ -3,7 +3,8 @@
 use super::{BOARD, PLAN, PROGRAM};
 use crate::allocation::Noting;
 use crate::texts::Texts;
-use scanrig_runtime::live::{self, LiveRig, ScanPort};
+use scanrig_runtime::live::{self, LiveRig};
+use scanrig_runtime::scan_port::ScanPort;
 use services::control::{Order, Rig, Ticket};
 use signal::{Time, Value};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,7 +18,8 @@ fn rig(texts: &Texts<'_>) -> (LiveRig, ScanPort) {
     let (loaded, jobs) = texts.load(1);
     let case = loaded.plan.case(jobs[0].case).unwrap();
     let files = loaded.files(&case, &jobs[0]).unwrap();
-    live::open(&case, &files, None, false, "0", None).unwrap()
+    let (rig, port, _) = live::open(&case, &files, None, false, "0", None).unwrap();
+    (rig, port)
 }
 
 /// Allocations of the scan from 30 s to 800 s of its time, with the client that `act` is.

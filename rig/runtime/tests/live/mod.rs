@@ -201,7 +201,7 @@ pub fn with_rig(led: bool, act: impl FnOnce(&mut Bench<'_>)) -> SoftPlcReport {
     let files = loaded.files(&case, &jobs[0]).unwrap();
     let board = (files.board.clone(), BOARD.to_owned());
     let plans = live::PlanBench { source: Arc::new(Library), board, seed: 1 };
-    let (mut rig, port) = live::open(&case, &files, None, led, "0", Some(plans)).unwrap();
+    let (mut rig, port, slot) = live::open(&case, &files, None, led, "0", Some(plans)).unwrap();
     let port = Mutex::new(port);
     let interrupt = AtomicBool::new(false);
     let kind = if led { ClockKind::Virtual } else { ClockKind::Real };
@@ -210,7 +210,7 @@ pub fn with_rig(led: bool, act: impl FnOnce(&mut Bench<'_>)) -> SoftPlcReport {
     let (tell, _told) = mpsc::sync_channel(1_024);
     let settings = SoftPlcSettings { duration: None, booted: true };
     std::thread::scope(|scope| {
-        let scan = scope.spawn(|| live::run_with_plans(&case, &files, &options, settings, &tell));
+        let scan = scope.spawn(|| live::run_with_plans(&case, &files, &options, settings, &slot, &tell));
         let mut bench = Bench { rig: &mut rig, told: Vec::new(), tickets: 0 };
         let acted = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| act(&mut bench)));
         interrupt.store(true, Ordering::Relaxed);

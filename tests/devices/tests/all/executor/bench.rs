@@ -7,7 +7,8 @@ use controller::TaskKind;
 use drivers::{Board, BoardContext, BoardError, BoardEvent, BoardExt, Channel, ChannelId, Health};
 use host::{Punctual, Realtime, Role};
 use scanrig_runtime::clock::{Clock, HostClock};
-use scanrig_runtime::subject::{Model, Subject};
+use scanrig_runtime::model::Model;
+use scanrig_runtime::subject::Subject;
 use signal::{Span, Time, Value};
 
 use super::texts::{Parted, Texts};

@@ -1,7 +1,7 @@
 //! Expert functions on the lines of a board: who makes their pulses, and how fast.
 
-use super::configure;
-use crate::prepare::TestBench;
+use super::TestBench;
+use crate::functions::configure;
 use controller::Channel as Terminal;
 use document::Diagnostic;
 use drivers::{Channel, TimestampSource};
@@ -9,7 +9,7 @@ use expert::{AxisConfig, FunctionKind, WaveConfig};
 use plans::plan::{FunctionSettings, Settings};
 
 /// What the lines behind the outputs of the functions cannot do, and what they do not promise.
-pub(crate) fn on_lines(settings: &Settings, plan: &str, bench: &TestBench<'_>) -> Vec<Diagnostic> {
+pub(super) fn on_lines(settings: &Settings, plan: &str, bench: &TestBench<'_>) -> Vec<Diagnostic> {
     if bench.file.subject.is_external() {
         return Vec::new();
     }

@@ -2,7 +2,6 @@
 //!
 //! Only a rig whose time clients lead waits: for what they ask, and for room where they do not take what it tells.
 
-use super::plans::{ChosenCases, ChosenSlot, lock};
 use super::queues::{Outcome, ScanCommand, ScanCommandError, ScanEnd, ScanEvent, ScanRequest, Source};
 use super::snapshot::{LineCounts, Snapshot};
 use control::PlanEvent;
@@ -57,7 +56,6 @@ pub struct ScanPort {
     next: Time,
     /// Something may be otherwise than in the last snapshot of a rig whose time stands still.
     stale: bool,
-    chosen_slot: ChosenSlot,
     /// What the executor is for that serves it.
     role: Role,
     /// The rig's time at the beginning of the executor's.
@@ -94,13 +92,7 @@ pub struct PortLimits {
 }
 
 impl ScanPort {
-    pub(super) fn new(
-        ends: ScanEnd,
-        bell: Arc<Bell>,
-        snapshot: Snapshot,
-        room: PortLimits,
-        chosen_slot: ChosenSlot,
-    ) -> ScanPort {
+    pub(crate) fn new(ends: ScanEnd, bell: Arc<Bell>, snapshot: Snapshot, room: PortLimits) -> ScanPort {
         let unseen = LastSeen { at: When::exactly(Time::ZERO), value: Value::Unknown, source: NONE };
         ScanPort {
             ends,
@@ -116,7 +108,6 @@ impl ScanPort {
             now: snapshot,
             next: Time::ZERO,
             stale: true,
-            chosen_slot,
             role: Role::Rig,
             base: Span::ZERO,
             began: None,
@@ -176,10 +167,10 @@ impl ScanPort {
         self.leaves = true;
     }
 
-    /// The plan that it made room for.
-    pub(crate) fn chosen(&mut self) -> Option<ChosenCases> {
+    /// Whether it made room for a plan, since this was last asked.
+    pub(crate) fn take_plan_request(&mut self) -> bool {
         self.aborted = false;
-        std::mem::take(&mut self.leaves).then(|| lock(&self.chosen_slot).take()).flatten()
+        std::mem::take(&mut self.leaves)
     }
 
     /// The plan is to end.
@@ -489,7 +480,7 @@ mod tests {
         let (inside, mut outside) = queues(&snapshot);
         let bell = Arc::<Bell>::default();
         let room = PortLimits { sources: 1, watches: 1, led: false, late: Span::ZERO };
-        let mut port = ScanPort::new(inside, bell.clone(), snapshot, room, ChosenSlot::default());
+        let mut port = ScanPort::new(inside, bell.clone(), snapshot, room);
         let asked = AT_ONCE * 5 / 2;
         for ticket in 0..asked {
             outside.requests.push(ScanRequest::Command(ticket.into(), ScanCommand::ReleaseAll)).unwrap();

@@ -1,7 +1,7 @@
 //! Signals that stand for files, the log, registers and rows of the relocation table.
 
-use crate::prepare::TestBench;
-use crate::subject::Observable;
+use super::TestBench;
+use crate::observable::Observable;
 use controller::{FileProbe, Probe, RegisterProbe, RelocationPart};
 use document::Findings;
 use plans::Case;
@@ -9,7 +9,7 @@ use plans::signals::{FileFigure, RowFigure, SignalBinding, Source};
 use signal::Kind;
 
 /// What a bound name is, where it stands for files, the log or registers: these the subject has to be told of.
-pub(crate) fn observable(
+pub(super) fn observable(
     binding: &SignalBinding,
     case: &Case,
     bench: &mut TestBench<'_>,

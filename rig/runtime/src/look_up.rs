@@ -1,0 +1,47 @@
+//! The names of a case, looked up on its bench without running it.
+
+use crate::applicability;
+use crate::case_files::CaseFiles;
+use crate::check;
+use crate::needs::{Unmet, unmet};
+use crate::prepare::Prepared;
+use crate::test_setup::set_up;
+use document::Diagnostic;
+use plans::Case;
+use plans::judge::Judge;
+use signal::{Span, Trace};
+
+/// Builds subject and board of a case and looks up its names: signals and steps as a run would have them.
+pub(crate) fn lay_out(case: &Case, files: &CaseFiles) -> Result<Prepared, Vec<Diagnostic>> {
+    let case = &*files.guarded(case)?;
+    set_up(case, files, None)?.prepare(case, files, Trace::new(), true)
+}
+
+/// Builds subject and board of a case and looks up its names.
+pub(crate) fn look_up(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
+    let mut case = files.guarded(case)?;
+    let mut stage = set_up(&case, files, None)?;
+    if let Some(reason) = applicability::not_applicable_reason(&case, files, &*stage.board) {
+        return Ok(vec![check::no_verdict(files, &reason)]);
+    }
+    if files.board.subject.is_external() {
+        if let Some(Unmet::Power(reason)) = unmet(&case, &*stage.subject, &*stage.board, Span::ZERO) {
+            return Ok(vec![check::no_verdict(files, &reason)]);
+        }
+        applicability::remove_unreachable_signals(case.to_mut(), files, &*stage.board);
+    }
+    let case = &*case;
+    let prepared = stage.prepare(case, files, Trace::new(), true)?;
+    Judge::new(case.scenario(), prepared.trace.signals())?;
+    let looked = stage.on_bench(case, files, &prepared);
+    let found = check::claims(&looked);
+    if found.iter().any(Diagnostic::is_error) {
+        return Err(found);
+    }
+    let needs = check::needs(&looked);
+    let mut warnings = stage.warnings;
+    warnings.extend(prepared.warnings);
+    warnings.extend(found);
+    warnings.extend(needs);
+    Ok(warnings)
+}

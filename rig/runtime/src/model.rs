@@ -1,0 +1,254 @@
+//! The model as subject.
+
+use crate::application::BundleLoader;
+use crate::capability::Capability;
+use crate::catalogue::Catalogue;
+use crate::coverage::Collector;
+use crate::observable::Observable;
+use crate::schedule::FileAction;
+use crate::subject::Subject;
+use crate::variable_numbers::VariableNumbers;
+use controller::{
+    Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError,
+    FileProbe, FrontPanel, JitterCounts, LoadError, NonVolatile, Probe, ProbeId, State, TaskFigures,
+    WriteError,
+};
+use plans::steps::FileDeed;
+use program::Program;
+use signal::{Cause, Level, Span, Time, Value, When};
+use std::sync::Arc;
+
+/// The model as subject.
+#[derive(Debug)]
+pub struct Model {
+    controller: Controller,
+    catalogue: Catalogue,
+}
+
+impl Model {
+    /// A model without power. `program` is what its variables' names mean, if there is one; what runs of the
+    /// applications that it loads is added to the collector, if there is one.
+    ///
+    /// # Errors
+    /// [`ConfigError`] for a configuration that the profile does not accept.
+    pub fn new(
+        config: Config,
+        program: Option<Arc<Program>>,
+        store: Box<dyn NonVolatile>,
+        collector: Option<Collector>,
+    ) -> Result<Model, ConfigError> {
+        let names = VariableNumbers::default();
+        let loader = Box::new(BundleLoader::new(config.profile).covered(collector).named(names.clone()));
+        let catalogue = Catalogue::new(&config, program, names);
+        Ok(Model { controller: Controller::new(config, loader, store)?, catalogue })
+    }
+
+    /// VariableNumbers of further programs mean something too, behind those that it knows.
+    pub fn add_programs(&mut self, programs: Vec<Arc<Program>>) {
+        self.catalogue.add_programs(programs);
+    }
+
+    /// Prepares the storage as if this application had been downloaded and the controller left in state `left`.
+    ///
+    /// # Errors
+    /// [`LoadError`] where the application is not valid.
+    pub fn commission(&mut self, bundle: &[u8], left: State) -> Result<(), LoadError> {
+        self.controller.commission(bundle, left)
+    }
+
+    /// Puts the log entries among new effects into the controller's log, in words (controller:NV-09).
+    fn log(&mut self, before: usize, effects: &mut Effects) {
+        for place in before..effects.list.len() {
+            if let Effect::Log { at, entry } = effects.list[place] {
+                let text = crate::log::show(&entry, self);
+                self.controller.log_line(at, &text, effects);
+            }
+        }
+    }
+
+    /// The firmware is damaged from the start.
+    pub fn damage_firmware(&mut self) {
+        self.controller.damage_firmware();
+    }
+
+    /// The controller, to look into.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+}
+
+impl Subject for Model {
+    fn capabilities(&self) -> &'static [Capability] {
+        &Capability::ALL
+    }
+
+    fn power(&mut self, now: Time, on: bool, effects: &mut Effects) {
+        let before = effects.list.len();
+        if on {
+            self.controller.power_on(now, effects);
+        } else {
+            self.controller.power_off(now, effects);
+        }
+        self.log(before, effects);
+    }
+
+    fn run(&mut self, limit: Time, effects: &mut Effects) -> Time {
+        let before = effects.list.len();
+        let reached = self.controller.run(limit, effects);
+        self.log(before, effects);
+        reached
+    }
+
+    fn is_computing(&self) -> bool {
+        self.controller.is_computing()
+    }
+
+    fn is_model(&self) -> bool {
+        true
+    }
+
+    fn offload_pulses(&mut self, outputs: u32) {
+        self.controller.offload_pulses(outputs);
+    }
+
+    fn next_timer(&self) -> Option<Time> {
+        self.controller.next_timer()
+    }
+
+    fn fire(&mut self, now: Time, effects: &mut Effects) {
+        let before = effects.list.len();
+        self.controller.fire(now, effects);
+        self.log(before, effects);
+    }
+
+    fn input(&mut self, now: Time, _at: When, input: usize, level: Level, _effects: &mut Effects) {
+        self.controller.input(now, input, level);
+    }
+
+    fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
+        self.controller.report_missed_edges(now, input, edges);
+    }
+
+    fn count(&mut self, now: Time, input: usize, steps: i64) {
+        self.controller.count(now, input, steps);
+    }
+
+    fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError> {
+        let before = effects.list.len();
+        let answer = self.controller.command(now, command.clone(), effects);
+        self.log(before, effects);
+        answer
+    }
+
+    fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
+        let (path, user) = (act.path.as_str(), act.user);
+        match &act.deed {
+            FileDeed::Put(bytes) => self.controller.put_file(now, path, bytes, user, effects),
+            FileDeed::Fill(bytes) => self.controller.put_file(now, path, &vec![0; *bytes], user, effects),
+            FileDeed::Log(entry) => self.controller.log_data(now, path, entry, effects),
+            FileDeed::Remove => self.controller.remove_file(now, path, user, effects),
+        }
+    }
+
+    fn file_probe(&mut self, fact: FileProbe) -> Probe {
+        self.controller.file_probe(fact)
+    }
+
+    fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects) {
+        self.controller.disturb(now, disturbance, effects);
+    }
+
+    fn overload(&mut self, task: usize, cycle: Span, times: u32) {
+        self.controller.overload(task, cycle, times);
+    }
+
+    fn suspend(&mut self, task: usize, until: Time) {
+        self.controller.suspend(task, until);
+    }
+
+    fn task(&self, name: &str) -> Option<usize> {
+        self.catalogue.tasks().iter().position(|task| task.name.eq_ignore_ascii_case(name))
+    }
+
+    fn task_name(&self, task: usize) -> Option<&str> {
+        self.catalogue.tasks().get(task).map(|task| task.name.as_str())
+    }
+
+    fn function_name(&self, function: usize) -> Option<&str> {
+        self.catalogue.functions().functions.get(function).map(|function| function.name.as_str())
+    }
+
+    fn file_name(&self, file: u16) -> Option<&str> {
+        self.catalogue.programs().first()?.files().get(usize::from(file)).map(String::as_str)
+    }
+
+    fn source_files(&self) -> Vec<(u16, String)> {
+        let files = |program: &Arc<Program>| program.files().to_vec();
+        self.catalogue.programs().iter().flat_map(|program| (0..).zip(files(program))).collect()
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.catalogue.names()
+    }
+
+    fn observable(&self, name: &str) -> Option<Observable> {
+        self.catalogue.observable(name)
+    }
+
+    fn bounds(&self, name: &str) -> Option<(i128, i128)> {
+        self.catalogue.bounds(name)
+    }
+
+    fn catalogue(&self) -> Option<&Catalogue> {
+        Some(&self.catalogue)
+    }
+
+    fn watch(&mut self, probe: Probe) -> ProbeId {
+        self.controller.watch(probe)
+    }
+
+    fn reserve(&mut self, watches: usize) {
+        self.controller.reserve_watches(watches);
+    }
+
+    fn unwatch(&mut self, probe: ProbeId) {
+        self.controller.unwatch(probe);
+    }
+
+    fn front(&self) -> Option<FrontPanel> {
+        Some(self.controller.front_panel())
+    }
+
+    fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {
+        Some((self.controller.task_figures(task)?, *self.controller.task_jitter(task)?))
+    }
+
+    fn read(&self, probe: &Probe) -> Value {
+        self.controller.read(probe)
+    }
+
+    fn write(
+        &mut self,
+        now: Time,
+        probe: &Probe,
+        value: Value,
+        cause: Cause,
+        effects: &mut Effects,
+    ) -> Result<(), WriteError> {
+        self.controller.write(now, probe, value, cause, effects)
+    }
+
+    fn state(&self) -> State {
+        self.controller.state()
+    }
+
+    fn figures(&self) -> Vec<(String, Span, TaskFigures)> {
+        let named = self.catalogue.tasks().iter().enumerate();
+        named
+            .filter_map(|(place, task)| {
+                let interval = task.interval().unwrap_or(Span::ZERO);
+                Some((task.name.clone(), interval, self.controller.task_figures(place)?))
+            })
+            .collect()
+    }
+}
