@@ -148,11 +148,22 @@ impl ReportFolder {
         self.text("record.json", &run.to_json())
     }
 
-    /// Draws reports of these forms; waves are [`ReportFolder::waves`].
+    /// Draws reports of these forms; waves are [`ReportFolder::waves`]. The page, which takes as long as all others
+    /// together, is drawn beside them.
     ///
     /// # Errors
     /// Which file cannot be written, and why.
     pub fn reports(&self, run: &RunRecord, forms: &[ReportFormat]) -> Result<(), String> {
+        let (page, others): (Vec<_>, Vec<_>) =
+            forms.iter().copied().partition(|form| *form == ReportFormat::Html);
+        std::thread::scope(|scope| {
+            let page = scope.spawn(|| self.each(run, &page));
+            let others = self.each(run, &others);
+            page.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)).and(others)
+        })
+    }
+
+    fn each(&self, run: &RunRecord, forms: &[ReportFormat]) -> Result<(), String> {
         for form in forms {
             match form {
                 ReportFormat::Html => {
