@@ -54,7 +54,7 @@ impl Port for Stub {
         Ok(())
     }
 
-    fn held(&self, _device: &str) -> io::Result<Vec<OutputClaim>> {
+    fn output_claims(&self, _device: &str) -> io::Result<Vec<OutputClaim>> {
         Ok(Vec::new())
     }
 }
@@ -79,9 +79,15 @@ struct Bench {
 impl Bench {
     fn new() -> Bench {
         let (file, found, at) = fake::parts("20 s");
-        let (mut board, mut served) =
-            GpioBoard::served(&file, fake::spec(&file), &at, found, Arc::new(Stub::default()))
-                .expect("a board");
+        let (mut board, mut served) = GpioBoard::served(
+            &file.channel_table(),
+            fake::spec(&file),
+            fake::limits(&file),
+            &at,
+            found,
+            Arc::new(Stub::default()),
+        )
+        .expect("a board");
         let started = AtomicBool::new(false);
         // A start waits for the device.
         std::thread::scope(|scope| {

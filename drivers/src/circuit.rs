@@ -1,13 +1,17 @@
 //! What a simulated board is made of, as data, and what is refused before it is built.
 
+mod bus;
 mod order;
+mod tally;
 
 use std::fmt;
 
 use signal::{Span, Value};
 
-use crate::sim::TallySpec;
-use crate::{BusSpec, ChannelId, ChannelKind};
+use crate::channel::{ChannelId, ChannelKind};
+
+pub use bus::BusSpec;
+pub use tally::TallySpec;
 
 /// What an undriven digital line reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -7,7 +7,8 @@ use signal::{Time, Value, When};
 use crate::{BoardEvent, ChannelId, Origin};
 
 /// The events of one poll as they are gathered.
-pub(crate) struct EventCollector<'a> {
+#[derive(Debug)]
+pub struct EventCollector<'a> {
     out: &'a mut Vec<BoardEvent>,
     first: usize,
     pub(crate) time: &'a TimeBase,
@@ -90,6 +91,18 @@ impl<'a> EventCollector<'a> {
                 events.swap(place - 1, place);
                 place -= 1;
             }
+        }
+    }
+}
+
+/// Puts what several devices reported in order, in place and without allocation; events of one instant keep
+/// their order.
+pub(crate) fn sort_by<E: Copy>(events: &mut [E], latest: impl Fn(&E) -> Time) {
+    for at in 1..events.len() {
+        let mut place = at;
+        while place > 0 && latest(&events[place - 1]) > latest(&events[place]) {
+            events.swap(place - 1, place);
+            place -= 1;
         }
     }
 }

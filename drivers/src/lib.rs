@@ -8,12 +8,20 @@ pub mod adc;
 mod board;
 mod bus;
 pub mod can;
+mod channel;
+mod channel_table;
 pub mod circuit;
+mod codes;
 mod context;
 pub mod counter;
+pub mod counting;
+mod device_board;
+mod device_limits;
+mod event;
 mod event_collector;
 pub mod file;
 pub mod generator;
+mod gone;
 pub mod gpio;
 mod holder;
 pub mod inventory;
@@ -22,19 +30,24 @@ mod output_claim;
 pub mod plant;
 pub mod real;
 mod realtime;
+mod refusal;
 mod run_state;
 pub mod serial;
 pub mod sim;
 mod thread;
 pub mod wrap;
 
-pub use board::{
-    Board, BoardError, BoardEvent, BoardExt, Buses, Call, Channel, ChannelId, ChannelKind, Descriptions,
-    Emission, Fault, FaultInjection, FaultKind, FaultSet, Health, LossReason, NotEmitted, Origin,
-    PulseCapability, PulseOutputs, TimestampSource,
-};
+pub use board::{Board, BoardError, BoardExt, Buses, Call, Descriptions, FaultInjection, PulseOutputs};
 pub use bus::{Bus, BusError, BusEvent, BusId, BusKind, BusState, Frame, MAX_DATA};
+pub use channel::{
+    Channel, ChannelId, ChannelKind, Emission, Fault, FaultKind, FaultSet, NotEmitted, PulseCapability,
+    TimestampSource,
+};
+pub use channel_table::ChannelTable;
+pub use circuit::BusSpec;
 pub use context::{BoardContext, OutputGuard};
+pub use device_limits::DeviceLimits;
+pub use event::{BoardEvent, Health, LossReason, Origin};
 pub use file::{
     Binding, Bite, BoardFile, BoardKind, CODES, ControlSettings, External, GuardSettings, OnDisconnect,
     OnLoss, Subject, SubjectLines, Terminals, UnknownSubject, WatchdogSettings, build, open, read,
@@ -44,5 +57,6 @@ pub use holder::{Holder, holders};
 pub use loopback::LoopbackPair;
 pub use output_claim::{LineApi, OutputClaim};
 pub use realtime::RealtimeSettings;
-pub use sim::{BusSpec, SimulatedBoard};
+pub use refusal::Refusal;
+pub use sim::SimulatedBoard;
 pub use wrap::{Disturbance, Faulty};

@@ -1,5 +1,6 @@
 //! What a board hands to whoever makes its outputs safe when the rig cannot any more.
 
+use std::io;
 use std::os::fd::OwnedFd;
 
 /// Through which of the kernel's interfaces lines are driven.
@@ -29,4 +30,15 @@ pub struct OutputClaim {
     pub mask: u64,
     /// Their safe levels.
     pub safe: u64,
+}
+
+impl OutputClaim {
+    /// The same claim once more.
+    ///
+    /// # Errors
+    /// The process has no descriptor left.
+    pub fn try_clone(&self) -> io::Result<OutputClaim> {
+        let (claim, device) = (self.claim.try_clone()?, self.device.clone());
+        Ok(OutputClaim { device, claim, api: self.api, mask: self.mask, safe: self.safe })
+    }
 }

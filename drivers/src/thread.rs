@@ -14,8 +14,9 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use rustix::io::Errno;
 use signal::{Span, Time};
 
+use crate::codes;
 use crate::event_collector::EventCollector;
-use crate::file::{BoardFile, codes};
+use crate::gone::is_gone;
 use crate::{BoardError, BoardEvent, ChannelId, LossReason};
 
 /// What board and thread share.
@@ -119,7 +120,7 @@ impl<R> Reporter<R> {
         self.told = true;
         let code = error.raw_os_error().unwrap_or(Errno::IO.raw_os_error());
         let since = *self.failing.get_or_insert(now);
-        let gives_up = is_gone(code) || now - since > self.limit;
+        let gives_up = is_gone(code, &[]) || now - since > self.limit;
         if gives_up {
             self.failing = None;
             self.presence.gone_at.store(now, Ordering::Release);
@@ -274,10 +275,10 @@ impl DeviceThread {
 }
 
 /// What it means that the machine does not start a thread for a board: `what` says which.
-pub(crate) fn not_started(file: &BoardFile, what: &str, error: &io::Error) -> Vec<Diagnostic> {
+pub(crate) fn not_started(file: &str, what: &str, error: &io::Error) -> Vec<Diagnostic> {
     let message = format!("{what} cannot be started: {error}");
     let help = "the machine has no room for another thread or file: see `ulimit -u` and `ulimit -n`";
-    vec![Diagnostic::error(codes::HOST, message).at(file.name.clone(), 0..0, "").help(help)]
+    vec![Diagnostic::error(codes::HOST, message).at(file.to_owned(), 0..0, "").help(help)]
 }
 
 fn tell(
@@ -292,10 +293,4 @@ fn tell(
             None => BoardEvent::Returned { channel, at },
         });
     }
-}
-
-/// Whether an error says that the device is not there any more.
-fn is_gone(code: i32) -> bool {
-    let gone = [Errno::NODEV, Errno::NXIO, Errno::SHUTDOWN, Errno::BADF, Errno::NOENT];
-    gone.iter().any(|gone| gone.raw_os_error() == code)
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::scripted::{INPUTS, Script};
-use scanrig_drivers::adc::{AdcBoard, Date, InRange, calibrated};
+use scanrig_drivers::adc::{AdcBoard, Date, InRange};
 use scanrig_drivers::{
     Board, BoardContext, BoardError, BoardEvent, ChannelId, LossReason, TimestampSource, build,
 };
@@ -274,7 +274,7 @@ fn a_calibration_stands_in_the_record_and_is_warned_of_behind_its_last_day() {
     let more = ", calibration = { points = [[0, 0.1], [5, 5.1]], date = \"2026-01-31\", expires = \"2027-01-31\", \
                 by = \"the laboratory\", certificate = \"K 77\" }";
     let file = crate::scripted::file("1 s", "1 ms", false, more);
-    let on = |day: &str| calibrated(&file, Date::parse(day).unwrap());
+    let on = |day: &str| file.calibrated(Date::parse(day).unwrap());
     let [sound] = &on("2027-01-31")[..] else { panic!() };
     let words = "calibrated 2026-01-31 by the laboratory, certificate K 77, until 2027-01-31";
     assert_eq!((sound.channel.as_str(), sound.words.as_str(), &sound.expired), ("a1", words, &None));

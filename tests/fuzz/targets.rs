@@ -8,7 +8,8 @@ use document::{Diagnostic, SourceFile, render};
 use drivers::adc::iio::{Element, Sampled, Scans};
 use drivers::adc::spi::{Chosen, FRAME, Input, PARTS, Sweep};
 use drivers::can::{Filter, Reported, Told};
-use drivers::counter::{CounterSpec, FindCount, FindCounter, Follower, Function as Counting, Reading};
+use drivers::counter::{CounterSpec, FindCount, FindCounter, Follower, Reading};
+use drivers::counting::CountFunction as Counting;
 use drivers::serial::{Frames, Framing, Marks, Received, Symbol};
 use expert::{
     BLOCKS, BlockCall, CounterConfig, CounterKind, CounterMode, ExpertConfig, ExpertFunctions,

@@ -1,26 +1,24 @@
 //! The converters of a board.
 
 use document::Diagnostic;
-use host::monotonic;
-use signal::{Span, Time, Value};
+use signal::{Span, Value};
 
 use super::handle::AdcHandle;
-use super::{Adc, AdcKind, AdcSpec, AdcsSpec, Refusal, SampleSpec, iio, spi};
-use crate::event_collector::EventCollector;
-use crate::file::{BoardFile, codes};
-use crate::real::RealSpec;
-use crate::run_state::{RunState, START, drives_none};
+use super::{Adc, AdcKind, AdcSpec, AdcsSpec, SampleSpec, iio, spi};
+use crate::channel::{Channel, FaultSet, TimestampSource};
+use crate::channel_table::ChannelTable;
+use crate::codes;
+use crate::context::BoardContext;
+use crate::device_board::DeviceBoard;
+use crate::device_limits::DeviceLimits;
+use crate::refusal::Refusal;
 use crate::thread::not_started;
-use crate::{
-    Board, BoardContext, BoardError, BoardEvent, Channel, ChannelId, Descriptions, FaultSet, Health,
-    TimestampSource,
-};
 
 /// Describes the channels that have inputs of converters.
-pub fn describe(file: &BoardFile, spec: &AdcsSpec, channels: &mut [Channel]) {
+pub fn describe(table: &ChannelTable, spec: &AdcsSpec, channels: &mut [Channel]) {
     for sample in &spec.samples {
         let at = usize::from(sample.channel.0);
-        let (Some(channel), Some(known)) = (channels.get_mut(at), file.circuit.channels.get(at)) else {
+        let (Some(channel), Some(known)) = (channels.get_mut(at), table.channels.get(at)) else {
             continue;
         };
         // What comes later than this is told as a loss.
@@ -80,17 +78,8 @@ impl std::fmt::Debug for Source {
     }
 }
 
-/// Converters as a board: its channels sense and never drive. A thread of each converter reads it; no call of the board
-/// waits for one but its start.
-#[derive(Debug)]
-pub struct AdcBoard {
-    channels: Vec<Channel>,
-    unresponsive_after: Span,
-    reconnect: bool,
-    context: BoardContext,
-    devices: Vec<AdcHandle>,
-    run: RunState,
-}
+/// Converters as a board: its channels sense and never drive.
+pub type AdcBoard = DeviceBoard<AdcHandle>;
 
 impl AdcBoard {
     /// Opens the board's converters.
@@ -98,13 +87,14 @@ impl AdcBoard {
     /// # Errors
     /// All that is not there, not free, not permitted or cannot be done, by place.
     pub fn open(
-        file: &BoardFile,
-        spec: &RealSpec,
+        table: &ChannelTable,
+        spec: &AdcsSpec,
+        limits: DeviceLimits,
         context: &BoardContext,
     ) -> Result<AdcBoard, Vec<Diagnostic>> {
         let (mut sources, mut found) = (Vec::new(), Vec::new());
-        for (at, converter) in spec.converters.converters.iter().enumerate() {
-            let inputs = spec.converters.inputs_of(at);
+        for (at, converter) in spec.converters.iter().enumerate() {
+            let inputs = spec.inputs_of(at);
             // A converter that no channel uses may be missing.
             if inputs.is_empty() {
                 continue;
@@ -115,14 +105,14 @@ impl AdcBoard {
                     let again = Box::new(move || open(&of, &at).ok());
                     sources.push(Source { converter: opened, inputs, period: converter.period, again });
                 }
-                Err(refusal) => found.push(refusal.finding(&file.name, converter.place.clone())),
+                Err(refusal) => found.push(refusal.finding(&table.file, converter.place.clone())),
             }
         }
         if !found.is_empty() {
             return Err(found);
         }
-        AdcBoard::on(file, spec, context, sources)
-            .map_err(|error| not_started(file, "the thread of a converter", &error))
+        AdcBoard::on(table, spec, limits, context, sources)
+            .map_err(|error| not_started(&table.file, "the thread of a converter", &error))
     }
 
     /// A board of converters that are open.
@@ -130,110 +120,19 @@ impl AdcBoard {
     /// # Errors
     /// A thread could not be started.
     pub fn on(
-        file: &BoardFile,
-        spec: &RealSpec,
+        table: &ChannelTable,
+        spec: &AdcsSpec,
+        limits: DeviceLimits,
         context: &BoardContext,
         sources: Vec<Source>,
     ) -> std::io::Result<AdcBoard> {
-        let mut channels = crate::real::blank(file);
-        describe(file, &spec.converters, &mut channels);
+        let mut channels = table.blank();
+        describe(table, spec, &mut channels);
         let start = |source: Source| {
             let Source { converter, inputs, period, again } = source;
-            let limits = (spec.unresponsive_after, spec.reconnect);
-            AdcHandle::start(converter, again, &inputs, period, limits, (&context.bell, context.realtime))
+            AdcHandle::start(converter, again, &inputs, period, limits, context)
         };
-        Ok(AdcBoard {
-            channels,
-            unresponsive_after: spec.unresponsive_after,
-            reconnect: spec.reconnect,
-            context: context.clone(),
-            devices: sources.into_iter().map(start).collect::<Result<_, _>>()?,
-            run: RunState::default(),
-        })
-    }
-}
-
-impl Board for AdcBoard {
-    fn inner(&self) -> Option<&dyn Board> {
-        None
-    }
-
-    fn inner_mut(&mut self) -> Option<&mut dyn Board> {
-        None
-    }
-
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    /// Waits until every input was read, as long as a converter may be silent or two seconds.
-    fn start(&mut self, now: Time) -> Result<(), BoardError> {
-        self.run.end();
-        let starts: Vec<u64> = self.devices.iter_mut().map(AdcHandle::ask_start).collect();
-        let due = monotonic().saturating_add(self.unresponsive_after.max(START).as_nanos());
-        for (device, start) in self.devices.iter_mut().zip(starts) {
-            if !device.await_start(start, due, self.reconnect) {
-                return Err(device.is_lost());
-            }
-        }
-        self.run.begin(now);
-        self.run.owes_start();
-        Ok(())
-    }
-
-    fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.run.come_to(now)?;
-        drives_none(&self.channels, writes)
-    }
-
-    fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.run.come_to(now)?;
-        let mut collector = EventCollector::new(out, &self.context.time, now);
-        if let Some(start) = self.run.take_fresh() {
-            self.devices.iter().for_each(|device| device.present(start, &mut collector));
-        }
-        for device in &mut self.devices {
-            device.poll(&mut collector);
-        }
-        self.run.told(collector);
-        Ok(())
-    }
-
-    /// What lies ahead of the last poll, and when a converter that owes an answer counts as lost.
-    fn next_event(&self) -> Option<Time> {
-        let owed = self.devices.iter().filter_map(AdcHandle::overdue);
-        self.run.next_event(&self.context.time, owed)
-    }
-
-    /// Nothing is driven: the converters rest until the next start.
-    fn safe(&mut self, now: Time) -> Result<(), BoardError> {
-        self.run.latch(now);
-        self.devices.iter().for_each(AdcHandle::rest);
-        Ok(())
-    }
-
-    fn health(&self) -> Health {
-        Health {
-            lost: self.devices.iter().map(AdcHandle::lost_channels).sum(),
-            dropped: self.run.dropped(),
-            failed_calls: self.devices.iter().map(AdcHandle::failed_calls).sum(),
-            latched_safe: self.run.is_latched(),
-            ..Health::default()
-        }
-    }
-
-    fn descriptions(&self) -> Option<&dyn Descriptions> {
-        Some(self)
-    }
-}
-
-impl Descriptions for AdcBoard {
-    fn device(&self, channel: ChannelId) -> Option<&str> {
-        let mut devices = self.devices.iter();
-        devices.find(|device| device.channels.contains(&channel)).map(|device| device.device.as_str())
-    }
-
-    fn noise(&self, channel: ChannelId) -> Option<f64> {
-        self.devices.iter().find_map(|device| device.noise(channel))
+        let devices = sources.into_iter().map(start).collect::<Result<_, _>>()?;
+        Ok(DeviceBoard::new(channels, limits, context, devices, Vec::new()))
     }
 }

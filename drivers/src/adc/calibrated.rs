@@ -2,8 +2,9 @@
 
 use document::Diagnostic;
 
-use super::Date;
-use crate::file::{BoardFile, BoardKind, codes};
+use super::{AdcsSpec, Date};
+use crate::channel_table::ChannelTable;
+use crate::codes;
 
 /// A channel with a calibration.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,19 +18,18 @@ pub struct Calibrated {
 }
 
 /// The calibrated channels of a board as they stand on this day.
-pub fn calibrated(file: &BoardFile, today: Date) -> Vec<Calibrated> {
-    let BoardKind::Real(spec) = &file.kind else { return Vec::new() };
+pub(crate) fn calibrated(table: &ChannelTable, spec: &AdcsSpec, today: Date) -> Vec<Calibrated> {
     let of = |sample: &super::SampleSpec| {
         let certificate = sample.certificate.as_ref()?;
-        let channel = file.circuit.channels.get(usize::from(sample.channel.0))?.name.clone();
+        let channel = table.channels.get(usize::from(sample.channel.0))?.name.clone();
         let expired = certificate.is_expired(today).then(|| {
             let message = format!("the calibration of `{channel}` has expired: {certificate}");
             Diagnostic::warning(codes::EXPIRED, message)
-                .at(file.name.clone(), sample.certificate_place.clone(), "")
+                .at(table.file.clone(), sample.certificate_place.clone(), "")
                 .help("calibrate the channel and write its new points and dates")
         });
         let late = if expired.is_some() { ": expired" } else { "" };
         Some(Calibrated { words: format!("{certificate}{late}"), channel, expired })
     };
-    spec.converters.samples.iter().filter_map(of).collect()
+    spec.samples.iter().filter_map(of).collect()
 }

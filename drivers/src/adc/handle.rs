@@ -3,29 +3,35 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 
-use host::{Bell, Realtime, monotonic};
+use host::monotonic;
 use rtrb::Consumer;
 use rustix::event::{EventfdFlags, eventfd};
+use rustix::io::Errno;
 use signal::{Span, Time, Value, When};
 
 use super::device::{Device, Known, Opener, Report, Shared};
 use super::spec::longest;
 use super::{AT_ONCE, Adc, SampleSpec, Shown};
+use crate::board::BoardError;
+use crate::channel::ChannelId;
+use crate::context::BoardContext;
+use crate::device_board::DeviceHandle;
+use crate::device_limits::DeviceLimits;
+use crate::event::{BoardEvent, Origin};
 use crate::event_collector::EventCollector;
 use crate::thread::{DeviceThread, ends};
-use crate::{BoardError, BoardEvent, ChannelId, Origin};
 
 /// Reports on their way from a device, at least.
 const REPORTS: usize = 1_024;
 
 /// A converter at work. Dropping it ends its thread.
 #[derive(Debug)]
-pub(super) struct AdcHandle {
+pub struct AdcHandle {
     shared: Arc<Shared>,
     reports: Consumer<Report>,
-    pub(super) channels: Vec<ChannelId>,
+    channels: Vec<ChannelId>,
     /// What messages call it.
-    pub(super) device: String,
+    device: String,
     /// What each input showed last; `None` before its first reading.
     shown: Vec<Option<Shown>>,
     thread: DeviceThread,
@@ -38,8 +44,8 @@ impl AdcHandle {
         opener: Opener,
         samples: &[SampleSpec],
         period: Span,
-        (limit, reconnect): (Span, bool),
-        (bell, realtime): (&Arc<Bell>, Realtime),
+        limits: DeviceLimits,
+        context: &BoardContext,
     ) -> std::io::Result<AdcHandle> {
         let shared = Arc::new(Shared {
             active: AtomicBool::new(false),
@@ -48,7 +54,8 @@ impl AdcHandle {
             noise: samples.iter().map(|_| AtomicU64::new(f64::NAN.to_bits())).collect(),
             wake: eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?,
         });
-        let (reporter, mut thread, reports) = ends(REPORTS.max(samples.len() * 4), bell, limit);
+        let (reporter, mut thread, reports) =
+            ends(REPORTS.max(samples.len() * 4), &context.bell, limits.unresponsive_after);
         let of = converter.device().to_owned();
         let name = format!("adc {of}");
         let apart = longest(period, converter.spread()).as_nanos();
@@ -60,12 +67,13 @@ impl AdcHandle {
             shared: shared.clone(),
             reporter,
             apart,
-            reconnect,
+            reconnect: limits.reconnect,
             started: 0,
             complete: true,
             due: 0,
             lost: 0,
         };
+        let realtime = context.realtime;
         thread.start(name, move || device.run(realtime))?;
         Ok(AdcHandle {
             shared,
@@ -77,79 +85,11 @@ impl AdcHandle {
         })
     }
 
-    /// Asks for a new run. The number of this beginning.
-    pub(super) fn ask_start(&mut self) -> u64 {
-        let start = self.shared.starts.fetch_add(1, Ordering::AcqRel) + 1;
-        self.shared.active.store(true, Ordering::Release);
-        self.shared.wake();
-        start
-    }
-
-    /// Waits until every input was read. FALSE where that is not so in time.
-    pub(super) fn await_start(&mut self, start: u64, due: i64, reconnect: bool) -> bool {
-        loop {
-            while let Ok(report) = self.reports.pop() {
-                match report {
-                    Report::Sample { input, shown, .. } => {
-                        if let Some(last) = self.shown.get_mut(usize::from(input)) {
-                            *last = Some(shown);
-                        }
-                    }
-                    Report::Started { start: done } if done == start => {
-                        self.thread.begin();
-                        return true;
-                    }
-                    _ => {}
-                }
-            }
-            if self.thread.is_gone() && !reconnect || monotonic() >= due {
-                return false;
-            }
-            self.thread.wait(due);
-        }
-    }
-
-    /// Readings are wanted no longer.
-    pub(super) fn rest(&self) {
-        self.shared.active.store(false, Ordering::Release);
-        self.shared.wake();
-    }
-
-    /// What a start says that gets no readings of it.
-    pub(super) fn is_lost(&self) -> BoardError {
-        self.thread.loss(self.channels.first().copied().unwrap_or(ChannelId(0)), self.due())
-    }
-
     /// Until when an answer is owed; 0 for none.
     fn due(&self) -> i64 {
         match self.shared.owes.load(Ordering::Acquire) {
             0 => 0,
             owes => owes.saturating_add(self.thread.limit()),
-        }
-    }
-
-    /// When the converter counts as silent if it does not answer.
-    pub(super) fn overdue(&self) -> Option<i64> {
-        self.thread.overdue(self.due())
-    }
-
-    /// What all inputs show.
-    pub(super) fn present(&self, at: Time, collector: &mut EventCollector<'_>) {
-        for (channel, shown) in self.channels.iter().zip(&self.shown) {
-            changed(*channel, When::exactly(at), *shown, collector);
-        }
-    }
-
-    /// Tells what happened up to now.
-    pub(super) fn poll(&mut self, collector: &mut EventCollector<'_>) {
-        while let Some(report) = collector.next(&mut self.reports, stamp_of) {
-            self.report(report, collector);
-        }
-        let due = self.due();
-        let channels = self.channels.iter().copied();
-        self.thread.report_overflow(channels.clone(), collector);
-        if self.thread.report_presence(due, channels, collector) {
-            self.present(collector.now, collector);
         }
     }
 
@@ -178,22 +118,99 @@ impl AdcHandle {
             Report::Started { .. } => {}
         }
     }
+}
 
-    /// The noise of a channel in its last reading, in its unit.
-    pub(super) fn noise(&self, channel: ChannelId) -> Option<f64> {
-        let input = self.channels.iter().position(|other| *other == channel)?;
-        let noise = f64::from_bits(self.shared.noise.get(input)?.load(Ordering::Acquire));
-        noise.is_finite().then_some(noise)
+impl DeviceHandle for AdcHandle {
+    const DRIVES: bool = false;
+
+    fn device(&self) -> &str {
+        &self.device
     }
 
-    /// Channels that are lost with the converter.
-    pub(super) fn lost_channels(&self) -> u32 {
+    fn channels(&self) -> Vec<ChannelId> {
+        self.channels.clone()
+    }
+
+    fn ask_start(&mut self) -> u64 {
+        let start = self.shared.starts.fetch_add(1, Ordering::AcqRel) + 1;
+        self.shared.active.store(true, Ordering::Release);
+        self.shared.wake();
+        start
+    }
+
+    /// It has when every input was read.
+    fn await_start(&mut self, request: u64, due: i64, reconnect: bool) -> bool {
+        loop {
+            while let Ok(report) = self.reports.pop() {
+                match report {
+                    Report::Sample { input, shown, .. } => {
+                        if let Some(last) = self.shown.get_mut(usize::from(input)) {
+                            *last = Some(shown);
+                        }
+                    }
+                    Report::Started { start: done } if done == request => {
+                        self.thread.begin();
+                        return true;
+                    }
+                    _ => {}
+                }
+            }
+            if self.thread.is_gone() && !reconnect || monotonic() >= due {
+                return false;
+            }
+            self.thread.wait(due);
+        }
+    }
+
+    fn loss(&self) -> BoardError {
+        self.thread.loss(self.channels.first().copied().unwrap_or(ChannelId(0)), self.due())
+    }
+
+    fn present(&self, at: Time, collector: &mut EventCollector<'_>) {
+        for (channel, shown) in self.channels.iter().zip(&self.shown) {
+            changed(*channel, When::exactly(at), *shown, collector);
+        }
+    }
+
+    fn poll(&mut self, _latched: bool, collector: &mut EventCollector<'_>) -> bool {
+        while let Some(report) = collector.next(&mut self.reports, stamp_of) {
+            self.report(report, collector);
+        }
+        let due = self.due();
+        let channels = self.channels.iter().copied();
+        self.thread.report_overflow(channels.clone(), collector);
+        if self.thread.report_presence(due, channels, collector) {
+            self.present(collector.now, collector);
+        }
+        false
+    }
+
+    fn overdue(&self) -> Option<i64> {
+        self.thread.overdue(self.due())
+    }
+
+    /// Nothing is driven: it rests until the next start.
+    fn ask_safe(&mut self) -> u64 {
+        self.shared.active.store(false, Ordering::Release);
+        self.shared.wake();
+        0
+    }
+
+    fn await_safe(&self, _request: u64, _due: i64) -> Result<(), Errno> {
+        Ok(())
+    }
+
+    fn lost_channels(&self) -> u32 {
         if self.thread.is_lost() { self.channels.len() as u32 } else { 0 }
     }
 
-    /// Calls that failed since the start.
-    pub(super) fn failed_calls(&self) -> u64 {
+    fn failed_calls(&self) -> u64 {
         self.thread.failed_calls()
+    }
+
+    fn noise(&self, place: usize) -> Option<f64> {
+        let noise = f64::from_bits(self.shared.noise.get(place)?.load(Ordering::Acquire));
+        noise.is_finite().then_some(noise)
     }
 }
 

@@ -10,16 +10,15 @@ mod certificate;
 mod device;
 mod handle;
 pub mod iio;
-mod refusal;
 mod scale;
 mod spec;
 pub mod spi;
 
 pub use accuracy::{Accuracy, Noise, Resolution};
 pub use board::{AdcBoard, Source, describe, open};
-pub use calibrated::{Calibrated, calibrated};
+pub use calibrated::Calibrated;
+pub(crate) use calibrated::calibrated;
 pub use certificate::{Certificate, Date};
-pub use refusal::Refusal;
 pub use scale::{Point, Scale, Shown};
 pub use spec::{AdcKind, AdcSpec, AdcsSpec, FindInput, SPREAD, SampleSpec};
 

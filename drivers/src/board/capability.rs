@@ -6,8 +6,9 @@ use std::fmt;
 
 use signal::{Span, Time, When};
 
-use super::{BoardError, ChannelId, Emission, Fault};
-use crate::{Bus, BusEvent, BusId, Frame};
+use super::BoardError;
+use crate::bus::{Bus, BusEvent, BusId, Frame};
+use crate::channel::{ChannelId, Emission, Fault};
 
 /// The buses of a board.
 pub trait Buses: fmt::Debug {
@@ -37,7 +38,7 @@ pub trait PulseOutputs: fmt::Debug {
     /// [`Emission::Square`] says; a write to the channel ends it, too.
     ///
     /// # Errors
-    /// [`BoardError::NotEmitted`] where the channel's [`Channel::emits`](super::Channel::emits) does not have it, and as
+    /// [`BoardError::NotEmitted`] where the channel's [`Channel::emits`](crate::Channel::emits) does not have it, and as
     /// [`Board::write`](super::Board::write).
     fn emit(&mut self, now: Time, channel: ChannelId, emission: &Emission) -> Result<(), BoardError>;
 }
@@ -47,7 +48,7 @@ pub trait FaultInjection: fmt::Debug {
     /// Injects a fault from `now` on.
     ///
     /// # Errors
-    /// [`BoardError::NoSuchFault`] where the channel's [`Channel::faults`](super::Channel::faults) lacks it,
+    /// [`BoardError::NoSuchFault`] where the channel's [`Channel::faults`](crate::Channel::faults) lacks it,
     /// [`BoardError::BadValue`], [`BoardError::BadFaultTime`], [`BoardError::TooManyFaults`],
     /// [`BoardError::FaultsApart`], and as [`Board::write`](super::Board::write).
     fn inject(&mut self, now: Time, fault: Fault) -> Result<(), BoardError>;

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-use super::{ChannelId, LossReason, NotEmitted};
-use crate::BusId;
+use crate::bus::BusId;
+use crate::channel::{ChannelId, NotEmitted};
+use crate::event::LossReason;
 use signal::{Span, Time};
 
 /// The call of the operating system that failed on a real board.

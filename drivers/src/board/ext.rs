@@ -2,8 +2,9 @@
 
 use signal::{Span, Time, When};
 
-use super::{Board, BoardError, ChannelId, Emission, Fault, NotEmitted};
-use crate::{Bus, BusEvent, BusId, Frame};
+use super::{Board, BoardError};
+use crate::bus::{Bus, BusEvent, BusId, Frame};
+use crate::channel::{ChannelId, Emission, Fault, NotEmitted};
 
 /// The capabilities of any board: what it lacks it refuses, or has nothing of. Nobody implements this but the board itself,
 /// by its accessors.

@@ -2,25 +2,19 @@
 //! capabilities that only some boards have.
 
 mod capability;
-mod channel;
-mod emission;
 mod error;
-mod event;
 mod ext;
-mod fault;
 
 use std::fmt;
 
-use crate::OutputClaim;
+use crate::channel::{Channel, ChannelId};
+use crate::event::{BoardEvent, Health};
+use crate::output_claim::OutputClaim;
 use signal::{Time, Value};
 
 pub use capability::{Buses, Descriptions, FaultInjection, PulseOutputs};
-pub use channel::{Channel, ChannelId, ChannelKind, TimestampSource};
-pub use emission::{Emission, NotEmitted, PulseCapability};
 pub use error::{BoardError, Call};
-pub use event::{BoardEvent, Health, LossReason, Origin};
 pub use ext::BoardExt;
-pub use fault::{Fault, FaultKind, FaultSet};
 
 /// A board: the rig's terminals, simulated or real.
 ///

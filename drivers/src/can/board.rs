@@ -10,13 +10,13 @@ use super::configure::NotSetUp;
 use super::find::find;
 use super::node::Node;
 use super::running::{Running, ThreadConfig};
-use super::spec::CanBusSpec;
-use crate::file::{BoardFile, codes};
-use crate::real::RealSpec;
+use super::spec::{CanBusSpec, CanSpec};
+use crate::channel_table::ChannelTable;
+use crate::codes;
 use crate::run_state::{RunState, START, drives_none};
 use crate::{
     Board, BoardContext, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Call, Channel, ChannelId,
-    Frame, Health,
+    DeviceLimits, Frame, Health,
 };
 
 /// How long an interface may take to be put back as it was.
@@ -30,9 +30,7 @@ const LOOK: Span = Span::from_millis(50);
 #[derive(Debug)]
 pub struct CanBoard {
     context: BoardContext,
-    unresponsive_after: Span,
-    /// Interfaces that went away are taken back.
-    reconnect: bool,
+    limits: DeviceLimits,
     channels: Vec<Channel>,
     buses: Vec<Bus>,
     nodes: Vec<Node>,
@@ -45,31 +43,36 @@ impl CanBoard {
     /// # Errors
     /// All that is not there, down, set up otherwise or not permitted, by place.
     pub fn open(
-        file: &BoardFile,
-        spec: &RealSpec,
+        table: &ChannelTable,
+        spec: &CanSpec,
+        limits: DeviceLimits,
         context: &BoardContext,
     ) -> Result<CanBoard, Vec<Diagnostic>> {
-        let mut board = CanBoard::without_buses(file, spec, context);
+        let mut board = CanBoard::without_buses(table, spec, limits, context);
         let mut found = Vec::new();
-        for bus in &spec.can.buses {
-            if let Err(wrong) = find(file, bus).and_then(|()| board.add(file, bus)) {
+        for bus in &spec.buses {
+            if let Err(wrong) = find(&table.file, bus).and_then(|()| board.add(&table.file, bus)) {
                 found.push(wrong);
             }
         }
         if found.is_empty() { Ok(board) } else { Err(found) }
     }
 
-    fn without_buses(file: &BoardFile, spec: &RealSpec, context: &BoardContext) -> CanBoard {
+    fn without_buses(
+        table: &ChannelTable,
+        spec: &CanSpec,
+        limits: DeviceLimits,
+        context: &BoardContext,
+    ) -> CanBoard {
         let mut buses = Vec::new();
-        super::describe(&spec.can, &mut buses);
-        for bus in &spec.can.buses {
+        super::describe(spec, &mut buses);
+        for bus in &spec.buses {
             buses[usize::from(bus.bus.0)].resolution = context.resolution;
         }
         CanBoard {
             context: context.clone(),
-            unresponsive_after: spec.unresponsive_after,
-            reconnect: spec.reconnect,
-            channels: crate::real::blank(file),
+            limits,
+            channels: table.blank(),
             buses,
             nodes: Vec::new(),
             run: RunState::default(),
@@ -77,12 +80,12 @@ impl CanBoard {
     }
 
     /// Opens the interface of a bus and starts its thread.
-    fn add(&mut self, file: &BoardFile, bus: &CanBusSpec) -> Result<(), Diagnostic> {
+    fn add(&mut self, file: &str, bus: &CanBusSpec) -> Result<(), Diagnostic> {
         let refused = |error: std::io::Error| {
             let message = format!("the interface {} cannot be opened: {error}", bus.interface);
             let help = "see what `ip -details link show` says of it";
             Diagnostic::error(codes::CAN_REFUSED, message)
-                .at(file.name.clone(), bus.interface_place.clone(), "")
+                .at(file.to_owned(), bus.interface_place.clone(), "")
                 .help(help)
         };
         let cannot = |why: NotSetUp| {
@@ -98,19 +101,23 @@ impl CanBoard {
                 ),
             };
             Diagnostic::error(codes::CAN_CANNOT, message)
-                .at(file.name.clone(), bus.interface_place.clone(), "")
+                .at(file.to_owned(), bus.interface_place.clone(), "")
                 .help(help)
         };
         let mut interface = Interface::new(bus).map_err(refused)?;
         interface.prepare().map_err(cannot)?;
         let (port, _) = interface.open().map_err(refused)?;
         // What the rig has set up it puts back as it was, and controllers take their time.
-        let end = if bus.configure { self.unresponsive_after.max(PUT_BACK) } else { self.unresponsive_after };
+        let end = if bus.configure {
+            self.limits.unresponsive_after.max(PUT_BACK)
+        } else {
+            self.limits.unresponsive_after
+        };
         let config = ThreadConfig {
             resolution: self.context.resolution.as_nanos(),
-            limit: self.unresponsive_after.as_nanos(),
+            limit: self.limits.unresponsive_after.as_nanos(),
             patience: end.as_nanos(),
-            reconnect: self.reconnect,
+            reconnect: self.limits.reconnect,
             realtime: self.context.realtime,
         };
         let adapter = Box::new(interface);
@@ -137,7 +144,7 @@ impl Board for CanBoard {
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
         self.run.end();
         let starts: Vec<u64> = self.nodes.iter_mut().map(Node::ask_start).collect();
-        let unresponsive_after = self.unresponsive_after.max(START);
+        let unresponsive_after = self.limits.unresponsive_after.max(START);
         let patience = || monotonic().saturating_add(unresponsive_after.as_nanos());
         let due = patience();
         for (node, start) in self.nodes.iter_mut().zip(starts) {
@@ -146,7 +153,7 @@ impl Board for CanBoard {
             // frames of the last run go when somebody acknowledges them.
             let wanted = |node: &Node, begun| match begun {
                 true => node.is_behind(),
-                false => self.reconnect && node.gone(),
+                false => self.limits.reconnect && node.gone(),
             };
             while wanted(node, begun) && monotonic() < due {
                 node.shared.answer.wait_until(due.min(monotonic().saturating_add(LOOK.as_nanos())));
@@ -181,7 +188,7 @@ impl Board for CanBoard {
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.run.latch(now);
         let asked: Vec<u64> = self.nodes.iter_mut().map(Node::ask_safe).collect();
-        let due = monotonic().saturating_add(self.unresponsive_after.as_nanos());
+        let due = monotonic().saturating_add(self.limits.unresponsive_after.as_nanos());
         let mut outcome = Ok(());
         for (node, asked) in self.nodes.iter().zip(asked) {
             if !node.await_safe(asked, due) {
@@ -233,7 +240,7 @@ impl Buses for CanBoard {
         for node in &mut self.nodes {
             node.poll(&self.context.time, now, out);
         }
-        crate::real::sort(&mut out[first..], BusEvent::latest);
+        crate::event_collector::sort_by(&mut out[first..], BusEvent::latest);
         self.run.lies_ahead(self.nodes.iter().filter_map(|node| node.ahead).min());
         Ok(())
     }

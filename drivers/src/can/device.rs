@@ -421,11 +421,10 @@ impl Device {
     }
 
     fn refused(&mut self, error: Errno) {
-        match error {
-            Errno::NETDOWN | Errno::NODEV | Errno::NXIO | Errno::BADF => self.lose(),
-            _ => {
-                self.shared.failed.fetch_add(1, Ordering::Relaxed);
-            }
+        if crate::gone::is_gone(error.raw_os_error(), &[Errno::NETDOWN]) {
+            self.lose();
+        } else {
+            self.shared.failed.fetch_add(1, Ordering::Relaxed);
         }
     }
 

@@ -9,7 +9,7 @@ use super::netlink::ask;
 use super::settings::{differences, mend};
 use super::spec::CanBusSpec;
 use crate::BusState;
-use crate::file::{BoardFile, codes};
+use crate::codes;
 
 /// Names of the CAN interfaces of this machine, in order.
 pub fn interfaces() -> Vec<String> {
@@ -30,11 +30,9 @@ const TYPE: &str = "280";
 ///
 /// # Errors
 /// What is wrong with it, at its place in the file.
-pub fn find(file: &BoardFile, spec: &CanBusSpec) -> Result<(), Diagnostic> {
+pub fn find(file: &str, spec: &CanBusSpec) -> Result<(), Diagnostic> {
     let at = |code, message: String, help: String| {
-        Err(Diagnostic::error(code, message)
-            .at(file.name.clone(), spec.interface_place.clone(), "")
-            .help(help))
+        Err(Diagnostic::error(code, message).at(file.to_owned(), spec.interface_place.clone(), "").help(help))
     };
     let name = &spec.interface;
     let link = match ask(name) {

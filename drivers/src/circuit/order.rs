@@ -3,8 +3,8 @@
 use signal::Span;
 
 use super::Circuit;
+use super::TallySpec;
 use crate::ChannelKind;
-use crate::sim::TallySpec;
 
 impl Circuit {
     /// Ranks of the channels: a wire without delay goes from a lower rank to a higher one. The error is a wire

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use document::suggest;
 
 use super::spec::{CounterSpec, FindCount, FindCounter};
-use crate::adc::Refusal;
-use crate::file::codes;
+use crate::codes;
 use crate::inventory::{line, names};
+use crate::refusal::Refusal;
 
 /// Where the kernel lists its counters.
 const DEVICES: &str = "sys/bus/counter/devices";
@@ -157,7 +157,7 @@ pub fn look(root: &Path, spec: &CounterSpec) -> Result<(CounterDevice, HardwareC
         && !count.functions.iter().any(|known| known == function.kernel())
     {
         let message = format!("{} does not count by \"{}\"", named(&device), function.name());
-        let known: Vec<&str> = super::Function::ALL
+        let known: Vec<&str> = crate::counting::CountFunction::ALL
             .iter()
             .filter(|(.., kernel)| count.functions.iter().any(|known| known == kernel))
             .map(|(_, name, _)| *name)

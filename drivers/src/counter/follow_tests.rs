@@ -4,14 +4,15 @@ use host::{CounterEvent, CounterEventKind};
 use proptest::prelude::*;
 use signal::Span;
 
-use super::spec::{CounterSpec, FindCount, FindCounter, Function};
+use super::spec::{CounterSpec, FindCount, FindCounter};
 use super::{Follower, Reading, Step};
+use crate::counting::CountFunction;
 
 const PERIOD: i64 = 1_000_000;
 /// Longer than anything here takes.
 const LONG: i64 = 1_000_000_000_000;
 
-fn spec(function: Function, events: &[CounterEventKind], counts_hz: Option<u64>) -> CounterSpec {
+fn spec(function: CountFunction, events: &[CounterEventKind], counts_hz: Option<u64>) -> CounterSpec {
     CounterSpec {
         name: "wheel".into(),
         place: 0..0,
@@ -134,7 +135,7 @@ proptest! {
         let end = wheel.moves.last().map_or(0, |(at, _)| *at);
         let readings = readings(end / PERIOD + 1);
         let mut follower =
-            Follower::new(&spec(Function::QuadratureX4, &[], Some(4_000)), range as u64 - 1, LONG, 0);
+            Follower::new(&spec(CountFunction::QuadratureX4, &[], Some(4_000)), range as u64 - 1, LONG, 0);
         let steps = wheel.follow(&mut follower, &readings, &[]);
         // What the file promises is exceeded by nobody here, but half the range is near: doubts are right.
         let sure: Vec<Step> = steps.iter().map(|step| Step { doubtful: false, ..*step }).collect();
@@ -153,7 +154,7 @@ proptest! {
         let wheel = wheel(range, first, &gaps);
         let end = wheel.moves.last().map_or(0, |(at, _)| *at);
         let readings = readings(end / PERIOD + 1);
-        let function = if down { Function::Decrease } else { Function::Increase };
+        let function = if down { CountFunction::Decrease } else { CountFunction::Increase };
         let mut follower = Follower::new(&spec(function, &[], Some(3_000)), range as u64 - 1, LONG, 0);
         let steps = wheel.follow(&mut follower, &readings, &[]);
         let sure: Vec<Step> = steps.iter().map(|step| Step { doubtful: false, ..*step }).collect();
@@ -173,7 +174,7 @@ proptest! {
         let wheel = wheel(range, first, &vec![(gap, way); count]);
         let end = wheel.moves.last().map_or(0, |(at, _)| *at);
         let readings = readings(end / PERIOD + 1);
-        let function = if down { Function::Decrease } else { Function::Increase };
+        let function = if down { CountFunction::Decrease } else { CountFunction::Increase };
         let told = [CounterEventKind::Overflow, CounterEventKind::Underflow];
         let mut follower = Follower::new(&spec(function, &told, None), range as u64 - 1, LONG, 0);
         let steps = wheel.follow(&mut follower, &readings, &wheel.events(false, late));
@@ -191,7 +192,7 @@ proptest! {
         let end = wheel.moves.last().map_or(0, |(at, _)| *at);
         let readings = readings(end / PERIOD + 1);
         let told = [CounterEventKind::OverflowUnderflow];
-        let mut follower = Follower::new(&spec(Function::QuadratureX4, &told, None), range as u64 - 1, LONG, 0);
+        let mut follower = Follower::new(&spec(CountFunction::QuadratureX4, &told, None), range as u64 - 1, LONG, 0);
         let events: Vec<CounterEvent> = wheel
             .events(false, late)
             .into_iter()
@@ -211,7 +212,7 @@ proptest! {
         let readings = readings(end / PERIOD + 1);
         let told = [CounterEventKind::OverflowUnderflow, CounterEventKind::ChangeOfState];
         let mut follower =
-            Follower::new(&spec(Function::QuadratureX4, &told, None), range as u64 - 1, LONG, 100);
+            Follower::new(&spec(CountFunction::QuadratureX4, &told, None), range as u64 - 1, LONG, 100);
         let events: Vec<CounterEvent> = wheel
             .events(true, 50)
             .into_iter()
@@ -235,7 +236,7 @@ proptest! {
         events in prop::sample::subsequence(CounterEventKind::ALL.to_vec(), 0..7),
     ) {
         let mut follower =
-            Follower::new(&spec(Function::PulseDirection, &events, Some(1)), ceiling, PERIOD, PERIOD);
+            Follower::new(&spec(CountFunction::PulseDirection, &events, Some(1)), ceiling, PERIOD, PERIOD);
         for (at, value, told) in said {
             let event = |(stamp, count, kind): &(i64, u64, usize)| CounterEvent {
                 stamp: *stamp,
@@ -250,7 +251,7 @@ proptest! {
 
 #[test]
 fn a_count_that_moves_faster_than_promised_is_told_as_doubtful() {
-    let mut follower = Follower::new(&spec(Function::Increase, &[], Some(1_000)), 9_999, LONG, 0);
+    let mut follower = Follower::new(&spec(CountFunction::Increase, &[], Some(1_000)), 9_999, LONG, 0);
     let mut steps = Vec::new();
     let mut read = |at: i64, value: u64| {
         let reading = Reading { before: at, after: at, value };
@@ -265,7 +266,7 @@ fn a_count_that_moves_faster_than_promised_is_told_as_doubtful() {
 
 #[test]
 fn what_lies_too_far_apart_is_doubtful_though_nothing_moved() {
-    let mut follower = Follower::new(&spec(Function::QuadratureX4, &[], None), u64::MAX, 5 * PERIOD, 0);
+    let mut follower = Follower::new(&spec(CountFunction::QuadratureX4, &[], None), u64::MAX, 5 * PERIOD, 0);
     let mut doubts = 0;
     for at in [0, 4, 8, 14] {
         let reading = Reading { before: at * PERIOD, after: at * PERIOD, value: 7 };
@@ -277,7 +278,7 @@ fn what_lies_too_far_apart_is_doubtful_though_nothing_moved() {
 #[test]
 fn the_first_reading_may_be_behind_a_wrap_that_is_told_later() {
     let told = [CounterEventKind::Overflow, CounterEventKind::Underflow];
-    let mut follower = Follower::new(&spec(Function::QuadratureX4, &told, None), 999, LONG, 0);
+    let mut follower = Follower::new(&spec(CountFunction::QuadratureX4, &told, None), 999, LONG, 0);
     let overflow = |stamp, count| CounterEvent { stamp, count, kind: CounterEventKind::Overflow };
     let mut totals = Vec::new();
     let mut take = |at: i64, value: u64, events: &[CounterEvent]| {

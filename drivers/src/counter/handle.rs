@@ -3,27 +3,33 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bell, Realtime, monotonic};
+use host::monotonic;
 use rtrb::Consumer;
-use signal::{Span, Value, When};
+use rustix::io::Errno;
+use signal::{Time, Value, When};
 
 use super::device::{Device, Report, Shared};
 use super::{CounterSpec, Follower, Source, Step};
+use crate::board::BoardError;
+use crate::channel::ChannelId;
+use crate::context::BoardContext;
+use crate::device_board::DeviceHandle;
+use crate::device_limits::DeviceLimits;
+use crate::event::{BoardEvent, Origin};
 use crate::event_collector::EventCollector;
 use crate::thread::{DeviceThread, ends};
-use crate::{BoardError, BoardEvent, ChannelId, Origin};
 
 /// Reports on their way from a device, beside those of its events.
 const REPORTS: usize = 1_024;
 
 /// A counter at work. Dropping it ends its thread.
 #[derive(Debug)]
-pub(super) struct CounterHandle {
+pub struct CounterHandle {
     shared: Arc<Shared>,
     reports: Consumer<Report>,
-    pub(super) channel: ChannelId,
+    channel: ChannelId,
     /// What messages call it.
-    pub(super) device: String,
+    device: String,
     /// How far it has counted.
     count: i64,
     thread: DeviceThread,
@@ -34,16 +40,17 @@ impl CounterHandle {
     pub(super) fn start(
         source: Source,
         spec: &CounterSpec,
-        (limit, reconnect): (Span, bool),
-        (bell, realtime, resolution): (&Arc<Bell>, Realtime, Span),
+        limits: DeviceLimits,
+        context: &BoardContext,
     ) -> std::io::Result<CounterHandle> {
         let shared = Arc::new(Shared::default());
         let kept = spec.buffer as usize;
-        let (reporter, mut thread, reports) = ends(REPORTS + 4 * kept, bell, limit);
+        let (reporter, mut thread, reports) =
+            ends(REPORTS + 4 * kept, &context.bell, limits.unresponsive_after);
         let of = source.counter.device().to_owned();
-        let apart = spec.longest(limit).as_nanos();
+        let apart = spec.longest(limits.unresponsive_after).as_nanos();
         let device = Device {
-            follower: Follower::new(spec, source.counter.ceiling(), apart, resolution.as_nanos()),
+            follower: Follower::new(spec, source.counter.ceiling(), apart, context.resolution.as_nanos()),
             counter: Some(source.counter),
             opener: source.again,
             shared: shared.clone(),
@@ -53,28 +60,76 @@ impl CounterHandle {
             events: Vec::with_capacity(2 * kept),
             steps: Vec::with_capacity(2 * kept + 1),
             period: spec.period.as_nanos(),
-            reconnect,
+            reconnect: limits.reconnect,
             started: 0,
             complete: true,
             due: 0,
         };
+        let realtime = context.realtime;
         thread.start(format!("count {of}"), move || device.run(realtime))?;
         Ok(CounterHandle { shared, reports, channel: source.channel, device: of, count: 0, thread })
     }
 
-    /// Asks for a new run. The number of this beginning.
-    pub(super) fn ask_start(&mut self) -> u64 {
+    /// Until when an answer is owed; 0 for none.
+    fn due(&self) -> i64 {
+        match self.shared.owes.load(Ordering::Acquire) {
+            0 => 0,
+            owes => owes.saturating_add(self.thread.limit()),
+        }
+    }
+
+    /// How far it has counted, since this instant.
+    fn count_at(&self, at: When, collector: &mut EventCollector<'_>) {
+        let (channel, value, origin) = (self.channel, Value::Int(self.count), Origin::Outside);
+        collector.tell(BoardEvent::Changed { channel, at, value, origin });
+    }
+
+    fn report(&mut self, report: Report, collector: &mut EventCollector<'_>) {
+        match report {
+            Report::Counted(step) => {
+                let at = When::within(collector.time.at(step.from), collector.time.at(step.to));
+                if step.doubtful {
+                    collector.dropped(self.channel, at.latest, 1);
+                }
+                if std::mem::replace(&mut self.count, step.total) != step.total {
+                    self.count_at(at, collector);
+                }
+            }
+            Report::Missed { at } => collector.dropped(self.channel, collector.time.at(at), 1),
+            Report::Returned { at } => {
+                let at = collector.time.at(at);
+                self.thread.report_return(at, std::iter::once(self.channel), collector);
+                self.count_at(When::exactly(at), collector);
+            }
+            // Was waited for.
+            Report::Started { .. } => {}
+        }
+    }
+}
+
+impl DeviceHandle for CounterHandle {
+    const DRIVES: bool = false;
+
+    fn device(&self) -> &str {
+        &self.device
+    }
+
+    fn channels(&self) -> Vec<ChannelId> {
+        vec![self.channel]
+    }
+
+    fn ask_start(&mut self) -> u64 {
         let start = self.shared.starts.fetch_add(1, Ordering::AcqRel) + 1;
         self.shared.active.store(true, Ordering::Release);
         self.shared.wake.ring();
         start
     }
 
-    /// Waits until it was read. FALSE where that is not so in time.
-    pub(super) fn await_start(&mut self, start: u64, due: i64, reconnect: bool) -> bool {
+    /// It has when the count was read.
+    fn await_start(&mut self, request: u64, due: i64, reconnect: bool) -> bool {
         loop {
             while let Ok(report) = self.reports.pop() {
-                if report == (Report::Started { start }) {
+                if report == (Report::Started { start: request }) {
                     self.count = 0;
                     self.thread.begin();
                     return true;
@@ -87,77 +142,46 @@ impl CounterHandle {
         }
     }
 
-    /// Readings are wanted no longer.
-    pub(super) fn rest(&self) {
-        self.shared.active.store(false, Ordering::Release);
-        self.shared.wake.ring();
-    }
-
-    /// What a start says that gets no reading of it.
-    pub(super) fn is_lost(&self) -> BoardError {
+    fn loss(&self) -> BoardError {
         self.thread.loss(self.channel, self.due())
     }
 
-    /// Until when an answer is owed; 0 for none.
-    fn due(&self) -> i64 {
-        match self.shared.owes.load(Ordering::Acquire) {
-            0 => 0,
-            owes => owes.saturating_add(self.thread.limit()),
-        }
+    fn present(&self, at: Time, collector: &mut EventCollector<'_>) {
+        self.count_at(When::exactly(at), collector);
     }
 
-    /// When the counter counts as silent if it does not answer.
-    pub(super) fn overdue(&self) -> Option<i64> {
-        self.thread.overdue(self.due())
-    }
-
-    /// How far it has counted.
-    pub(super) fn present(&self, at: When, collector: &mut EventCollector<'_>) {
-        let (channel, value, origin) = (self.channel, Value::Int(self.count), Origin::Outside);
-        collector.tell(BoardEvent::Changed { channel, at, value, origin });
-    }
-
-    /// Tells what happened up to now.
-    pub(super) fn poll(&mut self, collector: &mut EventCollector<'_>) {
+    fn poll(&mut self, _latched: bool, collector: &mut EventCollector<'_>) -> bool {
         while let Some(report) = collector.next(&mut self.reports, stamp_of) {
             self.report(report, collector);
         }
         let channel = std::iter::once(self.channel);
         self.thread.report_overflow(channel.clone(), collector);
         if self.thread.report_presence(self.due(), channel, collector) {
-            self.present(When::exactly(collector.now), collector);
+            self.present(collector.now, collector);
         }
+        false
     }
 
-    fn report(&mut self, report: Report, collector: &mut EventCollector<'_>) {
-        match report {
-            Report::Counted(step) => {
-                let at = When::within(collector.time.at(step.from), collector.time.at(step.to));
-                if step.doubtful {
-                    collector.dropped(self.channel, at.latest, 1);
-                }
-                if std::mem::replace(&mut self.count, step.total) != step.total {
-                    self.present(at, collector);
-                }
-            }
-            Report::Missed { at } => collector.dropped(self.channel, collector.time.at(at), 1),
-            Report::Returned { at } => {
-                let at = collector.time.at(at);
-                self.thread.report_return(at, std::iter::once(self.channel), collector);
-                self.present(When::exactly(at), collector);
-            }
-            // Was waited for.
-            Report::Started { .. } => {}
-        }
+    fn overdue(&self) -> Option<i64> {
+        self.thread.overdue(self.due())
     }
 
-    /// Whether it is lost.
-    pub(super) fn has_gone(&self) -> bool {
-        self.thread.is_lost()
+    /// Nothing is driven: it goes on by itself, and nobody looks until the next start.
+    fn ask_safe(&mut self) -> u64 {
+        self.shared.active.store(false, Ordering::Release);
+        self.shared.wake.ring();
+        0
     }
 
-    /// Calls that failed since the start.
-    pub(super) fn failed_calls(&self) -> u64 {
+    fn await_safe(&self, _request: u64, _due: i64) -> Result<(), Errno> {
+        Ok(())
+    }
+
+    fn lost_channels(&self) -> u32 {
+        u32::from(self.thread.is_lost())
+    }
+
+    fn failed_calls(&self) -> u64 {
         self.thread.failed_calls()
     }
 }

@@ -15,9 +15,9 @@ use super::find::{CounterDevice, HardwareCount, look, named};
 use super::follow::{Reading, unseen};
 use super::spec::CounterSpec;
 use super::{Counter, Way};
-use crate::adc::Refusal;
-use crate::file::codes;
+use crate::codes;
 use crate::inventory::{line, names};
+use crate::refusal::Refusal;
 
 /// A counter of 64 bits that says nothing of its ceiling wraps there.
 const HIGHEST: u64 = u64::MAX;

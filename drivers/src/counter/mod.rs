@@ -19,7 +19,7 @@ pub use find::{CounterDevice, HardwareCount, find, list, look, named};
 pub use follow::{Follower, Reading, Step, Way};
 pub use kernel::{KernelCounter, shown};
 pub(crate) use spec::EVENTS;
-pub use spec::{CountSpec, CounterSpec, CountersSpec, Edge, FindCount, FindCounter, Function};
+pub use spec::{CountSpec, CounterSpec, CountersSpec, FindCount, FindCounter};
 
 use host::CounterEvent;
 use std::fmt::Debug;

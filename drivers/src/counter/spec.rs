@@ -7,7 +7,8 @@ use host::CounterEventKind;
 use signal::Span;
 
 use super::Way;
-use crate::ChannelId;
+use crate::channel::ChannelId;
+use crate::counting::{CountEdge, CountFunction};
 
 /// The counters of a board, and the channels behind which they count.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,9 +40,9 @@ pub struct CounterSpec {
     /// Which of its counts.
     pub count: FindCount,
     /// What it counts; as it is if left out.
-    pub function: Option<Function>,
+    pub function: Option<CountFunction>,
     /// The edge that it counts; as it is if left out.
-    pub edge: Option<Edge>,
+    pub edge: Option<CountEdge>,
     /// The highest number that it shows; as it is if left out.
     pub ceiling: Option<u64>,
     /// Time between two readings.
@@ -82,8 +83,8 @@ impl CounterSpec {
     /// The ways that it counts, as far as the file says.
     pub fn way(&self) -> Way {
         match self.function {
-            Some(Function::Increase) => Way::Up,
-            Some(Function::Decrease) => Way::Down,
+            Some(CountFunction::Increase) => Way::Up,
+            Some(CountFunction::Decrease) => Way::Down,
             _ => Way::Both,
         }
     }
@@ -124,81 +125,4 @@ pub enum FindCount {
     Number(u8),
     /// By its name.
     Name(String),
-}
-
-/// The edge of its first signal that a counter of single pulses counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Edge {
-    /// From 0 to 1.
-    Rising,
-    /// From 1 to 0.
-    Falling,
-    /// Each.
-    Both,
-}
-
-impl Edge {
-    /// As the kernel writes it.
-    pub const fn kernel(self) -> &'static str {
-        match self {
-            Edge::Rising => "rising edge",
-            Edge::Falling => "falling edge",
-            Edge::Both => "both edges",
-        }
-    }
-}
-
-/// What is made of the signals of a count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Function {
-    /// Pulses on A count up.
-    Increase,
-    /// Pulses on A count down.
-    Decrease,
-    /// Pulses on A count, B says which way.
-    PulseDirection,
-    /// One count for each period of A and B.
-    QuadratureX1,
-    /// The same, by the edges of B.
-    QuadratureX1B,
-    /// A count for each edge of A.
-    QuadratureX2,
-    /// A count for each edge of B.
-    QuadratureX2B,
-    /// A count for each edge of either.
-    QuadratureX4,
-}
-
-impl Function {
-    /// All with their names in a board file and in the kernel.
-    pub const ALL: [(Function, &'static str, &'static str); 8] = [
-        (Function::Increase, "increase", "increase"),
-        (Function::Decrease, "decrease", "decrease"),
-        (Function::PulseDirection, "pulse-direction", "pulse-direction"),
-        (Function::QuadratureX1, "quadrature-x1", "quadrature x1 a"),
-        (Function::QuadratureX1B, "quadrature-x1-b", "quadrature x1 b"),
-        (Function::QuadratureX2, "quadrature-x2", "quadrature x2 a"),
-        (Function::QuadratureX2B, "quadrature-x2-b", "quadrature x2 b"),
-        (Function::QuadratureX4, "quadrature-x4", "quadrature x4"),
-    ];
-
-    /// Its name in a board file.
-    pub fn name(self) -> &'static str {
-        self.names().0
-    }
-
-    /// Its name in the kernel.
-    pub fn kernel(self) -> &'static str {
-        self.names().1
-    }
-
-    fn names(self) -> (&'static str, &'static str) {
-        let own = Function::ALL.iter().find(|(function, ..)| *function == self);
-        own.map_or(("", ""), |(_, name, kernel)| (name, kernel))
-    }
-
-    /// The function of this name in a board file.
-    pub fn named(name: &str) -> Option<Function> {
-        Function::ALL.iter().find(|(_, known, _)| *known == name).map(|(function, ..)| *function)
-    }
 }

@@ -9,8 +9,9 @@ use super::bench::Bench;
 use super::real::channels;
 use super::{codes, number};
 use crate::ChannelId;
-use crate::counter::{CountSpec, CounterSpec, CountersSpec, EVENTS, Edge, FindCount, FindCounter, Function};
-use crate::sim::TallySpec;
+use crate::circuit::TallySpec;
+use crate::counter::{CountSpec, CounterSpec, CountersSpec, EVENTS, FindCount, FindCounter};
+use crate::counting::{CountEdge, CountFunction};
 
 /// What a counter makes of its signals.
 pub(super) const FUNCTION: KeyType = KeyType::Choice(&[
@@ -174,8 +175,8 @@ fn tally(
     bench: &Bench,
     out: &mut Findings,
 ) -> Option<TallySpec> {
-    let function = fields.text("function").and_then(Function::named).unwrap_or(Function::Increase);
-    let single = matches!(function, Function::Increase | Function::Decrease);
+    let function = fields.text("function").and_then(CountFunction::named).unwrap_or(CountFunction::Increase);
+    let single = matches!(function, CountFunction::Increase | CountFunction::Decrease);
     if let Some(edge) = fields.entry("edge").filter(|_| !single) {
         let help = "remove it: `edge` goes with \"increase\" and \"decrease\" alone";
         let message = "the function itself says which edges count";
@@ -204,9 +205,9 @@ fn tally(
         return None;
     }
     let edge = match fields.text("edge") {
-        Some("falling") => Edge::Falling,
-        Some("both") => Edge::Both,
-        _ => Edge::Rising,
+        Some("falling") => CountEdge::Falling,
+        Some("both") => CountEdge::Both,
+        _ => CountEdge::Rising,
     };
     Some(TallySpec { channel, a, b, function, edge })
 }
@@ -233,8 +234,8 @@ fn counter(entry: &Entry, fields: &Fields, out: &mut Findings) -> Option<Counter
         Some(Data::Integer(number)) => FindCount::Number(u8::try_from(*number).ok()?),
         _ => FindCount::Number(0),
     };
-    let function = fields.text("function").and_then(Function::named);
-    let single = matches!(function, None | Some(Function::Increase | Function::Decrease));
+    let function = fields.text("function").and_then(CountFunction::named);
+    let single = matches!(function, None | Some(CountFunction::Increase | CountFunction::Decrease));
     if let Some(edge) = fields.entry("edge").filter(|_| !single) {
         let help = "remove it: `edge` goes with \"increase\" and \"decrease\" alone";
         out.error(
@@ -290,9 +291,9 @@ fn counter(entry: &Entry, fields: &Fields, out: &mut Findings) -> Option<Counter
         count,
         function,
         edge: match fields.text("edge") {
-            Some("rising") => Some(Edge::Rising),
-            Some("falling") => Some(Edge::Falling),
-            Some(_) => Some(Edge::Both),
+            Some("rising") => Some(CountEdge::Rising),
+            Some("falling") => Some(CountEdge::Falling),
+            Some(_) => Some(CountEdge::Both),
             None => None,
         },
         ceiling: fields.integer("ceiling").and_then(|ceiling| u64::try_from(ceiling).ok()),

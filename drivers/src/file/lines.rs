@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use document::{Data, Entry, Fields, Findings, Node, suggest};
-use signal::{Span, Value};
+use signal::Value;
 
 use super::bench::Bench;
 use super::real::channels;
@@ -20,12 +20,7 @@ const MICROSECOND: i64 = 1_000;
 const FASTEST: f64 = 500e6;
 
 /// The GPIO lines of a file whose channels and bindings were read. `None` where something is wrong with them.
-pub(super) fn gpio(
-    fields: &Fields,
-    unresponsive_after: Span,
-    bench: &mut Bench,
-    out: &mut Findings,
-) -> Option<GpioSpec> {
+pub(super) fn gpio(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Option<GpioSpec> {
     let board = fields.inner("board")?;
     let backend = match board.text("backend") {
         Some("v2") => Some(Backend::V2),
@@ -46,7 +41,7 @@ pub(super) fn gpio(
     lines.sort_by_key(|line: &LineSpec| line.channel);
     crowded(&chips, &lines, out);
     twice(&lines, out);
-    (!out.has_errors()).then_some(GpioSpec { backend, consumer, unresponsive_after, chips, lines })
+    (!out.has_errors()).then_some(GpioSpec { backend, consumer, chips, lines })
 }
 
 fn consumer(board: &Fields, out: &mut Findings) -> Option<String> {

@@ -5,8 +5,7 @@ mod bench;
 mod buses;
 mod can;
 mod check;
-pub(crate) mod codes;
-mod control;
+pub(crate) mod control;
 mod counter;
 mod generators;
 mod guard;
@@ -27,12 +26,15 @@ mod subject;
 use document::Diagnostic;
 use signal::{Address, Area, Size};
 
+use crate::adc::{Calibrated, Date, calibrated};
+use crate::channel_table::ChannelTable;
 use crate::circuit::{ChannelSpec, Circuit, CircuitError, Pull};
 use crate::real::{self as devices, OfflineBoard, RealSpec};
 use crate::wrap::{Disturbance, Faulty};
 use crate::{Board, BoardContext, ChannelId, LoopbackPair, RealtimeSettings, SimulatedBoard};
 
-pub use codes::CODES;
+use crate::codes;
+pub use crate::codes::CODES;
 pub use control::{ControlSettings, OnDisconnect};
 pub use guard::{Bite, GuardSettings, WatchdogSettings};
 pub use keys::KEYS;
@@ -165,7 +167,20 @@ impl BoardFile {
 
     /// Whether a device that went away is taken back when it is there again.
     pub fn reconnects(&self) -> bool {
-        matches!(&self.kind, BoardKind::Real(spec) if spec.reconnect)
+        matches!(&self.kind, BoardKind::Real(spec) if spec.limits.reconnect)
+    }
+
+    /// The channels, as devices need them.
+    pub fn channel_table(&self) -> ChannelTable {
+        ChannelTable { file: self.name.clone(), channels: self.circuit.channels.clone() }
+    }
+
+    /// The calibrated channels as they stand on this day.
+    pub fn calibrated(&self, today: Date) -> Vec<Calibrated> {
+        match &self.kind {
+            BoardKind::Simulated => Vec::new(),
+            BoardKind::Real(spec) => calibrated(&self.channel_table(), &spec.converters, today),
+        }
     }
 
     /// The channel that a terminal is wired to.
@@ -199,7 +214,7 @@ impl BoardFile {
 /// The first of [`Circuit::check`]: none for a file that [`read`] let through.
 pub fn build(file: &BoardFile, seed: u64) -> Result<Box<dyn Board>, CircuitError> {
     if let BoardKind::Real(spec) = &file.kind {
-        return Ok(Box::new(OfflineBoard::new(file, spec)));
+        return Ok(Box::new(OfflineBoard::new(&file.channel_table(), spec)));
     }
     let board = SimulatedBoard::new(&file.circuit, seed)?;
     Ok(match file.disturbance {
@@ -216,6 +231,6 @@ pub fn build(file: &BoardFile, seed: u64) -> Result<Box<dyn Board>, CircuitError
 pub fn open(file: &BoardFile, context: &BoardContext) -> Result<Option<Box<dyn Board>>, Vec<Diagnostic>> {
     match &file.kind {
         BoardKind::Simulated => Ok(None),
-        BoardKind::Real(spec) => Ok(Some(devices::open(file, spec, context)?)),
+        BoardKind::Real(spec) => Ok(Some(devices::open(&file.channel_table(), spec, context)?)),
     }
 }

@@ -7,7 +7,8 @@ use super::buses::buses;
 use super::{adc, can, codes, counter, generators, keys, lines, relays, serial};
 use crate::BusId;
 use crate::can::CanSpec;
-use crate::real::{RealSpec, UNRESPONSIVE_AFTER};
+use crate::device_limits::DeviceLimits;
+use crate::real::RealSpec;
 
 /// What only a board of real devices has: tables of the file, keys of its board.
 const TABLES: &[&str] = &["chips", "converters", "counters", "fault-relays", "generators"];
@@ -45,12 +46,12 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
         out.error(codes::OTHER_BOARD, entry.key_span.clone(), message, help);
     }
     let board = fields.inner("board")?;
-    let unresponsive_after = board.duration("silent-after").unwrap_or(UNRESPONSIVE_AFTER);
+    let unresponsive_after = board.duration("silent-after").unwrap_or(DeviceLimits::UNRESPONSIVE_AFTER);
     if let Some(node) = board.get("silent-after").filter(|_| unresponsive_after.as_nanos() == 0) {
         out.bad(codes::TIME, node, "every call on a device lasts longer than 0", "write a duration above 0");
     }
     let relays = relays::relays(fields, bench, out);
-    let gpio = lines::gpio(fields, unresponsive_after, bench, out);
+    let gpio = lines::gpio(fields, bench, out);
     let converters = adc::converters(fields, bench, out);
     let counters = counter::counters(fields, bench, out);
     let generators = generators::generators(fields, bench, out);
@@ -73,8 +74,7 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
     serial::twice(&ports, out);
     let gpio = gpio.filter(|_| !out.has_errors())?;
     Some(RealSpec {
-        unresponsive_after,
-        reconnect: board.boolean("retake").unwrap_or(false),
+        limits: DeviceLimits { unresponsive_after, reconnect: board.boolean("retake").unwrap_or(false) },
         gpio,
         converters,
         counters,

@@ -5,7 +5,7 @@ use document::{Fields, Findings};
 use super::buses::buses;
 use super::codes;
 use crate::BusId;
-use crate::sim::BusSpec;
+use crate::circuit::BusSpec;
 
 /// The most buses of a board.
 const MOST_BUSES: usize = 64;

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bell, Realtime, monotonic};
+use host::monotonic;
 use rtrb::{Consumer, Producer};
 use rustix::io::Errno;
 use signal::{Span, Time, Value, When};
@@ -14,9 +14,14 @@ use super::board::Source;
 use super::device::{Asked, Device, Order, Report, Shared};
 use super::sent_edges::{AT_ONCE, Stream};
 use super::spec::GeneratorKind;
+use crate::board::{BoardError, Call};
+use crate::channel::{ChannelId, Emission};
+use crate::context::BoardContext;
+use crate::device_board::DeviceHandle;
+use crate::device_limits::DeviceLimits;
+use crate::event::Origin;
 use crate::event_collector::EventCollector;
 use crate::thread::{DeviceThread, ends};
-use crate::{BoardError, Call, ChannelId, Origin};
 
 /// Orders on their way to a device, and reports on their way back.
 const ORDERS: usize = 256;
@@ -36,13 +41,13 @@ pub(super) struct Known {
 
 /// A generator at work. Dropping it brings its outputs to rest and ends its thread.
 #[derive(Debug)]
-pub(super) struct GeneratorHandle {
+pub struct GeneratorHandle {
     shared: Arc<Shared>,
     asked: Producer<Asked>,
     reports: Consumer<Report>,
-    pub(super) outputs: Vec<Known>,
+    outputs: Vec<Known>,
     /// What messages call it.
-    pub(super) device: String,
+    device: String,
     /// The number of the last order.
     number: u64,
     /// Pulses that were ordered and not reported yet, by the numbers of their orders.
@@ -57,13 +62,13 @@ impl GeneratorHandle {
     pub(super) fn start(
         source: Source,
         senses: impl Fn(ChannelId) -> bool,
-        (limit, reconnect): (Span, bool),
-        (bell, realtime): (&Arc<Bell>, Realtime),
+        limits: DeviceLimits,
+        context: &BoardContext,
     ) -> std::io::Result<GeneratorHandle> {
         let Source { generator, kind, outputs, again } = source;
         let shared = Arc::<Shared>::default();
         let (orders, asked) = rtrb::RingBuffer::new(ORDERS);
-        let (reporter, mut thread, reports) = ends(ORDERS, bell, limit);
+        let (reporter, mut thread, reports) = ends(ORDERS, &context.bell, limits.unresponsive_after);
         let of = generator.device().to_owned();
         let device = Device {
             generator: Some(generator),
@@ -71,10 +76,11 @@ impl GeneratorHandle {
             shared: shared.clone(),
             asked,
             reporter,
-            reconnect,
+            reconnect: limits.reconnect,
             rested: 0,
             look: 0,
         };
+        let realtime = context.realtime;
         thread.start(format!("emit {of}"), move || device.run(realtime))?;
         let known = outputs.iter().map(|output| Known {
             channel: output.channel,
@@ -99,57 +105,16 @@ impl GeneratorHandle {
         })
     }
 
-    /// Asks for rest. The number of this request.
-    pub(super) fn ask_rest(&mut self) -> u64 {
-        self.outputs.iter_mut().for_each(|output| output.wanted = None);
-        self.shared.ask_rest()
-    }
-
-    /// Waits until all is at rest, at least until `due`, and as long as pulses that are under way take. FALSE where it is
-    /// not by then.
-    pub(super) fn await_rest(&self, request: u64, due: i64, reconnect: bool) -> bool {
-        loop {
-            if self.shared.rested.load(Ordering::Acquire) >= request {
-                return true;
-            }
-            let due = due.max(self.due());
-            if self.is_gone() && !reconnect || monotonic() >= due {
-                return false;
-            }
-            self.thread.wait(due);
-        }
-    }
-
-    /// The same at most until `due`; pulses that are under way then come to rest by themselves.
-    pub(super) fn await_safe(&self, request: u64, due: i64) -> bool {
-        loop {
-            if self.shared.rested.load(Ordering::Acquire) >= request {
-                return true;
-            }
-            let now = monotonic();
-            if self.is_gone() || now >= due {
-                return !self.is_gone() && self.due() > now;
-            }
-            self.thread.wait(due);
-        }
-    }
-
     /// A run begins: what was before is forgotten.
-    pub(super) fn begin(&mut self) {
+    fn begin(&mut self) {
         while self.reports.pop().is_ok() {}
         self.waiting.clear();
         self.sent.clear();
         self.thread.begin();
     }
 
-    pub(super) fn is_gone(&self) -> bool {
+    fn is_gone(&self) -> bool {
         self.thread.is_gone()
-    }
-
-    /// What a start says that cannot bring it to rest.
-    pub(super) fn is_lost(&self) -> BoardError {
-        let channel = self.outputs.first().map_or(ChannelId(0), |output| output.channel);
-        self.thread.loss(channel, self.due())
     }
 
     /// Until when an answer is owed; 0 for none.
@@ -157,61 +122,7 @@ impl GeneratorHandle {
         self.shared.due.load(Ordering::Acquire)
     }
 
-    /// Whether an output can be written this.
-    ///
-    /// # Errors
-    /// It takes no such value.
-    pub(super) fn takes(&self, output: u8, value: Value) -> Result<(), BoardError> {
-        let Some(known) = self.outputs.get(usize::from(output)) else { return Ok(()) };
-        match value {
-            Value::HighZ => Ok(()),
-            // Between two streams the line is at rest, and nothing else can be had.
-            Value::Bool(high) if known.stream.is_none() || high == known.safe => Ok(()),
-            _ => Err(BoardError::BadValue(known.channel)),
-        }
-    }
-
-    /// Writes an output; let go of, it rests.
-    ///
-    /// # Errors
-    /// The device has more orders than it will ever come to.
-    pub(super) fn write(&mut self, output: u8, value: Value) -> Result<(), BoardError> {
-        let Some(known) = self.outputs.get_mut(usize::from(output)) else { return Ok(()) };
-        let high = match value {
-            Value::Bool(high) => high,
-            _ => known.safe,
-        };
-        if known.stream.is_some() {
-            // Pulses that did not begin do not; those under way go to their end.
-            if !self.waiting.is_empty() {
-                self.shared.epoch.fetch_add(1, Ordering::AcqRel);
-            }
-            return Ok(());
-        }
-        let before = match known.wanted {
-            None => Some(known.safe),
-            Some(Order::Level(before)) => Some(before),
-            Some(_) => None,
-        };
-        if before == Some(high) {
-            return Ok(());
-        }
-        known.wanted = Some(Order::Level(high));
-        self.order(output, Order::Level(high))
-    }
-
-    /// Has an output emit what it can emit.
-    ///
-    /// # Errors
-    /// As [`GeneratorHandle::write`].
-    pub(super) fn emit(&mut self, output: u8, order: Order) -> Result<(), BoardError> {
-        if let Some(known) = self.outputs.get_mut(usize::from(output)) {
-            known.wanted = Some(order.clone()).filter(|_| known.stream.is_none());
-        }
-        self.order(output, order)
-    }
-
-    fn order(&mut self, output: u8, order: Order) -> Result<(), BoardError> {
+    fn order(&mut self, place: usize, order: Order) -> Result<(), BoardError> {
         self.number += 1;
         let pulses = match &order {
             Order::Pulses(edges) => Some(edges.clone()),
@@ -219,38 +130,13 @@ impl GeneratorHandle {
         };
         let epoch = self.shared.epoch.load(Ordering::Acquire);
         let full = pulses.is_some() && self.waiting.len() >= ORDERS;
-        if full || self.asked.push(Asked { number: self.number, output, epoch, order }).is_err() {
+        if full || self.asked.push(Asked { number: self.number, output: place as u8, epoch, order }).is_err()
+        {
             return Err(BoardError::Os { call: Call::Write, code: Errno::AGAIN.raw_os_error() });
         }
         self.waiting.extend(pulses.map(|edges| (self.number, edges)));
         self.shared.orders.ring();
         Ok(())
-    }
-
-    /// When the device counts as silent if it does not answer.
-    pub(super) fn overdue(&self) -> Option<i64> {
-        self.thread.overdue(self.due())
-    }
-
-    /// What all outputs whose changes are told are at rest.
-    pub(super) fn present(&self, at: Time, collector: &mut EventCollector<'_>) {
-        for output in self.outputs.iter().filter(|output| output.senses) {
-            collector.changed(output.channel, When::exactly(at), output.safe, Origin::Write);
-        }
-    }
-
-    /// Tells what happened up to now. TRUE where there is more to tell than one poll does.
-    pub(super) fn poll(&mut self, latched: bool, collector: &mut EventCollector<'_>) -> bool {
-        while let Some(report) = collector.next(&mut self.reports, stamp_of) {
-            self.report(report, latched, collector);
-        }
-        let due = self.due();
-        let channels = self.outputs.iter().map(|output| output.channel);
-        self.thread.report_overflow(channels.clone(), collector);
-        if self.thread.report_presence(due, channels, collector) {
-            self.present(collector.now, collector);
-        }
-        self.tell_edges(collector)
     }
 
     fn report(&mut self, report: Report, latched: bool, collector: &mut EventCollector<'_>) {
@@ -279,7 +165,7 @@ impl GeneratorHandle {
                 for output in 0..self.outputs.len() {
                     if let Some(order) = self.outputs[output].wanted.clone().filter(|_| !latched) {
                         // A device that was just opened has room.
-                        let _ = self.order(output as u8, order);
+                        let _ = self.order(output, order);
                     }
                 }
             }
@@ -306,15 +192,139 @@ impl GeneratorHandle {
         }
         false
     }
+}
 
-    /// Channels that are lost with the device.
-    pub(super) fn lost_channels(&self) -> u32 {
+impl DeviceHandle for GeneratorHandle {
+    const DRIVES: bool = true;
+
+    fn device(&self) -> &str {
+        &self.device
+    }
+
+    fn channels(&self) -> Vec<ChannelId> {
+        self.outputs.iter().map(|output| output.channel).collect()
+    }
+
+    /// Asks for rest.
+    fn ask_start(&mut self) -> u64 {
+        self.ask_safe()
+    }
+
+    /// It has when all is at rest: waits as long as pulses that are under way take, too.
+    fn await_start(&mut self, request: u64, due: i64, reconnect: bool) -> bool {
+        while self.shared.rested.load(Ordering::Acquire) < request {
+            let due = due.max(self.due());
+            if self.is_gone() && !reconnect || monotonic() >= due {
+                return false;
+            }
+            self.thread.wait(due);
+        }
+        self.begin();
+        true
+    }
+
+    fn loss(&self) -> BoardError {
+        let channel = self.outputs.first().map_or(ChannelId(0), |output| output.channel);
+        self.thread.loss(channel, self.due())
+    }
+
+    /// What all outputs whose changes are reported are at rest.
+    fn present(&self, at: Time, collector: &mut EventCollector<'_>) {
+        for output in self.outputs.iter().filter(|output| output.senses) {
+            collector.changed(output.channel, When::exactly(at), output.safe, Origin::Write);
+        }
+    }
+
+    fn poll(&mut self, latched: bool, collector: &mut EventCollector<'_>) -> bool {
+        while let Some(report) = collector.next(&mut self.reports, stamp_of) {
+            self.report(report, latched, collector);
+        }
+        let due = self.due();
+        let channels = self.outputs.iter().map(|output| output.channel);
+        self.thread.report_overflow(channels.clone(), collector);
+        if self.thread.report_presence(due, channels, collector) {
+            self.present(collector.now, collector);
+        }
+        self.tell_edges(collector)
+    }
+
+    fn overdue(&self) -> Option<i64> {
+        self.thread.overdue(self.due())
+    }
+
+    fn ask_safe(&mut self) -> u64 {
+        self.outputs.iter_mut().for_each(|output| output.wanted = None);
+        self.shared.ask_rest()
+    }
+
+    /// Pulses that are under way by then cannot be called back: they end at rest by themselves.
+    fn await_safe(&self, request: u64, due: i64) -> Result<(), Errno> {
+        while self.shared.rested.load(Ordering::Acquire) < request {
+            let now = monotonic();
+            if self.is_gone() {
+                return Err(Errno::NODEV);
+            }
+            if now >= due {
+                return if self.due() > now { Ok(()) } else { Err(Errno::TIMEDOUT) };
+            }
+            self.thread.wait(due);
+        }
+        Ok(())
+    }
+
+    fn lost_channels(&self) -> u32 {
         if self.thread.is_lost() { self.outputs.len() as u32 } else { 0 }
     }
 
-    /// Calls that failed since the start.
-    pub(super) fn failed_calls(&self) -> u64 {
+    fn failed_calls(&self) -> u64 {
         self.thread.failed_calls()
+    }
+
+    fn takes(&self, place: usize, value: Value) -> Result<(), BoardError> {
+        let Some(known) = self.outputs.get(place) else { return Ok(()) };
+        match value {
+            Value::HighZ => Ok(()),
+            // Between two streams the line is at rest, and nothing else can be had.
+            Value::Bool(high) if known.stream.is_none() || high == known.safe => Ok(()),
+            _ => Err(BoardError::BadValue(known.channel)),
+        }
+    }
+
+    /// Let go of, it rests.
+    fn write(&mut self, place: usize, value: Value) -> Result<(), BoardError> {
+        let Some(known) = self.outputs.get_mut(place) else { return Ok(()) };
+        let high = match value {
+            Value::Bool(high) => high,
+            _ => known.safe,
+        };
+        if known.stream.is_some() {
+            // Pulses that did not begin do not; those under way go to their end.
+            if !self.waiting.is_empty() {
+                self.shared.epoch.fetch_add(1, Ordering::AcqRel);
+            }
+            return Ok(());
+        }
+        let before = match known.wanted {
+            None => Some(known.safe),
+            Some(Order::Level(before)) => Some(before),
+            Some(_) => None,
+        };
+        if before == Some(high) {
+            return Ok(());
+        }
+        known.wanted = Some(Order::Level(high));
+        self.order(place, Order::Level(high))
+    }
+
+    fn emit(&mut self, place: usize, emission: &Emission) -> Result<(), BoardError> {
+        let order = match emission {
+            Emission::Square { period, high } => Order::Square { period: *period, high: *high },
+            Emission::Pulses(edges) => Order::Pulses(edges.clone()),
+        };
+        if let Some(known) = self.outputs.get_mut(place) {
+            known.wanted = Some(order.clone()).filter(|_| known.stream.is_none());
+        }
+        self.order(place, order)
     }
 }
 

@@ -78,5 +78,5 @@ pub trait Generator: Send + Debug {
     ///
     /// # Errors
     /// The kernel has no descriptor left.
-    fn held(&self) -> io::Result<Vec<OutputClaim>>;
+    fn output_claims(&self) -> io::Result<Vec<OutputClaim>>;
 }

@@ -12,8 +12,9 @@ use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
 use super::bits::{BitClock, Layout};
 use super::{Generator, OutputSpec, Sent, StreamSpec};
 use crate::OutputClaim;
-use crate::adc::{Refusal, spi};
-use crate::file::codes;
+use crate::adc::spi;
+use crate::codes;
+use crate::refusal::Refusal;
 
 /// Where the driver says how many bytes it takes at once.
 const LIMIT: &str = "/sys/module/spidev/parameters/bufsiz";
@@ -225,7 +226,7 @@ impl Generator for Stream {
     }
 
     /// Nothing: a line that is at rest by itself needs nobody to make it safe.
-    fn held(&self) -> io::Result<Vec<OutputClaim>> {
+    fn output_claims(&self) -> io::Result<Vec<OutputClaim>> {
         Ok(Vec::new())
     }
 }

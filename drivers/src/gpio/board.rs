@@ -13,13 +13,13 @@ use super::make::{Chip, Maker, Served};
 use super::port::Port;
 use super::reconnect::{Reconnected, Reconnector};
 use super::{FoundChip, GpioSpec};
+use crate::channel_table::ChannelTable;
 use crate::event_collector::EventCollector;
-use crate::file::BoardFile;
 use crate::run_state::{RunState, START};
 use crate::thread::not_started;
 use crate::{
-    Board, BoardContext, BoardError, BoardEvent, Call, Channel, ChannelId, Descriptions, Health, LossReason,
-    OutputClaim,
+    Board, BoardContext, BoardError, BoardEvent, Call, Channel, ChannelId, Descriptions, DeviceLimits,
+    Health, LossReason, OutputClaim,
 };
 
 /// The line that a channel drives: its chip, its place among the chip's outputs.
@@ -45,22 +45,22 @@ impl GpioBoard {
     /// # Errors
     /// All that is not there, not free, not permitted or cannot be done, by place.
     pub fn open(
-        file: &BoardFile,
+        table: &ChannelTable,
         spec: &GpioSpec,
+        limits: DeviceLimits,
         context: &BoardContext,
     ) -> Result<GpioBoard, Vec<Diagnostic>> {
-        let mut board = GpioBoard::without_chips(file, spec, context);
-        let reconnect = file.reconnects();
-        for found in find(file, spec)? {
+        let mut board = GpioBoard::without_chips(table, spec, limits, context);
+        for found in find(&table.file, spec)? {
             let place = spec.chips[found.spec].place.clone();
             let claimed = board.maker.claim(found).map_err(|(code, message, help)| {
-                vec![Diagnostic::error(code, message).at(file.name.clone(), place, "").help(help)]
+                vec![Diagnostic::error(code, message).at(table.file.clone(), place, "").help(help)]
             })?;
             board.add(claimed);
         }
-        if reconnect {
+        if limits.reconnect {
             let reconnector = Reconnector::start(board.maker.clone(), &board.chips)
-                .map_err(|error| not_started(file, "the thread that takes chips back", &error))?;
+                .map_err(|error| not_started(&table.file, "the thread that opens chips again", &error))?;
             board.reconnector = Some(reconnector);
         }
         Ok(board)
@@ -71,13 +71,14 @@ impl GpioBoard {
     /// # Errors
     /// The threads of the chip could not be started.
     pub fn on_port(
-        file: &BoardFile,
+        table: &ChannelTable,
         spec: &GpioSpec,
+        limits: DeviceLimits,
         context: &BoardContext,
         found: FoundChip,
         port: Arc<dyn Port>,
     ) -> std::io::Result<GpioBoard> {
-        let mut board = GpioBoard::without_chips(file, spec, context);
+        let mut board = GpioBoard::without_chips(table, spec, limits, context);
         let chip = board.maker.work(found, port)?;
         board.add(chip);
         Ok(board)
@@ -89,22 +90,28 @@ impl GpioBoard {
     /// # Errors
     /// The process has no descriptor left.
     pub fn served(
-        file: &BoardFile,
+        table: &ChannelTable,
         spec: &GpioSpec,
+        limits: DeviceLimits,
         context: &BoardContext,
         found: FoundChip,
         port: Arc<dyn Port>,
     ) -> std::io::Result<(GpioBoard, Served)> {
-        let mut board = GpioBoard::without_chips(file, spec, context);
+        let mut board = GpioBoard::without_chips(table, spec, limits, context);
         let (chip, served) = board.maker.prepare(found, port)?;
         board.add(chip);
         Ok((board, served))
     }
 
-    fn without_chips(file: &BoardFile, spec: &GpioSpec, context: &BoardContext) -> GpioBoard {
+    fn without_chips(
+        table: &ChannelTable,
+        spec: &GpioSpec,
+        limits: DeviceLimits,
+        context: &BoardContext,
+    ) -> GpioBoard {
         GpioBoard {
-            maker: Maker::new(file, spec, context),
-            drives: vec![None; file.circuit.channels.len()],
+            maker: Maker::new(table, spec, limits, context),
+            drives: vec![None; table.channels.len()],
             chips: Vec::new(),
             reconnector: None,
             run: RunState::default(),
@@ -180,7 +187,7 @@ impl GpioBoard {
 
     /// When a chip that does not answer by then is not waited for any longer; at least so long.
     fn due(&self, least: Span) -> i64 {
-        monotonic().saturating_add(self.maker.spec.unresponsive_after.max(least).as_nanos())
+        monotonic().saturating_add(self.maker.limits.unresponsive_after.max(least).as_nanos())
     }
 }
 
@@ -294,7 +301,7 @@ impl Board for GpioBoard {
     fn output_claims(&self) -> Result<Vec<OutputClaim>, BoardError> {
         let mut all = Vec::new();
         for chip in &self.chips {
-            let held = chip.port.held(&chip.device);
+            let held = chip.port.output_claims(&chip.device);
             all.extend(held.map_err(|error| BoardError::Os {
                 call: Call::Configure,
                 code: error.raw_os_error().unwrap_or(0),

@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicI64, AtomicU32, AtomicU64, 
 use host::{Bell, Realtime, monotonic};
 use rtrb::{Consumer, Producer};
 use rustix::event::{EventfdFlags, Timespec, eventfd};
-use rustix::io::Errno;
 
 use super::device::{Device, Image, Report, device};
 use super::edges::{Edges, Note, edges};
@@ -98,7 +97,7 @@ impl Shared {
     pub(super) fn refused(&self, error: &std::io::Error) {
         self.failed.fetch_add(1, Ordering::Relaxed);
         let code = error.raw_os_error().unwrap_or(0);
-        if [Errno::NODEV, Errno::NXIO, Errno::BADF].iter().any(|gone| gone.raw_os_error() == code) {
+        if crate::gone::is_gone(code, &[]) {
             self.ends(code);
         }
     }

@@ -10,7 +10,7 @@ use super::{
     LineSpec, NamedLine, list, look,
 };
 use crate::ChannelId;
-use crate::file::{BoardFile, codes};
+use crate::codes;
 
 /// A chip of the board as this machine has it, with what is to be claimed of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub struct FoundChip {
 
 /// Errors on the way, at their places in the board file.
 struct Search<'a> {
-    file: &'a BoardFile,
+    file: &'a str,
     spec: &'a GpioSpec,
     found: Vec<Diagnostic>,
 }
@@ -41,7 +41,7 @@ struct Search<'a> {
 ///
 /// # Errors
 /// All that is not there, not free or cannot be done, by place.
-pub fn find(file: &BoardFile, spec: &GpioSpec) -> Result<Vec<FoundChip>, Vec<Diagnostic>> {
+pub fn find(file: &str, spec: &GpioSpec) -> Result<Vec<FoundChip>, Vec<Diagnostic>> {
     find_some(file, spec, |_| true)
 }
 
@@ -94,12 +94,12 @@ pub(super) fn device(info: &ChipInfo) -> String {
 }
 
 /// One chip of the board once more, by its place in [`GpioSpec::chips`].
-pub(super) fn find_again(file: &BoardFile, spec: &GpioSpec, chip: usize) -> Option<FoundChip> {
+pub(super) fn find_again(file: &str, spec: &GpioSpec, chip: usize) -> Option<FoundChip> {
     find_some(file, spec, |at| at == chip).ok()?.pop()
 }
 
 fn find_some(
-    file: &BoardFile,
+    file: &str,
     spec: &GpioSpec,
     wanted: impl Fn(usize) -> bool,
 ) -> Result<Vec<FoundChip>, Vec<Diagnostic>> {
@@ -136,7 +136,7 @@ impl Search<'_> {
         message: impl Into<String>,
         help: impl Into<String>,
     ) {
-        self.found.push(Diagnostic::error(code, message).at(self.file.name.clone(), place, "").help(help));
+        self.found.push(Diagnostic::error(code, message).at(self.file.to_owned(), place, "").help(help));
     }
 
     fn chip(&mut self, chip: &ChipSpec, machine: &[Result<ChipInfo, GpioError>]) -> Option<ChipInfo> {
@@ -368,7 +368,7 @@ fn wanted(line: &LineSpec, number: u32, output: bool) -> Wanted {
 /// A call on a chip that failed before anything was claimed.
 fn denied(search: &Search<'_>, error: &GpioError, place: std::ops::Range<usize>) -> Diagnostic {
     let (code, help) = why(error);
-    Diagnostic::error(code, error.to_string()).at(search.file.name.clone(), place, "").help(help)
+    Diagnostic::error(code, error.to_string()).at(search.file.to_owned(), place, "").help(help)
 }
 
 /// The code of a failed call, and what mends it.

@@ -16,8 +16,9 @@ use super::port::Port;
 use super::v1::PortV1;
 use super::v2::PortV2;
 use super::{Backend, Drive, Edge, FoundChip, GpioError, GpioSpec};
-use crate::file::{BoardFile, codes};
-use crate::{BoardContext, Channel, ChannelId, TimestampSource};
+use crate::channel_table::ChannelTable;
+use crate::codes;
+use crate::{BoardContext, Channel, ChannelId, DeviceLimits, TimestampSource};
 
 /// How much longer than asked for the kernel may debounce: it counts in ticks, of which there are at least 100 a second.
 const TICKS: Span = Span::from_millis(20);
@@ -55,18 +56,25 @@ pub(super) struct Chip {
 /// Makes the chips of a board.
 #[derive(Clone, Debug)]
 pub(super) struct Maker {
-    pub(super) file: BoardFile,
+    /// Name of the board file.
+    pub(super) file: String,
     pub(super) spec: GpioSpec,
+    pub(super) limits: DeviceLimits,
     pub(super) context: BoardContext,
     /// The channels, as exact as the chips that were made allow.
     pub(super) channels: Vec<Channel>,
 }
 
 impl Maker {
-    pub(super) fn new(file: &BoardFile, spec: &GpioSpec, context: &BoardContext) -> Maker {
-        let mut channels = crate::real::blank(file);
-        super::describe(file, spec, &mut channels);
-        Maker { file: file.clone(), spec: spec.clone(), context: context.clone(), channels }
+    pub(super) fn new(
+        table: &ChannelTable,
+        spec: &GpioSpec,
+        limits: DeviceLimits,
+        context: &BoardContext,
+    ) -> Maker {
+        let mut channels = table.blank();
+        super::describe(table, spec, &mut channels);
+        Maker { file: table.file.clone(), spec: spec.clone(), limits, context: context.clone(), channels }
     }
 
     /// Claims a chip's lines and starts its threads. On failure the code, the words and what mends it.
@@ -131,7 +139,7 @@ impl Maker {
             output: found.drives.iter().position(|other| other == channel).map(|place| place as u8),
         });
         let inputs = Inputs::new(inputs.collect());
-        let limit = self.spec.unresponsive_after.as_nanos();
+        let limit = self.limits.unresponsive_after.as_nanos();
         let (running, of_device, edges) =
             ChipWorker::new(port.clone(), safe, pace, &self.context.bell, limit)?;
         let device = device(&found.info);
@@ -150,7 +158,7 @@ impl Maker {
             // The kernel stamps the edges, but may lose some without a sign: no more is certain than of a line that is
             // looked at now and then.
             channel.timestamp = TimestampSource::Sampled { period: channel.resolution };
-            channel.shortest_pulse = self.spec.unresponsive_after;
+            channel.shortest_pulse = self.limits.unresponsive_after;
         }
     }
 }

@@ -27,15 +27,15 @@ pub use make::Served;
 pub use port::{Claim, Edge, Levels, Port, Wanted};
 pub use spec::{ChipSpec, FindChip, FindLine, GpioSpec, LineSpec, MAX_CONSUMER, MAX_LINES, NamedLine};
 
-use crate::file::BoardFile;
+use crate::channel_table::ChannelTable;
 use crate::{Channel, FaultSet, TimestampSource};
 use signal::{Span, Value};
 
 /// Describes the channels that have lines, before anything is known of their chips.
-pub(crate) fn describe(file: &BoardFile, spec: &GpioSpec, channels: &mut [Channel]) {
+pub(crate) fn describe(table: &ChannelTable, spec: &GpioSpec, channels: &mut [Channel]) {
     for line in &spec.lines {
         let at = usize::from(line.channel.0);
-        let (Some(channel), Some(known)) = (channels.get_mut(at), file.circuit.channels.get(at)) else {
+        let (Some(channel), Some(known)) = (channels.get_mut(at), table.channels.get(at)) else {
             continue;
         };
         let debounce = Span::from_micros(i64::from(line.debounce_us));

@@ -91,5 +91,5 @@ pub trait Port: Send + Sync + fmt::Debug {
     ///
     /// # Errors
     /// The kernel has no descriptor left.
-    fn held(&self, device: &str) -> io::Result<Vec<OutputClaim>>;
+    fn output_claims(&self, device: &str) -> io::Result<Vec<OutputClaim>>;
 }

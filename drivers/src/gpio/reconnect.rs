@@ -138,7 +138,7 @@ impl Search {
         }
         // A board without a guard has nobody to ask.
         if let Some(output_guard) = &self.maker.context.output_guard {
-            let held = chip.port.held(&chip.device).ok()?;
+            let held = chip.port.output_claims(&chip.device).ok()?;
             output_guard.upgrade()?.replace(&known.device, held).ok()?;
         }
         Some(chip)

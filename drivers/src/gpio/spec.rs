@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use super::{Backend, Bias, Direction, Drive};
 use crate::ChannelId;
-use signal::Span;
 
 /// The most lines of a chip that one claim takes, in either interface of the kernel: inputs and outputs each.
 pub const MAX_LINES: usize = 64;
@@ -20,8 +19,6 @@ pub struct GpioSpec {
     pub backend: Option<Backend>,
     /// What the rig calls itself as the holder of lines, where `gpioinfo` shows it.
     pub consumer: String,
-    /// How long a call on a chip may last before the chip counts as lost.
-    pub unresponsive_after: Span,
     /// The chips.
     pub chips: Vec<ChipSpec>,
     /// The lines behind channels of the board, in the order of the channels.

@@ -193,7 +193,7 @@ impl Port for PortV1 {
         Ok(())
     }
 
-    fn held(&self, device: &str) -> io::Result<Vec<OutputClaim>> {
+    fn output_claims(&self, device: &str) -> io::Result<Vec<OutputClaim>> {
         let one = |group: &Group| {
             let count = group.places.len();
             Ok(OutputClaim {

@@ -200,7 +200,7 @@ impl Port for PortV2 {
         Ok(())
     }
 
-    fn held(&self, device: &str) -> io::Result<Vec<OutputClaim>> {
+    fn output_claims(&self, device: &str) -> io::Result<Vec<OutputClaim>> {
         let Some(outputs) = &self.outputs else { return Ok(Vec::new()) };
         let claim: OwnedFd = outputs.try_clone()?.into();
         let (mask, safe) = (self.drive.mask, self.drive.spread(self.safe));

@@ -3,14 +3,10 @@
 use document::Diagnostic;
 use signal::{Time, Value};
 
+use super::driver::DRIVERS;
 use super::{RealSpec, channels, relays};
-use crate::adc::AdcBoard;
-use crate::can::CanBoard;
-use crate::counter::CounterBoard;
-use crate::file::BoardFile;
-use crate::generator::GeneratorBoard;
-use crate::gpio::GpioBoard;
-use crate::serial::SerialBoard;
+use crate::channel_table::ChannelTable;
+use crate::event_collector::sort_by;
 use crate::{
     Board, BoardContext, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, Buses, Channel, ChannelId,
     Descriptions, Emission, Frame, Health, OutputClaim, PulseOutputs,
@@ -21,51 +17,15 @@ use crate::{
 /// # Errors
 /// All that is not there, not free, not permitted or cannot be done, by place.
 pub fn open(
-    file: &BoardFile,
+    table: &ChannelTable,
     spec: &RealSpec,
     context: &BoardContext,
 ) -> Result<Box<dyn Board>, Vec<Diagnostic>> {
-    let mut board = RealBoard::new(channels(file, spec));
+    let mut board = RealBoard::new(channels(table, spec));
     let mut found = Vec::new();
-    if !spec.gpio.lines.is_empty() {
-        match GpioBoard::open(file, &spec.gpio, context) {
-            Ok(lines) => board.add(Box::new(lines), spec.gpio.lines.iter().map(|line| line.channel)),
-            Err(more) => found.extend(more),
-        }
-    }
-    if !spec.can.buses.is_empty() {
-        match CanBoard::open(file, spec, context) {
-            Ok(buses) => board.add(Box::new(buses), []),
-            Err(more) => found.extend(more),
-        }
-    }
-    if !spec.serial.is_empty() {
-        match SerialBoard::open(file, spec, context) {
-            Ok(ports) => board.add(Box::new(ports), []),
-            Err(more) => found.extend(more),
-        }
-    }
-    if !spec.converters.samples.is_empty() {
-        match AdcBoard::open(file, spec, context) {
-            Ok(inputs) => {
-                board.add(Box::new(inputs), spec.converters.samples.iter().map(|sample| sample.channel))
-            }
-            Err(more) => found.extend(more),
-        }
-    }
-    if !spec.counters.counts.is_empty() {
-        match CounterBoard::open(file, spec, context) {
-            Ok(counts) => {
-                board.add(Box::new(counts), spec.counters.counts.iter().map(|count| count.channel));
-            }
-            Err(more) => found.extend(more),
-        }
-    }
-    if !spec.generators.outputs.is_empty() {
-        match GeneratorBoard::open(file, spec, context) {
-            Ok(outputs) => {
-                board.add(Box::new(outputs), spec.generators.outputs.iter().map(|output| output.channel))
-            }
+    for driver in DRIVERS.iter().filter(|driver| driver.is_used(spec)) {
+        match driver.open(table, spec, context) {
+            Ok(devices) => board.add(devices, driver.serves(spec)),
             Err(more) => found.extend(more),
         }
     }
@@ -127,18 +87,6 @@ impl RealBoard {
     }
 }
 
-/// Puts what several devices told behind `first` in order, in place and without allocation; events of one instant keep
-/// their order.
-pub(crate) fn sort<E: Copy>(events: &mut [E], latest: impl Fn(&E) -> Time) {
-    for at in 1..events.len() {
-        let mut place = at;
-        while place > 0 && latest(&events[place - 1]) > latest(&events[place]) {
-            events.swap(place - 1, place);
-            place -= 1;
-        }
-    }
-}
-
 impl Board for RealBoard {
     fn inner(&self) -> Option<&dyn Board> {
         None
@@ -182,7 +130,7 @@ impl Board for RealBoard {
         for part in &mut self.parts {
             outcome = outcome.and(part.poll(now, out));
         }
-        sort(&mut out[first..], BoardEvent::latest);
+        sort_by(&mut out[first..], BoardEvent::latest);
         outcome
     }
 
@@ -271,7 +219,7 @@ impl Buses for RealBoard {
         for part in &mut self.parts {
             outcome = outcome.and(part.poll_buses(now, out));
         }
-        sort(&mut out[first..], BusEvent::latest);
+        sort_by(&mut out[first..], BusEvent::latest);
         outcome
     }
 }

@@ -1,13 +1,12 @@
 //! A board of real devices that nobody opened.
 
+use super::driver::DRIVERS;
 use super::{RealSpec, WireRelays, wire};
-use crate::circuit::ChannelSpec;
-use crate::file::BoardFile;
+use crate::channel_table::ChannelTable;
 use crate::{
     Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Fault, FaultInjection,
-    FaultSet, Frame, Health, TimestampSource,
+    Frame, Health,
 };
-use crate::{adc, can, counter, generator, gpio, serial};
 use signal::{Span, Time, Value, When};
 
 /// The channels and buses of real devices that nobody opened: what a plan is checked against on any machine. It never starts.
@@ -21,18 +20,15 @@ pub struct OfflineBoard {
 
 impl OfflineBoard {
     /// The offline board of a file's board.
-    pub fn new(file: &BoardFile, spec: &RealSpec) -> OfflineBoard {
-        OfflineBoard { channels: channels(file, spec), buses: buses(spec), relays: spec.relays.clone() }
+    pub fn new(table: &ChannelTable, spec: &RealSpec) -> OfflineBoard {
+        OfflineBoard { channels: channels(table, spec), buses: buses(spec), relays: spec.relays.clone() }
     }
 }
 
 /// The channels of a board of real devices, before anything is known of the devices.
-pub(crate) fn channels(file: &BoardFile, spec: &RealSpec) -> Vec<Channel> {
-    let mut channels = blank(file);
-    gpio::describe(file, &spec.gpio, &mut channels);
-    adc::describe(file, &spec.converters, &mut channels);
-    counter::describe(file, spec, Span::ZERO, &mut channels);
-    generator::describe(file, &spec.generators, &mut channels);
+pub(crate) fn channels(table: &ChannelTable, spec: &RealSpec) -> Vec<Channel> {
+    let mut channels = table.blank();
+    DRIVERS.iter().for_each(|driver| driver.describe(table, spec, &mut channels));
     wire::describe(&spec.relays, &mut channels);
     channels
 }
@@ -40,29 +36,8 @@ pub(crate) fn channels(file: &BoardFile, spec: &RealSpec) -> Vec<Channel> {
 /// The buses of a board of real devices, before anything is known of the devices.
 pub(crate) fn buses(spec: &RealSpec) -> Vec<Bus> {
     let mut buses = Vec::new();
-    can::describe(&spec.can, &mut buses);
-    serial::describe(&spec.serial, &mut buses);
+    DRIVERS.iter().for_each(|driver| driver.describe_buses(spec, &mut buses));
     buses
-}
-
-/// The channels of a board that has no device.
-pub(crate) fn blank(file: &BoardFile) -> Vec<Channel> {
-    let unknown = |channel: &ChannelSpec| Channel {
-        name: channel.name.clone(),
-        kind: channel.kind.clone(),
-        drives: false,
-        senses: channel.senses,
-        timestamp: TimestampSource::Kernel,
-        resolution: Span::ZERO,
-        shortest_pulse: Span::MAX,
-        deadband: 0.0,
-        max_pulse_hz: 0,
-        emits: None,
-        counts_hz: None,
-        faults: FaultSet::NONE,
-        safe: Value::HighZ,
-    };
-    file.circuit.channels.iter().map(unknown).collect()
 }
 
 impl Board for OfflineBoard {

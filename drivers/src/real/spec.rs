@@ -3,22 +3,17 @@
 use crate::adc::AdcsSpec;
 use crate::can::CanSpec;
 use crate::counter::CountersSpec;
+use crate::device_limits::DeviceLimits;
 use crate::generator::GeneratorsSpec;
 use crate::gpio::GpioSpec;
 use crate::real::WireRelays;
 use crate::serial::SerialSpec;
-use signal::Span;
-
-/// How long a call on a device may last, where the board file does not say.
-pub const UNRESPONSIVE_AFTER: Span = Span::from_millis(100);
 
 /// A board of real devices as a board file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RealSpec {
-    /// How long a call on a device may last before the device counts as lost.
-    pub unresponsive_after: Span,
-    /// A device that went away is taken back when it is there again.
-    pub reconnect: bool,
+    /// How long a device may take, and what becomes of one that is gone.
+    pub limits: DeviceLimits,
     /// GPIO chips and lines.
     pub gpio: GpioSpec,
     /// Converters and their inputs.

@@ -3,10 +3,7 @@
 use std::path::Path;
 
 use super::RealSpec;
-use crate::adc::{AdcKind, iio};
-use crate::counter::CounterSpec;
-use crate::generator::{self, GeneratorKind};
-use crate::{can, counter, gpio};
+use super::driver::DRIVERS;
 
 /// A device of this machine that a board uses, or some lines of one.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,71 +15,23 @@ pub struct Used {
 }
 
 impl Used {
-    fn whole(device: impl Into<String>) -> Used {
+    pub(super) fn whole(device: impl Into<String>) -> Used {
         Used { device: device.into(), lines: None }
     }
 
-    /// One of the counts of a counter; `None` where there is none now. Others of the same device are free.
-    fn count(root: &Path, spec: &CounterSpec) -> Option<Used> {
-        let (device, count) = counter::look(root, spec).ok()?;
-        // The events of a device go to one user alone.
-        let whole = !spec.events.is_empty();
-        let lines = (!whole).then(|| vec![u32::from(count.number)]);
-        Some(Used { device: device.number, lines })
-    }
-
     /// The device behind a path; `None` where there is none now.
-    fn behind(path: &Path) -> Option<Used> {
+    pub(super) fn behind(path: &Path) -> Option<Used> {
         let device = path.canonicalize().ok()?;
         let below = device.strip_prefix("/dev").unwrap_or(&device);
         Some(Used::whole(below.to_str()?.trim_start_matches('/').replace('/', "-")))
     }
 }
 
-/// The devices of a board that one user has at a time. What is missing is left out. So are virtual CAN buses, which are there
-/// to join programs, and serial ports that the board file shares with others.
+/// The devices of a board that one user has at a time, each once. What is missing is left out.
 pub fn uses(spec: &RealSpec) -> Vec<Used> {
-    let chips = gpio::uses(&spec.gpio).into_iter();
-    let mut used: Vec<Used> =
-        chips.map(|(chip, lines)| Used { device: chip.name, lines: Some(lines) }).collect();
-    let exclusive = spec.serial.iter().filter(|line| line.port.exclusive);
-    used.extend(exclusive.filter_map(|line| Used::behind(&line.port.path)));
-    for bus in &spec.can.buses {
-        let is_real = can::ask(&bus.interface).is_ok_and(|link| !link.is_virtual());
-        used.extend(is_real.then(|| Used::whole(format!("net:{}", bus.interface))));
-    }
-    for (at, converter) in spec.converters.converters.iter().enumerate() {
-        // One that no channel uses is not opened.
-        if spec.converters.inputs_of(at).is_empty() {
-            continue;
-        }
-        used.extend(match &converter.kind {
-            AdcKind::Spi(spi) => Used::behind(&spi.path),
-            AdcKind::Iio(spec) => {
-                iio::find(Path::new("/"), spec).ok().map(|device| Used::whole(device.number))
-            }
-        });
-    }
-    for count in &spec.counters.counts {
-        let counter = spec.counters.counters.get(count.counter);
-        used.extend(counter.and_then(|counter| Used::count(Path::new("/"), counter)));
-    }
-    for (at, generator) in spec.generators.generators.iter().enumerate() {
-        let outputs = spec.generators.outputs_of(at);
-        if outputs.is_empty() {
-            continue;
-        }
-        used.extend(match &generator.kind {
-            GeneratorKind::Stream(stream) => Used::behind(&stream.path),
-            GeneratorKind::Pwm(pwm) => generator::find(Path::new("/"), pwm).ok().map(|chip| Used {
-                device: chip.name,
-                lines: Some(outputs.iter().map(|output| u32::from(output.output)).collect()),
-            }),
-        });
-    }
     // What is named twice is refused when it is opened; here it must not meet itself.
     let mut once: Vec<Used> = Vec::new();
-    for device in used {
+    for device in DRIVERS.iter().flat_map(|driver| driver.occupies(spec)) {
         if !once.contains(&device) {
             once.push(device);
         }

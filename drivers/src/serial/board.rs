@@ -12,13 +12,13 @@ use tokio::runtime::Builder;
 use super::find::Identity;
 use super::work::{Running, Shared, Worker};
 use super::{OpenError, SerialPort, SerialSpec};
-use crate::file::{BoardFile, codes};
+use crate::channel_table::ChannelTable;
+use crate::codes;
 use crate::holder::{all_holders, words};
-use crate::real::RealSpec;
 use crate::run_state::{RunState, START, drives_none};
 use crate::{
-    Board, BoardContext, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Frame,
-    Health, LossReason,
+    Board, BoardContext, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId,
+    DeviceLimits, Frame, Health, LossReason,
 };
 
 /// The serial lines of a board: held for the rig alone while it lives, each by a thread of its own. Their bytes are the
@@ -29,8 +29,7 @@ pub struct SerialBoard {
     buses: Vec<Bus>,
     lines: Vec<Line>,
     context: BoardContext,
-    unresponsive_after: Span,
-    reconnect: bool,
+    limits: DeviceLimits,
     run: RunState,
 }
 
@@ -52,27 +51,29 @@ impl SerialBoard {
     /// # Errors
     /// All that are not there, not free, not permitted or cannot do what is asked, by place.
     pub fn open(
-        file: &BoardFile,
-        spec: &RealSpec,
+        table: &ChannelTable,
+        spec: &[SerialSpec],
+        limits: DeviceLimits,
         context: &BoardContext,
     ) -> Result<SerialBoard, Vec<Diagnostic>> {
         let mut buses = Vec::new();
-        super::describe(&spec.serial, &mut buses);
+        super::describe(spec, &mut buses);
         let mut board = SerialBoard {
-            channels: crate::real::blank(file),
+            channels: table.blank(),
             buses,
-            lines: Vec::with_capacity(spec.serial.len()),
+            lines: Vec::with_capacity(spec.len()),
             context: context.clone(),
-            unresponsive_after: spec.unresponsive_after,
-            reconnect: file.reconnects(),
+            limits,
             run: RunState::default(),
         };
         let mut found = Vec::new();
-        for line in &spec.serial {
+        for line in spec {
             match board.line(line) {
                 Ok(line) => board.lines.push(line),
                 Err((code, message, help)) => found.push(
-                    Diagnostic::error(code, message).at(file.name.clone(), line.place.clone(), "").help(help),
+                    Diagnostic::error(code, message)
+                        .at(table.file.clone(), line.place.clone(), "")
+                        .help(help),
                 ),
             }
         }
@@ -95,10 +96,10 @@ impl SerialBoard {
             identity: Identity::of(&spec.port.path),
             shared,
             bell: self.context.bell.clone(),
-            reconnect: self.reconnect,
+            reconnect: self.limits.reconnect,
             realtime: self.context.realtime,
         };
-        let patience = self.unresponsive_after.as_nanos();
+        let patience = self.limits.unresponsive_after.as_nanos();
         let running = Running::start(worker, runtime, port, patience).map_err(cannot)?;
         let device = spec.port.path.display().to_string();
         Ok(Line { bus: spec.bus, device, running, lost: None, losses: 0, failed: 0 })
@@ -198,12 +199,12 @@ impl Board for SerialBoard {
     /// Waits for ports that are being taken back, for two seconds or as long as one may be silent.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
         self.run.end();
-        let due = monotonic().saturating_add(self.unresponsive_after.max(START).as_nanos());
+        let due = monotonic().saturating_add(self.limits.unresponsive_after.max(START).as_nanos());
         for line in &mut self.lines {
             let shared = &line.running.shared;
             while shared.gone.load(Ordering::Acquire) {
                 let stamp = monotonic();
-                if !self.reconnect || stamp >= due {
+                if !self.limits.reconnect || stamp >= due {
                     let since = Span::from_nanos(stamp - shared.since.load(Ordering::Acquire));
                     return Err(BoardError::BusLost { bus: line.bus, reason: LossReason::Gone, since });
                 }
@@ -229,7 +230,7 @@ impl Board for SerialBoard {
     /// When a port whose call is under way counts as lost.
     fn next_event(&self) -> Option<Time> {
         let answering = self.lines.iter().filter(|line| line.lost.is_none());
-        let owed = answering.filter_map(|line| line.overdue(self.unresponsive_after));
+        let owed = answering.filter_map(|line| line.overdue(self.limits.unresponsive_after));
         self.run.next_event(&self.context.time, owed)
     }
 
@@ -277,7 +278,7 @@ impl Buses for SerialBoard {
         self.run.come_to(now)?;
         let stamp = self.context.time.stamp(now);
         for line in &mut self.lines {
-            line.poll(now, stamp, self.unresponsive_after, out);
+            line.poll(now, stamp, self.limits.unresponsive_after, out);
         }
         Ok(())
     }

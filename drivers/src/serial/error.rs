@@ -84,9 +84,7 @@ impl SerialError {
     /// Whether it says that the port is there no more: unplugged, or its driver taken away.
     pub fn is_gone(&self) -> bool {
         // EIO is what a terminal says that was hung up.
-        [Errno::IO, Errno::NODEV, Errno::NXIO, Errno::BADF]
-            .iter()
-            .any(|gone| gone.raw_os_error() == self.code)
+        crate::gone::is_gone(self.code, &[Errno::IO])
     }
 }
 

@@ -45,8 +45,7 @@ pub enum OpenError {
 impl OpenError {
     /// Whether it says that there is no such port now.
     pub fn is_gone(&self) -> bool {
-        let missing = Errno::NOENT.raw_os_error();
-        matches!(self, OpenError::Call(error) if error.is_gone() || error.code == missing)
+        matches!(self, OpenError::Call(error) if error.is_gone())
     }
 }
 

@@ -11,12 +11,11 @@ use super::line::{Line, MAX_FAULTS};
 use super::links::{Links, PlantAt};
 use super::tally::Tallies;
 use super::wire::Wire;
-use crate::board::{
-    self, Board, BoardError, BoardEvent, Channel, ChannelId, Fault, FaultInjection, Health, LossReason,
-    Origin,
-};
+use crate::board::{self, Board, BoardError, FaultInjection};
 use crate::bus::{Bus, BusEvent, BusId, Frame};
+use crate::channel::{Channel, ChannelId, Fault};
 use crate::circuit::{Circuit, CircuitError, CircuitFault, Part, PlantSpec, fit};
+use crate::event::{BoardEvent, Health, LossReason, Origin};
 use crate::plant::{Lag, Plant};
 
 /// The most changes of one call, the most unreported events, and the most changes on their way through delays.

@@ -9,23 +9,11 @@ use std::collections::VecDeque;
 use signal::{Span, Time, When};
 
 use super::wire_time::{bits, intermission, priority};
+use crate::circuit::BusSpec;
 use crate::{BoardError, Bus, BusEvent, BusId, BusKind, Frame, TimestampSource};
 
 /// Frames that wait in the queue of one bus.
 pub const MAX_QUEUED: usize = 1024;
-
-/// A simulated bus as data.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BusSpec {
-    /// Its name in the board file.
-    pub name: String,
-    /// Bit rate of the arbitration and of classic frames, bit/s, above 0.
-    pub bitrate: u32,
-    /// Bit rate of the data of CAN FD frames; `None`: the bus takes classic frames only.
-    pub data_bitrate: Option<u32>,
-    /// A bus before it in the list whose wire it hangs on.
-    pub joins: Option<BusId>,
-}
 
 /// A frame that waits, and since when.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,8 @@
 use signal::{Span, Time, Value};
 
 use crate::ChannelKind;
-use crate::board::{BoardError, Channel, Fault, FaultKind, FaultSet, TimestampSource};
+use crate::board::BoardError;
+use crate::channel::{Channel, Fault, FaultKind, FaultSet, TimestampSource};
 use crate::circuit::{ChannelSpec, fit};
 
 /// The channel as the rig sees it.

@@ -4,8 +4,9 @@ use std::collections::VecDeque;
 
 use signal::{Span, Time, Value};
 
-use crate::board::{Fault, FaultKind, Origin};
+use crate::channel::{Fault, FaultKind};
 use crate::circuit::Pull;
+use crate::event::Origin;
 
 /// The most faults that one channel can have at once.
 pub const MAX_FAULTS: u8 = 8;

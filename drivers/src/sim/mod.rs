@@ -10,6 +10,5 @@ mod wire;
 mod wire_time;
 
 pub use board::{MAX_PENDING, SimulatedBoard};
-pub use bus::{BusSpec, MAX_QUEUED};
+pub use bus::MAX_QUEUED;
 pub use line::MAX_FAULTS;
-pub use tally::TallySpec;

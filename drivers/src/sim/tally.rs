@@ -3,30 +3,9 @@
 use signal::Value;
 
 use super::line::Line;
-use crate::ChannelId;
-use crate::counter::{Edge, Function};
-
-/// A count of modelled lines, behind a channel of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TallySpec {
-    /// The channel that tells it.
-    pub channel: ChannelId,
-    /// Signal A.
-    pub a: ChannelId,
-    /// Signal B, where the function has one.
-    pub b: Option<ChannelId>,
-    /// What is made of them.
-    pub function: Function,
-    /// The edge of A that counts where it is alone.
-    pub edge: Edge,
-}
-
-impl TallySpec {
-    /// The lines that it counts.
-    pub fn signals(&self) -> impl Iterator<Item = ChannelId> + use<> {
-        [Some(self.a), self.b].into_iter().flatten()
-    }
-}
+use crate::channel::ChannelId;
+use crate::circuit::TallySpec;
+use crate::counting::{CountEdge, CountFunction};
 
 /// The counts of a board.
 #[derive(Debug)]
@@ -99,9 +78,9 @@ impl Tally {
         let rises = |before: bool, now: bool| now && !before;
         let (a_moved, b_moved) = (before.0 != now.0, before.1 != now.1);
         let single = match self.spec.edge {
-            Edge::Rising => rises(before.0, now.0),
-            Edge::Falling => rises(now.0, before.0),
-            Edge::Both => a_moved,
+            CountEdge::Rising => rises(before.0, now.0),
+            CountEdge::Falling => rises(now.0, before.0),
+            CountEdge::Both => a_moved,
         };
         let way = match (place(now) - place(before)).rem_euclid(4) {
             1 => 1,
@@ -111,21 +90,21 @@ impl Tally {
         // Of one count for each period forwards is told by a rise, backwards by a fall: the same place of the shaft.
         let once = |before: bool, now: bool| if way > 0 { rises(before, now) } else { rises(now, before) };
         match self.spec.function {
-            Function::Increase => i64::from(single),
-            Function::Decrease => -i64::from(single),
-            Function::PulseDirection if rises(before.0, now.0) => {
+            CountFunction::Increase => i64::from(single),
+            CountFunction::Decrease => -i64::from(single),
+            CountFunction::PulseDirection if rises(before.0, now.0) => {
                 if now.1 {
                     -1
                 } else {
                     1
                 }
             }
-            Function::PulseDirection => 0,
-            Function::QuadratureX1 => way * i64::from(once(before.0, now.0)),
-            Function::QuadratureX1B => way * i64::from(once(before.1, now.1)),
-            Function::QuadratureX2 => way * i64::from(a_moved),
-            Function::QuadratureX2B => way * i64::from(b_moved),
-            Function::QuadratureX4 => way,
+            CountFunction::PulseDirection => 0,
+            CountFunction::QuadratureX1 => way * i64::from(once(before.0, now.0)),
+            CountFunction::QuadratureX1B => way * i64::from(once(before.1, now.1)),
+            CountFunction::QuadratureX2 => way * i64::from(a_moved),
+            CountFunction::QuadratureX2B => way * i64::from(b_moved),
+            CountFunction::QuadratureX4 => way,
         }
     }
 }
@@ -145,7 +124,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn tally(function: Function, edge: Edge) -> Tally {
+    fn tally(function: CountFunction, edge: CountEdge) -> Tally {
         let spec =
             TallySpec { channel: ChannelId(2), a: ChannelId(0), b: Some(ChannelId(1)), function, edge };
         Tally::new(spec)
@@ -172,15 +151,15 @@ mod tests {
             let of_b = |quarter: i64| quarter.div_euclid(2);
             let rises_a = |quarter: i64| (quarter + 3).div_euclid(4);
             let rises_b = |quarter: i64| (quarter + 2).div_euclid(4);
-            let all: [(Function, Places); 5] = [
-                (Function::QuadratureX4, every),
-                (Function::QuadratureX2, of_a),
-                (Function::QuadratureX2B, of_b),
-                (Function::QuadratureX1, rises_a),
-                (Function::QuadratureX1B, rises_b),
+            let all: [(CountFunction, Places); 5] = [
+                (CountFunction::QuadratureX4, every),
+                (CountFunction::QuadratureX2, of_a),
+                (CountFunction::QuadratureX2B, of_b),
+                (CountFunction::QuadratureX1, rises_a),
+                (CountFunction::QuadratureX1B, rises_b),
             ];
             for (function, expected) in all {
-                let mut tally = tally(function, Edge::Rising);
+                let mut tally = tally(function, CountEdge::Rising);
                 tally.start(turned(start));
                 let mut quarter = start;
                 for turn in &turns {
@@ -202,21 +181,21 @@ mod tests {
             let count = |from: bool, to: bool| {
                 Value::Int(of_a.windows(2).filter(|pair| **pair == [from, to]).count() as i64)
             };
-            prop_assert_eq!(runs(Function::Increase, Edge::Rising), count(false, true));
-            prop_assert_eq!(runs(Function::Increase, Edge::Falling), count(true, false));
+            prop_assert_eq!(runs(CountFunction::Increase, CountEdge::Rising), count(false, true));
+            prop_assert_eq!(runs(CountFunction::Increase, CountEdge::Falling), count(true, false));
             let directed: i64 = of_a
                 .windows(2)
                 .zip(&levels)
                 .filter(|(pair, _)| **pair == [false, true])
                 .map(|(_, level)| if level.1 { -1 } else { 1 })
                 .sum();
-            prop_assert_eq!(runs(Function::PulseDirection, Edge::Rising), Value::Int(directed));
+            prop_assert_eq!(runs(CountFunction::PulseDirection, CountEdge::Rising), Value::Int(directed));
         }
     }
 
     #[test]
     fn both_phases_at_once_are_no_count() {
-        let mut tally = tally(Function::QuadratureX4, Edge::Rising);
+        let mut tally = tally(CountFunction::QuadratureX4, CountEdge::Rising);
         tally.start((false, false));
         assert_eq!(tally.see((true, true)), Value::Int(0));
         assert_eq!(tally.see((false, true)), Value::Int(1));

@@ -4,10 +4,9 @@ use std::collections::VecDeque;
 
 use signal::{Span, Time, Value, When};
 
-use crate::board::{
-    Board, BoardError, BoardEvent, BoardExt, Call, Channel, ChannelId, Emission, Fault, FaultInjection,
-    Health, LossReason, Origin, PulseOutputs,
-};
+use crate::board::{Board, BoardError, BoardExt, Call, FaultInjection, PulseOutputs};
+use crate::channel::{Channel, ChannelId, Emission, Fault};
+use crate::event::{BoardEvent, Health, LossReason, Origin};
 use signal::Random;
 
 /// The most events that are held back at once; what comes on top is dropped and reported as such.

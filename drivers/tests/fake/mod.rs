@@ -15,7 +15,7 @@ use host::Realtime;
 use rustix::event::{EventfdFlags, eventfd};
 use scanrig_drivers::gpio::{Backend, ChipInfo, Claim, Edge, FoundChip, GpioSpec, Levels, Port, Wanted};
 use scanrig_drivers::{
-    BoardContext, BoardFile, BoardKind, ChannelId, GpioBoard, OutputClaim, Terminals, read,
+    BoardContext, BoardFile, BoardKind, ChannelId, DeviceLimits, GpioBoard, OutputClaim, Terminals, read,
 };
 
 /// Lines of each direction.
@@ -143,7 +143,7 @@ impl Port for Fake {
         Ok(())
     }
 
-    fn held(&self, _device: &str) -> io::Result<Vec<OutputClaim>> {
+    fn output_claims(&self, _device: &str) -> io::Result<Vec<OutputClaim>> {
         Ok(Vec::new())
     }
 }
@@ -169,7 +169,13 @@ pub fn file(unresponsive_after: &str) -> BoardFile {
 /// A board of the chip.
 pub fn board(port: Arc<dyn Port>, unresponsive_after: &str) -> (GpioBoard, BoardContext) {
     let (file, found, at) = parts(unresponsive_after);
-    (GpioBoard::on_port(&file, spec(&file), &at, found, port).unwrap(), at)
+    (GpioBoard::on_port(&file.channel_table(), spec(&file), limits(&file), &at, found, port).unwrap(), at)
+}
+
+/// How patient the board file is.
+pub fn limits(file: &BoardFile) -> DeviceLimits {
+    let BoardKind::Real(spec) = &file.kind else { panic!("{:?}", file.kind) };
+    spec.limits
 }
 
 /// What the board file says of lines.

@@ -124,7 +124,7 @@ impl Generator for Scripted {
         self.0.call(None)
     }
 
-    fn held(&self) -> io::Result<Vec<OutputClaim>> {
+    fn output_claims(&self) -> io::Result<Vec<OutputClaim>> {
         Ok(Vec::new())
     }
 }
@@ -157,5 +157,5 @@ pub fn board(file: &BoardFile, scripts: [&Arc<Script>; 2]) -> (GeneratorBoard, B
         }
     };
     let sources = scripts.into_iter().enumerate().map(source).collect();
-    (GeneratorBoard::on(file, spec, &at, sources).unwrap(), at)
+    (GeneratorBoard::on(&file.channel_table(), &spec.generators, spec.limits, &at, sources).unwrap(), at)
 }

@@ -121,5 +121,5 @@ pub fn board(file: &BoardFile, script: &Arc<Script>) -> (AdcBoard, BoardContext)
         Box::new(move || script.there.load(Ordering::Acquire).then(&scripted))
     };
     let source = Source { converter: scripted(), inputs: spec.converters.samples.clone(), period, again };
-    (AdcBoard::on(file, spec, &at, vec![source]).unwrap(), at)
+    (AdcBoard::on(&file.channel_table(), &spec.converters, spec.limits, &at, vec![source]).unwrap(), at)
 }

@@ -100,5 +100,5 @@ pub fn board(file: &BoardFile, script: &Arc<Script>) -> (CounterBoard, BoardCont
         channel: spec.counters.counts[0].channel,
         again: Box::new(again),
     };
-    (CounterBoard::on(file, spec, &at, vec![source]).unwrap(), at)
+    (CounterBoard::on(&file.channel_table(), &spec.counters, spec.limits, &at, vec![source]).unwrap(), at)
 }

@@ -102,7 +102,7 @@ impl Hardware {
         // First of all: there are no threads yet, and no memory is locked.
         let guard = Arc::new(Guard::spawn(&file.guard).map_err(refused)?);
         let mut standing = figures::standing(file);
-        for calibrated in drivers::adc::calibrated(file, Date::today()) {
+        for calibrated in file.calibrated(Date::today()) {
             standing.facts.push((format!("Channel {}", calibrated.channel), calibrated.words));
             standing.warnings.extend(calibrated.expired);
         }

@@ -16,9 +16,10 @@ use super::info::{IioDevice, IioInput};
 use super::scans::{Sampled, Scans};
 use super::spec::Buffering;
 use super::trigger::Trigger;
-use crate::adc::{AT_ONCE, Adc, Pace, Reading, Refusal, Resolution};
-use crate::file::codes;
+use crate::adc::{AT_ONCE, Adc, Pace, Reading, Resolution};
+use crate::codes;
 use crate::inventory::{line, names};
+use crate::refusal::Refusal;
 
 /// A device whose buffer is filled by a trigger.
 #[derive(Debug)]

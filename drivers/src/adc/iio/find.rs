@@ -6,8 +6,9 @@ use document::suggest;
 
 use super::info::{IioDevice, IioInput, list};
 use super::spec::{FindDevice, IioSpec};
-use crate::adc::{FindInput, Refusal, SampleSpec};
-use crate::file::codes;
+use crate::adc::{FindInput, SampleSpec};
+use crate::codes;
+use crate::refusal::Refusal;
 
 /// The device that a board file means, on the machine whose `/dev` and `/sys` lie under `root`. Nothing is opened.
 ///

@@ -29,9 +29,10 @@ use std::path::Path;
 use rustix::fs::OFlags;
 use rustix::io::Errno;
 
-use super::{Adc, AdcSpec, Refusal, SampleSpec};
-use crate::file::codes;
+use super::{Adc, AdcSpec, SampleSpec};
+use crate::codes;
 use crate::holder::{holders, words};
+use crate::refusal::Refusal;
 use asked::Asked;
 use buffered::Buffered;
 

@@ -8,9 +8,9 @@ use signal::Span;
 
 use super::files::{read, write};
 use super::info::{DEVICES, IioDevice};
-use crate::adc::Refusal;
-use crate::file::codes;
+use crate::codes;
 use crate::inventory::{line, names};
+use crate::refusal::Refusal;
 
 /// Where timers are made.
 const TIMERS: &str = "sys/kernel/config/iio/triggers/hrtimer";

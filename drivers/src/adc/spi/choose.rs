@@ -8,8 +8,9 @@ use super::{
     ADS8684, ADS8684_MANUAL, ADS8688, ADS8688_MANUAL, MAX1110, MAX1111, MAX1112, MAX1113, MCP3004, MCP3008,
     MCP3204, MCP3208,
 };
-use crate::adc::{Refusal, SampleSpec};
-use crate::file::codes;
+use crate::adc::SampleSpec;
+use crate::codes;
+use crate::refusal::Refusal;
 
 /// A part that the rig can read.
 pub type Part = &'static dyn Codec;

@@ -9,12 +9,13 @@ use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
 
-use super::super::{Adc, AdcSpec, Noise, Pace, Reading, Refusal, Resolution, SampleSpec};
+use super::super::{Adc, AdcSpec, Noise, Pace, Reading, Resolution, SampleSpec};
 use super::codec::{Bytes, FRAME};
 use super::sweep::{Sweep, answered};
 use super::{Chosen, SpiSpec, choose};
-use crate::file::codes;
+use crate::codes;
 use crate::holder::{all_holders, words};
+use crate::refusal::Refusal;
 
 /// Where the driver says how many bytes it takes at once, and how many it takes where it does not say.
 const BUFFER: &str = "/sys/module/spidev/parameters/bufsiz";

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use document::suggest;
 
 use super::super::{FindPwm, PwmSpec};
-use crate::adc::Refusal;
-use crate::file::codes;
+use crate::codes;
 use crate::inventory::{line, names};
+use crate::refusal::Refusal;
 
 /// A PWM chip of the machine.
 #[derive(Clone, Debug, PartialEq, Eq)]

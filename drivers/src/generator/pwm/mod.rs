@@ -14,7 +14,7 @@ use rustix::io::Errno;
 use signal::Span;
 
 use super::{Generator, OutputSpec, PwmSpec, Sent};
-use crate::adc::Refusal;
+use crate::refusal::Refusal;
 use crate::{LineApi, OutputClaim};
 use sysfs::Exported;
 
@@ -104,7 +104,7 @@ impl Generator for Pwm {
         self.outputs.iter_mut().try_for_each(|(output, _)| output.look())
     }
 
-    fn held(&self) -> io::Result<Vec<OutputClaim>> {
+    fn output_claims(&self) -> io::Result<Vec<OutputClaim>> {
         let held = |(output, _): &(PwmOutput, OutputSpec)| {
             let (device, claim) = (self.name.clone(), output.claim()?);
             Ok(OutputClaim { device, claim, api: LineApi::Pwm, mask: 1, safe: 0 })

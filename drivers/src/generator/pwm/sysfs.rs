@@ -12,8 +12,8 @@ use rustix::io::{Errno, pread, pwrite};
 use super::super::OutputSpec;
 use super::output::{Attribute, Attributes};
 use super::{FoundPwm, PwmOutput};
-use crate::adc::Refusal;
-use crate::file::codes;
+use crate::codes;
+use crate::refusal::Refusal;
 
 /// How long the files of an output may take to be there and to be the user's: a rule of the machine may have to hand
 /// them over first.

@@ -28,9 +28,9 @@ pub fn run(args: &CheckArgs) -> Exit {
     // A board without lines needs no chip.
     let whole = match bench.spec.gpio.lines.is_empty() {
         true => Ok(Vec::new()),
-        false => gpio::find(&bench.file, &bench.spec.gpio),
+        false => gpio::find(&bench.file.name, &bench.spec.gpio),
     };
-    let others = real::look(&bench.file, &bench.spec);
+    let others = real::look(&bench.file.channel_table(), &bench.spec);
     let rows: Vec<Option<FoundLine>> = (0..bench.file.circuit.channels.len())
         .map(|at| {
             let channel = ChannelId(u16::try_from(at).ok()?);
@@ -89,7 +89,7 @@ fn found(chips: &[FoundChip], channel: ChannelId) -> Option<FoundLine> {
 fn alone(bench: &RealBoardFile, at: usize) -> Option<FoundLine> {
     let file = bench.subset(|other, line| (other == at).then(|| line.clone()), OtherDevices::Excluded);
     let BoardKind::Real(spec) = &file.kind else { return None };
-    found(&gpio::find(&file, &spec.gpio).ok()?, ChannelId(0))
+    found(&gpio::find(&file.name, &spec.gpio).ok()?, ChannelId(0))
 }
 
 /// A chip in a line.

@@ -3,7 +3,8 @@
 use super::toml_text::{bare, is_name, quoted};
 use drivers::adc::iio::{self, IioDevice};
 use drivers::can::{self, Link, Modes};
-use drivers::counter::{self, CounterDevice, Function};
+use drivers::counter::{self, CounterDevice};
+use drivers::counting::CountFunction;
 use drivers::inventory::{Device, DeviceKind};
 use host::Machine;
 use std::path::Path;
@@ -115,7 +116,7 @@ fn counts(machine: &Machine, device: &CounterDevice, all: &[CounterDevice], foun
     found.live |= usable && !device.counts.is_empty();
     for count in &device.counts {
         let name = format!("{key}-{}", count.number);
-        let known = |kernel: &String| Function::ALL.iter().find(|(.., other)| other == kernel);
+        let known = |kernel: &String| CountFunction::ALL.iter().find(|(.., other)| other == kernel);
         let functions: Vec<&str> =
             count.functions.iter().filter_map(known).map(|(_, name, _)| *name).collect();
         let mut what = format!("{}, can be {}", device.number, functions.join(", "));

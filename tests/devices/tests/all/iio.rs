@@ -4,8 +4,10 @@ mod plan;
 
 use devices::{ADC, Adc, Lab, PATIENCE, wait_for};
 use document::SourceFile;
-use drivers::adc::{self, Adc, AdcSpec, InRange, Pace, Reading, Refusal, SampleSpec};
-use drivers::{Board, BoardContext, BoardEvent, BoardFile, BoardKind, ChannelId, LossReason, Terminals};
+use drivers::adc::{self, AdcSpec, InRange, Pace, Reading, SampleSpec};
+use drivers::{
+    Board, BoardContext, BoardEvent, BoardFile, BoardKind, ChannelId, LossReason, Refusal, Terminals,
+};
 use host::{Realtime, monotonic};
 use rustix::event::{PollFd, PollFlags, poll};
 use signal::{Span, Time};
@@ -42,7 +44,7 @@ fn spec(keys: &str, inputs: &[u16]) -> (AdcSpec, Vec<SampleSpec>) {
     (spec.converters.converters[0].clone(), spec.converters.samples)
 }
 
-fn opened(keys: &str, inputs: &[u16]) -> Box<dyn Adc> {
+fn opened(keys: &str, inputs: &[u16]) -> Box<dyn adc::Adc> {
     let (converter, samples) = spec(keys, inputs);
     adc::open(&converter, &samples).unwrap()
 }
@@ -53,7 +55,7 @@ fn refused(keys: &str, inputs: &[u16]) -> Refusal {
 }
 
 /// What comes of the converter until there are so many readings.
-fn readings(converter: &mut dyn Adc, least: usize) -> Vec<Reading> {
+fn readings(converter: &mut dyn adc::Adc, least: usize) -> Vec<Reading> {
     let mut out = Vec::new();
     let due = Instant::now() + PATIENCE;
     while out.len() < least {

@@ -1,9 +1,14 @@
 //! The channels of a board.
 
-use super::{FaultSet, PulseCapability};
+mod emission;
+mod fault;
+
+pub use emission::{Emission, NotEmitted, PulseCapability};
+pub use fault::{Fault, FaultKind, FaultSet};
+
 use signal::{Span, Value};
 
-/// The place of a channel in [`Board::channels`](super::Board::channels).
+/// The place of a channel in [`Board::channels`](crate::Board::channels).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ChannelId(pub u16);
 
@@ -44,9 +49,9 @@ pub struct Channel {
     pub name: String,
     /// What it carries.
     pub kind: ChannelKind,
-    /// Whether [`Board::write`](super::Board::write) may drive it.
+    /// Whether [`Board::write`](crate::Board::write) may drive it.
     pub drives: bool,
-    /// Whether [`Board::poll`](super::Board::poll) reports it.
+    /// Whether [`Board::poll`](crate::Board::poll) reports it.
     pub senses: bool,
     /// Where the instants of its events come from.
     pub timestamp: TimestampSource,
@@ -54,7 +59,7 @@ pub struct Channel {
     pub resolution: Span,
     /// The shortest pulse that is certain to be seen; [`Span::MAX`] where the board cannot tell.
     pub shortest_pulse: Span,
-    /// The fastest pulse train that [`Board::write`](super::Board::write) can emit on it, in Hz (0 = none).
+    /// The fastest pulse train that [`Board::write`](crate::Board::write) can emit on it, in Hz (0 = none).
     pub max_pulse_hz: u64,
     /// What it emits by itself: pulses that nobody writes edge by edge.
     pub emits: Option<PulseCapability>,
@@ -63,7 +68,7 @@ pub struct Channel {
     pub counts_hz: Option<u64>,
     /// The faults that can be injected on it.
     pub faults: FaultSet,
-    /// What a driven line is left at by [`Board::start`](super::Board::start) and [`Board::safe`](super::Board::safe).
+    /// What a driven line is left at by [`Board::start`](crate::Board::start) and [`Board::safe`](crate::Board::safe).
     pub safe: Value,
     /// How far an analog channel can move from what was told of it without being told again, in its unit; 0 for not at
     /// all.

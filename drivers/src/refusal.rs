@@ -1,24 +1,24 @@
-//! Why a converter cannot be had.
+//! Why a device cannot be had.
 
 use std::ops::Range;
 
 use document::Diagnostic;
 
-/// A converter that cannot be opened: what a finding says of it.
+/// A device that cannot be opened: what a finding says of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
     /// Its code.
     pub code: &'static str,
-    /// Where, if not at the converter itself.
+    /// Where, if not at the device itself.
     pub place: Option<Range<usize>>,
     /// What is wrong.
     pub message: String,
-    /// What mends it.
+    /// What fixes it.
     pub help: String,
 }
 
 impl Refusal {
-    /// Of the converter as a whole.
+    /// Of the device as a whole.
     pub fn new(code: &'static str, message: impl Into<String>, help: impl Into<String>) -> Refusal {
         Refusal { code, place: None, message: message.into(), help: help.into() }
     }
@@ -29,7 +29,7 @@ impl Refusal {
         Refusal { place: Some(place), ..self }
     }
 
-    /// The finding in a board file, in which the converter is described at `place`.
+    /// The finding in a board file, in which the device is described at `place`.
     pub fn finding(self, file: &str, place: Range<usize>) -> Diagnostic {
         let place = self.place.unwrap_or(place);
         Diagnostic::error(self.code, self.message).at(file.to_owned(), place, "").help(self.help)

@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use super::ChannelId;
+use crate::channel::ChannelId;
 use signal::{Gap, Time, Value, When};
 
 /// Who made a line change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Origin {
-    /// [`Board::write`](super::Board::write) on this very channel; at the start, the safe value.
+    /// [`Board::write`](crate::Board::write) on this very channel; at the start, the safe value.
     Write,
     /// A wire from another channel.
     Wire,
