@@ -3,12 +3,12 @@
 
 use signal::{Kind, Policy, Sampling, SignalInfo, Span, Value};
 
-use crate::expect::{Claim, Demand};
-use crate::monitor::{Number, Test, slack};
+use crate::expect::{Claim, ClaimDemand};
+use crate::monitor::{Number, ValueTest, slack};
 
 /// The values that a signal of whole numbers can have. FALSE is 0, TRUE is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bounds {
+pub struct SignalBounds {
     /// The least.
     pub least: i128,
     /// The greatest.
@@ -17,25 +17,25 @@ pub struct Bounds {
     pub line: bool,
 }
 
-impl Bounds {
+impl SignalBounds {
     /// From the least to the greatest, both included.
-    pub const fn new(least: i128, most: i128) -> Bounds {
-        Bounds { least, most, line: false }
+    pub const fn new(least: i128, most: i128) -> SignalBounds {
+        SignalBounds { least, most, line: false }
     }
 
     /// A bit.
-    pub const BIT: Bounds = Bounds::new(0, 1);
+    pub const BIT: SignalBounds = SignalBounds::new(0, 1);
 
     /// A line that carries a level.
-    pub const LINE: Bounds = Bounds { least: 0, most: 1, line: true };
+    pub const LINE: SignalBounds = SignalBounds { least: 0, most: 1, line: true };
 
     /// A number of so many bits without a sign.
-    pub const fn bits(bits: u32) -> Bounds {
-        Bounds::new(0, if bits >= 127 { i128::MAX } else { (1 << bits) - 1 })
+    pub const fn bits(bits: u32) -> SignalBounds {
+        SignalBounds::new(0, if bits >= 127 { i128::MAX } else { (1 << bits) - 1 })
     }
 
     /// A count.
-    pub const COUNT: Bounds = Bounds::new(0, i64::MAX as i128);
+    pub const COUNT: SignalBounds = SignalBounds::new(0, i64::MAX as i128);
 }
 
 /// Why a claim says nothing on a bench, one sentence each.
@@ -54,16 +54,17 @@ pub enum Doubt {
 pub fn doubt(
     claim: &dyn Claim,
     signals: &[SignalInfo],
-    bounds: &dyn Fn(&str) -> Option<Bounds>,
+    bounds: &dyn Fn(&str) -> Option<SignalBounds>,
 ) -> Option<Doubt> {
     let demands = claim.demands();
     let find = |name: &str| signals.iter().find(|info| info.name == name);
     let enters =
-        |name: &str| demands.iter().any(|one| matches!(one, Demand::Change(signal) if *signal == name));
-    let wants =
-        |name: &str| demands.iter().any(|one| matches!(one, Demand::Value { signal, .. } if *signal == name));
+        |name: &str| demands.iter().any(|one| matches!(one, ClaimDemand::Change(signal) if *signal == name));
+    let wants = |name: &str| {
+        demands.iter().any(|one| matches!(one, ClaimDemand::Value { signal, .. } if *signal == name))
+    };
     demands.iter().find_map(|demand| match demand {
-        Demand::Value { signal, condition, forbidden } => {
+        ClaimDemand::Value { signal, condition, forbidden } => {
             let info = find(signal)?;
             let test = condition.bind(info).ok()?;
             let possible = bounds(signal).and_then(|bounds| {
@@ -90,7 +91,7 @@ pub fn doubt(
                 ))
             })
         }
-        Demand::Change(signal) => {
+        ClaimDemand::Change(signal) => {
             let info = find(signal)?;
             let coarse = matches!(info.policy, Policy::Deadband(_)) && !wants(signal);
             coarse.then(|| {
@@ -99,7 +100,7 @@ pub fn doubt(
                 ))
             })
         }
-        Demand::Delay { limits, signal, .. } => {
+        ClaimDemand::Delay { limits, signal, .. } => {
             let known = match find(signal)?.sampling {
                 Sampling::Edges { resolution } => resolution,
                 Sampling::Sampled { period } => period,
@@ -111,7 +112,7 @@ pub fn doubt(
                 ))
             })
         }
-        Demand::Window { .. } | Demand::At(_) => None,
+        ClaimDemand::Window { .. } | ClaimDemand::At(_) => None,
     })
 }
 
@@ -122,7 +123,7 @@ pub fn is_same_for(claim: &dyn Claim, info: &SignalInfo, values: &[Value]) -> bo
     }
     let mut conditions = 0;
     for demand in claim.demands() {
-        let Demand::Value { signal, condition, .. } = demand else { continue };
+        let ClaimDemand::Value { signal, condition, .. } = demand else { continue };
         if signal != info.name {
             continue;
         }
@@ -139,14 +140,14 @@ pub fn is_same_for(claim: &dyn Claim, info: &SignalInfo, values: &[Value]) -> bo
 }
 
 /// Whether some value meets the test, and whether all do.
-fn reach(test: &Test, bounds: &Bounds) -> (bool, bool) {
+fn reach(test: &ValueTest, bounds: &SignalBounds) -> (bool, bool) {
     match test {
-        Test::Not(inner) => {
+        ValueTest::Not(inner) => {
             let (some, all) = reach(inner, bounds);
             (!all, !some)
         }
-        Test::HighZ => (bounds.line, false),
-        Test::OneOf(wanted) => {
+        ValueTest::HighZ => (bounds.line, false),
+        ValueTest::OneOf(wanted) => {
             let mut met: Vec<i128> = wanted.iter().filter_map(whole).collect();
             met.retain(|number| (bounds.least..=bounds.most).contains(number));
             met.sort_unstable();
@@ -154,7 +155,7 @@ fn reach(test: &Test, bounds: &Bounds) -> (bool, bool) {
             let count = bounds.most.saturating_sub(bounds.least).saturating_add(1);
             (!met.is_empty(), !bounds.line && i128::try_from(met.len()).is_ok_and(|met| met == count))
         }
-        Test::Range { min, max } => {
+        ValueTest::Range { min, max } => {
             let least = min.map_or(bounds.least, |min| up(min).max(bounds.least));
             let most = max.map_or(bounds.most, |max| down(max).min(bounds.most));
             (least <= most, !bounds.line && (least, most) == (bounds.least, bounds.most))
@@ -186,17 +187,19 @@ fn down(number: Number) -> i128 {
 }
 
 /// Whether a value that is known to within `slack` can never be seen to meet the test.
-fn is_too_narrow(test: &Test, slack: f64) -> bool {
+fn is_too_narrow(test: &ValueTest, slack: f64) -> bool {
     slack > 0.0
         && match test {
-            Test::OneOf(_) => true,
-            Test::Range { min: Some(min), max: Some(max) } => max.as_real() - min.as_real() < 2.0 * slack,
-            Test::Range { .. } | Test::HighZ | Test::Not(_) => false,
+            ValueTest::OneOf(_) => true,
+            ValueTest::Range { min: Some(min), max: Some(max) } => {
+                max.as_real() - min.as_real() < 2.0 * slack
+            }
+            ValueTest::Range { .. } | ValueTest::HighZ | ValueTest::Not(_) => false,
         }
 }
 
 /// The values in words.
-fn shown(bounds: &Bounds, info: &SignalInfo) -> String {
+fn shown(bounds: &SignalBounds, info: &SignalInfo) -> String {
     match (info.kind, bounds.most) {
         (Kind::Bool, _) => String::from("TRUE or FALSE"),
         (_, most) if most >= i128::from(i64::MAX) => format!("at least {}", bounds.least),
@@ -210,22 +213,22 @@ mod tests {
 
     #[test]
     fn values_that_a_signal_can_have_meet_a_test_or_not() {
-        let range = |min: Option<f64>, max: Option<f64>| Test::Range {
+        let range = |min: Option<f64>, max: Option<f64>| ValueTest::Range {
             min: min.map(Number::Real),
             max: max.map(Number::Real),
         };
-        let one_of = |list: &[i128]| Test::OneOf(list.iter().map(|one| Number::Int(*one)).collect());
-        let byte = Bounds::bits(8);
+        let one_of = |list: &[i128]| ValueTest::OneOf(list.iter().map(|one| Number::Int(*one)).collect());
+        let byte = SignalBounds::bits(8);
         assert_eq!(reach(&one_of(&[256]), &byte), (false, false));
         assert_eq!(reach(&one_of(&[255, 255]), &byte), (true, false));
         assert_eq!(reach(&range(Some(0.0), None), &byte), (true, true));
         assert_eq!(reach(&range(Some(-5.0), Some(255.5)), &byte), (true, true));
         assert_eq!(reach(&range(Some(0.5), None), &byte), (true, false));
         assert_eq!(reach(&range(Some(254.2), Some(254.8)), &byte), (false, false));
-        assert_eq!(reach(&one_of(&[0, 1]), &Bounds::BIT), (true, true));
+        assert_eq!(reach(&one_of(&[0, 1]), &SignalBounds::BIT), (true, true));
         // A line may be driven by nobody.
-        assert_eq!(reach(&one_of(&[0, 1]), &Bounds::LINE), (true, false));
-        assert_eq!(reach(&Test::HighZ, &Bounds::BIT), (false, false));
-        assert_eq!(reach(&Test::Not(Box::new(one_of(&[2]))), &Bounds::BIT), (true, true));
+        assert_eq!(reach(&one_of(&[0, 1]), &SignalBounds::LINE), (true, false));
+        assert_eq!(reach(&ValueTest::HighZ, &SignalBounds::BIT), (false, false));
+        assert_eq!(reach(&ValueTest::Not(Box::new(one_of(&[2]))), &SignalBounds::BIT), (true, true));
     }
 }

@@ -24,7 +24,7 @@ pub mod steps;
 pub mod table;
 
 pub use codes::{CODES, TOML};
-pub use lang::{Anchor, Base, Literal};
+pub use lang::{Anchor, AnchorBase, Literal};
 pub use meaning::{show_literal, value_of};
-pub use plan::{Case, Plan, Step, StepTime, check_included, gather, read, read_gathered};
+pub use plan::{Case, Plan, PlanStep, StepTime, check_included, gather, read, read_gathered};
 pub use steps::Stimulus;

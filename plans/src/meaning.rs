@@ -88,7 +88,7 @@ fn in_unit_of(quantity: &Quantity, info: &SignalInfo) -> Result<Decimal, String>
 
 /// A value and its tolerance as exact numbers in the unit of a signal.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Around {
+pub(crate) struct ToleranceBand {
     /// The value.
     pub(crate) middle: Decimal,
     /// The least that is within the tolerance.
@@ -97,12 +97,16 @@ pub(crate) struct Around {
     pub(crate) max: Decimal,
 }
 
-impl Around {
+impl ToleranceBand {
     /// `tolerance` may be a part of `middle`, as in `10 %`, for a signal that is not in `%` itself.
     ///
     /// # Errors
     /// Why the two have no meaning for the signal.
-    pub(crate) fn new(middle: &Literal, tolerance: &Literal, info: &SignalInfo) -> Result<Around, String> {
+    pub(crate) fn new(
+        middle: &Literal,
+        tolerance: &Literal,
+        info: &SignalInfo,
+    ) -> Result<ToleranceBand, String> {
         let own = Quantity { number: exact(middle, info)?, unit: Unit::new(&info.unit) };
         let band = match tolerance.quantity() {
             Some(part) if part.is_part() && !own.is_part() => part,
@@ -113,7 +117,7 @@ impl Around {
             fault => format!("{middle} ± {tolerance}: {fault}"),
         })?;
         let end = |end: Option<Quantity>| end.map_or(own.number, |end| end.number);
-        Ok(Around { middle: own.number, min: end(range.min), max: end(range.max) })
+        Ok(ToleranceBand { middle: own.number, min: end(range.min), max: end(range.max) })
     }
 }
 
@@ -162,7 +166,7 @@ mod tests {
         let ends = |unit: &str, middle: &str, tolerance: &str| {
             let mut info = SignalInfo::exact("u", Kind::Real);
             info.unit = unit.into();
-            let around = Around::new(&literal_of(middle), &literal_of(tolerance), &info)?;
+            let around = ToleranceBand::new(&literal_of(middle), &literal_of(tolerance), &info)?;
             Ok((around.min.as_f64(), around.max.as_f64()))
         };
         // In floats 0.3 + 0.1 is above 0.4, and 24 - 2.4 below 21.6.

@@ -5,7 +5,7 @@ use std::fmt;
 
 /// What kind of thing a requirement is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Class {
+pub enum RequirementClass {
     /// Behaviour that a plan can prove.
     Behaviour,
     /// A constant of a table.
@@ -14,20 +14,20 @@ pub enum Class {
     NotReproducible,
 }
 
-impl Class {
+impl RequirementClass {
     /// The word in the register.
     pub const fn word(self) -> &'static str {
         match self {
-            Class::Behaviour => "behaviour",
-            Class::Constant => "constant",
-            Class::NotReproducible => "not-reproducible",
+            RequirementClass::Behaviour => "behaviour",
+            RequirementClass::Constant => "constant",
+            RequirementClass::NotReproducible => "not-reproducible",
         }
     }
 }
 
 /// One requirement.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct Requirement {
     /// Its ID, as in `controller:WD-04`.
     pub id: String,
     /// What it asks, one line.
@@ -37,14 +37,14 @@ pub struct Entry {
     /// The profiles that it holds for; empty for all.
     pub profiles: Vec<Profile>,
     /// What kind of thing it is.
-    pub class: Class,
+    pub class: RequirementClass,
     /// Its clauses in the order of the file, each with what it asks. Empty where it is one statement.
-    pub clauses: Vec<Clause>,
+    pub clauses: Vec<RequirementClause>,
 }
 
 /// One row of a requirement that is a table or a list; cited as in `controller:RB-02#8`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Clause {
+pub struct RequirementClause {
     /// What stands behind the `#`.
     pub id: String,
     /// What it asks, one line.
@@ -66,36 +66,36 @@ pub fn is_clause(text: &str) -> bool {
 
 /// The register.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Register {
+pub struct RequirementRegister {
     /// The requirements in the order of the file.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<Requirement>,
 }
 
 /// What is wrong with a register.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RegisterError {
+pub struct RequirementError {
     /// The requirement, where known.
     pub id: String,
     /// What is wrong.
     pub fault: String,
 }
 
-impl fmt::Display for RegisterError {
+impl fmt::Display for RequirementError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.id.is_empty() { f.write_str(&self.fault) } else { write!(f, "{}: {}", self.id, self.fault) }
     }
 }
 
-impl std::error::Error for RegisterError {}
+impl std::error::Error for RequirementError {}
 
-impl Register {
+impl RequirementRegister {
     /// Reads the register: a table for each requirement, `["controller:WD-04"]` with `asks`, `source`, and where
     /// they differ from the usual `class` (behaviour) and `profiles` (all).
     ///
     /// # Errors
     /// The first thing that is wrong.
-    pub fn read(text: &str) -> Result<Register, RegisterError> {
-        let fail = |id: &str, fault: String| RegisterError { id: id.to_owned(), fault };
+    pub fn read(text: &str) -> Result<RequirementRegister, RequirementError> {
+        let fail = |id: &str, fault: String| RequirementError { id: id.to_owned(), fault };
         let file = document::SourceFile::new("requirements.toml", text);
         let root = document::toml::parse(&file, crate::TOML).map_err(|found| {
             fail("", found.first().map_or_else(String::new, |first| first.message.clone()))
@@ -108,22 +108,22 @@ impl Register {
             };
             let text = |key: &str| table.get(key).and_then(document::Node::as_text).map(str::to_owned);
             let class = match text("class").as_deref() {
-                None | Some("behaviour") => Class::Behaviour,
-                Some("constant") => Class::Constant,
-                Some("not-reproducible") => Class::NotReproducible,
+                None | Some("behaviour") => RequirementClass::Behaviour,
+                Some("constant") => RequirementClass::Constant,
+                Some("not-reproducible") => RequirementClass::NotReproducible,
                 Some(other) => return Err(fail(id, format!("there is no class `{other}`"))),
             };
             let profiles = profiles(table).map_err(|fault| fail(id, fault))?;
             let asks = text("asks").ok_or_else(|| fail(id, String::from("has no `asks`")))?;
             let source = text("source").ok_or_else(|| fail(id, String::from("has no `source`")))?;
             let clauses = clauses(table).map_err(|fault| fail(id, fault))?;
-            entries.push(Entry { id: id.clone(), asks, source, profiles, class, clauses });
+            entries.push(Requirement { id: id.clone(), asks, source, profiles, class, clauses });
         }
-        Ok(Register { entries })
+        Ok(RequirementRegister { entries })
     }
 
     /// The requirement of this ID.
-    pub fn find(&self, id: &str) -> Option<&Entry> {
+    pub fn find(&self, id: &str) -> Option<&Requirement> {
         self.entries.iter().find(|entry| entry.id == id)
     }
 
@@ -150,7 +150,7 @@ fn profiles(table: &document::Table) -> Result<Vec<Profile>, String> {
 }
 
 /// The clauses of a requirement: `"8" = "what it asks"`, or `"8" = { asks = "...", profiles = [...] }`.
-fn clauses(table: &document::Table) -> Result<Vec<Clause>, String> {
+fn clauses(table: &document::Table) -> Result<Vec<RequirementClause>, String> {
     let Some(node) = table.get("clauses") else { return Ok(Vec::new()) };
     let list = node.as_table().ok_or_else(|| String::from("`clauses` is no table"))?;
     let mut clauses = Vec::with_capacity(list.entries.len());
@@ -163,7 +163,7 @@ fn clauses(table: &document::Table) -> Result<Vec<Clause>, String> {
         let asks = inner.map_or(Some(&entry.node), |table| table.get("asks"));
         let asks = asks.and_then(document::Node::as_text).map(str::to_owned);
         let asks = asks.ok_or_else(|| format!("the clause `{id}` does not say what it asks"))?;
-        clauses.push(Clause { id, asks, profiles: inner.map_or(Ok(Vec::new()), profiles)? });
+        clauses.push(RequirementClause { id, asks, profiles: inner.map_or(Ok(Vec::new()), profiles)? });
     }
     Ok(clauses)
 }
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn clauses_read() {
         let text = "[\"controller:RB-02\"]\nasks = \"a\"\nsource = \"s\"\n[\"controller:RB-02\".clauses]\n\"8\" = \"b\"\n\"9\" = { asks = \"c\", profiles = [\"m241-2014\"] }\n";
-        let register = Register::read(text).unwrap();
+        let register = RequirementRegister::read(text).unwrap();
         assert!(register.knows("controller:RB-02#8") && !register.knows("controller:RB-02#7"));
         assert_eq!(register.entries[0].clauses[1].profiles, vec![Profile::M241_2014]);
         assert!(is_clause("reset-cold/retain") && !is_clause("Reset") && !is_clause("a/") && !is_clause(""));
@@ -183,12 +183,12 @@ mod tests {
 
     #[test]
     fn entries_read() {
-        let register = Register::read(
+        let register = RequirementRegister::read(
             "[\"controller:WD-04\"]\nasks = \"a\"\nsource = \"s\"\nprofiles = [\"m241-2014\"]\nclass = \"constant\"\n",
         );
         let entry = register.unwrap().find("controller:WD-04").cloned().unwrap();
-        assert_eq!((entry.class, entry.profiles), (Class::Constant, vec![Profile::M241_2014]));
-        assert!(Register::read("[\"x\"]\nasks = \"a\"\n").is_err());
-        assert!(Register::read("[\"x\"]\nasks = \"a\"\nsource = \"s\"\nclass = \"y\"\n").is_err());
+        assert_eq!((entry.class, entry.profiles), (RequirementClass::Constant, vec![Profile::M241_2014]));
+        assert!(RequirementRegister::read("[\"x\"]\nasks = \"a\"\n").is_err());
+        assert!(RequirementRegister::read("[\"x\"]\nasks = \"a\"\nsource = \"s\"\nclass = \"y\"\n").is_err());
     }
 }

@@ -53,7 +53,7 @@ pub struct Column {
 
 /// Values over time.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Table {
+pub struct ValueTable {
     /// Its file, as the user knows it.
     pub path: String,
     /// Its columns, that of the time aside.
@@ -66,7 +66,7 @@ pub struct Table {
     cells: Vec<Cell>,
 }
 
-impl Table {
+impl ValueTable {
     /// The cell of a row and column that the table has.
     pub fn cell(&self, row: usize, column: usize) -> Cell {
         self.cells.get(row * self.columns.len() + column).copied().unwrap_or(Cell::Kept)
@@ -80,11 +80,11 @@ impl Table {
 
 /// The tables that a plan may name, each with what is wrong with it if it does not read.
 #[derive(Clone, Debug, Default)]
-pub struct Tables(BTreeMap<String, Result<Arc<Table>, Fault>>);
+pub struct ValueTables(BTreeMap<String, Result<Arc<ValueTable>, TableFault>>);
 
 /// Why there is no table.
 #[derive(Clone, Debug)]
-pub(crate) enum Fault {
+pub(crate) enum TableFault {
     /// The file cannot be read.
     Unread(String),
     /// What is wrong in it.
@@ -92,25 +92,25 @@ pub(crate) enum Fault {
 }
 
 /// For where nothing names a table.
-pub(crate) static NONE: Tables = Tables(BTreeMap::new());
+pub(crate) static NONE: ValueTables = ValueTables(BTreeMap::new());
 
-impl Tables {
+impl ValueTables {
     /// Opens every table that a plan with these tables of TOML may name: all texts that end in `.csv`, wherever they
     /// stand, for a name may come out of a row or an argument. `open` gives the file of a name as it is written.
     pub fn gather<'t>(
         roots: impl Iterator<Item = &'t document::Table>,
         open: &mut dyn FnMut(&str) -> Result<SourceFile, String>,
-    ) -> Tables {
+    ) -> ValueTables {
         let mut names = Vec::new();
         let mut used = false;
         for root in roots {
             root.entries.iter().for_each(|entry| find(&entry.key, &entry.node, &mut used, &mut names));
         }
-        let mut tables = Tables::default();
+        let mut tables = ValueTables::default();
         for name in names.iter().filter(|_| used) {
             if tables.0.len() < MOST_TABLES && !tables.0.contains_key(name) {
-                let table = open(name).map_err(Fault::Unread);
-                let table = table.and_then(|file| read(&file).map(Arc::new).map_err(Fault::Wrong));
+                let table = open(name).map_err(TableFault::Unread);
+                let table = table.and_then(|file| read(&file).map(Arc::new).map_err(TableFault::Wrong));
                 tables.0.insert(name.clone(), table);
             }
         }
@@ -118,9 +118,9 @@ impl Tables {
     }
 
     /// The table of this name.
-    pub(crate) fn get(&self, name: &str) -> Result<Arc<Table>, Fault> {
+    pub(crate) fn get(&self, name: &str) -> Result<Arc<ValueTable>, TableFault> {
         let unread =
-            || Err(Fault::Unread(format!("no file of a plan that ends in `{ENDING}` has this name")));
+            || Err(TableFault::Unread(format!("no file of a plan that ends in `{ENDING}` has this name")));
         self.0.get(name).cloned().unwrap_or_else(unread)
     }
 }
@@ -142,8 +142,8 @@ fn find(key: &str, node: &Node, used: &mut bool, names: &mut Vec<String>) {
 ///
 /// # Errors
 /// What is wrong with it, with its places.
-pub fn read(file: &SourceFile) -> Result<Table, Vec<Diagnostic>> {
-    let mut reader = Reader { file, separator: ',', found: Vec::new() };
+pub fn read(file: &SourceFile) -> Result<ValueTable, Vec<Diagnostic>> {
+    let mut reader = CsvReader { file, separator: ',', found: Vec::new() };
     let table = reader.table();
     match table {
         Some(table) if reader.found.is_empty() => Ok(table),
@@ -151,26 +151,26 @@ pub fn read(file: &SourceFile) -> Result<Table, Vec<Diagnostic>> {
     }
 }
 
-struct Reader<'f> {
+struct CsvReader<'f> {
     file: &'f SourceFile,
     separator: char,
     found: Vec<Diagnostic>,
 }
 
 /// A field with its place in the file.
-struct Field<'f> {
+struct CsvField<'f> {
     text: &'f str,
     span: Range<usize>,
 }
 
-impl<'f> Reader<'f> {
+impl<'f> CsvReader<'f> {
     fn bad(&mut self, code: &'static str, span: Range<usize>, message: impl Into<String>, help: &str) {
         if self.found.len() < MOST_FINDINGS {
             self.found.push(Diagnostic::error(code, message).at(&self.file.name, span, "").help(help));
         }
     }
 
-    fn table(&mut self) -> Option<Table> {
+    fn table(&mut self) -> Option<ValueTable> {
         let text: &'f str = &self.file.text;
         let mut at = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         let mut lines = Vec::new();
@@ -188,7 +188,7 @@ impl<'f> Reader<'f> {
         };
         self.separator = [';', '\t'].into_iter().find(|one| header.contains(*one)).unwrap_or(',');
         let (unit, columns) = self.header(*at, header)?;
-        let mut table = Table {
+        let mut table = ValueTable {
             path: self.file.name.clone(),
             columns,
             times: Vec::new(),
@@ -241,7 +241,7 @@ impl<'f> Reader<'f> {
         Some((unit, columns))
     }
 
-    fn row(&mut self, at: usize, line: &'f str, unit: &Unit, table: &mut Table) {
+    fn row(&mut self, at: usize, line: &'f str, unit: &Unit, table: &mut ValueTable) {
         let fields = self.fields(at, line);
         if fields.len() != table.columns.len() + 1 {
             let message = format!("{} fields, and {} columns", fields.len(), table.columns.len() + 1);
@@ -286,13 +286,13 @@ impl<'f> Reader<'f> {
     }
 
     /// The fields of a line that begins at a byte.
-    fn fields(&self, at: usize, line: &'f str) -> Vec<Field<'f>> {
+    fn fields(&self, at: usize, line: &'f str) -> Vec<CsvField<'f>> {
         let mut from = at;
         let field = |part: &'f str| {
             let before = part.len() - part.trim_start().len();
             let text = part.trim();
             let plain = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text);
-            let field = Field { text: plain.trim(), span: from + before..from + before + text.len() };
+            let field = CsvField { text: plain.trim(), span: from + before..from + before + text.len() };
             from += part.len() + self.separator.len_utf8();
             field
         };
@@ -324,7 +324,7 @@ mod tests {
     use document::line_col;
     use proptest::prelude::*;
 
-    fn table(text: &str) -> Result<Table, Vec<Diagnostic>> {
+    fn table(text: &str) -> Result<ValueTable, Vec<Diagnostic>> {
         read(&SourceFile::new("drive.csv", text))
     }
 

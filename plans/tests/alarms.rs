@@ -6,7 +6,7 @@ use std::sync::Arc;
 use document::SourceFile;
 use record::{ClaimRecord, Verdict};
 use scanrig_plans::alarm::Alarm;
-use scanrig_plans::judge::{Judge, Scenario};
+use scanrig_plans::judge::{CaseJudge, Scenario};
 use scanrig_plans::read;
 use signal::{Cause, Event, Kind, Random, SignalId, SignalInfo, Time, Trace, Value, When};
 
@@ -43,7 +43,7 @@ fn judge(scenario: &Scenario, events: &[(i64, i64, Value)], end: i64) -> ClaimRe
     for event in all {
         trace.push(event).unwrap();
     }
-    let judge = Judge::new(scenario.clone(), &infos).unwrap();
+    let judge = CaseJudge::new(scenario.clone(), &infos).unwrap();
     let outcome = judge.replay(When::exactly(Time::from_nanos(end)), &trace).unwrap();
     outcome.claims[0].clone()
 }

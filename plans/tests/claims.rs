@@ -1,16 +1,16 @@
 //! What is refused: claims that make no sense in themselves, and claims that make none for their signals.
 
 use document::{Fields, Findings, Node, SourceFile};
-use scanrig_plans::expect::{self, Context, Expectation};
-use scanrig_plans::judge::{Judge, Scenario};
-use scanrig_plans::lang::Names;
+use scanrig_plans::expect::{self, Expectation, ReadContext};
+use scanrig_plans::judge::{CaseJudge, Scenario};
+use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, TOML, measure};
 use signal::{Kind, SignalInfo};
 
 /// Names without a plan around them: everything is known.
 struct Anything;
 
-impl Names for Anything {
+impl PlanNames for Anything {
     fn anchor(&self, node: &Node, _out: &mut Findings) -> Option<Anchor> {
         Anchor::parse(node.as_text()?).ok()
     }
@@ -35,7 +35,7 @@ fn read(text: &str) -> Result<Scenario, Vec<&'static str>> {
         Some(verb) => {
             let inner = table.entries[0].node.as_table().expect("a table");
             let fields = Fields::check(inner, 0..1, verb.name, verb.keys, &mut out);
-            let mut cx = Context { out: &mut out, names: &Anything, place: 0..1 };
+            let mut cx = ReadContext { out: &mut out, names: &Anything, place: 0..1 };
             if let Some(claim) = (verb.read)(&fields, &mut cx) {
                 let expectation = Expectation { name: String::new(), verb: verb.name, claim, place: None };
                 scenario.expectations.push(expectation);
@@ -43,7 +43,7 @@ fn read(text: &str) -> Result<Scenario, Vec<&'static str>> {
         }
         None => {
             let fields = Fields::check(table, 0..1, "measurement", measure::KEYS, &mut out);
-            let mut cx = Context { out: &mut out, names: &Anything, place: 0..1 };
+            let mut cx = ReadContext { out: &mut out, names: &Anything, place: 0..1 };
             scenario.measurements.extend(measure::read(&fields, &mut cx));
         }
     }
@@ -139,9 +139,11 @@ fn claims_about_the_wrong_signals_are_refused() {
         (r#"{ settles = { signal = "u", is = "5 V ± 1 V", within = "1 s", overshoot = "1 mA" } }"#, "P0504"),
         (r#"{ follows = { signal = "u", leader = "q", tolerance = "1 A" } }"#, "P0504"),
     ] {
-        let found = Judge::new(read(text).expect(text), &signals).expect_err(text);
+        let found = CaseJudge::new(read(text).expect(text), &signals).expect_err(text);
         assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), [code], "{text}: {found:?}");
         assert!(!found[0].message.is_empty());
     }
-    assert!(Judge::new(read(r#"{ stays = { signal = "u", max = "5000 mV" } }"#).unwrap(), &signals).is_ok());
+    assert!(
+        CaseJudge::new(read(r#"{ stays = { signal = "u", max = "5000 mV" } }"#).unwrap(), &signals).is_ok()
+    );
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use document::{Diagnostic, SourceFile, line_col};
 use record::Origin;
 use scanrig_plans::plan::GlobalChecks;
-use scanrig_plans::signals::Source;
+use scanrig_plans::signals::SignalSource;
 use scanrig_plans::{CODES, Case, read};
 
 fn plan(text: &str) -> Case {
@@ -102,12 +102,12 @@ fn a_board_speaks_of_its_channels() {
     let checks = GlobalChecks::of_board(&SourceFile::new("bench.toml", text)).unwrap();
     let mut case = plan("expect = [{ value = { of = \"Q4\", is = 1 } }]");
     checks.attach(&mut case).unwrap();
-    let sources: Vec<(&str, &Source)> =
+    let sources: Vec<(&str, &SignalSource)> =
         case.signals.iter().map(|signal| (signal.name.as_str(), &signal.source)).collect();
     // In the plan Q4 is a variable first.
-    assert!(matches!(sources[0], ("Q4", Source::Path(_))));
-    assert!(matches!(sources[1], ("board Q4", Source::Channel(name)) if name == "Q4"));
-    assert!(matches!(sources[2], ("%QX0.5", Source::Line(_))));
+    assert!(matches!(sources[0], ("Q4", SignalSource::Path(_))));
+    assert!(matches!(sources[1], ("board Q4", SignalSource::Channel(name)) if name == "Q4"));
+    assert!(matches!(sources[2], ("%QX0.5", SignalSource::Line(_))));
 }
 
 #[test]

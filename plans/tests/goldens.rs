@@ -12,9 +12,9 @@ use std::path::Path;
 
 use document::{Fields, Findings, Node, SourceFile};
 use record::Verdict;
-use scanrig_plans::expect::{self, Context, Expectation};
-use scanrig_plans::judge::{Judge, Scenario, StepFacts};
-use scanrig_plans::lang::Names;
+use scanrig_plans::expect::{self, Expectation, ReadContext};
+use scanrig_plans::judge::{CaseJudge, Scenario, StepFacts};
+use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, measure};
 use signal::{Cause, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, Value, When};
 
@@ -22,7 +22,7 @@ use signal::{Cause, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, T
 #[derive(Debug)]
 struct Anything;
 
-impl Names for Anything {
+impl PlanNames for Anything {
     fn anchor(&self, node: &Node, out: &mut Findings) -> Option<Anchor> {
         let text = node.as_text()?;
         match Anchor::parse(text) {
@@ -182,7 +182,7 @@ impl Golden {
         let names = Anything;
         let mut scenario = Scenario { steps: self.steps.clone(), ..Scenario::default() };
         let place = 0..source.text.len();
-        let mut cx = Context { out: &mut out, names: &names, place: place.clone() };
+        let mut cx = ReadContext { out: &mut out, names: &names, place: place.clone() };
         match entry.entries.iter().find_map(|entry| Some((entry, expect::verb(&entry.key)?))) {
             Some((entry, verb)) => {
                 let inner = entry.node.as_table().expect("a table");
@@ -242,11 +242,11 @@ impl Golden {
         let trace = self.trace();
         let end = When::exactly(Time::from_nanos(self.end));
         let scenario = self.scenario();
-        let judge = Judge::new(scenario.clone(), &self.signals)
+        let judge = CaseJudge::new(scenario.clone(), &self.signals)
             .unwrap_or_else(|found| panic!("{}: {found:?}", self.title));
         let outcome = judge.replay(end, &trace).expect("a readable trace");
         // What is fed piece by piece gives the same, and what is lost early is no pass in the end.
-        let mut judge = Judge::new(scenario, &self.signals).expect("as before");
+        let mut judge = CaseJudge::new(scenario, &self.signals).expect("as before");
         let mut lost = None;
         for event in trace.events() {
             let event = event.expect("an event");

@@ -8,16 +8,16 @@ use std::sync::Arc;
 use document::{Fields, Findings, Node, SourceFile};
 use proptest::prelude::*;
 use record::Verdict;
-use scanrig_plans::expect::{self, Claim, Context, Expectation};
-use scanrig_plans::judge::{Judge, Scenario};
-use scanrig_plans::lang::Names;
+use scanrig_plans::expect::{self, Claim, Expectation, ReadContext};
+use scanrig_plans::judge::{CaseJudge, Scenario};
+use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, TOML};
 use signal::{Cause, Event, Kind, SignalId, SignalInfo, Span, Time, Trace, Value, When};
 
 /// Names without a plan around them: everything is known.
 struct Anything;
 
-impl Names for Anything {
+impl PlanNames for Anything {
     fn anchor(&self, node: &Node, _out: &mut Findings) -> Option<Anchor> {
         Anchor::parse(node.as_text()?).ok()
     }
@@ -39,7 +39,7 @@ fn claim(text: &str) -> (&'static str, Arc<dyn Claim>) {
     let verb = expect::verb(&entry.key).expect("a verb");
     let inner = entry.node.as_table().expect("a table");
     let fields = Fields::check(inner, 0..1, verb.name, verb.keys, &mut out);
-    let mut cx = Context { out: &mut out, names: &Anything, place: 0..1 };
+    let mut cx = ReadContext { out: &mut out, names: &Anything, place: 0..1 };
     let claim = (verb.read)(&fields, &mut cx);
     (verb.name, claim.unwrap_or_else(|| panic!("{text}: {:?}", out.into_vec())))
 }
@@ -120,14 +120,14 @@ fn judged_with(raw: &[Raw], text: &str, signals: &[SignalInfo]) -> Verdict {
     let expectation = Expectation { name: String::new(), verb, claim, place: None };
     let scenario = Scenario { expectations: vec![expectation], ..Scenario::default() };
     let end = When::exactly(Time::from_nanos(END));
-    let mut judge = Judge::new(scenario.clone(), &signals).unwrap();
+    let mut judge = CaseJudge::new(scenario.clone(), &signals).unwrap();
     let mut lost = false;
     for event in trace.events() {
         judge.feed(&event.unwrap());
         lost |= judge.failed_early();
     }
     let live = judge.finish(end, &trace).unwrap();
-    let replayed = Judge::new(scenario, &signals).unwrap().replay(end, &trace).unwrap();
+    let replayed = CaseJudge::new(scenario, &signals).unwrap().replay(end, &trace).unwrap();
     assert_eq!(live, replayed);
     if lost {
         assert_eq!(live.verdict, Verdict::Fail, "lost early: {text} {raw:?}");
@@ -504,7 +504,7 @@ fn following_ten_million_events() {
         cause: Cause::Board,
     };
     let start = Event { signal: SignalId(30), value: Value::Int(1), ..event(0) };
-    let mut judge = Judge::new(scenario, &signals).unwrap();
+    let mut judge = CaseJudge::new(scenario, &signals).unwrap();
     let begun = std::time::Instant::now();
     judge.feed(&start);
     (0..10_000_000).for_each(|n| judge.feed(&event(n)));

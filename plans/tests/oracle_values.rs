@@ -6,16 +6,16 @@
 use document::{Fields, Findings, Node, SourceFile};
 use proptest::prelude::*;
 use record::Verdict;
-use scanrig_plans::expect::{self, Context, Expectation};
-use scanrig_plans::judge::{Judge, Outcome, Scenario};
-use scanrig_plans::lang::Names;
+use scanrig_plans::expect::{self, Expectation, ReadContext};
+use scanrig_plans::judge::{CaseJudge, JudgedCase, Scenario};
+use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, TOML, measure};
 use signal::{Cause, Event, Kind, SignalId, SignalInfo, Span, Time, Trace, Value, When};
 
 /// Names without a plan around them: everything is known.
 struct Anything;
 
-impl Names for Anything {
+impl PlanNames for Anything {
     fn anchor(&self, node: &Node, _out: &mut Findings) -> Option<Anchor> {
         Anchor::parse(node.as_text()?).ok()
     }
@@ -40,7 +40,7 @@ pub(crate) fn scenario(text: &str) -> Scenario {
         Some(verb) => {
             let inner = entry.entries[0].node.as_table().expect("a table");
             let fields = Fields::check(inner, 0..1, verb.name, verb.keys, &mut out);
-            let mut cx = Context { out: &mut out, names: &Anything, place: 0..1 };
+            let mut cx = ReadContext { out: &mut out, names: &Anything, place: 0..1 };
             let claim = (verb.read)(&fields, &mut cx);
             let claim = claim.unwrap_or_else(|| panic!("{text}: {:?}", out.into_vec()));
             let expectation = Expectation { name: String::new(), verb: verb.name, claim, place: None };
@@ -48,7 +48,7 @@ pub(crate) fn scenario(text: &str) -> Scenario {
         }
         None => {
             let fields = Fields::check(entry, 0..1, "measurement", measure::KEYS, &mut out);
-            let mut cx = Context { out: &mut out, names: &Anything, place: 0..1 };
+            let mut cx = ReadContext { out: &mut out, names: &Anything, place: 0..1 };
             let taken = measure::read(&fields, &mut cx);
             scenario.measurements.push(taken.unwrap_or_else(|| panic!("{text}: {:?}", out.into_vec())));
         }
@@ -101,12 +101,12 @@ pub(crate) fn raw(lines: &[(Line, i64)], step: (i64, i64), exact: bool) -> Vec<R
     all
 }
 
-pub(crate) fn judged(raw: &[Raw], text: &str, kind: Kind) -> Outcome {
+pub(crate) fn judged(raw: &[Raw], text: &str, kind: Kind) -> JudgedCase {
     judged_until(raw, text, kind, END)
 }
 
 /// The same for a case that ends at another instant.
-pub(crate) fn judged_until(raw: &[Raw], text: &str, kind: Kind, end: i64) -> Outcome {
+pub(crate) fn judged_until(raw: &[Raw], text: &str, kind: Kind, end: i64) -> JudgedCase {
     let lines = ["q", "r"].map(|name| {
         let mut info = SignalInfo::exact(name, kind);
         info.sampling = signal::Sampling::Edges { resolution: Span::from_nanos(20) };
@@ -131,14 +131,14 @@ pub(crate) fn judged_until(raw: &[Raw], text: &str, kind: Kind, end: i64) -> Out
     }
     let scenario = scenario(text);
     let end = When::exactly(Time::from_nanos(end));
-    let mut judge = Judge::new(scenario.clone(), &signals).unwrap();
+    let mut judge = CaseJudge::new(scenario.clone(), &signals).unwrap();
     let mut lost = false;
     for event in trace.events() {
         judge.feed(&event.unwrap());
         lost |= judge.failed_early();
     }
     let live = judge.finish(end, &trace).unwrap();
-    let replayed = Judge::new(scenario, &signals).unwrap().replay(end, &trace).unwrap();
+    let replayed = CaseJudge::new(scenario, &signals).unwrap().replay(end, &trace).unwrap();
     assert_eq!(live, replayed);
     if lost {
         assert_eq!(live.verdict, Verdict::Fail, "lost early: {text} {raw:?}");

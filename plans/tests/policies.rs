@@ -6,16 +6,16 @@ use std::sync::Arc;
 use document::{Fields, Findings, Node, SourceFile};
 use proptest::prelude::*;
 use record::Verdict;
-use scanrig_plans::expect::{self, Claim, Context, Expectation};
-use scanrig_plans::judge::{Judge, Scenario};
-use scanrig_plans::lang::Names;
+use scanrig_plans::expect::{self, Claim, Expectation, ReadContext};
+use scanrig_plans::judge::{CaseJudge, Scenario};
+use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, TOML, measure};
 use signal::{Cause, Event, Kind, Policy, SignalId, SignalInfo, Span, Time, Trace, Value, When};
 
 /// Names without a plan around them: everything is known.
 struct Anything;
 
-impl Names for Anything {
+impl PlanNames for Anything {
     fn anchor(&self, node: &Node, _out: &mut Findings) -> Option<Anchor> {
         Anchor::parse(node.as_text()?).ok()
     }
@@ -32,7 +32,7 @@ impl Names for Anything {
 fn claim(inner: &Node, name: &str, out: &mut Findings) -> Option<(&'static str, Arc<dyn Claim>)> {
     let verb = expect::verb(name)?;
     let fields = Fields::check(inner.as_table()?, 0..1, verb.name, verb.keys, out);
-    Some((verb.name, (verb.read)(&fields, &mut Context { out, names: &Anything, place: 0..1 })?))
+    Some((verb.name, (verb.read)(&fields, &mut ReadContext { out, names: &Anything, place: 0..1 })?))
 }
 
 /// The scenario of one claim or measurement.
@@ -49,7 +49,7 @@ fn scenario(text: &str) -> Scenario {
         }
         None => {
             let fields = Fields::check(table, 0..1, "measurement", measure::KEYS, &mut out);
-            let mut cx = Context { out: &mut out, names: &Anything, place: 0..1 };
+            let mut cx = ReadContext { out: &mut out, names: &Anything, place: 0..1 };
             scenario.measurements.extend(measure::read(&fields, &mut cx));
         }
     }
@@ -131,7 +131,7 @@ fn verdict(scenario: &Scenario, infos: &[SignalInfo], steps: &[Step]) -> Verdict
     }
     while trace.settle(Time::from_nanos(END)).unwrap().is_some() {}
     let end = When::exactly(Time::from_nanos(END));
-    let mut judge = Judge::new(scenario.clone(), infos).unwrap();
+    let mut judge = CaseJudge::new(scenario.clone(), infos).unwrap();
     let mut lost = false;
     for event in trace.events() {
         judge.feed(&event.unwrap());

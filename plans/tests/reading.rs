@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use document::{SourceFile, render};
 use scanrig_plans as plans;
 use scanrig_plans::steps::Stimulus;
-use scanrig_plans::{Anchor, Base, StepTime};
+use scanrig_plans::{Anchor, AnchorBase, StepTime};
 use signal::Span;
 
 fn source(path: &Path) -> SourceFile {
@@ -103,9 +103,9 @@ fn rows_are_cases_with_their_own_entries() {
     assert_eq!((*cycle, *times, task.as_str()), (Span::from_millis(101), 1, "MAST"));
     assert_eq!(
         cases[1].steps[0].when,
-        StepTime::At(Anchor { base: Base::Start, offset: Span::from_secs(1) })
+        StepTime::At(Anchor { base: AnchorBase::Start, offset: Span::from_secs(1) })
     );
-    assert_eq!(cases[1].ends, Anchor { base: Base::Start, offset: Span::from_secs(2) });
+    assert_eq!(cases[1].ends, Anchor { base: AnchorBase::Start, offset: Span::from_secs(2) });
     let signals: Vec<&str> = cases[1].signals.iter().map(|one| one.name.as_str()).collect();
     assert_eq!(signals, ["lamp", "PLC_R.i_wLastApplicationError"]);
 }
@@ -116,13 +116,13 @@ fn a_sweep_is_exact_and_keeps_its_unit() {
     assert_eq!(plan.len(), 55);
     let last = plan.case(54).unwrap();
     assert_eq!(last.name, "power-cut[cut=19.98 ms]");
-    let at = Anchor { base: Base::Start, offset: Span::from_micros(2_019_980) };
+    let at = Anchor { base: AnchorBase::Start, offset: Span::from_micros(2_019_980) };
     assert_eq!(last.steps[0].when, StepTime::At(at));
     let StepTime::When { within, from, .. } = &last.steps[1].when else { panic!("does not wait") };
     assert_eq!(*within, Span::from_secs(30));
     // What is waited for from an awaited or timed step hangs on what that step hangs on.
-    assert_eq!(*from, Anchor { base: Base::Start, offset: Span::from_micros(2_019_980) });
-    assert_eq!(last.ends, Anchor { base: Base::Step("back".into()), offset: Span::from_secs(1) });
+    assert_eq!(*from, Anchor { base: AnchorBase::Start, offset: Span::from_micros(2_019_980) });
+    assert_eq!(last.ends, Anchor { base: AnchorBase::Step("back".into()), offset: Span::from_secs(1) });
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn phases_are_cases_and_a_pulse_is_an_instant() {
     assert_eq!(plan.len(), 16);
     let case = plan.case(3).unwrap();
     assert_eq!(case.name, "reflex[train.phase=3/16]");
-    let at = Anchor { base: Base::Start, offset: Span::from_micros(103_750) };
+    let at = Anchor { base: AnchorBase::Start, offset: Span::from_micros(103_750) };
     assert_eq!(case.steps[0].when, StepTime::At(at));
     let needs: Vec<String> = case.needs.iter().map(ToString::to_string).collect();
     assert_eq!(needs, ["pulse >= 200 kHz", "timestamp <= 500 ns"]);

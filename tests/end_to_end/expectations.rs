@@ -98,7 +98,7 @@ fn every_kind_of_measurement() {
     let mut known: BTreeSet<String> = MEASUREMENTS.iter().map(|name| (*name).to_owned()).collect();
     // A kind that is added to the keys has to be added here. The first of several is what `width` takes.
     let keys = plans::measure::KEYS.iter().filter_map(|key| key.name.strip_suffix("-of"));
-    for name in keys.chain(plans::measure::Take::NAMES.iter().copied().filter(|take| *take != "first")) {
+    for name in keys.chain(plans::measure::Statistic::NAMES.iter().copied().filter(|take| *take != "first")) {
         assert!(known.remove(name), "{name}");
     }
     assert_eq!(known, BTreeSet::from(["time".to_owned()]));

@@ -3,7 +3,7 @@
 
 mod lines_of_clients;
 
-use capture::{Capture, Format};
+use capture::{Capture, CaptureFormat};
 use document::{Diagnostic, SourceFile, render};
 use drivers::adc::iio::{Element, Sampled, Scans};
 use drivers::adc::spi::{Chosen, FRAME, Input, PARTS, Sweep};
@@ -19,7 +19,7 @@ use expert::{
 use host::{COUNTER_RECORD, CounterEvent, CounterEventKind};
 use plans::frames::DataPattern;
 use plans::frames::can::Database;
-use plans::lang::{Need, Operand};
+use plans::lang::{Need, SignalAt};
 use plans::{Anchor, Literal};
 use profile::Profile;
 use record::RunRecord;
@@ -268,7 +268,7 @@ fn built(data: &[u8]) -> Trace {
 
 /// A capture of another instrument in each format, with and without a time between samples.
 pub fn capture(data: &[u8]) {
-    for format in [Format::Vcd, Format::Csv, Format::Sigrok] {
+    for format in [CaptureFormat::Vcd, CaptureFormat::Csv, CaptureFormat::Sigrok] {
         for period in [None, Some(Span::from_micros(1))] {
             match capture::read(format, data, period) {
                 Err(error) => assert!(!error.what.is_empty(), "{error:?}"),
@@ -339,7 +339,7 @@ pub fn words(data: &[u8]) {
     let _ = QuantityRange::parse(text);
     let _ = Span::parse_range(text);
     let _ = Literal::parse(text);
-    let _ = Operand::parse(text);
+    let _ = SignalAt::parse(text);
     for profile in Profile::ALL {
         assert_eq!(profile.name().parse::<Profile>().ok(), Some(profile));
     }

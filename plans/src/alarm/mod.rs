@@ -3,7 +3,7 @@
 //! ```toml
 //! alarms = [{ name = "over-pressure", when = { signal = "pressure", above = "6 bar" }, delay = "100 ms", hysteresis = "0.2 bar" }]
 //! ```
-//! A [`Rule`] says of each value whether the condition holds; a [`Watch`] follows it while the case runs; the claim
+//! A [`AlarmRule`] says of each value whether the condition holds; a [`AlarmWatch`] follows it while the case runs; the claim
 //! of the alarm follows it again in the recorded trace, and decides. What counts is the time from `start` to `end`.
 
 mod monitor;
@@ -17,20 +17,20 @@ use record::Origin;
 use signal::{SignalInfo, Span};
 
 use crate::expect::GlobalCheck;
-use crate::expect::{Claim, Expectation, Place, condition::Condition as Wanted, known, meant};
+use crate::expect::{Claim, Expectation, FilePlace, condition::ValueCondition, known, meant};
 use crate::lang::{Anchor, Literal};
 use crate::meaning::exact;
-use crate::monitor::{Monitor, NotJudged, Number, Scene, Window, Wiring, blind, slack};
+use crate::monitor::{CaseTimeline, Monitor, NotJudged, Number, TraceSignals, UncertainWindow, blind, slack};
 
-pub use rule::{Phase, Rule};
-pub use watch::Watch;
+pub use rule::{AlarmRule, ConditionState};
+pub use watch::AlarmWatch;
 
 /// The verb under which an alarm stands in the record.
 pub(crate) const VERB: &str = "alarm";
 
 /// What the value of an alarm's signal is held against, as written.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Condition {
+pub enum AlarmCondition {
     /// It is above this.
     Above(Literal),
     /// It is below this.
@@ -47,7 +47,7 @@ pub struct Alarm {
     /// The signal that it watches, all of whose changes are recorded.
     pub signal: String,
     /// What must not last.
-    pub condition: Condition,
+    pub condition: AlarmCondition,
     /// How long it may last: an alarm is raised when it lasted that long.
     pub delay: Span,
     /// How far behind the limit the value has to come back before the condition is over.
@@ -55,7 +55,7 @@ pub struct Alarm {
     /// Whether the case ends when it is raised.
     pub ends: bool,
     /// Where it stands.
-    pub place: Place,
+    pub place: FilePlace,
     /// Which kind of file that is.
     pub origin: Origin,
 }
@@ -65,39 +65,39 @@ impl Alarm {
     ///
     /// # Errors
     /// Why it means nothing for this signal, one sentence.
-    pub fn rule(&self, info: &SignalInfo) -> Result<Rule, String> {
+    pub fn rule(&self, info: &SignalInfo) -> Result<AlarmRule, String> {
         let (limit, above) = match &self.condition {
-            Condition::Is(literal) => {
-                let wanted = Wanted::OneOf(vec![literal.clone()]);
-                return Ok(Rule::is(wanted.bind(info)?, slack(info)));
+            AlarmCondition::Is(literal) => {
+                let wanted = ValueCondition::OneOf(vec![literal.clone()]);
+                return Ok(AlarmRule::is(wanted.bind(info)?, slack(info)));
             }
-            Condition::Above(limit) => (limit, true),
-            Condition::Below(limit) => (limit, false),
+            AlarmCondition::Above(limit) => (limit, true),
+            AlarmCondition::Below(limit) => (limit, false),
         };
         let on = exact(limit, info)?;
         let band = match &self.hysteresis {
             Some(band) => exact(band, info)?,
-            None => return Ok(Rule::limit(above, Number::from(on), Number::from(on), slack(info))),
+            None => return Ok(AlarmRule::limit(above, Number::from(on), Number::from(on), slack(info))),
         };
         let off = if above { on.minus(band) } else { on.plus(band) };
         let off = off.ok_or("the hysteresis has too many digits")?;
-        Ok(Rule::limit(above, Number::from(on), Number::from(off), slack(info)))
+        Ok(AlarmRule::limit(above, Number::from(on), Number::from(off), slack(info)))
     }
 
     /// What is looked at while the case runs.
     ///
     /// # Errors
     /// As [`Alarm::rule`].
-    pub fn watch(&self, info: &SignalInfo) -> Result<Watch, String> {
-        Ok(Watch::new(self.rule(info)?, self.delay))
+    pub fn watch(&self, info: &SignalInfo) -> Result<AlarmWatch, String> {
+        Ok(AlarmWatch::new(self.rule(info)?, self.delay))
     }
 
     /// The condition in words: `pressure above 6 bar`.
     fn words(&self) -> String {
         match &self.condition {
-            Condition::Above(limit) => format!("above {limit}"),
-            Condition::Below(limit) => format!("below {limit}"),
-            Condition::Is(value) => value.to_string(),
+            AlarmCondition::Above(limit) => format!("above {limit}"),
+            AlarmCondition::Below(limit) => format!("below {limit}"),
+            AlarmCondition::Is(value) => value.to_string(),
         }
     }
 
@@ -130,24 +130,31 @@ impl Claim for Alarm {
         vec![&Anchor::START, &Anchor::END]
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = known(&self.signal, wiring, out) {
             meant(self.rule(info).map(drop), out);
         }
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = match scene.window(&Anchor::START, &Anchor::END) {
             // An alarm without a delay can end a case where it begins.
             Err(NotJudged::EmptyWindow(_)) => {
                 let (from, until) = (scene.point(&Anchor::START)?, scene.point(&Anchor::END)?);
-                Window { from, until, link: None }
+                UncertainWindow { from, until, link: None }
             }
             window => window?,
         };
         let rule = self.rule(info).map_err(NotJudged::NoMeaning)?;
         let missed = blind(info, Some(self.delay));
-        Ok(Box::new(monitor::Follow::new(self, rule, info, window, missed, scene.is_open(&Anchor::END))))
+        Ok(Box::new(monitor::AlarmMonitor::new(
+            self,
+            rule,
+            info,
+            window,
+            missed,
+            scene.is_open(&Anchor::END),
+        )))
     }
 }

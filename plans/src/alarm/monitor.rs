@@ -7,15 +7,15 @@
 use record::Figure;
 use signal::{SignalInfo, Span, Value};
 
-use super::{Alarm, Phase, Rule};
+use super::{Alarm, AlarmRule, ConditionState};
 use crate::expect::{blind_words, delay_words, span_range, unclear};
 use crate::lang::Anchor;
-use crate::monitor::{Finding, Monitor, Seen, Window};
+use crate::monitor::{Finding, Monitor, TimedValue, UncertainWindow};
 
 /// A time for which the condition lasted.
 #[derive(Clone, Copy, Debug)]
-struct Lasted {
-    start: Seen,
+struct ConditionTime {
+    start: TimedValue,
     /// Least and greatest length, nanoseconds.
     length: (i64, i64),
     /// Whether it ended before the case did.
@@ -23,49 +23,49 @@ struct Lasted {
 }
 
 /// The judge.
-pub(super) struct Follow {
+pub(super) struct AlarmMonitor {
     alarm: Alarm,
-    rule: Rule,
+    rule: AlarmRule,
     info: SignalInfo,
-    window: Window,
+    window: UncertainWindow,
     /// What the channel can miss that would matter.
     missed: Option<Span>,
     /// The end of the case is still to come.
     open: bool,
-    phase: Phase,
+    phase: ConditionState,
     /// The change since which the condition certainly holds.
-    certain: Option<Seen>,
+    certain: Option<TimedValue>,
     /// The change since which it may.
-    possible: Option<Seen>,
+    possible: Option<TimedValue>,
     /// The first stretch that raised the alarm, the first that may have, and the longest other one.
-    raised: Option<Lasted>,
-    doubtful: Option<Lasted>,
-    longest: Option<Lasted>,
+    raised: Option<ConditionTime>,
+    doubtful: Option<ConditionTime>,
+    longest: Option<ConditionTime>,
     /// The value that was nearest to the limit.
-    nearest: Option<(f64, Seen)>,
-    last: Option<Seen>,
+    nearest: Option<(f64, TimedValue)>,
+    last: Option<TimedValue>,
 }
 
-impl Follow {
+impl AlarmMonitor {
     pub(super) fn new(
         alarm: &Alarm,
-        rule: Rule,
+        rule: AlarmRule,
         info: &SignalInfo,
-        window: Window,
+        window: UncertainWindow,
         missed: Option<Span>,
         open: bool,
-    ) -> Follow {
-        Follow {
+    ) -> AlarmMonitor {
+        AlarmMonitor {
             alarm: alarm.clone(),
             rule,
             info: info.clone(),
             window,
             missed,
             open,
-            phase: Phase::Unknown,
+            phase: ConditionState::Unknown,
             certain: None,
             // Nothing is known before the first event.
-            possible: Some(Seen::NOTHING),
+            possible: Some(TimedValue::NOTHING),
             raised: None,
             doubtful: None,
             longest: None,
@@ -76,7 +76,7 @@ impl Follow {
 
     /// The part of a stretch that lies in the window: least and greatest length, and whether it lies there in every
     /// placement. At the instants of `start` and `end` themselves the order of the trace counts.
-    fn length(&self, start: &Seen, end: Option<&Seen>) -> Option<((i64, i64), bool)> {
+    fn length(&self, start: &TimedValue, end: Option<&TimedValue>) -> Option<((i64, i64), bool)> {
         let (from, until) = (&self.window.from, &self.window.until);
         let (least_end, most_end) =
             end.map_or((until.a, until.b), |end| (end.a.min(until.a), end.b.min(until.b)));
@@ -85,15 +85,15 @@ impl Follow {
         let can =
             start.before(until) <= until.b && end.is_none_or(|end| end.after(from) >= from.a) && most >= 0;
         let begun = start.b.saturating_add(i64::from(start.place >= until.place)) <= until.a;
-        let over = |end: &Seen| end.a.saturating_sub(i64::from(end.place < from.place)) >= from.b;
+        let over = |end: &TimedValue| end.a.saturating_sub(i64::from(end.place < from.place)) >= from.b;
         can.then(|| ((least, most), begun && end.is_none_or(over)))
     }
 
     /// The condition no longer certainly holds.
-    fn end_certain(&mut self, end: Option<&Seen>) {
+    fn end_certain(&mut self, end: Option<&TimedValue>) {
         let Some(start) = self.certain.take() else { return };
         let Some((length, inside)) = self.length(&start, end) else { return };
-        let lasted = Lasted { start, length, over: end.is_some() };
+        let lasted = ConditionTime { start, length, over: end.is_some() };
         if inside && length.0 >= self.alarm.delay.as_nanos() {
             self.raised.get_or_insert(lasted);
         } else if self.longest.is_none_or(|longest| longest.length.1 < length.1) {
@@ -102,11 +102,11 @@ impl Follow {
     }
 
     /// The condition no longer may hold.
-    fn end_possible(&mut self, end: Option<&Seen>) {
+    fn end_possible(&mut self, end: Option<&TimedValue>) {
         let Some(start) = self.possible.take() else { return };
         let Some((length, _)) = self.length(&start, end) else { return };
         if length.1 >= self.alarm.delay.as_nanos() {
-            self.doubtful.get_or_insert(Lasted { start, length, over: end.is_some() });
+            self.doubtful.get_or_insert(ConditionTime { start, length, over: end.is_some() });
         }
     }
 
@@ -121,14 +121,14 @@ impl Follow {
     }
 
     /// When the alarm was raised, in words.
-    fn raised_words(&self, lasted: &Lasted) -> String {
+    fn raised_words(&self, lasted: &ConditionTime) -> String {
         let (from, delay) = (&self.window.from, self.alarm.delay.as_nanos());
         let least = lasted.start.a.max(from.a).saturating_sub(from.b).max(0).saturating_add(delay);
         let most = lasted.start.b.max(from.b).saturating_sub(from.a).saturating_add(delay);
         format!("the alarm was raised {}", delay_words((least, most), &Anchor::START))
     }
 
-    fn described(&self, lasted: &Lasted) -> String {
+    fn described(&self, lasted: &ConditionTime) -> String {
         let least = lasted.length.0.max(0);
         let most = lasted.length.1;
         let from = &self.window.from;
@@ -142,27 +142,27 @@ impl Follow {
     }
 }
 
-impl Monitor for Follow {
+impl Monitor for AlarmMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         if self.open {
             self.window.advance(seen.a);
         }
         self.note(seen.b);
         // The first value that is known is beyond the limit or not: there was none to come back from.
-        let before = if self.last.is_some() { self.phase } else { Phase::Off };
+        let before = if self.last.is_some() { self.phase } else { ConditionState::Off };
         let phase = self.rule.next(before, seen.value);
         self.last = Some(*seen);
         if phase == self.phase {
             return;
         }
         self.end_certain(Some(seen));
-        if phase == Phase::Off {
+        if phase == ConditionState::Off {
             self.end_possible(Some(seen));
         } else {
             self.possible.get_or_insert(*seen);
         }
-        if phase == Phase::On {
+        if phase == ConditionState::On {
             self.certain = Some(*seen);
         }
         self.phase = phase;
@@ -199,7 +199,8 @@ impl Monitor for Follow {
             (Some(lasted), ..) => self.raised_words(lasted),
             (None, Some(doubtful), _)
                 if matches!(doubtful.start.value, Value::Unknown | Value::Measured(..))
-                    && self.rule.next(Phase::Off, doubtful.start.value) == Phase::Unknown =>
+                    && self.rule.next(ConditionState::Off, doubtful.start.value)
+                        == ConditionState::Unknown =>
             {
                 unclear(&self.info, doubtful.start.value, "the case")
             }

@@ -2,14 +2,14 @@
 
 use signal::{Span, Time, Value, When};
 
-use super::{Phase, Rule};
+use super::{AlarmRule, ConditionState};
 
 /// Follows an alarm's condition. Takes no memory while it does.
 #[derive(Clone, Debug)]
-pub struct Watch {
-    rule: Rule,
+pub struct AlarmWatch {
+    rule: AlarmRule,
     delay: Span,
-    phase: Phase,
+    phase: ConditionState,
     /// The case has begun.
     begun: bool,
     /// Since when the condition certainly holds, once the case has begun.
@@ -18,15 +18,15 @@ pub struct Watch {
     raised: bool,
 }
 
-impl Watch {
-    pub(super) fn new(rule: Rule, delay: Span) -> Watch {
-        Watch { rule, delay, phase: Phase::Off, begun: false, since: None, raised: false }
+impl AlarmWatch {
+    pub(super) fn new(rule: AlarmRule, delay: Span) -> AlarmWatch {
+        AlarmWatch { rule, delay, phase: ConditionState::Off, begun: false, since: None, raised: false }
     }
 
     /// The case begins: what lasted before does not count.
     pub fn start(&mut self, at: Time) {
         self.begun = true;
-        if self.phase == Phase::On {
+        if self.phase == ConditionState::On {
             self.since = Some(at);
         }
     }
@@ -41,8 +41,8 @@ impl Watch {
         self.phase = phase;
         let raised = self.is_due(at.earliest);
         self.raised |= raised;
-        self.since = (phase == Phase::On && self.begun).then_some(at.latest);
-        if phase == Phase::Off {
+        self.since = (phase == ConditionState::On && self.begun).then_some(at.latest);
+        if phase == ConditionState::Off {
             self.raised = false;
         }
         raised
@@ -71,8 +71,8 @@ mod tests {
     use super::*;
     use crate::monitor::Number;
 
-    fn watch(delay: i64) -> Watch {
-        Watch::new(Rule::limit(true, Number::Int(6), Number::Int(5), 0.0), Span::from_nanos(delay))
+    fn watch(delay: i64) -> AlarmWatch {
+        AlarmWatch::new(AlarmRule::limit(true, Number::Int(6), Number::Int(5), 0.0), Span::from_nanos(delay))
     }
 
     fn at(nanos: i64) -> When {

@@ -5,11 +5,11 @@ use std::fmt;
 use document::{Fields, KeySpec, KeyType};
 use signal::{Kind, SignalInfo};
 
-use super::Context;
-use super::condition::Condition;
+use super::ReadContext;
+use super::condition::ValueCondition;
 use crate::codes;
 use crate::lang::Literal;
-use crate::monitor::{Number, Test};
+use crate::monitor::{Number, ValueTest};
 
 /// The limits of a figure as a range.
 pub(super) const IS_RANGE: KeySpec = KeySpec::optional(
@@ -20,14 +20,14 @@ pub(super) const IS_RANGE: KeySpec = KeySpec::optional(
 
 /// Least and greatest figure allowed, both included.
 #[derive(Clone, Debug)]
-pub(super) struct Band {
+pub(super) struct FigureBand {
     pub(super) min: f64,
     pub(super) max: f64,
     pub(super) unit: &'static str,
-    words: Condition,
+    words: ValueCondition,
 }
 
-impl fmt::Display for Band {
+impl fmt::Display for FigureBand {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.words.fmt(f)
     }
@@ -40,20 +40,20 @@ pub(crate) fn figure(name: &str, unit: &str) -> SignalInfo {
     info
 }
 
-impl Band {
+impl FigureBand {
     /// Reads `is`, or `min` and `max`. Every number has to have its unit, if there is one: 50 could be hertz or kilohertz.
     pub(super) fn read(
         fields: &Fields<'_>,
         name: &str,
         unit: &'static str,
-        cx: &mut Context<'_>,
-    ) -> Option<Band> {
-        let words = Condition::read(fields, None, cx)?;
+        cx: &mut ReadContext<'_>,
+    ) -> Option<FigureBand> {
+        let words = ValueCondition::read(fields, None, cx)?;
         let place = ["is", "min", "max"].into_iter().find_map(|key| fields.get(key))?;
         let limits: Vec<&Literal> = match &words {
-            Condition::OneOf(list) => list.iter().collect(),
-            Condition::Within { min, max } => min.iter().chain(max).collect(),
-            Condition::Near { middle, tolerance } => vec![middle, tolerance],
+            ValueCondition::OneOf(list) => list.iter().collect(),
+            ValueCondition::Within { min, max } => min.iter().chain(max).collect(),
+            ValueCondition::Near { middle, tolerance } => vec![middle, tolerance],
         };
         let measured = |limit: &&Literal| limit.quantity().is_some_and(|quantity| !quantity.unit.is_none());
         let bound = match unit.is_empty() || limits.iter().all(measured) {
@@ -72,16 +72,16 @@ impl Band {
             }
         };
         let (min, max) = match test {
-            Test::OneOf(list) => {
+            ValueTest::OneOf(list) => {
                 let only = list.first().copied().map(Number::as_real)?;
                 (only, only)
             }
-            Test::Range { min, max } => {
+            ValueTest::Range { min, max } => {
                 (min.map_or(f64::NEG_INFINITY, Number::as_real), max.map_or(f64::INFINITY, Number::as_real))
             }
-            Test::HighZ | Test::Not(_) => return None,
+            ValueTest::HighZ | ValueTest::Not(_) => return None,
         };
-        Some(Band { min, max, unit, words })
+        Some(FigureBand { min, max, unit, words })
     }
 
     /// Whether a figure of this interval can be inside, and whether it can be outside.

@@ -10,20 +10,20 @@ use std::sync::Arc;
 use document::Fields;
 
 use super::common::{FROM, SIGNAL, signal};
-use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
-use super::first_edge::{Kind, WITHIN, read_delay};
-use super::{Claim, Context, Verb};
+use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
+use super::first_edge::{FirstEdgeKind, WITHIN, read_delay};
+use super::{Claim, ExpectVerb, ReadContext};
 
 /// `becomes`.
-pub(super) const BECOMES: Verb = Verb {
+pub(super) const BECOMES: ExpectVerb = ExpectVerb {
     name: "becomes",
     doc: "The first time after an instant that a signal comes to have a value is within its limits",
     keys: &[SIGNAL, IS, ONE_OF, MIN, MAX, FROM, WITHIN],
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "signal", cx);
-    let condition = Condition::read(fields, None, cx)?;
-    read_delay(fields, signal, Kind::Becomes(condition), cx)
+    let condition = ValueCondition::read(fields, None, cx)?;
+    read_delay(fields, signal, FirstEdgeKind::Becomes(condition), cx)
 }

@@ -3,7 +3,7 @@
 use document::{Fields, KeySpec, KeyType, Node};
 use signal::{Decimal, QuantityError, QuantityFault, QuantityRange, SignalInfo, Span, Value, is_range};
 
-use super::{Context, Demand};
+use super::{ClaimDemand, ReadContext};
 use crate::codes;
 use crate::lang::Anchor;
 
@@ -28,14 +28,14 @@ pub(super) const LONGER: KeySpec = KeySpec::optional(
 
 /// A window of the plan.
 #[derive(Clone, Debug)]
-pub(crate) struct Between {
+pub(crate) struct PlanWindow {
     pub(crate) from: Anchor,
     pub(crate) until: Anchor,
 }
 
-impl Between {
+impl PlanWindow {
     /// Reads `from` and `until`.
-    pub(crate) fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Between> {
+    pub(crate) fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<PlanWindow> {
         let from = anchor(fields, "from", Anchor::START, cx);
         let until = anchor(fields, "until", Anchor::END, cx);
         let (from, until) = (from?, until?);
@@ -45,7 +45,7 @@ impl Between {
             cx.out.bad(codes::CLAIM, node, message, "let `until` be later than `from`");
             return None;
         }
-        Some(Between { from, until })
+        Some(PlanWindow { from, until })
     }
 
     pub(super) fn anchors(&self) -> Vec<&Anchor> {
@@ -53,8 +53,8 @@ impl Between {
     }
 
     /// That the claim looks between the two.
-    pub(super) fn demand(&self) -> Demand<'_> {
-        Demand::Window { from: &self.from, until: &self.until }
+    pub(super) fn demand(&self) -> ClaimDemand<'_> {
+        ClaimDemand::Window { from: &self.from, until: &self.until }
     }
 
     /// ` from busy until end`; empty for the whole case.
@@ -73,7 +73,7 @@ pub(super) fn anchor(
     fields: &Fields<'_>,
     key: &str,
     default: Anchor,
-    cx: &mut Context<'_>,
+    cx: &mut ReadContext<'_>,
 ) -> Option<Anchor> {
     match fields.get(key) {
         Some(node) => cx.names.anchor(node, cx.out),
@@ -85,16 +85,16 @@ pub(super) fn anchor(
 }
 
 /// Reads the name of a signal.
-pub(super) fn signal(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<String> {
+pub(super) fn signal(fields: &Fields<'_>, key: &str, cx: &mut ReadContext<'_>) -> Option<String> {
     cx.names.signal(fields.get(key)?, cx.out)
 }
 
 /// Least and greatest number or duration, both included.
-pub(crate) type Limits = (i64, i64);
+pub(crate) type SpanLimits = (i64, i64);
 
 /// How a range of durations without `..` is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Single {
+pub(super) enum SingleSpan {
     /// As the greatest: `within = "5 ms"`.
     Most,
     /// As the only one: `is = "5 ms"`.
@@ -102,7 +102,12 @@ pub(super) enum Single {
 }
 
 /// Reads a range of durations such as `100 ms .. 100.3 ms`, `.. 5 ms`, `5 ms ..` or `10 ms ± 1 ms`.
-pub(super) fn spans(node: &Node, key: &str, single: Single, cx: &mut Context<'_>) -> Option<Limits> {
+pub(super) fn spans(
+    node: &Node,
+    key: &str,
+    single: SingleSpan,
+    cx: &mut ReadContext<'_>,
+) -> Option<SpanLimits> {
     let Some(text) = node.as_text() else {
         let help = "durations need a unit: write \"100 ms .. 100.3 ms\"";
         cx.out.bad(
@@ -114,7 +119,7 @@ pub(super) fn spans(node: &Node, key: &str, single: Single, cx: &mut Context<'_>
         return None;
     };
     match Span::parse_range(text) {
-        Ok((_, most)) if single == Single::Most && !is_range(text) => Some((0, most.as_nanos())),
+        Ok((_, most)) if single == SingleSpan::Most && !is_range(text) => Some((0, most.as_nanos())),
         Ok((least, most)) => Some((least.as_nanos(), most.as_nanos())),
         Err(error) => {
             let help = "write \"100 ms .. 100.3 ms\", \".. 5 ms\", \"5 ms ..\" or \"10 ms ± 1 ms\"";
@@ -131,7 +136,7 @@ pub(super) fn bad_range(
     kind: &str,
     error: QuantityError,
     help: &str,
-    cx: &mut Context<'_>,
+    cx: &mut ReadContext<'_>,
 ) {
     if error.fault == QuantityFault::Reversed {
         let message = format!("`{key}` is empty: its end lies before its beginning");
@@ -145,7 +150,7 @@ pub(super) fn bad_range(
 }
 
 /// Reads a number of events: `1`, `"2 .. 5"`, `"3 .."`.
-pub(super) fn counts(node: &Node, key: &str, cx: &mut Context<'_>) -> Option<(u64, u64)> {
+pub(super) fn counts(node: &Node, key: &str, cx: &mut ReadContext<'_>) -> Option<(u64, u64)> {
     let count = |number: Decimal| u64::try_from(number.as_whole()?).ok();
     let range = match &node.data {
         document::Data::Integer(n) => u64::try_from(*n).ok().map(|n| (n, n)),
@@ -172,7 +177,7 @@ pub(super) fn counts(node: &Node, key: &str, cx: &mut Context<'_>) -> Option<(u6
 }
 
 /// `100 ms .. 100.3 ms`, or a single duration, or an open range.
-pub(crate) fn span_range(limits: Limits) -> String {
+pub(crate) fn span_range(limits: SpanLimits) -> String {
     let show = Span::from_nanos;
     match limits {
         (least, most) if least == most => show(least).to_string(),

@@ -5,12 +5,12 @@ use std::fmt;
 use document::{Fields, KeySpec, KeyType, Node};
 use signal::{Kind, QuantityRange, SignalInfo, is_range};
 
-use super::Context;
+use super::ReadContext;
 use super::common::bad_range;
 use crate::codes;
 use crate::lang::Literal;
-use crate::meaning::{Around, is_high_z, number};
-use crate::monitor::{Number, Test};
+use crate::meaning::{ToleranceBand, is_high_z, number};
+use crate::monitor::{Number, ValueTest};
 
 /// The value that is wanted.
 pub(super) const IS: KeySpec = KeySpec::optional(
@@ -31,7 +31,7 @@ pub(super) const ONE_OF: KeySpec =
 
 /// What a value has to be, in the words of the plan.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Condition {
+pub enum ValueCondition {
     /// One of these.
     OneOf(Vec<Literal>),
     /// Within these, both included.
@@ -40,24 +40,24 @@ pub enum Condition {
     Near { middle: Literal, tolerance: Literal },
 }
 
-impl Condition {
+impl ValueCondition {
     /// It is TRUE.
-    pub(super) fn is_true() -> Condition {
-        Condition::OneOf(vec![Literal::TRUE])
+    pub(super) fn is_true() -> ValueCondition {
+        ValueCondition::OneOf(vec![Literal::TRUE])
     }
 
     /// It is this label.
-    pub(super) fn label(name: &str) -> Condition {
-        Condition::OneOf(vec![Literal::Label(name.to_owned())])
+    pub(super) fn label(name: &str) -> ValueCondition {
+        ValueCondition::OneOf(vec![Literal::Label(name.to_owned())])
     }
 
     /// Reads exactly one of `is`, `one-of`, `min`/`max`; `None` with a finding if there is none or two, and
     /// `default` if there is none and there is a default.
     pub(super) fn read(
         fields: &Fields<'_>,
-        default: Option<Condition>,
-        cx: &mut Context<'_>,
-    ) -> Option<Condition> {
+        default: Option<ValueCondition>,
+        cx: &mut ReadContext<'_>,
+    ) -> Option<ValueCondition> {
         let range = fields.has("min") || fields.has("max");
         let forms = [fields.has("is"), fields.has("one-of"), range];
         match forms.iter().filter(|form| **form).count() {
@@ -85,7 +85,7 @@ impl Condition {
                 return None;
             }
             let read: Vec<_> = list.iter().map(|node| literal(node, cx)).collect();
-            return Some(Condition::OneOf(read.into_iter().collect::<Option<_>>()?));
+            return Some(ValueCondition::OneOf(read.into_iter().collect::<Option<_>>()?));
         }
         let mut limit = |key| match fields.get(key) {
             Some(node) => literal(node, cx).map(Some),
@@ -106,65 +106,65 @@ impl Condition {
             cx.out.bad(codes::CLAIM, node, message, "exchange them");
             return None;
         }
-        Some(Condition::Within { min, max })
+        Some(ValueCondition::Within { min, max })
     }
 
     /// The condition in the terms of a signal.
     ///
     /// # Errors
     /// Why it means nothing for this signal, one sentence.
-    pub(crate) fn bind(&self, info: &SignalInfo) -> Result<Test, String> {
+    pub(crate) fn bind(&self, info: &SignalInfo) -> Result<ValueTest, String> {
         match self {
-            Condition::OneOf(list) => {
+            ValueCondition::OneOf(list) => {
                 if let [one] = list.as_slice()
                     && is_high_z(one)
                     && info.kind != Kind::State
                 {
-                    return Ok(Test::HighZ);
+                    return Ok(ValueTest::HighZ);
                 }
                 let numbers: Result<Vec<Number>, String> = list.iter().map(|one| number(one, info)).collect();
-                Ok(Test::OneOf(numbers?))
+                Ok(ValueTest::OneOf(numbers?))
             }
-            Condition::Within { min, max } => {
+            ValueCondition::Within { min, max } => {
                 let bind = |limit: &Option<Literal>| limit.as_ref().map(|one| number(one, info)).transpose();
-                Ok(Test::Range { min: bind(min)?, max: bind(max)? })
+                Ok(ValueTest::Range { min: bind(min)?, max: bind(max)? })
             }
-            Condition::Near { middle, tolerance } => {
-                let around = Around::new(middle, tolerance, info)?;
-                Ok(Test::Range { min: Some(around.min.into()), max: Some(around.max.into()) })
+            ValueCondition::Near { middle, tolerance } => {
+                let around = ToleranceBand::new(middle, tolerance, info)?;
+                Ok(ValueTest::Range { min: Some(around.min.into()), max: Some(around.max.into()) })
             }
         }
     }
 }
 
-impl fmt::Display for Condition {
+impl fmt::Display for ValueCondition {
     /// `TRUE`, `one of 1, 2`, `at least 3 V`, `1 .. 5`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Condition::OneOf(list) if list.len() == 1 => list[0].fmt(f),
-            Condition::OneOf(list) => {
+            ValueCondition::OneOf(list) if list.len() == 1 => list[0].fmt(f),
+            ValueCondition::OneOf(list) => {
                 let shown: Vec<String> = list.iter().map(Literal::to_string).collect();
                 write!(f, "one of {}", shown.join(", "))
             }
-            Condition::Within { min: Some(min), max: Some(max) } => {
+            ValueCondition::Within { min: Some(min), max: Some(max) } => {
                 write!(f, "{min} .. {max}")
             }
-            Condition::Within { min: Some(min), max: None } => write!(f, "at least {min}"),
-            Condition::Within { min: None, max: Some(max) } => write!(f, "at most {max}"),
-            Condition::Within { min: None, max: None } => f.write_str("anything"),
-            Condition::Near { middle, tolerance } => write!(f, "{middle} ± {tolerance}"),
+            ValueCondition::Within { min: Some(min), max: None } => write!(f, "at least {min}"),
+            ValueCondition::Within { min: None, max: Some(max) } => write!(f, "at most {max}"),
+            ValueCondition::Within { min: None, max: None } => f.write_str("anything"),
+            ValueCondition::Near { middle, tolerance } => write!(f, "{middle} ± {tolerance}"),
         }
     }
 }
 
 /// Reads `is`: a value, or a range of quantities.
-fn wanted(node: &Node, cx: &mut Context<'_>) -> Option<Condition> {
+fn wanted(node: &Node, cx: &mut ReadContext<'_>) -> Option<ValueCondition> {
     let Some(text) = node.as_text().filter(|text| is_range(text)) else {
-        return Some(Condition::OneOf(vec![literal(node, cx)?]));
+        return Some(ValueCondition::OneOf(vec![literal(node, cx)?]));
     };
     match QuantityRange::parse(text) {
         Ok(QuantityRange { min, max }) => {
-            Some(Condition::Within { min: min.map(Literal::from), max: max.map(Literal::from) })
+            Some(ValueCondition::Within { min: min.map(Literal::from), max: max.map(Literal::from) })
         }
         Err(error) => {
             let help = "write \"4 .. 20 mA\", \".. 5 V\", \"5 V ..\" or \"24 V ± 10 %\"";
@@ -175,7 +175,7 @@ fn wanted(node: &Node, cx: &mut Context<'_>) -> Option<Condition> {
 }
 
 /// Reads a value.
-pub(crate) fn literal(node: &Node, cx: &mut Context<'_>) -> Option<Literal> {
+pub(crate) fn literal(node: &Node, cx: &mut ReadContext<'_>) -> Option<Literal> {
     match Literal::of(node) {
         Ok(literal) => Some(literal),
         Err(fault) => {
@@ -193,7 +193,7 @@ mod tests {
     fn labels_are_those_of_the_state() {
         let mut info = SignalInfo::exact("state", Kind::State);
         info.labels = vec![(2, "RUNNING".into()), (4, "HALT".into())];
-        assert_eq!(Condition::label("halt").bind(&info), Ok(Test::OneOf(vec![Number::Int(4)])));
-        assert!(Condition::label("RUNING").bind(&info).unwrap_err().contains("did you mean `RUNNING`"));
+        assert_eq!(ValueCondition::label("halt").bind(&info), Ok(ValueTest::OneOf(vec![Number::Int(4)])));
+        assert!(ValueCondition::label("RUNING").bind(&info).unwrap_err().contains("did you mean `RUNNING`"));
     }
 }

@@ -1,17 +1,17 @@
 //! What a claim demands, in the few words that can be held against the plan and the bench before anything moves.
 
-use super::condition::Condition;
+use super::condition::ValueCondition;
 use crate::lang::Anchor;
 
 /// A demand of a claim. What a claim does not say here is not looked at before the case runs.
 #[derive(Clone, Debug)]
-pub enum Demand<'a> {
+pub enum ClaimDemand<'a> {
     /// A signal has a value, throughout or at an instant; or, if it is forbidden, has not.
     Value {
         /// The signal.
         signal: &'a str,
         /// The value.
-        condition: &'a Condition,
+        condition: &'a ValueCondition,
         /// It is what must not be.
         forbidden: bool,
     },

@@ -11,16 +11,18 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Value};
 
-use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, count_range, counts, signal};
-use super::{Claim, Context, Demand, Verb};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, count_range, counts, signal};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::count::{Counted, Counter};
-use crate::monitor::edges::{Edge, Finder};
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::monitor::count::{CountResult, EdgeCounter};
+use crate::monitor::edges::{Edge, EdgeFinder};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+};
 
 /// `edges`.
-pub(super) const EDGES: Verb = Verb {
+pub(super) const EDGES: ExpectVerb = ExpectVerb {
     name: "edges",
     doc: "A signal has so many rising and falling edges in a window",
     keys: &[
@@ -38,19 +40,19 @@ type Range = (u64, u64);
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Edges {
+struct EdgesClaim {
     signal: String,
     rising: Option<Range>,
     falling: Option<Range>,
-    between: Between,
+    between: PlanWindow,
     longer_than: Option<signal::Span>,
     /// The signal counts entries of a log.
     entries: bool,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "signal", cx);
-    let between = Between::read(fields, cx);
+    let between = PlanWindow::read(fields, cx);
     let mut range = |key| match fields.get(key) {
         Some(node) => counts(node, key, cx).map(Some),
         None if fields.has(key) => None,
@@ -72,22 +74,23 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
     }
     let longer_than = fields.duration("pulses-longer-than");
     let (signal, between) = (signal?, between?);
-    Some(Arc::new(Edges { signal, rising, falling, between, longer_than, entries: false }))
+    Some(Arc::new(EdgesClaim { signal, rising, falling, between, longer_than, entries: false }))
 }
 
 /// Reads the window in which no entry of a log is added.
 pub(super) fn read_none(
     fields: &Fields<'_>,
     signal: Option<String>,
-    cx: &mut Context<'_>,
+    cx: &mut ReadContext<'_>,
 ) -> Option<Arc<dyn Claim>> {
-    let between = Between::read(fields, cx)?;
+    let between = PlanWindow::read(fields, cx)?;
     let rising = Some((0, 0));
-    let claim = Edges { signal: signal?, rising, falling: None, between, longer_than: None, entries: true };
+    let claim =
+        EdgesClaim { signal: signal?, rising, falling: None, between, longer_than: None, entries: true };
     Some(Arc::new(claim))
 }
 
-impl Claim for Edges {
+impl Claim for EdgesClaim {
     fn expected(&self) -> String {
         if self.entries {
             return format!("no `{}` is added{}", self.signal, self.between.words());
@@ -106,13 +109,13 @@ impl Claim for Edges {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.signal, wiring, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         let wanted = [self.rising, self.falling].into_iter().flatten().any(|range| range.0 > 0);
-        let change = wanted.then_some(Demand::Change(&self.signal));
+        let change = wanted.then_some(ClaimDemand::Change(&self.signal));
         change.into_iter().chain([self.between.demand()]).collect()
     }
 
@@ -121,16 +124,16 @@ impl Claim for Edges {
         (!self.entries).then_some(0.0)
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
-        let finder = |edge| Finder::new(edge, slack(info));
-        Ok(Box::new(Count {
+        let finder = |edge| EdgeFinder::new(edge, slack(info));
+        Ok(Box::new(EdgesMonitor {
             claim: self.clone(),
             window,
             rises: finder(Edge::Rises),
             falls: finder(Edge::Falls),
-            counter: Counter::new(window),
+            counter: EdgeCounter::new(window),
             missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
             info: info.clone(),
             open: scene.is_open(&self.between.until),
@@ -141,24 +144,24 @@ impl Claim for Edges {
 }
 
 /// The judge.
-struct Count {
-    claim: Edges,
+struct EdgesMonitor {
+    claim: EdgesClaim,
     info: SignalInfo,
-    window: Window,
-    rises: Finder,
-    falls: Finder,
-    counter: Counter,
+    window: UncertainWindow,
+    rises: EdgeFinder,
+    falls: EdgeFinder,
+    counter: EdgeCounter,
     missed: Option<String>,
     /// The end of the window is still to come.
     open: bool,
     /// The edge that is one too many, else the last one.
-    deciding: Option<Seen>,
+    deciding: Option<TimedValue>,
     /// What is wanted, and how many possible ones there were.
     wanted: [(Option<Range>, u64); 2],
 }
 
-impl Count {
-    fn note(&mut self, rising: bool, seen: &Seen) {
+impl EdgesMonitor {
+    fn note(&mut self, rising: bool, seen: &TimedValue) {
         if !self.window.can_hold(seen) {
             return;
         }
@@ -171,9 +174,9 @@ impl Count {
     }
 }
 
-impl Monitor for Count {
+impl Monitor for EdgesMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         if self.open {
             self.counter.advance(seen.a);
         }
@@ -207,13 +210,13 @@ impl Monitor for Count {
         if let Some(rest) = self.rises.rest() {
             self.counter.unknown(&rest.seen);
         }
-        let counted = std::mem::replace(&mut self.counter, Counter::new(self.window)).finish();
+        let counted = std::mem::replace(&mut self.counter, EdgeCounter::new(self.window)).finish();
         self.finding(&counted)
     }
 }
 
-impl Count {
-    fn finding(self, counted: &Counted) -> Finding {
+impl EdgesMonitor {
+    fn finding(self, counted: &CountResult) -> Finding {
         let inside =
             |range: Option<Range>, n: u64| range.is_none_or(|(least, most)| (least..=most).contains(&n));
         let below = |range: Option<Range>, n: u64| range.is_none_or(|(_, most)| n <= most);

@@ -11,12 +11,12 @@ use std::sync::Arc;
 use document::{Data, Entry, Fields, KeySpec, KeyType, Node, Table};
 
 use super::common::{FROM, UNTIL};
-use super::first_edge::{Kind, WITHIN, read_delay};
-use super::{Claim, Context, Verb, edges};
+use super::first_edge::{FirstEdgeKind, WITHIN, read_delay};
+use super::{Claim, ExpectVerb, ReadContext, edges};
 use crate::codes;
 
 /// `log`.
-pub(super) const LOG: Verb = Verb {
+pub(super) const LOG: ExpectVerb = ExpectVerb {
     name: "log",
     doc: "An entry with a text is added to the controller's log in time, or at no time of a window",
     keys: &[
@@ -37,7 +37,7 @@ pub(super) const LOG: Verb = Verb {
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let (key, other) = match (fields.has("holds"), fields.has("never")) {
         (true, false) => ("holds", "until"),
         (false, true) => ("never", "within"),
@@ -60,7 +60,7 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
     }
     let signal = cx.names.signal(&source(text, &[("log", text.data.clone())]), cx.out);
     match key {
-        "holds" => read_delay(fields, signal, Kind::Added, cx),
+        "holds" => read_delay(fields, signal, FirstEdgeKind::Added, cx),
         _ => edges::read_none(fields, signal, cx),
     }
 }

@@ -14,14 +14,17 @@ use signal::{SignalInfo, Value};
 use super::common::{WHEN, anchor};
 use super::condition::literal;
 use super::value::{instant, observed, unknown};
-use super::{Claim, Context, Demand, Verb};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::lang::{Anchor, Literal};
 use crate::meaning::number;
-use crate::monitor::reading::{Candidate, Reader};
-use crate::monitor::{Finding, Monitor, NotJudged, Number, Point, Scene, Seen, Truth, Wiring, slack};
+use crate::monitor::reading::{Candidate, ValueReader};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, Number, TimedValue, TraceSignals, Truth, UncertainInstant,
+    slack,
+};
 
 /// `equal`.
-pub(super) const EQUAL: Verb = Verb {
+pub(super) const EQUAL: ExpectVerb = ExpectVerb {
     name: "equal",
     doc: "Two values agree, each at its own instant",
     keys: &[
@@ -35,37 +38,37 @@ pub(super) const EQUAL: Verb = Verb {
 
 /// A signal at an instant.
 #[derive(Clone, Debug)]
-pub(super) struct Operand {
+pub(super) struct EqualOperand {
     pub(super) signal: String,
     pub(super) at: Anchor,
 }
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Equal {
-    left: Operand,
-    right: Operand,
+struct EqualClaim {
+    left: EqualOperand,
+    right: EqualOperand,
     tolerance: Option<Literal>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let when = anchor(fields, "when", Anchor::END, cx)?;
     let (signal, at) = cx.names.at_value(fields.get("left")?, cx.out)?;
-    let left = Operand { signal, at: at.unwrap_or_else(|| when.clone()) };
+    let left = EqualOperand { signal, at: at.unwrap_or_else(|| when.clone()) };
     read_pair(left, fields, "right", when, cx)
 }
 
 /// Reads what the left value is compared with.
 pub(super) fn read_pair(
-    left: Operand,
+    left: EqualOperand,
     fields: &Fields<'_>,
     key: &str,
     when: Anchor,
-    cx: &mut Context<'_>,
+    cx: &mut ReadContext<'_>,
 ) -> Option<Arc<dyn Claim>> {
     let node = fields.get(key)?;
     let (signal, at) = cx.names.at_value(node, cx.out)?;
-    let right = Operand { signal, at: at.unwrap_or(when) };
+    let right = EqualOperand { signal, at: at.unwrap_or(when) };
     let tolerance = match fields.get("tolerance") {
         Some(node) => Some(literal(node, cx)?),
         None => None,
@@ -75,10 +78,10 @@ pub(super) fn read_pair(
         cx.out.bad(crate::codes::CLAIM, node, message, "name another signal or another instant");
         return None;
     }
-    Some(Arc::new(Equal { left, right, tolerance }))
+    Some(Arc::new(EqualClaim { left, right, tolerance }))
 }
 
-impl Equal {
+impl EqualClaim {
     fn limit(&self, info: &SignalInfo) -> Result<Number, String> {
         match &self.tolerance {
             Some(tolerance) => match number(tolerance, info)? {
@@ -92,7 +95,7 @@ impl Equal {
     }
 }
 
-impl Claim for Equal {
+impl Claim for EqualClaim {
     fn expected(&self) -> String {
         let left = format!("`{}` at {}", self.left.signal, self.left.at);
         let right = format!("`{}` at {}", self.right.signal, self.right.at);
@@ -110,51 +113,51 @@ impl Claim for Equal {
         vec![&self.left.at, &self.right.at]
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.left.signal, wiring, out) {
             super::meant(self.limit(info).map(drop), out);
         }
         super::known(&self.right.signal, wiring, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
-        vec![Demand::At(&self.left.at), Demand::At(&self.right.at)]
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        vec![ClaimDemand::At(&self.left.at), ClaimDemand::At(&self.right.at)]
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.left.signal)?;
         let limit = self.limit(info).map_err(NotJudged::NoMeaning)?;
-        let left = Side::new(&self.left, scene)?;
-        let right = Side::new(&self.right, scene)?;
-        Ok(Box::new(Compare { left, right, limit }))
+        let left = EqualSide::new(&self.left, scene)?;
+        let right = EqualSide::new(&self.right, scene)?;
+        Ok(Box::new(EqualMonitor { left, right, limit }))
     }
 }
 
 /// One of the two values.
-struct Side {
+struct EqualSide {
     info: SignalInfo,
-    point: Point,
-    reader: Reader,
+    point: UncertainInstant,
+    reader: ValueReader,
 }
 
-impl Side {
-    fn new(operand: &Operand, scene: &Scene<'_>) -> Result<Side, NotJudged> {
+impl EqualSide {
+    fn new(operand: &EqualOperand, scene: &CaseTimeline<'_>) -> Result<EqualSide, NotJudged> {
         let info = scene.signal(&operand.signal)?.clone();
         let point = scene.point(&operand.at)?;
-        Ok(Side { info, point, reader: Reader::new(point) })
+        Ok(EqualSide { info, point, reader: ValueReader::new(point) })
     }
 }
 
 /// The judge.
-struct Compare {
-    left: Side,
-    right: Side,
+struct EqualMonitor {
+    left: EqualSide,
+    right: EqualSide,
     limit: Number,
 }
 
-impl Monitor for Compare {
+impl Monitor for EqualMonitor {
     #[inline]
-    fn feed(&mut self, slot: usize, seen: &Seen) {
+    fn feed(&mut self, slot: usize, seen: &TimedValue) {
         let side = if slot == 0 { &mut self.left } else { &mut self.right };
         side.reader.see(seen);
     }

@@ -12,12 +12,16 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span, Value};
 
-use super::common::{FROM, Limits, SIGNAL, Single, anchor, delay_words, signal, span_range, spans, width};
-use super::condition::Condition;
-use super::{Claim, Context, Demand, Verb};
+use super::common::{
+    FROM, SIGNAL, SingleSpan, SpanLimits, anchor, delay_words, signal, span_range, spans, width,
+};
+use super::condition::ValueCondition;
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::lang::Anchor;
-use crate::monitor::edges::{Delay, Edge, Finder, First, Found, LAST};
-use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
+use crate::monitor::edges::{Delay, Edge, EdgeFinder, FirstEdge, FoundEdge, LAST};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainInstant, slack,
+};
 
 /// How late the edge may be.
 pub(super) const WITHIN: KeySpec = KeySpec::optional(
@@ -29,97 +33,97 @@ pub(super) const WITHIN: KeySpec = KeySpec::optional(
 const KEYS: &[KeySpec] = &[SIGNAL, FROM, WITHIN];
 
 /// `rises`.
-pub(super) const RISES: Verb = Verb {
+pub(super) const RISES: ExpectVerb = ExpectVerb {
     name: "rises",
     doc: "The first rise of a signal at or after an instant comes within its limits",
     keys: KEYS,
-    read: |fields, cx| read(fields, Kind::Rises, cx),
+    read: |fields, cx| read(fields, FirstEdgeKind::Rises, cx),
 };
 /// `falls`.
-pub(super) const FALLS: Verb = Verb {
+pub(super) const FALLS: ExpectVerb = ExpectVerb {
     name: "falls",
     doc: "The first fall of a signal at or after an instant comes within its limits",
     keys: KEYS,
-    read: |fields, cx| read(fields, Kind::Falls, cx),
+    read: |fields, cx| read(fields, FirstEdgeKind::Falls, cx),
 };
 /// `changes`.
-pub(super) const CHANGES: Verb = Verb {
+pub(super) const CHANGES: ExpectVerb = ExpectVerb {
     name: "changes",
     doc: "The first change of a signal at or after an instant comes within its limits",
     keys: KEYS,
-    read: |fields, cx| read(fields, Kind::Changes, cx),
+    read: |fields, cx| read(fields, FirstEdgeKind::Changes, cx),
 };
 
 /// What the edge is, before the signal is known.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum FirstEdgeKind {
     Rises,
     Falls,
     Changes,
     /// The count of a log's entries grows.
     Added,
-    Becomes(Condition),
+    Becomes(ValueCondition),
 }
 
-impl Kind {
+impl FirstEdgeKind {
     fn bind(&self, info: &SignalInfo) -> Result<Edge, String> {
         Ok(match self {
-            Kind::Rises | Kind::Added => Edge::Rises,
-            Kind::Falls => Edge::Falls,
-            Kind::Changes => Edge::Changes,
-            Kind::Becomes(condition) => Edge::Becomes(condition.bind(info)?),
+            FirstEdgeKind::Rises | FirstEdgeKind::Added => Edge::Rises,
+            FirstEdgeKind::Falls => Edge::Falls,
+            FirstEdgeKind::Changes => Edge::Changes,
+            FirstEdgeKind::Becomes(condition) => Edge::Becomes(condition.bind(info)?),
         })
     }
 
     fn present(&self) -> String {
         match self {
-            Kind::Rises => "rises".into(),
-            Kind::Falls => "falls".into(),
-            Kind::Changes => "changes".into(),
-            Kind::Added => "is added".into(),
-            Kind::Becomes(condition) => format!("becomes {condition}"),
+            FirstEdgeKind::Rises => "rises".into(),
+            FirstEdgeKind::Falls => "falls".into(),
+            FirstEdgeKind::Changes => "changes".into(),
+            FirstEdgeKind::Added => "is added".into(),
+            FirstEdgeKind::Becomes(condition) => format!("becomes {condition}"),
         }
     }
 
     fn past(&self) -> String {
         match self {
-            Kind::Rises => "rose".into(),
-            Kind::Falls => "fell".into(),
-            Kind::Changes => "changed".into(),
-            Kind::Added => "was added".into(),
-            Kind::Becomes(condition) => format!("became {condition}"),
+            FirstEdgeKind::Rises => "rose".into(),
+            FirstEdgeKind::Falls => "fell".into(),
+            FirstEdgeKind::Changes => "changed".into(),
+            FirstEdgeKind::Added => "was added".into(),
+            FirstEdgeKind::Becomes(condition) => format!("became {condition}"),
         }
     }
 
     /// `did not rise`.
     fn missing(&self) -> String {
         match self {
-            Kind::Added => "was not added".into(),
+            FirstEdgeKind::Added => "was not added".into(),
             kind => format!("did not {}", kind.infinitive()),
         }
     }
 
     fn infinitive(&self) -> String {
         match self {
-            Kind::Rises => "rise".into(),
-            Kind::Falls => "fall".into(),
-            Kind::Changes => "change".into(),
-            Kind::Added => "be added".into(),
-            Kind::Becomes(condition) => format!("become {condition}"),
+            FirstEdgeKind::Rises => "rise".into(),
+            FirstEdgeKind::Falls => "fall".into(),
+            FirstEdgeKind::Changes => "change".into(),
+            FirstEdgeKind::Added => "be added".into(),
+            FirstEdgeKind::Becomes(condition) => format!("become {condition}"),
         }
     }
 }
 
 /// The claim.
 #[derive(Clone, Debug)]
-pub(super) struct FirstEdge {
+pub(super) struct FirstEdgeClaim {
     pub(super) signal: String,
-    pub(super) kind: Kind,
+    pub(super) kind: FirstEdgeKind,
     pub(super) from: Anchor,
-    pub(super) within: Option<Limits>,
+    pub(super) within: Option<SpanLimits>,
 }
 
-fn read(fields: &Fields<'_>, kind: Kind, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, kind: FirstEdgeKind, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "signal", cx);
     read_delay(fields, signal, kind, cx)
 }
@@ -128,19 +132,19 @@ fn read(fields: &Fields<'_>, kind: Kind, cx: &mut Context<'_>) -> Option<Arc<dyn
 pub(super) fn read_delay(
     fields: &Fields<'_>,
     signal: Option<String>,
-    kind: Kind,
-    cx: &mut Context<'_>,
+    kind: FirstEdgeKind,
+    cx: &mut ReadContext<'_>,
 ) -> Option<Arc<dyn Claim>> {
     let from = anchor(fields, "from", Anchor::START, cx);
     let within = match fields.get("within") {
-        Some(node) => Some(spans(node, "within", Single::Most, cx)?),
+        Some(node) => Some(spans(node, "within", SingleSpan::Most, cx)?),
         None if fields.has("within") => return None,
         None => None,
     };
-    Some(Arc::new(FirstEdge { signal: signal?, kind, from: from?, within }))
+    Some(Arc::new(FirstEdgeClaim { signal: signal?, kind, from: from?, within }))
 }
 
-impl Claim for FirstEdge {
+impl Claim for FirstEdgeClaim {
     fn expected(&self) -> String {
         let (signal, what) = (&self.signal, self.kind.present());
         match self.within {
@@ -160,34 +164,34 @@ impl Claim for FirstEdge {
         vec![&self.from]
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signal, wiring, out) {
             super::meant(self.kind.bind(info).map(drop), out);
         }
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         let limits = self.within.unwrap_or((0, i64::MAX));
         let mut demands = vec![
-            Demand::Change(&self.signal),
-            Demand::Delay { from: &self.from, limits, signal: &self.signal },
+            ClaimDemand::Change(&self.signal),
+            ClaimDemand::Delay { from: &self.from, limits, signal: &self.signal },
         ];
-        if let Kind::Becomes(condition) = &self.kind {
-            demands.push(Demand::Value { signal: &self.signal, condition, forbidden: false });
+        if let FirstEdgeKind::Becomes(condition) = &self.kind {
+            demands.push(ClaimDemand::Value { signal: &self.signal, condition, forbidden: false });
         }
         demands
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let point = scene.point(&self.from)?;
         let limits = self.within.unwrap_or((0, i64::MAX));
         let edge = self.kind.bind(info).map_err(NotJudged::NoMeaning)?;
-        Ok(Box::new(Follow {
+        Ok(Box::new(FirstEdgeMonitor {
             claim: self.clone(),
             info: info.clone(),
-            finder: Finder::new(edge, slack(info)),
-            first: First::new(point, limits.0, limits.1),
+            finder: EdgeFinder::new(edge, slack(info)),
+            first: FirstEdge::new(point, limits.0, limits.1),
             point,
             limits,
             end: scene.end(),
@@ -198,22 +202,22 @@ impl Claim for FirstEdge {
 }
 
 /// The judge of one edge.
-struct Follow {
-    claim: FirstEdge,
+struct FirstEdgeMonitor {
+    claim: FirstEdgeClaim,
     info: SignalInfo,
-    finder: Finder,
-    first: First,
-    point: Point,
-    limits: Limits,
+    finder: EdgeFinder,
+    first: FirstEdge,
+    point: UncertainInstant,
+    limits: SpanLimits,
     end: i64,
     /// The edge that came closest to the limits: distance, and the edge.
-    nearest: Option<(i64, Seen)>,
+    nearest: Option<(i64, TimedValue)>,
     last: Option<Value>,
 }
 
-impl Monitor for Follow {
+impl Monitor for FirstEdgeMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         self.last = Some(seen.value);
         let Some(found) = self.finder.see(seen) else { return };
         self.first.see(&found);
@@ -235,16 +239,17 @@ impl Monitor for Follow {
         let cut_short = self.claim.within.is_some_and(|(_, most)| most != i64::MAX)
             && self.point.b.saturating_add(self.limits.1) > self.end;
         if cut_short {
-            let seen = Seen { a: self.end, b: i64::MAX, place: LAST, since: LAST, ..Seen::NOTHING };
-            self.first.see(&Found { seen, certain: false });
+            let seen =
+                TimedValue { a: self.end, b: i64::MAX, place: LAST, since: LAST, ..TimedValue::NOTHING };
+            self.first.see(&FoundEdge { seen, certain: false });
         }
         self.finding(self.first.finish(), cut_short)
     }
 }
 
-impl Follow {
+impl FirstEdgeMonitor {
     /// Keeps the edge if it is closer to the limits than those before it.
-    fn note(&mut self, seen: &Seen) {
+    fn note(&mut self, seen: &TimedValue) {
         let early = self.point.a.saturating_add(self.limits.0).saturating_sub(seen.b);
         let late = seen.a.saturating_sub(self.point.b.saturating_add(self.limits.1));
         let distance = early.max(late).max(0);
@@ -264,7 +269,7 @@ impl Follow {
         finding.observed = match delay.delay {
             Some(delay) => format!("{past} {}", delay_words(delay, from)),
             None => {
-                let stayed = match self.last.filter(|_| self.claim.kind != Kind::Added) {
+                let stayed = match self.last.filter(|_| self.claim.kind != FirstEdgeKind::Added) {
                     Some(value) => format!("; it was {} at the end", self.info.show(value)),
                     None => String::new(),
                 };

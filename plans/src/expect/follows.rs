@@ -14,16 +14,19 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{Kind, SignalInfo, Span, Value};
 
-use super::common::{Between, FROM, SIGNAL, UNTIL, blind_words, signal};
-use super::condition::{Condition, literal};
-use super::{Claim, Context, Demand, Verb, keeps};
+use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, blind_words, signal};
+use super::condition::{ValueCondition, literal};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext, keeps};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
 use crate::meaning::number;
-use crate::monitor::{Finding, Monitor, NotJudged, Number, Scene, Seen, Truth, Window, Wiring, blind, slack};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, Number, TimedValue, TraceSignals, Truth, UncertainWindow,
+    blind, slack,
+};
 
 /// `follows`.
-pub(super) const FOLLOWS: Verb = Verb {
+pub(super) const FOLLOWS: ExpectVerb = ExpectVerb {
     name: "follows",
     doc: "One value keeps within a tolerance of another for the whole of a window",
     keys: &[
@@ -50,13 +53,13 @@ struct Follows {
     signal: String,
     leader: String,
     tolerance: Option<Literal>,
-    between: Between,
+    between: PlanWindow,
     within: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let (signal, leader) = (signal(fields, "signal", cx), signal(fields, "leader", cx));
-    let between = Between::read(fields, cx);
+    let between = PlanWindow::read(fields, cx);
     let tolerance = match fields.get("tolerance") {
         Some(node) => Some(literal(node, cx)?),
         None => None,
@@ -112,7 +115,7 @@ impl Claim for Follows {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         let pair = (super::known(&self.signal, wiring, out), super::known(&self.leader, wiring, out));
         let (Some(info), Some(leader)) = pair else { return };
         super::meant(self.limit(info).map(drop), out);
@@ -122,11 +125,11 @@ impl Claim for Follows {
         }
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         vec![self.between.demand()]
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let leader = scene.signal(&self.leader)?;
         let limit = self.limit(info).map_err(NotJudged::NoMeaning)?;
@@ -138,18 +141,18 @@ impl Claim for Follows {
         distance.labels = vec![(0, String::from("close")), (1, self.apart())];
         let claim = keeps::Keeps {
             signals: vec![distance.name.clone()],
-            condition: Condition::label(&self.apart()),
+            condition: ValueCondition::label(&self.apart()),
             forbidden: true,
             between: self.between.clone(),
             longer_than: self.within,
         };
         let inner = claim.start_with(&distance, scene)?;
-        Ok(Box::new(Compare {
+        Ok(Box::new(FollowsMonitor {
             unit: info.unit.clone(),
             slack: slack(info) + slack(leader),
             limit,
             window: scene.window(&self.between.from, &self.between.until)?,
-            sides: [scene.lag(&self.signal), scene.lag(&self.leader)].map(Side::new),
+            sides: [scene.lag(&self.signal), scene.lag(&self.leader)].map(FollowsSide::new),
             waiting: VecDeque::new(),
             inner,
             end: scene.end(),
@@ -163,7 +166,7 @@ impl Claim for Follows {
 }
 
 /// What is known of one of the signals.
-struct Side {
+struct FollowsSide {
     /// How far behind the newest event of the trace one of this signal can begin, nanoseconds.
     lag: i64,
     /// No later event of the signal begins before this.
@@ -171,21 +174,21 @@ struct Side {
     value: Value,
 }
 
-impl Side {
-    fn new(lag: i64) -> Side {
-        Side { lag, reached: i64::MIN, value: Value::Unknown }
+impl FollowsSide {
+    fn new(lag: i64) -> FollowsSide {
+        FollowsSide { lag, reached: i64::MIN, value: Value::Unknown }
     }
 }
 
 /// The judge.
-struct Compare {
+struct FollowsMonitor {
     unit: String,
     slack: f64,
     limit: Number,
-    window: Window,
-    sides: [Side; 2],
+    window: UncertainWindow,
+    sides: [FollowsSide; 2],
     /// Changes of both signals by their earliest instants.
-    waiting: VecDeque<(usize, Seen)>,
+    waiting: VecDeque<(usize, TimedValue)>,
     /// Judges the distance.
     inner: Box<dyn Monitor>,
     end: i64,
@@ -199,7 +202,7 @@ struct Compare {
     missed: Option<String>,
 }
 
-impl Compare {
+impl FollowsMonitor {
     /// Whether two values are close enough, and how far apart.
     fn close(&self, pair: [Value; 2]) -> (Truth, Option<f64>) {
         if pair.iter().any(|value| matches!(value, Value::Unknown)) {
@@ -236,7 +239,7 @@ impl Compare {
 
     /// Changes that may have come in any order.
     fn group(&mut self, count: usize, (start, latest): (i64, i64)) {
-        let group: Vec<(usize, Seen)> = self.waiting.drain(..count).collect();
+        let group: Vec<(usize, TimedValue)> = self.waiting.drain(..count).collect();
         let Some((_, last)) = group.last().copied() else { return };
         let mut values = self.sides.each_ref().map(|side| vec![side.value]);
         for (slot, seen) in &group {
@@ -249,16 +252,16 @@ impl Compare {
             let all: Vec<(Truth, Option<f64>)> = pairs.map(|pair| self.close(pair)).collect();
             if all.iter().any(|(truth, _)| *truth != Truth::True) {
                 let apart = all.iter().filter_map(|(_, apart)| *apart).reduce(f64::max);
-                self.tell((Truth::Unknown, apart), &Seen { a: start, b: start, ..last });
+                self.tell((Truth::Unknown, apart), &TimedValue { a: start, b: start, ..last });
             }
         }
         let close = self.close(self.sides.each_ref().map(|side| side.value));
-        let at = if count > 1 { Seen { a: latest, b: latest, ..last } } else { last };
+        let at = if count > 1 { TimedValue { a: latest, b: latest, ..last } } else { last };
         self.tell(close, &at);
     }
 
     /// Hands on how close they are from here on.
-    fn tell(&mut self, (close, apart): (Truth, Option<f64>), at: &Seen) {
+    fn tell(&mut self, (close, apart): (Truth, Option<f64>), at: &TimedValue) {
         self.until(at.b);
         let value = match close {
             Truth::True => Value::Int(0),
@@ -267,7 +270,7 @@ impl Compare {
         };
         let since = self.last.filter(|(_, before, _)| (*before == Truth::True) == (close == Truth::True));
         self.last = Some((apart, close, since.map_or(at.a, |(.., since)| since)));
-        self.inner.feed(0, &Seen { value, ..*at });
+        self.inner.feed(0, &TimedValue { value, ..*at });
     }
 
     /// What they were since the last change lasted until here.
@@ -285,8 +288,8 @@ impl Compare {
     }
 }
 
-impl Monitor for Compare {
-    fn feed(&mut self, slot: usize, seen: &Seen) {
+impl Monitor for FollowsMonitor {
+    fn feed(&mut self, slot: usize, seen: &TimedValue) {
         for side in &mut self.sides {
             side.reached = side.reached.max(seen.a.saturating_sub(side.lag));
         }
@@ -299,7 +302,7 @@ impl Monitor for Compare {
     fn finish(mut self: Box<Self>) -> Finding {
         self.advance(true);
         self.until(self.end);
-        let Compare { inner, missed, greatest, longest, within, limit, slack, unit, .. } = *self;
+        let FollowsMonitor { inner, missed, greatest, longest, within, limit, slack, unit, .. } = *self;
         let mut finding = inner.finish();
         if let Some(missed) = missed {
             if !finding.can_break {

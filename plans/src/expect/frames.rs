@@ -13,19 +13,21 @@ use record::Figure;
 use signal::{Kind, SignalInfo, Span};
 
 use super::common::{
-    Between, FROM, Limits, Single, UNTIL, count_range, counts, signal, span_range, spans, width,
+    FROM, PlanWindow, SingleSpan, SpanLimits, UNTIL, count_range, counts, signal, span_range, spans, width,
 };
-use super::{Claim, Context, Demand, Verb};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::count::Counter;
-use crate::monitor::edges::{Edge, Finder};
-use crate::monitor::gaps::{Gap, Gaps};
-use crate::monitor::pulses::Chain;
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
+use crate::monitor::count::EdgeCounter;
+use crate::monitor::edges::{Edge, EdgeFinder};
+use crate::monitor::gaps::{GapResult, Gaps};
+use crate::monitor::pulses::FigureChain;
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, slack,
+};
 
 /// `frames`.
-pub(super) const FRAMES: Verb = Verb {
+pub(super) const FRAMES: ExpectVerb = ExpectVerb {
     name: "frames",
     doc: "So many frames come on a bus in a window, so far apart, without a longer gap",
     keys: &[
@@ -49,23 +51,23 @@ pub(super) const FRAMES: Verb = Verb {
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Frames {
+struct FramesClaim {
     signal: String,
     count: Option<(u64, u64)>,
-    cycle: Option<Limits>,
+    cycle: Option<SpanLimits>,
     gap: Option<i64>,
-    between: Between,
+    between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "frame", cx);
-    let between = Between::read(fields, cx);
+    let between = PlanWindow::read(fields, cx);
     let count = match fields.get("count") {
         Some(node) => Some(counts(node, "count", cx)?),
         None => None,
     };
     let cycle = match fields.get("cycle") {
-        Some(node) => Some(spans(node, "cycle", Single::Exactly, cx)?),
+        Some(node) => Some(spans(node, "cycle", SingleSpan::Exactly, cx)?),
         None => None,
     };
     let gap = fields.duration("gap").map(Span::as_nanos);
@@ -85,10 +87,10 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
         cx.out.bad(codes::CLAIM, node, message, "remove it, or allow frames");
         return None;
     }
-    Some(Arc::new(Frames { signal: signal?, count, cycle, gap, between: between? }))
+    Some(Arc::new(FramesClaim { signal: signal?, count, cycle, gap, between: between? }))
 }
 
-impl Claim for Frames {
+impl Claim for FramesClaim {
     fn expected(&self) -> String {
         let mut parts = Vec::new();
         if let Some(count) = self.count {
@@ -117,26 +119,26 @@ impl Claim for Frames {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         let Some(info) = super::known(&self.signal, wiring, out) else { return };
         let counts = matches!(info.kind, Kind::Int | Kind::Word);
         let why = || format!("`{}` does not count anything: name frames without `signal`", info.name);
         super::meant(if counts { Ok(()) } else { Err(why()) }, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         let wanted = self.count.is_some_and(|count| count.0 > 0) || self.cycle.is_some();
-        let change = wanted.then_some(Demand::Change(&self.signal));
+        let change = wanted.then_some(ClaimDemand::Change(&self.signal));
         change.into_iter().chain([self.between.demand()]).collect()
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
-        Ok(Box::new(Follow {
-            finder: Finder::new(Edge::Rises, slack(info)),
-            counter: Counter::new(window),
-            chain: self.cycle.map(|cycle| Chain::new(window, cycle)),
+        Ok(Box::new(FramesMonitor {
+            finder: EdgeFinder::new(Edge::Rises, slack(info)),
+            counter: EdgeCounter::new(window),
+            chain: self.cycle.map(|cycle| FigureChain::new(window, cycle)),
             gaps: self.gap.map(|gap| Gaps::new(window, gap)),
             claim: self.clone(),
             info: info.clone(),
@@ -150,23 +152,23 @@ impl Claim for Frames {
 }
 
 /// The judge.
-struct Follow {
-    claim: Frames,
+struct FramesMonitor {
+    claim: FramesClaim,
     info: SignalInfo,
-    window: Window,
-    finder: Finder,
-    counter: Counter,
-    chain: Option<Chain>,
+    window: UncertainWindow,
+    finder: EdgeFinder,
+    counter: EdgeCounter,
+    chain: Option<FigureChain>,
     gaps: Option<Gaps>,
     open: bool,
     /// The last frame that may be in the window, the first that is one too many, and how many there were.
-    last: Option<Seen>,
-    excess: Option<Seen>,
+    last: Option<TimedValue>,
+    excess: Option<TimedValue>,
     seen: u64,
 }
 
-impl Follow {
-    fn frame(&mut self, seen: &Seen) {
+impl FramesMonitor {
+    fn frame(&mut self, seen: &TimedValue) {
         self.counter.edge(true, seen);
         if let Some(chain) = &mut self.chain {
             chain.edge(seen);
@@ -183,7 +185,7 @@ impl Follow {
         }
     }
 
-    fn unknown(&mut self, seen: &Seen) {
+    fn unknown(&mut self, seen: &TimedValue) {
         self.counter.unknown(seen);
         if let Some(chain) = &mut self.chain {
             chain.unknown(seen);
@@ -194,9 +196,9 @@ impl Follow {
     }
 }
 
-impl Monitor for Follow {
+impl Monitor for FramesMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         if self.open {
             self.counter.advance(seen.a);
             if let Some(chain) = &mut self.chain {
@@ -219,7 +221,8 @@ impl Monitor for Follow {
             return false;
         }
         let over = self.claim.count.is_some_and(|count| self.counter.certain().0 > count.1);
-        over || self.chain.as_ref().is_some_and(Chain::lost) || self.gaps.as_ref().is_some_and(Gaps::lost)
+        over || self.chain.as_ref().is_some_and(FigureChain::lost)
+            || self.gaps.as_ref().is_some_and(Gaps::lost)
     }
 
     fn finish(mut self: Box<Self>) -> Finding {
@@ -228,7 +231,7 @@ impl Monitor for Follow {
         }
         let mut parts = Vec::new();
         if let Some(count) = self.claim.count {
-            let counter = std::mem::replace(&mut self.counter, Counter::new(self.window));
+            let counter = std::mem::replace(&mut self.counter, EdgeCounter::new(self.window));
             parts.push(self.counted(count, counter));
         }
         if let Some(chain) = self.chain.take() {
@@ -247,13 +250,13 @@ impl Monitor for Follow {
     }
 }
 
-impl Follow {
+impl FramesMonitor {
     /// Why a part is not known.
     fn hidden(&self) -> String {
         format!("`{}` is not known for a part of the window", self.info.name)
     }
 
-    fn counted(&self, (least, most): (u64, u64), counter: Counter) -> Finding {
+    fn counted(&self, (least, most): (u64, u64), counter: EdgeCounter) -> Finding {
         let counted = counter.finish();
         let numbers = counted.counts.iter().map(|counts| counts.0);
         let seen = (numbers.clone().min().unwrap_or(0), numbers.max().unwrap_or(0));
@@ -289,7 +292,7 @@ impl Follow {
         }
     }
 
-    fn spread(&self, chain: Chain) -> Finding {
+    fn spread(&self, chain: FigureChain) -> Finding {
         let spread = chain.finish();
         let mut finding = Finding {
             can_hold: spread.can_hold,
@@ -317,7 +320,7 @@ impl Follow {
         finding.decided_by(&deciding.seen)
     }
 
-    fn gap(&self, gap: Gap) -> Finding {
+    fn gap(&self, gap: GapResult) -> Finding {
         let longest = span_range(gap.longest);
         let finding = Finding {
             can_hold: gap.can_hold,

@@ -11,15 +11,15 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::Span;
 
-use super::common::{FROM, Limits, Single, anchor, delay_words, span_range, spans, width};
+use super::common::{FROM, SingleSpan, SpanLimits, anchor, delay_words, span_range, spans, width};
 use super::first_edge::WITHIN;
-use super::{Claim, Context, Expectation, Place, Verb};
-use crate::lang::{Anchor, Base};
-use crate::monitor::edges::{First, Found};
-use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring};
+use super::{Claim, ExpectVerb, Expectation, FilePlace, ReadContext};
+use crate::lang::{Anchor, AnchorBase};
+use crate::monitor::edges::{FirstEdge, FoundEdge};
+use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainInstant};
 
 /// `happens`.
-pub(super) const HAPPENS: Verb = Verb {
+pub(super) const HAPPENS: ExpectVerb = ExpectVerb {
     name: "happens",
     doc: "A step that waits for an event came, and in time",
     keys: &[KeySpec::required("step", KeyType::Anchor, "The id of the step"), FROM, WITHIN],
@@ -28,48 +28,48 @@ pub(super) const HAPPENS: Verb = Verb {
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Happens {
+struct HappensClaim {
     step: Anchor,
     from: Option<Anchor>,
-    within: Option<Limits>,
+    within: Option<SpanLimits>,
     /// The longest wait of a step that nobody asked about.
     wait: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let node = fields.get("step")?;
     let step = cx.names.anchor(node, cx.out)?;
-    if !matches!(step.base, Base::Step(_)) || step.offset != Span::ZERO {
+    if !matches!(step.base, AnchorBase::Step(_)) || step.offset != Span::ZERO {
         let message = format!("`{step}` is not a step");
         cx.out.bad(crate::codes::CLAIM, node, message, "write the id of a step alone");
         return None;
     }
     let from = anchor(fields, "from", Anchor::START, cx)?;
     let within = match fields.get("within") {
-        Some(node) => Some(spans(node, "within", Single::Most, cx)?),
+        Some(node) => Some(spans(node, "within", SingleSpan::Most, cx)?),
         None => None,
     };
-    Some(Arc::new(Happens { step, from: Some(from), within, wait: None }))
+    Some(Arc::new(HappensClaim { step, from: Some(from), within, wait: None }))
 }
 
 /// The claim that a step which waits for an event came.
 pub(crate) fn implied(step: &str, wait: Option<Span>, line: u32) -> Expectation {
-    let id = Anchor { base: Base::Step(step.to_owned()), offset: Span::ZERO };
+    let id = Anchor { base: AnchorBase::Step(step.to_owned()), offset: Span::ZERO };
     Expectation {
         name: String::new(),
         verb: "happens",
-        claim: Arc::new(Happens { step: id, from: None, within: None, wait }),
-        place: Some(Place { file: Arc::from(""), span: 0..0, line }),
+        claim: Arc::new(HappensClaim { step: id, from: None, within: None, wait }),
+        place: Some(FilePlace { file: Arc::from(""), span: 0..0, line }),
     }
 }
 
-impl Happens {
+impl HappensClaim {
     fn id(&self) -> &str {
         self.step.base.step().unwrap_or_default()
     }
 }
 
-impl Claim for Happens {
+impl Claim for HappensClaim {
     fn expected(&self) -> String {
         let id = self.id();
         match (&self.from, self.within, self.wait) {
@@ -87,30 +87,30 @@ impl Claim for Happens {
         self.from.iter().collect()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.signals()[0], wiring, out);
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let from = match &self.from {
             Some(from) => scene.point(from)?,
-            None => Point { a: i64::MIN, b: i64::MIN, place: 0, base: u32::MAX, offset: 0 },
+            None => UncertainInstant { a: i64::MIN, b: i64::MIN, place: 0, base: u32::MAX, offset: 0 },
         };
         let limits = self.within.unwrap_or((0, i64::MAX));
-        Ok(Box::new(Came { claim: self.clone(), from, limits, came: None }))
+        Ok(Box::new(HappensMonitor { claim: self.clone(), from, limits, came: None }))
     }
 }
 
 /// The judge.
-struct Came {
-    claim: Happens,
-    from: Point,
-    limits: Limits,
-    came: Option<Seen>,
+struct HappensMonitor {
+    claim: HappensClaim,
+    from: UncertainInstant,
+    limits: SpanLimits,
+    came: Option<TimedValue>,
 }
 
-impl Monitor for Came {
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+impl Monitor for HappensMonitor {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         self.came.get_or_insert(*seen);
     }
 
@@ -125,8 +125,8 @@ impl Monitor for Came {
             finding.observed = String::from("it came");
             return finding;
         };
-        let found = Found { seen: came, certain: true };
-        let mut first = First::new(self.from, self.limits.0, self.limits.1);
+        let found = FoundEdge { seen: came, certain: true };
+        let mut first = FirstEdge::new(self.from, self.limits.0, self.limits.1);
         first.see(&found);
         let delay = first.finish();
         let between = (came.a.saturating_sub(self.from.b), came.b.saturating_sub(self.from.a));

@@ -12,7 +12,7 @@ use document::{Data, Fields, KeySpec, KeyType, Node};
 
 use super::common::{FROM, UNTIL, WHEN};
 use super::first_edge::WITHIN;
-use super::{Claim, Context, Verb, state};
+use super::{Claim, ExpectVerb, ReadContext, state};
 
 /// The indicators, as the signals `LED.PWR` and so on name them.
 const NAMES: &[&str] = &["PWR", "RUN", "ERR", "IO", "TM4"];
@@ -21,7 +21,7 @@ const NAMES: &[&str] = &["PWR", "RUN", "ERR", "IO", "TM4"];
 const SHOWS: KeyType = KeyType::Choice(&["off", "on", "fast-flash", "regular-flash", "single-flash"]);
 
 /// `led`.
-pub(super) const LED: Verb = Verb {
+pub(super) const LED: ExpectVerb = ExpectVerb {
     name: "led",
     doc: "An indicator of the controller shows something at an instant, comes to show it, or shows it all along",
     keys: &[
@@ -37,7 +37,7 @@ pub(super) const LED: Verb = Verb {
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let node = fields.get("name")?;
     let name = format!("LED.{}", node.as_text()?);
     let signal = cx.names.signal(&Node { data: Data::Text(name), content: None, ..node.clone() }, cx.out)?;

@@ -13,15 +13,17 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span};
 
-use super::band::{Band, IS_RANGE, shown};
-use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, count_range, delay_words, signal};
+use super::band::{FigureBand, IS_RANGE, shown};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, count_range, delay_words, signal};
 use super::condition::{MAX, MIN};
-use super::{Claim, Context, Demand, Verb};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::codes;
 use crate::lang::{Anchor, millihertz};
 use crate::monitor::edges::Edge;
-use crate::monitor::jitter::{Asked, Compared, Found, Grid, Jitter};
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::monitor::jitter::{Grid, Jitter, JitterQuery, JitterReference, JitterResult};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+};
 
 /// What is compared.
 pub(crate) const COMPARES: KeySpec = KeySpec::optional(
@@ -37,7 +39,7 @@ pub(crate) const GRID: KeySpec = KeySpec::optional(
 );
 
 /// `jitter`.
-pub(super) const JITTER: Verb = Verb {
+pub(super) const JITTER: ExpectVerb = ExpectVerb {
     name: "jitter",
     doc: "The edges of a signal keep to an even grid, or its periods have one length, to within limits",
     keys: &[
@@ -66,20 +68,20 @@ pub(super) const JITTER: Verb = Verb {
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Jittering {
+struct JitterClaim {
     signal: String,
-    asked: Asked,
+    asked: JitterQuery,
     edge: Edge,
-    band: Band,
-    between: Between,
+    band: FigureBand,
+    between: PlanWindow,
     longer_than: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "signal", cx);
-    let between = Between::read(fields, cx);
+    let between = PlanWindow::read(fields, cx);
     let asked = asked(fields, cx);
-    let band = Band::read(fields, "jitter", "ns", cx)?;
+    let band = FigureBand::read(fields, "jitter", "ns", cx)?;
     if band.max < 0.0 || band.min <= 0.0 && band.max == f64::INFINITY {
         let message = "a jitter is never below 0";
         cx.out.error(
@@ -96,18 +98,18 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
         _ => Edge::Rises,
     };
     let longer_than = fields.duration("pulses-longer-than");
-    Some(Arc::new(Jittering { signal: signal?, asked: asked?, edge, band, between: between?, longer_than }))
+    Some(Arc::new(JitterClaim { signal: signal?, asked: asked?, edge, band, between: between?, longer_than }))
 }
 
 /// Reads `compares`, `take` and `grid`.
-pub(crate) fn asked(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Asked> {
+pub(crate) fn asked(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<JitterQuery> {
     let compared = match fields.text("compares") {
-        Some("periods") => Compared::Periods,
-        _ => Compared::Edges,
+        Some("periods") => JitterReference::Periods,
+        _ => JitterReference::Edges,
     };
     let rms = fields.text("take") == Some("rms");
     let Some(node) = fields.get("grid") else {
-        return (!fields.has("grid")).then_some(Asked { compared, rms, grid: None });
+        return (!fields.has("grid")).then_some(JitterQuery { compared, rms, grid: None });
     };
     let grid = node.as_text().and_then(grid);
     let Some(grid) = grid else {
@@ -115,12 +117,12 @@ pub(crate) fn asked(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Asked> 
         cx.out.bad(codes::GRID, node, message, "write it as \"100 kHz\" or \"10 us\"");
         return None;
     };
-    if compared == Compared::Periods && !rms {
+    if compared == JitterReference::Periods && !rms {
         let message = "how far periods lie apart does not hang on a grid";
         cx.out.bad(codes::GRID, node, message, "remove `grid`, or take = \"rms\"");
         return None;
     }
-    Some(Asked { compared, rms, grid: Some(grid) })
+    Some(JitterQuery { compared, rms, grid: Some(grid) })
 }
 
 fn grid(text: &str) -> Option<Grid> {
@@ -140,18 +142,18 @@ const fn common_divisor(mut a: u64, mut b: u64) -> u64 {
     a
 }
 
-impl fmt::Display for Asked {
+impl fmt::Display for JitterQuery {
     /// `rms jitter of the periods`, `peak-to-peak jitter of the edges`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(if self.rms { "rms jitter of the " } else { "peak-to-peak jitter of the " })?;
         f.write_str(match self.compared {
-            Compared::Edges => "edges",
-            Compared::Periods => "periods",
+            JitterReference::Edges => "edges",
+            JitterReference::Periods => "periods",
         })
     }
 }
 
-impl Claim for Jittering {
+impl Claim for JitterClaim {
     fn expected(&self) -> String {
         format!("the {} of `{}` is {}{}", self.asked, self.signal, self.band, self.between.words())
     }
@@ -164,22 +166,22 @@ impl Claim for Jittering {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.signal, wiring, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
-        vec![Demand::Change(&self.signal), self.between.demand()]
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        vec![ClaimDemand::Change(&self.signal), self.between.demand()]
     }
 
     fn counts(&self) -> Option<f64> {
         Some(0.0)
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
-        Ok(Box::new(Follow {
+        Ok(Box::new(JitterMonitor {
             claim: self.clone(),
             info: info.clone(),
             window,
@@ -190,31 +192,31 @@ impl Claim for Jittering {
 }
 
 /// The judge.
-struct Follow {
-    claim: Jittering,
+struct JitterMonitor {
+    claim: JitterClaim,
     info: SignalInfo,
-    window: Window,
+    window: UncertainWindow,
     jitter: Jitter,
     missed: Option<String>,
 }
 
-impl Monitor for Follow {
+impl Monitor for JitterMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         self.jitter.see(seen);
     }
 
     fn finish(self: Box<Self>) -> Finding {
-        let Follow { claim, info, window, jitter, missed } = *self;
+        let JitterMonitor { claim, info, window, jitter, missed } = *self;
         finding(&claim, &info, &window, &jitter.finish(), missed)
     }
 }
 
 fn finding(
-    claim: &Jittering,
+    claim: &JitterClaim,
     info: &SignalInfo,
-    window: &Window,
-    found: &Found,
+    window: &UncertainWindow,
+    found: &JitterResult,
     missed: Option<String>,
 ) -> Finding {
     // Edges that are hidden can make any figure.
@@ -250,17 +252,17 @@ fn finding(
     let Some((late, early)) = found.farthest else { return finding };
     if !finding.can_hold {
         let from = &window.from;
-        let words = |seen: &Seen| {
+        let words = |seen: &TimedValue| {
             delay_words((seen.a.saturating_sub(from.b), seen.b.saturating_sub(from.a)), &claim.between.from)
         };
         finding.reason = match claim.asked.compared {
-            Compared::Edges => format!(
+            JitterReference::Edges => format!(
                 "{}: the latest edge against the grid came {}, the earliest {}",
                 finding.reason,
                 words(&late),
                 words(&early)
             ),
-            Compared::Periods => format!(
+            JitterReference::Periods => format!(
                 "{}: the longest period ended {}, the shortest {}",
                 finding.reason,
                 words(&late),

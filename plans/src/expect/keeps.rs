@@ -12,28 +12,30 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span, Value};
 
-use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, signal, span_range, width};
-use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
-use super::{Claim, Context, Demand, Verb};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, signal, span_range, width};
+use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::segments::{Breach, Kept, Segments, Weight};
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Test, Truth, Wiring, blind, slack};
+use crate::monitor::segments::{Breach, SegmentJudgement, SegmentResult, Weight};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, Truth, ValueTest, blind, slack,
+};
 
 /// `stays`.
-pub(super) const STAYS: Verb = Verb {
+pub(super) const STAYS: ExpectVerb = ExpectVerb {
     name: "stays",
     doc: "A signal has its value, or one within limits, for the whole of a window",
     keys: &[SIGNAL, IS, ONE_OF, MIN, MAX, FROM, UNTIL, LONGER],
     read: |fields, cx| {
-        let condition = Condition::read(fields, None, cx);
+        let condition = ValueCondition::read(fields, None, cx);
         let signal = signal(fields, "signal", cx);
         read_window(fields, signal, condition, cx)
     },
 };
 
 /// `never`.
-pub(super) const NEVER: Verb = Verb {
+pub(super) const NEVER: ExpectVerb = ExpectVerb {
     name: "never",
     doc: "A signal has a value at no time of a window, or several signals are never TRUE together",
     keys: &[
@@ -66,10 +68,10 @@ const MOST: usize = 16;
 #[derive(Clone, Debug)]
 pub(super) struct Keeps {
     pub(super) signals: Vec<String>,
-    pub(super) condition: Condition,
+    pub(super) condition: ValueCondition,
     /// The condition is what must not be.
     pub(super) forbidden: bool,
-    pub(super) between: Between,
+    pub(super) between: PlanWindow,
     pub(super) longer_than: Option<Span>,
 }
 
@@ -77,17 +79,17 @@ pub(super) struct Keeps {
 pub(super) fn read_window(
     fields: &Fields<'_>,
     signal: Option<String>,
-    condition: Option<Condition>,
-    cx: &mut Context<'_>,
+    condition: Option<ValueCondition>,
+    cx: &mut ReadContext<'_>,
 ) -> Option<Arc<dyn Claim>> {
-    let between = Between::read(fields, cx);
+    let between = PlanWindow::read(fields, cx);
     let longer_than = fields.duration("pulses-longer-than");
     let signals = vec![signal?];
     Some(Arc::new(Keeps { signals, condition: condition?, forbidden: false, between: between?, longer_than }))
 }
 
-fn read_never(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
-    let condition = Condition::read(fields, Some(Condition::is_true()), cx);
+fn read_never(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+    let condition = ValueCondition::read(fields, Some(ValueCondition::is_true()), cx);
     let given: Vec<&str> = ["signal", "all", "any-two"].into_iter().filter(|key| fields.has(key)).collect();
     let signals = match given.as_slice() {
         ["signal"] => vec![signal(fields, "signal", cx)?],
@@ -101,13 +103,13 @@ fn read_never(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim
     if given == ["any-two"] {
         return super::pairs::claim(signals, condition, fields, cx);
     }
-    let between = Between::read(fields, cx);
+    let between = PlanWindow::read(fields, cx);
     let longer_than = fields.duration("pulses-longer-than");
     Some(Arc::new(Keeps { signals, condition: condition?, forbidden: true, between: between?, longer_than }))
 }
 
 /// Reads two or more signals, each once.
-fn several(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Vec<String>> {
+fn several(fields: &Fields<'_>, key: &str, cx: &mut ReadContext<'_>) -> Option<Vec<String>> {
     let mut signals = Vec::new();
     for node in fields.each(key) {
         let name = cx.names.signal(node, cx.out)?;
@@ -127,13 +129,13 @@ fn several(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Vec<S
 }
 
 impl Keeps {
-    fn test(&self, info: &SignalInfo) -> Result<Test, String> {
+    fn test(&self, info: &SignalInfo) -> Result<ValueTest, String> {
         let test = self.condition.bind(info)?;
-        Ok(if self.forbidden { Test::Not(Box::new(test)) } else { test })
+        Ok(if self.forbidden { ValueTest::Not(Box::new(test)) } else { test })
     }
 
     /// Finds what cannot be judged of one of the signals.
-    pub(super) fn check_one(&self, at: usize, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    pub(super) fn check_one(&self, at: usize, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signals[at], wiring, out) {
             super::meant(self.test(info).map(drop), out);
         }
@@ -143,14 +145,14 @@ impl Keeps {
     pub(super) fn start_with(
         &self,
         info: &SignalInfo,
-        scene: &Scene<'_>,
+        scene: &CaseTimeline<'_>,
     ) -> Result<Box<dyn Monitor>, NotJudged> {
-        let segments = Segments::new(scene.window(&self.between.from, &self.between.until)?);
+        let segments = SegmentJudgement::new(scene.window(&self.between.from, &self.between.until)?);
         let test = self.test(info).map_err(NotJudged::NoMeaning)?;
         let watched = vec![Watched { test, slack: slack(info), info: info.clone() }];
         let open = scene.is_open(&self.between.until);
         let common = Common { claim: self.clone(), watched, segments, missed: None, open, end: scene.end() };
-        Ok(Box::new(Single { common, last: None, extreme: None, run: None }))
+        Ok(Box::new(SingleSignalMonitor { common, last: None, extreme: None, run: None }))
     }
 
     fn subject(&self) -> String {
@@ -181,21 +183,21 @@ impl Claim for Keeps {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         for at in 0..self.signals.len() {
             self.check_one(at, wiring, out);
         }
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         let (condition, forbidden) = (&self.condition, self.forbidden);
         // Of several signals it is enough that one keeps out.
         let signal = if let [one] = self.signals.as_slice() { Some(one) } else { None };
-        let value = signal.map(|signal| Demand::Value { signal, condition, forbidden });
+        let value = signal.map(|signal| ClaimDemand::Value { signal, condition, forbidden });
         value.into_iter().chain([self.between.demand()]).collect()
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let window = scene.window(&self.between.from, &self.between.until)?;
         let mut watched = Vec::new();
         let mut missed = None;
@@ -206,19 +208,19 @@ impl Claim for Keeps {
             missed = missed.or_else(|| blind(info, self.longer_than).map(|span| blind_words(info, span)));
         }
         let open = scene.is_open(&self.between.until);
-        let segments = Segments::new(window);
+        let segments = SegmentJudgement::new(window);
         let common = Common { claim: self.clone(), watched, segments, missed, open, end: scene.end() };
         if self.signals.len() > 1 {
             let lags = self.signals.iter().map(|name| scene.lag(name)).collect();
             return Ok(super::together::start(common, lags));
         }
-        Ok(Box::new(Single { common, last: None, extreme: None, run: None }))
+        Ok(Box::new(SingleSignalMonitor { common, last: None, extreme: None, run: None }))
     }
 }
 
 /// A signal with its condition: what it has to keep to.
 pub(super) struct Watched {
-    pub(super) test: Test,
+    pub(super) test: ValueTest,
     pub(super) slack: f64,
     pub(super) info: SignalInfo,
 }
@@ -227,7 +229,7 @@ pub(super) struct Watched {
 pub(super) struct Common {
     pub(super) claim: Keeps,
     pub(super) watched: Vec<Watched>,
-    pub(super) segments: Segments,
+    pub(super) segments: SegmentJudgement,
     /// Why short breaches can have gone unseen.
     pub(super) missed: Option<String>,
     /// The end of the window is still to come.
@@ -238,7 +240,7 @@ pub(super) struct Common {
 
 impl Common {
     /// What a forbidden stretch counts for, by its width.
-    pub(super) fn weigh(&self, class: Truth, start: &Seen, end: (i64, i64)) -> Truth {
+    pub(super) fn weigh(&self, class: Truth, start: &TimedValue, end: (i64, i64)) -> Truth {
         let Some(longer) = self.claim.longer_than else { return class };
         let width = (end.0.saturating_sub(start.b).max(0), end.1.saturating_sub(start.a));
         match class {
@@ -262,7 +264,7 @@ impl Common {
     }
 
     /// The finding, with how far the values kept inside their limits.
-    pub(super) fn finding(&mut self, extreme: Option<(f64, Seen)>) -> Finding {
+    pub(super) fn finding(&mut self, extreme: Option<(f64, TimedValue)>) -> Finding {
         let kept = self.segments.finish();
         let mut finding = Finding {
             can_hold: kept.can_hold,
@@ -307,7 +309,7 @@ impl Common {
         if self.watched.len() > 1 { "they were" } else { "it was" }
     }
 
-    fn observed(&self, kept: &Kept) -> String {
+    fn observed(&self, kept: &SegmentResult) -> String {
         match kept.worst {
             None if self.claim.forbidden => String::from("it did not happen"),
             None => format!("it stayed {}", self.claim.condition),
@@ -329,7 +331,7 @@ impl Common {
         }
     }
 
-    fn reason(&self, kept: &Kept) -> String {
+    fn reason(&self, kept: &SegmentResult) -> String {
         match kept.worst {
             Some(breach) if !kept.can_hold => {
                 format!("{} {} inside the window", self.were(), self.show(breach.value))
@@ -349,7 +351,7 @@ impl Common {
 
     /// In values where the condition has limits, else in time: how far off forbidden values kept, or for
     /// how long one lay in the window.
-    fn margin(&self, kept: &Kept, extreme: Option<(f64, Seen)>) -> Option<Figure> {
+    fn margin(&self, kept: &SegmentResult, extreme: Option<(f64, TimedValue)>) -> Option<Figure> {
         if let (Some((margin, _)), [one]) = (extreme, self.watched.as_slice()) {
             return Some(Figure::new(margin, one.info.unit.clone()));
         }
@@ -379,11 +381,11 @@ fn lasts(start: (i64, i64), end: (i64, i64)) -> String {
 }
 
 /// The judge of one signal.
-struct Single {
+struct SingleSignalMonitor {
     common: Common,
-    last: Option<Seen>,
+    last: Option<TimedValue>,
     /// The value of the window that is nearest to a limit, or farthest outside.
-    extreme: Option<(f64, Seen)>,
+    extreme: Option<(f64, TimedValue)>,
     /// With `pulses-longer-than`: the stretch that is open, whose width decides.
     run: Option<Run>,
 }
@@ -392,14 +394,14 @@ struct Single {
 /// forbidden, so that all of the stretch can be one pulse.
 struct Run {
     /// Whether the value is forbidden or not known at the moment, and since when.
-    piece: (Truth, Seen),
+    piece: (Truth, TimedValue),
     /// The beginning of the pieces before that were not told yet.
-    untold: Option<Seen>,
+    untold: Option<TimedValue>,
     /// A piece that was told is longer than what does not matter.
     long: bool,
 }
 
-impl Single {
+impl SingleSignalMonitor {
     /// The last value lasted until here.
     fn extent(&mut self, end: i64) {
         let Some(last) = self.last else { return };
@@ -436,13 +438,13 @@ impl Single {
     }
 }
 
-impl Monitor for Single {
+impl Monitor for SingleSignalMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         self.common.advance(seen.a);
         let watched = &self.common.watched[0];
         let class = watched.test.holds(seen.value, watched.slack);
-        if matches!(watched.test, Test::Range { .. }) {
+        if matches!(watched.test, ValueTest::Range { .. }) {
             self.extent(seen.b);
             self.last = Some(*seen);
         }

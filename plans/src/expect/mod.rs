@@ -43,17 +43,17 @@ use document::{Diagnostic, Fields, Findings, KeySpec};
 use record::Origin;
 
 use crate::codes;
-use crate::lang::{Anchor, Names};
-use crate::monitor::{Monitor, NotJudged, Scene, Wiring};
+use crate::lang::{Anchor, PlanNames};
+use crate::monitor::{CaseTimeline, Monitor, NotJudged, TraceSignals};
 
-pub use demand::Demand;
+pub use demand::ClaimDemand;
 
-pub(crate) use common::{Between, blind_words, delay_words, span_range, unclear};
+pub(crate) use common::{PlanWindow, blind_words, delay_words, span_range, unclear};
 pub(crate) use condition::literal;
 
 /// A verb of `expect`: `{ falls = { signal = ... } }`.
 #[derive(Debug)]
-pub struct Verb {
+pub struct ExpectVerb {
     /// The verb as written.
     pub name: &'static str,
     /// What it claims, one sentence, for the schema and the manual.
@@ -61,20 +61,20 @@ pub struct Verb {
     /// Its keys.
     pub keys: &'static [KeySpec],
     /// Makes the claim of a table that was held against `keys`. `None` after it reported what is wrong.
-    pub read: fn(&Fields<'_>, &mut Context<'_>) -> Option<Arc<dyn Claim>>,
+    pub read: fn(&Fields<'_>, &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>,
 }
 
 /// Where a reader reports, and the plan around it.
-pub struct Context<'a> {
+pub struct ReadContext<'a> {
     /// The findings so far.
     pub out: &'a mut Findings,
     /// The names of the plan.
-    pub names: &'a dyn Names,
+    pub names: &'a dyn PlanNames,
     /// Where the verb's table stands.
     pub place: Range<usize>,
 }
 
-impl fmt::Debug for Context<'_> {
+impl fmt::Debug for ReadContext<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Context").field("place", &self.place).finish_non_exhaustive()
     }
@@ -90,7 +90,7 @@ pub struct Expectation {
     /// What it claims.
     pub claim: Arc<dyn Claim>,
     /// Where it stands; `None` for a claim that is in no plan file.
-    pub place: Option<Place>,
+    pub place: Option<FilePlace>,
 }
 
 /// An invariant or an alarm: a claim that holds in every case that its file covers.
@@ -104,7 +104,7 @@ pub struct GlobalCheck {
 
 /// Where an expectation or a measurement stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct FilePlace {
     /// Name of the plan file; empty where only the line is known.
     pub file: Arc<str>,
     /// Bytes of the file.
@@ -122,9 +122,9 @@ pub trait Claim: Debug + Send + Sync {
     /// The instants that it hangs on.
     fn anchors(&self) -> Vec<&Anchor>;
     /// Finds what cannot be judged with these signals at all (a label that the state does not have).
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>);
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>);
     /// What it demands, as far as that can be held against plan and bench before anything moves.
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         Vec::new()
     }
     /// Of a claim for which every pulse of its signals counts: how fast they have to be in Hz for it to hold, at least; 0
@@ -136,11 +136,11 @@ pub trait Claim: Debug + Send + Sync {
     ///
     /// # Errors
     /// [`NotJudged`] when it hangs on an instant that never came or on a window that is empty.
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged>;
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged>;
 }
 
 /// Every verb, in the order of the manual.
-pub static VERBS: &[&Verb] = &[
+pub static VERBS: &[&ExpectVerb] = &[
     &first_edge::RISES,
     &first_edge::FALLS,
     &first_edge::CHANGES,
@@ -171,14 +171,14 @@ pub static VERBS: &[&Verb] = &[
 ];
 
 /// The verb of this name.
-pub fn verb(name: &str) -> Option<&'static Verb> {
+pub fn verb(name: &str) -> Option<&'static ExpectVerb> {
     VERBS.iter().copied().find(|verb| verb.name == name)
 }
 
 /// The signal of this name, or a finding that the trace does not have it.
 pub(crate) fn known<'a>(
     name: &str,
-    wiring: &Wiring<'a>,
+    wiring: &TraceSignals<'a>,
     out: &mut Vec<Diagnostic>,
 ) -> Option<&'a signal::SignalInfo> {
     let found = wiring.find(name);

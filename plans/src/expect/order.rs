@@ -13,14 +13,16 @@ use record::Figure;
 use signal::Span;
 
 use super::common::{FROM, anchor, delay_words};
-use super::{Claim, Context, Demand, Verb};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::edges::{Delay, Edge, Finder, First};
-use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Wiring, slack};
+use crate::monitor::edges::{Delay, Edge, EdgeFinder, FirstEdge};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainInstant, slack,
+};
 
 /// `order`.
-pub(super) const ORDER: Verb = Verb {
+pub(super) const ORDER: ExpectVerb = ExpectVerb {
     name: "order",
     doc: "Edges of several signals come in the order in which they are listed",
     keys: &[
@@ -39,12 +41,12 @@ const MOST: usize = 32;
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Order {
+struct OrderClaim {
     edges: Vec<(String, Edge)>,
     from: Anchor,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let from = anchor(fields, "from", Anchor::START, cx);
     let list = fields.each("edges");
     if !(2..=MOST).contains(&list.len()) {
@@ -56,11 +58,11 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
     for node in list {
         edges.push(read_edge(node, cx)?);
     }
-    Some(Arc::new(Order { edges, from: from? }))
+    Some(Arc::new(OrderClaim { edges, from: from? }))
 }
 
 /// Reads `signal rises`.
-fn read_edge(node: &Node, cx: &mut Context<'_>) -> Option<(String, Edge)> {
+fn read_edge(node: &Node, cx: &mut ReadContext<'_>) -> Option<(String, Edge)> {
     let text = node.as_text()?;
     let edge = match text.rsplit_once(char::is_whitespace) {
         Some((name, "rises")) => Some((name, Edge::Rises)),
@@ -86,7 +88,7 @@ fn present(edge: &Edge) -> &'static str {
     }
 }
 
-impl Claim for Order {
+impl Claim for OrderClaim {
     fn expected(&self) -> String {
         let parts: Vec<String> =
             self.edges.iter().map(|(signal, edge)| format!("`{signal}` {}", present(edge))).collect();
@@ -101,45 +103,45 @@ impl Claim for Order {
         vec![&self.from]
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         for (signal, _) in &self.edges {
             super::known(signal, wiring, out);
         }
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
-        let changes = self.edges.iter().map(|(signal, _)| Demand::Change(signal));
-        changes.chain([Demand::At(&self.from)]).collect()
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        let changes = self.edges.iter().map(|(signal, _)| ClaimDemand::Change(signal));
+        changes.chain([ClaimDemand::At(&self.from)]).collect()
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let point = scene.point(&self.from)?;
         let mut sides = Vec::new();
         for (name, edge) in &self.edges {
             let info = scene.signal(name)?;
-            let finder = Finder::new(edge.clone(), slack(info));
-            sides.push(Side { finder, first: First::new(point, 0, i64::MAX) });
+            let finder = EdgeFinder::new(edge.clone(), slack(info));
+            sides.push(OrderedEdge { finder, first: FirstEdge::new(point, 0, i64::MAX) });
         }
-        Ok(Box::new(Follow { claim: self.clone(), point, sides }))
+        Ok(Box::new(OrderMonitor { claim: self.clone(), point, sides }))
     }
 }
 
 /// One of the edges.
-struct Side {
-    finder: Finder,
-    first: First,
+struct OrderedEdge {
+    finder: EdgeFinder,
+    first: FirstEdge,
 }
 
 /// The judge.
-struct Follow {
-    claim: Order,
-    point: Point,
-    sides: Vec<Side>,
+struct OrderMonitor {
+    claim: OrderClaim,
+    point: UncertainInstant,
+    sides: Vec<OrderedEdge>,
 }
 
-impl Monitor for Follow {
+impl Monitor for OrderMonitor {
     #[inline]
-    fn feed(&mut self, slot: usize, seen: &Seen) {
+    fn feed(&mut self, slot: usize, seen: &TimedValue) {
         let side = &mut self.sides[slot];
         if let Some(found) = side.finder.see(seen) {
             side.first.see(&found);
@@ -158,7 +160,7 @@ impl Monitor for Follow {
     }
 }
 
-fn finding(claim: &Order, point: &Point, delays: &[Delay]) -> Finding {
+fn finding(claim: &OrderClaim, point: &UncertainInstant, delays: &[Delay]) -> Finding {
     let mut finding = Finding { can_hold: true, ..Finding::default() };
     let mut shown = Vec::new();
     for ((signal, edge), delay) in claim.edges.iter().zip(delays) {

@@ -7,16 +7,16 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields};
 
-use super::common::Between;
-use super::condition::Condition;
+use super::common::PlanWindow;
+use super::condition::ValueCondition;
 use super::keeps::Keeps;
-use super::{Claim, Context, Demand};
+use super::{Claim, ClaimDemand, ReadContext};
 use crate::lang::Anchor;
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Wiring};
+use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals};
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Pairs {
+struct PairsClaim {
     signals: Vec<String>,
     /// Places of the two signals, and the claim about them.
     pairs: Vec<(usize, usize, Keeps)>,
@@ -25,11 +25,11 @@ struct Pairs {
 /// Makes the claim of signals that are known to be two or more, each once.
 pub(super) fn claim(
     signals: Vec<String>,
-    condition: Option<Condition>,
+    condition: Option<ValueCondition>,
     fields: &Fields<'_>,
-    cx: &mut Context<'_>,
+    cx: &mut ReadContext<'_>,
 ) -> Option<Arc<dyn Claim>> {
-    let between = Between::read(fields, cx)?;
+    let between = PlanWindow::read(fields, cx)?;
     let condition = condition?;
     let longer_than = fields.duration("pulses-longer-than");
     let mut pairs = Vec::new();
@@ -40,10 +40,10 @@ pub(super) fn claim(
             pairs.push((one, other, Keeps { signals, condition, forbidden: true, between, longer_than }));
         }
     }
-    Some(Arc::new(Pairs { signals, pairs }))
+    Some(Arc::new(PairsClaim { signals, pairs }))
 }
 
-impl Claim for Pairs {
+impl Claim for PairsClaim {
     fn expected(&self) -> String {
         let quoted: Vec<String> = self.signals.iter().map(|name| format!("`{name}`")).collect();
         match self.pairs.first() {
@@ -63,7 +63,7 @@ impl Claim for Pairs {
         self.pairs.first().map_or_else(Vec::new, |(_, _, pair)| pair.anchors())
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         // One signal after another, so that nothing is said once for each pair.
         for at in 0..self.signals.len() {
             if let Some((one, _, pair)) = self.pairs.iter().find(|(one, other, _)| at == *one || at == *other)
@@ -73,34 +73,34 @@ impl Claim for Pairs {
         }
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         self.pairs.first().map_or_else(Vec::new, |(_, _, pair)| vec![pair.between.demand()])
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let mut pairs = Vec::new();
         for (one, other, pair) in &self.pairs {
             let name = format!("`{}` and `{}`", self.signals[*one], self.signals[*other]);
-            pairs.push(Pair { slots: [*one, *other], name, monitor: pair.start(scene)? });
+            pairs.push(SignalPair { slots: [*one, *other], name, monitor: pair.start(scene)? });
         }
-        Ok(Box::new(Follow { pairs }))
+        Ok(Box::new(PairsMonitor { pairs }))
     }
 }
 
 /// Two of the signals.
-struct Pair {
+struct SignalPair {
     slots: [usize; 2],
     name: String,
     monitor: Box<dyn Monitor>,
 }
 
 /// The judge.
-struct Follow {
-    pairs: Vec<Pair>,
+struct PairsMonitor {
+    pairs: Vec<SignalPair>,
 }
 
-impl Monitor for Follow {
-    fn feed(&mut self, slot: usize, seen: &Seen) {
+impl Monitor for PairsMonitor {
+    fn feed(&mut self, slot: usize, seen: &TimedValue) {
         for pair in &mut self.pairs {
             if let Some(own) = pair.slots.iter().position(|known| *known == slot) {
                 pair.monitor.feed(own, seen);
@@ -115,7 +115,7 @@ impl Monitor for Follow {
     fn finish(self: Box<Self>) -> Finding {
         let mut worst: Option<(Finding, String, [usize; 2])> = None;
         let (mut can_hold, mut can_break) = (true, false);
-        for Pair { slots, name, monitor } in self.pairs {
+        for SignalPair { slots, name, monitor } in self.pairs {
             let found = monitor.finish();
             can_hold &= found.can_hold;
             can_break |= found.can_break;

@@ -12,18 +12,20 @@ use record::Figure;
 use signal::{SignalInfo, Span};
 
 use super::common::{
-    Between, FROM, LONGER, Limits, SIGNAL, Single, UNTIL, blind_words, delay_words, signal, span_range,
-    spans, width,
+    FROM, LONGER, PlanWindow, SIGNAL, SingleSpan, SpanLimits, UNTIL, blind_words, delay_words, signal,
+    span_range, spans, width,
 };
-use super::{Claim, Context, Demand, Verb};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::edges::{Edge, Finder};
-use crate::monitor::pulses::Chain;
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::monitor::edges::{Edge, EdgeFinder};
+use crate::monitor::pulses::FigureChain;
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+};
 
 /// `period`.
-pub(super) const PERIOD: Verb = Verb {
+pub(super) const PERIOD: ExpectVerb = ExpectVerb {
     name: "period",
     doc: "Successive edges of a signal are as far apart as they should be, all of a window",
     keys: &[
@@ -48,19 +50,19 @@ pub(super) const PERIOD: Verb = Verb {
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Period {
+struct PeriodClaim {
     signal: String,
     edge: Edge,
-    limits: Limits,
-    between: Between,
+    limits: SpanLimits,
+    between: PlanWindow,
     longer_than: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "signal", cx);
-    let between = Between::read(fields, cx);
+    let between = PlanWindow::read(fields, cx);
     let node = fields.get("is")?;
-    let mut limits = spans(node, "is", Single::Exactly, cx)?;
+    let mut limits = spans(node, "is", SingleSpan::Exactly, cx)?;
     if fields.has("tolerance") {
         let tolerance = fields.duration("tolerance")?.as_nanos();
         if limits.0 != limits.1 {
@@ -76,10 +78,10 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
         _ => Edge::Rises,
     };
     let longer_than = fields.duration("pulses-longer-than");
-    Some(Arc::new(Period { signal: signal?, edge, limits, between: between?, longer_than }))
+    Some(Arc::new(PeriodClaim { signal: signal?, edge, limits, between: between?, longer_than }))
 }
 
-impl Period {
+impl PeriodClaim {
     fn noun(&self) -> &'static str {
         match self.edge {
             Edge::Rises => "rises",
@@ -89,7 +91,7 @@ impl Period {
     }
 }
 
-impl Claim for Period {
+impl Claim for PeriodClaim {
     fn expected(&self) -> String {
         let (noun, limits) = (self.noun(), span_range(self.limits));
         format!("successive {noun} of `{}` are {limits} apart{}", self.signal, self.between.words())
@@ -103,12 +105,12 @@ impl Claim for Period {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.signal, wiring, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
-        vec![Demand::Change(&self.signal), self.between.demand()]
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        vec![ClaimDemand::Change(&self.signal), self.between.demand()]
     }
 
     fn counts(&self) -> Option<f64> {
@@ -116,12 +118,12 @@ impl Claim for Period {
         Some(1e9 / self.limits.1.max(1) as f64)
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
-        Ok(Box::new(Follow {
-            finder: Finder::new(self.edge.clone(), slack(info)),
-            chain: Chain::new(window, self.limits),
+        Ok(Box::new(PeriodMonitor {
+            finder: EdgeFinder::new(self.edge.clone(), slack(info)),
+            chain: FigureChain::new(window, self.limits),
             missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
             claim: self.clone(),
             info: info.clone(),
@@ -132,19 +134,19 @@ impl Claim for Period {
 }
 
 /// The judge.
-struct Follow {
-    claim: Period,
+struct PeriodMonitor {
+    claim: PeriodClaim,
     info: SignalInfo,
-    window: Window,
-    finder: Finder,
-    chain: Chain,
+    window: UncertainWindow,
+    finder: EdgeFinder,
+    chain: FigureChain,
     missed: Option<String>,
     open: bool,
 }
 
-impl Monitor for Follow {
+impl Monitor for PeriodMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         if self.open {
             self.chain.advance(seen.a);
         }

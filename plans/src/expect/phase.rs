@@ -14,17 +14,19 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span};
 
-use super::band::{Band, IS_RANGE, shown};
-use super::common::{Between, FROM, LONGER, UNTIL, blind_words, delay_words, signal};
+use super::band::{FigureBand, IS_RANGE, shown};
+use super::common::{FROM, LONGER, PlanWindow, UNTIL, blind_words, delay_words, signal};
 use super::condition::{MAX, MIN};
-use super::{Claim, Context, Demand, Verb};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::edges::{Edge, Finder, LAST};
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::monitor::edges::{Edge, EdgeFinder, LAST};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+};
 
 /// `phase`.
-pub(super) const PHASE: Verb = Verb {
+pub(super) const PHASE: ExpectVerb = ExpectVerb {
     name: "phase",
     doc: "One periodic signal comes behind another by an angle of the other's cycle, in every cycle of a window",
     keys: &[
@@ -50,19 +52,19 @@ const MOST: usize = 256;
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Phase {
+struct PhaseClaim {
     of: String,
     behind: String,
     by_falls: bool,
-    band: Band,
-    between: Between,
+    band: FigureBand,
+    between: PlanWindow,
     longer_than: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let (of, behind) = (signal(fields, "of", cx), signal(fields, "behind", cx));
-    let between = Between::read(fields, cx);
-    let band = Band::read(fields, "phase", "deg", cx)?;
+    let between = PlanWindow::read(fields, cx);
+    let band = FigureBand::read(fields, "phase", "deg", cx)?;
     let (of, behind) = (of?, behind?);
     if of == behind {
         let node = fields.get("behind")?;
@@ -78,12 +80,12 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
     }
     let by_falls = fields.text("edge") == Some("falls");
     let longer_than = fields.duration("pulses-longer-than");
-    Some(Arc::new(Phase { of, behind, by_falls, band, between: between?, longer_than }))
+    Some(Arc::new(PhaseClaim { of, behind, by_falls, band, between: between?, longer_than }))
 }
 
-impl Claim for Phase {
+impl Claim for PhaseClaim {
     fn expected(&self) -> String {
-        let Phase { of, behind, band, between, .. } = self;
+        let PhaseClaim { of, behind, band, between, .. } = self;
         format!("`{of}` comes {band} behind `{behind}` in every cycle{}", between.words())
     }
 
@@ -95,50 +97,50 @@ impl Claim for Phase {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.of, wiring, out);
         super::known(&self.behind, wiring, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
-        vec![Demand::Change(&self.of), Demand::Change(&self.behind), self.between.demand()]
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        vec![ClaimDemand::Change(&self.of), ClaimDemand::Change(&self.behind), self.between.demand()]
     }
 
     fn counts(&self) -> Option<f64> {
         Some(0.0)
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let window = scene.window(&self.between.from, &self.between.until)?;
         let side = |name: &String| {
             let info = scene.signal(name)?.clone();
             let edge = if self.by_falls { Edge::Falls } else { Edge::Rises };
-            let finder = Finder::new(edge, slack(&info));
-            Ok(Side { info, finder, lag: scene.lag(name), edges: VecDeque::new(), reached: i64::MIN })
+            let finder = EdgeFinder::new(edge, slack(&info));
+            Ok(PhaseSignal { info, finder, lag: scene.lag(name), edges: VecDeque::new(), reached: i64::MIN })
         };
         let (of, behind) = (side(&self.of)?, side(&self.behind)?);
         let missed = [&of, &behind]
             .into_iter()
             .find_map(|side| blind(&side.info, self.longer_than).map(|span| blind_words(&side.info, span)));
-        let answer = Answer::default();
-        Ok(Box::new(Follow { claim: self.clone(), window, of, behind, missed, answer }))
+        let answer = PhaseResult::default();
+        Ok(Box::new(PhaseMonitor { claim: self.clone(), window, of, behind, missed, answer }))
     }
 }
 
 /// One of the signals.
-struct Side {
+struct PhaseSignal {
     info: SignalInfo,
-    finder: Finder,
+    finder: EdgeFinder,
     /// How far behind the newest event of the trace one of this signal can begin, nanoseconds.
     lag: i64,
-    edges: VecDeque<Seen>,
+    edges: VecDeque<TimedValue>,
     /// No later event of the signal begins before this.
     reached: i64,
 }
 
 /// What the cycles came to so far.
 #[derive(Default)]
-struct Answer {
+struct PhaseResult {
     cycles: u64,
     wrong: bool,
     open: bool,
@@ -146,24 +148,24 @@ struct Answer {
     /// Least and greatest angle.
     extent: Option<(f64, f64)>,
     /// The cycle farthest outside, or nearest to a limit.
-    deciding: Option<(f64, (f64, f64), Seen)>,
+    deciding: Option<(f64, (f64, f64), TimedValue)>,
     /// The beginning of a cycle in which nothing came.
-    empty: Option<Seen>,
+    empty: Option<TimedValue>,
 }
 
 /// The judge.
-struct Follow {
-    claim: Phase,
-    window: Window,
-    of: Side,
-    behind: Side,
+struct PhaseMonitor {
+    claim: PhaseClaim,
+    window: UncertainWindow,
+    of: PhaseSignal,
+    behind: PhaseSignal,
     missed: Option<String>,
-    answer: Answer,
+    answer: PhaseResult,
 }
 
 /// The turn in which the edge of a cycle is looked for: half a turn to either side of the middle of the limits, so
 /// that one that comes a little early is not taken for that of the cycle before.
-struct Turn {
+struct PhaseTurn {
     /// Earliest and latest beginning and end, nanoseconds.
     begin: (i64, i64),
     end: (i64, i64),
@@ -171,8 +173,8 @@ struct Turn {
     length: (i64, i64),
 }
 
-impl Turn {
-    fn of(start: &Seen, end: &Seen, band: &Band) -> Turn {
+impl PhaseTurn {
+    fn of(start: &TimedValue, end: &TimedValue, band: &FigureBand) -> PhaseTurn {
         let length = (end.a.saturating_sub(start.b).max(1), end.b.saturating_sub(start.a).max(1));
         let shift = (band.min + band.max) / 720.0 - 0.5;
         let shifts = [shift * length.0 as f64, shift * length.1 as f64];
@@ -181,11 +183,11 @@ impl Turn {
         let most = libm::ceil(shifts[0].max(shifts[1])) as i64;
         let begin = (start.a.saturating_add(least), start.b.saturating_add(most));
         let end = (begin.0.saturating_add(length.0), begin.1.saturating_add(length.1));
-        Turn { begin, end, length }
+        PhaseTurn { begin, end, length }
     }
 
     /// Least and greatest angle of an edge behind the beginning of the cycle.
-    fn angle(&self, start: &Seen, edge: &Seen) -> (f64, f64) {
+    fn angle(&self, start: &TimedValue, edge: &TimedValue) -> (f64, f64) {
         let delay = (edge.a.saturating_sub(start.b), edge.b.saturating_sub(start.a));
         let angle = |delay: i64, length: i64| delay as f64 * 360.0 / length as f64;
         let both = |delay: i64| (angle(delay, self.length.0), angle(delay, self.length.1));
@@ -194,12 +196,12 @@ impl Turn {
     }
 }
 
-impl Follow {
+impl PhaseMonitor {
     /// Judges the cycles that nothing new can come into.
     fn advance(&mut self, over: bool) {
         while let (Some(start), Some(end)) = (self.behind.edges.front(), self.behind.edges.get(1)) {
             let (start, end) = (*start, *end);
-            let turn = Turn::of(&start, &end, &self.claim.band);
+            let turn = PhaseTurn::of(&start, &end, &self.claim.band);
             if !over && self.of.reached <= turn.end.1 {
                 break;
             }
@@ -208,7 +210,7 @@ impl Follow {
         }
     }
 
-    fn cycle(&mut self, start: &Seen, end: &Seen, turn: &Turn) {
+    fn cycle(&mut self, start: &TimedValue, end: &TimedValue, turn: &PhaseTurn) {
         if !self.window.can_hold(start) || !self.window.can_hold(end) {
             return;
         }
@@ -249,13 +251,13 @@ impl Follow {
         self.answer.wrong |= certain && !can_hold;
     }
 
-    fn unknown(&mut self, seen: &Seen) {
+    fn unknown(&mut self, seen: &TimedValue) {
         self.answer.doubtful |= self.window.can_hold(seen);
     }
 }
 
-impl Monitor for Follow {
-    fn feed(&mut self, slot: usize, seen: &Seen) {
+impl Monitor for PhaseMonitor {
+    fn feed(&mut self, slot: usize, seen: &TimedValue) {
         for side in [&mut self.of, &mut self.behind] {
             side.reached = side.reached.max(seen.a.saturating_sub(side.lag));
         }
@@ -279,10 +281,10 @@ impl Monitor for Follow {
 
     fn finish(mut self: Box<Self>) -> Finding {
         for rest in [self.of.finder.rest(), self.behind.finder.rest()].into_iter().flatten() {
-            self.unknown(&Seen { place: LAST, ..rest.seen });
+            self.unknown(&TimedValue { place: LAST, ..rest.seen });
         }
         self.advance(true);
-        let Follow { claim, window, of, missed, answer, .. } = *self;
+        let PhaseMonitor { claim, window, of, missed, answer, .. } = *self;
         let open = answer.doubtful || missed.is_some();
         let none = answer.cycles == 0;
         let mut finding = Finding {
@@ -301,7 +303,7 @@ impl Monitor for Follow {
             None if none => format!("no whole cycle of `{}`{}", claim.behind, claim.between.words()),
             None => format!("`{}` came in no cycle", claim.of),
         };
-        let words = |seen: &Seen| {
+        let words = |seen: &TimedValue| {
             let from = &window.from;
             delay_words((seen.a.saturating_sub(from.b), seen.b.saturating_sub(from.a)), &claim.between.from)
         };

@@ -11,20 +11,20 @@ use std::sync::Arc;
 use document::{Diagnostic, Fields};
 use record::Figure;
 
-use super::band::{Band, IS_RANGE, shown};
-use super::common::{Between, FROM, LONGER, UNTIL};
+use super::band::{FigureBand, IS_RANGE, shown};
+use super::common::{FROM, LONGER, PlanWindow, UNTIL};
 use super::condition::{MAX, MIN};
-use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, Train};
-use super::{Claim, Context, Demand, Verb};
+use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, TrainLines};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::lang::Anchor;
-use crate::monitor::track::{Step, Track};
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring};
+use crate::monitor::track::{PositionTrack, TrackStep};
+use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow};
 
 /// The keys that `position` and its measurement share.
 pub(crate) const KEYS: &[document::KeySpec] = &[PULSES, DIRECTION, INVERTED, BACKWARDS, QUADRATURE, LONGER];
 
 /// `position`.
-pub(super) const POSITION: Verb = Verb {
+pub(super) const POSITION: ExpectVerb = ExpectVerb {
     name: "position",
     doc: "Counts of a pulse train up less those down, over a window, are within limits",
     keys: &[PULSES, DIRECTION, INVERTED, BACKWARDS, QUADRATURE, IS_RANGE, MIN, MAX, FROM, UNTIL, LONGER],
@@ -33,20 +33,20 @@ pub(super) const POSITION: Verb = Verb {
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Position {
-    train: Train,
-    band: Band,
-    between: Between,
+struct PositionClaim {
+    train: TrainLines,
+    band: FigureBand,
+    between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
-    let train = Train::read(fields, cx);
-    let between = Between::read(fields, cx);
-    let band = Band::read(fields, "position", "", cx)?;
-    Some(Arc::new(Position { train: train?, band, between: between? }))
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+    let train = TrainLines::read(fields, cx);
+    let between = PlanWindow::read(fields, cx);
+    let band = FigureBand::read(fields, "position", "", cx)?;
+    Some(Arc::new(PositionClaim { train: train?, band, between: between? }))
 }
 
-impl Claim for Position {
+impl Claim for PositionClaim {
     fn expected(&self) -> String {
         format!("the position of {} changes by {}{}", self.train.words(), self.band, self.between.words())
     }
@@ -59,11 +59,11 @@ impl Claim for Position {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         self.train.check(wiring, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         vec![self.between.demand()]
     }
 
@@ -71,62 +71,62 @@ impl Claim for Position {
         Some(0.0)
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
-        let counting = Counting::new(&self.train, scene, &self.between.from, &self.between.until)?;
-        Ok(Box::new(Follow { claim: self.clone(), counting }))
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        let counting = PositionCounter::new(&self.train, scene, &self.between.from, &self.between.until)?;
+        Ok(Box::new(PositionMonitor { claim: self.clone(), counting }))
     }
 }
 
 /// Counts the counts of a window.
 #[derive(Debug)]
-pub struct Counting {
-    track: Track,
-    window: Window,
+pub struct PositionCounter {
+    track: PositionTrack,
+    window: UncertainWindow,
     missed: Option<String>,
-    sum: Sum,
+    sum: PositionSum,
 }
 
 /// What was counted.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sum {
+pub(crate) struct PositionSum {
     /// Least and greatest position of all placements.
     pub(crate) extent: (i64, i64),
     pub(crate) doubtful: bool,
-    last: Option<Seen>,
+    last: Option<TimedValue>,
 }
 
-impl Counting {
+impl PositionCounter {
     pub(crate) fn new(
-        train: &Train,
-        scene: &Scene<'_>,
+        train: &TrainLines,
+        scene: &CaseTimeline<'_>,
         from: &Anchor,
         until: &Anchor,
-    ) -> Result<Counting, NotJudged> {
+    ) -> Result<PositionCounter, NotJudged> {
         let window = scene.window(from, until)?;
         let (track, missed) = train.track(scene)?;
-        Ok(Counting { track, window, missed, sum: Sum::default() })
+        Ok(PositionCounter { track, window, missed, sum: PositionSum::default() })
     }
 
     /// The next event of a line.
     #[inline]
-    pub(crate) fn see(&mut self, slot: usize, seen: &Seen) {
-        let Counting { track, window, sum, .. } = self;
+    pub(crate) fn see(&mut self, slot: usize, seen: &TimedValue) {
+        let PositionCounter { track, window, sum, .. } = self;
         track.see(slot, seen, |step| sum.take(window, &step));
     }
 
     /// What was counted, the window, and which line can hide pulses.
-    pub(crate) fn finish(mut self) -> (Sum, Window, Option<String>) {
-        let Counting { track, window, sum, .. } = &mut self;
+    pub(crate) fn finish(mut self) -> (PositionSum, UncertainWindow, Option<String>) {
+        let PositionCounter { track, window, sum, .. } = &mut self;
         track.finish(|step| sum.take(window, &step));
         (self.sum, self.window, self.missed)
     }
 }
 
-impl Sum {
-    fn take(&mut self, window: &Window, step: &Step) {
+impl PositionSum {
+    fn take(&mut self, window: &UncertainWindow, step: &TrackStep) {
         let count = match step {
-            Step::Count(count) => count,
-            Step::Unknown(seen) => {
+            TrackStep::Count(count) => count,
+            TrackStep::Unknown(seen) => {
                 self.doubtful |= window.can_hold(seen);
                 return;
             }
@@ -148,19 +148,19 @@ impl Sum {
 }
 
 /// The judge.
-struct Follow {
-    claim: Position,
-    counting: Counting,
+struct PositionMonitor {
+    claim: PositionClaim,
+    counting: PositionCounter,
 }
 
-impl Monitor for Follow {
+impl Monitor for PositionMonitor {
     #[inline]
-    fn feed(&mut self, slot: usize, seen: &Seen) {
+    fn feed(&mut self, slot: usize, seen: &TimedValue) {
         self.counting.see(slot, seen);
     }
 
     fn finish(self: Box<Self>) -> Finding {
-        let Follow { claim, counting } = *self;
+        let PositionMonitor { claim, counting } = *self;
         let (sum, window, missed) = counting.finish();
         let extent = (sum.extent.0 as f64, sum.extent.1 as f64);
         let (can_hold, can_break) = claim.band.hold(extent);

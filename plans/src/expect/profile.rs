@@ -14,16 +14,16 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{Quantity, Span, Unit};
 
-use super::common::{Between, FROM, LONGER, UNTIL, count_range, delay_words};
+use super::common::{FROM, LONGER, PlanWindow, UNTIL, count_range, delay_words};
 use super::shape::{MOVE, POINTS};
-use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, Train};
-use super::{Claim, Context, Demand, Verb, shape};
+use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, TrainLines};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext, shape};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::course::{Course, Deciding, Found, Held};
-use crate::monitor::shape::Shape;
-use crate::monitor::track::{Step, Track};
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring};
+use crate::monitor::shape::FrequencyShape;
+use crate::monitor::shape_follower::{DecidingStretch, ShapeFollower, ShapeLimits, ShapeResult};
+use crate::monitor::track::{PositionTrack, TrackStep};
+use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow};
 
 /// How far off in time.
 const WITHIN: KeySpec = KeySpec::optional(
@@ -43,7 +43,7 @@ pub(crate) const KEYS: &[KeySpec] =
     &[PULSES, DIRECTION, INVERTED, BACKWARDS, QUADRATURE, POINTS, MOVE, WITHIN, OVER, LONGER];
 
 /// `profile`.
-pub(super) const PROFILE: Verb = Verb {
+pub(super) const PROFILE: ExpectVerb = ExpectVerb {
     name: "profile",
     doc: "The frequency of a pulse train follows a shape over time",
     keys: &[
@@ -70,25 +70,25 @@ pub(super) const PROFILE: Verb = Verb {
 
 /// A train and the shape that it should have.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shaped {
-    pub(crate) train: Train,
-    shape: Shape,
+pub struct ShapedTrain {
+    pub(crate) train: TrainLines,
+    shape: FrequencyShape,
     within: Span,
     over: Span,
 }
 
-impl Shaped {
+impl ShapedTrain {
     /// Reads [`KEYS`].
-    pub(crate) fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Shaped> {
-        let train = Train::read(fields, cx);
+    pub(crate) fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<ShapedTrain> {
+        let train = TrainLines::read(fields, cx);
         let shape = shape::read(fields, cx);
         let duration = |key| fields.duration(key).unwrap_or(Span::ZERO);
         let (within, over) = (duration("within"), duration("over"));
-        Some(Shaped { train: train?, shape: shape?, within, over })
+        Some(ShapedTrain { train: train?, shape: shape?, within, over })
     }
 
     /// Finds what cannot be followed.
-    pub(crate) fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    pub(crate) fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         self.train.check(wiring, out);
         let known = wiring.find(&self.train.signal);
         if self.shape.turns() && known.is_some_and(|info| !self.train.is_signed(info)) {
@@ -101,13 +101,13 @@ impl Shaped {
     /// Starts following it. `from` is where its shape begins.
     pub(crate) fn follow(
         &self,
-        scene: &Scene<'_>,
+        scene: &CaseTimeline<'_>,
         from: &Anchor,
         until: &Anchor,
-    ) -> Result<Following, NotJudged> {
+    ) -> Result<ShapeMeasurement, NotJudged> {
         let window = scene.window(from, until)?;
         let info = scene.signal(&self.train.signal)?;
-        let held = Held {
+        let held = ShapeLimits {
             shape: self.shape.clone(),
             within: self.within.as_nanos(),
             over: self.over.as_nanos(),
@@ -115,53 +115,58 @@ impl Shaped {
             coarse: self.train.is_coarse(info),
         };
         let (track, missed) = self.train.track(scene)?;
-        Ok(Following { track, course: Course::new(held, scene.point(from)?, window), window, missed })
+        Ok(ShapeMeasurement {
+            track,
+            course: ShapeFollower::new(held, scene.point(from)?, window),
+            window,
+            missed,
+        })
     }
 }
 
 /// Follows a train along its shape.
 #[derive(Debug)]
-pub struct Following {
-    track: Track,
-    course: Course,
-    window: Window,
+pub struct ShapeMeasurement {
+    track: PositionTrack,
+    course: ShapeFollower,
+    window: UncertainWindow,
     missed: Option<String>,
 }
 
-impl Following {
+impl ShapeMeasurement {
     /// The next event of a line.
     #[inline]
-    pub(crate) fn see(&mut self, slot: usize, seen: &Seen) {
+    pub(crate) fn see(&mut self, slot: usize, seen: &TimedValue) {
         let course = &mut self.course;
         self.track.see(slot, seen, |step| taken(course, step));
     }
 
     /// What it came to, its window, and which line can hide pulses.
-    pub(crate) fn finish(mut self) -> (Found, Window, Option<String>) {
+    pub(crate) fn finish(mut self) -> (ShapeResult, UncertainWindow, Option<String>) {
         let course = &mut self.course;
         self.track.finish(|step| taken(course, step));
         (self.course.finish(), self.window, self.missed)
     }
 }
 
-fn taken(course: &mut Course, step: Step) {
+fn taken(course: &mut ShapeFollower, step: TrackStep) {
     match step {
-        Step::Count(count) => course.see(&count),
-        Step::Unknown(seen) => course.unknown(&seen),
+        TrackStep::Count(count) => course.see(&count),
+        TrackStep::Unknown(seen) => course.unknown(&seen),
     }
 }
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Profile {
-    shaped: Shaped,
+struct ProfileClaim {
+    shaped: ShapedTrain,
     tolerance: f64,
-    between: Between,
+    between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
-    let shaped = Shaped::read(fields, cx);
-    let between = Between::read(fields, cx);
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+    let shaped = ShapedTrain::read(fields, cx);
+    let between = PlanWindow::read(fields, cx);
     let shaped = shaped?;
     let node = fields.get("tolerance")?;
     let quantity = node.as_text().and_then(|text| Quantity::parse(text).ok());
@@ -180,10 +185,10 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
         cx.out.bad(codes::CLAIM, node, message, "give it less than the highest frequency of the shape");
         return None;
     }
-    Some(Arc::new(Profile { shaped, tolerance, between: between? }))
+    Some(Arc::new(ProfileClaim { shaped, tolerance, between: between? }))
 }
 
-impl Claim for Profile {
+impl Claim for ProfileClaim {
     fn expected(&self) -> String {
         let within = match self.shaped.within {
             Span::ZERO => String::new(),
@@ -205,38 +210,38 @@ impl Claim for Profile {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         self.shaped.check(wiring, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
-        vec![Demand::Change(&self.shaped.train.signal), self.between.demand()]
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        vec![ClaimDemand::Change(&self.shaped.train.signal), self.between.demand()]
     }
 
     fn counts(&self) -> Option<f64> {
         Some(0.0)
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let following = self.shaped.follow(scene, &self.between.from, &self.between.until)?;
-        Ok(Box::new(Follow { claim: self.clone(), following }))
+        Ok(Box::new(ProfileMonitor { claim: self.clone(), following }))
     }
 }
 
 /// The judge.
-struct Follow {
-    claim: Profile,
-    following: Following,
+struct ProfileMonitor {
+    claim: ProfileClaim,
+    following: ShapeMeasurement,
 }
 
-impl Monitor for Follow {
+impl Monitor for ProfileMonitor {
     #[inline]
-    fn feed(&mut self, slot: usize, seen: &Seen) {
+    fn feed(&mut self, slot: usize, seen: &TimedValue) {
         self.following.see(slot, seen);
     }
 
     fn finish(self: Box<Self>) -> Finding {
-        let Follow { claim, following } = *self;
+        let ProfileMonitor { claim, following } = *self;
         let (found, window, missed) = following.finish();
         let open = found.doubtful || missed.is_some();
         let (best, worst) = found.needed;
@@ -286,8 +291,8 @@ fn off((best, worst): (f64, f64)) -> String {
 }
 
 /// `3 counts in 1 ms (3000 Hz) from 20 ms after go on, at most 2.1 (2100 Hz) by the shape`.
-fn words(deciding: &Deciding, from: &Anchor) -> String {
-    let Deciding { length, begins, counts, many, due, .. } = *deciding;
+fn words(deciding: &DecidingStretch, from: &Anchor) -> String {
+    let DecidingStretch { length, begins, counts, many, due, .. } = *deciding;
     let noun = if counts == 1 { "count" } else { "counts" };
     let way = if deciding.backwards { " backwards" } else { "" };
     let span = |nanos: f64| Span::from_nanos(libm::round(nanos) as i64);

@@ -12,16 +12,18 @@ use record::Figure;
 use signal::{SignalInfo, Span};
 
 use super::common::{
-    Between, FROM, Limits, SIGNAL, Single, UNTIL, delay_words, signal, span_range, spans, width,
+    FROM, PlanWindow, SIGNAL, SingleSpan, SpanLimits, UNTIL, delay_words, signal, span_range, spans, width,
 };
-use super::{Claim, Context, Demand, Verb};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::lang::Anchor;
 use crate::monitor::levels::Levels;
-use crate::monitor::pulses::{Chain, FirstPulse, Pulse, Spread};
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
+use crate::monitor::pulses::{FigureChain, FirstPulse, Pulse, Spread};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, slack,
+};
 
 /// `pulse`.
-pub(super) const PULSE: Verb = Verb {
+pub(super) const PULSE: ExpectVerb = ExpectVerb {
     name: "pulse",
     doc: "The first pulse of a window, or every one, has a width within limits",
     keys: &[
@@ -45,30 +47,30 @@ pub(super) const PULSE: Verb = Verb {
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Widths {
+struct PulseClaim {
     signal: String,
     high: bool,
-    width: Limits,
+    width: SpanLimits,
     every: bool,
-    between: Between,
+    between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "signal", cx);
-    let between = Between::read(fields, cx);
-    let width = spans(fields.get("width")?, "width", Single::Exactly, cx)?;
+    let between = PlanWindow::read(fields, cx);
+    let width = spans(fields.get("width")?, "width", SingleSpan::Exactly, cx)?;
     let high = fields.text("level") != Some("low");
     let every = fields.text("which") == Some("every");
-    Some(Arc::new(Widths { signal: signal?, high, width, every, between: between? }))
+    Some(Arc::new(PulseClaim { signal: signal?, high, width, every, between: between? }))
 }
 
-impl Widths {
+impl PulseClaim {
     fn noun(&self) -> &'static str {
         if self.high { "pulse" } else { "low pulse" }
     }
 }
 
-impl Claim for Widths {
+impl Claim for PulseClaim {
     fn expected(&self) -> String {
         let which = if self.every { "every" } else { "the first" };
         let (width, window) = (span_range(self.width), self.between.words());
@@ -83,26 +85,26 @@ impl Claim for Widths {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.signal, wiring, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
-        vec![Demand::Change(&self.signal), self.between.demand()]
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        vec![ClaimDemand::Change(&self.signal), self.between.demand()]
     }
 
     fn counts(&self) -> Option<f64> {
         Some(0.0)
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
         let judge = match self.every {
-            true => Judge::Every(Chain::new(window, self.width)),
-            false => Judge::First(FirstPulse::new(window, self.width)),
+            true => PulseSelection::Every(FigureChain::new(window, self.width)),
+            false => PulseSelection::First(FirstPulse::new(window, self.width)),
         };
-        Ok(Box::new(Measure {
+        Ok(Box::new(PulseMonitor {
             claim: self.clone(),
             info: info.clone(),
             levels: Levels::new(self.high, slack(info)),
@@ -114,34 +116,34 @@ impl Claim for Widths {
 }
 
 /// Which pulses are judged.
-enum Judge {
+enum PulseSelection {
     First(FirstPulse),
-    Every(Chain),
+    Every(FigureChain),
 }
 
 /// The judge.
-struct Measure {
-    claim: Widths,
+struct PulseMonitor {
+    claim: PulseClaim,
     info: SignalInfo,
     levels: Levels,
-    window: Window,
-    judge: Judge,
+    window: UncertainWindow,
+    judge: PulseSelection,
     end: i64,
 }
 
-impl Measure {
+impl PulseMonitor {
     fn pulse(&mut self, pulse: &Pulse) {
         match &mut self.judge {
-            Judge::First(first) => first.see(pulse),
-            Judge::Every(chain) if pulse.certain => chain.pulse(pulse),
-            Judge::Every(chain) => chain.unknown(&pulse.start),
+            PulseSelection::First(first) => first.see(pulse),
+            PulseSelection::Every(chain) if pulse.certain => chain.pulse(pulse),
+            PulseSelection::Every(chain) => chain.unknown(&pulse.start),
         }
     }
 }
 
-impl Monitor for Measure {
+impl Monitor for PulseMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         if let Some(pulse) = self.levels.see(seen) {
             self.pulse(&pulse);
         }
@@ -154,14 +156,20 @@ impl Monitor for Measure {
         let end = self.end;
         let (claim, window, info) = (self.claim, self.window, self.info);
         let spread = match self.judge {
-            Judge::First(first) => first.finish(),
-            Judge::Every(chain) => chain.finish(),
+            PulseSelection::First(first) => first.finish(),
+            PulseSelection::Every(chain) => chain.finish(),
         };
         finding(&claim, &spread, &window, &info, end)
     }
 }
 
-fn finding(claim: &Widths, spread: &Spread, window: &Window, info: &SignalInfo, end: i64) -> Finding {
+fn finding(
+    claim: &PulseClaim,
+    spread: &Spread,
+    window: &UncertainWindow,
+    info: &SignalInfo,
+    end: i64,
+) -> Finding {
     let mut finding = Finding {
         can_hold: spread.can_hold,
         can_break: spread.can_break || spread.can_be_missing,

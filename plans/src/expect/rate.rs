@@ -14,13 +14,15 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span};
 
-use super::band::{Band, IS_RANGE, shown};
-use super::common::{Between, FROM, LONGER, SIGNAL, UNTIL, blind_words, signal};
+use super::band::{FigureBand, IS_RANGE, shown};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, signal};
 use super::condition::{MAX, MIN};
-use super::{Claim, Context, Demand, Verb};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::lang::Anchor;
-use crate::monitor::cycles::{Cycles, Found, Stretch};
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, blind, slack};
+use crate::monitor::cycles::{CycleResult, CycleSpan, Cycles};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+};
 
 /// Which edges begin a cycle.
 const EDGE: KeySpec = KeySpec::optional(
@@ -32,47 +34,47 @@ const EDGE: KeySpec = KeySpec::optional(
 const KEYS: &[KeySpec] = &[SIGNAL, IS_RANGE, MIN, MAX, EDGE, FROM, UNTIL, LONGER];
 
 /// `frequency`.
-pub(super) const FREQUENCY: Verb = Verb {
+pub(super) const FREQUENCY: ExpectVerb = ExpectVerb {
     name: "frequency",
     doc: "The mean frequency of a signal over a window is within limits",
     keys: KEYS,
-    read: |fields, cx| read(fields, Kind::Frequency, cx),
+    read: |fields, cx| read(fields, RateKind::Frequency, cx),
 };
 
 /// `duty`.
-pub(super) const DUTY: Verb = Verb {
+pub(super) const DUTY: ExpectVerb = ExpectVerb {
     name: "duty",
     doc: "The part of the time in which a signal is TRUE, over the whole cycles of a window, is within limits",
     keys: KEYS,
-    read: |fields, cx| read(fields, Kind::Duty, cx),
+    read: |fields, cx| read(fields, RateKind::Duty, cx),
 };
 
 /// What is asked of the cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum RateKind {
     Frequency,
     Duty,
 }
 
-impl Kind {
+impl RateKind {
     fn noun(self) -> &'static str {
         match self {
-            Kind::Frequency => "frequency",
-            Kind::Duty => "duty",
+            RateKind::Frequency => "frequency",
+            RateKind::Duty => "duty",
         }
     }
 
     fn unit(self) -> &'static str {
         match self {
-            Kind::Frequency => "Hz",
-            Kind::Duty => "%",
+            RateKind::Frequency => "Hz",
+            RateKind::Duty => "%",
         }
     }
 
-    fn of(self, stretch: &Stretch) -> (f64, f64) {
+    fn of(self, stretch: &CycleSpan) -> (f64, f64) {
         match self {
-            Kind::Frequency => stretch.rate(),
-            Kind::Duty => stretch.duty(),
+            RateKind::Frequency => stretch.rate(),
+            RateKind::Duty => stretch.duty(),
         }
     }
 }
@@ -81,17 +83,17 @@ impl Kind {
 #[derive(Clone, Debug)]
 struct Rate {
     signal: String,
-    kind: Kind,
+    kind: RateKind,
     by_falls: bool,
-    band: Band,
-    between: Between,
+    band: FigureBand,
+    between: PlanWindow,
     longer_than: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, kind: Kind, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, kind: RateKind, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "signal", cx);
-    let between = Between::read(fields, cx);
-    let band = Band::read(fields, kind.noun(), kind.unit(), cx)?;
+    let between = PlanWindow::read(fields, cx);
+    let band = FigureBand::read(fields, kind.noun(), kind.unit(), cx)?;
     let by_falls = fields.text("edge") == Some("falls");
     let longer_than = fields.duration("pulses-longer-than");
     Some(Arc::new(Rate { signal: signal?, kind, by_falls, band, between: between?, longer_than }))
@@ -110,23 +112,23 @@ impl Claim for Rate {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.signal, wiring, out);
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
-        vec![Demand::Change(&self.signal), self.between.demand()]
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        vec![ClaimDemand::Change(&self.signal), self.between.demand()]
     }
 
     fn counts(&self) -> Option<f64> {
-        let least = if self.kind == Kind::Frequency { self.band.min } else { 0.0 };
+        let least = if self.kind == RateKind::Frequency { self.band.min } else { 0.0 };
         Some(least.max(0.0))
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
-        Ok(Box::new(Follow {
+        Ok(Box::new(RateMonitor {
             claim: self.clone(),
             info: info.clone(),
             window,
@@ -137,22 +139,22 @@ impl Claim for Rate {
 }
 
 /// The judge.
-struct Follow {
+struct RateMonitor {
     claim: Rate,
     info: SignalInfo,
-    window: Window,
+    window: UncertainWindow,
     cycles: Cycles,
     missed: Option<String>,
 }
 
-impl Monitor for Follow {
+impl Monitor for RateMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         self.cycles.see(seen);
     }
 
     fn finish(self: Box<Self>) -> Finding {
-        let Follow { claim, info, window, cycles, missed } = *self;
+        let RateMonitor { claim, info, window, cycles, missed } = *self;
         finding(&claim, &info, &window, cycles.finish(), missed)
     }
 }
@@ -160,8 +162,8 @@ impl Monitor for Follow {
 fn finding(
     claim: &Rate,
     info: &SignalInfo,
-    window: &Window,
-    found: Found,
+    window: &UncertainWindow,
+    found: CycleResult,
     missed: Option<String>,
 ) -> Finding {
     // Edges that are hidden can make any figure.

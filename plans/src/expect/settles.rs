@@ -14,19 +14,22 @@ use record::Figure;
 use signal::{Kind, SignalInfo, Span};
 
 use super::band::shown;
-use super::common::{Between, FROM, SIGNAL, UNTIL, delay_words, signal};
-use super::condition::{Condition, IS, MAX, MIN, literal};
-use super::{Claim, Context, Demand, Verb};
+use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, delay_words, signal};
+use super::condition::{IS, MAX, MIN, ValueCondition, literal};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
 use crate::meaning::number;
 use crate::monitor::extremes::Extremes;
-use crate::monitor::reading::Reader;
-use crate::monitor::segments::{Segments, Weight};
-use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Test, Truth, Wiring, slack};
+use crate::monitor::reading::ValueReader;
+use crate::monitor::segments::{SegmentJudgement, Weight};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, Truth, UncertainInstant, ValueTest,
+    slack,
+};
 
 /// `settles`.
-pub(super) const SETTLES: Verb = Verb {
+pub(super) const SETTLES: ExpectVerb = ExpectVerb {
     name: "settles",
     doc: "A value comes into a band in time and stays there, without too much overshoot",
     keys: &[
@@ -53,20 +56,20 @@ pub(super) const SETTLES: Verb = Verb {
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Settles {
+struct SettlesClaim {
     signal: String,
-    band: Condition,
+    band: ValueCondition,
     /// All of it, and from the instant at which the value has to have settled.
-    between: Between,
+    between: PlanWindow,
     settled: Anchor,
     within: Span,
     overshoot: Option<Literal>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "signal", cx);
-    let between = Between::read(fields, cx);
-    let band = Condition::read(fields, None, cx);
+    let between = PlanWindow::read(fields, cx);
+    let band = ValueCondition::read(fields, None, cx);
     let within = fields.duration("within");
     let overshoot = match fields.get("overshoot") {
         Some(node) => Some(literal(node, cx)?),
@@ -83,7 +86,7 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
         cx.out.bad(codes::CLAIM, node, message, "let `until` be later, or shorten `within`");
         return None;
     }
-    if let (Some(_), Condition::Within { min: None, .. } | Condition::Within { max: None, .. }) =
+    if let (Some(_), ValueCondition::Within { min: None, .. } | ValueCondition::Within { max: None, .. }) =
         (&overshoot, &band)
     {
         let node = fields.get("overshoot")?;
@@ -91,24 +94,24 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
         cx.out.bad(codes::CLAIM, node, message, "give both limits, as in is = \"1500 ± 10 rpm\"");
         return None;
     }
-    Some(Arc::new(Settles { signal, band, between, settled, within, overshoot }))
+    Some(Arc::new(SettlesClaim { signal, band, between, settled, within, overshoot }))
 }
 
 /// How far beyond the middle a value may go, in the terms of a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Beyond {
+struct OvershootLimit {
     middle: f64,
     /// In the unit of the signal, or as a part of the step.
     most: f64,
     part: bool,
 }
 
-impl Settles {
-    fn beyond(&self, test: &Test, info: &SignalInfo) -> Result<Option<Beyond>, String> {
+impl SettlesClaim {
+    fn beyond(&self, test: &ValueTest, info: &SignalInfo) -> Result<Option<OvershootLimit>, String> {
         let Some(most) = &self.overshoot else { return Ok(None) };
         let middle = match test {
-            Test::Range { min: Some(min), max: Some(max) } => (min.as_real() + max.as_real()) / 2.0,
-            Test::OneOf(list) if list.len() == 1 => list[0].as_real(),
+            ValueTest::Range { min: Some(min), max: Some(max) } => (min.as_real() + max.as_real()) / 2.0,
+            ValueTest::OneOf(list) if list.len() == 1 => list[0].as_real(),
             _ => return Err(String::from("an overshoot counts from the middle of a band of numbers")),
         };
         let part = most.quantity().filter(|quantity| quantity.is_part() && info.unit != "%");
@@ -122,10 +125,10 @@ impl Settles {
         if most < 0.0 {
             return Err(String::from("an overshoot below 0 can never be met"));
         }
-        Ok(Some(Beyond { middle, most, part }))
+        Ok(Some(OvershootLimit { middle, most, part }))
     }
 
-    fn bind(&self, info: &SignalInfo) -> Result<(Test, Option<Beyond>), String> {
+    fn bind(&self, info: &SignalInfo) -> Result<(ValueTest, Option<OvershootLimit>), String> {
         if !matches!(info.kind, Kind::Real | Kind::Int | Kind::Word) {
             return Err(format!("`{}` is no number that could settle", info.name));
         }
@@ -135,7 +138,7 @@ impl Settles {
     }
 }
 
-impl Claim for Settles {
+impl Claim for SettlesClaim {
     fn expected(&self) -> String {
         let overshoot = match &self.overshoot {
             Some(most) => format!(", with an overshoot of at most {most}"),
@@ -157,29 +160,29 @@ impl Claim for Settles {
         vec![&self.between.from, &self.settled, &self.between.until]
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signal, wiring, out) {
             super::meant(self.bind(info).map(drop), out);
         }
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
-        vec![self.between.demand(), Demand::At(&self.settled)]
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        vec![self.between.demand(), ClaimDemand::At(&self.settled)]
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let (test, beyond) = self.bind(info).map_err(NotJudged::NoMeaning)?;
         let whole = scene.window(&self.between.from, &self.between.until)?;
         let rest = scene.window(&self.settled, &self.between.until)?;
-        Ok(Box::new(Follow {
+        Ok(Box::new(SettlesMonitor {
             claim: self.clone(),
             info: info.clone(),
             test,
             beyond,
             from: scene.point(&self.between.from)?,
-            reader: Reader::new(scene.point(&self.between.from)?),
-            segments: Segments::new(rest),
+            reader: ValueReader::new(scene.point(&self.between.from)?),
+            segments: SegmentJudgement::new(rest),
             extremes: Extremes::new(whole),
             class: Truth::Unknown,
             entered: None,
@@ -189,25 +192,25 @@ impl Claim for Settles {
 }
 
 /// The judge.
-struct Follow {
-    claim: Settles,
+struct SettlesMonitor {
+    claim: SettlesClaim,
     info: SignalInfo,
-    test: Test,
-    beyond: Option<Beyond>,
-    from: Point,
-    reader: Reader,
+    test: ValueTest,
+    beyond: Option<OvershootLimit>,
+    from: UncertainInstant,
+    reader: ValueReader,
     /// Whether it keeps to the band from the instant on at which it has to have settled.
-    segments: Segments,
+    segments: SegmentJudgement,
     extremes: Extremes,
     class: Truth,
     /// The last time that it came into the band.
-    entered: Option<Seen>,
+    entered: Option<TimedValue>,
     open: bool,
 }
 
-impl Monitor for Follow {
+impl Monitor for SettlesMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         if self.open {
             self.segments.advance(seen.a);
             self.extremes.advance(seen.a);
@@ -293,10 +296,10 @@ struct Overshoot {
     reason: String,
     margin: Option<Figure>,
     /// The value that lies farthest beyond.
-    peak: Option<Seen>,
+    peak: Option<TimedValue>,
 }
 
-impl Follow {
+impl SettlesMonitor {
     /// When it came into the band for good, in words and as a delay.
     fn settled(&self) -> (String, Option<(i64, i64)>) {
         let from = &self.claim.between.from;

@@ -3,9 +3,9 @@
 use document::{Data, Fields, KeySpec, KeyType, Node};
 use signal::{Quantity, Unit};
 
-use super::Context;
+use super::ReadContext;
 use crate::codes;
-use crate::monitor::shape::Shape;
+use crate::monitor::shape::FrequencyShape;
 
 /// Most points of a shape.
 const MOST: usize = 1_000;
@@ -63,7 +63,7 @@ pub(crate) const MOVE: KeySpec = KeySpec::optional(
 );
 
 /// Reads `points` or `move`.
-pub(crate) fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Shape> {
+pub(crate) fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<FrequencyShape> {
     match (fields.get("points"), fields.inner("move")) {
         (Some(node), None) => points(node, fields, cx),
         (None, Some(inner)) => a_move(&inner, fields.get("move")?, cx),
@@ -85,7 +85,7 @@ fn number(
     key: &str,
     units: &[(&str, f64)],
     right: impl Fn(f64) -> bool,
-    cx: &mut Context<'_>,
+    cx: &mut ReadContext<'_>,
 ) -> Option<f64> {
     let node = fields.get(key)?;
     let quantity = node.as_text().and_then(|text| Quantity::parse(text).ok());
@@ -111,21 +111,21 @@ const PART: &[(&str, f64)] = &[("%", 0.01)];
 /// Highest frequency: edges closer than a nanosecond have no order.
 const HIGHEST: f64 = 1e9;
 
-fn curved(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<f64> {
+fn curved(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<f64> {
     if !fields.has("curved") {
         return Some(0.0);
     }
     number(fields, "curved", PART, |part| (0.0..=1.0).contains(&part), cx)
 }
 
-fn points(node: &Node, fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Shape> {
+fn points(node: &Node, fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<FrequencyShape> {
     let list = fields.each("points");
     if list.is_empty() || list.len() > MOST {
         let message = format!("a shape has 1 to {MOST} points");
         cx.out.bad(codes::SHAPE, node, message, "as in { at = \"10 ms\", frequency = \"20 kHz\" }");
         return None;
     }
-    let mut shape = Shape::default();
+    let mut shape = FrequencyShape::default();
     let (mut before, mut same): (Option<(f64, f64)>, u32) = (None, 0);
     for one in list {
         let Data::Table(table) = &one.data else { return None };
@@ -156,7 +156,7 @@ fn points(node: &Node, fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Shap
 
 /// Adds a change of frequency over a time, a part of which is curved: the rate grows evenly over half of that part and
 /// shrinks evenly over the other half (io:STD-PTO-07).
-fn ramp(shape: &mut Shape, length: f64, first: f64, last: f64, curved: f64) {
+fn ramp(shape: &mut FrequencyShape, length: f64, first: f64, last: f64, curved: f64) {
     let bend = length * curved / 2.0;
     if bend <= 0.0 || length <= 0.0 {
         shape.go(length, first, last);
@@ -176,7 +176,7 @@ fn ramp(shape: &mut Shape, length: f64, first: f64, last: f64, curved: f64) {
     }
 }
 
-fn a_move(fields: &Fields<'_>, node: &Node, cx: &mut Context<'_>) -> Option<Shape> {
+fn a_move(fields: &Fields<'_>, node: &Node, cx: &mut ReadContext<'_>) -> Option<FrequencyShape> {
     let above = |hertz: f64| hertz > 0.0 && hertz <= HIGHEST;
     let speed = number(fields, "speed", FREQUENCY, above, cx);
     let rise = number(fields, "acceleration", RATE, |rate| rate > 0.0, cx);
@@ -192,7 +192,7 @@ fn a_move(fields: &Fields<'_>, node: &Node, cx: &mut Context<'_>) -> Option<Shap
     let curved = curved(fields, cx);
     let (speed, rise, fall, start, stop, curved) = (speed?, rise?, fall?, start?, stop?, curved?);
     const SECOND: f64 = 1e9;
-    let mut shape = Shape::default();
+    let mut shape = FrequencyShape::default();
     let Some(by) = fields.integer("by") else {
         if let Some(entry) = ["deceleration", "stop"].into_iter().find_map(|key| fields.entry(key)) {
             let message = format!("a move without an end has no `{}`", entry.key);

@@ -14,19 +14,21 @@ use document::{Diagnostic, Fields};
 use record::Figure;
 use signal::{Kind, SignalInfo};
 
-use super::band::{Band, IS_RANGE, shown};
-use super::common::{Between, FROM, SIGNAL, UNTIL, signal};
+use super::band::{FigureBand, IS_RANGE, shown};
+use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, signal};
 use super::condition::{MAX, MIN};
-use super::{Claim, Context, Demand, Verb};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::lang::Anchor;
 use crate::monitor::speed::Speed;
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Window, Wiring, slack};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, slack,
+};
 
 /// Its unit.
 pub(crate) const UNIT: &str = "Hz";
 
 /// `speed`.
-pub(super) const SPEED: Verb = Verb {
+pub(super) const SPEED: ExpectVerb = ExpectVerb {
     name: "speed",
     doc: "The change of a number over a window, per second, is within limits",
     keys: &[SIGNAL, IS_RANGE, MIN, MAX, FROM, UNTIL],
@@ -35,17 +37,17 @@ pub(super) const SPEED: Verb = Verb {
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Fast {
+struct SpeedClaim {
     signal: String,
-    band: Band,
-    between: Between,
+    band: FigureBand,
+    between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let signal = signal(fields, "signal", cx);
-    let between = Between::read(fields, cx);
-    let band = Band::read(fields, "speed", UNIT, cx)?;
-    Some(Arc::new(Fast { signal: signal?, band, between: between? }))
+    let between = PlanWindow::read(fields, cx);
+    let band = FigureBand::read(fields, "speed", UNIT, cx)?;
+    Some(Arc::new(SpeedClaim { signal: signal?, band, between: between? }))
 }
 
 /// Whether a signal is a number that can be counted.
@@ -59,7 +61,7 @@ pub(crate) fn countable(info: &SignalInfo) -> Result<(), String> {
     }
 }
 
-impl Claim for Fast {
+impl Claim for SpeedClaim {
     fn expected(&self) -> String {
         format!("the speed of `{}` is {}{}", self.signal, self.band, self.between.words())
     }
@@ -72,41 +74,41 @@ impl Claim for Fast {
         self.between.anchors()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signal, wiring, out) {
             super::meant(countable(info), out);
         }
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         vec![self.between.demand()]
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         countable(info).map_err(NotJudged::NoMeaning)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
         let (claim, speed) = (self.clone(), Speed::new(window));
-        Ok(Box::new(Follow { claim, slack: slack(info), window, speed }))
+        Ok(Box::new(SpeedMonitor { claim, slack: slack(info), window, speed }))
     }
 }
 
 /// The judge.
-struct Follow {
-    claim: Fast,
+struct SpeedMonitor {
+    claim: SpeedClaim,
     slack: f64,
-    window: Window,
+    window: UncertainWindow,
     speed: Speed,
 }
 
-impl Monitor for Follow {
+impl Monitor for SpeedMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         self.speed.see(seen);
     }
 
     fn finish(self: Box<Self>) -> Finding {
-        let Follow { claim, slack, window, speed } = *self;
+        let SpeedMonitor { claim, slack, window, speed } = *self;
         let mut finding = Finding { window: Some(window.shown()), ..Finding::default() };
         let Some(found) = speed.finish(slack) else {
             (finding.can_hold, finding.can_break) = (true, true);

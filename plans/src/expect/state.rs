@@ -11,9 +11,9 @@ use std::sync::Arc;
 use document::{Fields, KeySpec, KeyType};
 
 use super::common::{FROM, UNTIL, WHEN, anchor};
-use super::condition::Condition;
-use super::first_edge::{Kind, WITHIN, read_delay};
-use super::{Claim, Context, Verb, keeps, value};
+use super::condition::ValueCondition;
+use super::first_edge::{FirstEdgeKind, WITHIN, read_delay};
+use super::{Claim, ExpectVerb, ReadContext, keeps, value};
 use crate::codes;
 use crate::lang::Anchor;
 
@@ -21,7 +21,7 @@ use crate::lang::Anchor;
 const NAME: &str = "state";
 
 /// `state`.
-pub(super) const STATE: Verb = Verb {
+pub(super) const STATE: ExpectVerb = ExpectVerb {
     name: "state",
     doc: "The controller is in a state at an instant, enters it, or stays in it",
     keys: &[
@@ -40,12 +40,12 @@ pub(super) const STATE: Verb = Verb {
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     read_of(NAME.to_owned(), fields, cx)
 }
 
 /// Reads `is`, `becomes` or `stays` of a signal with named values.
-pub(super) fn read_of(name: String, fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+pub(super) fn read_of(name: String, fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let forms: [(&str, &[&str]); 3] =
         [("is", &["when"]), ("becomes", &["from", "within"]), ("stays", &["from", "until"])];
     let given: Vec<_> = forms.iter().filter(|(form, _)| fields.has(form)).collect();
@@ -61,10 +61,10 @@ pub(super) fn read_of(name: String, fields: &Fields<'_>, cx: &mut Context<'_>) -
             return None;
         }
     }
-    let condition = Condition::label(fields.text(form)?);
+    let condition = ValueCondition::label(fields.text(form)?);
     let signal = Some(name.clone());
     match *form {
-        "becomes" => read_delay(fields, signal, Kind::Becomes(condition), cx),
+        "becomes" => read_delay(fields, signal, FirstEdgeKind::Becomes(condition), cx),
         "stays" => keeps::read_window(fields, signal, Some(condition), cx),
         _ => {
             let when = anchor(fields, "when", Anchor::END, cx)?;

@@ -11,14 +11,14 @@ use std::sync::Arc;
 use document::{Fields, KeySpec, KeyType};
 
 use super::common::{FROM, UNTIL, WHEN, anchor};
-use super::condition::{Condition, IS, MAX, MIN, ONE_OF};
-use super::{Claim, Context, Verb, entry, keeps, value};
+use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
+use super::{Claim, ExpectVerb, ReadContext, entry, keeps, value};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::signals::TaskFigure;
 
 /// `task`.
-pub(super) const TASK: Verb = Verb {
+pub(super) const TASK: ExpectVerb = ExpectVerb {
     name: "task",
     doc: "A figure of a task is within limits, at an instant or all along",
     keys: &[
@@ -35,8 +35,8 @@ pub(super) const TASK: Verb = Verb {
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
-    let condition = Condition::read(fields, None, cx);
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+    let condition = ValueCondition::read(fields, None, cx);
     let (name, figure) = (fields.get("name")?, fields.get("figure")?);
     let keys = [("task", name.data.clone()), ("figure", figure.data.clone())];
     let signal = cx.names.signal(&entry::source(name, &keys), cx.out);

@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use crate::monitor::{Finding, Monitor, Seen, Truth};
+use crate::monitor::{Finding, Monitor, TimedValue, Truth};
 
 use super::keeps::Common;
 
@@ -16,14 +16,14 @@ const MOST: usize = 64;
 
 /// A stretch in which one signal is TRUE, or not known.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
-    start: Seen,
+struct OverlapStretch {
+    start: TimedValue,
     /// `None` while it lasts.
     end: Option<(i64, i64)>,
     known: bool,
 }
 
-impl Stretch {
+impl OverlapStretch {
     fn latest_end(&self) -> i64 {
         self.end.map_or(i64::MAX, |end| end.1)
     }
@@ -31,8 +31,8 @@ impl Stretch {
 
 /// One signal.
 #[derive(Debug, Default)]
-struct Side {
-    stretches: VecDeque<Stretch>,
+struct OverlapSignal {
+    stretches: VecDeque<OverlapStretch>,
     class: Option<Truth>,
     /// No later event of the signal begins before this.
     reached: i64,
@@ -41,32 +41,32 @@ struct Side {
 }
 
 /// The judge of several signals.
-struct Together {
+struct OverlapMonitor {
     common: Common,
-    sides: Vec<Side>,
+    sides: Vec<OverlapSignal>,
     /// Common stretches that were found, in the order of time.
-    found: Vec<(Truth, Seen, (i64, i64))>,
+    found: Vec<(Truth, TimedValue, (i64, i64))>,
     /// The last of them, and the beginning of those that it may go on from: where some are not known, all can be
     /// one pulse.
-    last: Option<(Truth, Seen, (i64, i64))>,
+    last: Option<(Truth, TimedValue, (i64, i64))>,
 }
 
 pub(super) fn start(common: Common, lags: Vec<i64>) -> Box<dyn Monitor> {
-    let unknown = Stretch { start: Seen::NOTHING, end: None, known: false };
-    let side = |lag| Side {
+    let unknown = OverlapStretch { start: TimedValue::NOTHING, end: None, known: false };
+    let side = |lag| OverlapSignal {
         stretches: VecDeque::from([unknown]),
         class: Some(Truth::Unknown),
         reached: i64::MIN,
         lag,
     };
     let sides = lags.into_iter().map(side).collect();
-    let mut this = Together { common, sides, found: Vec::new(), last: None };
-    let begin = Seen { value: signal::Value::Bool(false), ..unknown.start };
+    let mut this = OverlapMonitor { common, sides, found: Vec::new(), last: None };
+    let begin = TimedValue { value: signal::Value::Bool(false), ..unknown.start };
     this.common.segments.change(Truth::True, &begin);
     Box::new(this)
 }
 
-impl Together {
+impl OverlapMonitor {
     /// The stretch at the back of a side ended: meets it with those of the other sides.
     fn ended(&mut self, side: usize) {
         let Some(over) = self.sides[side].stretches.back().copied() else { return };
@@ -74,7 +74,7 @@ impl Together {
     }
 
     /// Goes through the stretches of side `at` and further that have ended and meet `[start, end)`.
-    fn meet(&mut self, own: usize, at: usize, start: Seen, end: (i64, i64), known: bool) {
+    fn meet(&mut self, own: usize, at: usize, start: TimedValue, end: (i64, i64), known: bool) {
         if at == self.sides.len() {
             let certain = known && start.b < end.0;
             let class = if certain { Truth::False } else { Truth::Unknown };
@@ -87,7 +87,7 @@ impl Together {
         for place in 0..self.sides[at].stretches.len() {
             let other = self.sides[at].stretches[place];
             let Some(other_end) = other.end else { continue };
-            let later = Seen {
+            let later = TimedValue {
                 a: start.a.max(other.start.a),
                 b: start.b.max(other.start.b),
                 ..if other.start.place > start.place { other.start } else { start }
@@ -145,8 +145,8 @@ impl Together {
     }
 }
 
-impl Monitor for Together {
-    fn feed(&mut self, slot: usize, seen: &Seen) {
+impl Monitor for OverlapMonitor {
+    fn feed(&mut self, slot: usize, seen: &TimedValue) {
         self.common.advance(seen.a);
         let watched = &self.common.watched[slot];
         // The test says what is allowed: not TRUE.
@@ -170,7 +170,7 @@ impl Monitor for Together {
         if class != Truth::True {
             self.make_room(slot);
             let known = class == Truth::False;
-            self.sides[slot].stretches.push_back(Stretch { start: *seen, end: None, known });
+            self.sides[slot].stretches.push_back(OverlapStretch { start: *seen, end: None, known });
         }
         self.prune();
         self.hand_on();

@@ -3,11 +3,11 @@
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use signal::{Kind, Sampling, SignalInfo, Span};
 
-use super::Context;
+use super::ReadContext;
 use super::common::{blind_words, signal};
 use crate::codes;
-use crate::monitor::track::{Carried, Track};
-use crate::monitor::{NotJudged, Scene, Wiring, blind, slack};
+use crate::monitor::track::{PositionTrack, PulseEncoding};
+use crate::monitor::{CaseTimeline, NotJudged, TraceSignals, blind, slack};
 
 /// The pulses.
 pub(crate) const PULSES: KeySpec = KeySpec::required(
@@ -42,18 +42,18 @@ pub(crate) const QUADRATURE: KeySpec = KeySpec::optional(
 
 /// The lines of a pulse train.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Train {
+pub struct TrainLines {
     /// The pulses, phase A, or the number.
     pub(crate) signal: String,
     /// The line that tells or shares the direction, and how.
-    pub(crate) second: Option<(Carried, String)>,
+    pub(crate) second: Option<(PulseEncoding, String)>,
     /// What a sampled channel may miss.
     longer_than: Option<Span>,
 }
 
-impl Train {
+impl TrainLines {
     /// Reads the keys above and `pulses-longer-than`.
-    pub(crate) fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Train> {
+    pub(crate) fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<TrainLines> {
         let first = signal(fields, "signal", cx);
         let given: Vec<&str> =
             ["direction", "backwards", "quadrature"].into_iter().filter(|key| fields.has(key)).collect();
@@ -67,9 +67,9 @@ impl Train {
             [] => None,
             [key] => {
                 let carried = match *key {
-                    "direction" => Carried::Direction { inverted },
-                    "backwards" => Carried::Backwards,
-                    _ => Carried::Quadrature,
+                    "direction" => PulseEncoding::Direction { inverted },
+                    "backwards" => PulseEncoding::Backwards,
+                    _ => PulseEncoding::Quadrature,
                 };
                 Some((carried, signal(fields, key, cx)?))
             }
@@ -88,7 +88,7 @@ impl Train {
             cx.out.bad(codes::TRAIN, place, message, "name another signal");
             return None;
         }
-        Some(Train { signal: first, second, longer_than: fields.duration("pulses-longer-than") })
+        Some(TrainLines { signal: first, second, longer_than: fields.duration("pulses-longer-than") })
     }
 
     /// Its signals, in the order of the slots of its track.
@@ -102,7 +102,7 @@ impl Train {
     }
 
     /// Finds what cannot be followed.
-    pub(crate) fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    pub(crate) fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         for (at, name) in self.signals().iter().enumerate() {
             let Some(info) = super::known(name, wiring, out) else { continue };
             let right = match info.kind {
@@ -121,7 +121,10 @@ impl Train {
     }
 
     /// What follows it, and which line can hide pulses, in words.
-    pub(crate) fn track(&self, scene: &Scene<'_>) -> Result<(Track, Option<String>), NotJudged> {
+    pub(crate) fn track(
+        &self,
+        scene: &CaseTimeline<'_>,
+    ) -> Result<(PositionTrack, Option<String>), NotJudged> {
         let line = |name: &String| -> Result<_, NotJudged> {
             let info = scene.signal(name)?;
             Ok((
@@ -134,14 +137,14 @@ impl Train {
         let Some((carried, other)) = &self.second else {
             // A number that was read counts what came in between.
             let (carried, missed) = match (is_number(info), self.is_coarse(info)) {
-                (true, true) => (Carried::Read, None),
-                (true, false) => (Carried::Number, None),
-                (false, _) => (Carried::Pulses, missed),
+                (true, true) => (PulseEncoding::Read, None),
+                (true, false) => (PulseEncoding::Number, None),
+                (false, _) => (PulseEncoding::Pulses, missed),
             };
-            return Ok((Track::new(carried, first, None), missed));
+            return Ok((PositionTrack::new(carried, first, None), missed));
         };
         let (second, also) = line(other)?;
-        Ok((Track::new(*carried, first, Some(second)), missed.or(also)))
+        Ok((PositionTrack::new(*carried, first, Some(second)), missed.or(also)))
     }
 
     /// Whether it is a number that is read from time to time.

@@ -13,16 +13,19 @@ use record::Figure;
 use signal::{SignalInfo, Value};
 
 use super::common::{WHEN, anchor};
-use super::condition::{Condition, IS, MAX, MIN, ONE_OF, literal};
-use super::equal::{Operand, read_pair};
-use super::{Claim, Context, Demand, Verb};
+use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition, literal};
+use super::equal::{EqualOperand, read_pair};
+use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
-use crate::monitor::reading::{Candidate, Reader};
-use crate::monitor::{Finding, Monitor, NotJudged, Point, Scene, Seen, Test, Truth, Wiring, slack};
+use crate::monitor::reading::{Candidate, ValueReader};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, Truth, UncertainInstant, ValueTest,
+    slack,
+};
 
 /// `value`.
-pub(super) const VALUE: Verb = Verb {
+pub(super) const VALUE: ExpectVerb = ExpectVerb {
     name: "value",
     doc: "A signal has a value, one within limits, or one near another, at an instant",
     keys: &[
@@ -48,18 +51,18 @@ pub(super) const VALUE: Verb = Verb {
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct At {
+struct ValueClaim {
     signal: String,
-    condition: Condition,
+    condition: ValueCondition,
     when: Anchor,
 }
 
 /// The claim that a signal meets a condition at an instant.
-pub(super) fn at_instant(signal: String, condition: Condition, when: Anchor) -> Arc<dyn Claim> {
-    Arc::new(At { signal, condition, when })
+pub(super) fn at_instant(signal: String, condition: ValueCondition, when: Anchor) -> Arc<dyn Claim> {
+    Arc::new(ValueClaim { signal, condition, when })
 }
 
-fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
     let when = anchor(fields, "when", Anchor::END, cx);
     let (signal, at) = cx.names.at_value(fields.get("of")?, cx.out)?;
     if let (Some(_), Some(node)) = (&at, fields.get("when")) {
@@ -73,7 +76,7 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
             cx.out.bad(codes::CLAIM, node, "`tolerance` has no meaning without `near`", "");
             return None;
         }
-        let condition = Condition::read(fields, None, cx)?;
+        let condition = ValueCondition::read(fields, None, cx)?;
         return Some(at_instant(signal, condition, when));
     }
     if let Some(key) = ["is", "one-of", "min", "max"].into_iter().find(|key| fields.has(key)) {
@@ -84,17 +87,17 @@ fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Arc<dyn Claim>> {
     let node = fields.get("near")?;
     // A word is the name of a signal here: labels of states are not near anything.
     if let (Data::Text(_), Ok(Literal::Label(_)) | Err(_)) = (&node.data, Literal::of(node)) {
-        return read_pair(Operand { signal, at: when.clone() }, fields, "near", when, cx);
+        return read_pair(EqualOperand { signal, at: when.clone() }, fields, "near", when, cx);
     }
     let middle = literal(node, cx)?;
     let condition = match fields.get("tolerance") {
-        Some(node) => Condition::Near { middle, tolerance: literal(node, cx)? },
-        None => Condition::OneOf(vec![middle]),
+        Some(node) => ValueCondition::Near { middle, tolerance: literal(node, cx)? },
+        None => ValueCondition::OneOf(vec![middle]),
     };
     Some(at_instant(signal, condition, when))
 }
 
-impl Claim for At {
+impl Claim for ValueClaim {
     fn expected(&self) -> String {
         format!("`{}` is {} at {}", self.signal, self.condition, self.when)
     }
@@ -107,38 +110,38 @@ impl Claim for At {
         vec![&self.when]
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signal, wiring, out) {
             super::meant(self.condition.bind(info).map(drop), out);
         }
     }
 
-    fn demands(&self) -> Vec<Demand<'_>> {
+    fn demands(&self) -> Vec<ClaimDemand<'_>> {
         let (signal, condition) = (&self.signal, &self.condition);
-        vec![Demand::Value { signal, condition, forbidden: false }, Demand::At(&self.when)]
+        vec![ClaimDemand::Value { signal, condition, forbidden: false }, ClaimDemand::At(&self.when)]
     }
 
-    fn start(&self, scene: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let point = scene.point(&self.when)?;
         let test = self.condition.bind(info).map_err(NotJudged::NoMeaning)?;
-        let reader = Reader::new(point);
-        Ok(Box::new(Read { claim: self.clone(), info: info.clone(), test, point, reader }))
+        let reader = ValueReader::new(point);
+        Ok(Box::new(ValueMonitor { claim: self.clone(), info: info.clone(), test, point, reader }))
     }
 }
 
 /// The judge.
-struct Read {
-    claim: At,
+struct ValueMonitor {
+    claim: ValueClaim,
     info: SignalInfo,
-    test: Test,
-    point: Point,
-    reader: Reader,
+    test: ValueTest,
+    point: UncertainInstant,
+    reader: ValueReader,
 }
 
-impl Monitor for Read {
+impl Monitor for ValueMonitor {
     #[inline]
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         self.reader.see(seen);
     }
 
@@ -206,7 +209,7 @@ pub(super) fn observed(candidates: &[Candidate], info: &SignalInfo) -> String {
 }
 
 /// An instant as a window without length.
-pub(super) fn instant(point: &Point) -> record::Window {
+pub(super) fn instant(point: &UncertainInstant) -> record::Window {
     record::Window {
         from_ns: [point.a, point.b],
         until_ns: [point.a, point.b],

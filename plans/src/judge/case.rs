@@ -7,15 +7,15 @@ use record::{Origin, Verdict, Window};
 use signal::{Event, SignalInfo, Span, When};
 
 use super::claim_record::{claim_record, writer};
-use super::counting::Counting;
-use super::live::Live;
+use super::live::LiveReading;
 use super::order::Orderer;
-use super::unknown::{Unknown, add_why};
-use super::{Outcome, answered};
-use crate::expect::{Expectation, GlobalCheck, Place, happens};
-use crate::lang::{Anchor, Base};
+use super::pulse_limits::PulseLimits;
+use super::unknown::{UnknownTimes, add_why};
+use super::{JudgedCase, answer};
+use crate::expect::{Expectation, FilePlace, GlobalCheck, happens};
+use crate::lang::{Anchor, AnchorBase};
 use crate::measure::{Gauge, Measurement};
-use crate::monitor::{Anchors, Monitor, NotJudged, Scene, Seen, Wiring};
+use crate::monitor::{Anchors, CaseTimeline, Monitor, NotJudged, TimedValue, TraceSignals};
 use crate::steps::{CasePart, Question};
 
 /// A step of the case, as far as the judge needs it.
@@ -77,7 +77,8 @@ impl Scenario {
             signal.strip_prefix("step:").or_else(|| signal.strip_prefix("answer:")).and_then(part)
         };
         let named = anchors.iter().any(|anchor| {
-            anchor.base == Base::Teardown || anchor.base.step().and_then(part) == Some(CasePart::Teardown)
+            anchor.base == AnchorBase::Teardown
+                || anchor.base.step().and_then(part) == Some(CasePart::Teardown)
         });
         match signals.iter().filter_map(own).max() {
             _ if named => CasePart::Teardown,
@@ -111,15 +112,15 @@ impl fmt::Display for JudgeError {
 impl std::error::Error for JudgeError {}
 
 /// The judge of one case: fed with the trace as it grows, then asked for the verdicts.
-pub struct Judge {
+pub struct CaseJudge {
     scenario: Scenario,
     signals: Vec<SignalInfo>,
     anchors: Anchors,
-    live: Live,
+    live: LiveReading,
     fed: u64,
 }
 
-impl fmt::Debug for Judge {
+impl fmt::Debug for CaseJudge {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Judge")
             .field("scenario", &self.scenario)
@@ -128,24 +129,24 @@ impl fmt::Debug for Judge {
     }
 }
 
-impl Judge {
+impl CaseJudge {
     /// A judge for a case whose trace has these signals, in the order of their places.
     ///
     /// # Errors
     /// Findings about claims that these signals cannot answer: a name that the trace does not have, a label
     /// that a state does not have, a unit of another dimension.
-    pub fn new(mut scenario: Scenario, signals: &[SignalInfo]) -> Result<Judge, Vec<Diagnostic>> {
+    pub fn new(mut scenario: Scenario, signals: &[SignalInfo]) -> Result<CaseJudge, Vec<Diagnostic>> {
         for step in &scenario.steps {
             if step.awaited.is_some() {
                 scenario.expectations.push(happens::implied(&step.id, step.awaited, step.line));
             }
             if let Some(question) = &step.asks {
-                scenario.expectations.push(answered::implied(step, question));
+                scenario.expectations.push(answer::implied(step, question));
             }
         }
         scenario.expectations.extend(scenario.global_checks.iter().map(|guard| guard.expectation.clone()));
         let mut found = Vec::new();
-        let wiring = Wiring { signals };
+        let wiring = TraceSignals { signals };
         for expectation in &scenario.expectations {
             let known = found.len();
             expectation.claim.check(&wiring, &mut found);
@@ -160,19 +161,19 @@ impl Judge {
             return Err(found);
         }
         let anchors = Anchors::new(scenario.anchors(), |id| scenario.train(id), signals);
-        let mut live = Live::new(&scenario.expectations, signals);
+        let mut live = LiveReading::new(&scenario.expectations, signals);
         for (at, expectation) in scenario.expectations.iter().enumerate() {
             if scenario.part_of_claim(expectation) == CasePart::Teardown {
                 live.pass_over(at);
             }
         }
-        Ok(Judge { scenario, signals: signals.to_vec(), anchors, live, fed: 0 })
+        Ok(CaseJudge { scenario, signals: signals.to_vec(), anchors, live, fed: 0 })
     }
 
     /// The same judge for a case that nobody wants to end early: it does not watch the claims while the trace grows,
-    /// and [`Judge::failed_early`] says no. The verdicts are the same at half the work.
+    /// and [`CaseJudge::failed_early`] says no. The verdicts are the same at half the work.
     #[must_use]
-    pub fn unhurried(mut self) -> Judge {
+    pub fn without_early_end(mut self) -> CaseJudge {
         self.live.rest();
         self
     }
@@ -186,7 +187,8 @@ impl Judge {
         if news {
             let now = event.at.earliest.as_nanos();
             let (signals, anchors) = (&self.signals, &self.anchors);
-            let scene = Scene { signals, anchors, disordered: &[], open_from: Some(now), closing: false };
+            let scene =
+                CaseTimeline { signals, anchors, disordered: &[], open_from: Some(now), closing: false };
             self.live.news(&self.scenario.expectations, &scene, now);
         }
     }
@@ -205,7 +207,7 @@ impl Judge {
     ///
     /// # Errors
     /// [`JudgeError`] if the trace cannot be read.
-    pub fn finish(self, end: When, trace: &signal::Trace) -> Result<Outcome, JudgeError> {
+    pub fn finish(self, end: When, trace: &signal::Trace) -> Result<JudgedCase, JudgeError> {
         let events =
             trace.events().map(|event| event.map_err(|error| JudgeError { fault: error.to_string() }));
         self.finish_over(end, events, &|key| trace.note(key).map(str::to_owned))
@@ -215,7 +217,7 @@ impl Judge {
     ///
     /// # Errors
     /// [`JudgeError`] if the trace cannot be read.
-    pub fn replay(mut self, end: When, trace: &signal::Trace) -> Result<Outcome, JudgeError> {
+    pub fn replay(mut self, end: When, trace: &signal::Trace) -> Result<JudgedCase, JudgeError> {
         self.live.rest();
         for event in trace.events() {
             self.feed(&event.map_err(|error| JudgeError { fault: error.to_string() })?);
@@ -233,15 +235,16 @@ impl Judge {
         end: When,
         events: impl Iterator<Item = Result<Event, E>>,
         note: &dyn Fn(&str) -> Option<String>,
-    ) -> Result<Outcome, E> {
+    ) -> Result<JudgedCase, E> {
         self.anchors.end(end, self.fed);
         let disordered = self.live.disordered();
         let (signals, anchors) = (&self.signals, &self.anchors);
-        let scene = Scene { signals, anchors, disordered: &disordered, open_from: None, closing: false };
+        let scene =
+            CaseTimeline { signals, anchors, disordered: &disordered, open_from: None, closing: false };
         let why = note("ended").unwrap_or_default();
-        let mut stage = Stage::new(&self.scenario, &scene, &why);
-        stage.counting = Counting::new(&self.signals, note);
-        let last = scene.end().max(Scene { closing: true, ..scene }.end());
+        let mut stage = FinalReading::new(&self.scenario, &scene, &why);
+        stage.counting = PulseLimits::new(&self.signals, note);
+        let last = scene.end().max(CaseTimeline { closing: true, ..scene }.end());
         let mut place = 0;
         let mut fault = None;
         // Not a `for`: reading a whole trace is faster from the inside.
@@ -264,7 +267,7 @@ impl Judge {
 }
 
 /// Says of findings where the claim stands.
-fn locate(found: &mut [Diagnostic], place: Option<&Place>) {
+fn locate(found: &mut [Diagnostic], place: Option<&FilePlace>) {
     let Some(place) = place.filter(|place| !place.file.is_empty()) else { return };
     for each in found.iter_mut().filter(|each| each.labels.is_empty()) {
         *each = each.clone().at(&*place.file, place.span.clone(), "");
@@ -272,19 +275,19 @@ fn locate(found: &mut [Diagnostic], place: Option<&Place>) {
 }
 
 /// What follows the signals in the last reading.
-enum Running {
+enum RunningMonitor {
     Claim(Result<Box<dyn Monitor>, NotJudged>),
     Gauge(Box<Result<Gauge, NotJudged>>),
 }
 
 /// A signal with those who follow it.
-struct Line {
+struct FollowedSignal {
     orderer: Orderer,
     /// The followers.
     followers: Vec<Follower>,
     observed: bool,
     /// When it was not known, and why.
-    unknown: Unknown,
+    unknown: UnknownTimes,
 }
 
 /// Who follows a signal.
@@ -300,7 +303,7 @@ struct Follower {
 
 impl Follower {
     #[inline]
-    fn feed(self, running: &mut [Running], seen: &Seen) {
+    fn feed(self, running: &mut [RunningMonitor], seen: &TimedValue) {
         if seen.a <= self.last.0 && seen.place <= self.last.1 {
             running[self.at].feed(self.slot, seen);
         }
@@ -308,49 +311,52 @@ impl Follower {
 }
 
 /// The last reading.
-struct Stage {
-    running: Vec<Running>,
-    lines: Vec<Line>,
-    counting: Counting,
+struct FinalReading {
+    running: Vec<RunningMonitor>,
+    lines: Vec<FollowedSignal>,
+    counting: PulseLimits,
 }
 
-impl Stage {
-    fn new(scenario: &Scenario, scene: &Scene<'_>, why: &str) -> Stage {
-        let mut stage = Stage { running: Vec::new(), lines: Vec::new(), counting: Counting::default() };
+impl FinalReading {
+    fn new(scenario: &Scenario, scene: &CaseTimeline<'_>, why: &str) -> FinalReading {
+        let mut stage =
+            FinalReading { running: Vec::new(), lines: Vec::new(), counting: PulseLimits::default() };
         for at in 0..scene.signals.len() {
             let hold = scene.disordered.get(at).copied().unwrap_or(false);
-            stage.lines.push(Line {
+            stage.lines.push(FollowedSignal {
                 orderer: Orderer::new(hold),
                 followers: Vec::new(),
                 observed: false,
-                unknown: Unknown::default(),
+                unknown: UnknownTimes::default(),
             });
         }
         let setup = scenario.steps.iter().any(|step| step.part == CasePart::Setup);
         let begun =
-            !setup || scene.anchors.resolve(&Anchor { base: Base::Main, offset: Span::ZERO }).is_some();
+            !setup || scene.anchors.resolve(&Anchor { base: AnchorBase::Main, offset: Span::ZERO }).is_some();
         // What holds in every case holds in its setup, too.
         let own = scenario.expectations.len() - scenario.global_checks.len();
         let part = |of: CasePart, standing: bool| {
             let missing = of == CasePart::Main && !begun && !standing;
-            let whole = Scene { closing: of == CasePart::Teardown, ..*scene };
+            let whole = CaseTimeline { closing: of == CasePart::Teardown, ..*scene };
             if missing { Err(NotJudged::NoMain(why.to_owned())) } else { Ok(whole) }
         };
         for (at, expectation) in scenario.expectations.iter().enumerate() {
             let scene_of = part(scenario.part_of_claim(expectation), at >= own);
             stage.follow(&expectation.claim.signals(), scene_of.as_ref().unwrap_or(scene));
-            stage.running.push(Running::Claim(scene_of.and_then(|scene| expectation.claim.start(&scene))));
+            stage
+                .running
+                .push(RunningMonitor::Claim(scene_of.and_then(|scene| expectation.claim.start(&scene))));
         }
         for measurement in &scenario.measurements {
             let scene_of = part(scenario.part(&measurement.anchors(), &measurement.signals()), false);
             stage.follow(&measurement.signals(), scene_of.as_ref().unwrap_or(scene));
             let gauge = scene_of.and_then(|scene| measurement.start(&scene));
-            stage.running.push(Running::Gauge(Box::new(gauge)));
+            stage.running.push(RunningMonitor::Gauge(Box::new(gauge)));
         }
         stage
     }
 
-    fn follow(&mut self, names: &[String], scene: &Scene<'_>) {
+    fn follow(&mut self, names: &[String], scene: &CaseTimeline<'_>) {
         let (at, last) = (self.running.len(), (scene.end(), scene.last_place()));
         for (slot, name) in names.iter().enumerate() {
             if let Some(line) = scene.signals.iter().position(|info| info.name == *name) {
@@ -379,7 +385,7 @@ impl Stage {
         scenario: &Scenario,
         signals: &[SignalInfo],
         note: &dyn Fn(&str) -> Option<String>,
-    ) -> Outcome {
+    ) -> JudgedCase {
         for line in &mut self.lines {
             let (followers, running) = (&line.followers, &mut self.running);
             line.orderer.drain(|seen| {
@@ -405,7 +411,7 @@ impl Stage {
         let own = scenario.expectations.len() - scenario.global_checks.len();
         for ((place, expectation), running) in scenario.expectations.iter().enumerate().zip(running.by_ref())
         {
-            let Running::Claim(judged) = running else { continue };
+            let RunningMonitor::Claim(judged) = running else { continue };
             let finding = judged.map(Monitor::finish);
             let silent = unobserved(&expectation.claim.signals());
             let mut record = claim_record(expectation, finding, silent, &writer);
@@ -428,7 +434,7 @@ impl Stage {
             claims.push(record);
         }
         for (measurement, running) in scenario.measurements.iter().zip(running) {
-            let Running::Gauge(taken) = running else { continue };
+            let RunningMonitor::Gauge(taken) = running else { continue };
             let mut taken = match *taken {
                 Ok(gauge) => gauge.finish(),
                 Err(why) => measurement.untaken(&why.to_string()),
@@ -455,17 +461,17 @@ impl Stage {
             }
             measurements.push(taken);
         }
-        Outcome::of(claims, measurements)
+        JudgedCase::of(claims, measurements)
     }
 }
 
-impl Running {
+impl RunningMonitor {
     #[inline]
-    fn feed(&mut self, slot: usize, seen: &Seen) {
+    fn feed(&mut self, slot: usize, seen: &TimedValue) {
         match self {
-            Running::Claim(Ok(monitor)) => monitor.feed(slot, seen),
-            Running::Claim(Err(_)) => {}
-            Running::Gauge(gauge) => {
+            RunningMonitor::Claim(Ok(monitor)) => monitor.feed(slot, seen),
+            RunningMonitor::Claim(Err(_)) => {}
+            RunningMonitor::Gauge(gauge) => {
                 if let Ok(gauge) = gauge.as_mut() {
                     gauge.feed(slot, seen);
                 }

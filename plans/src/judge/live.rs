@@ -8,10 +8,10 @@ use signal::{Event, SignalInfo};
 use super::order::Orderer;
 use crate::expect::Expectation;
 use crate::lang::Anchor;
-use crate::monitor::{Monitor, Scene, Seen, lag};
+use crate::monitor::{CaseTimeline, Monitor, TimedValue, lag};
 
 /// How far a claim is watched.
-enum Watch {
+enum ClaimWatch {
     /// An instant is still to come.
     Waiting,
     /// Fed; `open` if the end of its window is still to come.
@@ -20,44 +20,48 @@ enum Watch {
     Over { lost: bool },
 }
 
-impl Watch {
+impl ClaimWatch {
     /// Whether the claim is lost when every event before `now` is known.
     fn lost(&mut self, now: i64) -> bool {
         match self {
-            Watch::Waiting => false,
-            Watch::Running { monitor, .. } => monitor.lost(now),
-            Watch::Over { lost } => *lost,
+            ClaimWatch::Waiting => false,
+            ClaimWatch::Running { monitor, .. } => monitor.lost(now),
+            ClaimWatch::Over { lost } => *lost,
         }
     }
 }
 
 /// A signal with the claims that look at it.
-struct Line {
+struct WatchedSignal {
     orderer: Orderer,
     followers: Vec<(usize, usize)>,
-    last: Option<Seen>,
+    last: Option<TimedValue>,
 }
 
 /// The claims under watch.
-pub(crate) struct Live {
-    watches: Vec<Watch>,
+pub(crate) struct LiveReading {
+    watches: Vec<ClaimWatch>,
     /// How late an event of a claim's signals can become known, nanoseconds.
     lags: Vec<i64>,
-    lines: Vec<Line>,
+    lines: Vec<WatchedSignal>,
     now: i64,
     /// Nobody asks: only the order of the events is looked at.
     idle: bool,
 }
 
-impl Live {
+impl LiveReading {
     /// The claim at this place is not watched: it is decided behind the case.
     pub(crate) fn pass_over(&mut self, at: usize) {
-        self.watches[at] = Watch::Over { lost: false };
+        self.watches[at] = ClaimWatch::Over { lost: false };
     }
 
-    pub(crate) fn new(expectations: &[Expectation], signals: &[SignalInfo]) -> Live {
-        let line = |_: &SignalInfo| Line { orderer: Orderer::new(false), followers: Vec::new(), last: None };
-        let mut live = Live {
+    pub(crate) fn new(expectations: &[Expectation], signals: &[SignalInfo]) -> LiveReading {
+        let line = |_: &SignalInfo| WatchedSignal {
+            orderer: Orderer::new(false),
+            followers: Vec::new(),
+            last: None,
+        };
+        let mut live = LiveReading {
             watches: Vec::new(),
             lags: Vec::new(),
             lines: signals.iter().map(line).collect(),
@@ -75,7 +79,7 @@ impl Live {
             live.lags.push(latest);
             // What looks back needs what was before; what looks at the end is decided there.
             let back = expectation.claim.anchors().iter().any(|anchor| anchor.offset.is_negative());
-            live.watches.push(if back { Watch::Over { lost: false } } else { Watch::Waiting });
+            live.watches.push(if back { ClaimWatch::Over { lost: false } } else { ClaimWatch::Waiting });
         }
         live
     }
@@ -93,7 +97,7 @@ impl Live {
         if line.followers.is_empty() {
             return;
         }
-        let Line { orderer, followers, last } = line;
+        let WatchedSignal { orderer, followers, last } = line;
         if self.idle {
             orderer.push(event, place, |_| {});
             return;
@@ -102,7 +106,7 @@ impl Live {
         orderer.push(event, place, |seen| {
             *last = Some(*seen);
             for (watch, slot) in followers.iter() {
-                if let Watch::Running { monitor, .. } = &mut watches[*watch] {
+                if let ClaimWatch::Running { monitor, .. } = &mut watches[*watch] {
                     monitor.feed(*slot, seen);
                 }
             }
@@ -110,7 +114,7 @@ impl Live {
     }
 
     /// An instant became known at `now`.
-    pub(crate) fn news(&mut self, expectations: &[Expectation], scene: &Scene<'_>, now: i64) {
+    pub(crate) fn news(&mut self, expectations: &[Expectation], scene: &CaseTimeline<'_>, now: i64) {
         if self.idle {
             return;
         }
@@ -118,23 +122,30 @@ impl Live {
             let claim = &expectation.claim;
             let open = || claim.anchors().iter().any(|anchor| scene.point(anchor).is_err());
             match &mut self.watches[at] {
-                Watch::Over { .. } => {}
-                Watch::Running { monitor, open: was_open } => {
+                ClaimWatch::Over { .. } => {}
+                ClaimWatch::Running { monitor, open: was_open } => {
                     if *was_open && !open() {
                         // The window ends here or a known time after: an open end would stretch too far.
                         let lost = monitor.lost(now.saturating_sub(self.lags[at]));
-                        self.watches[at] = Watch::Over { lost };
+                        self.watches[at] = ClaimWatch::Over { lost };
                     }
                 }
-                Watch::Waiting => self.begin(at, expectation, scene, now, open()),
+                ClaimWatch::Waiting => self.begin(at, expectation, scene, now, open()),
             }
         }
     }
 
-    fn begin(&mut self, at: usize, expectation: &Expectation, scene: &Scene<'_>, now: i64, open: bool) {
+    fn begin(
+        &mut self,
+        at: usize,
+        expectation: &Expectation,
+        scene: &CaseTimeline<'_>,
+        now: i64,
+        open: bool,
+    ) {
         let claim = &expectation.claim;
         if claim.anchors().contains(&&Anchor::END) && scene.point(&Anchor::END).is_ok() {
-            self.watches[at] = Watch::Over { lost: false };
+            self.watches[at] = ClaimWatch::Over { lost: false };
             return;
         }
         let Ok(mut monitor) = claim.start(scene) else { return };
@@ -143,7 +154,7 @@ impl Live {
                 match line.last {
                     // Events that may lie behind the instant would have to be fed, and only the last is kept.
                     Some(last) if last.b > now => {
-                        self.watches[at] = Watch::Over { lost: false };
+                        self.watches[at] = ClaimWatch::Over { lost: false };
                         return;
                     }
                     Some(last) => monitor.feed(*slot, &last),
@@ -151,7 +162,7 @@ impl Live {
                 }
             }
         }
-        self.watches[at] = Watch::Running { monitor, open };
+        self.watches[at] = ClaimWatch::Running { monitor, open };
     }
 
     /// For every signal, whether its intervals ran backwards. Known only for those that claims look at.

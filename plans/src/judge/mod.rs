@@ -8,17 +8,17 @@
 //! memory that does not grow with the trace, margins and evidence for the reader of a report. Not goals:
 //! knowing what a verb means (that is [`crate::expect`]'s), running anything.
 
-mod answered;
+mod answer;
 mod case;
+mod claim_progress;
 mod claim_record;
-mod counting;
+mod judged_case;
 mod live;
 mod order;
-mod outcome;
-mod standing;
+mod pulse_limits;
 mod unknown;
 
-pub use case::{Judge, JudgeError, Scenario, StepFacts};
-pub use counting::note_of as counts_note;
-pub use outcome::Outcome;
-pub use standing::Standing;
+pub use case::{CaseJudge, JudgeError, Scenario, StepFacts};
+pub use claim_progress::ClaimProgress;
+pub use judged_case::JudgedCase;
+pub use pulse_limits::note_of as counts_note;

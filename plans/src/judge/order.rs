@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 use signal::Event;
 
-use crate::monitor::Seen;
+use crate::monitor::TimedValue;
 
 /// Most events of one signal that wait for a successor. Beyond it the oldest passes with the interval it has:
 /// wider than need be, so that a verdict can become inconclusive by it but never wrong.
@@ -19,7 +19,7 @@ const WAITING: usize = 256;
 /// The events of one signal on their way to the monitors.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Orderer {
-    waiting: VecDeque<Seen>,
+    waiting: VecDeque<TimedValue>,
     last: Option<(i64, i64)>,
     hold: bool,
     disordered: bool,
@@ -38,7 +38,7 @@ impl Orderer {
 
     /// Takes the next event of the signal and hands on those whose intervals are final.
     #[inline]
-    pub(crate) fn push(&mut self, event: &Event, place: u64, mut out: impl FnMut(&Seen)) {
+    pub(crate) fn push(&mut self, event: &Event, place: u64, mut out: impl FnMut(&TimedValue)) {
         let (before, ended) = self.last.unwrap_or((i64::MIN, i64::MIN));
         let a = event.at.earliest.as_nanos().max(before);
         let mut b = event.at.latest.as_nanos().max(a);
@@ -47,7 +47,7 @@ impl Orderer {
             // The predecessor is gone with the later end: a wider interval is the safe side.
             b = b.max(ended);
             self.last = Some((a, b));
-            out(&Seen::of(event, a, b, place));
+            out(&TimedValue::of(event, a, b, place));
             return;
         }
         self.last = Some((a, b));
@@ -55,7 +55,7 @@ impl Orderer {
         for earlier in self.waiting.iter_mut().rev().take_while(|earlier| earlier.b > b) {
             earlier.b = b.max(earlier.a);
         }
-        self.waiting.push_back(Seen::of(event, a, b, place));
+        self.waiting.push_back(TimedValue::of(event, a, b, place));
         // Whatever comes next begins at `a` or later, so an event that ends by then is final.
         while self.waiting.front().is_some_and(|first| first.b <= a) || self.waiting.len() > WAITING {
             if let Some(first) = self.waiting.pop_front() {
@@ -65,7 +65,7 @@ impl Orderer {
     }
 
     /// Hands on what still waits: nothing comes any more.
-    pub(crate) fn drain(&mut self, mut out: impl FnMut(&Seen)) {
+    pub(crate) fn drain(&mut self, mut out: impl FnMut(&TimedValue)) {
         for seen in self.waiting.drain(..) {
             out(&seen);
         }

@@ -8,7 +8,7 @@ const MOST: usize = 64;
 
 /// A stretch in which a signal was not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Stretch {
+struct UnknownStretch {
     gap: Gap,
     /// Its earliest and latest beginning, nanoseconds.
     from: [i64; 2],
@@ -18,13 +18,13 @@ struct Stretch {
 
 /// When a signal was not known, and why.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Unknown {
-    stretches: Vec<Stretch>,
+pub(super) struct UnknownTimes {
+    stretches: Vec<UnknownStretch>,
     /// The last one goes on.
     lasts: bool,
 }
 
-impl Unknown {
+impl UnknownTimes {
     /// The next event of the signal.
     #[inline]
     pub(super) fn see(&mut self, event: &Event) {
@@ -41,14 +41,14 @@ impl Unknown {
         if let (Value::Unknown, Cause::Gap(gap)) = (event.value, event.cause)
             && self.stretches.len() < MOST
         {
-            self.stretches.push(Stretch { gap, from: [from, until], until: i64::MAX });
+            self.stretches.push(UnknownStretch { gap, from: [from, until], until: i64::MAX });
             self.lasts = true;
         }
     }
 
     /// The first stretch that can touch a window; without one the first of all.
-    fn within(&self, window: Option<&Window>) -> Option<&Stretch> {
-        let touches = |stretch: &&Stretch| {
+    fn within(&self, window: Option<&Window>) -> Option<&UnknownStretch> {
+        let touches = |stretch: &&UnknownStretch| {
             window.is_none_or(|window| {
                 stretch.from[0] <= window.until_ns[1] && stretch.until >= window.from_ns[0]
             })
@@ -60,7 +60,7 @@ impl Unknown {
 /// Adds to the reason of an open verdict why its signals were not known then, where a board told: `the value is not
 /// known at end (`pressure` from 1.2 s: its wire is open)`.
 pub(super) fn add_why<'a>(
-    signals: impl Iterator<Item = (&'a str, &'a Unknown)>,
+    signals: impl Iterator<Item = (&'a str, &'a UnknownTimes)>,
     window: Option<&Window>,
     reason: &mut String,
 ) {
@@ -86,7 +86,7 @@ mod tests {
         Event { signal: SignalId(0), at, value, cause }
     }
 
-    fn why(unknown: &Unknown, [from, until]: [i64; 2]) -> String {
+    fn why(unknown: &UnknownTimes, [from, until]: [i64; 2]) -> String {
         let ns = |ms: i64| [ms * 1_000_000; 2];
         let window = Window { from_ns: ns(from), until_ns: ns(until), ..Window::default() };
         let mut reason = String::from("open");
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn the_reason_is_that_of_the_stretch_that_the_window_meets() {
-        let mut unknown = Unknown::default();
+        let mut unknown = UnknownTimes::default();
         for event in [
             event(0, Value::Real(1.0), Cause::Board),
             event(10, Value::Unknown, Cause::Gap(Gap::OpenWire)),
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_signal_that_comes_and_goes_keeps_a_bounded_list() {
-        let mut unknown = Unknown::default();
+        let mut unknown = UnknownTimes::default();
         for ms in 0..1_000 {
             unknown.see(&event(2 * ms, Value::Unknown, Cause::Gap(Gap::Below)));
             unknown.see(&event(2 * ms + 1, Value::Real(1.0), Cause::Board));

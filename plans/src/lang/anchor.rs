@@ -24,7 +24,7 @@ pub(crate) fn pattern() -> String {
 
 /// What an instant counts from.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Base {
+pub enum AnchorBase {
     /// The controller is booted, in its initial state, at the first release of MAST.
     Start,
     /// All of the setup is done; the same as `start` in a case without one.
@@ -53,44 +53,44 @@ pub enum Base {
     },
 }
 
-impl Base {
+impl AnchorBase {
     /// The id of the step it hangs on, if any.
     pub fn step(&self) -> Option<&str> {
         match self {
-            Base::Start | Base::Main | Base::End | Base::Teardown => None,
-            Base::Step(id)
-            | Base::StepDone(id)
-            | Base::Pulse { step: id, .. }
-            | Base::Occurrence { step: id, .. } => Some(id),
+            AnchorBase::Start | AnchorBase::Main | AnchorBase::End | AnchorBase::Teardown => None,
+            AnchorBase::Step(id)
+            | AnchorBase::StepDone(id)
+            | AnchorBase::Pulse { step: id, .. }
+            | AnchorBase::Occurrence { step: id, .. } => Some(id),
         }
     }
 }
 
-impl Base {
+impl AnchorBase {
     /// The same part of another step.
     #[must_use]
-    pub fn of_step(self, id: String) -> Base {
+    pub fn of_step(self, id: String) -> AnchorBase {
         match self {
-            Base::Step(_) => Base::Step(id),
-            Base::StepDone(_) => Base::StepDone(id),
-            Base::Pulse { n, .. } => Base::Pulse { step: id, n },
-            Base::Occurrence { n, .. } => Base::Occurrence { step: id, n },
+            AnchorBase::Step(_) => AnchorBase::Step(id),
+            AnchorBase::StepDone(_) => AnchorBase::StepDone(id),
+            AnchorBase::Pulse { n, .. } => AnchorBase::Pulse { step: id, n },
+            AnchorBase::Occurrence { n, .. } => AnchorBase::Occurrence { step: id, n },
             other => other,
         }
     }
 }
 
-impl fmt::Display for Base {
+impl fmt::Display for AnchorBase {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Base::Start => f.write_str("start"),
-            Base::Main => f.write_str("main"),
-            Base::End => f.write_str("end"),
-            Base::Teardown => f.write_str("teardown"),
-            Base::Step(id) => f.write_str(id),
-            Base::StepDone(id) => write!(f, "{id}.done"),
-            Base::Pulse { step, n } => write!(f, "{step}.pulse[{n}]"),
-            Base::Occurrence { step, n } => write!(f, "{step}[{n}]"),
+            AnchorBase::Start => f.write_str("start"),
+            AnchorBase::Main => f.write_str("main"),
+            AnchorBase::End => f.write_str("end"),
+            AnchorBase::Teardown => f.write_str("teardown"),
+            AnchorBase::Step(id) => f.write_str(id),
+            AnchorBase::StepDone(id) => write!(f, "{id}.done"),
+            AnchorBase::Pulse { step, n } => write!(f, "{step}.pulse[{n}]"),
+            AnchorBase::Occurrence { step, n } => write!(f, "{step}[{n}]"),
         }
     }
 }
@@ -99,16 +99,16 @@ impl fmt::Display for Base {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Anchor {
     /// What it counts from.
-    pub base: Base,
+    pub base: AnchorBase,
     /// How long after the base, negative for before.
     pub offset: Span,
 }
 
 impl Anchor {
     /// The start of the case's stimuli.
-    pub const START: Anchor = Anchor { base: Base::Start, offset: Span::ZERO };
+    pub const START: Anchor = Anchor { base: AnchorBase::Start, offset: Span::ZERO };
     /// The end of the case.
-    pub const END: Anchor = Anchor { base: Base::End, offset: Span::ZERO };
+    pub const END: Anchor = Anchor { base: AnchorBase::End, offset: Span::ZERO };
 
     /// Reads an instant.
     ///
@@ -189,10 +189,10 @@ fn parse(text: &str) -> Result<Anchor, AnchorError> {
         return fail(at..word_end(text, at), fault);
     }
     let fixed = match &text[at..at + length] {
-        "start" => Some(Base::Start),
-        "main" => Some(Base::Main),
-        "end" => Some(Base::End),
-        "teardown" => Some(Base::Teardown),
+        "start" => Some(AnchorBase::Start),
+        "main" => Some(AnchorBase::Main),
+        "end" => Some(AnchorBase::End),
+        "teardown" => Some(AnchorBase::Teardown),
         _ => None,
     };
     let base = match fixed {
@@ -236,7 +236,7 @@ fn parse(text: &str) -> Result<Anchor, AnchorError> {
 }
 
 /// The path of a step from `first` on, with the part of it that is meant, and where it ends.
-fn path(text: &str, first: usize) -> Result<(Base, usize), AnchorError> {
+fn path(text: &str, first: usize) -> Result<(AnchorBase, usize), AnchorError> {
     let mut at = first;
     loop {
         let length = id_length(&text[at..]);
@@ -255,19 +255,19 @@ fn path(text: &str, first: usize) -> Result<(Base, usize), AnchorError> {
         let whole = &text[first..at];
         let Some(rest) = text[at..].strip_prefix('.') else {
             let base = match index {
-                Some(n) => Base::Occurrence { step: step.to_owned(), n },
-                None => Base::Step(whole.to_owned()),
+                Some(n) => AnchorBase::Occurrence { step: step.to_owned(), n },
+                None => AnchorBase::Step(whole.to_owned()),
             };
             return Ok((base, at));
         };
         at += 1;
         if let Some(inside) = rest.strip_prefix("pulse[") {
             let (n, after) = number(text, text.len() - inside.len())?;
-            return Ok((Base::Pulse { step: whole.to_owned(), n }, after));
+            return Ok((AnchorBase::Pulse { step: whole.to_owned(), n }, after));
         }
         let length = id_length(rest);
         if &rest[..length] == "done" {
-            return Ok((Base::StepDone(whole.to_owned()), at + length));
+            return Ok((AnchorBase::StepDone(whole.to_owned()), at + length));
         }
     }
 }
@@ -304,7 +304,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn step(id: &str, offset: Span) -> Anchor {
-        Anchor { base: Base::Step(id.into()), offset }
+        Anchor { base: AnchorBase::Step(id.into()), offset }
     }
 
     #[test]
@@ -318,16 +318,16 @@ mod tests {
         );
         assert_eq!(Anchor::parse("a + 1 min 30 s - 1 s"), Ok(step("a", Span::from_secs(89))));
         assert_eq!(Anchor::parse("a + -2 ms"), Ok(step("a", Span::from_millis(-2))));
-        let pulse = Base::Pulse { step: "train".into(), n: 1000 };
+        let pulse = AnchorBase::Pulse { step: "train".into(), n: 1000 };
         assert_eq!(Anchor::parse("train.pulse[1000]"), Ok(Anchor { base: pulse, offset: Span::ZERO }));
-        let done = Base::StepDone("cut".into());
+        let done = AnchorBase::StepDone("cut".into());
         assert_eq!(Anchor::parse("cut.done"), Ok(Anchor { base: done, offset: Span::ZERO }));
-        let inner = Base::StepDone("retry[2].gap".into());
+        let inner = AnchorBase::StepDone("retry[2].gap".into());
         assert_eq!(Anchor::parse("retry[2].gap.done"), Ok(Anchor { base: inner, offset: Span::ZERO }));
-        let third = Base::Occurrence { step: "poll".into(), n: 3 };
+        let third = AnchorBase::Occurrence { step: "poll".into(), n: 3 };
         assert_eq!(Anchor::parse("poll[3] - 1 ms").map(|anchor| anchor.base), Ok(third));
-        assert_eq!(Anchor::parse("main").map(|anchor| anchor.base), Ok(Base::Main));
-        assert_eq!(Anchor::parse("teardown + 1 s").map(|anchor| anchor.base), Ok(Base::Teardown));
+        assert_eq!(Anchor::parse("main").map(|anchor| anchor.base), Ok(AnchorBase::Main));
+        assert_eq!(Anchor::parse("teardown + 1 s").map(|anchor| anchor.base), Ok(AnchorBase::Teardown));
     }
 
     #[test]
@@ -378,10 +378,10 @@ mod tests {
             prop_assume!(!["start", "main", "end", "teardown"].contains(&id.as_str()));
             let id = if n % 2 == 0 { id } else { format!("{id}[{n}].x") };
             let base = match part {
-                0 => Base::Step(id),
-                1 => Base::StepDone(id),
-                2 => Base::Occurrence { step: id, n },
-                _ => Base::Pulse { step: id, n },
+                0 => AnchorBase::Step(id),
+                1 => AnchorBase::StepDone(id),
+                2 => AnchorBase::Occurrence { step: id, n },
+                _ => AnchorBase::Pulse { step: id, n },
             };
             let anchor = Anchor { base, offset: Span::from_nanos(offset) };
             prop_assert!(matches(&anchor.to_string()), "{}", anchor);

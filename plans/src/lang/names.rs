@@ -5,7 +5,7 @@ use document::{Findings, Node};
 use super::Anchor;
 
 /// What a verb's reader may ask of the plan around it.
-pub trait Names {
+pub trait PlanNames {
     /// Reads an instant such as `busy + 102 ms`; reports what is wrong with it, unknown steps included.
     fn anchor(&self, node: &Node, out: &mut Findings) -> Option<Anchor>;
     /// Where counting begins that says nothing else.

@@ -11,14 +11,14 @@ pub struct Capability {
     /// The word.
     pub word: &'static str,
     /// What it is bounded by, if anything.
-    pub measure: Measure,
+    pub measure: CapabilityUnit,
     /// What it means, one sentence.
     pub doc: &'static str,
 }
 
 /// What a capability is bounded by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measure {
+pub enum CapabilityUnit {
     /// It is there or not.
     None,
     /// A frequency.
@@ -27,32 +27,32 @@ pub enum Measure {
     Time,
 }
 
-const fn capability(word: &'static str, measure: Measure, doc: &'static str) -> Capability {
+const fn capability(word: &'static str, measure: CapabilityUnit, doc: &'static str) -> Capability {
     Capability { word, measure, doc }
 }
 
 /// Every power that a plan can need, in alphabetical order.
 pub const CAPABILITIES: &[Capability] = &[
-    capability("commands", Measure::None, "Run, Stop and the resets can be commanded"),
-    capability("download", Measure::None, "an application can be downloaded"),
-    capability("faults", Measure::None, "faults can be put on lines"),
+    capability("commands", CapabilityUnit::None, "Run, Stop and the resets can be commanded"),
+    capability("download", CapabilityUnit::None, "an application can be downloaded"),
+    capability("faults", CapabilityUnit::None, "faults can be put on lines"),
     capability(
         "files",
-        Measure::None,
+        CapabilityUnit::None,
         "files of the controller, its log among them, can be seen and changed",
     ),
-    capability("firmware", Measure::None, "the firmware can be damaged and restored"),
-    capability("force", Measure::None, "inputs and outputs can be forced"),
-    capability("indicators", Measure::None, "LEDs and the states of output stages can be read"),
-    capability("memory-access", Measure::None, "variables and memory can be read and written"),
-    capability("operator", Measure::None, "a person at a terminal can be asked"),
-    capability("power", Measure::None, "the supply can be switched"),
-    capability("pulse", Measure::Frequency, "trains of pulses up to a frequency can be emitted"),
-    capability("registers", Measure::None, "registers can be read and written as over the network"),
-    capability("run-stop", Measure::None, "the Run/Stop switch can be moved"),
-    capability("system-variables", Measure::None, "PLC_R and PLC_W can be read"),
-    capability("task-load", Measure::None, "the cycles of a task can be made longer"),
-    capability("timestamp", Measure::Time, "edges are stamped to within a duration"),
+    capability("firmware", CapabilityUnit::None, "the firmware can be damaged and restored"),
+    capability("force", CapabilityUnit::None, "inputs and outputs can be forced"),
+    capability("indicators", CapabilityUnit::None, "LEDs and the states of output stages can be read"),
+    capability("memory-access", CapabilityUnit::None, "variables and memory can be read and written"),
+    capability("operator", CapabilityUnit::None, "a person at a terminal can be asked"),
+    capability("power", CapabilityUnit::None, "the supply can be switched"),
+    capability("pulse", CapabilityUnit::Frequency, "trains of pulses up to a frequency can be emitted"),
+    capability("registers", CapabilityUnit::None, "registers can be read and written as over the network"),
+    capability("run-stop", CapabilityUnit::None, "the Run/Stop switch can be moved"),
+    capability("system-variables", CapabilityUnit::None, "PLC_R and PLC_W can be read"),
+    capability("task-load", CapabilityUnit::None, "the cycles of a task can be made longer"),
+    capability("timestamp", CapabilityUnit::Time, "edges are stamped to within a duration"),
 ];
 
 /// A power that a plan needs.
@@ -61,21 +61,21 @@ pub struct Need {
     /// The word, one of [`CAPABILITIES`].
     pub word: &'static str,
     /// How much of it; `None`: any.
-    pub bound: Option<Bound>,
+    pub bound: Option<NeedBound>,
 }
 
 /// How much of a power is needed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bound {
+pub struct NeedBound {
     /// At least or at most.
-    pub relation: Relation,
+    pub relation: BoundRelation,
     /// How much.
     pub amount: Amount,
 }
 
 /// The side of a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Relation {
+pub enum BoundRelation {
     /// `>=`.
     AtLeast,
     /// `<=`.
@@ -145,22 +145,22 @@ impl Need {
         }
         let at = text.len() - rest.len();
         let (relation, amount) = match (rest.strip_prefix(">="), rest.strip_prefix("<=")) {
-            (Some(amount), _) => (Relation::AtLeast, amount),
-            (_, Some(amount)) => (Relation::AtMost, amount),
+            (Some(amount), _) => (BoundRelation::AtLeast, amount),
+            (_, Some(amount)) => (BoundRelation::AtMost, amount),
             _ => return Err((at, NeedFault::Relation)),
         };
         let amount_at = text.len() - amount.trim_start().len();
         let amount = match capability.measure {
-            Measure::None => return Err((at, NeedFault::NoAmount)),
-            Measure::Frequency => {
+            CapabilityUnit::None => return Err((at, NeedFault::NoAmount)),
+            CapabilityUnit::Frequency => {
                 Amount::Millihertz(millihertz(amount).ok_or((amount_at, NeedFault::Frequency))?)
             }
-            Measure::Time => match Span::parse(amount) {
+            CapabilityUnit::Time => match Span::parse(amount) {
                 Ok(span) if !span.is_negative() => Amount::Time(span),
                 _ => return Err((amount_at, NeedFault::Time)),
             },
         };
-        Ok(Need { word: capability.word, bound: Some(Bound { relation, amount }) })
+        Ok(Need { word: capability.word, bound: Some(NeedBound { relation, amount }) })
     }
 }
 
@@ -174,7 +174,7 @@ impl fmt::Display for Need {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.word)?;
         let Some(bound) = self.bound else { return Ok(()) };
-        f.write_str(if bound.relation == Relation::AtLeast { " >= " } else { " <= " })?;
+        f.write_str(if bound.relation == BoundRelation::AtLeast { " >= " } else { " <= " })?;
         match bound.amount {
             Amount::Millihertz(frequency) => {
                 let (power, unit) = match frequency {
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(Need::parse("task-load"), Ok(Need { word: "task-load", bound: None }));
         let pulse = Need::parse("pulse >= 200 kHz").unwrap();
         let amount = Amount::Millihertz(200_000_000);
-        assert_eq!(pulse.bound, Some(Bound { relation: Relation::AtLeast, amount }));
+        assert_eq!(pulse.bound, Some(NeedBound { relation: BoundRelation::AtLeast, amount }));
         assert_eq!(pulse.to_string(), "pulse >= 200 kHz");
         assert_eq!(Need::parse("timestamp<=0.5 us").unwrap().to_string(), "timestamp <= 500 ns");
     }

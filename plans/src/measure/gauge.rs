@@ -3,38 +3,39 @@
 use record::{Figure, MeasurementRecord, Verdict};
 use signal::{Kind, SignalInfo};
 
-use super::window::Over;
-use super::{Limits, Measurement, Quantity};
+use super::window::WindowMeasurement;
+use super::{MeasuredQuantity, Measurement, MeasurementLimits};
 use crate::expect::band::figure;
-use crate::expect::position::Counting;
-use crate::expect::profile::Following;
+use crate::expect::position::PositionCounter;
+use crate::expect::profile::ShapeMeasurement;
 use crate::lang::Literal;
-use crate::meaning::{Around, number};
-use crate::monitor::edges::{Finder, First};
-use crate::monitor::reading::Reader;
-use crate::monitor::{NotJudged, Number, Point, Scene, Seen, slack};
+use crate::meaning::{ToleranceBand, number};
+use crate::monitor::edges::{EdgeFinder, FirstEdge};
+use crate::monitor::reading::ValueReader;
+use crate::monitor::{CaseTimeline, NotJudged, Number, TimedValue, UncertainInstant, slack};
 
 /// Limits as numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Bounds {
+pub(super) struct LimitNumbers {
     min: Option<f64>,
     max: Option<f64>,
     nominal: Option<f64>,
     tolerance: Option<f64>,
 }
 
-impl Bounds {
+impl LimitNumbers {
     /// The limits of a value of this signal; of a time, [`time`].
     ///
     /// # Errors
     /// Why a limit means nothing, one sentence.
-    pub(super) fn new(limits: &Limits, info: &SignalInfo) -> Result<Bounds, String> {
+    pub(super) fn new(limits: &MeasurementLimits, info: &SignalInfo) -> Result<LimitNumbers, String> {
         let bind = |limit: &Option<Literal>| {
             limit.as_ref().map(|one| number(one, info).map(Number::as_real)).transpose()
         };
-        let mut bounds = Bounds { min: bind(&limits.min)?, max: bind(&limits.max)?, ..Bounds::default() };
+        let mut bounds =
+            LimitNumbers { min: bind(&limits.min)?, max: bind(&limits.max)?, ..LimitNumbers::default() };
         if let Some((nominal, tolerance)) = &limits.nominal {
-            let around = Around::new(nominal, tolerance, info)?;
+            let around = ToleranceBand::new(nominal, tolerance, info)?;
             bounds.nominal = Some(around.middle.as_f64());
             bounds.tolerance = around.max.minus(around.middle).map(signal::Decimal::as_f64);
             bounds.min = Some(around.min.as_f64());
@@ -76,54 +77,56 @@ pub(super) fn time() -> SignalInfo {
 
 /// What takes the measurement.
 #[derive(Debug)]
-enum Taking {
-    Between(Point, Point),
-    Edge { from: Point, finder: Finder, first: First, past: &'static str },
-    Value { point: Point, info: SignalInfo, reader: Reader },
-    Over(Box<Over>),
-    Position(Box<Counting>),
-    Profile(Box<Following>),
+enum GaugeState {
+    Between(UncertainInstant, UncertainInstant),
+    Edge { from: UncertainInstant, finder: EdgeFinder, first: FirstEdge, past: &'static str },
+    Value { point: UncertainInstant, info: SignalInfo, reader: ValueReader },
+    Over(Box<WindowMeasurement>),
+    Position(Box<PositionCounter>),
+    Profile(Box<ShapeMeasurement>),
 }
 
 /// Follows the signal of one measurement.
 #[derive(Debug)]
 pub struct Gauge {
     record: MeasurementRecord,
-    bounds: Bounds,
-    taking: Taking,
+    bounds: LimitNumbers,
+    taking: GaugeState,
 }
 
 impl Gauge {
-    pub(super) fn new(measurement: &Measurement, scene: &Scene<'_>) -> Result<Gauge, NotJudged> {
+    pub(super) fn new(measurement: &Measurement, scene: &CaseTimeline<'_>) -> Result<Gauge, NotJudged> {
         let mut info = time();
         let taking = match &measurement.quantity {
-            Quantity::Between { from, to } => Taking::Between(scene.point(from)?, scene.point(to)?),
-            Quantity::ToEdge { from, signal, edge } => {
-                let from = scene.point(from)?;
-                let finder = Finder::new(edge.clone(), slack(scene.signal(signal)?));
-                Taking::Edge { from, finder, first: First::new(from, 0, i64::MAX), past: edge.past() }
+            MeasuredQuantity::Between { from, to } => {
+                GaugeState::Between(scene.point(from)?, scene.point(to)?)
             }
-            Quantity::Value { signal, when } => {
+            MeasuredQuantity::ToEdge { from, signal, edge } => {
+                let from = scene.point(from)?;
+                let finder = EdgeFinder::new(edge.clone(), slack(scene.signal(signal)?));
+                GaugeState::Edge { from, finder, first: FirstEdge::new(from, 0, i64::MAX), past: edge.past() }
+            }
+            MeasuredQuantity::Value { signal, when } => {
                 let (found, point) = (scene.signal(signal)?, scene.point(when)?);
                 info = found.clone();
-                Taking::Value { point, info: found.clone(), reader: Reader::new(point) }
+                GaugeState::Value { point, info: found.clone(), reader: ValueReader::new(point) }
             }
-            Quantity::Over { signal, from, until, figure } => {
+            MeasuredQuantity::Over { signal, from, until, figure } => {
                 let found = scene.signal(signal)?;
                 info = figure.info(found).map_err(NotJudged::NoMeaning)?;
                 let window = scene.window(from, until)?;
-                Taking::Over(Box::new(Over::new(window, *figure, found, scene.end())))
+                GaugeState::Over(Box::new(WindowMeasurement::new(window, *figure, found, scene.end())))
             }
-            Quantity::Position { train, from, until } => {
+            MeasuredQuantity::Position { train, from, until } => {
                 info = figure("position", "");
-                Taking::Position(Box::new(Counting::new(train, scene, from, until)?))
+                GaugeState::Position(Box::new(PositionCounter::new(train, scene, from, until)?))
             }
-            Quantity::Profile { shaped, from, until } => {
+            MeasuredQuantity::Profile { shaped, from, until } => {
                 info = figure("frequency", "Hz");
-                Taking::Profile(Box::new(shaped.follow(scene, from, until)?))
+                GaugeState::Profile(Box::new(shaped.follow(scene, from, until)?))
             }
         };
-        let bounds = Bounds::new(&measurement.limits, &info).map_err(NotJudged::NoMeaning)?;
+        let bounds = LimitNumbers::new(&measurement.limits, &info).map_err(NotJudged::NoMeaning)?;
         let record = MeasurementRecord {
             name: measurement.name.clone(),
             unit: info.unit,
@@ -141,27 +144,27 @@ impl Gauge {
 
     /// The next event of the signal at this place among the measurement's.
     #[inline]
-    pub fn feed(&mut self, slot: usize, seen: &Seen) {
+    pub fn feed(&mut self, slot: usize, seen: &TimedValue) {
         match &mut self.taking {
-            Taking::Between(..) => {}
-            Taking::Edge { finder, first, .. } => {
+            GaugeState::Between(..) => {}
+            GaugeState::Edge { finder, first, .. } => {
                 if let Some(found) = finder.see(seen) {
                     first.see(&found);
                 }
             }
-            Taking::Value { reader, .. } => reader.see(seen),
-            Taking::Over(over) => over.feed(seen),
-            Taking::Position(counting) => counting.see(slot, seen),
-            Taking::Profile(following) => following.see(slot, seen),
+            GaugeState::Value { reader, .. } => reader.see(seen),
+            GaugeState::Over(over) => over.feed(seen),
+            GaugeState::Position(counting) => counting.see(slot, seen),
+            GaugeState::Profile(following) => following.see(slot, seen),
         }
     }
 
     /// The record when nothing comes any more.
     pub fn finish(self) -> MeasurementRecord {
         let Gauge { mut record, bounds, taking } = self;
-        let interval = |point: &Point| Some([point.a, point.b]);
+        let interval = |point: &UncertainInstant| Some([point.a, point.b]);
         match taking {
-            Taking::Between(from, to) => {
+            GaugeState::Between(from, to) => {
                 record.from_ns = interval(&from);
                 record.to_ns = interval(&to);
                 let extent = match from.link(&to) {
@@ -170,7 +173,7 @@ impl Gauge {
                 };
                 judge(record, &bounds, extent.0 as f64, extent.1 as f64)
             }
-            Taking::Edge { from, finder, mut first, past } => {
+            GaugeState::Edge { from, finder, mut first, past } => {
                 if let Some(rest) = finder.rest() {
                     first.see(&rest);
                 }
@@ -190,7 +193,7 @@ impl Gauge {
                 }
                 record
             }
-            Taking::Value { point, info, reader } => {
+            GaugeState::Value { point, info, reader } => {
                 record.from_ns = interval(&point);
                 let candidates = reader.finish();
                 let slack = slack(&info);
@@ -211,15 +214,15 @@ impl Gauge {
                 }
                 judge(record, &bounds, low, high)
             }
-            Taking::Over(over) => over.finish(record, &bounds),
-            Taking::Position(counting) => {
+            GaugeState::Over(over) => over.finish(record, &bounds),
+            GaugeState::Position(counting) => {
                 let (sum, window, missed) = counting.finish();
                 record.from_ns = interval(&window.from);
                 record.to_ns = interval(&window.until);
                 let record = judge(record, &bounds, sum.extent.0 as f64, sum.extent.1 as f64);
                 seen_whole(record, sum.doubtful, missed)
             }
-            Taking::Profile(following) => {
+            GaugeState::Profile(following) => {
                 let (found, window, missed) = following.finish();
                 record.from_ns = interval(&window.from);
                 record.to_ns = interval(&window.until);
@@ -236,7 +239,7 @@ impl Gauge {
 /// The verdict on a value that lies in an interval.
 pub(super) fn judge(
     mut record: MeasurementRecord,
-    bounds: &Bounds,
+    bounds: &LimitNumbers,
     low: f64,
     high: f64,
 ) -> MeasurementRecord {

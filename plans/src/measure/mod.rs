@@ -21,21 +21,21 @@ use document::Diagnostic;
 use record::{MeasurementRecord, Verdict};
 use signal::{Kind, SignalInfo};
 
-use crate::expect::Place;
+use crate::expect::FilePlace;
 use crate::expect::band::figure;
-use crate::expect::profile::Shaped;
-use crate::expect::train::Train;
+use crate::expect::profile::ShapedTrain;
+use crate::expect::train::TrainLines;
 use crate::lang::{Anchor, Literal};
 use crate::monitor::edges::Edge;
-use crate::monitor::jitter::Asked;
-use crate::monitor::{NotJudged, Scene, Wiring};
+use crate::monitor::jitter::JitterQuery;
+use crate::monitor::{CaseTimeline, NotJudged, TraceSignals};
 
 pub use gauge::Gauge;
 pub use read::{KEYS, read};
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Quantity {
+pub enum MeasuredQuantity {
     /// The time from one instant to another.
     Between {
         /// Where it begins.
@@ -68,12 +68,12 @@ pub enum Quantity {
         /// Where it ends, itself not included.
         until: Anchor,
         /// What is asked.
-        figure: Figure,
+        figure: WindowFigure,
     },
     /// By how much a pulse train went forwards over a window.
     Position {
         /// The train.
-        train: Train,
+        train: TrainLines,
         /// Where the window begins.
         from: Anchor,
         /// Where it ends, itself not included.
@@ -82,7 +82,7 @@ pub enum Quantity {
     /// By how much the frequency of a pulse train is off its shape at most, over a window.
     Profile {
         /// The train and its shape.
-        shaped: Box<Shaped>,
+        shaped: Box<ShapedTrain>,
         /// Where the window and the shape begin.
         from: Anchor,
         /// Where the window ends, itself not included.
@@ -92,31 +92,31 @@ pub enum Quantity {
 
 /// What is asked of a signal over a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Figure {
+pub enum WindowFigure {
     /// The mean frequency of its whole cycles.
     Frequency,
     /// The part of their time in which it is TRUE.
     Duty,
     /// The lengths of its cycles.
-    Period(Take),
+    Period(Statistic),
     /// The widths of its pulses.
     Width {
         /// Those at which it is TRUE, else those at which it is FALSE.
         high: bool,
         /// Which of them.
-        take: Take,
+        take: Statistic,
     },
     /// How far it comes off an even grid.
-    Jitter(Asked),
+    Jitter(JitterQuery),
     /// Its values.
-    Value(Take),
+    Value(Statistic),
     /// Its change per second.
     Speed,
 }
 
 /// What is taken of several figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Take {
+pub enum Statistic {
     /// The first one.
     First,
     /// The least.
@@ -131,15 +131,16 @@ pub enum Take {
     Span,
 }
 
-impl Take {
-    /// The names in plans, in the order of [`Take::ALL`].
+impl Statistic {
+    /// The names in plans, in the order of [`Statistic::ALL`].
     pub const NAMES: &[&str] = &["first", "min", "max", "mean", "rms", "span"];
 
     /// Every one.
-    pub const ALL: [Take; 6] = [Take::First, Take::Min, Take::Max, Take::Mean, Take::Rms, Take::Span];
+    pub const ALL: [Statistic; 6] =
+        [Statistic::First, Statistic::Min, Statistic::Max, Statistic::Mean, Statistic::Rms, Statistic::Span];
 
     /// The one of this name.
-    pub fn find(name: &str) -> Option<Take> {
+    pub fn find(name: &str) -> Option<Statistic> {
         Self::ALL.into_iter().zip(Self::NAMES).find_map(|(take, known)| (*known == name).then_some(take))
     }
 
@@ -152,24 +153,26 @@ impl Take {
     }
 }
 
-impl Figure {
+impl WindowFigure {
     /// What it is a number of, for its unit.
     ///
     /// # Errors
     /// Why the signal has no such figure, one sentence.
     pub(crate) fn info(self, signal: &SignalInfo) -> Result<SignalInfo, String> {
         match self {
-            Figure::Frequency => Ok(figure("frequency", "Hz")),
-            Figure::Speed => {
+            WindowFigure::Frequency => Ok(figure("frequency", "Hz")),
+            WindowFigure::Speed => {
                 crate::expect::speed::countable(signal)?;
                 Ok(figure("speed", crate::expect::speed::UNIT))
             }
-            Figure::Duty => Ok(figure("duty", "%")),
-            Figure::Period(_) | Figure::Width { .. } | Figure::Jitter(_) => Ok(gauge::time()),
-            Figure::Value(_) if matches!(signal.kind, Kind::State | Kind::Mark) => {
+            WindowFigure::Duty => Ok(figure("duty", "%")),
+            WindowFigure::Period(_) | WindowFigure::Width { .. } | WindowFigure::Jitter(_) => {
+                Ok(gauge::time())
+            }
+            WindowFigure::Value(_) if matches!(signal.kind, Kind::State | Kind::Mark) => {
                 Err(format!("`{}` has named values, of which there is no least or mean one", signal.name))
             }
-            Figure::Value(_) => {
+            WindowFigure::Value(_) => {
                 let mut info = signal.clone();
                 if info.kind == Kind::Bool {
                     // The mean of a line is the part of the time in which it is TRUE.
@@ -183,20 +186,20 @@ impl Figure {
     /// The unit that it has whatever the signal's is.
     pub(crate) fn own_unit(self) -> Option<&'static str> {
         match self {
-            Figure::Frequency | Figure::Speed => Some("Hz"),
-            Figure::Duty => Some("%"),
-            Figure::Period(_) | Figure::Width { .. } | Figure::Jitter(_) => Some("ns"),
-            Figure::Value(_) => None,
+            WindowFigure::Frequency | WindowFigure::Speed => Some("Hz"),
+            WindowFigure::Duty => Some("%"),
+            WindowFigure::Period(_) | WindowFigure::Width { .. } | WindowFigure::Jitter(_) => Some("ns"),
+            WindowFigure::Value(_) => None,
         }
     }
 }
 
-impl fmt::Display for Quantity {
+impl fmt::Display for MeasuredQuantity {
     /// `time from press until `lamp` rises`, `mean of `pressure` from press until end`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Quantity::Between { from, to } => write!(f, "time from {from} until {to}"),
-            Quantity::ToEdge { from, signal, edge } => {
+            MeasuredQuantity::Between { from, to } => write!(f, "time from {from} until {to}"),
+            MeasuredQuantity::ToEdge { from, signal, edge } => {
                 let edge = match edge {
                     Edge::Rises => "rises",
                     Edge::Falls => "falls",
@@ -204,26 +207,26 @@ impl fmt::Display for Quantity {
                 };
                 write!(f, "time from {from} until `{signal}` {edge}")
             }
-            Quantity::Value { signal, when } => write!(f, "`{signal}` at {when}"),
-            Quantity::Over { signal, from, until, figure } => {
+            MeasuredQuantity::Value { signal, when } => write!(f, "`{signal}` at {when}"),
+            MeasuredQuantity::Over { signal, from, until, figure } => {
                 match figure {
-                    Figure::Frequency => write!(f, "frequency of `{signal}`")?,
-                    Figure::Duty => write!(f, "duty of `{signal}`")?,
-                    Figure::Period(take) => write!(f, "{} period of `{signal}`", take.name())?,
-                    Figure::Width { high, take } => {
+                    WindowFigure::Frequency => write!(f, "frequency of `{signal}`")?,
+                    WindowFigure::Duty => write!(f, "duty of `{signal}`")?,
+                    WindowFigure::Period(take) => write!(f, "{} period of `{signal}`", take.name())?,
+                    WindowFigure::Width { high, take } => {
                         let low = if *high { "" } else { "low " };
                         write!(f, "{} width of the {low}pulses of `{signal}`", take.name())?;
                     }
-                    Figure::Jitter(asked) => write!(f, "{asked} of `{signal}`")?,
-                    Figure::Value(take) => write!(f, "{} of `{signal}`", take.name())?,
-                    Figure::Speed => write!(f, "speed of `{signal}`")?,
+                    WindowFigure::Jitter(asked) => write!(f, "{asked} of `{signal}`")?,
+                    WindowFigure::Value(take) => write!(f, "{} of `{signal}`", take.name())?,
+                    WindowFigure::Speed => write!(f, "speed of `{signal}`")?,
                 }
                 write!(f, " from {from} until {until}")
             }
-            Quantity::Position { train, from, until } => {
+            MeasuredQuantity::Position { train, from, until } => {
                 write!(f, "position of {} from {from} until {until}", train.words())
             }
-            Quantity::Profile { shaped, from, until } => {
+            MeasuredQuantity::Profile { shaped, from, until } => {
                 let train = shaped.train.words();
                 write!(f, "distance of the frequency of {train} from its shape from {from} until {until}")
             }
@@ -233,7 +236,7 @@ impl fmt::Display for Quantity {
 
 /// Limits of a measurement, as written.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Limits {
+pub struct MeasurementLimits {
     /// The least value allowed.
     pub min: Option<Literal>,
     /// The greatest value allowed.
@@ -248,32 +251,32 @@ pub struct Measurement {
     /// Its name.
     pub name: String,
     /// What is measured.
-    pub quantity: Quantity,
+    pub quantity: MeasuredQuantity,
     /// What it should be.
-    pub limits: Arc<Limits>,
+    pub limits: Arc<MeasurementLimits>,
     /// Where it stands; `None` for a measurement that is in no plan file.
-    pub place: Option<Place>,
+    pub place: Option<FilePlace>,
 }
 
 impl Measurement {
     /// The instants that it hangs on.
     pub fn anchors(&self) -> Vec<&Anchor> {
         match &self.quantity {
-            Quantity::Between { from, to } => vec![from, to],
-            Quantity::ToEdge { from, .. } => vec![from],
-            Quantity::Value { when, .. } => vec![when],
-            Quantity::Over { from, until, .. }
-            | Quantity::Position { from, until, .. }
-            | Quantity::Profile { from, until, .. } => vec![from, until],
+            MeasuredQuantity::Between { from, to } => vec![from, to],
+            MeasuredQuantity::ToEdge { from, .. } => vec![from],
+            MeasuredQuantity::Value { when, .. } => vec![when],
+            MeasuredQuantity::Over { from, until, .. }
+            | MeasuredQuantity::Position { from, until, .. }
+            | MeasuredQuantity::Profile { from, until, .. } => vec![from, until],
         }
     }
 
     /// Of a figure for which every pulse counts: how fast they have to be in Hz for its limits to hold, at least; 0 where
     /// that is not said.
     pub(crate) fn counts(&self) -> Option<f64> {
-        let Quantity::Over { figure, .. } = &self.quantity else { return None };
+        let MeasuredQuantity::Over { figure, .. } = &self.quantity else { return None };
         match figure {
-            Figure::Value(_) => None,
+            WindowFigure::Value(_) => None,
             _ => Some(0.0),
         }
     }
@@ -281,45 +284,45 @@ impl Measurement {
     /// The signals that it looks at.
     pub fn signals(&self) -> Vec<String> {
         match &self.quantity {
-            Quantity::Between { .. } => Vec::new(),
-            Quantity::ToEdge { signal, .. }
-            | Quantity::Value { signal, .. }
-            | Quantity::Over { signal, .. } => vec![signal.clone()],
-            Quantity::Position { train, .. } => train.signals(),
-            Quantity::Profile { shaped, .. } => shaped.train.signals(),
+            MeasuredQuantity::Between { .. } => Vec::new(),
+            MeasuredQuantity::ToEdge { signal, .. }
+            | MeasuredQuantity::Value { signal, .. }
+            | MeasuredQuantity::Over { signal, .. } => vec![signal.clone()],
+            MeasuredQuantity::Position { train, .. } => train.signals(),
+            MeasuredQuantity::Profile { shaped, .. } => shaped.train.signals(),
         }
     }
 
     /// Finds what cannot be measured with these signals.
-    pub fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    pub fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         let mut info = gauge::time();
         if let Some(name) = self.signals().first() {
             let Some(known) = crate::expect::known(name, wiring, out) else { return };
             match &self.quantity {
-                Quantity::Value { .. } => info = known.clone(),
-                Quantity::Over { figure, .. } => match figure.info(known) {
+                MeasuredQuantity::Value { .. } => info = known.clone(),
+                MeasuredQuantity::Over { figure, .. } => match figure.info(known) {
                     Ok(asked) => info = asked,
                     Err(why) => return crate::expect::meant(Err(why), out),
                 },
-                Quantity::Position { train, .. } => {
+                MeasuredQuantity::Position { train, .. } => {
                     train.check(wiring, out);
                     info = figure("position", "");
                 }
-                Quantity::Profile { shaped, .. } => {
+                MeasuredQuantity::Profile { shaped, .. } => {
                     shaped.check(wiring, out);
                     info = figure("frequency", "Hz");
                 }
-                Quantity::Between { .. } | Quantity::ToEdge { .. } => {}
+                MeasuredQuantity::Between { .. } | MeasuredQuantity::ToEdge { .. } => {}
             }
         }
-        crate::expect::meant(gauge::Bounds::new(&self.limits, &info).map(drop), out);
+        crate::expect::meant(gauge::LimitNumbers::new(&self.limits, &info).map(drop), out);
     }
 
     /// Starts measuring.
     ///
     /// # Errors
     /// [`NotJudged`] if an instant never came.
-    pub fn start(&self, scene: &Scene<'_>) -> Result<Gauge, NotJudged> {
+    pub fn start(&self, scene: &CaseTimeline<'_>) -> Result<Gauge, NotJudged> {
         Gauge::new(self, scene)
     }
 

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use document::{Data, Fields, KeySpec, KeyType};
 use signal::Unit;
 
-use super::gauge::{Bounds, time};
-use super::{Figure, Limits, Measurement, Quantity, Take};
+use super::gauge::{LimitNumbers, time};
+use super::{MeasuredQuantity, Measurement, MeasurementLimits, Statistic, WindowFigure};
 use crate::codes;
 use crate::expect::band::figure;
 use crate::expect::jitter::{COMPARES, GRID, asked};
-use crate::expect::profile::Shaped;
-use crate::expect::train::Train;
-use crate::expect::{Between, Context, literal, position, profile};
+use crate::expect::profile::ShapedTrain;
+use crate::expect::train::TrainLines;
+use crate::expect::{PlanWindow, ReadContext, literal, position, profile};
 use crate::lang::{Anchor, Literal};
 use crate::monitor::edges::Edge;
 
@@ -68,7 +68,7 @@ pub const KEYS: &[KeySpec] = &[
     ),
     KeySpec::optional(
         "take",
-        KeyType::Choice(Take::NAMES),
+        KeyType::Choice(Statistic::NAMES),
         "What is taken of several: of values over a window, of periods or of widths",
     ),
     KeySpec::optional(
@@ -94,22 +94,22 @@ pub const KEYS: &[KeySpec] = &[
 
 /// Makes a measurement of a table that was held against [`KEYS`]. `rows` is the plan reader's. The caller
 /// fills in where it stands.
-pub fn read(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Measurement> {
+pub fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Measurement> {
     let quantity = quantity(fields, cx);
     let limits = limits(fields, cx);
     let (quantity, limits) = (quantity?, limits?);
     let own = match &quantity {
-        Quantity::Value { .. } => None,
-        Quantity::Between { .. } | Quantity::ToEdge { .. } => Some("ns"),
-        Quantity::Over { figure, .. } => figure.own_unit(),
-        Quantity::Position { .. } => None,
-        Quantity::Profile { .. } => Some("Hz"),
+        MeasuredQuantity::Value { .. } => None,
+        MeasuredQuantity::Between { .. } | MeasuredQuantity::ToEdge { .. } => Some("ns"),
+        MeasuredQuantity::Over { figure, .. } => figure.own_unit(),
+        MeasuredQuantity::Position { .. } => None,
+        MeasuredQuantity::Profile { .. } => Some("Hz"),
     };
     if let Some(unit) = own {
         has_units(fields, unit, cx)?;
         // Its unit is known without any signal, so the limits are checked here.
         let info = if unit == "ns" { time() } else { figure(&quantity.to_string(), unit) };
-        if let Err(why) = Bounds::new(&limits, &info) {
+        if let Err(why) = LimitNumbers::new(&limits, &info) {
             let help = format!("write limits with a unit, as in \"{}\"", example(unit));
             cx.out.error(codes::UNIT, cx.place.clone(), why, help);
             return None;
@@ -133,7 +133,7 @@ fn example(unit: &str) -> &'static str {
 }
 
 /// Reports a limit without the unit that the measurement has: 50 could be hertz or kilohertz.
-fn has_units(fields: &Fields<'_>, unit: &str, cx: &mut Context<'_>) -> Option<()> {
+fn has_units(fields: &Fields<'_>, unit: &str, cx: &mut ReadContext<'_>) -> Option<()> {
     for key in ["min", "max", "nominal", "tolerance"] {
         let Some(node) = fields.get(key) else { continue };
         let limit = Literal::of(node).ok().and_then(|limit| limit.quantity());
@@ -166,7 +166,7 @@ const OF: &[&str] = &[
     "profile-of",
 ];
 
-fn quantity(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
+fn quantity(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<MeasuredQuantity> {
     let given: Vec<&str> = OF.iter().copied().filter(|key| fields.has(key)).collect();
     match given.as_slice() {
         [] if fields.has("from") || fields.has("to") => {
@@ -181,7 +181,7 @@ fn quantity(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
                 Some(node) => cx.names.anchor(node, cx.out)?,
                 None => at.unwrap_or(Anchor::END),
             };
-            Some(Quantity::Value { signal, when })
+            Some(MeasuredQuantity::Value { signal, when })
         }
         [key @ ("position-of" | "profile-of")] => train(fields, key, cx),
         [key] => over(fields, key, cx),
@@ -195,7 +195,7 @@ fn quantity(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
 }
 
 /// Reports keys that say nothing of this kind of measurement.
-fn lacks(fields: &Fields<'_>, keys: &[&str], what: &str, cx: &mut Context<'_>) -> Option<()> {
+fn lacks(fields: &Fields<'_>, keys: &[&str], what: &str, cx: &mut ReadContext<'_>) -> Option<()> {
     let key = keys.iter().find(|key| fields.has(key));
     let Some(key) = key else { return Some(()) };
     let place = fields.entry(key)?.key_span.clone();
@@ -208,17 +208,19 @@ fn lacks(fields: &Fields<'_>, keys: &[&str], what: &str, cx: &mut Context<'_>) -
 }
 
 /// Reads what is measured of a pulse train.
-fn train(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity> {
+fn train(fields: &Fields<'_>, key: &str, cx: &mut ReadContext<'_>) -> Option<MeasuredQuantity> {
     let what = if key == "position-of" { "a position" } else { "a profile" };
     lacks(fields, &["to", "when", "take", "level", "compares", "grid"], what, cx)?;
     let inner = fields.inner(key)?;
     let place = std::mem::replace(&mut cx.place, fields.get(key)?.span.clone());
     let quantity = match key {
-        "position-of" => Train::read(&inner, cx)
-            .zip(Between::read(fields, cx))
-            .map(|(train, between)| Quantity::Position { train, from: between.from, until: between.until }),
-        _ => Shaped::read(&inner, cx).zip(Between::read(fields, cx)).map(|(shaped, between)| {
-            Quantity::Profile { shaped: Box::new(shaped), from: between.from, until: between.until }
+        "position-of" => {
+            TrainLines::read(&inner, cx).zip(PlanWindow::read(fields, cx)).map(|(train, between)| {
+                MeasuredQuantity::Position { train, from: between.from, until: between.until }
+            })
+        }
+        _ => ShapedTrain::read(&inner, cx).zip(PlanWindow::read(fields, cx)).map(|(shaped, between)| {
+            MeasuredQuantity::Profile { shaped: Box::new(shaped), from: between.from, until: between.until }
         }),
     };
     cx.place = place;
@@ -226,7 +228,7 @@ fn train(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantit
 }
 
 /// Reads what is measured over a window.
-fn over(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity> {
+fn over(fields: &Fields<'_>, key: &str, cx: &mut ReadContext<'_>) -> Option<MeasuredQuantity> {
     let what = match key {
         "value-of" => "a value over a window",
         "frequency-of" => "a frequency",
@@ -237,11 +239,11 @@ fn over(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity
         _ => "a width",
     };
     lacks(fields, &["to", "when"], what, cx)?;
-    let takes: &[Take] = match key {
-        "value-of" => &[Take::Min, Take::Max, Take::Mean, Take::Rms, Take::Span],
-        "period-of" => &[Take::Mean, Take::Min, Take::Max, Take::Span],
-        "width-of" => &[Take::First, Take::Mean, Take::Min, Take::Max, Take::Span],
-        "jitter-of" => &[Take::Span, Take::Rms],
+    let takes: &[Statistic] = match key {
+        "value-of" => &[Statistic::Min, Statistic::Max, Statistic::Mean, Statistic::Rms, Statistic::Span],
+        "period-of" => &[Statistic::Mean, Statistic::Min, Statistic::Max, Statistic::Span],
+        "width-of" => &[Statistic::First, Statistic::Mean, Statistic::Min, Statistic::Max, Statistic::Span],
+        "jitter-of" => &[Statistic::Span, Statistic::Rms],
         _ => &[],
     };
     if key != "width-of" {
@@ -253,34 +255,35 @@ fn over(fields: &Fields<'_>, key: &str, cx: &mut Context<'_>) -> Option<Quantity
     if takes.is_empty() {
         lacks(fields, &["take"], what, cx)?;
     }
-    let take = match fields.text("take").and_then(Take::find) {
+    let take = match fields.text("take").and_then(Statistic::find) {
         Some(take) if takes.contains(&take) => take,
         Some(_) => {
             let node = fields.get("take")?;
-            let place = |take: &Take| Take::ALL.iter().position(|known| known == take).unwrap_or_default();
-            let names: Vec<&str> = takes.iter().map(|take| Take::NAMES[place(take)]).collect();
+            let place =
+                |take: &Statistic| Statistic::ALL.iter().position(|known| known == take).unwrap_or_default();
+            let names: Vec<&str> = takes.iter().map(|take| Statistic::NAMES[place(take)]).collect();
             let help = format!("one of {}", names.join(", "));
             cx.out.bad(codes::MEASURE, node, format!("{what} has no such figure"), help);
             return None;
         }
-        None => takes.first().copied().unwrap_or(Take::Mean),
+        None => takes.first().copied().unwrap_or(Statistic::Mean),
     };
     let figure = match key {
-        "frequency-of" => Figure::Frequency,
-        "duty-of" => Figure::Duty,
-        "period-of" => Figure::Period(take),
-        "speed-of" => Figure::Speed,
-        "jitter-of" => Figure::Jitter(asked(fields, cx)?),
-        "width-of" => Figure::Width { high: fields.text("level") != Some("low"), take },
-        _ => Figure::Value(take),
+        "frequency-of" => WindowFigure::Frequency,
+        "duty-of" => WindowFigure::Duty,
+        "period-of" => WindowFigure::Period(take),
+        "speed-of" => WindowFigure::Speed,
+        "jitter-of" => WindowFigure::Jitter(asked(fields, cx)?),
+        "width-of" => WindowFigure::Width { high: fields.text("level") != Some("low"), take },
+        _ => WindowFigure::Value(take),
     };
     let signal = cx.names.signal(fields.get(key)?, cx.out);
-    let between = Between::read(fields, cx)?;
-    Some(Quantity::Over { signal: signal?, from: between.from, until: between.until, figure })
+    let between = PlanWindow::read(fields, cx)?;
+    Some(MeasuredQuantity::Over { signal: signal?, from: between.from, until: between.until, figure })
 }
 
 /// Reads a time with its two ends.
-fn time_between(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
+fn time_between(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<MeasuredQuantity> {
     let from = match fields.get("from") {
         Some(node) => cx.names.anchor(node, cx.out)?,
         None if fields.has("from") => return None,
@@ -301,13 +304,13 @@ fn time_between(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Quantity> {
             Some("falls") => Edge::Falls,
             _ => Edge::Changes,
         };
-        return Some(Quantity::ToEdge { from, signal, edge });
+        return Some(MeasuredQuantity::ToEdge { from, signal, edge });
     }
     let to = cx.names.anchor(to, cx.out)?;
-    Some(Quantity::Between { from, to })
+    Some(MeasuredQuantity::Between { from, to })
 }
 
-fn limits(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Limits> {
+fn limits(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<MeasurementLimits> {
     let mut read = |key| match fields.get(key) {
         Some(node) => literal(node, cx).map(Some),
         None if fields.has(key) => None,
@@ -329,5 +332,5 @@ fn limits(fields: &Fields<'_>, cx: &mut Context<'_>) -> Option<Limits> {
         cx.out.error(codes::CLAIM, cx.place.clone(), message, help);
         return None;
     }
-    Some(Limits { min, max, nominal })
+    Some(MeasurementLimits { min, max, nominal })
 }

@@ -3,28 +3,28 @@
 use record::MeasurementRecord;
 use signal::SignalInfo;
 
-use super::gauge::{Bounds, failed, judge, open};
-use super::{Figure, Take};
+use super::gauge::{LimitNumbers, failed, judge, open};
+use super::{Statistic, WindowFigure};
 use crate::monitor::cycles::Cycles;
-use crate::monitor::edges::{Edge, Finder};
+use crate::monitor::edges::{Edge, EdgeFinder};
 use crate::monitor::extremes::Extremes;
 use crate::monitor::jitter::Jitter;
 use crate::monitor::levels::Levels;
 use crate::monitor::pulses::{FirstPulse, Pulse};
 use crate::monitor::speed::Speed;
-use crate::monitor::{Seen, Window, slack};
+use crate::monitor::{TimedValue, UncertainWindow, slack};
 
 /// What follows the signal.
 #[derive(Debug)]
-pub(super) enum Follow {
+pub(super) enum WindowFollower {
     /// Whole cycles together.
     Cycles(Box<Cycles>),
     /// The first pulse.
     First(Levels, FirstPulse),
     /// The pulses one by one.
-    Pulses(Levels, Many),
+    Pulses(Levels, SpanStatistics),
     /// The distances of edges one by one.
-    Edges { finder: Finder, before: Option<Seen>, many: Many },
+    Edges { finder: EdgeFinder, before: Option<TimedValue>, many: SpanStatistics },
     /// The distances of edges from a grid.
     Jitter(Box<Jitter>),
     /// The values.
@@ -35,10 +35,10 @@ pub(super) enum Follow {
 
 /// What is measured over a window.
 #[derive(Debug)]
-pub(super) struct Over {
-    window: Window,
-    figure: Figure,
-    follow: Follow,
+pub(super) struct WindowMeasurement {
+    window: UncertainWindow,
+    figure: WindowFigure,
+    follow: WindowFollower,
     /// The end of the case: what lasts until then has no known width.
     end: i64,
     slack: f64,
@@ -46,7 +46,7 @@ pub(super) struct Over {
 
 /// The least, the greatest and the mean of many lengths of time, each known to within an interval.
 #[derive(Debug, Default)]
-pub(super) struct Many {
+pub(super) struct SpanStatistics {
     /// Of those that lie in the window in every placement: how many, and the sums of their least and greatest lengths.
     count: u64,
     sum: (f64, f64),
@@ -57,7 +57,7 @@ pub(super) struct Many {
     doubtful: bool,
 }
 
-impl Many {
+impl SpanStatistics {
     fn see(&mut self, length: (i64, i64), certain: bool) {
         let pair = |old: Option<(i64, i64)>, pick: fn(i64, i64) -> i64| {
             Some(old.map_or(length, |old| (pick(old.0, length.0), pick(old.1, length.1))))
@@ -74,21 +74,21 @@ impl Many {
     }
 
     /// Least and greatest figure of all placements; `None` if there may be nothing in the window.
-    fn finish(&self, take: Take) -> Option<(f64, f64)> {
+    fn finish(&self, take: Statistic) -> Option<(f64, f64)> {
         let (least, most) = (self.least?, self.most?);
         let count = self.count as f64;
         let (low, high) = match take {
-            Take::Min => (least.0 as f64, least.1 as f64),
-            Take::Max => (most.0 as f64, most.1 as f64),
-            Take::Span => ((most.0.saturating_sub(least.1)).max(0) as f64, (most.1 - least.0) as f64),
+            Statistic::Min => (least.0 as f64, least.1 as f64),
+            Statistic::Max => (most.0 as f64, most.1 as f64),
+            Statistic::Span => ((most.0.saturating_sub(least.1)).max(0) as f64, (most.1 - least.0) as f64),
             _ => (self.sum.0 / count, self.sum.1 / count),
         };
         let Some(possible) = self.possible else { return Some((low, high)) };
         let possible = (possible.0 as f64, possible.1 as f64);
         Some(match take {
-            Take::Min => (low.min(possible.0), high),
-            Take::Max => (low, high.max(possible.1)),
-            Take::Span => {
+            Statistic::Min => (low.min(possible.0), high),
+            Statistic::Max => (low, high.max(possible.1)),
+            Statistic::Span => {
                 let whole = (most.1 as f64).max(possible.1) - (least.0 as f64).min(possible.0);
                 (low, high.max(whole))
             }
@@ -97,44 +97,53 @@ impl Many {
     }
 }
 
-impl Over {
-    pub(super) fn new(window: Window, figure: Figure, info: &SignalInfo, end: i64) -> Over {
+impl WindowMeasurement {
+    pub(super) fn new(
+        window: UncertainWindow,
+        figure: WindowFigure,
+        info: &SignalInfo,
+        end: i64,
+    ) -> WindowMeasurement {
         let slack = slack(info);
         let follow = match figure {
-            Figure::Frequency | Figure::Duty | Figure::Period(Take::Mean) => {
-                Follow::Cycles(Box::new(Cycles::new(window, false, slack)))
+            WindowFigure::Frequency | WindowFigure::Duty | WindowFigure::Period(Statistic::Mean) => {
+                WindowFollower::Cycles(Box::new(Cycles::new(window, false, slack)))
             }
-            Figure::Period(_) => {
-                let finder = Finder::new(Edge::Rises, slack);
-                Follow::Edges { finder, before: None, many: Many::default() }
+            WindowFigure::Period(_) => {
+                let finder = EdgeFinder::new(Edge::Rises, slack);
+                WindowFollower::Edges { finder, before: None, many: SpanStatistics::default() }
             }
-            Figure::Width { high, take: Take::First } => {
-                Follow::First(Levels::new(high, slack), FirstPulse::new(window, (0, i64::MAX)))
+            WindowFigure::Width { high, take: Statistic::First } => {
+                WindowFollower::First(Levels::new(high, slack), FirstPulse::new(window, (0, i64::MAX)))
             }
-            Figure::Width { high, .. } => Follow::Pulses(Levels::new(high, slack), Many::default()),
-            Figure::Jitter(asked) => Follow::Jitter(Box::new(Jitter::new(asked, Edge::Rises, window, slack))),
-            Figure::Value(_) => Follow::Values(Box::new(Extremes::new(window))),
-            Figure::Speed => Follow::Speed(Box::new(Speed::new(window))),
+            WindowFigure::Width { high, .. } => {
+                WindowFollower::Pulses(Levels::new(high, slack), SpanStatistics::default())
+            }
+            WindowFigure::Jitter(asked) => {
+                WindowFollower::Jitter(Box::new(Jitter::new(asked, Edge::Rises, window, slack)))
+            }
+            WindowFigure::Value(_) => WindowFollower::Values(Box::new(Extremes::new(window))),
+            WindowFigure::Speed => WindowFollower::Speed(Box::new(Speed::new(window))),
         };
-        Over { window, figure, follow, end, slack }
+        WindowMeasurement { window, figure, follow, end, slack }
     }
 
     #[inline]
-    pub(super) fn feed(&mut self, seen: &Seen) {
+    pub(super) fn feed(&mut self, seen: &TimedValue) {
         let window = &self.window;
         match &mut self.follow {
-            Follow::Cycles(cycles) => cycles.see(seen),
-            Follow::First(levels, first) => {
+            WindowFollower::Cycles(cycles) => cycles.see(seen),
+            WindowFollower::First(levels, first) => {
                 if let Some(pulse) = levels.see(seen) {
                     first.see(&pulse);
                 }
             }
-            Follow::Pulses(levels, many) => {
+            WindowFollower::Pulses(levels, many) => {
                 if let Some(pulse) = levels.see(seen) {
                     one_of_many(many, &pulse, window);
                 }
             }
-            Follow::Edges { finder, before, many } => match finder.see(seen) {
+            WindowFollower::Edges { finder, before, many } => match finder.see(seen) {
                 Some(found) if found.certain => {
                     if let Some(before) = before.replace(*seen)
                         && window.can_hold(&before)
@@ -151,23 +160,23 @@ impl Over {
                 }
                 None => {}
             },
-            Follow::Jitter(jitter) => jitter.see(seen),
-            Follow::Values(extremes) => extremes.see(seen),
-            Follow::Speed(speed) => speed.see(seen),
+            WindowFollower::Jitter(jitter) => jitter.see(seen),
+            WindowFollower::Values(extremes) => extremes.see(seen),
+            WindowFollower::Speed(speed) => speed.see(seen),
         }
     }
 
-    pub(super) fn finish(self, mut record: MeasurementRecord, bounds: &Bounds) -> MeasurementRecord {
-        let Over { window, figure, follow, end, slack } = self;
+    pub(super) fn finish(self, mut record: MeasurementRecord, bounds: &LimitNumbers) -> MeasurementRecord {
+        let WindowMeasurement { window, figure, follow, end, slack } = self;
         record.from_ns = Some([window.from.a, window.from.b]);
         record.to_ns = Some([window.until.a, window.until.b]);
         const NOT_KNOWN: &str = "the signal is not known for a part of the window";
         match follow {
-            Follow::Cycles(cycles) => {
+            WindowFollower::Cycles(cycles) => {
                 let found = cycles.finish();
                 let figures = found.stretches.iter().map(|stretch| match figure {
-                    Figure::Frequency => stretch.rate(),
-                    Figure::Duty => stretch.duty(),
+                    WindowFigure::Frequency => stretch.rate(),
+                    WindowFigure::Duty => stretch.duty(),
                     _ => stretch.period(),
                 });
                 let Some(extent) = figures.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
@@ -180,7 +189,7 @@ impl Over {
                     _ => record,
                 }
             }
-            Follow::First(mut levels, mut first) => {
+            WindowFollower::First(mut levels, mut first) => {
                 if let Some(pulse) = levels.rest(end) {
                     first.see(&pulse);
                 }
@@ -199,18 +208,18 @@ impl Over {
                     _ => record,
                 }
             }
-            Follow::Pulses(mut levels, mut many) => {
+            WindowFollower::Pulses(mut levels, mut many) => {
                 if let Some(pulse) = levels.rest(end) {
                     // What still lasts has no width: it does not count, unless it may be over.
                     many.doubtful |= !pulse.certain && window.can_hold(&pulse.start);
                 }
                 many_judged(record, bounds, &many, figure, "no whole pulse began in the window")
             }
-            Follow::Edges { finder, mut many, .. } => {
+            WindowFollower::Edges { finder, mut many, .. } => {
                 many.doubtful |= finder.rest().is_some_and(|rest| window.can_hold(&rest.seen));
                 many_judged(record, bounds, &many, figure, "fewer than two edges lie in the window")
             }
-            Follow::Jitter(jitter) => {
+            WindowFollower::Jitter(jitter) => {
                 let found = jitter.finish();
                 let Some((low, high)) = found.extent else {
                     return missing(record, found.doubtful, "fewer than three edges lie in the window");
@@ -222,23 +231,25 @@ impl Over {
                     _ => record,
                 }
             }
-            Follow::Speed(speed) => match speed.finish(slack) {
+            WindowFollower::Speed(speed) => match speed.finish(slack) {
                 Some(found) => judge(record, bounds, found.speed.0, found.speed.1),
                 None => open(record, "the signal is not known at both ends of the window"),
             },
-            Follow::Values(extremes) => {
+            WindowFollower::Values(extremes) => {
                 let Some(found) = extremes.finish() else {
                     return open(record, NOT_KNOWN);
                 };
-                let Figure::Value(take) = figure else { return record };
+                let WindowFigure::Value(take) = figure else { return record };
                 let (low, high) = match take {
-                    Take::Min => found.least,
-                    Take::Max => found.most,
-                    Take::Rms => found.rms,
-                    Take::Span => ((found.most.0 - found.least.1).max(0.0), found.most.1 - found.least.0),
-                    Take::First | Take::Mean => found.mean,
+                    Statistic::Min => found.least,
+                    Statistic::Max => found.most,
+                    Statistic::Rms => found.rms,
+                    Statistic::Span => {
+                        ((found.most.0 - found.least.1).max(0.0), found.most.1 - found.least.0)
+                    }
+                    Statistic::First | Statistic::Mean => found.mean,
                 };
-                let slack = if take == Take::Span { 2.0 * slack } else { slack };
+                let slack = if take == Statistic::Span { 2.0 * slack } else { slack };
                 let record = judge(record, bounds, low - slack, high + slack);
                 if found.unknown { open(record, NOT_KNOWN) } else { record }
             }
@@ -246,7 +257,7 @@ impl Over {
     }
 }
 
-fn one_of_many(many: &mut Many, pulse: &Pulse, window: &Window) {
+fn one_of_many(many: &mut SpanStatistics, pulse: &Pulse, window: &UncertainWindow) {
     if !window.can_hold(&pulse.start) {
         return;
     }
@@ -260,14 +271,16 @@ fn one_of_many(many: &mut Many, pulse: &Pulse, window: &Window) {
 
 fn many_judged(
     record: MeasurementRecord,
-    bounds: &Bounds,
-    many: &Many,
-    figure: Figure,
+    bounds: &LimitNumbers,
+    many: &SpanStatistics,
+    figure: WindowFigure,
     none: &str,
 ) -> MeasurementRecord {
     let take = match figure {
-        Figure::Period(take) | Figure::Width { take, .. } | Figure::Value(take) => take,
-        Figure::Frequency | Figure::Duty | Figure::Speed | Figure::Jitter(_) => Take::Mean,
+        WindowFigure::Period(take) | WindowFigure::Width { take, .. } | WindowFigure::Value(take) => take,
+        WindowFigure::Frequency | WindowFigure::Duty | WindowFigure::Speed | WindowFigure::Jitter(_) => {
+            Statistic::Mean
+        }
     };
     let Some((low, high)) = many.finish(take) else {
         return missing(record, many.doubtful || many.possible.is_some(), none);

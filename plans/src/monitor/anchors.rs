@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 
 use signal::{Event, SignalInfo, Span, Value, When};
 
-use super::edges::{Edge, Finder};
-use super::{Point, Seen};
-use crate::lang::{Anchor, Base};
+use super::edges::{Edge, EdgeFinder};
+use super::{TimedValue, UncertainInstant};
+use crate::lang::{Anchor, AnchorBase};
 
 /// A happening of the trace that instants of the plan hang on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,13 +21,13 @@ struct Happening {
 
 /// The pulses of a train that the plan speaks of.
 #[derive(Clone, Debug)]
-struct Train {
+struct TrainPulses {
     /// Place of the signal `step:<id>`, then that of the signal that the train is emitted on.
     mark: u32,
     line: u32,
     started: bool,
     counted: u64,
-    finder: Finder,
+    finder: EdgeFinder,
     /// Number of the pulse and place of its base in `bases`, by number.
     wanted: Vec<(u64, usize)>,
 }
@@ -35,11 +35,11 @@ struct Train {
 /// The instants that a case's claims and measurements hang on.
 #[derive(Clone, Debug)]
 pub(crate) struct Anchors {
-    bases: Vec<Base>,
+    bases: Vec<AnchorBase>,
     found: Vec<Option<Happening>>,
     /// By place of the signal: the base that its first event is.
     marks: BTreeMap<u32, Vec<usize>>,
-    trains: Vec<Train>,
+    trains: Vec<TrainPulses>,
     /// By place of the signal: whether it matters here at all.
     relevant: Vec<bool>,
     /// The mark of the teardown's end, and when it was.
@@ -54,7 +54,7 @@ impl Anchors {
         train: impl Fn(&str) -> Option<String>,
         signals: &[SignalInfo],
     ) -> Anchors {
-        let mut bases = vec![Base::Start, Base::Main, Base::End];
+        let mut bases = vec![AnchorBase::Start, AnchorBase::Main, AnchorBase::End];
         bases.extend(anchors.map(|anchor| anchor.base.clone()));
         bases.sort();
         bases.dedup();
@@ -74,17 +74,17 @@ impl Anchors {
         }
         for (at, base) in this.bases.clone().iter().enumerate() {
             let mark = match base {
-                Base::Start => find("step:start"),
+                AnchorBase::Start => find("step:start"),
                 // Without a setup the case begins with its steps.
-                Base::Main => find("step:main").or_else(|| find("step:start")),
-                Base::End => find("step:end"),
-                Base::Teardown => find("step:teardown"),
-                Base::Occurrence { step, .. } => find(&format!("step:{step}")),
-                Base::Step(id) => find(&format!("step:{id}")),
-                Base::StepDone(id) => {
+                AnchorBase::Main => find("step:main").or_else(|| find("step:start")),
+                AnchorBase::End => find("step:end"),
+                AnchorBase::Teardown => find("step:teardown"),
+                AnchorBase::Occurrence { step, .. } => find(&format!("step:{step}")),
+                AnchorBase::Step(id) => find(&format!("step:{id}")),
+                AnchorBase::StepDone(id) => {
                     find(&format!("step:{id}.done")).or_else(|| find(&format!("step:{id}")))
                 }
-                Base::Pulse { step, n } => {
+                AnchorBase::Pulse { step, n } => {
                     let line = train(step).and_then(|signal| find(&signal));
                     if let (Some(mark), Some(line)) = (find(&format!("step:{step}")), line) {
                         this.pulse(mark, line, *n, at);
@@ -105,12 +105,12 @@ impl Anchors {
         self.relevant[line as usize] = true;
         match self.trains.iter_mut().find(|train| train.mark == mark) {
             Some(train) => train.wanted.push((n, base)),
-            None => self.trains.push(Train {
+            None => self.trains.push(TrainPulses {
                 mark,
                 line,
                 started: false,
                 counted: 0,
-                finder: Finder::new(Edge::Rises, 0.0),
+                finder: EdgeFinder::new(Edge::Rises, 0.0),
                 wanted: vec![(n, base)],
             }),
         }
@@ -130,7 +130,7 @@ impl Anchors {
         for base in self.marks.get(&event.signal.0).into_iter().flatten() {
             let meant = match &self.bases[*base] {
                 // A mark counts how often it happened.
-                Base::Occurrence { n, .. } => event.value.as_int() == Some(i128::from(*n)),
+                AnchorBase::Occurrence { n, .. } => event.value.as_int() == Some(i128::from(*n)),
                 _ => !matches!(event.value, Value::Unknown),
             };
             if self.found[*base].is_none() && meant {
@@ -144,7 +144,7 @@ impl Anchors {
                 continue;
             }
             let (a, b) = (event.at.earliest.as_nanos(), event.at.latest.as_nanos());
-            let seen = Seen::of(event, a, b, place);
+            let seen = TimedValue::of(event, a, b, place);
             if train.finder.see(&seen).is_some_and(|found| found.certain) && train.started {
                 train.counted += 1;
                 for (n, base) in &train.wanted {
@@ -160,7 +160,7 @@ impl Anchors {
 
     /// Sets the end of the case where the trace has no mark of it.
     pub(crate) fn end(&mut self, at: When, place: u64) {
-        if let Some(base) = self.bases.iter().position(|base| *base == Base::End) {
+        if let Some(base) = self.bases.iter().position(|base| *base == AnchorBase::End) {
             self.found[base].get_or_insert(Happening { at, place });
         }
     }
@@ -170,21 +170,22 @@ impl Anchors {
         if self.closing.is_none() {
             return u64::MAX;
         }
-        let end = self.bases.iter().position(|base| *base == Base::End).and_then(|base| self.found[base]);
+        let end =
+            self.bases.iter().position(|base| *base == AnchorBase::End).and_then(|base| self.found[base]);
         end.map_or(u64::MAX, |end| end.place)
     }
 
     /// When the teardown was over, if the case has one.
-    pub(crate) fn closed(&self, offset: Span) -> Option<Point> {
+    pub(crate) fn closed(&self, offset: Span) -> Option<UncertainInstant> {
         let happening = self.closed?;
         // No base has this number: what is linked to the end of the case is not linked to this.
-        Some(Point::new(happening.at, happening.place, u32::MAX - 1, offset))
+        Some(UncertainInstant::new(happening.at, happening.place, u32::MAX - 1, offset))
     }
 
     /// When an instant was, if it came.
-    pub(crate) fn resolve(&self, anchor: &Anchor) -> Option<Point> {
+    pub(crate) fn resolve(&self, anchor: &Anchor) -> Option<UncertainInstant> {
         let base = self.bases.iter().position(|base| *base == anchor.base)?;
         let happening = self.found[base]?;
-        Some(Point::new(happening.at, happening.place, base as u32, anchor.offset))
+        Some(UncertainInstant::new(happening.at, happening.place, base as u32, anchor.offset))
     }
 }

@@ -4,20 +4,20 @@
 //! The placements with exactly `n` edges before them are an interval: kept for every `n` that is possible at
 //! all, which are few, because only edges near an uncertain end of the window are in doubt.
 
-use super::{Point, Seen, Window};
+use super::{TimedValue, UncertainInstant, UncertainWindow};
 
 /// Most edges in doubt at one end of a window. Beyond it only bounds of the count are kept, so that a verdict
 /// can become inconclusive by it but never wrong.
 const MOST: usize = 512;
 
 /// Number of rising and of falling edges.
-pub type Edges = (u64, u64);
+pub type EdgeCounts = (u64, u64);
 
 /// A way to place one end of the window.
 #[derive(Clone, Copy, Debug)]
 struct Cut {
     /// Edges before it.
-    before: Edges,
+    before: EdgeCounts,
     /// Placements of the end, both included.
     low: i64,
     high: i64,
@@ -29,7 +29,7 @@ struct Cut {
 /// All ways to place one end of the window.
 #[derive(Clone, Debug)]
 struct End {
-    point: Point,
+    point: UncertainInstant,
     cuts: Vec<Cut>,
     /// The earliest placement with all edges so far before it.
     left: i64,
@@ -38,12 +38,12 @@ struct End {
 }
 
 impl End {
-    fn new(point: Point) -> Self {
+    fn new(point: UncertainInstant) -> Self {
         End { point, cuts: Vec::new(), left: i64::MIN, last: 0, overflow: false }
     }
 
     /// All edges so far are before the end and the one whose placement `right` bounds is not.
-    fn cut(&mut self, before: Edges, right: i64, next: u64) {
+    fn cut(&mut self, before: EdgeCounts, right: i64, next: u64) {
         let (low, high) = (self.point.a.max(self.left), self.point.b.min(right));
         if low > high {
             return;
@@ -57,7 +57,7 @@ impl End {
         self.cuts.push(cut);
     }
 
-    fn see(&mut self, before: Edges, seen: &Seen) {
+    fn see(&mut self, before: EdgeCounts, seen: &TimedValue) {
         self.cut(before, seen.after(&self.point), seen.place);
         self.left = self.left.max(seen.before(&self.point));
         self.last = seen.place;
@@ -70,31 +70,31 @@ impl End {
 
 /// The counter of one window.
 #[derive(Clone, Debug)]
-pub struct Counter {
-    window: Window,
+pub struct EdgeCounter {
+    window: UncertainWindow,
     from: End,
     until: End,
-    total: Edges,
-    certain: Edges,
+    total: EdgeCounts,
+    certain: EdgeCounts,
     hidden: bool,
 }
 
 /// What was counted.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Counted {
+pub struct CountResult {
     /// Every pair of rising and falling edges that some placement has, in order; only the outermost if
     /// there are too many.
-    pub counts: Vec<Edges>,
+    pub counts: Vec<EdgeCounts>,
     /// `false` if `counts` gives bounds only.
     pub exact: bool,
     /// More edges may be hidden where nothing is known.
     pub hidden: bool,
 }
 
-impl Counter {
+impl EdgeCounter {
     /// Nothing counted yet.
-    pub fn new(window: Window) -> Self {
-        Counter {
+    pub fn new(window: UncertainWindow) -> Self {
+        EdgeCounter {
             window,
             from: End::new(window.from),
             until: End::new(window.until),
@@ -111,7 +111,7 @@ impl Counter {
 
     /// The next edge.
     #[inline]
-    pub fn edge(&mut self, rising: bool, seen: &Seen) {
+    pub fn edge(&mut self, rising: bool, seen: &TimedValue) {
         if self.until.is_past() {
             return;
         }
@@ -126,17 +126,17 @@ impl Counter {
     }
 
     /// A stretch of which nothing is known, any number of edges included.
-    pub fn unknown(&mut self, seen: &Seen) {
+    pub fn unknown(&mut self, seen: &TimedValue) {
         self.hidden |= self.window.can_hold(seen);
     }
 
     /// The edges so far that lie in the window in every placement.
-    pub fn certain(&self) -> Edges {
+    pub fn certain(&self) -> EdgeCounts {
         self.certain
     }
 
     /// The count when no edge comes any more.
-    pub fn finish(mut self) -> Counted {
+    pub fn finish(mut self) -> CountResult {
         self.from.cut(self.total, i64::MAX, u64::MAX);
         self.until.cut(self.total, i64::MAX, u64::MAX);
         let exact = !self.from.overflow && !self.until.overflow;
@@ -157,15 +157,15 @@ impl Counter {
             counts.extend(self.bounds().into_iter().flatten());
             counts.sort_unstable();
         }
-        Counted { counts, exact, hidden: self.hidden }
+        CountResult { counts, exact, hidden: self.hidden }
     }
 
     /// The least and the greatest count, each end of the window placed for itself.
-    fn bounds(&self) -> Option<[Edges; 2]> {
+    fn bounds(&self) -> Option<[EdgeCounts; 2]> {
         let (from, until) = (&self.from.cuts, &self.until.cuts);
         let (first, last) = (from.first()?.before, from.last()?.before);
         let (least, most) = (until.first()?.before, until.last()?.before);
-        let less = |a: Edges, b: Edges| (a.0.saturating_sub(b.0), a.1.saturating_sub(b.1));
+        let less = |a: EdgeCounts, b: EdgeCounts| (a.0.saturating_sub(b.0), a.1.saturating_sub(b.1));
         Some([less(least, last), less(most, first)])
     }
 

@@ -3,27 +3,27 @@
 //!
 //! A cycle lasts from one edge to the next of its kind. The cycles of a window lie between the first and the last
 //! edge in it. Which edges these are depends on where an uncertain end of the window lies, so that a few may be:
-//! each pair of them is a [`Stretch`]. With exact instants there is one pair.
+//! each pair of them is a [`CycleSpan`]. With exact instants there is one pair.
 
-use super::edges::{Edge, Finder};
-use super::{Seen, Window};
+use super::edges::{Edge, EdgeFinder};
+use super::{TimedValue, UncertainWindow};
 
 /// Most edges that may be the first one, or the last one, of a window. Beyond it the answer is left open.
 const MOST: usize = 64;
 
 /// An edge with all that lies before it.
 #[derive(Clone, Copy, Debug)]
-struct Mark {
+struct EdgeMark {
     /// Edges of its kind before it.
     number: u64,
-    seen: Seen,
+    seen: TimedValue,
     /// Least and greatest time that the signal was TRUE from the first edge of all up to this one, nanoseconds.
     high: (i64, i64),
 }
 
 /// The cycles between two edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
+pub struct CycleSpan {
     /// How many.
     pub cycles: u64,
     /// Least and greatest length of all together, nanoseconds; the least may be 0 where edges are uncertain.
@@ -32,7 +32,7 @@ pub struct Stretch {
     pub high: (i64, i64),
 }
 
-impl Stretch {
+impl CycleSpan {
     /// Least and greatest mean frequency, in hertz.
     pub fn rate(&self) -> (f64, f64) {
         let rate = |length: i64| match length {
@@ -61,23 +61,23 @@ impl Stretch {
 
 /// What lies in a window.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Found {
+pub struct CycleResult {
     /// Every pair of a first and a last edge that some placement has, in order.
-    pub stretches: Vec<Stretch>,
+    pub stretches: Vec<CycleSpan>,
     /// Some placement has fewer than two edges in the window.
     pub can_be_missing: bool,
     /// More edges may be hidden where nothing is known, or there were too many to look at each.
     pub doubtful: bool,
     /// The last edge of the window.
-    pub last: Option<Seen>,
+    pub last: Option<TimedValue>,
 }
 
 /// Follows the edges of one kind.
 #[derive(Clone, Debug)]
 pub struct Cycles {
-    window: Window,
-    rises: Finder,
-    falls: Finder,
+    window: UncertainWindow,
+    rises: EdgeFinder,
+    falls: EdgeFinder,
     /// Edges that begin a cycle are falling ones.
     by_falls: bool,
     number: u64,
@@ -86,19 +86,19 @@ pub struct Cycles {
     high_since: Option<(i64, i64)>,
     /// The earliest placement of the window's beginning with all edges so far before it.
     left: i64,
-    firsts: Vec<Mark>,
-    lasts: Vec<Mark>,
-    before: Option<Mark>,
+    firsts: Vec<EdgeMark>,
+    lasts: Vec<EdgeMark>,
+    before: Option<EdgeMark>,
     doubtful: bool,
 }
 
 impl Cycles {
     /// Nothing seen yet; cycles begin with rising edges, or with falling ones.
-    pub fn new(window: Window, by_falls: bool, slack: f64) -> Cycles {
+    pub fn new(window: UncertainWindow, by_falls: bool, slack: f64) -> Cycles {
         Cycles {
             window,
-            rises: Finder::new(Edge::Rises, slack),
-            falls: Finder::new(Edge::Falls, slack),
+            rises: EdgeFinder::new(Edge::Rises, slack),
+            falls: EdgeFinder::new(Edge::Falls, slack),
             by_falls,
             number: 0,
             high: (0, 0),
@@ -113,7 +113,7 @@ impl Cycles {
 
     /// The next event.
     #[inline]
-    pub fn see(&mut self, seen: &Seen) {
+    pub fn see(&mut self, seen: &TimedValue) {
         let (rose, fell) = (self.rises.see(seen), self.falls.see(seen));
         if let Some(found) = rose.or(fell).filter(|found| !found.certain) {
             self.unknown(&found.seen);
@@ -134,8 +134,8 @@ impl Cycles {
         }
     }
 
-    fn edge(&mut self, seen: &Seen) {
-        let mark = Mark { number: self.number, seen: *seen, high: self.high };
+    fn edge(&mut self, seen: &TimedValue) {
+        let mark = EdgeMark { number: self.number, seen: *seen, high: self.high };
         self.number += 1;
         let low = self.window.from.a.max(self.left);
         if low <= self.window.from.b.min(seen.after(&self.window.from)) {
@@ -155,7 +155,7 @@ impl Cycles {
         }
     }
 
-    fn keep(&mut self, mark: Mark, first: bool) {
+    fn keep(&mut self, mark: EdgeMark, first: bool) {
         let list = if first { &mut self.firsts } else { &mut self.lasts };
         if list.len() < MOST {
             list.push(mark);
@@ -164,23 +164,23 @@ impl Cycles {
         }
     }
 
-    fn unknown(&mut self, seen: &Seen) {
+    fn unknown(&mut self, seen: &TimedValue) {
         self.doubtful |= self.window.can_hold(seen);
         self.high_since = None;
     }
 
     /// What lies in the window when nothing comes any more.
-    pub fn finish(mut self) -> Found {
+    pub fn finish(mut self) -> CycleResult {
         if let Some(rest) = self.rises.rest() {
             self.unknown(&rest.seen);
         }
         self.end_before(i64::MAX);
         let none_behind = self.window.from.a.max(self.left) <= self.window.from.b;
-        let mut found = Found {
+        let mut found = CycleResult {
             can_be_missing: none_behind || self.firsts.is_empty() || self.lasts.is_empty(),
             doubtful: self.doubtful,
             last: self.lasts.last().map(|mark| mark.seen),
-            ..Found::default()
+            ..CycleResult::default()
         };
         for first in &self.firsts {
             for last in &self.lasts {
@@ -188,7 +188,7 @@ impl Cycles {
                     found.can_be_missing = true;
                     continue;
                 }
-                found.stretches.push(Stretch {
+                found.stretches.push(CycleSpan {
                     cycles: last.number - first.number,
                     length: (
                         last.seen.a.saturating_sub(first.seen.b),

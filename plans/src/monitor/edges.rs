@@ -2,7 +2,7 @@
 
 use signal::Value;
 
-use super::{Point, Seen, Test, Truth};
+use super::{TimedValue, Truth, UncertainInstant, ValueTest};
 
 /// Which changes of a signal count.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub enum Edge {
     /// The value becomes another.
     Changes,
     /// The value meets a condition that it did not meet before.
-    Becomes(Test),
+    Becomes(ValueTest),
 }
 
 impl Edge {
@@ -71,16 +71,16 @@ pub(crate) const LAST: u64 = u64::MAX - 1;
 
 /// A change that counts, or one that may be hidden in a stretch of which nothing is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct FoundEdge {
     /// When, and who.
-    pub seen: Seen,
+    pub seen: TimedValue,
     /// `false` for an edge that may not exist.
     pub certain: bool,
 }
 
 /// Finds the edges of one kind in the events of one signal.
 #[derive(Clone, Debug)]
-pub struct Finder {
+pub struct EdgeFinder {
     edge: Edge,
     slack: f64,
     last: Option<Value>,
@@ -90,10 +90,10 @@ pub struct Finder {
     before: Option<Value>,
 }
 
-impl Finder {
+impl EdgeFinder {
     /// Nothing is known of the signal before its first event.
     pub fn new(edge: Edge, slack: f64) -> Self {
-        Finder { edge, slack, last: None, unknown_from: Some((i64::MIN, 0)), before: None }
+        EdgeFinder { edge, slack, last: None, unknown_from: Some((i64::MIN, 0)), before: None }
     }
 
     /// The kind of edge.
@@ -108,7 +108,7 @@ impl Finder {
 
     /// The edge that this event makes.
     #[inline]
-    pub fn see(&mut self, seen: &Seen) -> Option<Found> {
+    pub fn see(&mut self, seen: &TimedValue) -> Option<FoundEdge> {
         // The common case first: a line that is known and stays known.
         if let (Value::Bool(new), Some(Value::Bool(old)), None) = (seen.value, self.last, self.unknown_from) {
             let counts = match self.edge {
@@ -119,7 +119,7 @@ impl Finder {
             };
             if let Some(counts) = counts {
                 self.last = Some(seen.value);
-                return counts.then_some(Found { seen: *seen, certain: true });
+                return counts.then_some(FoundEdge { seen: *seen, certain: true });
             }
         }
         if self.edge.is_open(seen.value, self.slack) {
@@ -132,16 +132,16 @@ impl Finder {
             // A condition that held on neither side need not have been met, one that holds only behind it was.
             let before = self.before.take().filter(|_| matches!(self.edge, Edge::Becomes(_)));
             let certain = before.is_some_and(|old| self.edge.matches(old, seen.value, self.slack));
-            return Some(Found { seen: Seen { a, since, ..*seen }, certain });
+            return Some(FoundEdge { seen: TimedValue { a, since, ..*seen }, certain });
         }
-        self.edge.matches(old?, seen.value, self.slack).then_some(Found { seen: *seen, certain: true })
+        self.edge.matches(old?, seen.value, self.slack).then_some(FoundEdge { seen: *seen, certain: true })
     }
 
     /// The edge that may lie in an unknown stretch which lasts to the end.
-    pub fn rest(&self) -> Option<Found> {
+    pub fn rest(&self) -> Option<FoundEdge> {
         let (a, since) = self.unknown_from?;
-        let seen = Seen { a, b: i64::MAX, since, place: LAST, ..Seen::NOTHING };
-        Some(Found { seen, certain: false })
+        let seen = TimedValue { a, b: i64::MAX, since, place: LAST, ..TimedValue::NOTHING };
+        Some(FoundEdge { seen, certain: false })
     }
 }
 
@@ -151,8 +151,8 @@ impl Finder {
 /// For each, the placements of the instant that make the delay right, too short or too long are intervals,
 /// so that nothing needs to be enumerated.
 #[derive(Clone, Debug)]
-pub struct First {
-    from: Point,
+pub struct FirstEdge {
+    from: UncertainInstant,
     least: i64,
     most: i64,
     /// The earliest placement of the instant with all certain edges so far before it.
@@ -164,7 +164,7 @@ pub struct First {
     /// Least and greatest delay of all placements so far.
     delay: Option<(i64, i64)>,
     /// The edge that is the first one, or may be.
-    deciding: Option<Found>,
+    deciding: Option<FoundEdge>,
     doubtful: bool,
 }
 
@@ -182,15 +182,15 @@ pub struct Delay {
     /// Least and greatest delay of the placements that have an edge, nanoseconds.
     pub delay: Option<(i64, i64)>,
     /// The first edge, or the first that may be it.
-    pub deciding: Option<Found>,
+    pub deciding: Option<FoundEdge>,
     /// An edge may be hidden where nothing is known.
     pub doubtful: bool,
 }
 
-impl First {
+impl FirstEdge {
     /// The first edge at or after `from`, wanted `least` to `most` nanoseconds later, both included.
-    pub fn new(from: Point, least: i64, most: i64) -> Self {
-        First {
+    pub fn new(from: UncertainInstant, least: i64, most: i64) -> Self {
+        FirstEdge {
             from,
             least,
             most,
@@ -207,7 +207,7 @@ impl First {
 
     /// The next edge.
     #[inline]
-    pub fn see(&mut self, found: &Found) {
+    pub fn see(&mut self, found: &FoundEdge) {
         if self.done {
             return;
         }

@@ -6,13 +6,13 @@
 
 use signal::Value;
 
-use super::{Seen, Window};
+use super::{TimedValue, UncertainWindow};
 
 /// Follows the values of one window.
 #[derive(Clone, Debug)]
 pub struct Extremes {
-    window: Window,
-    last: Option<Seen>,
+    window: UncertainWindow,
+    last: Option<TimedValue>,
     /// What the least value is at most, and the greatest one at least.
     certain: Option<(f64, f64)>,
     possible: Option<(f64, f64)>,
@@ -23,8 +23,8 @@ pub struct Extremes {
     sum: (f64, f64),
     squares: (f64, f64),
     /// Where the least and the greatest value began.
-    at_least: Option<Seen>,
-    at_most: Option<Seen>,
+    at_least: Option<TimedValue>,
+    at_most: Option<TimedValue>,
 }
 
 /// What the values of a window came to; each as the least and the greatest that some placement has.
@@ -39,14 +39,14 @@ pub struct Summary {
     /// The root of the mean square over the time.
     pub rms: (f64, f64),
     /// Where the least and the greatest value began.
-    pub at: (Seen, Seen),
+    pub at: (TimedValue, TimedValue),
     /// For a part of the window the value is not known, or no number.
     pub unknown: bool,
 }
 
 impl Extremes {
     /// Nothing is known of the signal before its first event.
-    pub fn new(window: Window) -> Extremes {
+    pub fn new(window: UncertainWindow) -> Extremes {
         Extremes {
             window,
             last: None,
@@ -68,14 +68,14 @@ impl Extremes {
 
     /// The next event.
     #[inline]
-    pub fn see(&mut self, seen: &Seen) {
+    pub fn see(&mut self, seen: &TimedValue) {
         self.until((seen.a, seen.b));
         self.last = Some(*seen);
     }
 
     /// The last value lasted until here.
     fn until(&mut self, end: (i64, i64)) {
-        let seen = self.last.unwrap_or(Seen::NOTHING);
+        let seen = self.last.unwrap_or(TimedValue::NOTHING);
         if !self.window.can_meet(seen.a, end.1) {
             return;
         }

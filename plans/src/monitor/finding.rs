@@ -3,7 +3,7 @@
 use record::{Figure, Verdict, Window as Shown};
 use signal::{Cause, Time, When};
 
-use super::{Seen, Window};
+use super::{TimedValue, UncertainWindow};
 
 /// What a claim came to.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,7 +46,7 @@ impl Finding {
 
     /// The same with the deciding event.
     #[must_use]
-    pub fn decided_by(mut self, seen: &Seen) -> Finding {
+    pub fn decided_by(mut self, seen: &TimedValue) -> Finding {
         self.deciding = Some(clipped(seen.a, seen.b));
         self.cause = Some(seen.cause);
         self
@@ -61,7 +61,7 @@ pub(crate) fn clipped(a: i64, b: i64) -> When {
     When::within(Time::from_nanos(a), Time::from_nanos(b))
 }
 
-impl Window {
+impl UncertainWindow {
     /// The window as a report shows it.
     pub fn shown(&self) -> Shown {
         Shown {

@@ -4,12 +4,12 @@
 //! the one before, wherever that was placed. Those at an uncertain end of the window may be there or not, which can only
 //! make a verdict inconclusive, never wrong.
 
-use super::{Seen, Window};
+use super::{TimedValue, UncertainWindow};
 
 /// Follows the events of a window.
 #[derive(Clone, Debug)]
 pub struct Gaps {
-    window: Window,
+    window: UncertainWindow,
     limit: i64,
     /// Placements of the last event, or of the window's beginning, that leave every gap before it within the limit.
     reach: (i64, i64),
@@ -20,14 +20,14 @@ pub struct Gaps {
     uncertain: bool,
     /// The last event that is in the window for certain, or its beginning.
     last: (i64, i64),
-    last_seen: Option<Seen>,
+    last_seen: Option<TimedValue>,
     longest: (i64, i64),
-    after: Option<Seen>,
+    after: Option<TimedValue>,
 }
 
 /// What the gaps came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gap {
+pub struct GapResult {
     /// Some placement has no longer gap than the limit.
     pub can_hold: bool,
     /// Some placement has one.
@@ -39,12 +39,12 @@ pub struct Gap {
     /// The longest that is allowed, nanoseconds.
     pub limit: i64,
     /// The event in front of it; `None`: the beginning of the window.
-    pub after: Option<Seen>,
+    pub after: Option<TimedValue>,
 }
 
 impl Gaps {
     /// No event yet; `limit` in nanoseconds.
-    pub fn new(window: Window, limit: i64) -> Gaps {
+    pub fn new(window: UncertainWindow, limit: i64) -> Gaps {
         let from = (window.from.a, window.from.b);
         Gaps {
             window,
@@ -67,7 +67,7 @@ impl Gaps {
     }
 
     /// The next event.
-    pub fn frame(&mut self, seen: &Seen) {
+    pub fn frame(&mut self, seen: &TimedValue) {
         if !self.window.can_hold(seen) {
             return;
         }
@@ -88,7 +88,7 @@ impl Gaps {
     }
 
     /// A stretch of which nothing is known, any number of events included.
-    pub fn unknown(&mut self, seen: &Seen) {
+    pub fn unknown(&mut self, seen: &TimedValue) {
         if self.window.can_hold(seen) {
             self.doubtful = true;
             if self.reach.1.saturating_add(self.limit) >= seen.a {
@@ -113,7 +113,7 @@ impl Gaps {
     }
 
     /// The judgement when nothing comes any more.
-    pub fn finish(mut self) -> Gap {
+    pub fn finish(mut self) -> GapResult {
         let until = (self.window.until.a, self.window.until.b);
         // Both ends may hang on one instant: then the window has one length.
         let whole = self.window.link.filter(|_| self.last_seen.is_none());
@@ -127,7 +127,7 @@ impl Gaps {
             None => self.close(until),
         }
         let can_hold = self.feasible && until.0 <= self.reach.1.saturating_add(self.limit);
-        Gap {
+        GapResult {
             can_hold,
             can_break: self.can_break,
             doubtful: self.doubtful,

@@ -3,34 +3,34 @@
 //! Only corners of the convex hull can be farthest from a line, whatever its slope, and a hull of very many points has
 //! few corners: so the points themselves need not be kept.
 
-use super::Seen;
+use super::TimedValue;
 
 /// Most corners of one side of a hull. Points of a grid of whole numbers have this many only where they bend all along.
 const MOST: usize = 8_192;
 
 /// A point: the number of an edge, and its distance from a rough grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corner {
+pub(super) struct HullCorner {
     pub(super) n: i64,
     pub(super) x: i128,
-    pub(super) seen: Seen,
+    pub(super) seen: TimedValue,
 }
 
 /// One side of a hull: its corners from left to right.
 #[derive(Clone, Debug)]
-pub(super) struct Side {
+pub(super) struct HullSide {
     upper: bool,
-    corners: Vec<Corner>,
+    corners: Vec<HullCorner>,
     full: bool,
 }
 
-impl Side {
-    pub(super) fn new(upper: bool) -> Side {
-        Side { upper, corners: Vec::new(), full: false }
+impl HullSide {
+    pub(super) fn new(upper: bool) -> HullSide {
+        HullSide { upper, corners: Vec::new(), full: false }
     }
 
     /// The next point, farther right than all before.
-    pub(super) fn add(&mut self, corner: Corner) {
+    pub(super) fn add(&mut self, corner: HullCorner) {
         while let [.., before, last] = self.corners.as_slice() {
             let turn = (last.x - before.x) * i128::from(corner.n - before.n)
                 - (corner.x - before.x) * i128::from(last.n - before.n);
@@ -53,8 +53,8 @@ impl Side {
     }
 
     /// The corner farthest above (of an upper side) or below a line of this slope, `rise / run`.
-    fn farthest(&self, rise: i128, run: i64) -> Option<&Corner> {
-        let height = |corner: &Corner| corner.x * i128::from(run) - rise * i128::from(corner.n);
+    fn farthest(&self, rise: i128, run: i64) -> Option<&HullCorner> {
+        let height = |corner: &HullCorner| corner.x * i128::from(run) - rise * i128::from(corner.n);
         // Along a side the height grows up to the farthest corner and then shrinks.
         let (mut low, mut high) = (0, self.corners.len().checked_sub(1)?);
         while low < high {
@@ -78,16 +78,16 @@ impl Side {
 /// How far the points reach to both sides of the line that suits them best: the width of the narrowest band between two
 /// parallel lines, as a distance of `x`, with a corner at either border. Below 0 where every point of `upper` can lie
 /// below every one of `lower`.
-pub(super) fn narrowest(upper: &Side, lower: &Side) -> Option<(f64, Corner, Corner)> {
+pub(super) fn narrowest(upper: &HullSide, lower: &HullSide) -> Option<(f64, HullCorner, HullCorner)> {
     // The width is a convex function of the slope that bends at the slopes of edges, so its least value is at one.
     let slopes = upper.slopes().chain(lower.slopes()).chain((upper.corners.len() == 1).then_some((0, 1)));
     slopes.filter_map(|(rise, run)| width(upper, lower, rise, run)).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// The same between lines of a given slope.
-fn width(upper: &Side, lower: &Side, rise: i128, run: i64) -> Option<(f64, Corner, Corner)> {
+fn width(upper: &HullSide, lower: &HullSide, rise: i128, run: i64) -> Option<(f64, HullCorner, HullCorner)> {
     let (above, below) = (upper.farthest(rise, run)?, lower.farthest(rise, run)?);
-    let height = |corner: &Corner| corner.x * i128::from(run) - rise * i128::from(corner.n);
+    let height = |corner: &HullCorner| corner.x * i128::from(run) - rise * i128::from(corner.n);
     Some(((height(above) - height(below)) as f64 / run as f64, *above, *below))
 }
 
@@ -95,10 +95,10 @@ fn width(upper: &Side, lower: &Side, rise: i128, run: i64) -> Option<(f64, Corne
 mod tests {
     use super::*;
 
-    fn side(points: &[i128], upper: bool) -> Side {
-        let mut side = Side::new(upper);
+    fn side(points: &[i128], upper: bool) -> HullSide {
+        let mut side = HullSide::new(upper);
         for (n, x) in (0_i64..).zip(points) {
-            side.add(Corner { n, x: *x, seen: Seen::NOTHING });
+            side.add(HullCorner { n, x: *x, seen: TimedValue::NOTHING });
         }
         side
     }

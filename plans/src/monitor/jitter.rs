@@ -9,13 +9,13 @@
 //! at most that, and the rms of all by at most the rms of all `w`: which is how intervals are honoured. Sums are kept in
 //! whole numbers, so that nothing is rounded off however long a train is.
 
-use super::edges::{Edge, Finder};
-use super::hull::{Corner, Side, narrowest};
-use super::{Seen, Window};
+use super::edges::{Edge, EdgeFinder};
+use super::hull::{HullCorner, HullSide, narrowest};
+use super::{TimedValue, UncertainWindow};
 
 /// What is compared with the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Compared {
+pub enum JitterReference {
     /// The instants of edges.
     Edges,
     /// The lengths of periods.
@@ -33,9 +33,9 @@ pub struct Grid {
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Asked {
+pub struct JitterQuery {
     /// Of what.
-    pub compared: Compared,
+    pub compared: JitterReference,
     /// The root of the mean square, and not how far from the least to the greatest.
     pub rms: bool,
     /// The grid, where it is given.
@@ -44,7 +44,7 @@ pub struct Asked {
 
 /// What it came to.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Found {
+pub struct JitterResult {
     /// Least and greatest jitter of all placements, nanoseconds.
     pub extent: Option<(f64, f64)>,
     /// How many edges lie in the window in every placement, and how many may.
@@ -54,7 +54,7 @@ pub struct Found {
     /// More edges may be hidden where nothing is known, or there were too many to look at each.
     pub doubtful: bool,
     /// Of a span: the edge that is latest, or ends the longest period, and the earliest or that of the shortest one.
-    pub farthest: Option<(Seen, Seen)>,
+    pub farthest: Option<(TimedValue, TimedValue)>,
 }
 
 /// Fewest edges that have a jitter: any two fit a grid.
@@ -125,23 +125,23 @@ enum Points {
     Sums(Option<Sums>),
     /// For the span around a grid that can only be shifted, or of periods: greatest and least by their earliest ends, then
     /// by their latest ones.
-    Ends([Option<(Corner, Corner)>; 2]),
+    Ends([Option<(HullCorner, HullCorner)>; 2]),
     /// For the span around any grid: upper and lower side by earliest ends, then by latest ones.
-    Hulls(Box<[(Side, Side); 2]>),
+    Hulls(Box<[(HullSide, HullSide); 2]>),
 }
 
 impl Points {
-    fn new(asked: &Asked) -> Points {
-        let sides = || (Side::new(true), Side::new(false));
+    fn new(asked: &JitterQuery) -> Points {
+        let sides = || (HullSide::new(true), HullSide::new(false));
         match (asked.rms, asked.compared, asked.grid) {
             (true, ..) => Points::Sums(Some(Sums::NONE)),
-            (false, Compared::Edges, None) => Points::Hulls(Box::new([sides(), sides()])),
+            (false, JitterReference::Edges, None) => Points::Hulls(Box::new([sides(), sides()])),
             (false, ..) => Points::Ends([None; 2]),
         }
     }
 
-    fn add(&mut self, n: i64, (low, high): (i128, i128), seen: &Seen) {
-        let corners = [low, high].map(|x| Corner { n, x, seen: *seen });
+    fn add(&mut self, n: i64, (low, high): (i128, i128), seen: &TimedValue) {
+        let corners = [low, high].map(|x| HullCorner { n, x, seen: *seen });
         match self {
             // Twice the middle, and the whole width: whole numbers, all doubled.
             Points::Sums(sums) => *sums = sums.and_then(|sums| sums.add(n, low + high, high - low)),
@@ -166,7 +166,7 @@ impl Points {
     }
 
     /// How far apart the farthest two are at least (`sure`: each as near to the other as it can be), or at most.
-    fn span(&self, sure: bool) -> Option<(f64, Corner, Corner)> {
+    fn span(&self, sure: bool) -> Option<(f64, HullCorner, HullCorner)> {
         // The greatest by its earliest end and the least by its latest one are as near to one another as can be.
         let (top, bottom) = if sure { (0, 1) } else { (1, 0) };
         match self {
@@ -185,11 +185,11 @@ impl Points {
     }
 
     /// The root of the sum of squares and that of the squared widths, with their number.
-    fn roots(&self, asked: &Asked) -> Option<(f64, f64, u64)> {
+    fn roots(&self, asked: &JitterQuery) -> Option<(f64, f64, u64)> {
         let Points::Sums(Some(sums)) = self else { return None };
         let squares = match (asked.compared, asked.grid) {
-            (Compared::Edges, None) => sums.about_line()?,
-            (Compared::Periods, Some(_)) => sums.about_zero(),
+            (JitterReference::Edges, None) => sums.about_line()?,
+            (JitterReference::Periods, Some(_)) => sums.about_zero(),
             _ => sums.about_mean()?,
         };
         // All were doubled.
@@ -200,11 +200,11 @@ impl Points {
 /// Follows the edges of one kind.
 #[derive(Clone, Debug)]
 pub struct Jitter {
-    asked: Asked,
-    window: Window,
-    finder: Finder,
-    first: Option<Seen>,
-    last: Option<Seen>,
+    asked: JitterQuery,
+    window: UncertainWindow,
+    finder: EdgeFinder,
+    first: Option<TimedValue>,
+    last: Option<TimedValue>,
     /// Edges so far.
     number: i64,
     /// The grid that distances are taken from: the given one, or a rough one by the first period.
@@ -218,11 +218,11 @@ pub struct Jitter {
 
 impl Jitter {
     /// Nothing seen yet.
-    pub fn new(asked: Asked, edge: Edge, window: Window, slack: f64) -> Jitter {
+    pub fn new(asked: JitterQuery, edge: Edge, window: UncertainWindow, slack: f64) -> Jitter {
         Jitter {
             asked,
             window,
-            finder: Finder::new(edge, slack),
+            finder: EdgeFinder::new(edge, slack),
             first: None,
             last: None,
             number: 0,
@@ -236,7 +236,7 @@ impl Jitter {
 
     /// The next event.
     #[inline]
-    pub fn see(&mut self, seen: &Seen) {
+    pub fn see(&mut self, seen: &TimedValue) {
         match self.finder.see(seen) {
             Some(found) if found.certain => self.edge(seen),
             Some(found) => self.unknown(&found.seen),
@@ -244,7 +244,7 @@ impl Jitter {
         }
     }
 
-    fn edge(&mut self, seen: &Seen) {
+    fn edge(&mut self, seen: &TimedValue) {
         if !self.window.can_hold(seen) {
             return;
         }
@@ -262,16 +262,16 @@ impl Jitter {
             i128::from(length) * i128::from(grid.parts) - i128::from(periods) * i128::from(grid.nanos)
         };
         let (n, extent, certain) = match (self.asked.compared, before) {
-            (Compared::Edges, _) => {
+            (JitterReference::Edges, _) => {
                 let from = |at: i64| away(at.saturating_sub(first.a), self.number);
                 (self.number, (from(seen.a), from(seen.b)), certain)
             }
-            (Compared::Periods, Some(before)) => {
+            (JitterReference::Periods, Some(before)) => {
                 let least = away(seen.a.saturating_sub(before.b), 1);
                 let most = away(seen.b.saturating_sub(before.a), 1);
                 (self.number, (least, most), certain && self.window.must_hold(&before))
             }
-            (Compared::Periods, None) => {
+            (JitterReference::Periods, None) => {
                 self.number += 1;
                 return;
             }
@@ -283,20 +283,20 @@ impl Jitter {
         }
     }
 
-    fn unknown(&mut self, seen: &Seen) {
+    fn unknown(&mut self, seen: &TimedValue) {
         self.doubtful |= self.window.can_hold(seen);
     }
 
     /// What it came to when nothing comes any more.
-    pub fn finish(mut self) -> Found {
+    pub fn finish(mut self) -> JitterResult {
         if let Some(rest) = self.finder.rest() {
             self.unknown(&rest.seen);
         }
-        let mut found = Found {
+        let mut found = JitterResult {
             edges: self.edges,
             can_be_missing: self.edges.0 < FEWEST,
             doubtful: self.doubtful,
-            ..Found::default()
+            ..JitterResult::default()
         };
         if self.edges.1 < FEWEST {
             return found;

@@ -2,15 +2,15 @@
 
 use super::edges::LAST;
 use super::pulses::Pulse;
-use super::{Seen, Test, Truth};
+use super::{TimedValue, Truth, ValueTest};
 
 /// Finds the pulses of one level in the events of one signal.
 #[derive(Clone, Debug)]
 pub struct Levels {
-    test: Test,
+    test: ValueTest,
     slack: f64,
     /// The beginning of the stretch that is open, and whether it is a pulse.
-    open: Option<(Seen, Truth)>,
+    open: Option<(TimedValue, Truth)>,
     /// The open pulse has a known beginning.
     clean: bool,
 }
@@ -18,13 +18,13 @@ pub struct Levels {
 impl Levels {
     /// Pulses are high, or low. Nothing is known of the signal before its first event.
     pub fn new(high: bool, slack: f64) -> Levels {
-        let test = Test::bool(high);
-        Levels { test, slack, open: Some((Seen::NOTHING, Truth::Unknown)), clean: true }
+        let test = ValueTest::bool(high);
+        Levels { test, slack, open: Some((TimedValue::NOTHING, Truth::Unknown)), clean: true }
     }
 
     /// The pulse that ends with this event.
     #[inline]
-    pub fn see(&mut self, seen: &Seen) -> Option<Pulse> {
+    pub fn see(&mut self, seen: &TimedValue) -> Option<Pulse> {
         let class = self.test.holds(seen.value, self.slack);
         let Some((start, open)) = self.open else {
             self.open = (class != Truth::False).then_some((*seen, class));
@@ -44,7 +44,7 @@ impl Levels {
             (Truth::Unknown, _) => {
                 // There can be any pulse in an unknown stretch, and one that is there behind it can have begun
                 // anywhere in it.
-                let begun = Seen { a: start.a, since: start.since, ..*seen };
+                let begun = TimedValue { a: start.a, since: start.since, ..*seen };
                 self.clean = class == Truth::False;
                 self.open = (class == Truth::True).then_some((begun, Truth::True));
                 Some(Pulse { start: begun, end: (start.a, seen.b), certain: false })
@@ -59,7 +59,7 @@ impl Levels {
         Some(match class {
             Truth::True => Pulse { start, end: (end.max(start.a), i64::MAX), certain: self.clean },
             _ => {
-                let start = Seen { b: i64::MAX, place: LAST, ..start };
+                let start = TimedValue { b: i64::MAX, place: LAST, ..start };
                 Pulse { start, end: (start.a, i64::MAX), certain: false }
             }
         })

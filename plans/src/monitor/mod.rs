@@ -1,7 +1,7 @@
 //! Monitors: what follows the signals of one claim through the trace, and what they are made of.
 //!
 //! A [`Monitor`] is fed with the events of its signals, each with the interval in which it happened, and comes to a
-//! [`Finding`]: can the claim hold in some placement of the events, and can it break? [`Scene`] gives it the signals and
+//! [`Finding`]: can the claim hold in some placement of the events, and can it break? [`CaseTimeline`] gives it the signals and
 //! instants that it starts from. The modules are the ways of looking that several verbs share: edges, pulses, segments of
 //! values, values at instants, counts.
 //!
@@ -9,37 +9,37 @@
 
 mod anchors;
 pub mod count;
-pub mod course;
 pub mod cycles;
 pub mod edges;
 pub mod extremes;
 mod finding;
 pub mod gaps;
 mod hull;
+mod instants;
 pub mod jitter;
 pub mod levels;
-mod point;
 pub mod pulses;
 pub mod reading;
-mod scene;
 pub mod segments;
 pub mod shape;
+pub mod shape_follower;
 pub mod speed;
-mod test;
+mod timeline;
 pub mod track;
+mod value_test;
 
 pub(crate) use anchors::Anchors;
 pub use finding::Finding;
 pub(crate) use finding::clipped;
-pub use point::{Point, Seen, Window};
-pub(crate) use scene::lag;
-pub use scene::{NotJudged, Scene, Wiring, blind};
-pub use test::{Number, Test, Truth, slack};
+pub use instants::{TimedValue, UncertainInstant, UncertainWindow};
+pub(crate) use timeline::lag;
+pub use timeline::{CaseTimeline, NotJudged, TraceSignals, blind};
+pub use value_test::{Number, Truth, ValueTest, slack};
 
 /// Follows the signals of one claim and comes to a finding.
 pub trait Monitor {
     /// The next event of the signal at place `slot` of [`crate::expect::Claim::signals`].
-    fn feed(&mut self, slot: usize, seen: &Seen);
+    fn feed(&mut self, slot: usize, seen: &TimedValue);
 
     /// Whether the claim is lost whatever comes, when every event before `now` (nanoseconds) is known.
     /// A claim that cannot tell before the end says no.

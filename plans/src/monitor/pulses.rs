@@ -4,13 +4,13 @@
 //! are judged together exactly (each must leave room for the next); those at an uncertain end of the window
 //! are taken one by one, which can only make a verdict inconclusive, never wrong.
 
-use super::{Seen, Window};
+use super::{TimedValue, UncertainWindow};
 
 /// A stretch at the wanted level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pulse {
     /// Its beginning.
-    pub start: Seen,
+    pub start: TimedValue,
     /// Earliest and latest end, nanoseconds.
     pub end: (i64, i64),
     /// `false` if it borders on a stretch of which nothing is known, or is one.
@@ -36,7 +36,7 @@ pub struct Spread {
     /// Least and greatest width or distance of all placements, nanoseconds.
     pub extent: Option<(i64, i64)>,
     /// The one farthest outside the limits, or nearest to them.
-    pub deciding: Option<Deciding>,
+    pub deciding: Option<DecidingFigure>,
     /// How many are in the window in every placement.
     pub count: u64,
     /// One may be hidden where nothing is known.
@@ -45,9 +45,9 @@ pub struct Spread {
 
 /// A width or distance that decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deciding {
+pub struct DecidingFigure {
     /// The event at its end of interest: the beginning of the pulse, the later edge.
-    pub seen: Seen,
+    pub seen: TimedValue,
     /// Least and greatest value, nanoseconds.
     pub extent: (i64, i64),
     /// Distance to the nearest limit in the worst placement, nanoseconds; negative outside.
@@ -55,11 +55,11 @@ pub struct Deciding {
 }
 
 impl Spread {
-    fn note(&mut self, seen: &Seen, extent: (i64, i64), limits: (i64, i64)) {
+    fn note(&mut self, seen: &TimedValue, extent: (i64, i64), limits: (i64, i64)) {
         self.extent = Some(self.extent.map_or(extent, |old| (old.0.min(extent.0), old.1.max(extent.1))));
         let margin = extent.0.saturating_sub(limits.0).min(limits.1.saturating_sub(extent.1));
         if self.deciding.is_none_or(|old| margin < old.margin) {
-            self.deciding = Some(Deciding { seen: *seen, extent, margin });
+            self.deciding = Some(DecidingFigure { seen: *seen, extent, margin });
         }
     }
 }
@@ -75,7 +75,7 @@ fn held(extent: (i64, i64), limits: (i64, i64)) -> (bool, bool) {
 /// The first pulse that begins in the window.
 #[derive(Clone, Debug)]
 pub struct FirstPulse {
-    window: Window,
+    window: UncertainWindow,
     limits: (i64, i64),
     /// The earliest placement of the window's beginning with all certain pulses so far begun before it.
     left: i64,
@@ -85,7 +85,7 @@ pub struct FirstPulse {
 
 impl FirstPulse {
     /// A pulse is wanted with a width within `limits`, both included.
-    pub fn new(window: Window, limits: (i64, i64)) -> Self {
+    pub fn new(window: UncertainWindow, limits: (i64, i64)) -> Self {
         FirstPulse { window, limits, left: i64::MIN, spread: Spread::default(), done: false }
     }
 
@@ -132,8 +132,8 @@ impl FirstPulse {
 /// A chain of figures that all must be within the limits: the widths of all pulses that begin in the window,
 /// or the distances of successive edges in it.
 #[derive(Clone, Debug)]
-pub struct Chain {
-    window: Window,
+pub struct FigureChain {
+    window: UncertainWindow,
     limits: (i64, i64),
     spread: Spread,
     /// The chain so far can be placed within the limits.
@@ -141,14 +141,14 @@ pub struct Chain {
     /// Placements of the last event of the chain that leave all before it within the limits.
     last: Option<(i64, i64)>,
     /// The last edge, for distances.
-    edge: Option<Seen>,
+    edge: Option<TimedValue>,
     possible: bool,
 }
 
-impl Chain {
+impl FigureChain {
     /// Nothing in it yet.
-    pub fn new(window: Window, limits: (i64, i64)) -> Self {
-        Chain {
+    pub fn new(window: UncertainWindow, limits: (i64, i64)) -> Self {
+        FigureChain {
             window,
             limits,
             spread: Spread::default(),
@@ -192,7 +192,7 @@ impl Chain {
     }
 
     /// The next edge.
-    pub fn edge(&mut self, seen: &Seen) {
+    pub fn edge(&mut self, seen: &TimedValue) {
         if !self.window.can_hold(seen) {
             return;
         }
@@ -220,7 +220,7 @@ impl Chain {
     }
 
     /// A stretch of which nothing is known, which may hold anything.
-    pub fn unknown(&mut self, seen: &Seen) {
+    pub fn unknown(&mut self, seen: &TimedValue) {
         if self.window.can_hold(seen) {
             self.spread.doubtful = true;
             self.spread.can_break = true;

@@ -2,7 +2,7 @@
 
 use signal::Value;
 
-use super::{Point, Seen};
+use super::{TimedValue, UncertainInstant};
 
 /// Most values that are kept; a signal that changes more often around an uncertain instant is not known.
 const MOST: usize = 64;
@@ -11,7 +11,7 @@ const MOST: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// The change that gave it.
-    pub seen: Seen,
+    pub seen: TimedValue,
     /// The placements of the instant that have it, both included, nanoseconds.
     pub low: i64,
     /// See `low`.
@@ -20,29 +20,29 @@ pub struct Candidate {
 
 /// Reads a signal at one instant.
 #[derive(Clone, Debug)]
-pub struct Reader {
-    point: Point,
-    last: Option<Seen>,
+pub struct ValueReader {
+    point: UncertainInstant,
+    last: Option<TimedValue>,
     found: Vec<Candidate>,
     overflow: bool,
 }
 
-impl Reader {
+impl ValueReader {
     /// Nothing is known of the signal before its first event.
-    pub fn new(point: Point) -> Self {
-        Reader { point: point.for_reading(), last: None, found: Vec::new(), overflow: false }
+    pub fn new(point: UncertainInstant) -> Self {
+        ValueReader { point: point.for_reading(), last: None, found: Vec::new(), overflow: false }
     }
 
     /// The next event.
     #[inline]
-    pub fn see(&mut self, seen: &Seen) {
+    pub fn see(&mut self, seen: &TimedValue) {
         self.until(seen.after(&self.point));
         self.last = Some(*seen);
     }
 
     /// The last value holds for instants up to `right`.
     fn until(&mut self, right: i64) {
-        let seen = self.last.unwrap_or(Seen::NOTHING);
+        let seen = self.last.unwrap_or(TimedValue::NOTHING);
         let low = self.point.a.max(self.last.map_or(i64::MIN, |last| last.before(&self.point)));
         let high = self.point.b.min(right);
         if low > high {
@@ -64,7 +64,7 @@ impl Reader {
     pub fn finish(mut self) -> Vec<Candidate> {
         self.until(i64::MAX);
         if self.overflow {
-            let seen = Seen { value: Value::Unknown, ..self.found[0].seen };
+            let seen = TimedValue { value: Value::Unknown, ..self.found[0].seen };
             self.found.push(Candidate { seen, low: self.point.a, high: self.point.b });
         }
         self.found

@@ -7,7 +7,7 @@
 
 use signal::{Cause, Value};
 
-use super::{Seen, Truth, Window};
+use super::{TimedValue, Truth, UncertainWindow};
 
 /// The segment that speaks most clearly against the claim.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,10 +39,10 @@ pub enum Weight {
 
 /// The judgement on one window.
 #[derive(Clone, Debug)]
-pub struct Segments {
-    window: Window,
+pub struct SegmentJudgement {
+    window: UncertainWindow,
     class: Truth,
-    since: Seen,
+    since: TimedValue,
     /// When the first value of the segment gave way to another one of it.
     second: Option<(i64, i64)>,
     /// The earliest end of the last forbidden segment.
@@ -54,13 +54,13 @@ pub struct Segments {
     distance: Option<i64>,
 }
 
-impl Segments {
+impl SegmentJudgement {
     /// Nothing is known yet: the signal's value is unknown until its first event.
-    pub fn new(window: Window) -> Self {
-        Segments {
+    pub fn new(window: UncertainWindow) -> Self {
+        SegmentJudgement {
             window,
             class: Truth::Unknown,
-            since: Seen::NOTHING,
+            since: TimedValue::NOTHING,
             second: None,
             free_from: i64::MIN,
             can_hold: false,
@@ -72,7 +72,7 @@ impl Segments {
 
     /// The next event, and whether its value is allowed.
     #[inline]
-    pub fn change(&mut self, class: Truth, seen: &Seen) {
+    pub fn change(&mut self, class: Truth, seen: &TimedValue) {
         if class == self.class {
             if class == Truth::False && self.second.is_none() && seen.value != self.since.value {
                 self.second = Some((seen.a, seen.b));
@@ -89,15 +89,15 @@ impl Segments {
     }
 
     /// A forbidden or unknown segment with ends that hang on different signals, in the order of beginnings.
-    pub fn segment(&mut self, class: Truth, start: &Seen, end: (i64, i64)) {
+    pub fn segment(&mut self, class: Truth, start: &TimedValue, end: (i64, i64)) {
         self.change(class, start);
-        let over = Seen { a: end.0, b: end.1, value: Value::Unknown, cause: Cause::Unknown, ..*start };
+        let over = TimedValue { a: end.0, b: end.1, value: Value::Unknown, cause: Cause::Unknown, ..*start };
         self.change(Truth::True, &over);
     }
 
     /// A forbidden or unknown stretch that stands for itself: stretches may come in any order and overlap.
     /// It decides only where it meets the window in every placement.
-    pub fn stray(&mut self, class: Truth, start: &Seen, end: (i64, i64)) {
+    pub fn stray(&mut self, class: Truth, start: &TimedValue, end: (i64, i64)) {
         if !self.window.can_meet(start.a, end.1) {
             return;
         }
@@ -158,12 +158,12 @@ impl Segments {
     }
 
     /// The judgement when nothing comes any more.
-    pub fn finish(&mut self) -> Kept {
+    pub fn finish(&mut self) -> SegmentResult {
         self.close((i64::MAX, i64::MAX));
         if self.class != Truth::False {
             self.can_hold |= self.window.fits(self.free_from, i64::MAX);
         }
-        Kept {
+        SegmentResult {
             can_hold: self.can_hold && !self.doomed,
             can_break: self.worst.is_some(),
             worst: self.worst,
@@ -172,14 +172,14 @@ impl Segments {
     }
 
     /// The window.
-    pub fn window(&self) -> &Window {
+    pub fn window(&self) -> &UncertainWindow {
         &self.window
     }
 }
 
 /// Whether a signal kept out of its forbidden values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kept {
+pub struct SegmentResult {
     /// Some placement keeps it out.
     pub can_hold: bool,
     /// Some placement has it inside.

@@ -5,7 +5,7 @@ const FAR: f64 = 4_503_599_627_370_496.0;
 
 /// A straight piece: from an instant and frequency to another. Instants are nanoseconds behind the shape's beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub struct ShapePiece {
     /// When it begins.
     pub from: f64,
     /// When it ends, later than it begins.
@@ -16,7 +16,7 @@ pub struct Piece {
     pub last: f64,
 }
 
-impl Piece {
+impl ShapePiece {
     fn at(&self, t: f64) -> f64 {
         self.first + (self.last - self.first) * ((t - self.from) / (self.until - self.from))
     }
@@ -24,26 +24,26 @@ impl Piece {
 
 /// A frequency over time. It is 0 before its beginning, and behind its last piece it stays.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shape {
-    pieces: Vec<Piece>,
+pub struct FrequencyShape {
+    pieces: Vec<ShapePiece>,
 }
 
-impl Shape {
+impl FrequencyShape {
     /// Adds a piece of this length behind the others; one without length is a jump.
     pub fn go(&mut self, length: f64, first: f64, last: f64) {
         let from = self.pieces.last().map_or(0.0, |piece| piece.until);
         if self.pieces.is_empty() {
-            self.pieces.push(Piece { from: -FAR, until: 0.0, first: 0.0, last: 0.0 });
+            self.pieces.push(ShapePiece { from: -FAR, until: 0.0, first: 0.0, last: 0.0 });
         }
         let from = from.max(0.0);
         if length > 0.0 {
-            self.pieces.push(Piece { from, until: from + length, first, last });
+            self.pieces.push(ShapePiece { from, until: from + length, first, last });
         }
     }
 
     /// Closes it: from here on the frequency stays.
     #[must_use]
-    pub fn stay(mut self, frequency: f64) -> Shape {
+    pub fn stay(mut self, frequency: f64) -> FrequencyShape {
         self.go(FAR, frequency, frequency);
         self
     }
@@ -61,42 +61,42 @@ impl Shape {
     /// The band that a pulse train may keep to whose instants are off by up to `reach` nanoseconds: at each instant the
     /// least and the greatest frequency within reach. With a reach below 0, the narrower band that lies within it
     /// however the whole shape is shifted by up to that much.
-    pub fn band(&self, reach: f64) -> Band {
+    pub fn band(&self, reach: f64) -> ShapeBand {
         let low = filtered(&self.pieces, reach.abs(), reach >= 0.0);
         let high = filtered(&self.pieces, reach.abs(), reach < 0.0);
-        Band { low, high }
+        ShapeBand { low, high }
     }
 }
 
 /// The borders of what a pulse train may do.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Band {
-    low: Vec<Piece>,
-    high: Vec<Piece>,
+pub struct ShapeBand {
+    low: Vec<ShapePiece>,
+    high: Vec<ShapePiece>,
 }
 
 /// A border of the band, seen in a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Border {
+pub enum BandBorder {
     /// Pulses that have to come.
     Least,
     /// Pulses that may come.
     Most,
 }
 
-impl Band {
+impl ShapeBand {
     /// Pulses under a border from one instant to another, and how many more or fewer they become with a hertz of
     /// tolerance. Behind the end there are none.
     pub fn pulses(
         &self,
-        border: Border,
+        border: BandBorder,
         backwards: bool,
         tolerance: f64,
         (from, until): (f64, f64),
     ) -> (f64, f64) {
-        let pieces = if (border == Border::Least) == backwards { &self.high } else { &self.low };
+        let pieces = if (border == BandBorder::Least) == backwards { &self.high } else { &self.low };
         let sign = if backwards { -1.0 } else { 1.0 };
-        let shift = if border == Border::Least { -tolerance } else { tolerance };
+        let shift = if border == BandBorder::Least { -tolerance } else { tolerance };
         let (mut pulses, mut slope) = (0.0, 0.0);
         let begin = pieces.partition_point(|piece| piece.until <= from);
         for piece in pieces.iter().skip(begin) {
@@ -127,7 +127,7 @@ fn above(first: f64, last: f64, time: f64) -> (f64, f64) {
 }
 
 /// At each instant the least (or greatest) of the values within `reach` of it.
-fn filtered(pieces: &[Piece], reach: f64, least: bool) -> Vec<Piece> {
+fn filtered(pieces: &[ShapePiece], reach: f64, least: bool) -> Vec<ShapePiece> {
     if reach == 0.0 || pieces.is_empty() {
         return pieces.to_vec();
     }
@@ -138,7 +138,7 @@ fn filtered(pieces: &[Piece], reach: f64, least: bool) -> Vec<Piece> {
     cuts.extend([-FAR, FAR]);
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
-    let mut out: Vec<Piece> = Vec::with_capacity(cuts.len() * 2);
+    let mut out: Vec<ShapePiece> = Vec::with_capacity(cuts.len() * 2);
     for pair in cuts.windows(2) {
         let (from, until) = (pair[0], pair[1]);
         let middle = from.midpoint(until);
@@ -160,7 +160,7 @@ fn filtered(pieces: &[Piece], reach: f64, least: bool) -> Vec<Piece> {
 
 /// The least (or greatest) of three straight lines between two instants, piece by piece.
 fn bent(
-    out: &mut Vec<Piece>,
+    out: &mut Vec<ShapePiece>,
     (from, until): (f64, f64),
     lines: &[(f64, f64); 3],
     pick: impl Fn(f64, f64) -> f64,
@@ -184,7 +184,7 @@ fn bent(
         let instant = |part: f64| from + (until - from) * part;
         let (begin, end) = (instant(pair[0]), instant(pair[1]));
         if begin < end {
-            out.push(Piece { from: begin, until: end, first: value(pair[0]), last: value(pair[1]) });
+            out.push(ShapePiece { from: begin, until: end, first: value(pair[0]), last: value(pair[1]) });
         }
     }
 }

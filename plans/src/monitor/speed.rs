@@ -1,36 +1,36 @@
 //! How fast a number changes over a window: by how much it differs between the two ends, per second.
 
-use super::reading::{Candidate, Reader};
-use super::{Seen, Window};
+use super::reading::{Candidate, ValueReader};
+use super::{TimedValue, UncertainWindow};
 
 /// Least and greatest change per second of all placements, and what it was made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct SpeedResult {
     /// Changes per second.
     pub speed: (f64, f64),
     /// Least and greatest change.
     pub change: (f64, f64),
     /// The last event before the end of the window.
-    pub last: Option<Seen>,
+    pub last: Option<TimedValue>,
 }
 
 /// Follows one signal.
 #[derive(Clone, Debug)]
 pub struct Speed {
-    window: Window,
-    from: Reader,
-    until: Reader,
+    window: UncertainWindow,
+    from: ValueReader,
+    until: ValueReader,
 }
 
 impl Speed {
     /// Over this window.
-    pub fn new(window: Window) -> Speed {
-        Speed { window, from: Reader::new(window.from), until: Reader::new(window.until) }
+    pub fn new(window: UncertainWindow) -> Speed {
+        Speed { window, from: ValueReader::new(window.from), until: ValueReader::new(window.until) }
     }
 
     /// The next event.
     #[inline]
-    pub fn see(&mut self, seen: &Seen) {
+    pub fn see(&mut self, seen: &TimedValue) {
         self.from.see(seen);
         self.until.see(seen);
     }
@@ -40,7 +40,7 @@ impl Speed {
     ///
     /// While a number goes from one value to the next it may be any between the two, and every placement of both ends is
     /// taken with every value of both: the extent may be too wide, never too narrow.
-    pub fn finish(self, slack: f64) -> Option<Found> {
+    pub fn finish(self, slack: f64) -> Option<SpeedResult> {
         let Speed { window, from, until } = self;
         let until = until.finish();
         let last = until.last().map(|candidate| candidate.seen);
@@ -61,7 +61,7 @@ impl Speed {
         // A change down is fastest, and so least, in the shorter time.
         let low = per_second(change.0, if change.0 < 0.0 { short } else { long });
         let high = per_second(change.1, if change.1 < 0.0 { long } else { short });
-        Some(Found { speed: (low, high), change, last })
+        Some(SpeedResult { speed: (low, high), change, last })
     }
 }
 
@@ -84,17 +84,17 @@ mod tests {
     use proptest::prelude::*;
     use signal::{Cause, Event, SignalId, Span, Time, Value, When};
 
-    use crate::monitor::Point;
+    use crate::monitor::UncertainInstant;
 
-    fn event(a: i64, b: i64, value: i64, place: u64) -> Seen {
+    fn event(a: i64, b: i64, value: i64, place: u64) -> TimedValue {
         let at = When::within(Time::from_nanos(a), Time::from_nanos(b));
         let event = Event { signal: SignalId(0), at, value: Value::Int(value), cause: Cause::Board };
-        Seen::of(&event, a, b, place)
+        TimedValue::of(&event, a, b, place)
     }
 
-    fn point(a: i64, b: i64, base: u32) -> Point {
+    fn point(a: i64, b: i64, base: u32) -> UncertainInstant {
         let at = When::within(Time::from_nanos(a), Time::from_nanos(b));
-        Point::new(at, 100, base, Span::from_nanos(1))
+        UncertainInstant::new(at, 100, base, Span::from_nanos(1))
     }
 
     proptest! {
@@ -113,7 +113,7 @@ mod tests {
                 value += by;
                 events.push(event(at, at + wide, value, place));
             }
-            let window = Window::new(point(from.0, from.0 + from.1, 1), point(until.0, until.0 + until.1, 2)).unwrap();
+            let window = UncertainWindow::new(point(from.0, from.0 + from.1, 1), point(until.0, until.0 + until.1, 2)).unwrap();
             let mut speed = Speed::new(window);
             events.iter().for_each(|seen| speed.see(seen));
             let found = speed.finish(0.0).unwrap();

@@ -8,12 +8,12 @@ use std::collections::VecDeque;
 
 use signal::Value;
 
-use super::Seen;
-use super::edges::{Edge, Finder, LAST};
+use super::TimedValue;
+use super::edges::{Edge, EdgeFinder, LAST};
 
 /// How counts are carried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Carried {
+pub enum PulseEncoding {
     /// Each rising edge is one up.
     Pulses,
     /// The second line is TRUE for pulses that count up, or with `inverted` for those that count down.
@@ -33,9 +33,9 @@ pub enum Carried {
 
 /// A change of the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Count {
+pub struct PositionChange {
     /// When.
-    pub seen: Seen,
+    pub seen: TimedValue,
     /// Least and greatest number by which it counts up.
     pub up: (u64, u64),
     /// The same downwards.
@@ -46,11 +46,11 @@ pub struct Count {
 
 /// What comes next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
+pub enum TrackStep {
     /// A count.
-    Count(Count),
+    Count(PositionChange),
     /// A stretch of which nothing is known ends here.
-    Unknown(Seen),
+    Unknown(TimedValue),
 }
 
 /// Most events of one line that wait for those of the other. Beyond it their order counts as unknown.
@@ -58,17 +58,17 @@ const WAITING: usize = 256;
 
 /// Follows the lines.
 #[derive(Clone, Debug)]
-pub struct Track {
-    carried: Carried,
-    lines: [Line; 2],
+pub struct PositionTrack {
+    carried: PulseEncoding,
+    lines: [TrackLine; 2],
 }
 
 #[derive(Clone, Debug)]
-struct Line {
-    finder: Finder,
+struct TrackLine {
+    finder: EdgeFinder,
     /// How far behind the newest event of the trace one of this line can begin, nanoseconds.
     lag: i64,
-    waiting: VecDeque<Seen>,
+    waiting: VecDeque<TimedValue>,
     /// No later event of the line begins before this.
     reached: i64,
     /// The latest end and the greatest place of those that were taken.
@@ -76,11 +76,11 @@ struct Line {
     level: Option<bool>,
 }
 
-impl Track {
+impl PositionTrack {
     /// Nothing seen yet. Each line has its slack and its lag; the second one may be left out where one is enough.
-    pub fn new(carried: Carried, first: (f64, i64), second: Option<(f64, i64)>) -> Track {
-        let line = |(slack, lag): (f64, i64), edge| Line {
-            finder: Finder::new(edge, slack),
+    pub fn new(carried: PulseEncoding, first: (f64, i64), second: Option<(f64, i64)>) -> PositionTrack {
+        let line = |(slack, lag): (f64, i64), edge| TrackLine {
+            finder: EdgeFinder::new(edge, slack),
             lag,
             waiting: VecDeque::with_capacity(WAITING + 1),
             reached: if second.is_some() { i64::MIN } else { i64::MAX },
@@ -88,21 +88,23 @@ impl Track {
             level: None,
         };
         let edges = match carried {
-            Carried::Pulses | Carried::Backwards => [Edge::Rises, Edge::Rises],
-            Carried::Direction { .. } => [Edge::Rises, Edge::Changes],
-            Carried::Quadrature | Carried::Number | Carried::Read => [Edge::Changes, Edge::Changes],
+            PulseEncoding::Pulses | PulseEncoding::Backwards => [Edge::Rises, Edge::Rises],
+            PulseEncoding::Direction { .. } => [Edge::Rises, Edge::Changes],
+            PulseEncoding::Quadrature | PulseEncoding::Number | PulseEncoding::Read => {
+                [Edge::Changes, Edge::Changes]
+            }
         };
         let [one, other] = edges;
-        Track { carried, lines: [line(first, one), line(second.unwrap_or((0.0, 0)), other)] }
+        PositionTrack { carried, lines: [line(first, one), line(second.unwrap_or((0.0, 0)), other)] }
     }
 
     /// The next event of a line.
     #[inline]
-    pub fn see(&mut self, slot: usize, seen: &Seen, mut out: impl FnMut(Step)) {
+    pub fn see(&mut self, slot: usize, seen: &TimedValue, mut out: impl FnMut(TrackStep)) {
         match self.carried {
-            Carried::Pulses | Carried::Number => return self.take(0, seen, false, &mut out),
-            Carried::Read => return self.take(0, &Seen { a: seen.b, ..*seen }, false, &mut out),
-            Carried::Direction { .. } | Carried::Backwards | Carried::Quadrature => {}
+            PulseEncoding::Pulses | PulseEncoding::Number => return self.take(0, seen, false, &mut out),
+            PulseEncoding::Read => return self.take(0, &TimedValue { a: seen.b, ..*seen }, false, &mut out),
+            PulseEncoding::Direction { .. } | PulseEncoding::Backwards | PulseEncoding::Quadrature => {}
         }
         for line in &mut self.lines {
             line.reached = line.reached.max(seen.a.saturating_sub(line.lag));
@@ -114,17 +116,17 @@ impl Track {
     }
 
     /// Nothing comes any more.
-    pub fn finish(&mut self, mut out: impl FnMut(Step)) {
+    pub fn finish(&mut self, mut out: impl FnMut(TrackStep)) {
         self.advance(true, &mut out);
         for line in &self.lines {
             // A line without events at all says nothing: the case has none, and somebody else tells that.
             if let Some(rest) = line.finder.rest().filter(|_| line.taken.is_some()) {
-                out(Step::Unknown(Seen { place: LAST, ..rest.seen }));
+                out(TrackStep::Unknown(TimedValue { place: LAST, ..rest.seen }));
             }
         }
     }
 
-    fn advance(&mut self, over: bool, out: &mut impl FnMut(Step)) {
+    fn advance(&mut self, over: bool, out: &mut impl FnMut(TrackStep)) {
         loop {
             let fronts = [0, 1].map(|slot| self.lines[slot].waiting.front().copied());
             let slot = match fronts {
@@ -139,7 +141,8 @@ impl Track {
             if !over && !settled && !full {
                 return;
             }
-            let apart = |b: i64, place: u64, next: &Seen| b < next.a || b == next.a && place < next.place;
+            let apart =
+                |b: i64, place: u64, next: &TimedValue| b < next.a || b == next.a && place < next.place;
             let before = self.lines[1 - slot].taken.is_none_or(|(b, place)| apart(b, place, &seen));
             let behind = other.is_none_or(|other| apart(seen.b, seen.place, &other));
             self.lines[slot].waiting.pop_front();
@@ -148,7 +151,7 @@ impl Track {
     }
 
     /// Takes an event in its turn. `blurred`: it may come before or behind one of the other line.
-    fn take(&mut self, slot: usize, seen: &Seen, blurred: bool, out: &mut impl FnMut(Step)) {
+    fn take(&mut self, slot: usize, seen: &TimedValue, blurred: bool, out: &mut impl FnMut(TrackStep)) {
         let line = &mut self.lines[slot];
         let taken = line.taken.unwrap_or((i64::MIN, 0));
         line.taken = Some((taken.0.max(seen.b), taken.1.max(seen.place)));
@@ -161,8 +164,8 @@ impl Track {
         let Some(found) = found else { return };
         if !found.certain {
             // Of a line of direction the level counts, whatever it was before.
-            if !(matches!(self.carried, Carried::Direction { .. }) && slot == 1) {
-                out(Step::Unknown(found.seen));
+            if !(matches!(self.carried, PulseEncoding::Direction { .. }) && slot == 1) {
+                out(TrackStep::Unknown(found.seen));
             }
             return;
         }
@@ -171,29 +174,29 @@ impl Track {
         const DOWN: ((u64, u64), (u64, u64)) = ((0, 0), (1, 1));
         let way = |up: bool| if up { UP } else { DOWN };
         let (up, down) = match (self.carried, slot) {
-            (Carried::Direction { .. }, 1) => return,
-            (Carried::Pulses, _) | (Carried::Backwards, 0) => UP,
-            (Carried::Backwards, _) => DOWN,
-            (Carried::Direction { inverted }, _) => match self.lines[1].level {
+            (PulseEncoding::Direction { .. }, 1) => return,
+            (PulseEncoding::Pulses, _) | (PulseEncoding::Backwards, 0) => UP,
+            (PulseEncoding::Backwards, _) => DOWN,
+            (PulseEncoding::Direction { inverted }, _) => match self.lines[1].level {
                 Some(level) if !blurred => way(level != inverted),
                 _ => BOTH,
             },
-            (Carried::Quadrature, _) => match (self.lines[0].level, self.lines[1].level) {
+            (PulseEncoding::Quadrature, _) => match (self.lines[0].level, self.lines[1].level) {
                 // Behind an edge of A going first the levels differ, behind one of B they are alike.
                 (Some(a), Some(b)) if !blurred => way((a != b) == (slot == 0)),
                 _ => BOTH,
             },
-            (Carried::Number | Carried::Read, _) => {
+            (PulseEncoding::Number | PulseEncoding::Read, _) => {
                 match (old.and_then(Value::as_int), seen.value.as_int()) {
                     (Some(old), Some(new)) => {
                         let by = |by: i128| u64::try_from(by).unwrap_or(0);
                         let (up, down) = (by(new - old), by(old - new));
                         ((up, up), (down, down))
                     }
-                    _ => return out(Step::Unknown(*seen)),
+                    _ => return out(TrackStep::Unknown(*seen)),
                 }
             }
         };
-        out(Step::Count(Count { seen: *seen, up, down, blurred }));
+        out(TrackStep::Count(PositionChange { seen: *seen, up, down, blurred }));
     }
 }

@@ -6,28 +6,33 @@ use std::sync::Arc;
 use document::{Entry, Fields, Findings, Node, Table};
 use signal::Span;
 
-use super::envelope::{self, Form};
-use super::expand::{self, Placed};
+use super::envelope::{self, EntryForm};
+use super::expand::{self, PlacedEntry};
 use super::keys::{EXPECT_KEYS, PLAN_KEYS};
 use super::names::CaseNames;
-use super::read::Document;
+use super::read::PlanDocument;
 use super::settings::SETTINGS_KEYS;
 use super::step::{StepReader, step_names};
 use super::variants::{Variant, show};
 use super::{Case, Refusal, Settings, check, facts, global_checks, refusal, settings, times};
 use crate::codes;
-use crate::expect::{self, Context, Expectation, Place};
-use crate::lang::{Anchor, Bindings, Names, substitute};
+use crate::expect::{self, Expectation, FilePlace, ReadContext};
+use crate::lang::{Anchor, Bindings, PlanNames, substitute};
 use crate::measure::{self, Measurement};
 use crate::signals;
-use crate::signals::frames::{self, Frames};
+use crate::signals::frames::{self, PlanFrames};
 use crate::steps::ProgramRef;
 
-const EXPECTATION: Form =
-    Form { what: "expectation", list: "expect", own: EXPECT_KEYS, code: codes::EXPECT_VERB, alone: None };
+const EXPECTATION: EntryForm = EntryForm {
+    what: "expectation",
+    list: "expect",
+    own: EXPECT_KEYS,
+    code: codes::EXPECT_VERB,
+    alone: None,
+};
 
 /// The case of this number, with `seed` for what it leaves to chance. `None` after it reported what is wrong.
-pub(super) fn case(document: &Document, number: u64, seed: u64, out: &mut Findings) -> Option<Case> {
+pub(super) fn case(document: &PlanDocument, number: u64, seed: u64, out: &mut Findings) -> Option<Case> {
     let variant = document.variants.get(number)?;
     let Ok(refusal) = refusal::read(document, &variant, out) else { return None };
     match refusal {
@@ -41,7 +46,7 @@ pub(super) fn case(document: &Document, number: u64, seed: u64, out: &mut Findin
 }
 
 /// A case whose plan cannot be read, as it is expected of it.
-fn unreadable(document: &Document, variant: &Variant<'_>, mut refusal: Refusal, found: Findings) -> Case {
+fn unreadable(document: &PlanDocument, variant: &Variant<'_>, mut refusal: Refusal, found: Findings) -> Case {
     refusal.found = found.into_vec();
     let bindings = variant.bindings();
     // What is wrong is found already.
@@ -76,7 +81,7 @@ fn unreadable(document: &Document, variant: &Variant<'_>, mut refusal: Refusal, 
 }
 
 /// The plan's own keys with the case's values put in.
-fn head(document: &Document, bindings: &Bindings<'_>, out: &mut Findings) -> Table {
+fn head(document: &PlanDocument, bindings: &Bindings<'_>, out: &mut Findings) -> Table {
     let mut head = Table::default();
     for entry in &document.head.entries {
         let node = substitute(&entry.node, bindings, out).into_owned();
@@ -87,7 +92,7 @@ fn head(document: &Document, bindings: &Bindings<'_>, out: &mut Findings) -> Tab
 
 /// The case as it would run, or be refused by what only its bench knows.
 fn whole(
-    document: &Document,
+    document: &PlanDocument,
     number: u64,
     seed: u64,
     refusal: Option<Refusal>,
@@ -114,7 +119,7 @@ fn whole(
         .map_or_else(Vec::new, |table| signals::read(table, out));
 
     let mut bound = bound;
-    let frames = fields.get("frames").and_then(Node::as_table).map_or_else(Frames::default, |table| {
+    let frames = fields.get("frames").and_then(Node::as_table).map_or_else(PlanFrames::default, |table| {
         let taken = |name: &str| bound.iter().any(|binding| binding.name == name);
         frames::read(table, &document.text.databases, &taken, out)
     });
@@ -142,7 +147,7 @@ fn whole(
         Some(node) => scope.anchor(node, out).map(|anchor| (anchor, node)),
         None => None,
     };
-    let settled = if out.errors() > before { None } else { times::settle(&mut steps, &written, ends, out) };
+    let settled = if out.errors() > before { None } else { times::resolve(&mut steps, &written, ends, out) };
 
     let expectations = expectations(document, &lists.expect, &scope, out);
     let measurements = measurements(document, &lists.measure, &scope, out);
@@ -179,7 +184,7 @@ fn whole(
         document.text.joined.is_first(binding.span.start) || spoken_of.contains(&binding.name)
     });
     all.extend(scope.used.into_inner().list);
-    let parts = check::Parts {
+    let parts = check::CheckedParts {
         steps: &steps,
         ends: &settled.ends,
         ends_given: fields.has("ends"),
@@ -243,18 +248,18 @@ fn claims_or_refusal(refused: &Entry, refusal: Option<&Refusal>, claims: usize, 
 }
 
 /// Ids of steps that this row does not have.
-fn elsewhere(document: &Document, row: Option<&str>) -> Vec<String> {
+fn elsewhere(document: &PlanDocument, row: Option<&str>) -> Vec<String> {
     let others = document.steps.iter().filter(|step| !step.is_in(row));
     others.filter_map(|step| Some(step.node.as_table()?.get("id")?.as_text()?.to_owned())).collect()
 }
 
 /// The plan's path with what makes this case of it.
-fn name(document: &Document, variant: &Variant<'_>) -> String {
+fn name(document: &PlanDocument, variant: &Variant<'_>) -> String {
     format!("{}{}{}", document.name, variant.suffix(), phase_suffix(variant, document))
 }
 
 /// `[train.phase=3/16]` for each step that the case moves.
-fn phase_suffix(variant: &Variant<'_>, document: &Document) -> String {
+fn phase_suffix(variant: &Variant<'_>, document: &PlanDocument) -> String {
     let mut suffix = String::new();
     for (step, position, count) in &variant.phases {
         let id =
@@ -265,13 +270,13 @@ fn phase_suffix(variant: &Variant<'_>, document: &Document) -> String {
 }
 
 fn expectations(
-    document: &Document,
-    here: &[Placed<'_>],
+    document: &PlanDocument,
+    here: &[PlacedEntry<'_>],
     scope: &CaseNames<'_>,
     out: &mut Findings,
 ) -> Vec<Expectation> {
     let mut list = Vec::new();
-    for Placed { node, call, .. } in here {
+    for PlacedEntry { node, call, .. } in here {
         scope.enter(call, out);
         if let Some(mut read) = expectation(node, &EXPECTATION, scope, out) {
             if !call.path.is_empty() && !read.name.is_empty() {
@@ -287,8 +292,8 @@ fn expectations(
 /// One entry of a list of claims, without its place. Reports what is wrong with it.
 pub(super) fn expectation(
     node: &Node,
-    form: &Form,
-    names: &dyn Names,
+    form: &EntryForm,
+    names: &dyn PlanNames,
     out: &mut Findings,
 ) -> Option<Expectation> {
     let verbs: Vec<&'static str> = expect::VERBS.iter().map(|verb| verb.name).collect();
@@ -308,7 +313,7 @@ pub(super) fn expectation(
     if out.errors() > before {
         return None;
     }
-    let mut context = Context { out, names, place: entry.node.span.clone() };
+    let mut context = ReadContext { out, names, place: entry.node.span.clone() };
     let claim = (verb.read)(&claim_fields, &mut context)?;
     let name = fields.text("name").unwrap_or_default().to_owned();
     Some(Expectation { name, verb: verb.name, claim, place: None })
@@ -318,23 +323,23 @@ fn key_names(keys: &[document::KeySpec]) -> String {
     keys.iter().map(|key| key.name).collect::<Vec<_>>().join(", ")
 }
 
-pub(super) fn place(document: &Document, node: &Node) -> Place {
+pub(super) fn place(document: &PlanDocument, node: &Node) -> FilePlace {
     if document.text.joined.is_first(node.span.start) {
         let line = document.line(node.span.start);
-        return Place { file: document.file_name.clone(), span: node.span.clone(), line };
+        return FilePlace { file: document.file_name.clone(), span: node.span.clone(), line };
     }
     let (file, span) = document.text.joined.span(&node.span);
-    Place { file: Arc::from(file.name.as_str()), span, line: document.line(node.span.start) }
+    FilePlace { file: Arc::from(file.name.as_str()), span, line: document.line(node.span.start) }
 }
 
 fn measurements(
-    document: &Document,
-    here: &[Placed<'_>],
+    document: &PlanDocument,
+    here: &[PlacedEntry<'_>],
     scope: &CaseNames<'_>,
     out: &mut Findings,
 ) -> Vec<Measurement> {
     let mut list = Vec::new();
-    for Placed { node, call, .. } in here {
+    for PlacedEntry { node, call, .. } in here {
         scope.enter(call, out);
         let Some(table) = node.as_table() else { continue };
         let mut table = table.clone();
@@ -345,7 +350,7 @@ fn measurements(
         if out.errors() > before {
             continue;
         }
-        let mut context = Context { out, names: scope, place: node.span.clone() };
+        let mut context = ReadContext { out, names: scope, place: node.span.clone() };
         if let Some(mut measurement) = measure::read(&fields, &mut context) {
             if !call.path.is_empty() {
                 measurement.name = format!("{}: {}", call.path, measurement.name);

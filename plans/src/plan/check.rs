@@ -8,18 +8,18 @@ use document::Findings;
 use signal::{Kind, SignalInfo, Span, Value};
 
 use super::times::part;
-use super::{Settings, Step, StepTime};
+use super::{PlanStep, Settings, StepTime};
 use crate::codes;
-use crate::expect::{Demand, Expectation, condition::Condition};
-use crate::lang::{Anchor, Base, Literal};
+use crate::expect::{ClaimDemand, Expectation, condition::ValueCondition};
+use crate::lang::{Anchor, AnchorBase, Literal};
 use crate::measure::Measurement;
 use crate::monitor::Truth;
-use crate::signals::{SignalBinding, Source, TaskFigure};
+use crate::signals::{SignalBinding, SignalSource, TaskFigure};
 use crate::steps::Stimulus;
 
 /// The parts of a case that are held against each other.
-pub(super) struct Parts<'a> {
-    pub(super) steps: &'a [Step],
+pub(super) struct CheckedParts<'a> {
+    pub(super) steps: &'a [PlanStep],
     pub(super) ends: &'a Anchor,
     /// Whether the plan says where the case ends.
     pub(super) ends_given: bool,
@@ -31,21 +31,21 @@ pub(super) struct Parts<'a> {
 
 /// A place in time: what it hangs on that is not known before the case runs, and the distance from it.
 #[derive(Clone, Debug, PartialEq)]
-struct Place<'a> {
+struct CheckedTime<'a> {
     /// The id of an awaited step; `None`: `start`.
     root: Option<&'a str>,
     nanos: i128,
 }
 
-impl Place<'_> {
+impl CheckedTime<'_> {
     /// How long after `other`, where both hang on the same.
-    fn behind(&self, other: &Place<'_>) -> Option<i128> {
+    fn behind(&self, other: &CheckedTime<'_>) -> Option<i128> {
         (self.root == other.root).then(|| self.nanos - other.nanos)
     }
 }
 
 /// Looks at a case whose parts were found right.
-pub(super) fn case(parts: &Parts<'_>, out: &mut Findings) {
+pub(super) fn case(parts: &CheckedParts<'_>, out: &mut Findings) {
     let end = parts.place(parts.ends);
     for expectation in parts.expectations {
         let Some(place) = &expectation.place else { continue };
@@ -90,26 +90,28 @@ const SYSTEM_WATCHDOG: Span = Span::from_secs(3);
 /// What mends a claim that looks too late.
 const LATER: &str = "let the case end later with `ends`, or count from an earlier instant";
 
-impl Parts<'_> {
+impl CheckedParts<'_> {
     /// Where an instant lies, as far as that is known before the case runs.
-    fn place(&self, anchor: &Anchor) -> Option<Place<'_>> {
+    fn place(&self, anchor: &Anchor) -> Option<CheckedTime<'_>> {
         let base = match &anchor.base {
-            Base::Start => Place { root: None, nanos: 0 },
-            Base::End => return self.place(self.ends).map(|end| end.later(anchor.offset)),
+            AnchorBase::Start => CheckedTime { root: None, nanos: 0 },
+            AnchorBase::End => return self.place(self.ends).map(|end| end.later(anchor.offset)),
             base => {
                 let step = self.steps.iter().find(|step| Some(step.id.as_str()) == base.step())?;
                 let begins = match &step.when {
-                    StepTime::When { .. } => Place { root: Some(&step.id), nanos: 0 },
+                    StepTime::When { .. } => CheckedTime { root: Some(&step.id), nanos: 0 },
                     StepTime::At(at) => match &at.base {
-                        Base::Start => Place { root: None, nanos: i128::from(at.offset.as_nanos()) },
-                        Base::Step(root) => {
-                            Place { root: Some(root), nanos: i128::from(at.offset.as_nanos()) }
+                        AnchorBase::Start => {
+                            CheckedTime { root: None, nanos: i128::from(at.offset.as_nanos()) }
+                        }
+                        AnchorBase::Step(root) => {
+                            CheckedTime { root: Some(root), nanos: i128::from(at.offset.as_nanos()) }
                         }
                         _ => return None,
                     },
                 };
                 // Of what comes again, or runs a group, only the beginning is known.
-                let known = matches!(base, Base::Step(_) | Base::Pulse { .. })
+                let known = matches!(base, AnchorBase::Step(_) | AnchorBase::Pulse { .. })
                     || step.repeat.is_none() && !matches!(step.stimulus, Stimulus::Run { .. });
                 begins.later(known.then(|| part(step, base))?)
             }
@@ -118,26 +120,30 @@ impl Parts<'_> {
     }
 
     /// Whether an instant lies behind the end of the case whatever happens.
-    fn is_behind(&self, anchor: &Anchor, end: Option<&Place<'_>>) -> bool {
+    fn is_behind(&self, anchor: &Anchor, end: Option<&CheckedTime<'_>>) -> bool {
         self.place(anchor).zip(end).and_then(|(at, end)| at.behind(end)).is_some_and(|late| late > 0)
     }
 
     /// Why a claim looks where the case is over.
-    fn beyond(&self, demand: &Demand<'_>, end: Option<&Place<'_>>) -> Option<(String, &'static str)> {
+    fn beyond(
+        &self,
+        demand: &ClaimDemand<'_>,
+        end: Option<&CheckedTime<'_>>,
+    ) -> Option<(String, &'static str)> {
         let late = |anchor: &Anchor| self.place(anchor)?.behind(end?);
         let span = |nanos: i128| Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX));
         match demand {
-            Demand::At(anchor) => late(anchor)
+            ClaimDemand::At(anchor) => late(anchor)
                 .filter(|late| *late > 0)
                 .map(|by| (format!("`{anchor}` lies {} after the end of the case", span(by)), LATER)),
-            Demand::Delay { from, limits, .. } => {
+            ClaimDemand::Delay { from, limits, .. } => {
                 let least = late(from)? + i128::from(limits.0.max(0));
                 (least > 0).then(|| {
                     let by = span(least);
                     (format!("the case ends {by} before this can happen: the claim can never be met"), LATER)
                 })
             }
-            Demand::Window { from, until } => {
+            ClaimDemand::Window { from, until } => {
                 if late(from).is_some_and(|late| late >= 0) {
                     return Some((
                         format!("`{from}` is not before the end of the case: nothing is looked at"),
@@ -158,14 +164,14 @@ impl Parts<'_> {
                     (message, "let `until` be later than `from`")
                 })
             }
-            Demand::Value { .. } | Demand::Change(_) => None,
+            ClaimDemand::Value { .. } | ClaimDemand::Change(_) => None,
         }
     }
 
     /// Reports steps that are not done when the case ends.
-    fn cut_off(&self, end: &Place<'_>, out: &mut Findings) {
+    fn cut_off(&self, end: &CheckedTime<'_>, out: &mut Findings) {
         // A fault may well last to the end; what is to come back, or to be emitted whole, is cut off.
-        let whole = |step: &&Step| {
+        let whole = |step: &&PlanStep| {
             matches!(
                 step.stimulus,
                 Stimulus::Pulse { .. }
@@ -176,7 +182,7 @@ impl Parts<'_> {
             )
         };
         for step in self.steps.iter().filter(whole) {
-            let done = Anchor { base: Base::StepDone(step.id.clone()), offset: Span::ZERO };
+            let done = Anchor { base: AnchorBase::StepDone(step.id.clone()), offset: Span::ZERO };
             let late = self.place(&done).and_then(|done| done.behind(end)).unwrap_or(0);
             if late > 0 {
                 let late = Span::from_nanos(i64::try_from(late).unwrap_or(i64::MAX));
@@ -196,14 +202,14 @@ impl Parts<'_> {
         let demands = expectation.claim.demands();
         // Behind that the system watchdog may be it, which nobody switches off.
         let soon = demands.iter().any(|demand| match demand {
-            Demand::Delay { limits, .. } => limits.1 < SYSTEM_WATCHDOG.as_nanos(),
+            ClaimDemand::Delay { limits, .. } => limits.1 < SYSTEM_WATCHDOG.as_nanos(),
             _ => false,
         });
         for demand in demands {
-            let Demand::Value { signal, condition, forbidden: false } = demand else { continue };
+            let ClaimDemand::Value { signal, condition, forbidden: false } = demand else { continue };
             let bound = self.signals.iter().find(|known| known.name == *signal).map(|known| &known.source);
             let task = match bound {
-                Some(Source::Task { task, figure: TaskFigure::Exceptions }) if off(task) => {
+                Some(SignalSource::Task { task, figure: TaskFigure::Exceptions }) if off(task) => {
                     excludes(condition, signal).then_some(task.as_str())
                 }
                 None if soon && signal == "state" && is_halt(condition) => self.stalled(&off),
@@ -229,7 +235,7 @@ impl Parts<'_> {
     }
 }
 
-impl Place<'_> {
+impl CheckedTime<'_> {
     fn later(mut self, by: Span) -> Self {
         self.nanos += i128::from(by.as_nanos());
         self
@@ -237,13 +243,13 @@ impl Place<'_> {
 }
 
 /// Whether the condition wants something else than 0.
-fn excludes(condition: &Condition, name: &str) -> bool {
+fn excludes(condition: &ValueCondition, name: &str) -> bool {
     let info = SignalInfo::exact(name, Kind::Int);
     condition.bind(&info).is_ok_and(|test| test.holds(Value::Int(0), 0.0) == Truth::False)
 }
 
-fn is_halt(condition: &Condition) -> bool {
-    let Condition::OneOf(list) = condition else { return false };
+fn is_halt(condition: &ValueCondition) -> bool {
+    let ValueCondition::OneOf(list) = condition else { return false };
     matches!(list.as_slice(), [Literal::Label(label)] if label.eq_ignore_ascii_case("HALT"))
 }
 

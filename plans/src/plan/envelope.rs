@@ -11,7 +11,7 @@ use crate::steps::CasePart;
 
 /// An entry of one of the plan's lists.
 #[derive(Clone, Debug)]
-pub(super) struct Listed {
+pub(super) struct ListEntry {
     pub(super) node: Node,
     /// The part of the case, for steps.
     pub(super) part: CasePart,
@@ -19,7 +19,7 @@ pub(super) struct Listed {
     rows: Option<BTreeSet<String>>,
 }
 
-impl Listed {
+impl ListEntry {
     /// Whether the case of this row has the entry.
     pub(super) fn is_in(&self, row: Option<&str>) -> bool {
         match (&self.rows, row) {
@@ -32,7 +32,7 @@ impl Listed {
 
 /// The entries of a list of the root; reports what is no table, and rows that do not exist. `rows` leaves the
 /// entries of lists whose own keys do not name it.
-pub(super) fn list(root: &Table, key: &str, rows: &[Row], out: &mut Findings) -> Vec<Listed> {
+pub(super) fn list(root: &Table, key: &str, rows: &[Row], out: &mut Findings) -> Vec<ListEntry> {
     let Some(node) = root.get(key) else { return Vec::new() };
     let Data::Array(entries) = &node.data else {
         let help = format!("write {key} = [ ... ] with one {{ ... }} per line, or [[{key}]]");
@@ -58,7 +58,7 @@ pub(super) fn list(root: &Table, key: &str, rows: &[Row], out: &mut Findings) ->
             "teardown" => CasePart::Teardown,
             _ => CasePart::Main,
         };
-        listed.push(Listed { node: entry.clone(), part, rows: named });
+        listed.push(ListEntry { node: entry.clone(), part, rows: named });
     }
     listed
 }
@@ -104,7 +104,7 @@ pub(super) fn row_names(node: &Node, rows: &BTreeSet<&str>, out: &mut Findings) 
 }
 
 /// What kind of entry is looked at, for messages.
-pub(super) struct Form {
+pub(super) struct EntryForm {
     /// `step`.
     pub(super) what: &'static str,
     /// `steps`.
@@ -121,7 +121,7 @@ pub(super) struct Form {
 /// one and two.
 pub(super) fn verb<'t>(
     node: &'t Node,
-    form: &Form,
+    form: &EntryForm,
     verbs: &[&'static str],
     out: &mut Findings,
 ) -> Option<(Option<&'t Entry>, Table)> {

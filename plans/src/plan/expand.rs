@@ -7,24 +7,24 @@ use std::rc::Rc;
 use document::{Data, Findings, Node, suggest};
 use signal::Span;
 
-use super::envelope::Listed;
+use super::envelope::ListEntry;
 use super::groups::{self, DEEPEST, Group};
 use super::keys::MOST_TIMES;
-use super::read::{Document, MAX_STEPS};
+use super::read::{MAX_STEPS, PlanDocument};
 use crate::codes;
-use crate::lang::{Anchor, Base, Bindings, substitute};
+use crate::lang::{Anchor, AnchorBase, Bindings, substitute};
 use crate::steps::CasePart;
 
 /// A step that runs a group, as what the group brings knows it.
 #[derive(Debug, Default)]
-pub(super) struct Call {
+pub(super) struct GroupCall {
     /// Its id with those of the steps that lead to it; empty for the plan itself.
     pub(super) path: String,
     /// Where it and they stand, the innermost first.
     places: Vec<Range<usize>>,
 }
 
-impl Call {
+impl GroupCall {
     /// Findings are about what this call brings from now on.
     pub(super) fn announce(&self, out: &mut Findings) {
         out.set_context(self.places.iter().map(|place| (place.clone(), String::from("run from here"))));
@@ -38,7 +38,7 @@ impl Call {
 
 /// An entry of one of the case's lists.
 #[derive(Debug)]
-pub(super) struct Placed<'d> {
+pub(super) struct PlacedEntry<'d> {
     /// Place in the plan's own list; `None` for what a group brings.
     pub(super) listed: Option<usize>,
     /// With every reference replaced.
@@ -46,14 +46,14 @@ pub(super) struct Placed<'d> {
     /// The part of the case, for steps.
     pub(super) part: CasePart,
     /// The call that brings it.
-    pub(super) call: Rc<Call>,
+    pub(super) call: Rc<GroupCall>,
     /// For steps, the place of the one that runs their group.
     pub(super) parent: Option<usize>,
     /// One of several calls of one step: its number, and how long after the step it comes.
     pub(super) turn: Option<(u64, Span)>,
 }
 
-impl Placed<'_> {
+impl PlacedEntry<'_> {
     /// The step's id in the case, if it says one.
     pub(super) fn id(&self) -> Option<String> {
         let local = self.node.as_table()?.get("id")?.as_text()?;
@@ -65,27 +65,27 @@ impl Placed<'_> {
 
     /// The instant of one of several calls.
     pub(super) fn instant(&self, local: &str) -> Option<Anchor> {
-        self.turn.map(|(_, offset)| Anchor { base: Base::Step(self.call.id(local)), offset })
+        self.turn.map(|(_, offset)| Anchor { base: AnchorBase::Step(self.call.id(local)), offset })
     }
 }
 
 /// The lists of one case.
 #[derive(Debug, Default)]
 pub(super) struct Lists<'d> {
-    pub(super) steps: Vec<Placed<'d>>,
-    pub(super) expect: Vec<Placed<'d>>,
-    pub(super) measure: Vec<Placed<'d>>,
+    pub(super) steps: Vec<PlacedEntry<'d>>,
+    pub(super) expect: Vec<PlacedEntry<'d>>,
+    pub(super) measure: Vec<PlacedEntry<'d>>,
 }
 
 /// The lists of the case of this row. An entry whose references cannot be replaced is left out: what they would be is
 /// not known.
 pub(super) fn lists<'d>(
-    document: &'d Document,
+    document: &'d PlanDocument,
     row: Option<&str>,
     bindings: &Bindings<'d>,
     out: &mut Findings,
 ) -> Lists<'d> {
-    let plan = Rc::new(Call::default());
+    let plan = Rc::new(GroupCall::default());
     let mut expander = Expander { groups: &document.groups, plan: bindings, lists: Lists::default() };
     expander.lists.expect = present(&document.expect, row, bindings, &plan, out);
     expander.lists.measure = present(&document.measure, row, bindings, &plan, out);
@@ -98,12 +98,12 @@ pub(super) fn lists<'d>(
 
 /// The entries of a list that this row has.
 pub(super) fn present<'d>(
-    list: &'d [Listed],
+    list: &'d [ListEntry],
     row: Option<&str>,
     bindings: &Bindings<'_>,
-    call: &Rc<Call>,
+    call: &Rc<GroupCall>,
     out: &mut Findings,
-) -> Vec<Placed<'d>> {
+) -> Vec<PlacedEntry<'d>> {
     let mut here = Vec::with_capacity(list.len());
     for (at, listed) in list.iter().enumerate().filter(|(_, listed)| listed.is_in(row)) {
         let before = out.errors();
@@ -111,7 +111,7 @@ pub(super) fn present<'d>(
         if out.errors() == before {
             let (call, part) = (Rc::clone(call), listed.part);
             let listed = call.path.is_empty().then_some(at);
-            here.push(Placed { listed, node, part, call, parent: None, turn: None });
+            here.push(PlacedEntry { listed, node, part, call, parent: None, turn: None });
         }
     }
     here
@@ -126,7 +126,7 @@ struct Expander<'d, 'b> {
 
 impl<'d> Expander<'d, '_> {
     /// Adds a step and what it runs.
-    fn step(&mut self, step: Placed<'d>, depth: usize, out: &mut Findings) {
+    fn step(&mut self, step: PlacedEntry<'d>, depth: usize, out: &mut Findings) {
         if self.lists.steps.len() >= MAX_STEPS {
             let message = format!("with its groups the case has more than {MAX_STEPS} steps");
             out.error(codes::TOO_MANY_STEPS, step.node.span.clone(), message, "a train has many pulses");
@@ -150,7 +150,7 @@ impl<'d> Expander<'d, '_> {
             return;
         }
         let Some(turns) = turns(&node) else {
-            let inner = Rc::new(Call { path: id, places });
+            let inner = Rc::new(GroupCall { path: id, places });
             self.bring(group, &args, &inner, part, parent, depth, out);
             return;
         };
@@ -162,8 +162,8 @@ impl<'d> Expander<'d, '_> {
             let path = format!("{id}[{n}]");
             let (node, call) = (node.clone(), Rc::clone(&call));
             let turn = Some((n, after));
-            self.lists.steps.push(Placed { listed: None, node, part, call, parent: Some(parent), turn });
-            let inner = Rc::new(Call { path, places: places.clone() });
+            self.lists.steps.push(PlacedEntry { listed: None, node, part, call, parent: Some(parent), turn });
+            let inner = Rc::new(GroupCall { path, places: places.clone() });
             self.bring(group, &args, &inner, part, place, depth, out);
         }
         call.announce(out);
@@ -175,7 +175,7 @@ impl<'d> Expander<'d, '_> {
         &mut self,
         group: &'d Group,
         args: &[(&'d str, Node)],
-        call: &Rc<Call>,
+        call: &Rc<GroupCall>,
         part: CasePart,
         parent: usize,
         depth: usize,
@@ -191,7 +191,7 @@ impl<'d> Expander<'d, '_> {
         self.lists.measure.extend(present(&group.measure, None, &bindings, call, out));
         for step in present(&group.steps, None, &bindings, call, out) {
             call.announce(out);
-            self.step(Placed { part, parent: Some(parent), ..step }, depth + 1, out);
+            self.step(PlacedEntry { part, parent: Some(parent), ..step }, depth + 1, out);
         }
     }
 
@@ -199,7 +199,7 @@ impl<'d> Expander<'d, '_> {
     fn arguments(
         &self,
         run: &Node,
-        call: &Call,
+        call: &GroupCall,
         out: &mut Findings,
     ) -> Option<(&'d Group, Vec<(&'d str, Node)>)> {
         call.announce(out);

@@ -3,11 +3,11 @@
 use document::{Fields, Findings, Node, suggest};
 use profile::Profile;
 
-use super::read::Document;
-use super::{Initial, Settings, Step};
+use super::read::PlanDocument;
+use super::{Initial, PlanStep, Settings};
 use crate::codes;
-use crate::lang::{Amount, Bound, Need, Relation};
-use crate::signals::{SignalBinding, Source};
+use crate::lang::{Amount, BoundRelation, Need, NeedBound};
+use crate::signals::{SignalBinding, SignalSource};
 use crate::steps::ProgramRef;
 
 /// Areas of the requirements.
@@ -15,7 +15,7 @@ const AREAS: &[&str] = &["controller", "io", "ethernet", "serial-can", "plcsyste
 
 /// The program.
 pub(super) fn program(
-    document: &Document,
+    document: &PlanDocument,
     fields: &Fields<'_>,
     settings: &Settings,
     out: &mut Findings,
@@ -78,7 +78,7 @@ pub(super) fn needs(fields: &Fields<'_>, out: &mut Findings) -> Vec<Need> {
 }
 
 /// Adds what the verbs and signals of a case need and the plan does not say.
-pub(super) fn implied_needs(steps: &[Step], signals: &[SignalBinding], needs: &mut Vec<Need>) {
+pub(super) fn implied_needs(steps: &[PlanStep], signals: &[SignalBinding], needs: &mut Vec<Need>) {
     let mut add = |need: Need| {
         if !needs
             .iter()
@@ -89,7 +89,7 @@ pub(super) fn implied_needs(steps: &[Step], signals: &[SignalBinding], needs: &m
     };
     for step in steps {
         if let Some(rate) = step.stimulus.millihertz() {
-            let bound = Bound { relation: Relation::AtLeast, amount: Amount::Millihertz(rate) };
+            let bound = NeedBound { relation: BoundRelation::AtLeast, amount: Amount::Millihertz(rate) };
             add(Need { word: "pulse", bound: Some(bound) });
             continue;
         }
@@ -99,14 +99,14 @@ pub(super) fn implied_needs(steps: &[Step], signals: &[SignalBinding], needs: &m
     }
     for signal in signals {
         match &signal.source {
-            Source::Memory(_) | Source::Image(_) | Source::Task { .. } => {
+            SignalSource::Memory(_) | SignalSource::Image(_) | SignalSource::Task { .. } => {
                 add(Need { word: "memory-access", bound: None });
             }
-            Source::Log(_) | Source::File { .. } => add(Need { word: "files", bound: None }),
-            Source::Register { .. } | Source::Relocation { .. } => {
+            SignalSource::Log(_) | SignalSource::File { .. } => add(Need { word: "files", bound: None }),
+            SignalSource::Register { .. } | SignalSource::Relocation { .. } => {
                 add(Need { word: "registers", bound: None });
             }
-            Source::Path(path) => {
+            SignalSource::Path(path) => {
                 let upper = path.to_ascii_uppercase();
                 if upper.starts_with("PLC_R.") || upper.starts_with("PLC_W.") {
                     add(Need { word: "system-variables", bound: None });
@@ -115,7 +115,10 @@ pub(super) fn implied_needs(steps: &[Step], signals: &[SignalBinding], needs: &m
                     add(Need { word: "indicators", bound: None });
                 }
             }
-            Source::Line(_) | Source::Channel(_) | Source::Frames(_) | Source::FrameSignal(_) => {}
+            SignalSource::Line(_)
+            | SignalSource::Channel(_)
+            | SignalSource::Frames(_)
+            | SignalSource::FrameSignal(_) => {}
         }
     }
 }

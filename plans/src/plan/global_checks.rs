@@ -12,20 +12,20 @@ use record::Origin;
 use signal::Span;
 
 use super::build::{expectation, place};
-use super::envelope::Form;
-use super::expand::{Placed, present};
+use super::envelope::EntryForm;
+use super::expand::{PlacedEntry, present};
 use super::keys::EXPECT_KEYS;
 use super::names::CaseNames;
-use super::read::Document;
+use super::read::PlanDocument;
 use super::{Case, facts};
-use crate::alarm::{Alarm, Condition};
+use crate::alarm::{Alarm, AlarmCondition};
 use crate::codes;
+use crate::expect::FilePlace;
 use crate::expect::GlobalCheck;
-use crate::expect::Place;
-use crate::lang::Names;
+use crate::lang::PlanNames;
 use crate::lang::{Anchor, Bindings, Literal};
 use crate::signals::{self, SIGNAL_TYPE};
-use crate::signals::{SignalBinding, Source};
+use crate::signals::{SignalBinding, SignalSource};
 use crate::steps::StepNames;
 
 /// The keys of an alarm's `when`.
@@ -70,43 +70,48 @@ pub const SUITE_KEYS: &[KeySpec] = &[
 /// Most invariants and alarms of a file: each is followed in every case.
 const MOST: usize = 200;
 
-const INVARIANT: Form =
-    Form { what: "invariant", list: "invariants", own: EXPECT_KEYS, code: codes::EXPECT_VERB, alone: None };
+const INVARIANT: EntryForm = EntryForm {
+    what: "invariant",
+    list: "invariants",
+    own: EXPECT_KEYS,
+    code: codes::EXPECT_VERB,
+    alone: None,
+};
 
 /// What was read for a case.
 #[derive(Debug, Default)]
-pub(super) struct Standing {
+pub(super) struct CaseChecks {
     pub(super) invariants: Vec<GlobalCheck>,
     pub(super) alarms: Vec<Arc<Alarm>>,
 }
 
 /// The plan's own invariants and alarms for one of its cases.
 pub(super) fn of_case(
-    document: &Document,
+    document: &PlanDocument,
     row: Option<&str>,
     bindings: &Bindings<'_>,
     scope: &CaseNames<'_>,
     out: &mut Findings,
-) -> Standing {
-    let names = Lasting { scope, rename: &str::to_owned };
-    let mut standing = Standing::default();
+) -> CaseChecks {
+    let names = GlobalNames { scope, rename: &str::to_owned };
+    let mut standing = CaseChecks::default();
     let plan = Default::default();
-    for Placed { node, .. } in present(&document.invariants, row, bindings, &plan, out) {
+    for PlacedEntry { node, .. } in present(&document.invariants, row, bindings, &plan, out) {
         standing.invariant(&node, &names, Origin::Plan, place(document, &node), out);
     }
-    for Placed { node, .. } in present(&document.alarms, row, bindings, &plan, out) {
+    for PlacedEntry { node, .. } in present(&document.alarms, row, bindings, &plan, out) {
         standing.alarm(&node, &names, Origin::Plan, place(document, &node), out);
     }
     standing
 }
 
-impl Standing {
+impl CaseChecks {
     fn invariant(
         &mut self,
         node: &Node,
-        names: &Lasting<'_>,
+        names: &GlobalNames<'_>,
         origin: Origin,
-        place: Place,
+        place: FilePlace,
         out: &mut Findings,
     ) {
         let Some(mut read) = expectation(node, &INVARIANT, names, out) else { return };
@@ -119,7 +124,14 @@ impl Standing {
         self.invariants.push(GlobalCheck { expectation: read, origin });
     }
 
-    fn alarm(&mut self, node: &Node, names: &Lasting<'_>, origin: Origin, place: Place, out: &mut Findings) {
+    fn alarm(
+        &mut self,
+        node: &Node,
+        names: &GlobalNames<'_>,
+        origin: Origin,
+        place: FilePlace,
+        out: &mut Findings,
+    ) {
         let Some(alarm) = alarm(node, names, origin, place, out) else { return };
         if self.alarms.iter().any(|known| known.name == alarm.name) {
             let message = format!("two alarms have the name `{}`", alarm.name);
@@ -138,9 +150,9 @@ fn hangs_on_step(anchor: &Anchor, node: &Node, out: &mut Findings) {
 
 fn alarm(
     node: &Node,
-    names: &Lasting<'_>,
+    names: &GlobalNames<'_>,
     origin: Origin,
-    place: Place,
+    place: FilePlace,
     out: &mut Findings,
 ) -> Option<Alarm> {
     let before = out.errors();
@@ -178,9 +190,9 @@ fn alarm(
         hysteresis = Some(band);
     }
     let condition = match *key {
-        "above" => Condition::Above(limit),
-        "below" => Condition::Below(limit),
-        _ => Condition::Is(limit),
+        "above" => AlarmCondition::Above(limit),
+        "below" => AlarmCondition::Below(limit),
+        _ => AlarmCondition::Is(limit),
     };
     let delay = fields.duration("delay").unwrap_or(Span::ZERO);
     let ends = fields.boolean("ends") != Some(false);
@@ -189,18 +201,18 @@ fn alarm(
 
 /// The names that a claim may speak of which holds in every case: none of a step, and signals as the trace of this
 /// case calls them.
-struct Lasting<'a> {
+struct GlobalNames<'a> {
     scope: &'a CaseNames<'a>,
     rename: &'a dyn Fn(&str) -> String,
 }
 
-impl Lasting<'_> {
+impl GlobalNames<'_> {
     fn whole_signal(&self, node: &Node, out: &mut Findings) -> Option<String> {
         Some((self.rename)(&self.scope.whole_signal(node, out)?))
     }
 }
 
-impl Names for Lasting<'_> {
+impl PlanNames for GlobalNames<'_> {
     fn anchor(&self, node: &Node, out: &mut Findings) -> Option<Anchor> {
         if let Some(anchor) = node.as_text().and_then(|text| Anchor::parse(text).ok())
             && anchor.base.step().is_some()
@@ -334,13 +346,13 @@ impl GlobalChecks {
         scope: &CaseNames<'_>,
         rename: &dyn Fn(&str) -> String,
         out: &mut Findings,
-    ) -> Standing {
-        let names = Lasting { scope, rename };
+    ) -> CaseChecks {
+        let names = GlobalNames { scope, rename };
         let place = |node: &Node| {
             let line = u32::try_from(line_col(&self.file.text, node.span.start).0).unwrap_or(u32::MAX);
-            Place { file: self.name.clone(), span: node.span.clone(), line }
+            FilePlace { file: self.name.clone(), span: node.span.clone(), line }
         };
-        let mut standing = Standing::default();
+        let mut standing = CaseChecks::default();
         for node in &self.invariants {
             standing.invariant(node, &names, self.origin, place(node), out);
         }
@@ -367,9 +379,9 @@ impl GlobalChecks {
         let mut aliases: Vec<(String, String)> = Vec::new();
         let mut added = Vec::new();
         for mut binding in bindings {
-            if let (Origin::Board, Source::Path(name)) = (self.origin, &binding.source) {
+            if let (Origin::Board, SignalSource::Path(name)) = (self.origin, &binding.source) {
                 // A board knows no program: its own names go before those of any.
-                binding.source = Source::Channel(name.clone());
+                binding.source = SignalSource::Channel(name.clone());
             }
             let name = alias(&binding, case, self.origin);
             aliases.push((std::mem::replace(&mut binding.name, name.clone()), name));

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use document::{Data, Diagnostic, Entry, Fields, Findings, Node, Table, suggest};
 
-use super::envelope::{self, Listed};
+use super::envelope::{self, ListEntry};
 use super::keys::{ARG_KEYS, GROUP_KEYS};
 use super::read::MAX_STEPS;
 use crate::codes;
@@ -31,9 +31,9 @@ pub(super) struct Group {
     pub(super) name: String,
     pub(super) place: Range<usize>,
     pub(super) args: Vec<Arg>,
-    pub(super) steps: Vec<Listed>,
-    pub(super) expect: Vec<Listed>,
-    pub(super) measure: Vec<Listed>,
+    pub(super) steps: Vec<ListEntry>,
+    pub(super) expect: Vec<ListEntry>,
+    pub(super) measure: Vec<ListEntry>,
 }
 
 /// The groups of a plan. Reports what is wrong with them; `None` where they run each other without end.
@@ -210,7 +210,7 @@ fn endless(groups: &[Group], out: &mut Findings) -> bool {
 }
 
 /// How many values the calls of these steps put into a case, at most about: bounds the time that checking takes.
-pub(super) fn weight(steps: &[Listed], groups: &[Group], depth: usize) -> u64 {
+pub(super) fn weight(steps: &[ListEntry], groups: &[Group], depth: usize) -> u64 {
     let calls = steps.iter().filter_map(|step| {
         let name = run_by(&step.node)?.as_text()?;
         let group = groups.iter().find(|group| group.name == name)?;

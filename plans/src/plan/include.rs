@@ -14,7 +14,7 @@ use super::variants::Variants;
 use crate::codes;
 use crate::frames::can::Databases;
 use crate::signals::{self, frames};
-use crate::table::Tables;
+use crate::table::ValueTables;
 
 /// Most files that a plan includes, whether itself or through others.
 const MOST_FILES: usize = 64;
@@ -37,7 +37,7 @@ pub struct PlanText {
     /// Those of the others, in the order in which they are included.
     others: Vec<Table>,
     /// The tables of values that they name.
-    pub(super) tables: Tables,
+    pub(super) tables: ValueTables,
     /// The DBC files that they name.
     pub(super) databases: Databases,
 }
@@ -93,7 +93,7 @@ pub fn gather(
         open(&path).map(|text| SourceFile::new(path, text))
     };
     let roots = || std::iter::once(&root).chain(&others);
-    let tables = Tables::gather(roots(), &mut beside_plan);
+    let tables = ValueTables::gather(roots(), &mut beside_plan);
     let databases = Databases::gather(roots(), &mut beside_plan);
     Ok(PlanText { joined, root, others, tables, databases })
 }

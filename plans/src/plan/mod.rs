@@ -48,7 +48,7 @@ pub use settings::{
 
 /// What an awaited step waits for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Await {
+pub enum StepCondition {
     /// The signal changes to this value.
     Becomes(Literal),
     /// It becomes TRUE (or non-zero).
@@ -65,7 +65,7 @@ pub enum Await {
 
 /// How a step comes more than once.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Repeat {
+pub enum StepRepeat {
     /// Again and again from its instant on.
     Every {
         /// From one time to the next, above 0.
@@ -82,18 +82,18 @@ pub enum Repeat {
     },
 }
 
-impl Repeat {
+impl StepRepeat {
     /// How many times the step comes at most.
     pub const fn times(&self) -> u64 {
         match self {
-            Repeat::Every { times, .. } | Repeat::Each { times } => *times,
+            StepRepeat::Every { times, .. } | StepRepeat::Each { times } => *times,
         }
     }
 
     /// When the time `n` comes after the first one, where that is known before the case runs.
     pub fn after(&self, n: u64) -> Option<Span> {
         match self {
-            Repeat::Every { period, until: None, .. } => {
+            StepRepeat::Every { period, until: None, .. } => {
                 let nanos = i128::from(period.as_nanos()) * i128::from(n.saturating_sub(1));
                 Some(Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX)))
             }
@@ -113,7 +113,7 @@ pub enum StepTime {
         /// The signal.
         signal: String,
         /// What it does.
-        awaits: Await,
+        awaits: StepCondition,
         /// Where waiting begins; a change at the very instant counts if the trace has it later.
         from: Anchor,
         /// How long to wait. If it does not happen the case goes on without the step.
@@ -123,7 +123,7 @@ pub enum StepTime {
 
 /// A step of a case.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct PlanStep {
     /// Its id; `step:<id>` is its signal in the trace. That of a step of a group has the id of the step that runs the
     /// group and a `.` in front.
     pub id: String,
@@ -132,7 +132,7 @@ pub struct Step {
     /// When it comes.
     pub when: StepTime,
     /// How it comes more than once.
-    pub repeat: Option<Repeat>,
+    pub repeat: Option<StepRepeat>,
     /// Place of the step that runs its group.
     pub parent: Option<usize>,
     /// What it does.
@@ -169,7 +169,7 @@ pub struct Case {
     pub unspoken: Vec<String>,
     /// The steps, setup, main and teardown each in the plan's order, those of a group behind the step that runs it: the
     /// place is that of [`signal::Cause::Step`].
-    pub steps: Vec<Step>,
+    pub steps: Vec<PlanStep>,
     /// What is claimed.
     pub expectations: Vec<Expectation>,
     /// What is measured.

@@ -8,18 +8,20 @@ use std::sync::Arc;
 use document::{Findings, Node, suggest};
 use signal::Span;
 
-use super::expand::Call;
+use super::expand::GroupCall;
 use crate::codes;
 use crate::frames::can::Databases;
-use crate::lang::{Anchor, AnchorError, Base, Names, Operand, OperandError};
+use crate::lang::{Anchor, AnchorBase, AnchorError, PlanNames, SignalAt, SignalAtError};
 use crate::signals::frames::NamedFrame;
-use crate::signals::{self, BUILT_IN, FileFigure, Recording, RowFigure, SignalBinding, Source, TaskFigure};
+use crate::signals::{
+    self, BUILT_IN, FileFigure, RecordingPolicy, RowFigure, SignalBinding, SignalSource, TaskFigure,
+};
 use crate::steps::{CasePart, StepNames};
-use crate::table::{Fault, Table, Tables};
+use crate::table::{TableFault, ValueTable, ValueTables};
 
 /// Signals in order of first use.
 #[derive(Debug, Default)]
-pub(super) struct Used {
+pub(super) struct UsedSignals {
     names: BTreeSet<String>,
     pub(super) list: Vec<SignalBinding>,
 }
@@ -41,13 +43,13 @@ pub(super) struct CaseNames<'a> {
     /// The parts that the case has steps in.
     pub(super) parts: BTreeSet<CasePart>,
     /// The call whose group is read.
-    pub(super) call: RefCell<Rc<Call>>,
+    pub(super) call: RefCell<Rc<GroupCall>>,
     /// Ids of steps that only other rows have.
     pub(super) elsewhere: Vec<String>,
     /// The row, for messages.
     pub(super) row: Option<&'a str>,
     /// The tables that the plan may name.
-    pub(super) tables: &'a Tables,
+    pub(super) tables: &'a ValueTables,
     /// The DBC files that the plan may name.
     pub(super) databases: &'a Databases,
     /// The frames that it names.
@@ -59,7 +61,7 @@ pub(super) struct CaseNames<'a> {
     /// Those of them that something speaks of.
     pub(super) spoken_of: RefCell<BTreeSet<String>>,
     /// Signals that it uses without binding them, in order of use.
-    pub(super) used: RefCell<Used>,
+    pub(super) used: RefCell<UsedSignals>,
 }
 
 impl CaseNames<'_> {
@@ -76,19 +78,19 @@ impl CaseNames<'_> {
             return Some(name.to_owned());
         }
         let source = signals::text_source(node, text, out)?;
-        if let Source::Path(path) = &source {
+        if let SignalSource::Path(path) = &source {
             self.warn_if_misspelt(node, path, out);
         }
         // An address has one name however it is written: %Q0.4 is %QX0.4.
         let name = match &source {
-            Source::Line(address) | Source::Memory(address) => address.to_string(),
+            SignalSource::Line(address) | SignalSource::Memory(address) => address.to_string(),
             _ => name.to_owned(),
         };
         Some(self.use_source(name, source, node))
     }
 
     /// What is read from now on belongs to this call, and so do findings about it.
-    pub(super) fn enter(&self, call: &Rc<Call>, out: &mut Findings) {
+    pub(super) fn enter(&self, call: &Rc<GroupCall>, out: &mut Findings) {
         call.announce(out);
         *self.call.borrow_mut() = Rc::clone(call);
     }
@@ -97,7 +99,7 @@ impl CaseNames<'_> {
     fn first(&self) -> Anchor {
         match self.call.borrow().path.as_str() {
             "" => Anchor::START,
-            path => Anchor { base: Base::Step(path.to_owned()), offset: Span::ZERO },
+            path => Anchor { base: AnchorBase::Step(path.to_owned()), offset: Span::ZERO },
         }
     }
 
@@ -121,7 +123,7 @@ impl CaseNames<'_> {
     /// The instant with the full id of its step; reports a step that is not there and a part that it does not have.
     /// `at` is where the instant begins in the text.
     fn known(&self, anchor: Anchor, node: &Node, at: usize, out: &mut Findings) -> Option<Anchor> {
-        if anchor.base == Base::Teardown && !self.parts.contains(&CasePart::Teardown) {
+        if anchor.base == AnchorBase::Teardown && !self.parts.contains(&CasePart::Teardown) {
             let place = Some(at..at + "teardown".len());
             let help = "add teardown = [ ... ], or count from `end`";
             out.bad_inside(codes::NO_TEARDOWN, node, place, "the plan has no teardown", help);
@@ -129,11 +131,11 @@ impl CaseNames<'_> {
         }
         let Some(id) = anchor.base.step() else { return Some(anchor) };
         let place = Some(at..at + id.len());
-        if let Base::Occurrence { step, n } = &anchor.base
+        if let AnchorBase::Occurrence { step, n } = &anchor.base
             && let Some((full, _)) = self.meant(&format!("{step}[{n}]"))
         {
             // One of several calls of a group is a step of its own.
-            return Some(Anchor { base: Base::Step(full), ..anchor });
+            return Some(Anchor { base: AnchorBase::Step(full), ..anchor });
         }
         let Some((full, facts)) = self.meant(id) else {
             let mut message = format!("there is no step `{id}`");
@@ -150,16 +152,16 @@ impl CaseNames<'_> {
             return None;
         };
         let fault = match (&anchor.base, facts.pulses, facts.times) {
-            (Base::Pulse { .. }, None, _) => {
+            (AnchorBase::Pulse { .. }, None, _) => {
                 Some((codes::UNKNOWN_ANCHOR, format!("the step `{id}` emits no train of pulses")))
             }
-            (Base::Pulse { n, .. }, Some(count), _) if *n > count => {
+            (AnchorBase::Pulse { n, .. }, Some(count), _) if *n > count => {
                 Some((codes::UNKNOWN_ANCHOR, format!("the train `{id}` has {count} pulses, not {n}")))
             }
-            (Base::Occurrence { .. }, _, None) => {
+            (AnchorBase::Occurrence { .. }, _, None) => {
                 Some((codes::OCCURRENCE, format!("the step `{id}` comes once")))
             }
-            (Base::Occurrence { n, .. }, _, Some(times)) if *n > times => {
+            (AnchorBase::Occurrence { n, .. }, _, Some(times)) if *n > times => {
                 Some((codes::OCCURRENCE, format!("the step `{id}` comes at most {times} times, not {n}")))
             }
             _ => None,
@@ -176,10 +178,10 @@ impl CaseNames<'_> {
     }
 
     /// Remembers a signal that is not bound.
-    fn use_source(&self, name: String, source: Source, node: &Node) -> String {
+    fn use_source(&self, name: String, source: SignalSource, node: &Node) -> String {
         let mut used = self.used.borrow_mut();
         if used.names.insert(name.clone()) {
-            let (name, recording) = (name.clone(), Recording::Changes);
+            let (name, recording) = (name.clone(), RecordingPolicy::Changes);
             used.list.push(SignalBinding {
                 name,
                 source,
@@ -210,9 +212,9 @@ impl StepNames for CaseNames<'_> {
         let name = self.signal_of(node, out)?;
         let binding = self.bound.iter().find(|binding| binding.name == name);
         let key = match binding.map(|binding| &binding.recording) {
-            None | Some(Recording::Changes) => return Some(name),
-            Some(Recording::Deadband(_)) => "deadband",
-            Some(Recording::AtMostEvery(_)) => "at-most-every",
+            None | Some(RecordingPolicy::Changes) => return Some(name),
+            Some(RecordingPolicy::Deadband(_)) => "deadband",
+            Some(RecordingPolicy::AtMostEvery(_)) => "at-most-every",
         };
         let message = format!("every change of `{name}` counts here, and it is recorded with `{key}`");
         let help = format!("bind the signal under a second name, without `{key}`");
@@ -220,7 +222,7 @@ impl StepNames for CaseNames<'_> {
         None
     }
 
-    fn table(&self, name: &str) -> Result<Arc<Table>, Fault> {
+    fn table(&self, name: &str) -> Result<Arc<ValueTable>, TableFault> {
         self.tables.get(name)
     }
 
@@ -239,7 +241,7 @@ impl StepNames for CaseNames<'_> {
     }
 }
 
-impl Names for CaseNames<'_> {
+impl PlanNames for CaseNames<'_> {
     fn begin(&self) -> Anchor {
         self.first()
     }
@@ -262,12 +264,12 @@ impl Names for CaseNames<'_> {
 
     fn at_value(&self, node: &Node, out: &mut Findings) -> Option<(String, Option<Anchor>)> {
         let Some(text) = node.as_text() else { return Some((self.signal_of(node, out)?, None)) };
-        let operand = match Operand::parse(text) {
+        let operand = match SignalAt::parse(text) {
             Ok(operand) => operand,
             Err(error) => {
                 let code = match error {
-                    OperandError::Signal(_) => codes::OPERAND,
-                    OperandError::Anchor(..) => codes::ANCHOR,
+                    SignalAtError::Signal(_) => codes::OPERAND,
+                    SignalAtError::Anchor(..) => codes::ANCHOR,
                 };
                 let help = "write it as in \"n\" or \"n @ cut\"";
                 out.bad_inside(
@@ -293,27 +295,27 @@ impl Names for CaseNames<'_> {
 }
 
 /// The name in the trace of a signal that is written as a table.
-fn source_name(source: &Source) -> String {
+fn source_name(source: &SignalSource) -> String {
     match source {
-        Source::Line(address) | Source::Memory(address) => address.to_string(),
-        Source::Image(address) => format!("image {address}"),
-        Source::Path(name) | Source::Channel(name) => name.clone(),
-        Source::Frames(pattern) => pattern.to_string(),
-        Source::FrameSignal(signal) => format!("{} {}", signal.pattern, signal.field.name),
-        Source::Task { task, figure } => {
+        SignalSource::Line(address) | SignalSource::Memory(address) => address.to_string(),
+        SignalSource::Image(address) => format!("image {address}"),
+        SignalSource::Path(name) | SignalSource::Channel(name) => name.clone(),
+        SignalSource::Frames(pattern) => pattern.to_string(),
+        SignalSource::FrameSignal(signal) => format!("{} {}", signal.pattern, signal.field.name),
+        SignalSource::Task { task, figure } => {
             let at = TaskFigure::ALL.iter().position(|known| known == figure).unwrap_or_default();
             format!("{task} {}", TaskFigure::NAMES[at])
         }
-        Source::Log(text) => format!("log {text}"),
-        Source::File { path, asks } => match asks {
+        SignalSource::Log(text) => format!("log {text}"),
+        SignalSource::File { path, asks } => match asks {
             FileFigure::Exists => path.clone(),
             FileFigure::Holds(text) => format!("{path} holds {text}"),
             FileFigure::Size => format!("{path} size"),
             FileFigure::Lost => format!("{path} lost"),
         },
-        Source::Register { register, exception: false } => format!("register {register}"),
-        Source::Register { register, exception: true } => format!("register {register} exception"),
-        Source::Relocation { row, figure } => {
+        SignalSource::Register { register, exception: false } => format!("register {register}"),
+        SignalSource::Register { register, exception: true } => format!("register {register} exception"),
+        SignalSource::Relocation { row, figure } => {
             let figure = match figure {
                 RowFigure::Address => "address",
                 RowFigure::Length => "length",

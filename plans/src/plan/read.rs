@@ -8,7 +8,7 @@ use profile::Profile;
 
 use super::build;
 use super::check::Unspoken;
-use super::envelope::{self, Listed};
+use super::envelope::{self, ListEntry};
 use super::groups::{self, Group};
 use super::include::{PlanText, gather};
 use super::variants::Variants;
@@ -48,7 +48,7 @@ const STEPS: [&str; 3] = ["setup", "steps", "teardown"];
 
 /// What was read of a plan's text before its cases are made.
 #[derive(Debug)]
-pub(super) struct Document {
+pub(super) struct PlanDocument {
     pub(super) file: SourceFile,
     /// It and the files that it includes.
     pub(super) text: PlanText,
@@ -59,12 +59,12 @@ pub(super) struct Document {
     /// The root without [`APART`].
     pub(super) head: Table,
     /// Setup, main and teardown, one behind another.
-    pub(super) steps: Vec<Listed>,
+    pub(super) steps: Vec<ListEntry>,
     pub(super) groups: Vec<Group>,
-    pub(super) expect: Vec<Listed>,
-    pub(super) measure: Vec<Listed>,
-    pub(super) invariants: Vec<Listed>,
-    pub(super) alarms: Vec<Listed>,
+    pub(super) expect: Vec<ListEntry>,
+    pub(super) measure: Vec<ListEntry>,
+    pub(super) invariants: Vec<ListEntry>,
+    pub(super) alarms: Vec<ListEntry>,
     pub(super) variants: Variants,
     pub(super) program_text: Option<ProgramRef>,
     /// The byte at which each line begins.
@@ -72,7 +72,7 @@ pub(super) struct Document {
     pub(super) seed: u64,
 }
 
-impl Document {
+impl PlanDocument {
     /// The line of a byte, from 1.
     pub(super) fn line(&self, byte: usize) -> u32 {
         if !self.text.joined.is_first(byte) {
@@ -98,7 +98,7 @@ pub struct Plan {
     /// What is worth knowing about it.
     pub warnings: Vec<Diagnostic>,
     turns: u64,
-    document: Document,
+    document: PlanDocument,
 }
 
 impl Plan {
@@ -192,7 +192,7 @@ fn read_joined(text: &PlanText, parameters: &[(String, String)], seed: u64) -> R
     let root = text.merged(&mut out);
     let mut variants = Variants::read(&root, parameters, &mut out);
     let Some(groups) = groups::read(&root, &mut out) else { return Err(out.into_vec()) };
-    let steps: Vec<Listed> =
+    let steps: Vec<ListEntry> =
         STEPS.iter().flat_map(|key| envelope::list(&root, key, &variants.rows, &mut out)).collect();
     let expect = envelope::list(&root, "expect", &variants.rows, &mut out);
     let measure = envelope::list(&root, "measure", &variants.rows, &mut out);
@@ -247,7 +247,7 @@ fn read_joined(text: &PlanText, parameters: &[(String, String)], seed: u64) -> R
     if !is_feasible(variants.len(), nodes, &mut out) {
         return Err(out.into_vec());
     }
-    let document = Document {
+    let document = PlanDocument {
         file: file.clone(),
         text: text.clone(),
         file_name: Arc::from(file.name.as_str()),

@@ -5,7 +5,7 @@ use std::ops::Range;
 use document::{Diagnostic, Fields, Findings, KeySpec, KeyType, Node};
 
 use super::envelope::row_names;
-use super::read::Document;
+use super::read::PlanDocument;
 use super::variants::Variant;
 use crate::codes;
 use crate::lang::substitute;
@@ -106,7 +106,7 @@ pub(super) fn is_there(root: &document::Table) -> bool {
 
 /// What the check of this case must find; `Err` after what is wrong with the key was reported.
 pub(super) fn read(
-    document: &Document,
+    document: &PlanDocument,
     variant: &Variant<'_>,
     out: &mut Findings,
 ) -> Result<Option<Refusal>, ()> {

@@ -5,29 +5,29 @@ use std::collections::BTreeMap;
 use document::{Data, Diagnostic, Entry, Fields, Findings, Node, Table};
 use signal::Span;
 
-use super::envelope::{self, Form};
-use super::expand::Placed;
+use super::envelope::{self, EntryForm};
+use super::expand::PlacedEntry;
 use super::groups::RESERVED;
 use super::keys::{MOST_TIMES, STEP_KEYS};
 use super::names::{CaseNames, StepName};
-use super::read::Document;
-use super::times::Written;
+use super::read::PlanDocument;
+use super::times::WrittenTime;
 use super::variants::Variant;
-use super::{Await, Repeat, Step, StepTime};
+use super::{PlanStep, StepCondition, StepRepeat, StepTime};
 use crate::codes;
-use crate::lang::Names;
-use crate::lang::{Anchor, Base, Literal, is_id};
+use crate::lang::PlanNames;
+use crate::lang::{Anchor, AnchorBase, Literal, is_id};
 use crate::steps::CasePart;
 use crate::steps::{self, StepNames, Stimulus};
 
-const STEP: Form =
-    Form { what: "step", list: "steps", own: STEP_KEYS, code: codes::STEP_VERB, alone: Some("when") };
+const STEP: EntryForm =
+    EntryForm { what: "step", list: "steps", own: STEP_KEYS, code: codes::STEP_VERB, alone: Some("when") };
 
 /// Most times that a step comes that waits each time, where the plan does not say.
 const USUAL_TIMES: u64 = 1_000;
 
 /// The steps as anchors know them, before they are read.
-pub(super) fn step_names(here: &[Placed<'_>]) -> BTreeMap<String, StepName> {
+pub(super) fn step_names(here: &[PlacedEntry<'_>]) -> BTreeMap<String, StepName> {
     let mut names = BTreeMap::new();
     for placed in here {
         let (Some(table), Some(id)) = (placed.node.as_table(), placed.id()) else { continue };
@@ -51,7 +51,7 @@ pub(super) fn step_names(here: &[Placed<'_>]) -> BTreeMap<String, StepName> {
 
 /// Reads the steps of one case.
 pub(super) struct StepReader<'a> {
-    pub(super) document: &'a Document,
+    pub(super) document: &'a PlanDocument,
     pub(super) variant: &'a Variant<'a>,
     pub(super) number: u64,
     pub(super) seed: u64,
@@ -62,9 +62,9 @@ impl StepReader<'_> {
     /// The steps in order, each with its time as written. Wrong ones are left out after they were reported.
     pub(super) fn read<'n>(
         &self,
-        here: &'n [Placed<'_>],
+        here: &'n [PlacedEntry<'_>],
         out: &mut Findings,
-    ) -> (Vec<Step>, Vec<Written<'n>>) {
+    ) -> (Vec<PlanStep>, Vec<WrittenTime<'n>>) {
         let (mut steps, mut written) = (Vec::with_capacity(here.len()), Vec::with_capacity(here.len()));
         let verbs: Vec<&'static str> = steps::VERBS.iter().map(|verb| verb.name).collect();
         let mut ids: BTreeMap<String, &Node> = BTreeMap::new();
@@ -93,11 +93,11 @@ impl StepReader<'_> {
 
     fn step<'n>(
         &self,
-        placed: &'n Placed<'_>,
+        placed: &'n PlacedEntry<'_>,
         verbs: &[&'static str],
         previous: Option<&String>,
         out: &mut Findings,
-    ) -> Option<(Step, Written<'n>)> {
+    ) -> Option<(PlanStep, WrittenTime<'n>)> {
         let node: &Node = &placed.node;
         let (entry, own) = envelope::verb(node, &STEP, verbs, out)?;
         let fields = Fields::check(&own, node.span.clone(), "step", STEP_KEYS, out);
@@ -128,11 +128,11 @@ impl StepReader<'_> {
         let (when, anchor, place) = time?;
         let line = self.document.line(node.span.start);
         let until = repeat_node(node);
-        let written = Written { anchor, node: place, until, phase: phase? };
+        let written = WrittenTime { anchor, node: place, until, phase: phase? };
         let id = placed.id().unwrap_or(id);
         let repeat = if placed.turn.is_some() { None } else { repeat? };
         let (span, part, parent) = (node.span.clone(), placed.part, placed.parent);
-        Some((Step { id, part, when, repeat, parent, stimulus, refused, span, line }, written))
+        Some((PlanStep { id, part, when, repeat, parent, stimulus, refused, span, line }, written))
     }
 
     /// How the step comes more than once: `None` after it reported what is wrong, `Some(None)` for once.
@@ -142,7 +142,7 @@ impl StepReader<'_> {
         fields: &Fields<'_>,
         stimulus: &Stimulus,
         out: &mut Findings,
-    ) -> Option<Option<Repeat>> {
+    ) -> Option<Option<StepRepeat>> {
         let fault = |node: &Node, message: &str, help: &str, out: &mut Findings| {
             out.bad(codes::REPEAT, node, message, help);
             None
@@ -159,7 +159,7 @@ impl StepReader<'_> {
                     fault(node, "a step with this verb cannot come each time", help, out)
                 }
                 (_, Some((when, true)), _) => {
-                    Some(Some(Repeat::Each { times: times(&when).unwrap_or(USUAL_TIMES) }))
+                    Some(Some(StepRepeat::Each { times: times(&when).unwrap_or(USUAL_TIMES) }))
                 }
                 (_, _, Some(times)) => {
                     fault(times, "`times` counts for `each` alone", "add each = true", out)
@@ -184,7 +184,7 @@ impl StepReader<'_> {
             return fault(place, &message, "a step is done before it comes again: lengthen the period", out);
         }
         match (times(&every), every.get("until")) {
-            (Some(times), None) => Some(Some(Repeat::Every { period, times, until: None })),
+            (Some(times), None) => Some(Some(StepRepeat::Every { period, times, until: None })),
             (None, Some(_)) if runs => fault(
                 place,
                 "how often a group is run has to be known",
@@ -193,7 +193,7 @@ impl StepReader<'_> {
             ),
             (None, Some(until)) => {
                 let until = Some(self.scope.anchor(until, out)?);
-                Some(Some(Repeat::Every { period, times: MOST_TIMES.unsigned_abs(), until }))
+                Some(Some(StepRepeat::Every { period, times: MOST_TIMES.unsigned_abs(), until }))
             }
             _ => {
                 let help = "as in every = { period = \"100 ms\", times = 10 } or until = \"stop\"";
@@ -209,7 +209,7 @@ impl StepReader<'_> {
     }
 
     /// The id as the step says it.
-    fn id(&self, fields: &Fields<'_>, placed: &Placed<'_>, out: &mut Findings) -> Option<String> {
+    fn id(&self, fields: &Fields<'_>, placed: &PlacedEntry<'_>, out: &mut Findings) -> Option<String> {
         let node = fields.get("id")?;
         let text = node.as_text()?;
         let inner = !placed.call.path.is_empty();
@@ -229,7 +229,7 @@ impl StepReader<'_> {
     }
 
     /// What the phase of this case adds to the step's time, in nanoseconds.
-    fn phase(&self, placed: &Placed<'_>, fields: &Fields<'_>, out: &mut Findings) -> Option<i64> {
+    fn phase(&self, placed: &PlacedEntry<'_>, fields: &Fields<'_>, out: &mut Findings) -> Option<i64> {
         let Some(phase) = fields.inner("phase") else { return (!fields.has("phase")).then_some(0) };
         if fields.has("when") {
             let place = fields.entry("phase")?.key_span.clone();
@@ -257,7 +257,7 @@ impl StepReader<'_> {
     /// The time of a step, its anchor and the value that says it.
     fn time<'n>(
         &self,
-        placed: &'n Placed<'_>,
+        placed: &'n PlacedEntry<'_>,
         fields: &Fields<'_>,
         previous: Option<&String>,
         out: &mut Findings,
@@ -290,13 +290,13 @@ impl StepReader<'_> {
     }
 
     /// Where waiting begins in a list that has no step before.
-    fn first(&self, placed: &Placed<'_>) -> Anchor {
+    fn first(&self, placed: &PlacedEntry<'_>) -> Anchor {
         let at = |base| Anchor { base, offset: Span::ZERO };
         match (placed.call.path.as_str(), placed.part) {
-            ("", CasePart::Main) if self.scope.parts.contains(&CasePart::Setup) => at(Base::Main),
-            ("", CasePart::Teardown) => at(Base::Teardown),
+            ("", CasePart::Main) if self.scope.parts.contains(&CasePart::Setup) => at(AnchorBase::Main),
+            ("", CasePart::Teardown) => at(AnchorBase::Teardown),
             ("", _) => Anchor::START,
-            (path, _) => at(Base::Step(path.to_owned())),
+            (path, _) => at(AnchorBase::Step(path.to_owned())),
         }
     }
 
@@ -304,7 +304,7 @@ impl StepReader<'_> {
         &self,
         when: &Fields<'_>,
         place: &Node,
-        placed: &Placed<'_>,
+        placed: &PlacedEntry<'_>,
         previous: Option<&String>,
         out: &mut Findings,
     ) -> Option<(StepTime, Anchor)> {
@@ -319,19 +319,19 @@ impl StepReader<'_> {
         let value = when.get(key)?;
         let awaits = match *key {
             "edge" => Some(match value.as_text()? {
-                "rises" => Await::Rises,
-                "falls" => Await::Falls,
-                _ => Await::Changes,
+                "rises" => StepCondition::Rises,
+                "falls" => StepCondition::Falls,
+                _ => StepCondition::Changes,
             }),
             key => Literal::read(value, out).map(|literal| match key {
-                "becomes" => Await::Becomes(literal),
-                "above" => Await::Above(literal),
-                _ => Await::Below(literal),
+                "becomes" => StepCondition::Becomes(literal),
+                "above" => StepCondition::Above(literal),
+                _ => StepCondition::Below(literal),
             }),
         };
         let from = match (when.get("from"), previous) {
             (Some(node), _) => self.scope.anchor(node, out)?,
-            (None, Some(previous)) => Anchor { base: Base::Step(previous.clone()), offset: Span::ZERO },
+            (None, Some(previous)) => Anchor { base: AnchorBase::Step(previous.clone()), offset: Span::ZERO },
             (None, None) => self.first(placed),
         };
         let time = StepTime::When {

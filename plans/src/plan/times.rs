@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use document::{Diagnostic, Findings, Node};
 use signal::Span;
 
-use super::{Repeat, Step, StepTime};
+use super::{PlanStep, StepRepeat, StepTime};
 use crate::codes;
-use crate::lang::{Anchor, Base};
+use crate::lang::{Anchor, AnchorBase};
 use crate::steps::CasePart;
 use crate::steps::Stimulus;
 
@@ -19,7 +19,7 @@ const ALLOWANCE: i128 = 60_000_000_000;
 const FURTHEST: i128 = 100 * 366 * 86_400 * 1_000_000_000;
 
 /// A step's time as written, with the value that says it.
-pub(super) struct Written<'n> {
+pub(super) struct WrittenTime<'n> {
     /// The instant of an `at`, or the `from` of a `when`.
     pub(super) anchor: Anchor,
     /// Where it is written; the step's own table where it is left out.
@@ -32,7 +32,7 @@ pub(super) struct Written<'n> {
 
 /// What is not known before the case runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Root {
+enum TimeRoot {
     Start,
     Main,
     Teardown,
@@ -44,46 +44,46 @@ enum Root {
     Time(usize, u64),
 }
 
-impl Root {
+impl TimeRoot {
     /// Its name for messages.
-    fn name(self, steps: &[Step]) -> String {
+    fn name(self, steps: &[PlanStep]) -> String {
         self.base(&|at| steps[at].id.clone()).to_string()
     }
 
-    fn base(self, id: &dyn Fn(usize) -> String) -> Base {
+    fn base(self, id: &dyn Fn(usize) -> String) -> AnchorBase {
         match self {
-            Root::Start => Base::Start,
-            Root::Main => Base::Main,
-            Root::Teardown => Base::Teardown,
-            Root::Step(at) => Base::Step(id(at)),
-            Root::Done(at) => Base::StepDone(id(at)),
-            Root::Time(at, n) => Base::Occurrence { step: id(at), n },
+            TimeRoot::Start => AnchorBase::Start,
+            TimeRoot::Main => AnchorBase::Main,
+            TimeRoot::Teardown => AnchorBase::Teardown,
+            TimeRoot::Step(at) => AnchorBase::Step(id(at)),
+            TimeRoot::Done(at) => AnchorBase::StepDone(id(at)),
+            TimeRoot::Time(at, n) => AnchorBase::Occurrence { step: id(at), n },
         }
     }
 }
 
 /// A place in time: a root that is not known before the case runs, and a distance from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Rooted {
-    root: Root,
+struct RootedTime {
+    root: TimeRoot,
     nanos: i128,
 }
 
-impl Rooted {
-    fn later(self, nanos: i128) -> Rooted {
-        Rooted { nanos: self.nanos + nanos, ..self }
+impl RootedTime {
+    fn later(self, nanos: i128) -> RootedTime {
+        RootedTime { nanos: self.nanos + nanos, ..self }
     }
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Mark {
+enum VisitMark {
     New,
     Open,
-    Done(Option<Rooted>),
+    Done(Option<RootedTime>),
 }
 
 /// The times of a case.
-pub(super) struct Settled {
+pub(super) struct CaseTimes {
     /// Its end.
     pub(super) ends: Anchor,
     /// The time that it may take.
@@ -97,20 +97,20 @@ pub(super) struct Settled {
 /// the plan says, with the value that says it.
 ///
 /// `None` after it reported what is wrong.
-pub(super) fn settle(
-    steps: &mut [Step],
-    written: &[Written<'_>],
+pub(super) fn resolve(
+    steps: &mut [PlanStep],
+    written: &[WrittenTime<'_>],
     ends: Option<(Anchor, &Node)>,
     out: &mut Findings,
-) -> Option<Settled> {
+) -> Option<CaseTimes> {
     let before = out.errors();
     let places = steps.iter().enumerate().map(|(at, step)| (step.id.as_str(), at)).collect();
-    let mut chain = Chain {
+    let mut chain = TimeChain {
         steps: &*steps,
         places,
         written,
         ends: ends.as_ref(),
-        marks: vec![Mark::New; steps.len() + 1],
+        marks: vec![VisitMark::New; steps.len() + 1],
         setup: steps.iter().any(|step| step.part == CasePart::Setup),
     };
     for at in 0..=steps.len() {
@@ -121,9 +121,9 @@ pub(super) fn settle(
     if out.errors() > before {
         return None;
     }
-    let places: Vec<Option<Rooted>> = (0..=steps.len())
+    let places: Vec<Option<RootedTime>> = (0..=steps.len())
         .map(|at| match chain.marks[at] {
-            Mark::Done(place) => place,
+            VisitMark::Done(place) => place,
             _ => None,
         })
         .collect();
@@ -131,7 +131,7 @@ pub(super) fn settle(
     if out.errors() > before {
         return None;
     }
-    let main = if chain.setup { Root::Main } else { Root::Start };
+    let main = if chain.setup { TimeRoot::Main } else { TimeRoot::Start };
     let end = match &ends {
         Some(_) => places[steps.len()]?,
         None => default_end(steps, &places, &untils, main)?,
@@ -151,43 +151,44 @@ pub(super) fn settle(
                 *from = Anchor { offset: anchor.offset.max(Span::ZERO), ..anchor };
             }
         }
-        if let (Some(Repeat::Every { until: Some(until), .. }), Some(place)) = (&mut step.repeat, untils[at])
+        if let (Some(StepRepeat::Every { until: Some(until), .. }), Some(place)) =
+            (&mut step.repeat, untils[at])
         {
             *until = to_anchor(place, &ids);
         }
     }
     let allowance = main + Span::from_nanos(i64::try_from(end.nanos.max(0)).unwrap_or(i64::MAX));
-    Some(Settled { ends: to_anchor(end, &ids), allowance, teardown })
+    Some(CaseTimes { ends: to_anchor(end, &ids), allowance, teardown })
 }
 
 /// The chain of what hangs on what. Every step hangs on exactly one thing, so following is a walk, not a search.
-struct Chain<'c, 'n> {
-    steps: &'c [Step],
+struct TimeChain<'c, 'n> {
+    steps: &'c [PlanStep],
     /// Place of each step by its id.
     places: BTreeMap<&'c str, usize>,
-    written: &'c [Written<'n>],
+    written: &'c [WrittenTime<'n>],
     ends: Option<&'c (Anchor, &'n Node)>,
     /// One for each step, then one for the end.
-    marks: Vec<Mark>,
+    marks: Vec<VisitMark>,
     /// Whether the case has a setup.
     setup: bool,
 }
 
-impl Chain<'_, '_> {
+impl TimeChain<'_, '_> {
     /// Settles what stands at `first` and all that it hangs on.
     fn follow(&mut self, first: usize, out: &mut Findings) {
         let mut path: Vec<usize> = Vec::new();
         let mut at = first;
         let mut place = loop {
             match self.marks[at] {
-                Mark::Done(place) => break place,
-                Mark::Open => {
+                VisitMark::Done(place) => break place,
+                VisitMark::Open => {
                     self.report_cycle(&path, at, out);
                     break None;
                 }
-                Mark::New => {}
+                VisitMark::New => {}
             }
-            self.marks[at] = Mark::Open;
+            self.marks[at] = VisitMark::Open;
             path.push(at);
             match self.base_of(at, out) {
                 Ok(Some(next)) => at = next,
@@ -203,7 +204,7 @@ impl Chain<'_, '_> {
                 out.bad(codes::STEP_TIME, node, "the instant is further than 100 years away", "");
                 place = None;
             }
-            self.marks[at] = Mark::Done(place);
+            self.marks[at] = VisitMark::Done(place);
         }
     }
 
@@ -229,13 +230,13 @@ impl Chain<'_, '_> {
     }
 
     /// Where an instant stands that hangs on no step.
-    fn fixed(&self, at: usize) -> Rooted {
+    fn fixed(&self, at: usize) -> RootedTime {
         let root = match self.anchor(at).map(|anchor| &anchor.base) {
-            Some(Base::Main) if self.setup => Root::Main,
-            Some(Base::Teardown) => Root::Teardown,
-            _ => Root::Start,
+            Some(AnchorBase::Main) if self.setup => TimeRoot::Main,
+            Some(AnchorBase::Teardown) => TimeRoot::Teardown,
+            _ => TimeRoot::Start,
         };
-        Rooted { root, nanos: 0 }
+        RootedTime { root, nanos: 0 }
     }
 
     /// What the instant at `at` hangs on: a step, the end, or nothing for `start` and the like.
@@ -247,7 +248,7 @@ impl Chain<'_, '_> {
     /// What a base is to something of a part of the case; reports what it cannot hang on.
     fn base_in(
         &self,
-        base: &Base,
+        base: &AnchorBase,
         part: CasePart,
         node: &Node,
         out: &mut Findings,
@@ -255,10 +256,9 @@ impl Chain<'_, '_> {
         let step = base.step().map(|id| self.places.get(id).copied());
         let of = step.flatten().map(|step| self.steps[step].part);
         let possible = match (part, base, of) {
-            (CasePart::Setup, Base::Start, _) | (CasePart::Main, Base::Start | Base::Main | Base::End, _) => {
-                true
-            }
-            (CasePart::Teardown, Base::Teardown, _) => true,
+            (CasePart::Setup, AnchorBase::Start, _)
+            | (CasePart::Main, AnchorBase::Start | AnchorBase::Main | AnchorBase::End, _) => true,
+            (CasePart::Teardown, AnchorBase::Teardown, _) => true,
             (CasePart::Main, _, Some(of)) => of != CasePart::Teardown,
             (part, _, Some(of)) => of == part,
             // Unknown steps were reported when the text was read.
@@ -283,8 +283,8 @@ impl Chain<'_, '_> {
             return Err(());
         }
         match (base, step) {
-            (Base::End, _) if self.ends.is_some() => Ok(Some(self.steps.len())),
-            (Base::End, _) => {
+            (AnchorBase::End, _) if self.ends.is_some() => Ok(Some(self.steps.len())),
+            (AnchorBase::End, _) => {
                 let help = "say when the case ends, as in ends = \"start + 10 s\"";
                 out.bad(codes::STEP_CYCLE, node, "the end of the case hangs on its steps", help);
                 Err(())
@@ -295,13 +295,13 @@ impl Chain<'_, '_> {
     }
 
     /// The place of `at` when its base stands at `base`.
-    fn add(&self, base: Rooted, at: usize) -> Option<Rooted> {
+    fn add(&self, base: RootedTime, at: usize) -> Option<RootedTime> {
         let place = self.from(base, self.anchor(at)?);
         Some(place.later(self.written.get(at).map_or(0, |written| i128::from(written.phase))))
     }
 
     /// The place of an instant when its base stands at `base`.
-    fn from(&self, base: Rooted, anchor: &Anchor) -> Rooted {
+    fn from(&self, base: RootedTime, anchor: &Anchor) -> RootedTime {
         let mut place = base;
         if let Some(at) = anchor.base.step().and_then(|id| self.places.get(id).copied()) {
             let step = &self.steps[at];
@@ -309,21 +309,22 @@ impl Chain<'_, '_> {
             // What nobody knows beforehand is a root of its own.
             let root = match (&anchor.base, &step.repeat) {
                 (
-                    Base::Occurrence { n, .. },
-                    Some(Repeat::Each { .. } | Repeat::Every { until: Some(_), .. }),
-                ) => Some(Root::Time(at, *n)),
-                (Base::StepDone(_), Some(Repeat::Each { .. } | Repeat::Every { until: Some(_), .. })) => {
-                    Some(Root::Done(at))
+                    AnchorBase::Occurrence { n, .. },
+                    Some(StepRepeat::Each { .. } | StepRepeat::Every { until: Some(_), .. }),
+                ) => Some(TimeRoot::Time(at, *n)),
+                (
+                    AnchorBase::StepDone(_),
+                    Some(StepRepeat::Each { .. } | StepRepeat::Every { until: Some(_), .. }),
+                ) => Some(TimeRoot::Done(at)),
+                (AnchorBase::StepDone(_), _) if matches!(step.stimulus, Stimulus::Run { .. }) => {
+                    Some(TimeRoot::Done(at))
                 }
-                (Base::StepDone(_), _) if matches!(step.stimulus, Stimulus::Run { .. }) => {
-                    Some(Root::Done(at))
-                }
-                _ if waits => Some(Root::Step(at)),
+                _ if waits => Some(TimeRoot::Step(at)),
                 _ => None,
             };
-            let parted = !matches!(root, Some(Root::Done(_) | Root::Time(..)));
+            let parted = !matches!(root, Some(TimeRoot::Done(_) | TimeRoot::Time(..)));
             if let Some(root) = root {
-                place = Rooted { root, nanos: 0 };
+                place = RootedTime { root, nanos: 0 };
             }
             if parted {
                 place.nanos += i128::from(part(step, &anchor.base).as_nanos());
@@ -333,10 +334,10 @@ impl Chain<'_, '_> {
     }
 
     /// Where the steps that come up to an instant end.
-    fn untils(&self, places: &[Option<Rooted>], out: &mut Findings) -> Vec<Option<Rooted>> {
+    fn untils(&self, places: &[Option<RootedTime>], out: &mut Findings) -> Vec<Option<RootedTime>> {
         let mut untils = vec![None; self.steps.len()];
         for (at, step) in self.steps.iter().enumerate() {
-            let Some(Repeat::Every { until: Some(until), period, .. }) = &step.repeat else { continue };
+            let Some(StepRepeat::Every { until: Some(until), period, .. }) = &step.repeat else { continue };
             let node = self.written[at].until.unwrap_or(self.written[at].node);
             if until.base.step() == Some(step.id.as_str()) {
                 out.bad(
@@ -349,16 +350,16 @@ impl Chain<'_, '_> {
             }
             let Ok(base) = self.base_in(&until.base, step.part, node, out) else { continue };
             let fixed = match until.base {
-                Base::Main if self.setup => Root::Main,
-                Base::Teardown => Root::Teardown,
-                _ => Root::Start,
+                AnchorBase::Main if self.setup => TimeRoot::Main,
+                AnchorBase::Teardown => TimeRoot::Teardown,
+                _ => TimeRoot::Start,
             };
-            let base = base.map_or(Some(Rooted { root: fixed, nanos: 0 }), |base| places[base]);
+            let base = base.map_or(Some(RootedTime { root: fixed, nanos: 0 }), |base| places[base]);
             let Some(place) = base.map(|base| self.from(base, until)) else { continue };
             untils[at] = Some(place);
             let Some(from) = places[at].filter(|from| from.root == place.root) else { continue };
             let times = (place.nanos - from.nanos) / i128::from(period.as_nanos().max(1));
-            let most = i128::from(step.repeat.as_ref().map_or(0, Repeat::times));
+            let most = i128::from(step.repeat.as_ref().map_or(0, StepRepeat::times));
             if place.nanos <= from.nanos {
                 let message = "the step would never come: `until` is not later than `at`";
                 out.bad(codes::REPEAT, node, message, "");
@@ -389,11 +390,13 @@ impl Chain<'_, '_> {
 }
 
 /// How long after its step the named part of it is.
-pub(super) fn part(step: &Step, base: &Base) -> Span {
+pub(super) fn part(step: &PlanStep, base: &AnchorBase) -> Span {
     match (base, &step.stimulus) {
-        (Base::StepDone(_), _) => lasts(step),
-        (Base::Pulse { n, .. }, Stimulus::Train(train)) => train.rises(u32::try_from(*n).unwrap_or(u32::MAX)),
-        (Base::Occurrence { n, .. }, _) => {
+        (AnchorBase::StepDone(_), _) => lasts(step),
+        (AnchorBase::Pulse { n, .. }, Stimulus::Train(train)) => {
+            train.rises(u32::try_from(*n).unwrap_or(u32::MAX))
+        }
+        (AnchorBase::Occurrence { n, .. }, _) => {
             step.repeat.as_ref().and_then(|repeat| repeat.after(*n)).unwrap_or(Span::ZERO)
         }
         _ => Span::ZERO,
@@ -401,39 +404,44 @@ pub(super) fn part(step: &Step, base: &Base) -> Span {
 }
 
 /// How long after its beginning a step is done, with every time that it comes, as far as that is known.
-fn lasts(step: &Step) -> Span {
+fn lasts(step: &PlanStep) -> Span {
     let again = step.repeat.as_ref().and_then(|repeat| repeat.after(repeat.times())).unwrap_or(Span::ZERO);
     again + step.stimulus.duration()
 }
 
 /// When a step is done at the latest, as far as that is known before the case runs.
-fn done(at: usize, step: &Step, places: &[Option<Rooted>], untils: &[Option<Rooted>]) -> Option<Rooted> {
+fn done(
+    at: usize,
+    step: &PlanStep,
+    places: &[Option<RootedTime>],
+    untils: &[Option<RootedTime>],
+) -> Option<RootedTime> {
     let duration = i128::from(step.stimulus.duration().as_nanos());
     let place = places[at]?;
     Some(match (&step.when, &step.repeat) {
-        (StepTime::When { within, .. }, Some(Repeat::Each { .. })) => {
+        (StepTime::When { within, .. }, Some(StepRepeat::Each { .. })) => {
             place.later(i128::from(within.as_nanos()) + duration)
         }
-        (StepTime::When { .. }, _) => Rooted { root: Root::Step(at), nanos: duration },
-        (StepTime::At(_), Some(Repeat::Every { until: Some(_), .. })) => untils[at]?.later(duration),
+        (StepTime::When { .. }, _) => RootedTime { root: TimeRoot::Step(at), nanos: duration },
+        (StepTime::At(_), Some(StepRepeat::Every { until: Some(_), .. })) => untils[at]?.later(duration),
         (StepTime::At(_), _) => place.later(i128::from(lasts(step).as_nanos())),
     })
 }
 
 /// One second after the step that ends last, as far as that is known before the case runs.
 fn default_end(
-    steps: &[Step],
-    places: &[Option<Rooted>],
-    untils: &[Option<Rooted>],
-    main: Root,
-) -> Option<Rooted> {
+    steps: &[PlanStep],
+    places: &[Option<RootedTime>],
+    untils: &[Option<RootedTime>],
+    main: TimeRoot,
+) -> Option<RootedTime> {
     let after = i128::from(AFTER_LAST.as_nanos());
     let mut proper = steps.iter().enumerate().filter(|(_, step)| step.part == CasePart::Main);
     let Some((last, step)) = proper.clone().next_back() else {
-        return Some(Rooted { root: main, nanos: after });
+        return Some(RootedTime { root: main, nanos: after });
     };
     let mut end = done(last, step, places, untils)?;
-    let first = proper.try_fold(end, |end: Rooted, (at, step)| {
+    let first = proper.try_fold(end, |end: RootedTime, (at, step)| {
         let other = done(at, step, places, untils)?;
         Some(if other.root == end.root && other.nanos > end.nanos { other } else { end })
     });
@@ -443,10 +451,10 @@ fn default_end(
 
 /// Reports steps before what they hang on and behind the end.
 fn check(
-    steps: &[Step],
-    written: &[Written<'_>],
-    places: &[Option<Rooted>],
-    end: Rooted,
+    steps: &[PlanStep],
+    written: &[WrittenTime<'_>],
+    places: &[Option<RootedTime>],
+    end: RootedTime,
     ends_given: bool,
     out: &mut Findings,
 ) {
@@ -455,22 +463,22 @@ fn check(
     let setup = setup.filter_map(|(step, place)| {
         let waits = matches!(step.when, StepTime::When { .. });
         let place = (*place)?;
-        (place.root == Root::Start && !waits).then(|| place.nanos + i128::from(lasts(step).as_nanos()))
+        (place.root == TimeRoot::Start && !waits).then(|| place.nanos + i128::from(lasts(step).as_nanos()))
     });
     let setup = setup.max().unwrap_or(0);
     for (at, step) in steps.iter().enumerate() {
         let Some(place) = places[at] else { continue };
         let waits = matches!(step.when, StepTime::When { .. });
-        let least = if step.part == CasePart::Main && place.root == Root::Start { setup } else { 0 };
+        let least = if step.part == CasePart::Main && place.root == TimeRoot::Start { setup } else { 0 };
         // Waiting may begin before anything happens.
         if place.nanos < least && !waits {
             let root = if least > 0 { "main".to_owned() } else { place.root.name(steps) };
             let early = Span::from_nanos(i64::try_from(least - place.nanos).unwrap_or(i64::MAX));
             let message = format!("the step `{}` would come {early} before `{root}`", step.id);
             let help = match place.root {
-                Root::Start if least > 0 => "the steps wait for the setup: count from `main`",
-                Root::Start => "the case's stimuli begin at `start`",
-                Root::Main | Root::Teardown => "count forwards",
+                TimeRoot::Start if least > 0 => "the steps wait for the setup: count from `main`",
+                TimeRoot::Start => "the case's stimuli begin at `start`",
+                TimeRoot::Main | TimeRoot::Teardown => "count forwards",
                 _ => "nobody knows beforehand when it happens: count forwards from it",
             };
             out.bad(codes::STEP_BEFORE, written[at].node, message, help);
@@ -491,7 +499,7 @@ fn check(
     }
 }
 
-fn to_anchor(place: Rooted, ids: &[String]) -> Anchor {
+fn to_anchor(place: RootedTime, ids: &[String]) -> Anchor {
     let base = place.root.base(&|at| ids[at].clone());
     // Held within 100 years above.
     Anchor { base, offset: Span::from_nanos(i64::try_from(place.nanos).unwrap_or(i64::MAX)) }
@@ -499,7 +507,12 @@ fn to_anchor(place: Rooted, ids: &[String]) -> Anchor {
 
 /// The longest that the teardown can take when every wait takes as long as it may, or what stands before it apart from
 /// the end itself.
-fn allowance(steps: &[Step], places: &[Option<Rooted>], untils: &[Option<Rooted>], part: CasePart) -> Span {
+fn allowance(
+    steps: &[PlanStep],
+    places: &[Option<RootedTime>],
+    untils: &[Option<RootedTime>],
+    part: CasePart,
+) -> Span {
     let mut nanos = ALLOWANCE;
     for (at, step) in steps.iter().enumerate() {
         if (step.part == CasePart::Teardown) != (part == CasePart::Teardown) {

@@ -50,7 +50,7 @@ pub(super) struct Row {
 
 /// A value that has a name for all cases, or one for each point of a sweep.
 #[derive(Clone, Debug)]
-struct Named {
+struct NamedValues {
     name: String,
     values: Vec<Node>,
     place: Option<Range<usize>>,
@@ -71,8 +71,8 @@ struct Block {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Variants {
     pub(super) rows: Vec<Row>,
-    sweeps: Vec<Named>,
-    parameters: Vec<Named>,
+    sweeps: Vec<NamedValues>,
+    parameters: Vec<NamedValues>,
     blocks: Vec<Block>,
 }
 
@@ -81,10 +81,10 @@ pub(super) struct Variants {
 pub(super) struct Variant<'a> {
     pub(super) row: Option<&'a Row>,
     /// Sweep and place of its value.
-    points: Vec<(&'a Named, usize)>,
+    points: Vec<(&'a NamedValues, usize)>,
     /// Place of the step, its position and the number of positions.
     pub(super) phases: Vec<(usize, u64, u64)>,
-    parameters: &'a [Named],
+    parameters: &'a [NamedValues],
 }
 
 impl Variants {
@@ -312,12 +312,12 @@ fn plain(node: &Node, out: &mut Findings) -> bool {
     false
 }
 
-fn sweep(entry: &Entry, out: &mut Findings) -> Option<Named> {
+fn sweep(entry: &Entry, out: &mut Findings) -> Option<NamedValues> {
     name_of(entry, "sweep", out);
     let fields = Fields::checked(entry.node.as_table()?, SWEEP_KEYS);
     let bad = |out: &mut Findings, message: &str, help: &str| {
         out.error(codes::SWEEP, entry.node.span.clone(), message, help);
-        None::<Named>
+        None::<NamedValues>
     };
     let values = match (fields.get("values"), fields.has("from") || fields.has("to") || fields.has("step")) {
         (Some(values), false) => values.as_array()?.to_vec(),
@@ -336,7 +336,7 @@ fn sweep(entry: &Entry, out: &mut Findings) -> Option<Named> {
     if !values.iter().all(|value| plain(value, out)) {
         return None;
     }
-    Some(Named { name: entry.key.clone(), values, place: Some(entry.key_span.clone()) })
+    Some(NamedValues { name: entry.key.clone(), values, place: Some(entry.key_span.clone()) })
 }
 
 /// The values from `from` to at most `to`, in the unit that all three are written in.
@@ -405,7 +405,7 @@ fn quantity(node: &Node, out: &mut Findings) -> Option<Quantity> {
     read
 }
 
-fn parameter(entry: &Entry, given: &[(String, String)], out: &mut Findings) -> Option<Named> {
+fn parameter(entry: &Entry, given: &[(String, String)], out: &mut Findings) -> Option<NamedValues> {
     name_of(entry, "parameter", out);
     let default = match entry.node.as_table() {
         Some(table) => {
@@ -424,7 +424,7 @@ fn parameter(entry: &Entry, given: &[(String, String)], out: &mut Findings) -> O
     // The last one on the command line counts.
     let Some((_, text)) = given.iter().rev().find(|(name, _)| *name == entry.key) else {
         let place = Some(default.span.clone());
-        return Some(Named { name: entry.key.clone(), values: vec![default.clone()], place });
+        return Some(NamedValues { name: entry.key.clone(), values: vec![default.clone()], place });
     };
     let mut value = default.clone();
     value.data = match &default.data {
@@ -448,5 +448,5 @@ fn parameter(entry: &Entry, given: &[(String, String)], out: &mut Findings) -> O
         out.error(codes::PARAMETER, default.span.clone(), message, "");
         return None;
     }
-    Some(Named { name: entry.key.clone(), values: vec![value], place: None })
+    Some(NamedValues { name: entry.key.clone(), values: vec![value], place: None })
 }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use document::{Fields, Findings, KeySpec, KeyType, Node, Table};
 
 use super::read::{AT_MOST_EVERY, BUILT_IN, DEADBAND, RECORD, recording};
-use super::{SignalBinding, Source};
+use super::{SignalBinding, SignalSource};
 use crate::codes;
 use crate::frames::DataPattern;
 use crate::frames::can::{
@@ -92,7 +92,7 @@ pub(crate) struct NamedFrame {
 
 /// What the table `frames` says.
 #[derive(Debug, Default)]
-pub(crate) struct Frames {
+pub(crate) struct PlanFrames {
     /// The names as signals.
     pub(crate) bindings: Vec<SignalBinding>,
     /// The names as frames.
@@ -105,8 +105,8 @@ pub(crate) fn read(
     databases: &Databases,
     taken: &dyn Fn(&str) -> bool,
     out: &mut Findings,
-) -> Frames {
-    let mut frames = Frames::default();
+) -> PlanFrames {
+    let mut frames = PlanFrames::default();
     for entry in &table.entries {
         let (name, place) = (&entry.key, entry.key_span.clone());
         if BUILT_IN.contains(&name.as_str()) || taken(name) {
@@ -142,13 +142,13 @@ pub(crate) fn read(
 }
 
 /// The number of frames, or a value in them.
-fn source(fields: &Fields<'_>, named: &NamedFrame, out: &mut Findings) -> Option<Source> {
+fn source(fields: &Fields<'_>, named: &NamedFrame, out: &mut Findings) -> Option<SignalSource> {
     let pattern = named.pattern.clone();
     let Some(node) = fields.get("signal") else {
         if fields.has("signal") {
             return None;
         }
-        return Some(Source::Frames(Arc::new(pattern)));
+        return Some(SignalSource::Frames(Arc::new(pattern)));
     };
     let Some(message) = &named.message else {
         let help = "name a `dbc` file and a `message` of it, or bind the frames without `signal`";
@@ -156,7 +156,7 @@ fn source(fields: &Fields<'_>, named: &NamedFrame, out: &mut Findings) -> Option
         return None;
     };
     let field = field(message, node, out)?.clone();
-    Some(Source::FrameSignal(Arc::new(FrameSignal { pattern, field })))
+    Some(SignalSource::FrameSignal(Arc::new(FrameSignal { pattern, field })))
 }
 
 /// The signal of a message; reports one that it does not have.

@@ -15,7 +15,7 @@ pub(crate) use read::{BUILT_IN, SIGNAL_TYPE, SOURCE_KEYS, read, source, text_sou
 
 /// What a name of a plan stands for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum SignalSource {
     /// An input or output terminal of the controller: the line itself (`%IX0.0`, `%QX0.4`).
     Line(Address),
     /// A place of the memory (`%MW10`), or more than one bit of the inputs or outputs (`%IW0`).
@@ -162,7 +162,7 @@ impl TaskFigure {
 
 /// Which changes of a signal are recorded.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Recording {
+pub enum RecordingPolicy {
     /// Every change.
     Changes,
     /// Changes by more than this, a number above 0 or such a quantity.
@@ -177,9 +177,9 @@ pub struct SignalBinding {
     /// The name that the trace has.
     pub name: String,
     /// What it stands for.
-    pub source: Source,
+    pub source: SignalSource,
     /// How it is recorded.
-    pub recording: Recording,
+    pub recording: RecordingPolicy,
     /// It is there for the trace, even if nothing speaks of it.
     pub record: bool,
     /// The file that binds or first uses it, where that is not the plan.

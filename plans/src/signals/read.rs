@@ -3,7 +3,7 @@
 use document::{Data, Fields, Findings, KeySpec, KeyType, Node, Table};
 use signal::{Address, Area, Decimal, Size, Span, Value};
 
-use super::{FileFigure, Recording, RowFigure, SignalBinding, Source, TaskFigure};
+use super::{FileFigure, RecordingPolicy, RowFigure, SignalBinding, SignalSource, TaskFigure};
 use crate::codes;
 use crate::lang::{Literal, address, is_id, is_path};
 
@@ -120,9 +120,9 @@ pub(crate) fn read(table: &Table, out: &mut Findings) -> Vec<SignalBinding> {
 }
 
 /// What a text or table binds a name to; reports what is wrong with it.
-fn binding(node: &Node, out: &mut Findings) -> Option<(Source, Recording)> {
+fn binding(node: &Node, out: &mut Findings) -> Option<(SignalSource, RecordingPolicy)> {
     if let Some(text) = node.as_text() {
-        return Some((text_source(node, text, out)?, Recording::Changes));
+        return Some((text_source(node, text, out)?, RecordingPolicy::Changes));
     }
     let fields = fields(node, BINDING_KEYS, out)?;
     let (source, recording) = (table_source(node, &fields, out), recording(&fields, out));
@@ -130,7 +130,7 @@ fn binding(node: &Node, out: &mut Findings) -> Option<(Source, Recording)> {
 }
 
 /// What a text or table stands for; reports what is wrong with it.
-pub(crate) fn source(node: &Node, out: &mut Findings) -> Option<Source> {
+pub(crate) fn source(node: &Node, out: &mut Findings) -> Option<SignalSource> {
     match node.as_text() {
         Some(text) => text_source(node, text, out),
         None => table_source(node, &fields(node, SOURCE_KEYS, out)?, out),
@@ -150,7 +150,7 @@ fn fields<'n>(node: &'n Node, keys: &'static [KeySpec], out: &mut Findings) -> O
 }
 
 /// What a table stands for.
-fn table_source(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<Source> {
+fn table_source(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<SignalSource> {
     let given: Vec<&str> = SOURCE_KEYS.iter().map(|key| key.name).filter(|key| fields.has(key)).collect();
     match given.as_slice() {
         ["path"] => {
@@ -164,7 +164,7 @@ fn table_source(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<
                 out.bad(codes::SIGNAL, path, format!("`{text}` is no variable"), help);
                 return None;
             }
-            Some(Source::Path(text.to_owned()))
+            Some(SignalSource::Path(text.to_owned()))
         }
         ["address"] => {
             let place = fields.get("address")?;
@@ -178,20 +178,20 @@ fn table_source(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<
                 out.bad(codes::ADDRESS, image, format!("{address} is no input or output"), help);
                 return None;
             }
-            Some(Source::Image(address))
+            Some(SignalSource::Image(address))
         }
-        ["channel"] => Some(Source::Channel(fields.text("channel")?.to_owned())),
+        ["channel"] => Some(SignalSource::Channel(fields.text("channel")?.to_owned())),
         ["task", "figure"] => match TaskFigure::find(fields.text("figure")?) {
-            Some(figure) => Some(Source::Task { task: fields.text("task")?.to_owned(), figure }),
+            Some(figure) => Some(SignalSource::Task { task: fields.text("task")?.to_owned(), figure }),
             None => no_figure("a task", TaskFigure::NAMES, fields, out),
         },
-        ["log"] => Some(Source::Log(fields.text("log")?.to_owned())),
+        ["log"] => Some(SignalSource::Log(fields.text("log")?.to_owned())),
         ["file", ..] | ["figure", "file", ..] => file_source(fields, out),
         ["register"] | ["figure", "register"] => {
             let register = fields.integer("register").and_then(|number| u16::try_from(number).ok())?;
             match fields.text("figure") {
-                None => Some(Source::Register { register, exception: false }),
-                Some("exception") => Some(Source::Register { register, exception: true }),
+                None => Some(SignalSource::Register { register, exception: false }),
+                Some("exception") => Some(SignalSource::Register { register, exception: true }),
                 Some(_) => no_figure("a register", &["exception"], fields, out),
             }
         }
@@ -205,7 +205,7 @@ fn table_source(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<
                     return no_figure("a row of the relocation table", known, fields, out);
                 }
             };
-            Some(Source::Relocation { row: fields.text("relocation")?.to_owned(), figure })
+            Some(SignalSource::Relocation { row: fields.text("relocation")?.to_owned(), figure })
         }
         several => {
             let message = match several {
@@ -224,7 +224,7 @@ fn table_source(node: &Node, fields: &Fields<'_>, out: &mut Findings) -> Option<
 }
 
 /// A file and what of it is asked.
-fn file_source(fields: &Fields<'_>, out: &mut Findings) -> Option<Source> {
+fn file_source(fields: &Fields<'_>, out: &mut Findings) -> Option<SignalSource> {
     let node = fields.get("file")?;
     let path = node.as_text()?.to_owned();
     if !path.starts_with('/') {
@@ -247,11 +247,11 @@ fn file_source(fields: &Fields<'_>, out: &mut Findings) -> Option<Source> {
             return None;
         }
     };
-    Some(Source::File { path, asks })
+    Some(SignalSource::File { path, asks })
 }
 
 /// Reports a figure that something else has.
-fn no_figure(what: &str, known: &[&str], fields: &Fields<'_>, out: &mut Findings) -> Option<Source> {
+fn no_figure(what: &str, known: &[&str], fields: &Fields<'_>, out: &mut Findings) -> Option<SignalSource> {
     let node = fields.get("figure")?;
     let figure = node.as_text().unwrap_or_default();
     let message = format!("{what} has no figure `{figure}`");
@@ -260,9 +260,9 @@ fn no_figure(what: &str, known: &[&str], fields: &Fields<'_>, out: &mut Findings
 }
 
 /// Which changes are recorded.
-pub(crate) fn recording(fields: &Fields<'_>, out: &mut Findings) -> Option<Recording> {
+pub(crate) fn recording(fields: &Fields<'_>, out: &mut Findings) -> Option<RecordingPolicy> {
     match (fields.get("deadband"), fields.entry("at-most-every")) {
-        (None, None) => Some(Recording::Changes),
+        (None, None) => Some(RecordingPolicy::Changes),
         (Some(_), Some(entry)) => {
             let message = "a signal is recorded with `deadband` or `at-most-every`, not both";
             let help = "remove one of them, or bind the signal under two names";
@@ -281,7 +281,7 @@ pub(crate) fn recording(fields: &Fields<'_>, out: &mut Findings) -> Option<Recor
                 out.bad(codes::RECORDING, node, "a deadband is a number above 0", help);
                 return None;
             }
-            Some(Recording::Deadband(band))
+            Some(RecordingPolicy::Deadband(band))
         }
         (None, Some(entry)) => {
             let span = fields.duration("at-most-every")?;
@@ -290,19 +290,19 @@ pub(crate) fn recording(fields: &Fields<'_>, out: &mut Findings) -> Option<Recor
                 out.bad(codes::RECORDING, &entry.node, "`at-most-every` is a duration above 0", help);
                 return None;
             }
-            Some(Recording::AtMostEvery(span))
+            Some(RecordingPolicy::AtMostEvery(span))
         }
     }
 }
 
 /// What a text stands for.
-pub(crate) fn text_source(node: &Node, text: &str, out: &mut Findings) -> Option<Source> {
+pub(crate) fn text_source(node: &Node, text: &str, out: &mut Findings) -> Option<SignalSource> {
     let text = text.trim();
     if text.starts_with('%') {
         return Some(addressed(address(node, text, out)?));
     }
     if is_path(text) {
-        return Some(Source::Path(text.to_owned()));
+        return Some(SignalSource::Path(text.to_owned()));
     }
     let help =
         "write an address such as \"%QX0.4\", a variable such as \"MAIN.n\", or the name of a bound signal";
@@ -311,7 +311,7 @@ pub(crate) fn text_source(node: &Node, text: &str, out: &mut Findings) -> Option
 }
 
 /// What an address stands for.
-fn addressed(address: Address) -> Source {
+fn addressed(address: Address) -> SignalSource {
     let line = address.area() != Area::Memory && address.size() == Size::Bit;
-    if line { Source::Line(address) } else { Source::Memory(address) }
+    if line { SignalSource::Line(address) } else { SignalSource::Memory(address) }
 }

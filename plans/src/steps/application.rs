@@ -4,7 +4,7 @@
 use document::{Findings, KeySpec, KeyType, Node};
 
 use super::{ProgramRef, StepNames, table_fields};
-use super::{Stimulus, Verb};
+use super::{StepVerb, Stimulus};
 
 const PROGRAM: KeySpec = KeySpec::optional(
     "program",
@@ -29,7 +29,7 @@ const DEVICE_KEYS: &[KeySpec] = &[
     KeySpec::optional("certificates", KeyType::Bool, "Certificates; FALSE if left out."),
 ];
 
-pub(super) const DOWNLOAD: Verb = Verb {
+pub(super) const DOWNLOAD: StepVerb = StepVerb {
     name: "download",
     doc: "Downloads an application.",
     value: KeyType::Table(PROGRAM_KEYS),
@@ -37,7 +37,7 @@ pub(super) const DOWNLOAD: Verb = Verb {
     read: |node, _, _| Some(Stimulus::Download(program(node)?)),
 };
 
-pub(super) const MULTIPLE_DOWNLOAD: Verb = Verb {
+pub(super) const MULTIPLE_DOWNLOAD: StepVerb = StepVerb {
     name: "multiple-download",
     doc: "Downloads an application as one of several.",
     value: KeyType::Table(MULTIPLE_KEYS),
@@ -45,7 +45,7 @@ pub(super) const MULTIPLE_DOWNLOAD: Verb = Verb {
     read: read_multiple,
 };
 
-pub(super) const PLACE_BOOT_APPLICATION: Verb = Verb {
+pub(super) const PLACE_BOOT_APPLICATION: StepVerb = StepVerb {
     name: "place-boot-application",
     doc: "Puts a boot application into the controller by SD card or FTP.",
     value: KeyType::Table(PROGRAM_KEYS),
@@ -53,7 +53,7 @@ pub(super) const PLACE_BOOT_APPLICATION: Verb = Verb {
     read: |node, _, _| Some(Stimulus::PlaceBootApplication(program(node)?)),
 };
 
-pub(super) const RESET_ORIGIN_DEVICE: Verb = Verb {
+pub(super) const RESET_ORIGIN_DEVICE: StepVerb = StepVerb {
     name: "reset-origin-device",
     doc: "Resets what is selected of the device to its origin.",
     value: KeyType::Table(DEVICE_KEYS),
@@ -61,7 +61,7 @@ pub(super) const RESET_ORIGIN_DEVICE: Verb = Verb {
     read: read_device,
 };
 
-pub(super) const FIRMWARE: Verb = Verb {
+pub(super) const FIRMWARE: StepVerb = StepVerb {
     name: "firmware",
     doc: "Damages the controller's firmware, or restores it from an SD card.",
     value: KeyType::Choice(&["valid", "invalid"]),

@@ -3,7 +3,7 @@
 use document::{Fields, Findings, KeySpec, KeyType, Node};
 
 use super::{StepNames, table_fields};
-use super::{Stimulus, Verb};
+use super::{StepVerb, Stimulus};
 use crate::codes;
 
 /// Longest text that a person is asked, in bytes.
@@ -22,7 +22,7 @@ const KEYS: &[KeySpec] = &[
     KeySpec::optional("pass", KeyType::Text, "The answer that passes; the first one if left out."),
 ];
 
-pub(super) const ASK: Verb = Verb {
+pub(super) const ASK: StepVerb = StepVerb {
     name: "ask",
     doc: "Asks a person at the terminal, who does something or looks at something.",
     value: KeyType::Table(KEYS),

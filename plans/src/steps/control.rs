@@ -3,12 +3,12 @@
 use document::{Findings, KeySpec, KeyType, Node};
 
 use super::drive::above_zero;
-use super::{Command, Stimulus, Verb};
+use super::{PlanCommand, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 
 const CUT_KEYS: &[KeySpec] = &[KeySpec::required("lasts", KeyType::Duration, "How long the supply is off.")];
 
-pub(super) const COMMAND: Verb = Verb {
+pub(super) const COMMAND: StepVerb = StepVerb {
     name: "command",
     doc: "Commands the controller.",
     value: KeyType::Choice(&[
@@ -30,7 +30,7 @@ pub(super) const COMMAND: Verb = Verb {
     read: read_command,
 };
 
-pub(super) const POWER: Verb = Verb {
+pub(super) const POWER: StepVerb = StepVerb {
     name: "power",
     doc: "Switches the controller's supply.",
     value: KeyType::Choice(&["on", "off"]),
@@ -38,7 +38,7 @@ pub(super) const POWER: Verb = Verb {
     read: read_power,
 };
 
-pub(super) const POWER_CUT: Verb = Verb {
+pub(super) const POWER_CUT: StepVerb = StepVerb {
     name: "power-cut",
     doc: "Switches the controller's supply off and on again.",
     value: KeyType::Table(CUT_KEYS),
@@ -46,7 +46,7 @@ pub(super) const POWER_CUT: Verb = Verb {
     read: read_power_cut,
 };
 
-pub(super) const SWITCH: Verb = Verb {
+pub(super) const SWITCH: StepVerb = StepVerb {
     name: "switch",
     doc: "Moves the Run/Stop switch.",
     value: KeyType::Choice(&["run", "stop"]),
@@ -54,7 +54,7 @@ pub(super) const SWITCH: Verb = Verb {
     read: |node, _, _| Some(Stimulus::Switch(node.as_text()? == "run")),
 };
 
-pub(super) const MARK: Verb = Verb {
+pub(super) const MARK: StepVerb = StepVerb {
     name: "mark",
     doc: "Does nothing: gives an instant a name.",
     value: KeyType::Table(&[]),
@@ -64,19 +64,19 @@ pub(super) const MARK: Verb = Verb {
 
 fn read_command(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
     Some(Stimulus::Command(match node.as_text()? {
-        "run" => Command::Run,
-        "stop" => Command::Stop,
-        "reset-warm" => Command::ResetWarm,
-        "login" => Command::Login,
-        "logout" => Command::Logout,
-        "logout-keep-forcing" => Command::LogoutKeepForcing,
-        "identify-on" => Command::IdentifyOn,
-        "identify-off" => Command::IdentifyOff,
-        "reset-origin" => Command::ResetOrigin,
-        "reboot" => Command::Reboot,
-        "create-boot-application" => Command::CreateBootApplication,
-        "delete-application" => Command::DeleteApplication,
-        _ => Command::ResetCold,
+        "run" => PlanCommand::Run,
+        "stop" => PlanCommand::Stop,
+        "reset-warm" => PlanCommand::ResetWarm,
+        "login" => PlanCommand::Login,
+        "logout" => PlanCommand::Logout,
+        "logout-keep-forcing" => PlanCommand::LogoutKeepForcing,
+        "identify-on" => PlanCommand::IdentifyOn,
+        "identify-off" => PlanCommand::IdentifyOff,
+        "reset-origin" => PlanCommand::ResetOrigin,
+        "reboot" => PlanCommand::Reboot,
+        "create-boot-application" => PlanCommand::CreateBootApplication,
+        "delete-application" => PlanCommand::DeleteApplication,
+        _ => PlanCommand::ResetCold,
     }))
 }
 

@@ -19,19 +19,24 @@ pub(super) const PERIOD: KeySpec =
 
 /// The period of what repeats: `numerator / denominator` nanoseconds, so that every frequency is exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cycle {
+pub struct ExactPeriod {
     numerator: u64,
     denominator: u64,
 }
 
-impl Cycle {
+impl ExactPeriod {
     /// So many thousandths of a Hertz, above 0.
-    pub const fn of_millihertz(frequency: u64) -> Cycle {
-        Cycle { numerator: NANOS_MILLIHERTZ, denominator: frequency }
+    pub const fn of_millihertz(frequency: u64) -> ExactPeriod {
+        ExactPeriod { numerator: NANOS_MILLIHERTZ, denominator: frequency }
     }
 
     /// Reads `frequency` or `period`; `what` is the verb in words.
-    pub(super) fn read(fields: &Fields<'_>, node: &Node, what: &str, out: &mut Findings) -> Option<Cycle> {
+    pub(super) fn read(
+        fields: &Fields<'_>,
+        node: &Node,
+        what: &str,
+        out: &mut Findings,
+    ) -> Option<ExactPeriod> {
         match (fields.has("frequency"), fields.has("period")) {
             (true, false) => {
                 let text = fields.get("frequency")?;
@@ -40,11 +45,11 @@ impl Cycle {
                     out.bad(codes::UNIT, text, message, "write it in Hz, kHz or MHz, as in \"200 kHz\"");
                     return None;
                 };
-                Some(Cycle::of_millihertz(frequency))
+                Some(ExactPeriod::of_millihertz(frequency))
             }
             (false, true) => {
                 let nanos = u64::try_from(above_zero(fields, "period", out)?.as_nanos()).ok()?;
-                Some(Cycle { numerator: nanos, denominator: 1 })
+                Some(ExactPeriod { numerator: nanos, denominator: 1 })
             }
             _ => {
                 let message = format!("a {what} has either a `frequency` or a `period`");
@@ -100,7 +105,7 @@ mod tests {
     #[test]
     fn a_position_is_exact_over_a_year() {
         // 3 Hz has a period of no whole number of nanoseconds.
-        let cycle = Cycle::of_millihertz(3_000);
+        let cycle = ExactPeriod::of_millihertz(3_000);
         let year = Span::from_secs(366 * 86_400);
         assert_eq!(cycle.position(year).0, 0);
         let (part, whole) = cycle.position(year + Span::from_millis(250));

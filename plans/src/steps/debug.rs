@@ -3,7 +3,7 @@
 use document::{Findings, KeySpec, KeyType, Node};
 
 use super::{ProgramRef, StepNames, table_fields};
-use super::{Stimulus, Verb};
+use super::{StepVerb, Stimulus};
 
 const BREAKPOINT_KEYS: &[KeySpec] = &[
     KeySpec::required(
@@ -20,7 +20,7 @@ const CHANGE_KEYS: &[KeySpec] = &[KeySpec::required(
     "Structured Text files relative to the plan.",
 )];
 
-pub(super) const BREAKPOINT: Verb = Verb {
+pub(super) const BREAKPOINT: StepVerb = StepVerb {
     name: "breakpoint",
     doc: "Holds the tasks where one comes to the first statement of a line.",
     value: KeyType::Table(BREAKPOINT_KEYS),
@@ -28,7 +28,7 @@ pub(super) const BREAKPOINT: Verb = Verb {
     read: read_breakpoint,
 };
 
-pub(super) const CLEAR_BREAKPOINTS: Verb = Verb {
+pub(super) const CLEAR_BREAKPOINTS: StepVerb = StepVerb {
     name: "clear-breakpoints",
     doc: "Takes every breakpoint away; tasks that are held go on.",
     value: KeyType::Table(&[]),
@@ -36,7 +36,7 @@ pub(super) const CLEAR_BREAKPOINTS: Verb = Verb {
     read: |_, _, _| Some(Stimulus::ClearBreakpoints),
 };
 
-pub(super) const ONLINE_CHANGE: Verb = Verb {
+pub(super) const ONLINE_CHANGE: StepVerb = StepVerb {
     name: "online-change",
     doc: "Has another program go on with the values of the variables.",
     value: KeyType::Table(CHANGE_KEYS),
@@ -44,7 +44,7 @@ pub(super) const ONLINE_CHANGE: Verb = Verb {
     read: read_change,
 };
 
-pub(super) const RESUME: Verb = Verb {
+pub(super) const RESUME: StepVerb = StepVerb {
     name: "resume",
     doc: "Lets tasks that are held at a breakpoint go on.",
     value: KeyType::Table(&[]),
@@ -52,7 +52,7 @@ pub(super) const RESUME: Verb = Verb {
     read: |_, _, _| Some(Stimulus::Resume),
 };
 
-pub(super) const STEP_STATEMENT: Verb = Verb {
+pub(super) const STEP_STATEMENT: StepVerb = StepVerb {
     name: "step-statement",
     doc: "Lets a task that is held at a breakpoint go on to its next statement.",
     value: KeyType::Table(&[]),

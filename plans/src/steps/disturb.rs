@@ -4,7 +4,7 @@ use document::{Findings, KeySpec, KeyType, Node};
 use signal::{Address, Area, Span};
 
 use super::drive::above_zero;
-use super::{Disturbance, Stimulus, Verb};
+use super::{DisturbanceKind, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 use crate::lang::terminal;
 
@@ -18,40 +18,40 @@ const ERROR_KEYS: &[KeySpec] = &[
     KeySpec::optional("on", KeyType::Bool, "Whether the error comes or goes; TRUE if left out."),
 ];
 
-pub(super) const SHORT_CIRCUIT: Verb = Verb {
+pub(super) const SHORT_CIRCUIT: StepVerb = StepVerb {
     name: "short-circuit",
     doc: "Puts a short circuit on an output.",
     value: KeyType::Table(OUTPUT_KEYS),
     needs: &["faults"],
     read: |node, scope, out| {
         let (output, lasts) = at_output(node, scope, out)?;
-        Some(Stimulus::Disturb { what: Disturbance::ShortCircuit(output), on: true, lasts })
+        Some(Stimulus::Disturb { what: DisturbanceKind::ShortCircuit(output), on: true, lasts })
     },
 };
 
-pub(super) const OVER_TEMPERATURE: Verb = Verb {
+pub(super) const OVER_TEMPERATURE: StepVerb = StepVerb {
     name: "over-temperature",
     doc: "Makes an output too hot.",
     value: KeyType::Table(OUTPUT_KEYS),
     needs: &["faults"],
     read: |node, scope, out| {
         let (output, lasts) = at_output(node, scope, out)?;
-        Some(Stimulus::Disturb { what: Disturbance::OverTemperature(output), on: true, lasts })
+        Some(Stimulus::Disturb { what: DisturbanceKind::OverTemperature(output), on: true, lasts })
     },
 };
 
-pub(super) const SUPPLY_IO: Verb = Verb {
+pub(super) const SUPPLY_IO: StepVerb = StepVerb {
     name: "supply-io",
     doc: "Switches the supply of the inputs and outputs.",
     value: KeyType::Choice(&["on", "off"]),
     needs: &["faults"],
     read: |node, _, _| {
         let on = node.as_text()? == "off";
-        Some(Stimulus::Disturb { what: Disturbance::NoIoSupply, on, lasts: None })
+        Some(Stimulus::Disturb { what: DisturbanceKind::NoIoSupply, on, lasts: None })
     },
 };
 
-pub(super) const EXTERNAL_ERROR: Verb = Verb {
+pub(super) const EXTERNAL_ERROR: StepVerb = StepVerb {
     name: "external-error",
     doc: "Puts a part outside of the controller in error, or mends it.",
     value: KeyType::Table(ERROR_KEYS),
@@ -72,5 +72,5 @@ fn read_external(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Sti
     let fields = table_fields(node, ERROR_KEYS)?;
     let bit = u8::try_from(fields.integer("bit")?).ok()?;
     let on = fields.boolean("on").unwrap_or(true);
-    Some(Stimulus::Disturb { what: Disturbance::External(bit), on, lasts: None })
+    Some(Stimulus::Disturb { what: DisturbanceKind::External(bit), on, lasts: None })
 }

@@ -4,7 +4,7 @@ use document::{Data, Fields, Findings, KeySpec, KeyType, Node};
 use signal::Span;
 
 use super::{StepNames, table_fields};
-use super::{Stimulus, Verb};
+use super::{StepVerb, Stimulus};
 use crate::codes;
 use crate::lang::Literal;
 
@@ -24,7 +24,7 @@ const WRITE_KEYS: &[KeySpec] = &[
     KeySpec::required("value", KeyType::Value, "The value that is written."),
 ];
 
-pub(super) const SET: Verb = Verb {
+pub(super) const SET: StepVerb = StepVerb {
     name: "set",
     doc: "Drives one line, or several at once, until something else drives them.",
     value: KeyType::OneOrMore(&VALUED_TABLE),
@@ -32,7 +32,7 @@ pub(super) const SET: Verb = Verb {
     read: read_set,
 };
 
-pub(super) const PULSE: Verb = Verb {
+pub(super) const PULSE: StepVerb = StepVerb {
     name: "pulse",
     doc: "Drives a line for a time, then back to what it was.",
     value: KeyType::Table(PULSE_KEYS),
@@ -40,7 +40,7 @@ pub(super) const PULSE: Verb = Verb {
     read: read_pulse,
 };
 
-pub(super) const FORCE: Verb = Verb {
+pub(super) const FORCE: StepVerb = StepVerb {
     name: "force",
     doc: "Forces an input or output of the controller until it is released.",
     value: KeyType::Table(VALUED),
@@ -48,7 +48,7 @@ pub(super) const FORCE: Verb = Verb {
     read: read_force,
 };
 
-pub(super) const RELEASE: Verb = Verb {
+pub(super) const RELEASE: StepVerb = StepVerb {
     name: "release",
     doc: "Ends the forcing of an input or output.",
     value: KeyType::Table(&[SIGNAL]),
@@ -56,7 +56,7 @@ pub(super) const RELEASE: Verb = Verb {
     read: read_release,
 };
 
-pub(super) const WRITE: Verb = Verb {
+pub(super) const WRITE: StepVerb = StepVerb {
     name: "write",
     doc: "Writes a variable or a place of memory once.",
     value: KeyType::Table(WRITE_KEYS),

@@ -7,7 +7,7 @@ use document::{Data, Fields, Findings, KeySpec, KeyType, Node};
 use signal::{Quantity, Span, Unit};
 
 use super::drive::above_zero;
-use super::{MAX_PULSES, Stimulus, Verb};
+use super::{MAX_PULSES, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 use crate::codes;
 use crate::lang::millihertz;
@@ -57,7 +57,7 @@ const KEYS: &[KeySpec] = &[
     KeySpec::required("moves", KeyType::OneOrMore(&MOTION), "What the shaft does, one after another."),
 ];
 
-pub(super) const ENCODER: Verb = Verb {
+pub(super) const ENCODER: StepVerb = StepVerb {
     name: "encoder",
     doc: "Emits what an incremental encoder emits as its shaft turns.",
     value: KeyType::Table(KEYS),
@@ -76,13 +76,13 @@ pub struct Encoder {
     pub index: Option<(String, i64)>,
     /// Position in which it begins, in counts.
     pub from: i64,
-    motions: Vec<Motion>,
+    motions: Vec<ShaftMotion>,
     lasts: Span,
 }
 
 /// A motion of a shaft: evenly faster, at its speed, evenly slower.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Motion {
+pub struct ShaftMotion {
     /// How long after the step it begins.
     begins: Span,
     /// Counts of the motions before it.
@@ -98,7 +98,7 @@ pub struct Motion {
     ramp: Span,
 }
 
-impl Motion {
+impl ShaftMotion {
     /// From the beginning of the motion to its count `n` from 1, in parts of a nanosecond; `None` beyond what can be
     /// worked out.
     fn fine(&self, n: u64) -> Option<u128> {
@@ -167,7 +167,7 @@ impl Encoder {
 
     /// How long so many counts last at the highest speed, rounded down.
     pub fn lasts_at_most_speed(&self, counts: u64) -> Span {
-        let lasts = |motion: &Motion| {
+        let lasts = |motion: &ShaftMotion| {
             let nanos = u128::from(counts) * u128::from(motion.nanos) / u128::from(motion.counts_in);
             Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX))
         };
@@ -176,7 +176,7 @@ impl Encoder {
 
     /// Periods of A per time at the highest speed, in thousandths of a Hertz, rounded up.
     pub fn millihertz(&self) -> u64 {
-        let rate = |motion: &Motion| {
+        let rate = |motion: &ShaftMotion| {
             let counts = u128::from(motion.counts_in) * 1_000_000_000_000;
             let rate = counts.div_ceil(u128::from(motion.nanos) * u128::from(COUNTS_IN_LINE));
             u64::try_from(rate).unwrap_or(u64::MAX)
@@ -267,7 +267,8 @@ fn add(
     }
     let (counts_in, nanos) = speed(&fields, node, lines, out)?;
     let ramp = fields.duration("ramp").unwrap_or(Span::ZERO);
-    let motion = Motion { begins: encoder.lasts, before, from: position, counts, counts_in, nanos, ramp };
+    let motion =
+        ShaftMotion { begins: encoder.lasts, before, from: position, counts, counts_in, nanos, ramp };
     let end = motion.after(counts.unsigned_abs()).filter(|_| ramp <= LONGEST_RAMP);
     let Some(end) = end else {
         let place = fields.get("ramp").unwrap_or(node);
@@ -330,11 +331,11 @@ const fn common_divisor(mut a: u128, mut b: u128) -> u128 {
 mod tests {
     use super::*;
 
-    fn motion(counts: i64, counts_in: u64, nanos: u64, ramp: Span) -> Motion {
-        Motion { begins: Span::ZERO, before: 0, from: 0, counts, counts_in, nanos, ramp }
+    fn motion(counts: i64, counts_in: u64, nanos: u64, ramp: Span) -> ShaftMotion {
+        ShaftMotion { begins: Span::ZERO, before: 0, from: 0, counts, counts_in, nanos, ramp }
     }
 
-    fn instants(motion: &Motion) -> Vec<i64> {
+    fn instants(motion: &ShaftMotion) -> Vec<i64> {
         (1..=motion.counts.unsigned_abs()).map(|n| motion.after(n).unwrap().as_nanos()).collect()
     }
 

@@ -3,7 +3,7 @@
 use document::{Fields, Findings, KeySpec, KeyType, Node};
 
 use super::drive::above_zero;
-use super::{FaultKind, Stimulus, Verb};
+use super::{LineFault, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 use crate::codes;
 use crate::lang::Literal;
@@ -21,7 +21,7 @@ const KEYS: &[KeySpec] = &[
 
 const CLEAR_KEYS: &[KeySpec] = &[KeySpec::required("signal", KeyType::SignalRef, "The line.")];
 
-pub(super) const FAULT: Verb = Verb {
+pub(super) const FAULT: StepVerb = StepVerb {
     name: "fault",
     doc: "Puts a fault on a line.",
     value: KeyType::Table(KEYS),
@@ -29,7 +29,7 @@ pub(super) const FAULT: Verb = Verb {
     read,
 };
 
-pub(super) const CLEAR: Verb = Verb {
+pub(super) const CLEAR: StepVerb = StepVerb {
     name: "clear",
     doc: "Takes every fault off a line.",
     value: KeyType::Table(CLEAR_KEYS),
@@ -57,13 +57,13 @@ fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimul
     let lasts = if fields.has("for") { Some(above_zero(&fields, "for", out)?) } else { None };
     let value = fields.get("value").map(|value| Literal::read(value, out));
     let kind = match kind {
-        "stuck" => FaultKind::Stuck(value??),
-        "open" => FaultKind::Open,
-        "short-to-ground" => FaultKind::ShortToGround,
-        "short-to-supply" => FaultKind::ShortToSupply,
-        "glitch" => FaultKind::Glitch { value: value??, width: above_zero(&fields, "width", out)? },
-        "late" => FaultKind::Late(above_zero(&fields, "delay", out)?),
-        _ => FaultKind::Lost,
+        "stuck" => LineFault::Stuck(value??),
+        "open" => LineFault::Open,
+        "short-to-ground" => LineFault::ShortToGround,
+        "short-to-supply" => LineFault::ShortToSupply,
+        "glitch" => LineFault::Glitch { value: value??, width: above_zero(&fields, "width", out)? },
+        "late" => LineFault::Late(above_zero(&fields, "delay", out)?),
+        _ => LineFault::Lost,
     };
     Some(Stimulus::Fault { signal: signal?, kind, lasts })
 }

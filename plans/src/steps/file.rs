@@ -2,7 +2,7 @@
 
 use document::{Findings, KeySpec, KeyType, Node};
 
-use super::{FileDeed, Stimulus, Verb};
+use super::{FileOperation, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 use crate::codes;
 
@@ -26,7 +26,7 @@ const KEYS: &[KeySpec] = &[
     ),
 ];
 
-pub(super) const FILE: Verb = Verb {
+pub(super) const FILE: StepVerb = StepVerb {
     name: "file",
     doc: "Writes or removes a file of the controller.",
     value: KeyType::Table(KEYS),
@@ -68,11 +68,11 @@ fn read(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> 
         return None;
     }
     let deed = match (*key, text, size) {
-        ("put", Some(text), _) => FileDeed::Put(text.as_bytes().to_vec()),
-        ("put", _, Some(size)) => FileDeed::Fill(usize::try_from(size).ok()?),
-        ("log", Some(text), _) => FileDeed::Log(text.to_owned()),
-        ("log", _, Some(size)) => FileDeed::Log("x".repeat(usize::try_from(size).ok()?)),
-        _ => FileDeed::Remove,
+        ("put", Some(text), _) => FileOperation::Put(text.as_bytes().to_vec()),
+        ("put", _, Some(size)) => FileOperation::Fill(usize::try_from(size).ok()?),
+        ("log", Some(text), _) => FileOperation::Log(text.to_owned()),
+        ("log", _, Some(size)) => FileOperation::Log("x".repeat(usize::try_from(size).ok()?)),
+        _ => FileOperation::Remove,
     };
     Some(Stimulus::File { path, deed, by_application })
 }

@@ -5,7 +5,7 @@ use document::{Findings, KeySpec, KeyType, Node};
 
 use super::drive::above_zero;
 use super::{StepNames, table_fields};
-use super::{Stimulus, Verb};
+use super::{StepVerb, Stimulus};
 
 const KEYS: &[KeySpec] = &[
     KeySpec::required("task", KeyType::Text, "Name of the task."),
@@ -13,7 +13,7 @@ const KEYS: &[KeySpec] = &[
     KeySpec::optional("times", KeyType::Integer(1, 1_000_000), "How many cycles; 1 if left out."),
 ];
 
-pub(super) const OVERLOAD: Verb = Verb {
+pub(super) const OVERLOAD: StepVerb = StepVerb {
     name: "overload",
     doc: "Makes the next cycles of a task take a given time.",
     value: KeyType::Table(KEYS),
@@ -36,7 +36,7 @@ const SUSPEND_KEYS: &[KeySpec] = &[
     KeySpec::required("for", KeyType::Duration, "How long it does not get the processor."),
 ];
 
-pub(super) const SUSPEND: Verb = Verb {
+pub(super) const SUSPEND: StepVerb = StepVerb {
     name: "suspend",
     doc: "Keeps a task from the processor, however much it wants it.",
     value: KeyType::Table(SUSPEND_KEYS),

@@ -27,22 +27,22 @@ use document::{Fields, Findings, KeySpec, KeyType, Node};
 use signal::{Address, Span};
 
 use crate::frames::can::Databases;
-use crate::lang::{Literal, Names};
+use crate::lang::{Literal, PlanNames};
 use crate::signals::frames::NamedFrame;
-use crate::table::{Fault, Table};
+use crate::table::{TableFault, ValueTable};
 
 pub use ask::Question;
 pub use case::{CasePart, ProgramRef};
-pub use cycle::Cycle;
-pub use encoder::{Encoder, Motion};
+pub use cycle::ExactPeriod;
+pub use encoder::{Encoder, ShaftMotion};
 pub use send::{OutFrame, SendFrames};
 pub use sequence::Sequence;
-pub use train::{MAX_PULSES, Train};
-pub use wave::{Periodic, Shape, Wave};
+pub use train::{MAX_PULSES, TrainStimulus};
+pub use wave::{PeriodicWave, Wave, WaveShape};
 
 /// A verb of `steps`: `{ id = "busy", at = "start + 1 s", overload = { ... } }`.
 #[derive(Debug)]
-pub struct Verb {
+pub struct StepVerb {
     /// The verb as written.
     pub name: &'static str,
     /// What it does, one sentence, for the schema and the manual.
@@ -56,14 +56,14 @@ pub struct Verb {
 }
 
 /// What a verb's reader may ask of the plan around it, beside instants and signals.
-pub(crate) trait StepNames: Names {
+pub(crate) trait StepNames: PlanNames {
     /// The name of a signal of which every change counts; reports one whose trace leaves some out.
     fn whole_signal(&self, node: &Node, out: &mut Findings) -> Option<String>;
     /// The table of this name, a file relative to the plan.
     ///
     /// # Errors
     /// Why there is none.
-    fn table(&self, name: &str) -> Result<Arc<Table>, Fault>;
+    fn table(&self, name: &str) -> Result<Arc<ValueTable>, TableFault>;
     /// The DBC files that the plan may name.
     fn databases(&self) -> &Databases;
     /// The frames of this name.
@@ -78,7 +78,7 @@ pub(crate) fn table_fields<'n>(node: &'n Node, specs: &'static [KeySpec]) -> Opt
 }
 
 /// Every verb of `steps`, in alphabetical order.
-pub static VERBS: &[Verb] = &[
+pub static VERBS: &[StepVerb] = &[
     ask::ASK,
     debug::BREAKPOINT,
     fault::CLEAR,
@@ -123,7 +123,7 @@ pub static VERBS: &[Verb] = &[
 
 /// A command to the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Command {
+pub enum PlanCommand {
     /// Run.
     Run,
     /// Stop.
@@ -154,7 +154,7 @@ pub enum Command {
 
 /// What goes wrong around the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Disturbance {
+pub enum DisturbanceKind {
     /// A short circuit at an output.
     ShortCircuit(Address),
     /// An output is too hot.
@@ -167,7 +167,7 @@ pub enum Disturbance {
 
 /// What is done to a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FileDeed {
+pub enum FileOperation {
     /// It is written whole.
     Put(Vec<u8>),
     /// It is written with so many bytes of 0.
@@ -180,7 +180,7 @@ pub enum FileDeed {
 
 /// What a fault does to a line.
 #[derive(Clone, Debug, PartialEq)]
-pub enum FaultKind {
+pub enum LineFault {
     /// It keeps this value.
     Stuck(Literal),
     /// It is cut.
@@ -236,7 +236,7 @@ pub enum Stimulus {
         value: Literal,
     },
     /// Commands the controller.
-    Command(Command),
+    Command(PlanCommand),
     /// Moves the Run/Stop switch: TRUE to Run.
     Switch(bool),
     /// Downloads an application; `None`: the case's own program again.
@@ -286,7 +286,7 @@ pub enum Stimulus {
         /// The line.
         signal: String,
         /// The fault.
-        kind: FaultKind,
+        kind: LineFault,
         /// For how long; `None`: until it is cleared.
         lasts: Option<Span>,
     },
@@ -295,7 +295,7 @@ pub enum Stimulus {
         /// Its path.
         path: String,
         /// What is done to it.
-        deed: FileDeed,
+        deed: FileOperation,
         /// Whether the application does it, in place of a user.
         by_application: bool,
     },
@@ -307,14 +307,14 @@ pub enum Stimulus {
     /// Something goes wrong around the controller, or is mended.
     Disturb {
         /// What.
-        what: Disturbance,
+        what: DisturbanceKind,
         /// Whether it begins.
         on: bool,
         /// For how long; `None`: until another step mends it.
         lasts: Option<Span>,
     },
     /// Emits a train of pulses.
-    Train(Train),
+    Train(TrainStimulus),
     /// Drives a line with values that change by a rule.
     Wave(Wave),
     /// Emits what an encoder emits as it turns.
@@ -372,10 +372,10 @@ impl Stimulus {
             Stimulus::Fault { .. } => "fault",
             Stimulus::File { .. } => "file",
             Stimulus::Clear { .. } => "clear",
-            Stimulus::Disturb { what: Disturbance::ShortCircuit(_), .. } => "short-circuit",
-            Stimulus::Disturb { what: Disturbance::OverTemperature(_), .. } => "over-temperature",
-            Stimulus::Disturb { what: Disturbance::NoIoSupply, .. } => "supply-io",
-            Stimulus::Disturb { what: Disturbance::External(_), .. } => "external-error",
+            Stimulus::Disturb { what: DisturbanceKind::ShortCircuit(_), .. } => "short-circuit",
+            Stimulus::Disturb { what: DisturbanceKind::OverTemperature(_), .. } => "over-temperature",
+            Stimulus::Disturb { what: DisturbanceKind::NoIoSupply, .. } => "supply-io",
+            Stimulus::Disturb { what: DisturbanceKind::External(_), .. } => "external-error",
             Stimulus::Train(_) => "train",
             Stimulus::Wave(wave) => wave.verb(),
             Stimulus::Encoder(_) => "encoder",
@@ -422,7 +422,7 @@ impl Stimulus {
     /// How long after its step it is done, 0 where it is done at once.
     pub fn duration(&self) -> Span {
         match self {
-            Stimulus::Pulse { width, .. } | Stimulus::Fault { kind: FaultKind::Glitch { width, .. }, .. } => {
+            Stimulus::Pulse { width, .. } | Stimulus::Fault { kind: LineFault::Glitch { width, .. }, .. } => {
                 *width
             }
             Stimulus::PowerCut(lasts) | Stimulus::Suspend { lasts, .. } => *lasts,

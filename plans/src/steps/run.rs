@@ -3,9 +3,9 @@
 use document::{Findings, KeyType, Node};
 
 use super::StepNames;
-use super::{Stimulus, Verb};
+use super::{StepVerb, Stimulus};
 
-pub(super) const RUN: Verb = Verb {
+pub(super) const RUN: StepVerb = StepVerb {
     name: "run",
     doc: "Runs a group of steps with arguments.",
     value: KeyType::Map(&KeyType::Any),

@@ -13,7 +13,7 @@ use document::{Fields, Findings, KeySpec, KeyType, Node};
 use signal::{Kind, Random, SignalInfo, Span};
 
 use super::drive::above_zero;
-use super::{MAX_PULSES, StepNames, Stimulus, Verb, table_fields};
+use super::{MAX_PULSES, StepNames, StepVerb, Stimulus, table_fields};
 use crate::codes;
 use crate::frames::can::{FieldSpec, FramePattern, MAX_EXTENDED_ID, MessageSpec};
 use crate::lang::Literal;
@@ -50,7 +50,7 @@ const KEYS: &[KeySpec] = &[
     ),
 ];
 
-pub(super) const SEND: Verb = Verb {
+pub(super) const SEND: StepVerb = StepVerb {
     name: "send",
     doc: "Puts a frame, or several one after another, on a bus.",
     value: KeyType::Table(KEYS),

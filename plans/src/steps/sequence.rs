@@ -6,10 +6,10 @@ use document::{Data, Findings, KeySpec, KeyType, Node};
 use signal::Span;
 
 use super::drive::above_zero;
-use super::{MAX_PULSES, Stimulus, Verb};
+use super::{MAX_PULSES, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 use crate::codes;
-use crate::table::{Cell, Fault, Table};
+use crate::table::{Cell, TableFault, ValueTable};
 
 const KEYS: &[KeySpec] = &[
     KeySpec::required(
@@ -39,7 +39,7 @@ const KEYS: &[KeySpec] = &[
     ),
 ];
 
-pub(super) const SEQUENCE: Verb = Verb {
+pub(super) const SEQUENCE: StepVerb = StepVerb {
     name: "sequence",
     doc: "Drives lines and channels with the values of a table.",
     value: KeyType::Table(KEYS),
@@ -51,7 +51,7 @@ pub(super) const SEQUENCE: Verb = Verb {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sequence {
     /// The table.
-    pub table: Arc<Table>,
+    pub table: Arc<ValueTable>,
     /// Places of columns, and the signals that they drive.
     pub columns: Vec<(usize, String)>,
     /// How many times it comes, from 1.
@@ -84,12 +84,12 @@ fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimul
     let name = place.as_text()?;
     let table = match scope.table(name) {
         Ok(table) => table,
-        Err(Fault::Unread(why)) => {
+        Err(TableFault::Unread(why)) => {
             let message = format!("`{name}` cannot be read: {why}");
             out.bad(codes::TABLE_FILE, place, message, "name a file beside the plan, as in \"drive.csv\"");
             return None;
         }
-        Err(Fault::Wrong(found)) => {
+        Err(TableFault::Wrong(found)) => {
             found.into_iter().for_each(|one| out.push(one));
             return None;
         }
@@ -127,7 +127,7 @@ fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimul
 fn columns(
     fields: &document::Fields<'_>,
     file: &Node,
-    table: &Table,
+    table: &ValueTable,
     scope: &dyn StepNames,
     out: &mut Findings,
 ) -> Option<Vec<(usize, String)>> {

@@ -3,9 +3,9 @@
 use document::{Findings, KeySpec, KeyType, Node};
 use signal::Span;
 
-use super::cycle::{Cycle, FREQUENCY, PERIOD, part};
+use super::cycle::{ExactPeriod, FREQUENCY, PERIOD, part};
 use super::{StepNames, table_fields};
-use super::{Stimulus, Verb};
+use super::{StepVerb, Stimulus};
 use crate::codes;
 
 /// Most pulses of one train.
@@ -28,7 +28,7 @@ const KEYS: &[KeySpec] = &[
     ),
 ];
 
-pub(super) const TRAIN: Verb = Verb {
+pub(super) const TRAIN: StepVerb = StepVerb {
     name: "train",
     doc: "Emits a train of pulses.",
     value: KeyType::Table(KEYS),
@@ -36,23 +36,23 @@ pub(super) const TRAIN: Verb = Verb {
     read,
 };
 
-/// A train of pulses. Pulse `n`, counted from 1, rises at [`Train::rises`] and falls at [`Train::falls`] after
+/// A train of pulses. Pulse `n`, counted from 1, rises at [`TrainStimulus::rises`] and falls at [`TrainStimulus::falls`] after
 /// the step, before jitter.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Train {
+pub struct TrainStimulus {
     /// The line.
     pub signal: String,
     /// How many pulses, 1 ..= [`MAX_PULSES`].
     pub count: u32,
     /// From one rising edge to the next.
-    cycle: Cycle,
+    cycle: ExactPeriod,
     /// Millionths of the period that are high, above 0 and below 1 000 000.
     duty: u32,
     /// Each edge is moved by up to this to either side; less than half of the shorter part of a period.
     pub jitter: Span,
 }
 
-impl Train {
+impl TrainStimulus {
     /// From the step to the rising edge of pulse `n` from 1, rounded to the nanosecond.
     pub fn rises(&self, n: u32) -> Span {
         self.edge(u128::from(n.saturating_sub(1)) * 1_000_000)
@@ -82,10 +82,10 @@ impl Train {
 fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
     let fields = table_fields(node, KEYS)?;
     let signal = scope.whole_signal(fields.get("signal")?, out);
-    let cycle = Cycle::read(&fields, node, "train", out);
+    let cycle = ExactPeriod::read(&fields, node, "train", out);
     let duty = part(&fields, "duty", out);
     let count = u32::try_from(fields.integer("count")?).unwrap_or(MAX_PULSES);
-    let train = Train {
+    let train = TrainStimulus {
         signal: signal?,
         count,
         cycle: cycle?,
@@ -120,10 +120,10 @@ mod tests {
     // A period of 333 333.3 ns must not drift over a train: edges are rounded one by one.
     #[test]
     fn a_train_does_not_drift() {
-        let train = Train {
+        let train = TrainStimulus {
             signal: "a".into(),
             count: 30_000,
-            cycle: Cycle::of_millihertz(3_000_000),
+            cycle: ExactPeriod::of_millihertz(3_000_000),
             duty: 500_000,
             jitter: Span::ZERO,
         };

@@ -6,9 +6,9 @@
 use document::{Data, Fields, Findings, KeySpec, KeyType, Node};
 use signal::{Decimal, Quantity, QuantityRange, Span, Unit};
 
-use super::cycle::{Cycle, FREQUENCY, PERIOD, millionths, part};
+use super::cycle::{ExactPeriod, FREQUENCY, PERIOD, millionths, part};
 use super::drive::above_zero;
-use super::{MAX_PULSES, Stimulus, Verb};
+use super::{MAX_PULSES, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 use crate::codes;
 
@@ -98,7 +98,7 @@ const NOISE_KEYS: &[KeySpec] = &[
     SAMPLE,
 ];
 
-pub(super) const RAMP: Verb = Verb {
+pub(super) const RAMP: StepVerb = StepVerb {
     name: "ramp",
     doc: "Drives a channel evenly from one value to another.",
     value: KeyType::Table(RAMP_KEYS),
@@ -106,7 +106,7 @@ pub(super) const RAMP: Verb = Verb {
     read: read_ramp,
 };
 
-pub(super) const SINE: Verb = Verb {
+pub(super) const SINE: StepVerb = StepVerb {
     name: "sine",
     doc: "Drives a channel with a sine wave.",
     value: KeyType::Table(SINE_KEYS),
@@ -114,7 +114,7 @@ pub(super) const SINE: Verb = Verb {
     read: |node, scope, out| read_periodic(node, SINE_KEYS, "sine", scope, out),
 };
 
-pub(super) const TRIANGLE: Verb = Verb {
+pub(super) const TRIANGLE: StepVerb = StepVerb {
     name: "triangle",
     doc: "Drives a channel with a triangle or a sawtooth.",
     value: KeyType::Table(TRIANGLE_KEYS),
@@ -122,7 +122,7 @@ pub(super) const TRIANGLE: Verb = Verb {
     read: |node, scope, out| read_periodic(node, TRIANGLE_KEYS, "triangle", scope, out),
 };
 
-pub(super) const SQUARE: Verb = Verb {
+pub(super) const SQUARE: StepVerb = StepVerb {
     name: "square",
     doc: "Drives a line or channel with a square wave.",
     value: KeyType::Table(SQUARE_KEYS),
@@ -130,7 +130,7 @@ pub(super) const SQUARE: Verb = Verb {
     read: |node, scope, out| read_periodic(node, SQUARE_KEYS, "square", scope, out),
 };
 
-pub(super) const NOISE: Verb = Verb {
+pub(super) const NOISE: StepVerb = StepVerb {
     name: "noise",
     doc: "Drives a channel with values out of the seed.",
     value: KeyType::Table(NOISE_KEYS),
@@ -144,7 +144,7 @@ pub struct Wave {
     /// The line or channel.
     pub signal: String,
     /// The rule.
-    pub shape: Shape,
+    pub shape: WaveShape,
     /// How long it lasts, above 0; `None`: until something else drives the line, or the end.
     pub lasts: Option<Span>,
     /// From one value to the next, above 0. A square wave has its edges instead.
@@ -153,7 +153,7 @@ pub struct Wave {
 
 /// The rule by which a value changes.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum WaveShape {
     /// Evenly from one value to another.
     Ramp {
         /// Where it begins; `None`: where the line is.
@@ -162,18 +162,18 @@ pub enum Shape {
         to: Quantity,
     },
     /// A sine: from the middle of its range upwards.
-    Sine(Periodic),
+    Sine(PeriodicWave),
     /// A triangle: from the least value upwards.
     Triangle {
         /// What it has of every period.
-        periodic: Periodic,
+        periodic: PeriodicWave,
         /// Millionths of the period in which it rises, 0 ..= 1 000 000.
         rise: u32,
     },
     /// A square wave: high, then low.
     Square {
         /// What it has of every period.
-        periodic: Periodic,
+        periodic: PeriodicWave,
         /// Millionths of the period that are high, above 0 and below 1 000 000.
         duty: u32,
     },
@@ -188,18 +188,18 @@ pub enum Shape {
 
 /// What repeats.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Periodic {
+pub struct PeriodicWave {
     /// From the least to the greatest value, both ends there; `None`: FALSE and TRUE.
     pub range: Option<QuantityRange>,
     /// The period.
-    pub cycle: Cycle,
-    /// Where in its period it begins, in parts of [`Periodic::WHOLE`].
+    pub cycle: ExactPeriod,
+    /// Where in its period it begins, in parts of [`PeriodicWave::WHOLE`].
     pub phase: u32,
     /// How many whole periods it lasts, where the plan says that.
     pub count: Option<u32>,
 }
 
-impl Periodic {
+impl PeriodicWave {
     /// A period in the parts that a phase is given in: both a millionth of it and a millionth of a degree are whole.
     pub const WHOLE: u32 = 360_000_000;
 }
@@ -208,7 +208,9 @@ impl Wave {
     /// Edges that a line must be able to follow, in thousandths of a Hertz, where it is a line.
     pub fn millihertz(&self) -> Option<u64> {
         match &self.shape {
-            Shape::Square { periodic: Periodic { range: None, cycle, .. }, .. } => Some(cycle.millihertz()),
+            WaveShape::Square { periodic: PeriodicWave { range: None, cycle, .. }, .. } => {
+                Some(cycle.millihertz())
+            }
             _ => None,
         }
     }
@@ -216,7 +218,7 @@ impl Wave {
     /// The shortest time that a square wave keeps a level; 0 of any other wave.
     pub fn shortest(&self) -> Span {
         match &self.shape {
-            Shape::Square { periodic, duty } => {
+            WaveShape::Square { periodic, duty } => {
                 let high = periodic.cycle.after(u128::from(*duty), 1_000_000);
                 high.min(periodic.cycle.after(1, 1) - high)
             }
@@ -227,11 +229,11 @@ impl Wave {
     /// The verb that it is written with.
     pub fn verb(&self) -> &'static str {
         match self.shape {
-            Shape::Ramp { .. } => "ramp",
-            Shape::Sine(_) => "sine",
-            Shape::Triangle { .. } => "triangle",
-            Shape::Square { .. } => "square",
-            Shape::Noise { .. } => "noise",
+            WaveShape::Ramp { .. } => "ramp",
+            WaveShape::Sine(_) => "sine",
+            WaveShape::Triangle { .. } => "triangle",
+            WaveShape::Square { .. } => "square",
+            WaveShape::Noise { .. } => "noise",
         }
     }
 }
@@ -254,7 +256,7 @@ fn read_ramp(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<S
     let sample = sample(&fields, Some(lasts), None, out)?;
     Some(Stimulus::Wave(Wave {
         signal: signal?,
-        shape: Shape::Ramp { from, to },
+        shape: WaveShape::Ramp { from, to },
         lasts: Some(lasts),
         sample,
     }))
@@ -275,7 +277,12 @@ fn read_noise(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<
     }
     let lasts = if fields.has("lasts") { Some(above_zero(&fields, "lasts", out)?) } else { None };
     let sample = sample(&fields, lasts, None, out)?;
-    Some(Stimulus::Wave(Wave { signal: signal?, shape: Shape::Noise { range, deviation }, lasts, sample }))
+    Some(Stimulus::Wave(Wave {
+        signal: signal?,
+        shape: WaveShape::Noise { range, deviation },
+        lasts,
+        sample,
+    }))
 }
 
 fn read_periodic(
@@ -292,7 +299,7 @@ fn read_periodic(
         _ => scope.signal(fields.get("signal")?, out),
     };
     let range = if fields.has("range") { Some(range(&fields, out)?) } else { None };
-    let cycle = Cycle::read(&fields, node, &format!("{verb} wave"), out)?;
+    let cycle = ExactPeriod::read(&fields, node, &format!("{verb} wave"), out)?;
     let phase = phase(&fields, out)?;
     if let (true, Some(place)) = (fields.has("lasts"), fields.get("count")) {
         let message = "the wave has both `lasts` and `count`";
@@ -309,7 +316,7 @@ fn read_periodic(
         out.bad(codes::WAVE, node, "the wave lasts longer than 292 years", "lower its `count`");
         return None;
     }
-    let periodic = Periodic { range, cycle, phase, count };
+    let periodic = PeriodicWave { range, cycle, phase, count };
     let (shape, sample) = match verb {
         "square" => {
             let duty = part(&fields, "duty", out)?;
@@ -319,13 +326,13 @@ fn read_periodic(
                 out.bad(codes::WAVE, node, message, "lower the frequency, or take a duty nearer to 50 %");
                 return None;
             }
-            (Shape::Square { periodic, duty }, cycle.after(1, 1))
+            (WaveShape::Square { periodic, duty }, cycle.after(1, 1))
         }
         "triangle" => {
             let sample = sample(&fields, lasts, Some(cycle), out)?;
-            (Shape::Triangle { periodic, rise: rise(&fields, out)? }, sample)
+            (WaveShape::Triangle { periodic, rise: rise(&fields, out)? }, sample)
         }
-        _ => (Shape::Sine(periodic), sample(&fields, lasts, Some(cycle), out)?),
+        _ => (WaveShape::Sine(periodic), sample(&fields, lasts, Some(cycle), out)?),
     };
     Some(Stimulus::Wave(Wave { signal: signal?, shape, lasts, sample }))
 }
@@ -376,7 +383,7 @@ fn fits(deviation: &Quantity, range: &QuantityRange) -> bool {
 fn sample(
     fields: &Fields<'_>,
     lasts: Option<Span>,
-    cycle: Option<Cycle>,
+    cycle: Option<ExactPeriod>,
     out: &mut Findings,
 ) -> Option<Span> {
     let sample = if fields.has("sample") { above_zero(fields, "sample", out)? } else { SAMPLE_PERIOD };
@@ -410,7 +417,7 @@ fn phase(fields: &Fields<'_>, out: &mut Findings) -> Option<u32> {
         u32::try_from(degrees.shifted(6).as_whole()?).ok()
     };
     let read = millionths(node).and_then(|part| part.checked_mul(360)).or_else(degrees);
-    let read = read.filter(|phase| *phase < Periodic::WHOLE);
+    let read = read.filter(|phase| *phase < PeriodicWave::WHOLE);
     if read.is_none() {
         let message = "`phase` is not a place in the period";
         let help = "write degrees below 360 or per cent below 100, as in \"90 deg\" or \"25 %\"";

@@ -1,21 +1,21 @@
 //! Changes as a reader finds them, bounded.
 
-use crate::{Change, Channel, MAX_CHANGES, MAX_CHANNELS, Shape};
+use crate::{CapturedChange, CapturedChannel, ChannelType, MAX_CHANGES, MAX_CHANNELS};
 use signal::{Value, When};
 use std::collections::BTreeSet;
 
 /// Channels and changes while a file is read.
 #[derive(Debug, Default)]
-pub(crate) struct Builder {
-    pub(crate) channels: Vec<Channel>,
-    pub(crate) changes: Vec<Change>,
+pub(crate) struct CaptureBuilder {
+    pub(crate) channels: Vec<CapturedChannel>,
+    pub(crate) changes: Vec<CapturedChange>,
     names: BTreeSet<String>,
     last: Vec<Option<Value>>,
 }
 
-impl Builder {
+impl CaptureBuilder {
     /// Adds a channel; `None` where there are too many. A name that is taken gets a number behind it.
-    pub(crate) fn channel(&mut self, name: &str, unit: &str, shape: Shape) -> Option<u32> {
+    pub(crate) fn channel(&mut self, name: &str, unit: &str, shape: ChannelType) -> Option<u32> {
         if self.channels.len() >= MAX_CHANNELS {
             return None;
         }
@@ -25,7 +25,7 @@ impl Builder {
             unique = format!("{name}_{copy}");
             copy += 1;
         }
-        self.channels.push(Channel { name: unique, unit: unit.to_owned(), shape });
+        self.channels.push(CapturedChannel { name: unique, unit: unit.to_owned(), shape });
         self.last.push(None);
         Some(self.channels.len() as u32 - 1)
     }
@@ -48,7 +48,7 @@ impl Builder {
             return false;
         }
         self.last[channel as usize] = Some(value);
-        self.changes.push(Change { channel, at, value });
+        self.changes.push(CapturedChange { channel, at, value });
         true
     }
 

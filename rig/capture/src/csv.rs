@@ -3,9 +3,9 @@
 //! The header names the unit of the first column: `time [ms]`, `t (us)`, `Time/s`, `microseconds`. Rows at even
 //! distances are samples. Between uneven rows a change lies anywhere, unless the user says the time between samples.
 
-use crate::builder::{Builder, FEWER, too_many_changes, too_many_channels};
+use crate::builder::{CaptureBuilder, FEWER, too_many_changes, too_many_channels};
 use crate::time::nanos;
-use crate::{Capture, CaptureError, Knowledge, Shape};
+use crate::{Capture, CaptureError, ChannelType, Knowledge};
 use signal::{Decimal, Span, Time, Value, When};
 
 /// The separators that a header is tried with.
@@ -35,7 +35,7 @@ pub fn read(bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError>
             "begin with a line such as `time [s],lamp`",
         ));
     };
-    let mut table = Table::new(at, header)?;
+    let mut table = CsvTable::new(at, header)?;
     let rows: Vec<(u64, &str)> = lines.collect();
     if let Some(names) = named
         && names.len() == table.names.len()
@@ -80,15 +80,15 @@ fn power(column: &str) -> Option<i32> {
     }
 }
 
-struct Table {
+struct CsvTable {
     separator: char,
     power: i32,
     /// Name and unit of each column behind the first.
     names: Vec<(String, String)>,
 }
 
-impl Table {
-    fn new(at: u64, header: &str) -> Result<Table, CaptureError> {
+impl CsvTable {
+    fn new(at: u64, header: &str) -> Result<CsvTable, CaptureError> {
         let separator = SEPARATORS.into_iter().find(|separator| header.contains(*separator));
         let Some(separator) = separator else {
             let mend = "the first column is the time, each further one a channel, with commas between";
@@ -100,13 +100,13 @@ impl Table {
             let what = format!("the first column, `{}`, names no unit of time", first.trim());
             return Err(CaptureError::line(at, what, "write `time [s]`, with s, ms, us, ns or ps"));
         };
-        Ok(Table { separator, power, names: columns.map(name_and_unit).collect() })
+        Ok(CsvTable { separator, power, names: columns.map(name_and_unit).collect() })
     }
 
     fn read(&self, rows: &[(u64, &str)], period: Option<Span>) -> Result<Capture, CaptureError> {
-        let mut builder = Builder::default();
+        let mut builder = CaptureBuilder::default();
         for (name, unit) in &self.names {
-            let added = builder.channel(name, unit, Shape::Bit);
+            let added = builder.channel(name, unit, ChannelType::Bit);
             added.ok_or_else(|| CaptureError::whole(too_many_channels(), "leave columns out"))?;
         }
         let mut before: Option<(i64, i64)> = None;
@@ -133,7 +133,7 @@ impl Table {
             return Err(CaptureError::whole("the table has no rows", "a capture has one row at least"));
         };
         shape(&mut builder);
-        let Builder { channels, changes, .. } = builder;
+        let CaptureBuilder { channels, changes, .. } = builder;
         let knowledge = Knowledge::Sampled(period.unwrap_or(Span::from_nanos(steps.widest)));
         let span = [Time::from_nanos(first), Time::from_nanos(last.1)];
         Ok(Capture { channels, changes, knowledge, span, notes: Vec::new() })
@@ -158,7 +158,7 @@ impl Table {
 
     fn cell(
         &self,
-        builder: &mut Builder,
+        builder: &mut CaptureBuilder,
         column: u32,
         cell: &str,
         (before, now): (Option<(i64, i64)>, (i64, i64)),
@@ -221,22 +221,22 @@ fn value(cell: &str) -> Option<Value> {
 }
 
 /// Gives every column the shape that all its values have, and its values that shape.
-fn shape(builder: &mut Builder) {
+fn shape(builder: &mut CaptureBuilder) {
     for change in &builder.changes {
         let shape = match change.value {
-            Value::Real(_) => Shape::Real,
-            Value::Int(n) if n != 0 && n != 1 => Shape::Whole,
-            _ => Shape::Bit,
+            Value::Real(_) => ChannelType::Real,
+            Value::Int(n) if n != 0 && n != 1 => ChannelType::Whole,
+            _ => ChannelType::Bit,
         };
         let known = &mut builder.channels[change.channel as usize].shape;
-        if *known == Shape::Bit || shape == Shape::Real {
+        if *known == ChannelType::Bit || shape == ChannelType::Real {
             *known = shape;
         }
     }
     for change in &mut builder.changes {
         change.value = match (builder.channels[change.channel as usize].shape, change.value) {
-            (Shape::Bit, Value::Int(n)) => Value::Bool(n == 1),
-            (Shape::Real, value) => value.as_real().map_or(value, Value::Real),
+            (ChannelType::Bit, Value::Int(n)) => Value::Bool(n == 1),
+            (ChannelType::Real, value) => value.as_real().map_or(value, Value::Real),
             (_, value) => value,
         };
     }

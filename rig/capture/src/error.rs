@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Where in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum CapturePlace {
     /// The file as a whole.
     Whole,
     /// A line, from 1.
@@ -17,7 +17,7 @@ pub enum Place {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaptureError {
     /// Where.
-    pub place: Place,
+    pub place: CapturePlace,
     /// What is wrong.
     pub what: String,
     /// What to do about it; may be empty.
@@ -27,26 +27,26 @@ pub struct CaptureError {
 impl CaptureError {
     /// Something wrong with the whole file.
     pub(crate) fn whole(what: impl Into<String>, mend: &'static str) -> CaptureError {
-        CaptureError { place: Place::Whole, what: what.into(), mend }
+        CaptureError { place: CapturePlace::Whole, what: what.into(), mend }
     }
 
     /// Something wrong in a line.
     pub(crate) fn line(line: u64, what: impl Into<String>, mend: &'static str) -> CaptureError {
-        CaptureError { place: Place::Line(line), what: what.into(), mend }
+        CaptureError { place: CapturePlace::Line(line), what: what.into(), mend }
     }
 
     /// Something wrong with a file in the archive.
     pub(crate) fn entry(name: &str, what: impl Into<String>, mend: &'static str) -> CaptureError {
-        CaptureError { place: Place::Entry(name.to_owned()), what: what.into(), mend }
+        CaptureError { place: CapturePlace::Entry(name.to_owned()), what: what.into(), mend }
     }
 }
 
 impl fmt::Display for CaptureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.place {
-            Place::Whole => f.write_str(&self.what),
-            Place::Line(line) => write!(f, "line {line}: {}", self.what),
-            Place::Entry(name) => write!(f, "{name}: {}", self.what),
+            CapturePlace::Whole => f.write_str(&self.what),
+            CapturePlace::Line(line) => write!(f, "line {line}: {}", self.what),
+            CapturePlace::Entry(name) => write!(f, "{name}: {}", self.what),
         }
     }
 }

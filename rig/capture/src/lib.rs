@@ -15,7 +15,7 @@ mod time;
 pub mod vcd;
 pub mod zip;
 
-pub use error::{CaptureError, Place};
+pub use error::{CaptureError, CapturePlace};
 
 use signal::{Span, Value, When};
 
@@ -41,7 +41,7 @@ pub enum Knowledge {
 
 /// What the values of a channel look like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub enum ChannelType {
     /// 0 or 1.
     Bit,
     /// Whole numbers.
@@ -52,18 +52,18 @@ pub enum Shape {
 
 /// A channel.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Channel {
+pub struct CapturedChannel {
     /// Its name; unique in its capture.
     pub name: String,
     /// Its unit, empty where the file has none.
     pub unit: String,
     /// What its values look like.
-    pub shape: Shape,
+    pub shape: ChannelType,
 }
 
 /// A change of a channel: [`Value::Bool`], [`Value::Word`], [`Value::Int`], [`Value::Real`], or not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Change {
+pub struct CapturedChange {
     /// Place of the channel.
     pub channel: u32,
     /// When, in the file's own time.
@@ -76,9 +76,9 @@ pub struct Change {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capture {
     /// The channels.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<CapturedChannel>,
     /// The changes, in the order of their latest instants.
-    pub changes: Vec<Change>,
+    pub changes: Vec<CapturedChange>,
     /// How they came to be known.
     pub knowledge: Knowledge,
     /// The first and the last instant that the capture tells of.
@@ -89,7 +89,7 @@ pub struct Capture {
 
 /// The formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum CaptureFormat {
     /// A value change dump.
     Vcd,
     /// A table.
@@ -98,17 +98,17 @@ pub enum Format {
     Sigrok,
 }
 
-impl Format {
+impl CaptureFormat {
     /// The format of a file by its first bytes, or else, for tables, by the ending of its name.
-    pub fn of(head: &[u8], name: &str) -> Option<Format> {
+    pub fn of(head: &[u8], name: &str) -> Option<CaptureFormat> {
         let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase());
         if head.starts_with(b"PK") {
-            return Some(Format::Sigrok);
+            return Some(CaptureFormat::Sigrok);
         }
         if head.trim_ascii_start().starts_with(b"$") {
-            return Some(Format::Vcd);
+            return Some(CaptureFormat::Vcd);
         }
-        matches!(ending.as_deref(), Some("csv" | "tsv")).then_some(Format::Csv)
+        matches!(ending.as_deref(), Some("csv" | "tsv")).then_some(CaptureFormat::Csv)
     }
 }
 
@@ -116,10 +116,10 @@ impl Format {
 ///
 /// # Errors
 /// [`CaptureError`] with the place in the file.
-pub fn read(format: Format, bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError> {
+pub fn read(format: CaptureFormat, bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError> {
     match format {
-        Format::Vcd => vcd::read(bytes, period),
-        Format::Csv => csv::read(bytes, period),
-        Format::Sigrok => sigrok::read(bytes, period),
+        CaptureFormat::Vcd => vcd::read(bytes, period),
+        CaptureFormat::Csv => csv::read(bytes, period),
+        CaptureFormat::Sigrok => sigrok::read(bytes, period),
     }
 }

@@ -1,10 +1,10 @@
 //! Sessions of sigrok (`.sr`), which sigrok-cli and PulseView write: an archive with `metadata`, the samples of all
 //! logic channels in `logic-1-1`, `logic-1-2`, ..., and those of each analog channel in `analog-1-N-1`, ....
 
-use crate::builder::{Builder, FEWER, too_many_changes, too_many_channels};
+use crate::builder::{CaptureBuilder, FEWER, too_many_changes, too_many_channels};
 use crate::time::{hertz, period as period_of};
-use crate::zip::{self, Entry};
-use crate::{Capture, CaptureError, Knowledge, Shape};
+use crate::zip::{self, ZipEntry};
+use crate::{Capture, CaptureError, ChannelType, Knowledge};
 use signal::{Span, Time, Value, When};
 
 /// The most bytes of samples that are unpacked.
@@ -40,7 +40,7 @@ pub fn read(bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError>
     }
     let text = metadata.unpack(bytes)?;
     let device = Device::read(&String::from_utf8_lossy(&text), period)?;
-    let mut builder = Builder::default();
+    let mut builder = CaptureBuilder::default();
     let mut samples = 0;
     if !device.logic.is_empty() {
         samples = device.logic_samples(bytes, &entries, &mut builder)?;
@@ -49,7 +49,7 @@ pub fn read(bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError>
         let taken = device.analog_samples(bytes, &entries, (*number, name), &mut builder)?;
         samples = samples.max(taken);
     }
-    let Builder { channels, mut changes, .. } = builder;
+    let CaptureBuilder { channels, mut changes, .. } = builder;
     changes.sort_by_key(|change| change.at.latest);
     let end = device.instant(samples);
     Ok(Capture {
@@ -160,12 +160,12 @@ impl Device {
     fn logic_samples(
         &self,
         bytes: &[u8],
-        entries: &[Entry],
-        builder: &mut Builder,
+        entries: &[ZipEntry],
+        builder: &mut CaptureBuilder,
     ) -> Result<u64, CaptureError> {
         let mut channels = Vec::new();
         for (number, name) in &self.logic {
-            let channel = builder.channel(name, "", Shape::Bit);
+            let channel = builder.channel(name, "", ChannelType::Bit);
             let channel = channel.ok_or_else(|| CaptureError::whole(too_many_channels(), "save fewer"))?;
             channels.push((number - 1, channel));
         }
@@ -195,11 +195,11 @@ impl Device {
     fn analog_samples(
         &self,
         bytes: &[u8],
-        entries: &[Entry],
+        entries: &[ZipEntry],
         (number, name): (usize, &str),
-        builder: &mut Builder,
+        builder: &mut CaptureBuilder,
     ) -> Result<u64, CaptureError> {
-        let channel = builder.channel(name, "", Shape::Real);
+        let channel = builder.channel(name, "", ChannelType::Real);
         let channel = channel.ok_or_else(|| CaptureError::whole(too_many_channels(), "save fewer"))?;
         let mut sample = 0;
         for entry in parts(entries, &format!("analog-1-{number}")) {
@@ -217,9 +217,9 @@ impl Device {
 }
 
 /// The parts of a stream of samples, `NAME-1`, `NAME-2`, ..., in order.
-fn parts<'a>(entries: &'a [Entry], name: &str) -> Vec<&'a Entry> {
-    let number = |entry: &Entry| entry.name.strip_prefix(name)?.strip_prefix('-')?.parse::<u64>().ok();
-    let mut parts: Vec<(u64, &Entry)> =
+fn parts<'a>(entries: &'a [ZipEntry], name: &str) -> Vec<&'a ZipEntry> {
+    let number = |entry: &ZipEntry| entry.name.strip_prefix(name)?.strip_prefix('-')?.parse::<u64>().ok();
+    let mut parts: Vec<(u64, &ZipEntry)> =
         entries.iter().filter_map(|entry| Some((number(entry)?, entry))).collect();
     parts.sort_by_key(|(number, _)| *number);
     parts.into_iter().map(|(_, entry)| entry).collect()

@@ -3,9 +3,9 @@
 //! A change at a timestamp lies within the timescale before it; within the time between two samples where the file
 //! (sigrok's comment) or the user says it. A dump of the rig itself says in comments what its trace knew.
 
-use crate::builder::{Builder, FEWER, too_many_changes, too_many_channels};
+use crate::builder::{CaptureBuilder, FEWER, too_many_changes, too_many_channels};
 use crate::time::{hertz, period as period_of, ticks};
-use crate::{Capture, CaptureError, Knowledge, Shape};
+use crate::{Capture, CaptureError, ChannelType, Knowledge};
 use signal::{Span, Time, Value, When};
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -19,11 +19,11 @@ const OWN: &str = "rig ";
 /// # Errors
 /// [`CaptureError`] with the line.
 pub fn read(bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError> {
-    let mut reader = Reader {
+    let mut reader = VcdReader {
         period,
         femtoseconds: 1_000_000,
         codes: BTreeMap::new(),
-        builder: Builder::default(),
+        builder: CaptureBuilder::default(),
         first: None,
         now: (Time::ZERO, Time::ZERO),
         ticks: 0,
@@ -58,12 +58,12 @@ fn plain(error: &std::io::Error) -> String {
     }
 }
 
-struct Reader {
+struct VcdReader {
     period: Option<Span>,
     femtoseconds: u64,
     /// The channels of a code: one code may stand for several names.
     codes: BTreeMap<IdCode, Vec<u32>>,
-    builder: Builder,
+    builder: CaptureBuilder,
     first: Option<Time>,
     /// The instant, as the nanoseconds at or before and at or after it.
     now: (Time, Time),
@@ -78,7 +78,7 @@ struct Reader {
 
 type Wrong = (String, &'static str);
 
-impl Reader {
+impl VcdReader {
     fn take(&mut self, command: Command) -> Result<(), Wrong> {
         match command {
             Command::Comment(text) => self.comment(&text),
@@ -93,9 +93,9 @@ impl Reader {
             Command::VarDef(kind, width, code, name, index) => {
                 let name = index.map_or_else(|| name.clone(), |index| format!("{name}{index}"));
                 let shape = match (kind, width) {
-                    (VarType::Real, _) => Shape::Real,
-                    (_, 1) => Shape::Bit,
-                    _ => Shape::Whole,
+                    (VarType::Real, _) => ChannelType::Real,
+                    (_, 1) => ChannelType::Bit,
+                    _ => ChannelType::Whole,
                 };
                 let channel = self.builder.channel(&name, "", shape);
                 let channel = channel.ok_or_else(|| (too_many_channels(), "dump fewer"))?;
@@ -169,7 +169,7 @@ impl Reader {
             None if self.own => Knowledge::Own,
             None => Knowledge::Edges(unit),
         };
-        let Builder { channels, mut changes, .. } = self.builder;
+        let CaptureBuilder { channels, mut changes, .. } = self.builder;
         let first = self.first.unwrap_or_default();
         let widths: Vec<i64> = channels
             .iter()

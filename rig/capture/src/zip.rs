@@ -14,7 +14,7 @@ const AGAIN: &str = "save it again: a part is missing or damaged";
 
 /// A file of an archive, where it stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct ZipEntry {
     /// Its name.
     pub name: String,
     method: u16,
@@ -38,7 +38,7 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
 ///
 /// # Errors
 /// [`CaptureError`]: no archive, a damaged one, or one with more than is read here.
-pub fn entries(bytes: &[u8]) -> Result<Vec<Entry>, CaptureError> {
+pub fn entries(bytes: &[u8]) -> Result<Vec<ZipEntry>, CaptureError> {
     let damaged = || CaptureError::whole("no whole archive", AGAIN);
     // The end of the directory stands before a comment of at most 65535 bytes.
     let least = bytes.len().saturating_sub(22 + 65_535);
@@ -57,14 +57,14 @@ pub fn entries(bytes: &[u8]) -> Result<Vec<Entry>, CaptureError> {
 }
 
 /// The entry of the directory at this byte, and where the next one stands.
-fn entry(bytes: &[u8], at: usize) -> Option<(Entry, usize)> {
+fn entry(bytes: &[u8], at: usize) -> Option<(ZipEntry, usize)> {
     let head = bytes.get(at..)?;
     if !head.starts_with(b"PK\x01\x02") {
         return None;
     }
     let lengths = [u16_at(head, 28)?, u16_at(head, 30)?, u16_at(head, 32)?].map(usize::from);
     let name = head.get(46..46 + lengths[0])?;
-    let entry = Entry {
+    let entry = ZipEntry {
         name: String::from_utf8_lossy(name).into_owned(),
         method: u16_at(head, 10)?,
         crc: u32::try_from(u32_at(head, 16)?).ok()?,
@@ -75,7 +75,7 @@ fn entry(bytes: &[u8], at: usize) -> Option<(Entry, usize)> {
     Some((entry, at + 46 + lengths.iter().sum::<usize>()))
 }
 
-impl Entry {
+impl ZipEntry {
     /// Its size when it is unpacked, as the directory says.
     pub fn size(&self) -> usize {
         self.size

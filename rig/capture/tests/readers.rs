@@ -1,7 +1,7 @@
 //! Captures of real instruments are read as they are, broken ones are refused with their place, and nothing panics.
 
 use proptest::prelude::*;
-use scanrig_capture::{Capture, CaptureError, Format, Knowledge, Place, Shape, read};
+use scanrig_capture::{Capture, CaptureError, CaptureFormat, CapturePlace, ChannelType, Knowledge, read};
 use signal::{Span, Time, Value, When};
 
 const LAMP: &[u8] = include_bytes!("files/lamp.sr");
@@ -22,20 +22,23 @@ fn changes(capture: &Capture, name: &str) -> Vec<(When, Value)> {
     capture.changes.iter().filter(|change| change.channel == channel).map(|c| (c.at, c.value)).collect()
 }
 
-fn refused(format: Format, text: &str) -> CaptureError {
+fn refused(format: CaptureFormat, text: &str) -> CaptureError {
     read(format, text.as_bytes(), None).expect_err(text)
 }
 
 #[test]
 fn formats_are_told_by_their_beginning() {
-    assert_eq!(Format::of(LAMP, "x.bin"), Some(Format::Sigrok));
-    assert_eq!(Format::of(b"\n $date", "x"), Some(Format::Vcd));
-    assert_eq!((Format::of(b"time", "a.CSV"), Format::of(b"time", "a.txt")), (Some(Format::Csv), None));
+    assert_eq!(CaptureFormat::of(LAMP, "x.bin"), Some(CaptureFormat::Sigrok));
+    assert_eq!(CaptureFormat::of(b"\n $date", "x"), Some(CaptureFormat::Vcd));
+    assert_eq!(
+        (CaptureFormat::of(b"time", "a.CSV"), CaptureFormat::of(b"time", "a.txt")),
+        (Some(CaptureFormat::Csv), None)
+    );
 }
 
 #[test]
 fn a_session_of_sigrok() {
-    let capture = read(Format::Sigrok, LAMP, None).unwrap();
+    let capture = read(CaptureFormat::Sigrok, LAMP, None).unwrap();
     assert_eq!(capture.knowledge, Knowledge::Sampled(Span::from_micros(100)));
     assert_eq!(capture.span, [Time::ZERO, Time::from_nanos(3_600_000_000)]);
     let on = Value::Bool(true);
@@ -45,16 +48,16 @@ fn a_session_of_sigrok() {
     );
     assert_eq!(changes(&capture, "1")[1], (within(3_020_000_000, 3_020_100_000), on));
     // The user knows the rate better.
-    let slower = read(Format::Sigrok, LAMP, Some(Span::from_millis(1))).unwrap();
+    let slower = read(CaptureFormat::Sigrok, LAMP, Some(Span::from_millis(1))).unwrap();
     assert_eq!(changes(&slower, "0")[1].0, within(24_999_000_000, 25_000_000_000));
 }
 
 #[test]
 fn a_session_with_an_analog_channel() {
-    let capture = read(Format::Sigrok, DEMO, None).unwrap();
+    let capture = read(CaptureFormat::Sigrok, DEMO, None).unwrap();
     let shapes: Vec<_> =
         capture.channels.iter().map(|channel| (channel.name.as_str(), channel.shape)).collect();
-    assert_eq!(shapes, [("D0", Shape::Bit), ("A0", Shape::Real)]);
+    assert_eq!(shapes, [("D0", ChannelType::Bit), ("A0", ChannelType::Real)]);
     assert!(
         changes(&capture, "A0").iter().all(|(_, value)| matches!(value, Value::Real(v) if v.abs() < 20.0))
     );
@@ -63,10 +66,10 @@ fn a_session_with_an_analog_channel() {
 
 #[test]
 fn dumps_of_sigrok_are_sampled_and_those_of_the_rig_exact() {
-    let session = read(Format::Sigrok, LAMP, None).unwrap();
-    let dump = read(Format::Vcd, SIGROK_VCD, None).unwrap();
+    let session = read(CaptureFormat::Sigrok, LAMP, None).unwrap();
+    let dump = read(CaptureFormat::Vcd, SIGROK_VCD, None).unwrap();
     assert_eq!((&dump.changes, dump.knowledge), (&session.changes, session.knowledge));
-    let own = read(Format::Vcd, RIG_VCD, None).unwrap();
+    let own = read(CaptureFormat::Vcd, RIG_VCD, None).unwrap();
     assert_eq!(own.knowledge, Knowledge::Own);
     assert_eq!(
         changes(&own, "lamp").last(),
@@ -80,7 +83,7 @@ fn every_kind_of_a_dump() {
     let text = "$timescale 10 ns $end $scope module a $end $var wire 1 ! a $end $var wire 8 # n $end \
                 $var real 64 % r $end $var wire 1 ! b $end $upscope $end $enddefinitions $end \
                 #0 0! b0 # r1.5 % #5 1! b101 # #7 x! bx1 # r-2 % #8 z! b0 #";
-    let capture = read(Format::Vcd, text.as_bytes(), None).unwrap();
+    let capture = read(CaptureFormat::Vcd, text.as_bytes(), None).unwrap();
     assert_eq!(capture.knowledge, Knowledge::Edges(Span::from_nanos(10)));
     let values = |name| changes(&capture, name).into_iter().map(|(_, value)| value).collect::<Vec<_>>();
     assert_eq!(values("a"), [Value::Bool(false), Value::Bool(true), Value::Unknown, Value::HighZ]);
@@ -94,14 +97,14 @@ fn every_kind_of_a_dump() {
 fn a_dump_of_the_rig_says_how_wide_its_changes_are() {
     let text = "$version rig 0.1.0 $end $timescale 1 ns $end $var wire 1 ! a $end $var wire 1 # b $end \
                 $enddefinitions $end #0 0! 0# #50 1! 1# $comment widest a 20 ns $end $comment widest b ? $end";
-    let capture = read(Format::Vcd, text.as_bytes(), None).unwrap();
+    let capture = read(CaptureFormat::Vcd, text.as_bytes(), None).unwrap();
     assert_eq!(changes(&capture, "a")[1].0, within(30, 50));
     assert_eq!(changes(&capture, "b")[1].0, within(0, 50));
 }
 
 #[test]
 fn a_table_of_sigrok_takes_its_names_from_the_comment() {
-    let capture = read(Format::Csv, SIGROK_CSV, None).unwrap();
+    let capture = read(CaptureFormat::Csv, SIGROK_CSV, None).unwrap();
     let names: Vec<&str> = capture.channels.iter().map(|channel| channel.name.as_str()).collect();
     assert_eq!(names, ["D0", "D1", "D2"]);
     assert_eq!(capture.knowledge, Knowledge::Sampled(Span::from_micros(1)));
@@ -116,18 +119,18 @@ fn a_table_of_sigrok_takes_its_names_from_the_comment() {
 
 #[test]
 fn between_rows_anything_may_be() {
-    let capture = read(Format::Csv, EDGES, None).unwrap();
+    let capture = read(CaptureFormat::Csv, EDGES, None).unwrap();
     assert_eq!(changes(&capture, "lamp")[1], (within(1_000_000_000, 1_520_035_000), Value::Bool(true)));
     assert_eq!(capture.knowledge, Knowledge::Sampled(Span::from_millis(1_500)));
-    let told = read(Format::Csv, EDGES, Some(Span::from_micros(2))).unwrap();
+    let told = read(CaptureFormat::Csv, EDGES, Some(Span::from_micros(2))).unwrap();
     assert_eq!(changes(&told, "lamp")[1].0, within(1_520_033_000, 1_520_035_000));
 }
 
 #[test]
 fn a_table_of_volts_with_decimal_commas() {
-    let capture = read(Format::Csv, SCOPE, None).unwrap();
+    let capture = read(CaptureFormat::Csv, SCOPE, None).unwrap();
     let lamp = capture.channels.iter().find(|channel| channel.name == "Lampe").unwrap();
-    assert_eq!((lamp.unit.as_str(), lamp.shape), ("V", Shape::Real));
+    assert_eq!((lamp.unit.as_str(), lamp.shape), ("V", ChannelType::Real));
     assert_eq!(changes(&capture, "Lampe")[1], (within(1_520_000_000, 1_525_000_000), Value::Real(23.7)));
 }
 
@@ -142,8 +145,8 @@ fn what_is_wrong_is_said_with_its_line() {
         ("t (ms),a\n5,1,0", 2, "more than the 2 columns"),
         ("t_ns,a\n1e40,1", 2, "is no time"),
     ] {
-        let error = refused(Format::Csv, text);
-        assert_eq!(error.place, Place::Line(line), "{text}");
+        let error = refused(CaptureFormat::Csv, text);
+        assert_eq!(error.place, CapturePlace::Line(line), "{text}");
         assert!(error.what.contains(words) && !error.mend.is_empty(), "{error}");
     }
     let declared = "$timescale 1 us $end\n$var wire 1 ! a $end\n$enddefinitions $end\n";
@@ -154,26 +157,29 @@ fn what_is_wrong_is_said_with_its_line() {
         (format!("{declared}#18446744073709551615 1!"), 4, "292 years"),
         ("$timescale 0 us $end".into(), 1, "timescale of 0"),
     ] {
-        let error = refused(Format::Vcd, &text);
-        assert_eq!(error.place, Place::Line(line), "{text} {error}");
+        let error = refused(CaptureFormat::Vcd, &text);
+        assert_eq!(error.place, CapturePlace::Line(line), "{text} {error}");
         assert!(error.what.contains(words), "{error}");
     }
-    assert_eq!(refused(Format::Csv, "").place, Place::Whole);
-    assert!(refused(Format::Vcd, "$date today $end").what.contains("header does not end"));
-    assert!(refused(Format::Sigrok, "PK\u{3}\u{4}").what.contains("no whole archive"));
+    assert_eq!(refused(CaptureFormat::Csv, "").place, CapturePlace::Whole);
+    assert!(refused(CaptureFormat::Vcd, "$date today $end").what.contains("header does not end"));
+    assert!(refused(CaptureFormat::Sigrok, "PK\u{3}\u{4}").what.contains("no whole archive"));
 }
 
 #[test]
 fn a_damaged_session_is_refused() {
     for length in (0..LAMP.len()).step_by(7) {
-        assert!(read(Format::Sigrok, &LAMP[..length], None).is_err(), "{length}");
+        assert!(read(CaptureFormat::Sigrok, &LAMP[..length], None).is_err(), "{length}");
     }
     // A byte of the samples: the checksum tells.
     let data = LAMP.windows(9).position(|bytes| bytes == b"logic-1-1").unwrap() + 12;
     let mut broken = LAMP.to_vec();
     broken[data] ^= 1;
-    let error = read(Format::Sigrok, &broken, None).unwrap_err();
-    assert_eq!((error.place, error.what.as_str()), (Place::Entry("logic-1-1".into()), "it is damaged"));
+    let error = read(CaptureFormat::Sigrok, &broken, None).unwrap_err();
+    assert_eq!(
+        (error.place, error.what.as_str()),
+        (CapturePlace::Entry("logic-1-1".into()), "it is damaged")
+    );
 }
 
 #[test]
@@ -181,18 +187,18 @@ fn a_file_that_claims_to_be_huge_takes_no_memory() {
     let at = LAMP.windows(4).rposition(|bytes| bytes == b"PK\x01\x02").unwrap();
     let mut huge = LAMP.to_vec();
     huge[at + 24..at + 28].copy_from_slice(&u32::MAX.to_le_bytes());
-    assert!(read(Format::Sigrok, &huge, None).unwrap_err().what.contains("more than"));
+    assert!(read(CaptureFormat::Sigrok, &huge, None).unwrap_err().what.contains("more than"));
     let mut deep = String::from("$timescale 1 ns $end");
     (0..100_000).for_each(|_| deep.push_str(" $scope module a $end"));
-    assert!(refused(Format::Vcd, &deep).what.contains("header"));
+    assert!(refused(CaptureFormat::Vcd, &deep).what.contains("header"));
 }
 
 proptest! {
     #[test]
     fn no_mutation_panics(file in 0usize..7, place in 0.0f64..1.0, byte: u8, cut in 0.0f64..1.0) {
         let (format, bytes) = [
-            (Format::Sigrok, LAMP), (Format::Sigrok, DEMO), (Format::Vcd, SIGROK_VCD), (Format::Csv, SIGROK_CSV),
-            (Format::Vcd, RIG_VCD), (Format::Csv, EDGES), (Format::Csv, SCOPE),
+            (CaptureFormat::Sigrok, LAMP), (CaptureFormat::Sigrok, DEMO), (CaptureFormat::Vcd, SIGROK_VCD), (CaptureFormat::Csv, SIGROK_CSV),
+            (CaptureFormat::Vcd, RIG_VCD), (CaptureFormat::Csv, EDGES), (CaptureFormat::Csv, SCOPE),
         ][file];
         let mut bytes = bytes.to_vec();
         let at = (place * bytes.len() as f64) as usize;

@@ -6,7 +6,7 @@ use crate::plan_files::library::{self, REGISTER, ShippedFiles};
 use crate::{output, saved_runs};
 use clap::Args;
 use document::Diagnostic;
-use plans::register::{Class, Entry, Register};
+use plans::register::{Requirement, RequirementClass, RequirementRegister};
 use profile::Profile;
 use record::{RequirementFact, RunRecord, Verdict};
 use runtime::jobs::{self, JobResult};
@@ -73,14 +73,14 @@ impl ProofStatus {
 struct RequirementRow<'a> {
     id: String,
     asks: &'a str,
-    entry: &'a Entry,
+    entry: &'a Requirement,
     status: ProofStatus,
     profiles: Vec<(Profile, ProofStatus, &'a [String])>,
 }
 
 /// Prints the register with what proves it.
 pub fn run(args: &RequirementsArgs) -> Exit {
-    let register = match Register::read(REGISTER) {
+    let register = match RequirementRegister::read(REGISTER) {
         Ok(register) => register,
         Err(error) => {
             output::error(&format!("the register of requirements is broken: {error}"));
@@ -126,7 +126,7 @@ fn proofs(record: &RunRecord) -> Proofs {
 }
 
 /// The row of a requirement, and behind it those of its clauses. With clauses it is proven when each of them is.
-fn rows<'a>(entry: &'a Entry, proofs: &'a Proofs) -> Vec<RequirementRow<'a>> {
+fn rows<'a>(entry: &'a Requirement, proofs: &'a Proofs) -> Vec<RequirementRow<'a>> {
     let own = row(entry.id.clone(), &entry.asks, entry, &entry.profiles, proofs);
     if entry.clauses.is_empty() {
         return vec![own];
@@ -146,14 +146,14 @@ fn rows<'a>(entry: &'a Entry, proofs: &'a Proofs) -> Vec<RequirementRow<'a>> {
 fn row<'a>(
     id: String,
     asks: &'a str,
-    entry: &'a Entry,
+    entry: &'a Requirement,
     holds: &[Profile],
     proofs: &'a Proofs,
 ) -> RequirementRow<'a> {
     let known = proofs.get(&id);
     let unproven = match entry.class {
-        Class::NotReproducible => ProofStatus::NotReproducible,
-        Class::Behaviour | Class::Constant => ProofStatus::Unproven,
+        RequirementClass::NotReproducible => ProofStatus::NotReproducible,
+        RequirementClass::Behaviour | RequirementClass::Constant => ProofStatus::Unproven,
     };
     let profiles: Vec<(Profile, ProofStatus, &[String])> = Profile::ALL
         .into_iter()
@@ -247,8 +247,8 @@ pub fn facts(run: &RunRecord) -> Vec<RequirementFact> {
     let cited: BTreeSet<String> =
         run.cases.iter().flat_map(|case| case.proves.iter().map(|id| requirement(id))).collect();
     // A register that cannot be read is no trouble of the run: the command that prints it says so.
-    let register = Register::read(REGISTER).unwrap_or_default();
-    let fact = |entry: Entry| RequirementFact {
+    let register = RequirementRegister::read(REGISTER).unwrap_or_default();
+    let fact = |entry: Requirement| RequirementFact {
         id: entry.id,
         asks: entry.asks,
         clauses: entry.clauses.into_iter().map(|clause| (clause.id, clause.asks)).collect(),
@@ -288,7 +288,7 @@ mod tests {
         let text = "[\"controller:RB-02\"]\nasks = \"a\"\nsource = \"s\"\n\
                     [\"controller:RB-02\".clauses]\n\"1\" = \"b\"\n\"2\" = \"c\"\n\
                     [\"controller:WD-04\"]\nasks = \"a\"\nsource = \"s\"\nprofiles = [\"m241-2014\"]\n";
-        let register = Register::read(text).unwrap();
+        let register = RequirementRegister::read(text).unwrap();
         let mut record = RunRecord::default();
         for (id, profile, verdict) in cited {
             record.push(CaseRecord {

@@ -2,7 +2,7 @@
 //! what is retained.
 
 use crate::native::Native;
-use crate::program::{Kept, Program, Retained, Variable};
+use crate::program::{Program, Retained, RetainedVariable, Variable};
 use crate::shape::Shape;
 use crate::walk::{Leaf, index, leaves};
 use sha2::{Digest, Sha256};
@@ -34,7 +34,7 @@ impl Hasher {
 /// Fills in what is derived.
 pub(crate) fn finish(mut program: Program) -> Program {
     program.index = index(&program);
-    let Layout { retained, names, digest: layout } = retained(&program);
+    let ImageLayout { retained, names, digest: layout } = retained(&program);
     program.retained = retained;
     program.kept = names;
     program.layout = layout;
@@ -69,17 +69,17 @@ fn variables(program: &Program) -> Vec<Variable> {
 }
 
 /// What is retained.
-struct Layout {
+struct ImageLayout {
     retained: Vec<Retained>,
-    names: Vec<Kept>,
+    names: Vec<RetainedVariable>,
     digest: [u8; 8],
 }
 
 /// The retained bytes without those that mean nothing to another program - classes, addresses, gaps - the names and
 /// types that they have, and the hash of these.
-fn retained(program: &Program) -> Layout {
+fn retained(program: &Program) -> ImageLayout {
     let mut kept: Vec<Retained> = Vec::new();
-    let mut names: Vec<Kept> = Vec::new();
+    let mut names: Vec<RetainedVariable> = Vec::new();
     let of = &program.retained;
     let within = |first: u32, end: u32| {
         let place = of.partition_point(|kept| kept.address.saturating_add(kept.bytes) <= first);
@@ -93,7 +93,7 @@ fn retained(program: &Program) -> Layout {
         };
         kept.push(Retained { address, bytes, retention });
         let name = format!("{} {shape} {retention:?}", path.to_ascii_uppercase());
-        names.push(Kept { address, bytes, retention, name });
+        names.push(RetainedVariable { address, bytes, retention, name });
     };
     leaves(program, &within, &mut |leaf| {
         if let Some(shape) = shape_of(program, leaf) {
@@ -103,10 +103,10 @@ fn retained(program: &Program) -> Layout {
     });
     names.sort_by(|one, other| (one.address, &one.name).cmp(&(other.address, &other.name)));
     let mut hasher = Hasher(Sha256::new());
-    for Kept { name, .. } in &names {
+    for RetainedVariable { name, .. } in &names {
         let _ = write!(hasher, "{name};");
     }
-    Layout { retained: merged(kept), names, digest: hasher.short() }
+    ImageLayout { retained: merged(kept), names, digest: hasher.short() }
 }
 
 /// The type of a variable as text; nothing for an address, which means nothing to another program.

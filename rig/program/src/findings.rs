@@ -5,16 +5,16 @@ use document::{Diagnostic, Label, Severity, SourceFile};
 
 /// A place in a source: bytes `start..end` of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct At {
+pub(crate) struct SourcePlace {
     pub file: u16,
     pub start: u32,
     pub end: u32,
 }
 
-impl At {
+impl SourcePlace {
     /// From the start of this to the end of `last`.
-    pub fn to(self, last: At) -> At {
-        At { end: last.end.max(self.end), ..self }
+    pub fn to(self, last: SourcePlace) -> SourcePlace {
+        SourcePlace { end: last.end.max(self.end), ..self }
     }
 }
 
@@ -34,7 +34,13 @@ impl<'a> Findings<'a> {
         Findings { sources, list: Vec::new(), errors: 0, limit: limit.max(1), warnings: 0 }
     }
 
-    pub fn error(&mut self, code: Code, at: At, message: impl Into<String>, help: impl Into<String>) {
+    pub fn error(
+        &mut self,
+        code: Code,
+        at: SourcePlace,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
         self.error_at(code, at, "", message, help, None);
     }
 
@@ -42,10 +48,10 @@ impl<'a> Findings<'a> {
     pub fn error_with(
         &mut self,
         code: Code,
-        at: At,
+        at: SourcePlace,
         message: impl Into<String>,
         help: impl Into<String>,
-        other: (At, &str),
+        other: (SourcePlace, &str),
     ) {
         self.error_at(code, at, "", message, help, Some(other));
     }
@@ -53,11 +59,11 @@ impl<'a> Findings<'a> {
     fn error_at(
         &mut self,
         code: Code,
-        at: At,
+        at: SourcePlace,
         text: &str,
         message: impl Into<String>,
         help: impl Into<String>,
-        other: Option<(At, &str)>,
+        other: Option<(SourcePlace, &str)>,
     ) {
         if self.full() {
             return;
@@ -73,7 +79,13 @@ impl<'a> Findings<'a> {
         }
     }
 
-    pub fn warning(&mut self, code: Code, at: At, message: impl Into<String>, help: impl Into<String>) {
+    pub fn warning(
+        &mut self,
+        code: Code,
+        at: SourcePlace,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
         // More warnings than errors are tolerable: they may all be of one habit.
         if self.warnings < self.limit.saturating_mul(4) {
             self.warnings += 1;
@@ -86,13 +98,13 @@ impl<'a> Findings<'a> {
         self.list.push(Diagnostic { code: code.text(), severity, message, labels, help });
     }
 
-    fn label(&self, at: At, text: &str) -> Label {
+    fn label(&self, at: SourcePlace, text: &str) -> Label {
         let file = self.sources.get(usize::from(at.file)).map_or(String::new(), |source| source.name.clone());
         Label { file, span: at.start as usize..at.end as usize, text: text.to_string() }
     }
 
     /// Whether an error was reported inside a place already.
-    pub fn reported_within(&self, at: At) -> bool {
+    pub fn reported_within(&self, at: SourcePlace) -> bool {
         let Some(file) = self.sources.get(usize::from(at.file)) else { return false };
         let span = at.start as usize..at.end as usize;
         self.list.iter().rev().take(8).any(|finding| {

@@ -2,7 +2,7 @@
 //! variables are their initial values.
 
 use crate::codes::Code;
-use crate::findings::{At, Findings};
+use crate::findings::{Findings, SourcePlace};
 use crate::host::{Host, Stop};
 use crate::machine::Machine;
 use crate::program::Program;
@@ -74,5 +74,5 @@ pub(crate) fn initialise(
 fn failed(program: &Program, message: String, file: u16, line: u32, findings: &mut Findings<'_>) {
     let name = program.files.get(usize::from(file)).map_or("", String::as_str);
     let help = format!("see FB_Init and initial values of addresses; it was at {name}, line {line}");
-    findings.error(Code::InitialValue, At::default(), message, help);
+    findings.error(Code::InitialValue, SourcePlace::default(), message, help);
 }

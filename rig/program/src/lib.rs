@@ -77,7 +77,7 @@ pub use types::Elementary;
 
 use codes::Code;
 use document::{Diagnostic, SourceFile};
-use findings::{At, Findings};
+use findings::{Findings, SourcePlace};
 
 /// Files of one application. Libraries are distributed with a file for each unit.
 const MOST_SOURCES: usize = 4000;
@@ -99,13 +99,13 @@ pub fn compile(sources: &[SourceFile], options: &Options) -> Result<Program, Vec
 /// The first `own` sources are the user's.
 fn compile_all(sources: &[SourceFile], own: usize, options: &Options) -> Result<Program, Vec<Diagnostic>> {
     let mut findings = Findings::new(sources, options.limits.errors);
-    let mut names = parse::Names::new();
+    let mut names = parse::NameTable::new();
     let size: usize = sources.iter().map(|source| source.text.len()).sum();
     if size > options.limits.source || sources.len() > MOST_SOURCES {
         let message = format!("{} sources of {size} bytes in all", sources.len());
         let help =
             format!("at most {MOST_SOURCES} sources of {} bytes in all are compiled", options.limits.source);
-        findings.error(Code::SourceSize, At::default(), message, help);
+        findings.error(Code::SourceSize, SourcePlace::default(), message, help);
         return Err(findings.finish());
     }
     let unit = parse::parse(sources, &mut names, &mut findings);

@@ -1,6 +1,6 @@
 //! The code for reading: units, source lines, operations with their cost and the names of their operands.
 
-use crate::code::{Base, LibraryArgument, LibraryCode, Op, Operand, Step, TextAt, Unit};
+use crate::code::{AddressBase, LibraryArgument, LibraryCode, Op, Operand, Step, TextAt, Unit};
 use crate::program::Program;
 use crate::shape::{Shape, ShapeId};
 use crate::types::Elementary;
@@ -144,7 +144,7 @@ impl Program {
     /// A text: a constant in quotes, or its place.
     fn text(&self, text: &TextAt) -> String {
         let at = text.at.offset();
-        if text.at.base() == Base::Absolute && self.is_constant(at) && !text.wide {
+        if text.at.base() == AddressBase::Absolute && self.is_constant(at) && !text.wide {
             let bytes = self.image.get(at as usize..).unwrap_or_default();
             let shown = bytes.iter().take(text.bytes as usize).take_while(|byte| **byte != 0);
             return format!("'{}'", shown.map(|byte| char::from(*byte)).collect::<String>());
@@ -160,16 +160,16 @@ impl Program {
     fn operand(&self, operand: Operand, width: u32) -> String {
         let offset = operand.offset();
         match operand.base() {
-            Base::Frame => format!("@{offset}"),
-            Base::Indirect => format!("^@{offset}"),
-            Base::This => format!("THIS@{offset}"),
-            Base::Absolute if self.is_constant(offset) => {
+            AddressBase::Frame => format!("@{offset}"),
+            AddressBase::Indirect => format!("^@{offset}"),
+            AddressBase::This => format!("THIS@{offset}"),
+            AddressBase::Absolute if self.is_constant(offset) => {
                 let bytes = self.image.get(offset as usize..).unwrap_or_default();
                 let number =
                     bytes.iter().take(width as usize).rev().fold(0, |n: u64, byte| n << 8 | u64::from(*byte));
                 format!("#{number}")
             }
-            Base::Absolute => self.name(offset).unwrap_or_else(|| format!("{offset:#x}")),
+            AddressBase::Absolute => self.name(offset).unwrap_or_else(|| format!("{offset:#x}")),
         }
     }
 

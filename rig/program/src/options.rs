@@ -1,7 +1,7 @@
 //! What the caller decides about a compilation: costs, limits, the blocks that exist.
 
 use crate::native::{Native, STANDARD};
-use crate::types::{Class, Elementary};
+use crate::types::{Elementary, TypeClass};
 use signal::AddressLimits;
 
 /// Modelled time of each operation of the source, in nanoseconds (controller:PERF-01, controller:PERF-03).
@@ -118,45 +118,45 @@ impl Default for Costs {
 impl Costs {
     pub(crate) fn op(&self, ty: Elementary) -> u32 {
         match ty.class() {
-            Class::Bool => self.bool_op,
-            Class::Int => self.int_op,
-            Class::Dint => self.dint_op,
-            Class::Long => self.long_op,
-            Class::Real => self.real_op,
-            Class::Lreal => self.lreal_op,
+            TypeClass::Bool => self.bool_op,
+            TypeClass::Int => self.int_op,
+            TypeClass::Dint => self.dint_op,
+            TypeClass::Long => self.long_op,
+            TypeClass::Real => self.real_op,
+            TypeClass::Lreal => self.lreal_op,
         }
     }
 
     pub(crate) fn div(&self, ty: Elementary) -> u32 {
         match ty.class() {
-            Class::Bool => self.bool_op,
-            Class::Int => self.int_div,
-            Class::Dint => self.dint_div,
-            Class::Long => self.long_div,
-            Class::Real => self.real_div,
-            Class::Lreal => self.lreal_div,
+            TypeClass::Bool => self.bool_op,
+            TypeClass::Int => self.int_div,
+            TypeClass::Dint => self.dint_div,
+            TypeClass::Long => self.long_div,
+            TypeClass::Real => self.real_div,
+            TypeClass::Lreal => self.lreal_div,
         }
     }
 
     pub(crate) fn load(&self, ty: Elementary) -> u32 {
         match ty.class() {
-            Class::Bool => self.bool_load,
-            Class::Int => self.int_load,
-            Class::Dint => self.dint_load,
-            Class::Long => self.long_load,
-            Class::Real => self.real_load,
-            Class::Lreal => self.lreal_load,
+            TypeClass::Bool => self.bool_load,
+            TypeClass::Int => self.int_load,
+            TypeClass::Dint => self.dint_load,
+            TypeClass::Long => self.long_load,
+            TypeClass::Real => self.real_load,
+            TypeClass::Lreal => self.lreal_load,
         }
     }
 
     pub(crate) fn store(&self, ty: Elementary) -> u32 {
         match ty.class() {
-            Class::Bool => self.bool_store,
-            Class::Int => self.int_store,
-            Class::Dint => self.dint_store,
-            Class::Long => self.long_store,
-            Class::Real => self.real_store,
-            Class::Lreal => self.lreal_store,
+            TypeClass::Bool => self.bool_store,
+            TypeClass::Int => self.int_store,
+            TypeClass::Dint => self.dint_store,
+            TypeClass::Long => self.long_store,
+            TypeClass::Real => self.real_store,
+            TypeClass::Lreal => self.lreal_store,
         }
     }
 

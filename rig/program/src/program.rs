@@ -1,6 +1,6 @@
 //! A compiled program: code, the layout of its variables, and what is known of them.
 
-use crate::code::{Class, IndexOf, LibraryCall, Statement, Step, TextPair, Unit};
+use crate::code::{IndexOf, LibraryCall, ObjectClass, Statement, Step, TextPair, Unit};
 use crate::native::Native;
 use crate::shape::{Root, Shape, ShapeId};
 use crate::types::Elementary;
@@ -57,7 +57,7 @@ impl VarRef {
 
 /// What the first names of a path mean: a root, or a member of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Entry {
+pub(crate) struct NameEntry {
     pub root: u32,
     pub member: Option<u32>,
 }
@@ -129,7 +129,7 @@ pub(crate) struct Retained {
 
 /// A retained variable, or an array of elementary ones.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Kept {
+pub(crate) struct RetainedVariable {
     pub address: u32,
     pub bytes: u32,
     pub retention: Retention,
@@ -148,7 +148,7 @@ pub struct Program {
     pub(crate) library: Vec<LibraryCall>,
     pub(crate) units: Vec<Unit>,
     pub(crate) natives: Vec<&'static Native>,
-    pub(crate) classes: Vec<Class>,
+    pub(crate) classes: Vec<ObjectClass>,
     /// Names of the blocks and interfaces that [`crate::code::Op::IsKind`] asks for.
     pub(crate) kinds: Vec<String>,
     /// In the order of the code.
@@ -176,14 +176,14 @@ pub struct Program {
     /// What [`Program::variables`] lists: derived.
     pub(crate) variables: Vec<Variable>,
     /// First names in capitals, full and short; `None` where a short one means several: derived.
-    pub(crate) index: BTreeMap<String, Option<Entry>>,
+    pub(crate) index: BTreeMap<String, Option<NameEntry>>,
     pub(crate) files: Vec<String>,
     /// Derived.
     pub(crate) digest: [u8; 32],
     /// Derived.
     pub(crate) layout: [u8; 8],
     /// What stands in the retained image, sorted by address: derived.
-    pub(crate) kept: Vec<Kept>,
+    pub(crate) kept: Vec<RetainedVariable>,
     /// Derived.
     pub(crate) declarations: [u8; 8],
     /// Findings that did not prevent the compilation.

@@ -2,7 +2,7 @@
 //! variables have their places, every conversion is written out, every value has its type. What is here is right:
 //! code can be made from it without asking.
 
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::native::Native;
 use crate::program::{Located, Retained, TaskInfo};
 use crate::shape::Shape;
@@ -58,7 +58,7 @@ pub(crate) struct Tree {
     /// Places in `units` of the programs, in the order of the sources.
     pub programs: Vec<u16>,
     pub program_names: Vec<String>,
-    pub classes: Vec<crate::code::Class>,
+    pub classes: Vec<crate::code::ObjectClass>,
     pub kinds: Vec<String>,
     pub natives: Vec<&'static Native>,
     /// Initial bytes of the variables. Their first stands at [`crate::code::map::FIRST`]: constants that code needs come behind
@@ -83,12 +83,12 @@ pub(crate) struct UnitTree {
     pub frame: Vec<u8>,
     pub body: Vec<Stmt>,
     /// The closing keyword.
-    pub end: At,
+    pub end: SourcePlace,
 }
 
 /// Where a place counts from.
 #[derive(Clone, Debug)]
-pub(crate) enum Root {
+pub(crate) enum TreeRoot {
     /// The address space: [`crate::code::map`].
     Absolute,
     /// The instance of the running unit.
@@ -101,17 +101,15 @@ pub(crate) enum Root {
 
 /// A place in memory: root, offset, then the indices in turn.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
-    pub root: PlaceRoot,
+pub(crate) struct TreePlace {
+    pub root: TreeRoot,
     pub offset: u32,
     pub indices: Vec<Index>,
     pub ty: Ty,
     /// Declared RETAIN or PERSISTENT: it costs more.
     pub retained: bool,
-    pub at: At,
+    pub at: SourcePlace,
 }
-
-pub(crate) use Root as PlaceRoot;
 
 /// One index of one dimension.
 #[derive(Clone, Debug)]
@@ -128,7 +126,7 @@ pub(crate) struct Index {
 pub(crate) struct Expr {
     pub kind: ExprKind,
     pub ty: Ty,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -174,11 +172,11 @@ pub(crate) enum ExprKind {
     Text(Vec<u8>),
     /// A structure or an array that is constant.
     Bytes(Vec<u8>),
-    Load(Place),
+    Load(TreePlace),
     /// A bit of the memory at a place, counted from its first bit; BOOL.
-    LoadBit(Place, u32),
+    LoadBit(TreePlace, u32),
     /// The address of a place.
-    AddressOf(Place),
+    AddressOf(TreePlace),
     Unary(UnaryOp, Box<Expr>),
     /// Comparisons give BOOL; operands may be texts or addresses in comparisons.
     Binary(BinaryOp, Box<Expr>, Box<Expr>),
@@ -194,7 +192,7 @@ pub(crate) enum ExprKind {
     Select(Box<Expr>, Vec<Expr>),
     /// A function of the library with the generic type of the call.
     Library(&'static crate::library::Function, Elementary, Vec<Expr>),
-    Call(Box<Call>),
+    Call(Box<TreeCall>),
     /// Whether an interface or block reference (an address) is of this kind (a place in `Tree::kinds`); BOOL.
     IsKind(Box<Expr>, u32),
     /// Runs statements, then gives the value (assignments inside expressions do not exist: this is for the outputs of
@@ -208,25 +206,25 @@ pub(crate) enum Callee {
     /// A function or a program: no instance.
     Unit(u16),
     /// A block's body, a method or an action of the block at a place.
-    Of(u16, Place),
+    Of(u16, TreePlace),
     /// The same with the instance of the running unit.
     Same(u16),
     /// The method with this selector of the instance at an address.
     Virtual(u32, Expr),
     /// A native block (a place in `Tree::natives`) at a place.
-    Native(u16, Place),
+    Native(u16, TreePlace),
 }
 
 /// A call: inputs in order, the body, outputs in order.
 #[derive(Clone, Debug)]
-pub(crate) struct Call {
+pub(crate) struct TreeCall {
     pub callee: Callee,
     pub inputs: Vec<Input>,
     /// Assigned after the call.
     pub outputs: Vec<Output>,
     /// Where the callee's frame holds the result; the type is that of the expression.
     pub result: Option<u32>,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 /// A value for a parameter.
@@ -242,7 +240,7 @@ pub(crate) enum Slot {
     /// This offset of the callee's frame, of this type.
     Frame(u32, Ty),
     /// This place (a pin of the instance).
-    Place(Place),
+    Place(TreePlace),
 }
 
 /// An output, assigned after the call.
@@ -257,15 +255,15 @@ pub(crate) struct Output {
 /// What can be assigned to.
 #[derive(Clone, Debug)]
 pub(crate) enum Target {
-    Place(Place),
+    Place(TreePlace),
     /// A bit of the memory at a place.
-    Bit(Place, u32),
+    Bit(TreePlace, u32),
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct Stmt {
     pub kind: StmtKind,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 /// Labels of CASE and what they lead to.
@@ -291,7 +289,7 @@ pub(crate) enum StmtKind {
     While {
         condition: Expr,
         body: Vec<Stmt>,
-        end: At,
+        end: SourcePlace,
     },
     Repeat {
         body: Vec<Stmt>,
@@ -307,11 +305,11 @@ pub(crate) enum StmtKind {
 #[derive(Clone, Debug)]
 pub(crate) struct For {
     /// A whole number.
-    pub variable: Place,
+    pub variable: TreePlace,
     pub from: Expr,
     pub to: Expr,
     /// LINT; a constant is not 0.
     pub by: Option<Expr>,
     pub body: Vec<Stmt>,
-    pub end: At,
+    pub end: SourcePlace,
 }

@@ -253,21 +253,21 @@ impl Elementary {
     }
 
     /// Which cost of [`crate::Costs`] applies.
-    pub(crate) const fn class(self) -> Class {
+    pub(crate) const fn class(self) -> TypeClass {
         match self {
-            Bool => Class::Bool,
-            Sint | Usint | Byte | Int | Uint | Word | Char | Wchar => Class::Int,
-            Dint | Udint | Dword | Time | Date | Tod | Dt => Class::Dint,
-            Lint | Ulint | Lword | Ltime | Ldate | Ltod | Ldt => Class::Long,
-            Real => Class::Real,
-            Lreal => Class::Lreal,
+            Bool => TypeClass::Bool,
+            Sint | Usint | Byte | Int | Uint | Word | Char | Wchar => TypeClass::Int,
+            Dint | Udint | Dword | Time | Date | Tod | Dt => TypeClass::Dint,
+            Lint | Ulint | Lword | Ltime | Ldate | Ltod | Ldt => TypeClass::Long,
+            Real => TypeClass::Real,
+            Lreal => TypeClass::Lreal,
         }
     }
 }
 
 /// What costs the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Class {
+pub(crate) enum TypeClass {
     Bool,
     Int,
     Dint,

@@ -1,7 +1,7 @@
 //! Ways through the variables: to one by its path, and over all of them.
 
 use crate::code::map;
-use crate::program::{Entry, Program, Storage, VarRef, Variable};
+use crate::program::{NameEntry, Program, Storage, VarRef, Variable};
 use crate::shape::{Root, Shape, ShapeId, count};
 use crate::types::Elementary;
 use signal::{Address, Area, Size};
@@ -186,7 +186,7 @@ impl Leaf<'_> {
     }
 }
 
-struct Walk<'a> {
+struct LeafWalk<'a> {
     program: &'a Program,
     root: &'a Root,
     path: String,
@@ -200,14 +200,14 @@ pub(crate) fn leaves(
     visit: &mut dyn FnMut(&Leaf<'_>) -> bool,
 ) {
     for root in &program.roots {
-        let mut walk = Walk { program, root, path: root.path.clone(), within };
+        let mut walk = LeafWalk { program, root, path: root.path.clone(), within };
         if !walk.open(root.shape, root.address, 0, visit) {
             return;
         }
     }
 }
 
-impl Walk<'_> {
+impl LeafWalk<'_> {
     fn open(
         &mut self,
         id: ShapeId,
@@ -278,26 +278,26 @@ pub(crate) fn indices(dimensions: &[(i64, i64)], nth: u32) -> String {
 }
 
 /// What first names mean: full ones of roots, short ones of what programs have.
-pub(crate) fn index(program: &Program) -> std::collections::BTreeMap<String, Option<Entry>> {
+pub(crate) fn index(program: &Program) -> std::collections::BTreeMap<String, Option<NameEntry>> {
     let mut index = std::collections::BTreeMap::new();
-    let mut short = |name: &str, entry: Entry| {
+    let mut short = |name: &str, entry: NameEntry| {
         index.entry(name.to_ascii_uppercase()).and_modify(|known| *known = None).or_insert(Some(entry));
     };
     let of_program = |path: &str| program.program_names.iter().any(|name| name.eq_ignore_ascii_case(path));
     for (root, known) in (0..).zip(&program.roots) {
         if let Some((_, name)) = known.path.split_once('.').filter(|(unit, _)| of_program(unit)) {
-            short(name, Entry { root, member: None });
+            short(name, NameEntry { root, member: None });
         } else if let (true, Some(Shape::Members { members, .. })) =
             (of_program(&known.path), program.shape(known.shape))
         {
             for (member, known) in (0..).zip(members) {
-                short(&known.name, Entry { root, member: Some(member) });
+                short(&known.name, NameEntry { root, member: Some(member) });
             }
         }
     }
     // Full paths come last: they go before short ones.
     for (root, known) in (0..).zip(&program.roots) {
-        index.insert(known.path.to_ascii_uppercase(), Some(Entry { root, member: None }));
+        index.insert(known.path.to_ascii_uppercase(), Some(NameEntry { root, member: None }));
     }
     index
 }

@@ -38,7 +38,7 @@ impl<S: Serializer> Serializer for Skipping<S> {
     type SerializeTupleStruct = Skipping<S::SerializeTupleStruct>;
     type SerializeTupleVariant = Skipping<S::SerializeTupleVariant>;
     type SerializeMap = Skipping<S::SerializeMap>;
-    type SerializeStruct = Fields<S::SerializeStruct>;
+    type SerializeStruct = CompactFields<S::SerializeStruct>;
     type SerializeStructVariant = Skipping<S::SerializeStructVariant>;
 
     hand_on!(
@@ -111,7 +111,7 @@ impl<S: Serializer> Serializer for Skipping<S> {
         self.0.serialize_map(len).map(Skipping)
     }
     fn serialize_struct(self, name: &'static str, len: usize) -> Result<Self::SerializeStruct, S::Error> {
-        Ok(Fields { inner: self.0.serialize_struct(name, len)?, whole: WHOLE.contains(&name) })
+        Ok(CompactFields { inner: self.0.serialize_struct(name, len)?, whole: WHOLE.contains(&name) })
     }
     fn serialize_struct_variant(
         self,
@@ -125,13 +125,13 @@ impl<S: Serializer> Serializer for Skipping<S> {
 }
 
 /// The fields of a structure.
-struct Fields<S> {
+struct CompactFields<S> {
     inner: S,
     /// Empty ones are written, too.
     whole: bool,
 }
 
-impl<S: ser::SerializeStruct> ser::SerializeStruct for Fields<S> {
+impl<S: ser::SerializeStruct> ser::SerializeStruct for CompactFields<S> {
     type Ok = S::Ok;
     type Error = S::Error;
 

@@ -8,10 +8,10 @@ use crate::prepare::{fault_on, state_info};
 use controller::{Channel as Terminal, State};
 use drivers::{Board, BoardExt, FaultKind};
 use plans::bench::is_same_for;
-use plans::plan::{Await, Initial};
-use plans::signals::{SignalBinding, Source};
+use plans::plan::{Initial, StepCondition};
+use plans::signals::{SignalBinding, SignalSource};
 use plans::steps::Stimulus;
-use plans::{Case, Step, StepTime, value_of};
+use plans::{Case, PlanStep, StepTime, value_of};
 use signal::{SignalInfo, Value};
 
 /// Why a case does not apply to this controller on this board, if it does not.
@@ -79,20 +79,22 @@ fn unreachable_reason(binding: &SignalBinding, files: &CaseFiles, board: &dyn Bo
     let external = files.board.subject.is_external();
     let has = |channel: &str| board.find(channel).is_some();
     match &binding.source {
-        Source::Line(address) if Terminal::at(*address, files.reference).is_some() => {
+        SignalSource::Line(address) if Terminal::at(*address, files.reference).is_some() => {
             let bound = files.board.channel_of(*address).is_some();
             (!bound).then(|| format!("the board binds no channel to {address}"))
         }
-        Source::Line(_) => None,
-        Source::Frames(pattern) => frames::lacks(board, &pattern.bus),
-        Source::FrameSignal(source) => frames::lacks(board, &source.pattern.bus),
-        Source::Channel(name) if external && !has(name) => Some(format!("the board has no channel `{name}`")),
-        Source::Path(name) if external && !has(name) => {
+        SignalSource::Line(_) => None,
+        SignalSource::Frames(pattern) => frames::lacks(board, &pattern.bus),
+        SignalSource::FrameSignal(source) => frames::lacks(board, &source.pattern.bus),
+        SignalSource::Channel(name) if external && !has(name) => {
+            Some(format!("the board has no channel `{name}`"))
+        }
+        SignalSource::Path(name) if external && !has(name) => {
             Some(format!("`{name}` cannot be seen from outside the controller"))
         }
-        Source::Channel(_) | Source::Path(_) => None,
+        SignalSource::Channel(_) | SignalSource::Path(_) => None,
         // The others need powers of their own; where they are memory the plan may have said so in another way.
-        Source::Memory(_) | Source::Image(_) if external => {
+        SignalSource::Memory(_) | SignalSource::Image(_) if external => {
             Some(format!("`{}` cannot be seen from outside the controller", binding.name))
         }
         _ => None,
@@ -100,12 +102,17 @@ fn unreachable_reason(binding: &SignalBinding, files: &CaseFiles, board: &dyn Bo
 }
 
 /// Why the relays of a board of real lines cannot put a step's fault on its line, if that is so.
-fn missing_fault_reason(case: &Case, step: &Step, files: &CaseFiles, board: &dyn Board) -> Option<String> {
+fn missing_fault_reason(
+    case: &Case,
+    step: &PlanStep,
+    files: &CaseFiles,
+    board: &dyn Board,
+) -> Option<String> {
     let Stimulus::Fault { signal, kind, lasts } = &step.stimulus else { return None };
     let source = &case.signals.iter().find(|binding| binding.name == *signal)?.source;
     let id = match source {
-        Source::Line(address) => files.board.channel_of(*address)?,
-        Source::Channel(name) | Source::Path(name) => board.find(name)?,
+        SignalSource::Line(address) => files.board.channel_of(*address)?,
+        SignalSource::Channel(name) | SignalSource::Path(name) => board.find(name)?,
         _ => return None,
     };
     let channel = board.channels().get(usize::from(id.0)).filter(|_| files.board.is_real())?;
@@ -153,7 +160,8 @@ fn needed(case: &Case, state: &SignalInfo) -> Option<StateNeed> {
         }
         seen = true;
         match awaits {
-            Await::Becomes(literal) if value_of(literal, state).is_ok_and(|one| !values.contains(&one)) => {}
+            StepCondition::Becomes(literal)
+                if value_of(literal, state).is_ok_and(|one| !values.contains(&one)) => {}
             _ => return Some(StateNeed::Apart),
         }
     }

@@ -9,10 +9,10 @@ use crate::describe;
 use crate::look_up;
 use crate::prepare::Prepared;
 use crate::schedule::{Act, Due, EndReason, Schedule, Timing};
-use capture::{Capture, Channel, Knowledge, Shape};
+use capture::{Capture, CapturedChannel, ChannelType, Knowledge};
 use document::Diagnostic;
 use plans::Case;
-use plans::lang::{Anchor, Base};
+use plans::lang::{Anchor, AnchorBase};
 use plans::steps::CasePart;
 use signal::{
     Cause, ClockDomain, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, TraceError,
@@ -42,7 +42,7 @@ impl CaseLayout {
     /// How long after `start` a step is due, where that is known before the case.
     pub fn due(&self, step: &str) -> Option<Span> {
         match &self.prepared.steps.iter().find(|known| known.id == step)?.timing {
-            Timing::At(Anchor { base: Base::Start, offset }) => Some(*offset),
+            Timing::At(Anchor { base: AnchorBase::Start, offset }) => Some(*offset),
             _ => None,
         }
     }
@@ -65,14 +65,18 @@ pub struct ChannelMapping {
 }
 
 /// Why a channel cannot be a signal: what is wrong, and what to do.
-pub fn misfit(channel: &Channel, info: &SignalInfo, threshold: Option<f64>) -> Option<(String, String)> {
+pub fn misfit(
+    channel: &CapturedChannel,
+    info: &SignalInfo,
+    threshold: Option<f64>,
+) -> Option<(String, String)> {
     let (name, signal) = (&channel.name, &info.name);
     let shape = match channel.shape {
-        Shape::Bit => "bits",
-        Shape::Whole => "whole numbers",
-        Shape::Real => "real numbers",
+        ChannelType::Bit => "bits",
+        ChannelType::Whole => "whole numbers",
+        ChannelType::Real => "real numbers",
     };
-    let numbers = channel.shape != Shape::Bit;
+    let numbers = channel.shape != ChannelType::Bit;
     match (info.kind, threshold) {
         (Kind::Bool, None) if numbers => Some((
             format!("`{signal}` is TRUE or FALSE, and `{name}` has {shape}"),
@@ -88,10 +92,12 @@ pub fn misfit(channel: &Channel, info: &SignalInfo, threshold: Option<f64>) -> O
             format!("write the column in {}", or_none(&info.unit)),
         )),
         (Kind::Real, None) => None,
-        (Kind::Int | Kind::Word | Kind::State | Kind::Mark, None) if channel.shape == Shape::Real => Some((
-            format!("`{signal}` has whole numbers, and `{name}` has {shape}"),
-            String::from("map a channel of whole numbers"),
-        )),
+        (Kind::Int | Kind::Word | Kind::State | Kind::Mark, None) if channel.shape == ChannelType::Real => {
+            Some((
+                format!("`{signal}` has whole numbers, and `{name}` has {shape}"),
+                String::from("map a channel of whole numbers"),
+            ))
+        }
         _ => None,
     }
 }
@@ -151,7 +157,7 @@ pub fn trace(
         for (step, own) in steps.iter_mut().zip(&mut widths) {
             if let Some((_, at)) = instants.steps.iter().find(|(id, _)| *id == step.id) {
                 let offset = at.latest - instants.start.latest;
-                step.timing = Timing::At(Anchor { base: Base::Start, offset });
+                step.timing = Timing::At(Anchor { base: AnchorBase::Start, offset });
                 *own = width(*at);
             }
         }

@@ -26,7 +26,7 @@ use document::Diagnostic;
 use drivers::BoardExt;
 use drivers::RealtimeSettings;
 use plans::Case;
-use plans::judge::{Judge, Outcome};
+use plans::judge::{CaseJudge, JudgedCase};
 use record::{CaseRecord, CaseStatus, FramesKept, RigTiming, StepRecord, TaskFigures, Verdict};
 use signal::{SignalId, Span, Time, Trace, Value, When};
 use std::sync::Mutex;
@@ -242,9 +242,9 @@ fn run_here(
     let Prepared { mut trace, mut wiring, steps, probes, mut alarms, .. } = prepared;
     describe::annotate(&mut trace, case, files, &*subject, clock.name());
     describe::promises(&mut trace, &wiring, board.channels());
-    let mut judge = Judge::new(case.scenario(), trace.signals())?;
+    let mut judge = CaseJudge::new(case.scenario(), trace.signals())?;
     if !options.fail_fast {
-        judge = judge.unhurried();
+        judge = judge.without_early_end();
     }
     let mut recorder = Recorder::new(trace, judge);
     for (probe, signal) in &probes {
@@ -321,7 +321,7 @@ fn show(recorder: &mut Recorder, signal: SignalId, value: Value) {
 
 /// Puts the judge's outcome and the notes of the trace into the record. The same for a run and for a trace that is
 /// judged again, so that both come to the same.
-pub fn verdict(record: &mut CaseRecord, outcome: Result<Outcome, String>, trace: &Trace) {
+pub fn verdict(record: &mut CaseRecord, outcome: Result<JudgedCase, String>, trace: &Trace) {
     match outcome {
         Ok(outcome) => {
             record.claims = outcome.claims;

@@ -11,9 +11,9 @@ use document::Diagnostic;
 use drivers::circuit::PlantSpec;
 use drivers::{Board, BoardFile, ChannelId};
 use plans::Case;
-use plans::bench::{Bounds, Doubt, doubt};
-use plans::expect::{Demand, Expectation};
-use plans::signals::{FileFigure, RowFigure, SignalBinding, Source, TaskFigure};
+use plans::bench::{Doubt, SignalBounds, doubt};
+use plans::expect::{ClaimDemand, Expectation};
+use plans::signals::{FileFigure, RowFigure, SignalBinding, SignalSource, TaskFigure};
 use signal::{SignalId, Span};
 
 /// What is looked at.
@@ -112,32 +112,36 @@ impl CaseOnBench<'_> {
     }
 
     /// The values that a signal can have, where that is known.
-    fn bounds(&self, name: &str) -> Option<Bounds> {
+    fn bounds(&self, name: &str) -> Option<SignalBounds> {
         Some(match &self.binding(name)?.source {
-            Source::Line(_) | Source::Channel(_) => {
+            SignalSource::Line(_) | SignalSource::Channel(_) => {
                 let channel = self.channel(name)?;
-                self.board.channels()[usize::from(channel.0)].is_digital().then_some(Bounds::LINE)?
+                self.board.channels()[usize::from(channel.0)].is_digital().then_some(SignalBounds::LINE)?
             }
-            Source::Image(address) | Source::Memory(address) => Bounds::bits(address.size().bits()),
+            SignalSource::Image(address) | SignalSource::Memory(address) => {
+                SignalBounds::bits(address.size().bits())
+            }
             // A name inside the subject goes before a channel of the same name, as where it is looked up.
-            Source::Path(path) => match self.subject.bounds(path) {
-                Some((least, most)) => Bounds::new(least, most),
+            SignalSource::Path(path) => match self.subject.bounds(path) {
+                Some((least, most)) => SignalBounds::new(least, most),
                 None if self
                     .channel(name)
                     .is_some_and(|channel| self.board.channels()[usize::from(channel.0)].is_digital()) =>
                 {
-                    Bounds::LINE
+                    SignalBounds::LINE
                 }
                 None => return None,
             },
-            Source::Task { figure: TaskFigure::Load, .. } | Source::FrameSignal(_) => return None,
-            Source::Task { .. } | Source::Log(_) | Source::Frames(_) => Bounds::COUNT,
-            Source::File { asks: FileFigure::Exists | FileFigure::Holds(_), .. } => Bounds::BIT,
-            Source::File { .. } => Bounds::COUNT,
-            Source::Register { exception: false, .. } => Bounds::bits(16),
-            Source::Register { exception: true, .. } => Bounds::bits(8),
-            Source::Relocation { figure: RowFigure::Valid, .. } => Bounds::BIT,
-            Source::Relocation { .. } => Bounds::new(-1, 65_535),
+            SignalSource::Task { figure: TaskFigure::Load, .. } | SignalSource::FrameSignal(_) => {
+                return None;
+            }
+            SignalSource::Task { .. } | SignalSource::Log(_) | SignalSource::Frames(_) => SignalBounds::COUNT,
+            SignalSource::File { asks: FileFigure::Exists | FileFigure::Holds(_), .. } => SignalBounds::BIT,
+            SignalSource::File { .. } => SignalBounds::COUNT,
+            SignalSource::Register { exception: false, .. } => SignalBounds::bits(16),
+            SignalSource::Register { exception: true, .. } => SignalBounds::bits(8),
+            SignalSource::Relocation { figure: RowFigure::Valid, .. } => SignalBounds::BIT,
+            SignalSource::Relocation { .. } => SignalBounds::new(-1, 65_535),
         })
     }
 
@@ -163,7 +167,7 @@ impl CaseOnBench<'_> {
             }
         }
         let still = expectation.claim.demands().into_iter().find_map(|demand| match demand {
-            Demand::Change(signal) => {
+            ClaimDemand::Change(signal) => {
                 let channel = self.channel(signal)?;
                 moved.is_still(channel).then(|| signal.to_owned())
             }

@@ -8,7 +8,7 @@ use drivers::Channel;
 use plans::Case;
 use plans::judge::counts_note;
 use plans::steps::ProgramRef;
-use plans::steps::{Command, Disturbance, FaultKind, FileDeed, Shape, Stimulus};
+use plans::steps::{DisturbanceKind, FileOperation, LineFault, PlanCommand, Stimulus, WaveShape};
 use record::{CaseRecord, Hashes, Origin, Parameter, StepRecord};
 use sha2::{Digest, Sha256};
 use signal::Trace;
@@ -134,15 +134,15 @@ fn program_name(program: &ProgramRef) -> String {
 }
 
 /// A fault in words.
-pub(crate) fn show_fault(kind: &FaultKind) -> String {
+pub(crate) fn show_fault(kind: &LineFault) -> String {
     match kind {
-        FaultKind::Stuck(value) => format!("stuck at {}", plans::show_literal(value)),
-        FaultKind::Open => String::from("open"),
-        FaultKind::ShortToGround => String::from("short to ground"),
-        FaultKind::ShortToSupply => String::from("short to supply"),
-        FaultKind::Glitch { value, width } => format!("glitch to {} for {width}", plans::show_literal(value)),
-        FaultKind::Late(delay) => format!("{delay} late"),
-        FaultKind::Lost => String::from("lost"),
+        LineFault::Stuck(value) => format!("stuck at {}", plans::show_literal(value)),
+        LineFault::Open => String::from("open"),
+        LineFault::ShortToGround => String::from("short to ground"),
+        LineFault::ShortToSupply => String::from("short to supply"),
+        LineFault::Glitch { value, width } => format!("glitch to {} for {width}", plans::show_literal(value)),
+        LineFault::Late(delay) => format!("{delay} late"),
+        LineFault::Lost => String::from("lost"),
     }
 }
 
@@ -163,19 +163,19 @@ pub fn what(stimulus: &Stimulus) -> String {
         Stimulus::Release { signal } => format!("release {signal}"),
         Stimulus::Write { of, value } => format!("write {of} := {}", plans::show_literal(value)),
         Stimulus::Command(command) => String::from(match command {
-            Command::Run => "run",
-            Command::Stop => "stop",
-            Command::ResetWarm => "reset warm",
-            Command::ResetCold => "reset cold",
-            Command::Login => "connect the tool",
-            Command::Logout => "disconnect the tool",
-            Command::LogoutKeepForcing => "disconnect the tool and keep forcing",
-            Command::IdentifyOn => "identify the controller",
-            Command::IdentifyOff => "identify the controller no longer",
-            Command::ResetOrigin => "reset origin",
-            Command::Reboot => "reboot by script",
-            Command::CreateBootApplication => "create the boot application",
-            Command::DeleteApplication => "delete the application",
+            PlanCommand::Run => "run",
+            PlanCommand::Stop => "stop",
+            PlanCommand::ResetWarm => "reset warm",
+            PlanCommand::ResetCold => "reset cold",
+            PlanCommand::Login => "connect the tool",
+            PlanCommand::Logout => "disconnect the tool",
+            PlanCommand::LogoutKeepForcing => "disconnect the tool and keep forcing",
+            PlanCommand::IdentifyOn => "identify the controller",
+            PlanCommand::IdentifyOff => "identify the controller no longer",
+            PlanCommand::ResetOrigin => "reset origin",
+            PlanCommand::Reboot => "reboot by script",
+            PlanCommand::CreateBootApplication => "create the boot application",
+            PlanCommand::DeleteApplication => "delete the application",
         }),
         Stimulus::Switch(run) => {
             format!("Run/Stop switch to {}", if *run { "Run" } else { "Stop" })
@@ -222,18 +222,18 @@ pub fn what(stimulus: &Stimulus) -> String {
             format!("fault on {signal}: {kind}{lasts}")
         }
         Stimulus::File { path, deed, .. } => match deed {
-            FileDeed::Put(bytes) => format!("put {} bytes into {path}", bytes.len()),
-            FileDeed::Fill(bytes) => format!("put {bytes} bytes into {path}"),
-            FileDeed::Log(entry) => format!("log {} characters into {path}", entry.chars().count()),
-            FileDeed::Remove => format!("remove {path}"),
+            FileOperation::Put(bytes) => format!("put {} bytes into {path}", bytes.len()),
+            FileOperation::Fill(bytes) => format!("put {bytes} bytes into {path}"),
+            FileOperation::Log(entry) => format!("log {} characters into {path}", entry.chars().count()),
+            FileOperation::Remove => format!("remove {path}"),
         },
         Stimulus::Clear { signal } => format!("faults off {signal}"),
         Stimulus::Disturb { what, on, lasts } => {
             let what = match what {
-                Disturbance::ShortCircuit(output) => format!("short circuit at {output}"),
-                Disturbance::OverTemperature(output) => format!("over-temperature at {output}"),
-                Disturbance::NoIoSupply => String::from("no supply of inputs and outputs"),
-                Disturbance::External(bit) => format!("external error {bit}"),
+                DisturbanceKind::ShortCircuit(output) => format!("short circuit at {output}"),
+                DisturbanceKind::OverTemperature(output) => format!("over-temperature at {output}"),
+                DisturbanceKind::NoIoSupply => String::from("no supply of inputs and outputs"),
+                DisturbanceKind::External(bit) => format!("external error {bit}"),
             };
             match (on, lasts) {
                 (true, Some(lasts)) => format!("{what} for {lasts}"),
@@ -245,8 +245,10 @@ pub fn what(stimulus: &Stimulus) -> String {
         Stimulus::Wave(wave) => {
             let lasts = wave.lasts.map_or_else(String::new, |lasts| format!(" for {lasts}"));
             match &wave.shape {
-                Shape::Ramp { from: Some(from), to } => format!("{} from {from} to {to}{lasts}", wave.signal),
-                Shape::Ramp { from: None, to } => format!("{} to {to}{lasts}", wave.signal),
+                WaveShape::Ramp { from: Some(from), to } => {
+                    format!("{} from {from} to {to}{lasts}", wave.signal)
+                }
+                WaveShape::Ramp { from: None, to } => format!("{} to {to}{lasts}", wave.signal),
                 _ => format!("{} on {}{lasts}", wave.verb(), wave.signal),
             }
         }

@@ -8,7 +8,7 @@ use crate::prepare::Prepared;
 use crate::test_setup::set_up;
 use document::Diagnostic;
 use plans::Case;
-use plans::judge::Judge;
+use plans::judge::CaseJudge;
 use signal::{Span, Trace};
 
 /// Builds subject and board of a case and looks up its names: signals and steps as a run would have them.
@@ -32,7 +32,7 @@ pub(crate) fn look_up(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>,
     }
     let case = &*case;
     let prepared = stage.prepare(case, files, Trace::new(), true)?;
-    Judge::new(case.scenario(), prepared.trace.signals())?;
+    CaseJudge::new(case.scenario(), prepared.trace.signals())?;
     let looked = stage.on_bench(case, files, &prepared);
     let found = check::claims(&looked);
     if found.iter().any(Diagnostic::is_error) {

@@ -13,7 +13,7 @@ use controller::{
     FileProbe, FrontPanel, JitterCounts, LoadError, NonVolatile, Probe, ProbeId, State, TaskFigures,
     WriteError,
 };
-use plans::steps::FileDeed;
+use plans::steps::FileOperation;
 use program::Program;
 use signal::{Cause, Level, Span, Time, Value, When};
 use std::sync::Arc;
@@ -143,10 +143,12 @@ impl Subject for Model {
     fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
         let (path, user) = (act.path.as_str(), act.user);
         match &act.deed {
-            FileDeed::Put(bytes) => self.controller.put_file(now, path, bytes, user, effects),
-            FileDeed::Fill(bytes) => self.controller.put_file(now, path, &vec![0; *bytes], user, effects),
-            FileDeed::Log(entry) => self.controller.log_data(now, path, entry, effects),
-            FileDeed::Remove => self.controller.remove_file(now, path, user, effects),
+            FileOperation::Put(bytes) => self.controller.put_file(now, path, bytes, user, effects),
+            FileOperation::Fill(bytes) => {
+                self.controller.put_file(now, path, &vec![0; *bytes], user, effects)
+            }
+            FileOperation::Log(entry) => self.controller.log_data(now, path, entry, effects),
+            FileOperation::Remove => self.controller.remove_file(now, path, user, effects),
         }
     }
 

@@ -4,7 +4,7 @@ use crate::capability::Capability;
 use crate::subject::Subject;
 use drivers::{Board, Channel, FaultSet};
 use plans::Case;
-use plans::lang::{Amount, Need, Relation};
+use plans::lang::{Amount, BoundRelation, Need};
 use plans::steps::Stimulus;
 use signal::Span;
 
@@ -19,7 +19,7 @@ pub enum Unmet {
 /// The first need that is not met on a rig that is `late` by so much.
 pub fn unmet(case: &Case, subject: &dyn Subject, board: &dyn Board, late: Span) -> Option<Unmet> {
     // Where the subject has no faults of its own, relays of the board may put them on its wires.
-    let disturbs = |step: &plans::Step| matches!(step.stimulus, Stimulus::Disturb { .. });
+    let disturbs = |step: &plans::PlanStep| matches!(step.stimulus, Stimulus::Disturb { .. });
     let relays = board.channels().iter().any(|channel| channel.faults != FaultSet::NONE);
     let faults = relays && !case.steps.iter().any(disturbs);
     let by_relays = |need: &&Need| faults && need.word == Capability::Faults.word();
@@ -33,7 +33,7 @@ fn unmet_need(need: &Need, subject: &dyn Subject, board: &dyn Board, late: Span)
         ("pulse", bound) => {
             let fastest = lines().map(fastest_pulses).max().unwrap_or(0);
             let wanted = match bound.map(|bound| (bound.relation, bound.amount)) {
-                Some((Relation::AtLeast, Amount::Millihertz(wanted))) => u128::from(wanted),
+                Some((BoundRelation::AtLeast, Amount::Millihertz(wanted))) => u128::from(wanted),
                 _ => 1,
             };
             (fastest < wanted).then(|| {
@@ -49,7 +49,7 @@ fn unmet_need(need: &Need, subject: &dyn Subject, board: &dyn Board, late: Span)
             let stamped = lines().map(|channel| channel.resolution).max().unwrap_or(Span::ZERO);
             let worst = stamped + late;
             match bound.map(|bound| (bound.relation, bound.amount)) {
-                Some((Relation::AtMost, Amount::Time(wanted))) if worst > wanted => {
+                Some((BoundRelation::AtMost, Amount::Time(wanted))) if worst > wanted => {
                     Some(Unmet::Instrument(if stamped > wanted {
                         format!("the board stamps edges to within {stamped}, the plan needs {wanted}")
                     } else {

@@ -1,13 +1,13 @@
 //! What is seen goes into the trace, and from the trace to the judge.
 
-use plans::judge::Judge;
+use plans::judge::CaseJudge;
 use signal::{Cause, Event, SignalId, Span, Trace, TraceError, Value, When};
 
 /// The trace of a case as it grows, with the judge that follows it.
 #[derive(Debug)]
 pub struct Recorder {
     trace: Trace,
-    judge: Judge,
+    judge: CaseJudge,
     /// How late the rig was at worst so far.
     late: Span,
     fault: Option<TraceError>,
@@ -15,7 +15,7 @@ pub struct Recorder {
 
 impl Recorder {
     /// Records into `trace`, whose signals are all defined.
-    pub fn new(trace: Trace, judge: Judge) -> Recorder {
+    pub fn new(trace: Trace, judge: CaseJudge) -> Recorder {
         Recorder { trace, judge, late: Span::ZERO, fault: None }
     }
 
@@ -83,7 +83,7 @@ impl Recorder {
     }
 
     /// Trace and judge for the verdicts.
-    pub fn into_parts(self) -> (Trace, Judge) {
+    pub fn into_parts(self) -> (Trace, CaseJudge) {
         (self.trace, self.judge)
     }
 }

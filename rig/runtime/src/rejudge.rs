@@ -3,7 +3,7 @@
 use crate::case::verdict;
 use crate::describe;
 use document::{Diagnostic, SourceFile};
-use plans::judge::Judge;
+use plans::judge::CaseJudge;
 use plans::plan::{GlobalChecks, PlanText};
 use record::CaseRecord;
 use signal::{Time, Trace, When};
@@ -73,7 +73,7 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
     }
     record.end_ns = end.as_nanos();
     record.duration_ns = end.max(closed).as_nanos();
-    let judge = Judge::new(case.scenario(), trace.signals())?;
+    let judge = CaseJudge::new(case.scenario(), trace.signals())?;
     let outcome = judge.replay(When::exactly(end), trace).map_err(|error| error.to_string());
     verdict(&mut record, outcome, trace);
     let changed = trace.note("plan-sha256") != Some(describe::plan_hash(read.joined()).as_str());

@@ -7,10 +7,10 @@ mod progress;
 use crate::generator::{BoardOrder, Generator};
 use controller::{Command, Disturbance, FileUser, Probe};
 use drivers::{ChannelId, Fault};
-use plans::lang::{Anchor, Base};
-use plans::plan::Repeat;
+use plans::lang::{Anchor, AnchorBase};
+use plans::plan::StepRepeat;
 use plans::steps::CasePart;
-use plans::steps::{FileDeed, Question};
+use plans::steps::{FileOperation, Question};
 use signal::{SignalId, Span, Time, Value};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -67,7 +67,7 @@ pub struct FileAction {
     /// Its path.
     pub path: String,
     /// What is done.
-    pub deed: FileDeed,
+    pub deed: FileOperation,
     /// Who does it.
     pub user: FileUser,
 }
@@ -114,7 +114,7 @@ pub struct PlannedStep {
     /// When it comes.
     pub timing: Timing,
     /// How it comes more than once.
-    pub repeat: Option<Repeat>,
+    pub repeat: Option<StepRepeat>,
     /// Place of the step that runs its group.
     pub parent: Option<usize>,
     /// What it does, by the time since its beginning, in order.
@@ -162,17 +162,17 @@ enum StepAnchor {
 }
 
 impl StepAnchor {
-    fn of(base: &Base, steps: &BTreeMap<&str, usize>) -> StepAnchor {
+    fn of(base: &AnchorBase, steps: &BTreeMap<&str, usize>) -> StepAnchor {
         let place = |id: &str| steps.get(id).copied();
         let found = match base {
-            Base::Start => Some(StepAnchor::Start),
-            Base::Main => Some(StepAnchor::Main),
-            Base::Teardown => Some(StepAnchor::Teardown),
-            Base::End => None,
-            Base::Occurrence { step, n } => place(step).map(|place| StepAnchor::Time(place, *n)),
-            Base::Step(id) => place(id).map(StepAnchor::Begin),
-            Base::StepDone(id) => place(id).map(StepAnchor::Done),
-            Base::Pulse { step, n } => {
+            AnchorBase::Start => Some(StepAnchor::Start),
+            AnchorBase::Main => Some(StepAnchor::Main),
+            AnchorBase::Teardown => Some(StepAnchor::Teardown),
+            AnchorBase::End => None,
+            AnchorBase::Occurrence { step, n } => place(step).map(|place| StepAnchor::Time(place, *n)),
+            AnchorBase::Step(id) => place(id).map(StepAnchor::Begin),
+            AnchorBase::StepDone(id) => place(id).map(StepAnchor::Done),
+            AnchorBase::Pulse { step, n } => {
                 place(step).zip(u32::try_from(*n).ok()).map(|(place, n)| StepAnchor::Pulse(place, n))
             }
         };

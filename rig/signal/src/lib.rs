@@ -18,5 +18,5 @@ pub use image::Image;
 pub use quantity::{Decimal, Quantity, QuantityError, QuantityFault, QuantityRange, Unit, is_range};
 pub use random::Random;
 pub use time::{Span, Time};
-pub use trace::{Between, Cursor, Events, LoadLimits, Spill, Trace, TraceError};
+pub use trace::{Cursor, Events, EventsBetween, LoadLimits, Spill, Trace, TraceError};
 pub use value::{Level, Value};

@@ -1,7 +1,7 @@
 //! Recordings of the dashboard's trend in files: dumps and tables, written as the rig writes its own and read as it
 //! reads those of other instruments.
 
-use capture::{Capture, Format, Shape};
+use capture::{Capture, CaptureFormat, ChannelType};
 use control::{Fault, SignalKind, Value, WireValue};
 use dash::frame_decoder::FrameDecoder;
 use dash::recording::{RecordedChange, RecordedSignal, TrendFiles, TrendRecording};
@@ -64,8 +64,8 @@ impl TrendFiles for HostTrendFiles {
         if bytes.len() as u64 > capture::MAX_FILE {
             return Err(failed("it is larger than 256 MiB".to_owned(), "cut a part out of it"));
         }
-        let format =
-            Format::of(&bytes, path).ok_or_else(|| failed("its format is not known".to_owned(), other))?;
+        let format = CaptureFormat::of(&bytes, path)
+            .ok_or_else(|| failed("its format is not known".to_owned(), other))?;
         let capture =
             capture::read(format, &bytes, None).map_err(|error| failed(error.to_string(), error.mend))?;
         Ok(recording_of(capture))
@@ -184,9 +184,9 @@ fn recording_of(capture: Capture) -> TrendRecording {
                 name: channel.name.clone(),
                 unit: channel.unit.clone(),
                 kind: match channel.shape {
-                    Shape::Bit => SignalKind::Bool,
-                    Shape::Whole => SignalKind::Int,
-                    Shape::Real => SignalKind::Real,
+                    ChannelType::Bit => SignalKind::Bool,
+                    ChannelType::Whole => SignalKind::Int,
+                    ChannelType::Real => SignalKind::Real,
                 },
                 labels: Vec::new(),
             })

@@ -4,7 +4,7 @@ use super::instant::{self, CaptureNames};
 use super::{JudgeArgs, mapping};
 use crate::output;
 use crate::plan_files::Parameters;
-use capture::{Capture, CaptureError, Format, MAX_FILE};
+use capture::{Capture, CaptureError, CaptureFormat, MAX_FILE};
 use document::{Diagnostic, SourceFile};
 use plans::Case;
 use record::CaseRecord;
@@ -16,7 +16,7 @@ use signal::{Span, When};
 /// Reads the capture and judges it by the plan.
 pub fn judge(
     args: &JudgeArgs,
-    format: Format,
+    format: CaptureFormat,
     sources: &mut Vec<SourceFile>,
 ) -> Result<CaseRecord, Vec<Diagnostic>> {
     let capture = read(args, format).map_err(|found| vec![found])?;
@@ -43,7 +43,7 @@ pub fn judge(
     rejudge::judge_gathered(loaded.plan.text(), &trace)
 }
 
-fn read(args: &JudgeArgs, format: Format) -> Result<Capture, Diagnostic> {
+fn read(args: &JudgeArgs, format: CaptureFormat) -> Result<Capture, Diagnostic> {
     let path = args.trace.display();
     let wrong = |what: String| Diagnostic::error("R0170", format!("{path}: {what}"));
     let period = match &args.capture.period {

@@ -85,7 +85,7 @@ fn try_run(args: &JudgeArgs) -> Result<Exit, Exit> {
     let mut head = Vec::new();
     (&mut file).take(64).read_to_end(&mut head).map_err(unreadable)?;
     let mut sources = Vec::new();
-    let judged = match capture::Format::of(&head, &args.trace.to_string_lossy()) {
+    let judged = match capture::CaptureFormat::of(&head, &args.trace.to_string_lossy()) {
         Some(format) => foreign::judge(args, format, &mut sources),
         None => {
             file.rewind().map_err(unreadable)?;

@@ -2,7 +2,7 @@
 
 use crate::output;
 use plans::Case;
-use plans::judge::{Scenario, Standing};
+use plans::judge::{ClaimProgress, Scenario};
 use record::Verdict;
 use reports::text::clean;
 use runtime::describe;
@@ -119,8 +119,8 @@ impl<'a> StepShell<'a> {
         }
     }
 
-    fn standings(&self, pause: &Pause<'_>) -> Vec<Standing> {
-        Standing::of(&self.scenario, pause.trace, pause.now).unwrap_or_else(|error| {
+    fn standings(&self, pause: &Pause<'_>) -> Vec<ClaimProgress> {
+        ClaimProgress::of(&self.scenario, pause.trace, pause.now).unwrap_or_else(|error| {
             output::error(&error.to_string());
             Vec::new()
         })

@@ -9,7 +9,7 @@ pub(crate) use op::Op;
 
 /// Where an operand's offset counts from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Base {
+pub(crate) enum AddressBase {
     /// The start of the address space ([`map`]).
     Absolute,
     /// The running block's instance.
@@ -27,22 +27,22 @@ pub(crate) struct Operand(pub u32);
 impl Operand {
     pub const OFFSET: u32 = (1 << 30) - 1;
 
-    pub const fn new(base: Base, offset: u32) -> Operand {
+    pub const fn new(base: AddressBase, offset: u32) -> Operand {
         let base = match base {
-            Base::Absolute => 0,
-            Base::This => 1,
-            Base::Frame => 2,
-            Base::Indirect => 3,
+            AddressBase::Absolute => 0,
+            AddressBase::This => 1,
+            AddressBase::Frame => 2,
+            AddressBase::Indirect => 3,
         };
         Operand(base << 30 | (offset & Self::OFFSET))
     }
 
-    pub const fn base(self) -> Base {
+    pub const fn base(self) -> AddressBase {
         match self.0 >> 30 {
-            0 => Base::Absolute,
-            1 => Base::This,
-            2 => Base::Frame,
-            _ => Base::Indirect,
+            0 => AddressBase::Absolute,
+            1 => AddressBase::This,
+            2 => AddressBase::Frame,
+            _ => AddressBase::Indirect,
         }
     }
 
@@ -150,7 +150,7 @@ pub(crate) struct Unit {
 /// What an object knows of its class: the first 4 bytes of an instance of a block with methods hold the place of its
 /// class + 1.
 #[derive(Clone, Debug)]
-pub(crate) struct Class {
+pub(crate) struct ObjectClass {
     /// Unit of each selector that it has, by selector.
     pub methods: Vec<Option<u16>>,
     /// Places in `Program::kinds` of what it is: itself, what it extends, its interfaces. Sorted.

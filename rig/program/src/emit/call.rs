@@ -4,9 +4,9 @@ use super::expr::{BOOL, has_effects};
 use super::frame::in_next;
 use super::place::Aim;
 use super::{Dest, Emitter, Value, ops};
-use crate::code::{Base, Op, Operand};
-use crate::findings::At;
-use crate::tree::{Call, Callee, Expr, Input, Output, Place, Root, Slot, Target, Ty};
+use crate::code::{AddressBase, Op, Operand};
+use crate::findings::SourcePlace;
+use crate::tree::{Callee, Expr, Input, Output, Slot, Target, TreeCall, TreePlace, TreeRoot, Ty};
 use crate::types::Elementary;
 
 /// Where the instance of a call is.
@@ -22,14 +22,14 @@ impl Instance {
     fn operand(self) -> Operand {
         match self {
             Instance::Fixed(at) => at,
-            Instance::Address { slot, .. } => Operand::new(Base::Indirect, slot.offset()),
+            Instance::Address { slot, .. } => Operand::new(AddressBase::Indirect, slot.offset()),
         }
     }
 }
 
 impl Emitter<'_, '_, '_> {
     /// Runs a call. The result stands in the frame of the callee until the next call.
-    pub(super) fn call(&mut self, call: &Call, ty: Ty) -> Value {
+    pub(super) fn call(&mut self, call: &TreeCall, ty: Ty) -> Value {
         let (instance, cost) = self.instance(&call.callee);
         self.inputs(call, instance);
         match &call.callee {
@@ -62,8 +62,8 @@ impl Emitter<'_, '_, '_> {
             Callee::Of(_, place) | Callee::Native(_, place) => {
                 let (operand, cost) = self.place(place);
                 match operand.base() {
-                    Base::Indirect => {
-                        let slot = Operand::new(Base::Frame, operand.offset());
+                    AddressBase::Indirect => {
+                        let slot = Operand::new(AddressBase::Frame, operand.offset());
                         (Instance::Address { slot, offset: place.offset }, cost)
                     }
                     _ => (Instance::Fixed(operand), cost),
@@ -80,11 +80,11 @@ impl Emitter<'_, '_, '_> {
 
     /// Inputs that run code of others come first, with all before them: their calls use the frame behind the running
     /// one, where the parameters of this call are then put together.
-    fn inputs(&mut self, call: &Call, instance: Instance) {
+    fn inputs(&mut self, call: &TreeCall, instance: Instance) {
         let first =
             call.inputs.iter().rposition(|input| has_effects(&input.value)).map_or(0, |last| last + 1);
         let (early, late) = call.inputs.split_at(first);
-        let mut kept: Vec<(Operand, Value, At)> = Vec::new();
+        let mut kept: Vec<(Operand, Value, SourcePlace)> = Vec::new();
         for input in early {
             match &input.to {
                 Slot::Frame(offset, ty) => {
@@ -118,7 +118,7 @@ impl Emitter<'_, '_, '_> {
         }
     }
 
-    fn set_pin(&mut self, place: &Place, value: &Expr, instance: Instance) {
+    fn set_pin(&mut self, place: &TreePlace, value: &Expr, instance: Instance) {
         let mark = self.mark();
         let (at, cost) = self.pin(place, instance);
         let cost = cost.saturating_add(self.writing(place.ty, place.retained));
@@ -128,24 +128,24 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// The operand of a pin: the address of the instance is not computed again.
-    fn pin(&mut self, place: &Place, instance: Instance) -> (Operand, u32) {
-        let dynamic = !place.indices.is_empty() || matches!(place.root, Root::Address(_));
+    fn pin(&mut self, place: &TreePlace, instance: Instance) -> (Operand, u32) {
+        let dynamic = !place.indices.is_empty() || matches!(place.root, TreeRoot::Address(_));
         match instance {
             Instance::Address { slot, offset } if dynamic => {
-                let of = Operand::new(Base::Indirect, slot.offset());
+                let of = Operand::new(AddressBase::Indirect, slot.offset());
                 let behind = place.offset.saturating_sub(offset);
                 if behind == 0 {
                     return (of, 0);
                 }
                 let pin = self.temporary(Ty::Address);
                 self.behind(of, behind, pin, 0, place.at);
-                (Operand::new(Base::Indirect, pin.offset()), 0)
+                (Operand::new(AddressBase::Indirect, pin.offset()), 0)
             }
             _ => self.place(place),
         }
     }
 
-    fn call_unit(&mut self, callee: &Callee, instance: Operand, cost: u32, at: At) {
+    fn call_unit(&mut self, callee: &Callee, instance: Operand, cost: u32, at: SourcePlace) {
         let (op, unit) = match callee {
             Callee::Unit(unit) => (Op::Call, *unit),
             Callee::Of(unit, _) => (Op::CallThis, *unit),
@@ -161,7 +161,7 @@ impl Emitter<'_, '_, '_> {
         self.push(op, (u32::from(unit), instance.0, 0), cost, at);
     }
 
-    fn outputs(&mut self, outputs: &[Output], instance: Instance, at: At) {
+    fn outputs(&mut self, outputs: &[Output], instance: Instance, at: SourcePlace) {
         let keep = outputs.iter().any(|output| target_has_effects(&output.target));
         let mut values: Vec<Option<Value>> = Vec::with_capacity(outputs.len());
         for output in outputs {
@@ -193,7 +193,7 @@ impl Emitter<'_, '_, '_> {
         }
     }
 
-    fn output(&mut self, value: Value, negated: bool, aim: Aim, at: At) {
+    fn output(&mut self, value: Value, negated: bool, aim: Aim, at: SourcePlace) {
         if !negated {
             return self.hit(aim, value, at);
         }
@@ -207,5 +207,5 @@ impl Emitter<'_, '_, '_> {
 fn target_has_effects(target: &Target) -> bool {
     let (Target::Place(place) | Target::Bit(place, _)) = target;
     place.indices.iter().any(|index| has_effects(&index.value))
-        || matches!(&place.root, Root::Address(address) if has_effects(address))
+        || matches!(&place.root, TreeRoot::Address(address) if has_effects(address))
 }

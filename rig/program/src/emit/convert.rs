@@ -2,7 +2,7 @@
 
 use super::{Dest, Emitter, Value, ops};
 use crate::code::{LibraryArgument, LibraryCall, LibraryCode, Op, Operand, TextAt, TextPair};
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::library::Function;
 use crate::tree::{Expr, Ty};
 use crate::types::Elementary;
@@ -33,7 +33,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// Brings a value into the type of the destination.
-    pub(super) fn convert(&mut self, value: Value, to: Dest, cost: u32, at: At) {
+    pub(super) fn convert(&mut self, value: Value, to: Dest, cost: u32, at: SourcePlace) {
         let (from, into) = match (value.ty, to.ty) {
             (Ty::Text { .. }, Ty::Text { .. }) | (Ty::Block { .. }, _) | (_, Ty::Block { .. }) => {
                 return self.transfer(to, value, cost, at);
@@ -57,7 +57,7 @@ impl Emitter<'_, '_, '_> {
             self.operate(op, [to.at, value.at, Operand(0)], cost, at);
         } else if into == bool && from.is_integer() {
             let zero = self.constant(0, value.ty);
-            let op = ops::compare(ops::Relation::NotEqual, from);
+            let op = ops::compare(ops::CompareRelation::NotEqual, from);
             self.operate(op, [to.at, value.at, zero.at], cost, at);
         } else {
             let types = u32::from(from as u8) << 8 | u32::from(into as u8);
@@ -65,14 +65,14 @@ impl Emitter<'_, '_, '_> {
         }
     }
 
-    pub(super) fn move_text(&mut self, to: Dest, value: Value, cost: u32, at: At) {
+    pub(super) fn move_text(&mut self, to: Dest, value: Value, cost: u32, at: SourcePlace) {
         let entry = self.texts.len() as u32;
         self.texts.push(TextPair { to: text_at(to.at, to.ty), of: text_at(value.at, value.ty) });
         self.push(Op::MoveText, (to.at.0, value.at.0, entry), cost, at);
     }
 
     /// The order of two texts: -1, 0 or 1 as SINT.
-    pub(super) fn compare_texts(&mut self, to: Operand, a: Value, b: Value, at: At) {
+    pub(super) fn compare_texts(&mut self, to: Operand, a: Value, b: Value, at: SourcePlace) {
         let entry = self.texts.len() as u32;
         self.texts.push(TextPair { to: text_at(a.at, a.ty), of: text_at(b.at, b.ty) });
         let cost = self.costs.text.saturating_add(a.cost).saturating_add(b.cost);
@@ -85,7 +85,7 @@ impl Emitter<'_, '_, '_> {
         generic: Elementary,
         arguments: &[Expr],
         to: Dest,
-        at: At,
+        at: SourcePlace,
     ) {
         let arguments = self.values(&arguments.iter().collect::<Vec<_>>());
         let text = |ty: Ty| matches!(ty, Ty::Text { .. });
@@ -101,7 +101,7 @@ impl Emitter<'_, '_, '_> {
         arguments: &[Value],
         to: Dest,
         cost: u32,
-        at: At,
+        at: SourcePlace,
     ) {
         let cost =
             arguments.iter().fold(cost.saturating_add(to.cost), |sum, value| sum.saturating_add(value.cost));

@@ -2,10 +2,10 @@
 
 use super::convert::{is_cut, same_bits};
 use super::{Dest, Emitter, Value, ops};
-use crate::code::{Base, Op, Operand};
+use crate::code::{AddressBase, Op, Operand};
 use crate::codes::Code;
-use crate::findings::At;
-use crate::tree::{BinaryOp, Expr, ExprKind, Place, Root, Ty, UnaryOp};
+use crate::findings::SourcePlace;
+use crate::tree::{BinaryOp, Expr, ExprKind, TreePlace, TreeRoot, Ty, UnaryOp};
 use crate::types::Elementary;
 
 /// Expressions inside each other. The parser allows fewer: this keeps the stack of the host safe whatever comes.
@@ -48,7 +48,7 @@ pub(super) fn survey(expr: &Expr) -> Survey {
             ExprKind::Load(place) | ExprKind::LoadBit(place, _) | ExprKind::AddressOf(place) => {
                 found.faults |= !place.is_direct();
                 waiting.extend(place.indices.iter().map(|index| &index.value));
-                if let Root::Address(address) = &place.root {
+                if let TreeRoot::Address(address) = &place.root {
                     waiting.push(address);
                 }
             }
@@ -83,16 +83,16 @@ pub(super) fn has_effects(expr: &Expr) -> bool {
     survey(expr).effects
 }
 
-impl Place {
+impl TreePlace {
     /// Whether its address is known without an operation.
     fn is_direct(&self) -> bool {
-        self.indices.is_empty() && !matches!(self.root, Root::Address(_))
+        self.indices.is_empty() && !matches!(self.root, TreeRoot::Address(_))
     }
 }
 
 impl Emitter<'_, '_, '_> {
     /// Whether one more expression may be opened inside those that are open.
-    pub(super) fn enter(&mut self, at: At) -> bool {
+    pub(super) fn enter(&mut self, at: SourcePlace) -> bool {
         self.unit.depth += 1;
         if self.unit.depth == DEPTH && !std::mem::replace(&mut self.unit.deep, true) {
             let help = "compute parts of it in statements of their own";
@@ -107,7 +107,7 @@ impl Emitter<'_, '_, '_> {
 
     /// A constant of a scalar type.
     pub(super) fn constant(&mut self, cell: i64, ty: Ty) -> Value {
-        let at = Operand::new(Base::Absolute, self.pool.cell(cell, ty.bytes()));
+        let at = Operand::new(AddressBase::Absolute, self.pool.cell(cell, ty.bytes()));
         Value { at, ty, cost: 0, fixed: true }
     }
 
@@ -161,7 +161,7 @@ impl Emitter<'_, '_, '_> {
         match &expr.kind {
             ExprKind::Constant(cell) => Some(self.constant(*cell, ty)),
             ExprKind::Text(bytes) | ExprKind::Bytes(bytes) => {
-                let at = Operand::new(Base::Absolute, self.pool.block(bytes));
+                let at = Operand::new(AddressBase::Absolute, self.pool.block(bytes));
                 let ty = match ty {
                     Ty::Text { wide, .. } => {
                         let units = bytes.len() as u32 / if wide { 2 } else { 1 };
@@ -245,7 +245,7 @@ impl Emitter<'_, '_, '_> {
         }
     }
 
-    fn unary(&mut self, op: UnaryOp, inner: &Expr, to: Dest, at: At) {
+    fn unary(&mut self, op: UnaryOp, inner: &Expr, to: Dest, at: SourcePlace) {
         let value = self.value(inner);
         let ty = ops::scalar(value.ty);
         let op = match op {
@@ -286,7 +286,7 @@ impl Emitter<'_, '_, '_> {
         }
     }
 
-    fn binary(&mut self, op: BinaryOp, a: Value, b: Value, to: Dest, at: At) {
+    fn binary(&mut self, op: BinaryOp, a: Value, b: Value, to: Dest, at: SourcePlace) {
         let ty = ops::scalar(a.ty);
         if let Some((relation, swap)) = ops::relation(op) {
             let (mut sides, ty, cost) = self.comparable(a, b, at);
@@ -308,7 +308,12 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// What one operation can compare, the type it works in and its cost: of texts, their order and 0.
-    pub(super) fn comparable(&mut self, a: Value, b: Value, at: At) -> ([Operand; 2], Elementary, u32) {
+    pub(super) fn comparable(
+        &mut self,
+        a: Value,
+        b: Value,
+        at: SourcePlace,
+    ) -> ([Operand; 2], Elementary, u32) {
         if matches!(a.ty, Ty::Text { .. }) {
             let ty = Ty::Scalar(Elementary::Sint);
             let order = self.temporary(ty);
@@ -321,7 +326,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// SEL and MUX: all values are computed, one is taken.
-    fn select(&mut self, which: &Expr, choices: &[Expr], to: Dest, at: At) {
+    fn select(&mut self, which: &Expr, choices: &[Expr], to: Dest, at: SourcePlace) {
         let all: Vec<&Expr> = std::iter::once(which).chain(choices).collect();
         let values = self.values(&all);
         let Some((which, choices)) = values.split_first() else { return };
@@ -334,7 +339,7 @@ impl Emitter<'_, '_, '_> {
             values.iter().fold(op.saturating_add(to.cost), |sum, value| sum.saturating_add(value.cost));
         let to = Dest { cost: 0, ..to };
         let ty = ops::scalar(which.ty);
-        let (end, at_most) = (self.label(), ops::jump(ops::Relation::LessEqual, ty, true).0);
+        let (end, at_most) = (self.label(), ops::jump(ops::CompareRelation::LessEqual, ty, true).0);
         let mut labels = Vec::new();
         for nth in 0..others.len() {
             let label = self.label();

@@ -1,8 +1,8 @@
 //! The frame of a unit while it is being made: temporaries, labels, and what is only known at its end.
 
 use super::{Dest, Emitter, Value, ops};
-use crate::code::{Base, LibraryArgument, Op, Operand, Step};
-use crate::findings::At;
+use crate::code::{AddressBase, LibraryArgument, Op, Operand, Step};
+use crate::findings::SourcePlace;
 use crate::tree::{Ty, UnitTree};
 
 /// Offsets of the running frame from here on are meant in the next one, which begins where the running one ends.
@@ -21,7 +21,7 @@ pub(super) struct Loop {
 
 /// What is known of the unit that is being made.
 #[derive(Debug, Default)]
-pub(super) struct Running {
+pub(super) struct RunningLoop {
     /// Bytes of the frame in use, and at most.
     top: u32,
     pub most: u32,
@@ -38,16 +38,16 @@ pub(super) struct Running {
     pub deep: bool,
 }
 
-impl Running {
+impl RunningLoop {
     pub fn new(unit: &UnitTree) -> Self {
         let bytes = u32::try_from(unit.frame.len()).unwrap_or(NEXT).min(NEXT).next_multiple_of(8);
-        Running { top: bytes, most: bytes, ..Running::default() }
+        RunningLoop { top: bytes, most: bytes, ..RunningLoop::default() }
     }
 }
 
 /// A place in the frame that a call prepares.
 pub(super) fn in_next(offset: u32) -> Operand {
-    Operand::new(Base::Frame, NEXT.saturating_add(offset))
+    Operand::new(AddressBase::Frame, NEXT.saturating_add(offset))
 }
 
 impl Emitter<'_, '_, '_> {
@@ -57,7 +57,7 @@ impl Emitter<'_, '_, '_> {
         // Beyond the limit the unit is refused at its end.
         self.unit.top = place.saturating_add(ty.bytes().clamp(1, NEXT).next_multiple_of(8)).min(NEXT);
         self.unit.most = self.unit.most.max(self.unit.top);
-        Operand::new(Base::Frame, place)
+        Operand::new(AddressBase::Frame, place)
     }
 
     pub(super) fn mark(&self) -> u32 {
@@ -70,7 +70,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// The value so that nothing changes it any more.
-    pub(super) fn stable(&mut self, value: Value, at: At) -> Value {
+    pub(super) fn stable(&mut self, value: Value, at: SourcePlace) -> Value {
         if value.fixed {
             return value;
         }
@@ -80,7 +80,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// Copies a value; both are of one type, texts of one width.
-    pub(super) fn transfer(&mut self, to: Dest, value: Value, cost: u32, at: At) {
+    pub(super) fn transfer(&mut self, to: Dest, value: Value, cost: u32, at: SourcePlace) {
         let cost = cost.saturating_add(value.cost).saturating_add(to.cost);
         match to.ty {
             Ty::Scalar(_) | Ty::Address => {
@@ -106,7 +106,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// An operation that may go on at a label.
-    pub(super) fn jump(&mut self, op: Op, to: Label, [b, c]: [Operand; 2], cost: u32, at: At) {
+    pub(super) fn jump(&mut self, op: Op, to: Label, [b, c]: [Operand; 2], cost: u32, at: SourcePlace) {
         self.unit.jumps.push(self.code.len());
         self.push(op, (to.0 as u32, b.0, c.0), cost, at);
     }
@@ -128,21 +128,21 @@ impl Emitter<'_, '_, '_> {
         // No field but a place is as large as one in a frame.
         for step in self.code.iter_mut().skip(entry) {
             for field in [&mut step.a, &mut step.b, &mut step.c] {
-                *field = settled(Operand(*field), frame).0;
+                *field = placed_in_frame(Operand(*field), frame).0;
             }
         }
         for index in self.indexes.iter_mut().skip(tables.0) {
-            index.of = settled(index.of, frame);
+            index.of = placed_in_frame(index.of, frame);
         }
         for pair in self.texts.iter_mut().skip(tables.1) {
-            pair.to.at = settled(pair.to.at, frame);
-            pair.of.at = settled(pair.of.at, frame);
+            pair.to.at = placed_in_frame(pair.to.at, frame);
+            pair.of.at = placed_in_frame(pair.of.at, frame);
         }
         for call in self.library.iter_mut().skip(tables.2) {
             for argument in call.arguments.iter_mut().chain([&mut call.result]) {
                 match argument {
-                    LibraryArgument::Cell(at, _) => *at = settled(*at, frame),
-                    LibraryArgument::Text(text) => text.at = settled(text.at, frame),
+                    LibraryArgument::Cell(at, _) => *at = placed_in_frame(*at, frame),
+                    LibraryArgument::Text(text) => text.at = placed_in_frame(text.at, frame),
                 }
             }
         }
@@ -169,9 +169,9 @@ impl Emitter<'_, '_, '_> {
 }
 
 /// A place of the next frame, counted from the running one.
-fn settled(at: Operand, frame: u32) -> Operand {
+fn placed_in_frame(at: Operand, frame: u32) -> Operand {
     match at.base() {
-        Base::Frame | Base::Indirect if at.offset() >= NEXT => {
+        AddressBase::Frame | AddressBase::Indirect if at.offset() >= NEXT => {
             Operand::new(at.base(), at.offset() - NEXT + frame)
         }
         _ => at,

@@ -18,11 +18,11 @@ mod tests;
 
 use crate::code::{IndexOf, LibraryCall, Op, Operand, Statement, Step, TextPair, Unit, map};
 use crate::codes::Code;
-use crate::findings::{At, Findings};
+use crate::findings::{Findings, SourcePlace};
 use crate::options::{Costs, Limits, Options};
 use crate::program::Program;
 use crate::tree::{Tree, Ty, UnitTree};
-use frame::Running;
+use frame::RunningLoop;
 use pool::Pool;
 use std::collections::BTreeMap;
 
@@ -67,7 +67,7 @@ struct Emitter<'t, 'f, 's> {
     /// The units that a virtual call of each selector may reach.
     reached: BTreeMap<u32, Vec<u16>>,
     /// The unit that is being made.
-    unit: Running,
+    unit: RunningLoop,
     /// Too much code was reported.
     full: bool,
 }
@@ -96,13 +96,13 @@ pub(crate) fn emit(
         statements: Vec::new(),
         pool: Pool::new(variables_to),
         reached: reached(&tree),
-        unit: Running::default(),
+        unit: RunningLoop::default(),
         full: false,
     };
     if tree.units.len() > usize::from(u16::MAX) {
         let message = format!("the application has {} units", tree.units.len());
         let help = "at most 65535 programs, functions, blocks and methods are compiled together";
-        emitter.findings.error(Code::Length, At::default(), message, help);
+        emitter.findings.error(Code::Length, SourcePlace::default(), message, help);
     }
     let units = tree.units.iter().map(|unit| emitter.unit(unit)).collect();
     emitter.check_memory(variables_to);
@@ -168,13 +168,13 @@ fn reached(tree: &Tree) -> BTreeMap<u32, Vec<u16>> {
 }
 
 impl Emitter<'_, '_, '_> {
-    fn line(&self, at: At) -> u32 {
+    fn line(&self, at: SourcePlace) -> u32 {
         let starts = self.starts.get(usize::from(at.file)).map_or(&[][..], Vec::as_slice);
         starts.partition_point(|start| *start <= at.start) as u32
     }
 
     /// Adds an operation.
-    fn push(&mut self, op: Op, (a, b, c): (u32, u32, u32), cost: u32, at: At) {
+    fn push(&mut self, op: Op, (a, b, c): (u32, u32, u32), cost: u32, at: SourcePlace) {
         if self.code.len() >= self.limits.code {
             if !std::mem::replace(&mut self.full, true) {
                 let message = format!("the program has more than {} operations", self.limits.code);
@@ -188,12 +188,12 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// An operation on places.
-    fn operate(&mut self, op: Op, [a, b, c]: [Operand; 3], cost: u32, at: At) {
+    fn operate(&mut self, op: Op, [a, b, c]: [Operand; 3], cost: u32, at: SourcePlace) {
         self.push(op, (a.0, b.0, c.0), cost, at);
     }
 
     fn unit(&mut self, unit: &UnitTree) -> Unit {
-        self.unit = Running::new(unit);
+        self.unit = RunningLoop::new(unit);
         let entry = self.code.len() as u32;
         let tables = (self.indexes.len(), self.texts.len(), self.library.len());
         self.statements(&unit.body);
@@ -223,7 +223,12 @@ impl Emitter<'_, '_, '_> {
         let limit = self.limits.memory.min(map::OWN_END);
         if size > limit as usize {
             let message = format!("variables and constants need {size} bytes");
-            self.findings.error(Code::DataSize, At::default(), message, format!("there are {limit}"));
+            self.findings.error(
+                Code::DataSize,
+                SourcePlace::default(),
+                message,
+                format!("there are {limit}"),
+            );
         }
     }
 }

@@ -47,7 +47,7 @@ const STEP: [Op; 8] = [StepI8, StepU8, StepI16, StepU16, StepI32, StepU32, StepI
 
 /// A comparison as the machine has them; the others are these with their sides or their outcome turned round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Relation {
+pub(super) enum CompareRelation {
     Equal,
     NotEqual,
     Less,
@@ -55,14 +55,14 @@ pub(super) enum Relation {
 }
 
 /// The relation, and whether the sides change places.
-pub(super) fn relation(op: BinaryOp) -> Option<(Relation, bool)> {
+pub(super) fn relation(op: BinaryOp) -> Option<(CompareRelation, bool)> {
     Some(match op {
-        BinaryOp::Equal => (Relation::Equal, false),
-        BinaryOp::NotEqual => (Relation::NotEqual, false),
-        BinaryOp::Less => (Relation::Less, false),
-        BinaryOp::LessEqual => (Relation::LessEqual, false),
-        BinaryOp::Greater => (Relation::Less, true),
-        BinaryOp::GreaterEqual => (Relation::LessEqual, true),
+        BinaryOp::Equal => (CompareRelation::Equal, false),
+        BinaryOp::NotEqual => (CompareRelation::NotEqual, false),
+        BinaryOp::Less => (CompareRelation::Less, false),
+        BinaryOp::LessEqual => (CompareRelation::LessEqual, false),
+        BinaryOp::Greater => (CompareRelation::Less, true),
+        BinaryOp::GreaterEqual => (CompareRelation::LessEqual, true),
         _ => return None,
     })
 }
@@ -150,29 +150,29 @@ pub(super) fn arithmetic(op: BinaryOp, ty: Elementary) -> Option<Op> {
     })
 }
 
-pub(super) fn compare(relation: Relation, ty: Elementary) -> Op {
+pub(super) fn compare(relation: CompareRelation, ty: Elementary) -> Op {
     match relation {
-        Relation::Equal => six(&EQ, ty),
-        Relation::NotEqual => six(&NE, ty),
-        Relation::Less => ten(&LT, ty),
-        Relation::LessEqual => ten(&LE, ty),
+        CompareRelation::Equal => six(&EQ, ty),
+        CompareRelation::NotEqual => six(&NE, ty),
+        CompareRelation::Less => ten(&LT, ty),
+        CompareRelation::LessEqual => ten(&LE, ty),
     }
 }
 
 /// The jump where the relation holds, or where it does not, and whether the sides change places for it.
-pub(super) fn jump(relation: Relation, ty: Elementary, holds: bool) -> (Op, bool) {
+pub(super) fn jump(relation: CompareRelation, ty: Elementary, holds: bool) -> (Op, bool) {
     match (relation, holds) {
-        (Relation::Equal, true) | (Relation::NotEqual, false) => (six(&JUMP_EQ, ty), false),
-        (Relation::NotEqual, true) | (Relation::Equal, false) => (six(&JUMP_NE, ty), false),
-        (Relation::Less, true) => (ten(&JUMP_LT, ty), false),
-        (Relation::LessEqual, true) => (ten(&JUMP_LE, ty), false),
+        (CompareRelation::Equal, true) | (CompareRelation::NotEqual, false) => (six(&JUMP_EQ, ty), false),
+        (CompareRelation::NotEqual, true) | (CompareRelation::Equal, false) => (six(&JUMP_NE, ty), false),
+        (CompareRelation::Less, true) => (ten(&JUMP_LT, ty), false),
+        (CompareRelation::LessEqual, true) => (ten(&JUMP_LE, ty), false),
         // With NaN, no relation holds: `not a < b` is not `b <= a`.
-        (Relation::Less, false) => match ty {
+        (CompareRelation::Less, false) => match ty {
             Elementary::Real => (JumpNotLtF32, false),
             Elementary::Lreal => (JumpNotLtF64, false),
             _ => (ten(&JUMP_LE, ty), true),
         },
-        (Relation::LessEqual, false) => match ty {
+        (CompareRelation::LessEqual, false) => match ty {
             Elementary::Real => (JumpNotLeF32, false),
             Elementary::Lreal => (JumpNotLeF64, false),
             _ => (ten(&JUMP_LT, ty), true),

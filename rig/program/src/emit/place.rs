@@ -1,9 +1,9 @@
 //! Places: from roots, offsets and indices to operands.
 
 use super::{Dest, Emitter, Value, ops};
-use crate::code::{Base, IndexOf, Op, Operand, map};
-use crate::findings::At;
-use crate::tree::{Expr, ExprKind, Index, Place, Root, Target, Ty};
+use crate::code::{AddressBase, IndexOf, Op, Operand, map};
+use crate::findings::SourcePlace;
+use crate::tree::{Expr, ExprKind, Index, Target, TreePlace, TreeRoot, Ty};
 use crate::types::Elementary;
 
 /// What is assigned to, when its address is known.
@@ -14,26 +14,26 @@ pub(super) enum Aim {
 }
 
 /// The operand of a place that needs no address.
-fn direct(root: &Root, offset: u32) -> Option<Operand> {
+fn direct(root: &TreeRoot, offset: u32) -> Option<Operand> {
     let base = match root {
-        Root::Absolute => Base::Absolute,
-        Root::This => Base::This,
-        Root::Frame => Base::Frame,
-        Root::Address(_) => return None,
+        TreeRoot::Absolute => AddressBase::Absolute,
+        TreeRoot::This => AddressBase::This,
+        TreeRoot::Frame => AddressBase::Frame,
+        TreeRoot::Address(_) => return None,
     };
     Some(Operand::new(base, offset))
 }
 
 impl Emitter<'_, '_, '_> {
     /// The operand of a place, and what finding it costs besides what was charged.
-    pub(super) fn place(&mut self, place: &Place) -> (Operand, u32) {
+    pub(super) fn place(&mut self, place: &TreePlace) -> (Operand, u32) {
         let mut own = None;
         let (of, offset, mut cost) = match &place.root {
-            Root::Address(address) => match self.known_address(address, place.offset) {
+            TreeRoot::Address(address) => match self.known_address(address, place.offset) {
                 Some(of) => (of, 0, 0),
                 None => {
                     let (slot, cost) = self.address_slot(address, &mut own);
-                    (Operand::new(Base::Indirect, slot.offset()), place.offset, cost)
+                    (Operand::new(AddressBase::Indirect, slot.offset()), place.offset, cost)
                 }
             },
             root => (direct(root, place.offset).unwrap_or_default(), 0, 0),
@@ -46,17 +46,17 @@ impl Emitter<'_, '_, '_> {
         if offset > 0 {
             // The operation for indices finds an address that is none before the offset hides it.
             self.behind(of, offset, slot, std::mem::take(&mut cost), place.at);
-            of = Operand::new(Base::Indirect, slot.offset());
+            of = Operand::new(AddressBase::Indirect, slot.offset());
         }
         for index in &place.indices {
             self.index(index, of, slot, std::mem::take(&mut cost));
-            of = Operand::new(Base::Indirect, slot.offset());
+            of = Operand::new(AddressBase::Indirect, slot.offset());
         }
         (of, cost)
     }
 
     /// Puts the address of what stands `offset` bytes behind a place into a slot of the frame.
-    pub(super) fn behind(&mut self, of: Operand, offset: u32, slot: Operand, cost: u32, at: At) {
+    pub(super) fn behind(&mut self, of: Operand, offset: u32, slot: Operand, cost: u32, at: SourcePlace) {
         let zero = self.constant(0, Ty::Scalar(Elementary::Usint));
         let entry = self.indexes.len() as u32;
         self.indexes.push(IndexOf { of, low: -i64::from(offset), high: 0, stride: 1 });
@@ -93,10 +93,10 @@ impl Emitter<'_, '_, '_> {
     /// stands: what a call is told by reference. Otherwise `own` becomes the slot, which may be used again.
     fn address_slot(&mut self, address: &Expr, own: &mut Option<Operand>) -> (Operand, u32) {
         if let ExprKind::Load(place) = &address.kind
-            && let (Root::Frame, []) = (&place.root, place.indices.as_slice())
+            && let (TreeRoot::Frame, []) = (&place.root, place.indices.as_slice())
         {
             let cost = self.reading(Ty::Address, place.retained);
-            return (Operand::new(Base::Frame, place.offset), cost);
+            return (Operand::new(AddressBase::Frame, place.offset), cost);
         }
         let slot = self.temporary(Ty::Address);
         self.store(address, Dest { at: slot, ty: Ty::Address, cost: 0 });
@@ -132,7 +132,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// The variable as a value.
-    pub(super) fn load(&mut self, place: &Place) -> Value {
+    pub(super) fn load(&mut self, place: &TreePlace) -> Value {
         self.read(place);
         let (at, cost) = self.place(place);
         let cost = cost.saturating_add(self.reading(place.ty, place.retained));
@@ -140,29 +140,29 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// The variable as a destination.
-    pub(super) fn destination(&mut self, place: &Place) -> Dest {
+    pub(super) fn destination(&mut self, place: &TreePlace) -> Dest {
         let (at, cost) = self.place(place);
         self.written(place);
         Dest { at, ty: place.ty, cost: cost.saturating_add(self.writing(place.ty, place.retained)) }
     }
 
     /// Keeps account of what is written of the outputs.
-    pub(super) fn written(&mut self, place: &Place) {
+    pub(super) fn written(&mut self, place: &TreePlace) {
         let writes = bits_in(place, 0, whole(place), map::OUTPUTS..map::MEMORY);
         self.unit.writes.extend(writes);
     }
 
-    fn written_bit(&mut self, place: &Place, bit: u32) {
+    fn written_bit(&mut self, place: &TreePlace, bit: u32) {
         self.unit.writes.extend(bits_in(place, bit, 1, map::OUTPUTS..map::MEMORY));
     }
 
     /// Keeps account of what is read of the inputs.
-    pub(super) fn read(&mut self, place: &Place) {
+    pub(super) fn read(&mut self, place: &TreePlace) {
         self.unit.reads.extend(bits_in(place, 0, whole(place), map::INPUTS..map::OUTPUTS));
     }
 
     /// The same for one bit, or for all that indices may mean.
-    pub(super) fn read_bit(&mut self, place: &Place, bit: u32) {
+    pub(super) fn read_bit(&mut self, place: &TreePlace, bit: u32) {
         if place.indices.is_empty() {
             self.unit.reads.extend(bits_in(place, bit, 1, map::INPUTS..map::OUTPUTS));
         } else {
@@ -189,7 +189,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// Assigns an expression.
-    pub(super) fn assign(&mut self, aim: Aim, expr: &Expr, at: At) {
+    pub(super) fn assign(&mut self, aim: Aim, expr: &Expr, at: SourcePlace) {
         match aim {
             Aim::Place(to) => self.store(expr, to),
             Aim::Bit { .. } => {
@@ -200,7 +200,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// Assigns a value, converting it at no cost.
-    pub(super) fn hit(&mut self, aim: Aim, value: Value, at: At) {
+    pub(super) fn hit(&mut self, aim: Aim, value: Value, at: SourcePlace) {
         match aim {
             Aim::Place(to) => {
                 let cost = self.copying(to.ty);
@@ -213,17 +213,19 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// The address of a place, where it is known or stands somewhere.
-    pub(super) fn address_in_place(&mut self, place: &Place) -> Option<Value> {
-        if place.indices.is_empty() && matches!(place.root, Root::This | Root::Frame) {
+    pub(super) fn address_in_place(&mut self, place: &TreePlace) -> Option<Value> {
+        if place.indices.is_empty() && matches!(place.root, TreeRoot::This | TreeRoot::Frame) {
             return None;
         }
         self.written(place);
         let ty = Ty::Address;
         let (at, cost) = self.place(place);
         Some(match at.base() {
-            Base::Absolute => self.constant(i64::from(at.offset()), ty),
-            Base::Indirect => Value { at: Operand::new(Base::Frame, at.offset()), ty, cost, fixed: false },
-            Base::This | Base::Frame => {
+            AddressBase::Absolute => self.constant(i64::from(at.offset()), ty),
+            AddressBase::Indirect => {
+                Value { at: Operand::new(AddressBase::Frame, at.offset()), ty, cost, fixed: false }
+            }
+            AddressBase::This | AddressBase::Frame => {
                 let to = self.temporary(ty);
                 self.operate(Op::Address, [to, at, Operand(0)], cost, place.at);
                 Value { at: to, ty, cost: 0, fixed: true }
@@ -233,7 +235,7 @@ impl Emitter<'_, '_, '_> {
 }
 
 /// Bits of a place, with all that its indices may mean.
-fn whole(place: &Place) -> u64 {
+fn whole(place: &TreePlace) -> u64 {
     let spans = place.indices.iter().map(|index| {
         let count = u64::try_from(index.high.saturating_sub(index.low)).unwrap_or(0);
         count.saturating_mul(u64::from(index.stride))
@@ -242,8 +244,8 @@ fn whole(place: &Place) -> u64 {
 }
 
 /// Bits of a place within one of the images, as first and number.
-fn bits_in(place: &Place, bit: u32, bits: u64, image: std::ops::Range<u32>) -> Option<(u32, u32)> {
-    if !matches!(place.root, Root::Absolute) || !image.contains(&place.offset) {
+fn bits_in(place: &TreePlace, bit: u32, bits: u64, image: std::ops::Range<u32>) -> Option<(u32, u32)> {
+    if !matches!(place.root, TreeRoot::Absolute) || !image.contains(&place.offset) {
         return None;
     }
     let first = u32::try_from(u64::from(place.offset - image.start) * 8 + u64::from(bit)).ok()?;

@@ -4,7 +4,7 @@ use super::expr::survey;
 use super::frame::{Label, Loop};
 use super::{Dest, Emitter, Value, ops};
 use crate::code::{Op, Operand, Statement};
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::tree::{CaseArm, Expr, ExprKind, For, Stmt, StmtKind, Ty};
 use crate::types::Elementary;
 
@@ -75,7 +75,7 @@ impl Emitter<'_, '_, '_> {
         self.release(mark);
     }
 
-    fn go(&mut self, to: Label, at: At) {
+    fn go(&mut self, to: Label, at: SourcePlace) {
         self.jump(Op::Jump, to, [Operand(0); 2], 0, at);
     }
 
@@ -89,7 +89,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// The condition is tested before the first turn and, where it is small, again at the end of each.
-    fn while_statement(&mut self, condition: &Expr, body: &[Stmt], end: At) {
+    fn while_statement(&mut self, condition: &Expr, body: &[Stmt], end: SourcePlace) {
         let known = survey(condition);
         let (top, leave) = (self.label(), self.label());
         let (branch, turn) = (self.costs.branch, self.costs.turn());
@@ -111,7 +111,7 @@ impl Emitter<'_, '_, '_> {
         self.bind(leave);
     }
 
-    fn if_statement(&mut self, arms: &[(Expr, Vec<Stmt>)], otherwise: &[Stmt], at: At) {
+    fn if_statement(&mut self, arms: &[(Expr, Vec<Stmt>)], otherwise: &[Stmt], at: SourcePlace) {
         let end = self.label();
         for (nth, (condition, body)) in arms.iter().enumerate() {
             let next = self.label();
@@ -127,7 +127,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// Labels are tested one by one, as their costs say.
-    fn case_statement(&mut self, selector: &Expr, arms: &[CaseArm], otherwise: &[Stmt], at: At) {
+    fn case_statement(&mut self, selector: &Expr, arms: &[CaseArm], otherwise: &[Stmt], at: SourcePlace) {
         let chosen = self.value(selector);
         // A variable is read once.
         let chosen = self.stable(chosen, selector.at);
@@ -160,23 +160,33 @@ impl Emitter<'_, '_, '_> {
         (low, high): (i128, i128),
         last: bool,
         (hit, next): (Label, Label),
-        at: At,
+        at: SourcePlace,
     ) {
         let ty = ops::scalar(chosen.ty);
         let cost = self.costs.op(ty).saturating_add(self.costs.branch);
         let low_at = self.constant(low as i64, chosen.ty).at;
         if low == high {
-            let (op, to) = if last { (ops::Relation::NotEqual, next) } else { (ops::Relation::Equal, hit) };
+            let (op, to) = if last {
+                (ops::CompareRelation::NotEqual, next)
+            } else {
+                (ops::CompareRelation::Equal, hit)
+            };
             return self.jump(ops::jump(op, ty, true).0, to, [chosen.at, low_at], cost, at);
         }
         let high_at = self.constant(high as i64, chosen.ty).at;
         let below = if last { next } else { self.label() };
-        let less = ops::jump(ops::Relation::Less, ty, true).0;
+        let less = ops::jump(ops::CompareRelation::Less, ty, true).0;
         self.jump(less, below, [chosen.at, low_at], cost, at);
         if last {
             self.jump(less, next, [high_at, chosen.at], cost, at);
         } else {
-            self.jump(ops::jump(ops::Relation::LessEqual, ty, true).0, hit, [chosen.at, high_at], cost, at);
+            self.jump(
+                ops::jump(ops::CompareRelation::LessEqual, ty, true).0,
+                hit,
+                [chosen.at, high_at],
+                cost,
+                at,
+            );
             self.bind(below);
         }
     }
@@ -190,9 +200,9 @@ impl Emitter<'_, '_, '_> {
         let end = self.held(&counted.to, variable.ty);
         let step = counted.by.as_ref().map(|by| (constant(by), by));
         let step = match step {
-            None | Some((Some(1), _)) => Step::One,
-            Some((Some(n), _)) => Step::Constant(n, self.constant(n, LINT).at),
-            Some((None, by)) => Step::Held(self.held(by, LINT)),
+            None | Some((Some(1), _)) => LoopStep::One,
+            Some((Some(n), _)) => LoopStep::Constant(n, self.constant(n, LINT).at),
+            Some((None, by)) => LoopStep::Held(self.held(by, LINT)),
         };
         let kept = if counted.variable.retained { self.costs.retained } else { 0 };
         let op = self.costs.op(ty);
@@ -206,11 +216,11 @@ impl Emitter<'_, '_, '_> {
         let ends = self.body(&counted.body);
         self.bind(ends.next);
         match step {
-            Step::One => {
+            LoopStep::One => {
                 let cost = turn.saturating_add(test);
                 self.jump(ops::counted(ty), top, [variable.at, end], cost, counted.end);
             }
-            Step::Constant(_, by) | Step::Held(by) => {
+            LoopStep::Constant(_, by) | LoopStep::Held(by) => {
                 self.jump(ops::step(ty), leave, [variable.at, by], turn, counted.end);
                 self.for_again(step, variable.at, end, ty, top, (test, counted.end));
             }
@@ -222,19 +232,19 @@ impl Emitter<'_, '_, '_> {
     /// The test before the first turn: goes to `leave`, or on to `top`, which comes next.
     fn for_test(
         &mut self,
-        step: Step,
+        step: LoopStep,
         variable: Operand,
         end: Operand,
         ty: Elementary,
         (top, leave): (Label, Label),
-        (cost, at): (u32, At),
+        (cost, at): (u32, SourcePlace),
     ) {
-        let less = ops::jump(ops::Relation::Less, ty, true).0;
+        let less = ops::jump(ops::CompareRelation::Less, ty, true).0;
         match step {
-            Step::One => self.jump(less, leave, [end, variable], cost, at),
-            Step::Constant(n, _) if n >= 0 => self.jump(less, leave, [end, variable], cost, at),
-            Step::Constant(..) => self.jump(less, leave, [variable, end], cost, at),
-            Step::Held(_) => {
+            LoopStep::One => self.jump(less, leave, [end, variable], cost, at),
+            LoopStep::Constant(n, _) if n >= 0 => self.jump(less, leave, [end, variable], cost, at),
+            LoopStep::Constant(..) => self.jump(less, leave, [variable, end], cost, at),
+            LoopStep::Held(_) => {
                 self.for_again(step, variable, end, ty, top, (cost, at));
                 self.go(leave, at);
             }
@@ -244,19 +254,19 @@ impl Emitter<'_, '_, '_> {
     /// Goes to `top` if the variable is not past the end.
     fn for_again(
         &mut self,
-        step: Step,
+        step: LoopStep,
         variable: Operand,
         end: Operand,
         ty: Elementary,
         top: Label,
-        (cost, at): (u32, At),
+        (cost, at): (u32, SourcePlace),
     ) {
-        let within = ops::jump(ops::Relation::LessEqual, ty, true).0;
+        let within = ops::jump(ops::CompareRelation::LessEqual, ty, true).0;
         match step {
-            Step::One => self.jump(within, top, [variable, end], cost, at),
-            Step::Constant(n, _) if n >= 0 => self.jump(within, top, [variable, end], cost, at),
-            Step::Constant(..) => self.jump(within, top, [end, variable], cost, at),
-            Step::Held(by) => {
+            LoopStep::One => self.jump(within, top, [variable, end], cost, at),
+            LoopStep::Constant(n, _) if n >= 0 => self.jump(within, top, [variable, end], cost, at),
+            LoopStep::Constant(..) => self.jump(within, top, [end, variable], cost, at),
+            LoopStep::Held(by) => {
                 let (down, out) = (self.label(), self.label());
                 let zero = self.constant(0, LINT).at;
                 self.jump(Op::JumpLtI64, down, [by, zero], cost, at);
@@ -282,7 +292,7 @@ impl Emitter<'_, '_, '_> {
 
 /// How FOR counts.
 #[derive(Clone, Copy, Debug)]
-enum Step {
+enum LoopStep {
     One,
     Constant(i64, Operand),
     Held(Operand),

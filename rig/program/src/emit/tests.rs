@@ -2,7 +2,7 @@
 
 use super::emit;
 use crate::code::{Op, map};
-use crate::findings::{At, Findings};
+use crate::findings::{Findings, SourcePlace};
 use crate::host::{Host, Stop};
 use crate::machine::Machine;
 use crate::options::Options;
@@ -28,27 +28,27 @@ impl Host for NoHost {
     }
 }
 
-const AT: At = At { file: 0, start: 0, end: 0 };
+const AT: SourcePlace = SourcePlace { file: 0, start: 0, end: 0 };
 
 fn one(ty: Elementary) -> Ty {
     Ty::Scalar(ty)
 }
 
-fn place(root: PlaceRoot, offset: u32, ty: Ty) -> Place {
-    Place { root, offset, indices: Vec::new(), ty, retained: false, at: AT }
+fn place(root: TreeRoot, offset: u32, ty: Ty) -> TreePlace {
+    TreePlace { root, offset, indices: Vec::new(), ty, retained: false, at: AT }
 }
 
 /// The variable at an offset of the variables.
-fn global(offset: u32, ty: Elementary) -> Place {
-    place(PlaceRoot::Absolute, map::FIRST + offset, one(ty))
+fn global(offset: u32, ty: Elementary) -> TreePlace {
+    place(TreeRoot::Absolute, map::FIRST + offset, one(ty))
 }
 
-fn element(array: u32, index: Expr, low: i64, high: i64, ty: Elementary) -> Place {
+fn element(array: u32, index: Expr, low: i64, high: i64, ty: Elementary) -> TreePlace {
     let index = Index { value: index, low, high, stride: ty.bytes() as u32 };
-    Place { indices: vec![index], ..global(array, ty) }
+    TreePlace { indices: vec![index], ..global(array, ty) }
 }
 
-fn load(place: Place) -> Expr {
+fn load(place: TreePlace) -> Expr {
     Expr { ty: place.ty, kind: ExprKind::Load(place), at: AT }
 }
 
@@ -68,7 +68,7 @@ fn stmt(kind: StmtKind) -> Stmt {
     Stmt { kind, at: AT }
 }
 
-fn set(to: Place, value: Expr) -> Stmt {
+fn set(to: TreePlace, value: Expr) -> Stmt {
     stmt(StmtKind::Assign(Target::Place(to), value))
 }
 

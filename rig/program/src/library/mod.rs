@@ -12,7 +12,7 @@ mod strings;
 mod text;
 
 pub(crate) use calendar::days_of;
-pub(crate) use convert::{Conversion, How, Side, convert, from_text, parse_conversion, to_text};
+pub(crate) use convert::{Conversion, ConversionSide, How, convert, from_text, parse_conversion, to_text};
 pub use services::Service;
 
 use crate::types::Elementary;

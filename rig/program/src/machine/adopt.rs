@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A variable of a map: its bytes in the image, its name.
-struct Entry<'a> {
+struct AdoptedEntry<'a> {
     first: usize,
     bytes: usize,
     name: &'a str,
@@ -74,7 +74,7 @@ fn place(program: &Program, address: u32) -> Option<usize> {
 }
 
 /// The variables of a map, where it is one and belongs to the image.
-fn read<'a>(map: &'a [u8], image: &[u8]) -> Option<Vec<Entry<'a>>> {
+fn read<'a>(map: &'a [u8], image: &[u8]) -> Option<Vec<AdoptedEntry<'a>>> {
     let (layout, mut rest) = map.split_at_checked(8)?;
     if image.get(..8)? != layout {
         return None;
@@ -92,7 +92,7 @@ fn read<'a>(map: &'a [u8], image: &[u8]) -> Option<Vec<Entry<'a>>> {
         if first.checked_add(bytes)? > image.len() {
             return None;
         }
-        entries.push(Entry { first, bytes, name: std::str::from_utf8(name).ok()? });
+        entries.push(AdoptedEntry { first, bytes, name: std::str::from_utf8(name).ok()? });
     }
     Some(entries)
 }

@@ -66,7 +66,7 @@ impl Machine {
         for root in &old.roots {
             known.insert(root.path.to_ascii_uppercase(), root);
         }
-        let mut change = Change {
+        let mut change = ProgramChange {
             old: &old,
             new: &program,
             from: self,
@@ -89,7 +89,7 @@ impl Machine {
     }
 }
 
-struct Change<'a> {
+struct ProgramChange<'a> {
     old: &'a Program,
     new: &'a Program,
     from: &'a Machine,
@@ -97,7 +97,7 @@ struct Change<'a> {
     report: ChangeReport,
 }
 
-impl Change<'_> {
+impl ProgramChange<'_> {
     /// A variable of both programs: type and address in each.
     fn pair(&mut self, was: (ShapeId, u32), is: (ShapeId, u32), depth: u32) {
         let (Some(old), Some(new)) = (self.old.shape(was.0), self.new.shape(is.0)) else { return };

@@ -10,7 +10,7 @@ pub use change::{ChangeError, ChangeReport};
 
 use crate::host::{Host, Slice, Stop};
 use crate::program::{Program, VarRef};
-use crate::run::{Parts, Prepared, finish_service, run};
+use crate::run::{MachineParts, Prepared, finish_service, run};
 use crate::state::{
     Debug, MachineError, NEAR, PinOffsets, READ_ONLY, RETAINED, Scratch, ServiceCall, Task, WATCHED,
 };
@@ -134,7 +134,7 @@ impl Machine {
         let mut changed = 0;
         let idle = task.idle();
         let debugged = self.debug.active(task);
-        let parts = Parts {
+        let parts = MachineParts {
             program: &self.program,
             prepared: &self.prepared,
             natives: &self.natives,

@@ -1,11 +1,11 @@
 //! The syntax tree of Structured Text. Chains of equal operators are flat, and every other nesting is bounded by the
 //! parser, so that walking the tree by recursion is safe.
 
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::program::Retention;
 use crate::types::Elementary;
 
-/// A name by its capitals: names are compared without case (controller:DT-03). The place in [`super::Names`].
+/// A name by its capitals: names are compared without case (controller:DT-03). The place in [`super::NameTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Key(pub u32);
 
@@ -13,7 +13,7 @@ pub(crate) struct Key(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Name {
     pub key: Key,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 /// Everything that the sources declare.
@@ -69,7 +69,7 @@ pub(crate) struct Pou {
     pub actions: Vec<Action>,
     pub body: Vec<Stmt>,
     /// Line of the closing keyword, where the return belongs.
-    pub end: At,
+    pub end: SourcePlace,
 }
 
 /// METHOD of a block, or its head in an interface, where the body is empty.
@@ -80,7 +80,7 @@ pub(crate) struct Method {
     pub result: Option<TypeRef>,
     pub sections: Vec<Section>,
     pub body: Vec<Stmt>,
-    pub end: At,
+    pub end: SourcePlace,
 }
 
 /// PROPERTY with its GET and SET; in an interface their bodies are empty.
@@ -98,7 +98,7 @@ pub(crate) struct Property {
 pub(crate) struct Accessor {
     pub sections: Vec<Section>,
     pub body: Vec<Stmt>,
-    pub end: At,
+    pub end: SourcePlace,
 }
 
 /// ACTION: statements of a block or program under a name.
@@ -106,7 +106,7 @@ pub(crate) struct Accessor {
 pub(crate) struct Action {
     pub name: Name,
     pub body: Vec<Stmt>,
-    pub end: At,
+    pub end: SourcePlace,
 }
 
 #[derive(Debug)]
@@ -139,7 +139,7 @@ pub(crate) struct ProgramDecl {
     pub instance: Name,
     pub task: Option<Name>,
     pub program: Name,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -166,18 +166,18 @@ pub(crate) struct Section {
     pub retention: Retention,
     pub constant: bool,
     pub variables: Vec<VarDecl>,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct VarDecl {
     pub name: Name,
     /// Text of the address behind AT.
-    pub address: Option<(Box<str>, At)>,
+    pub address: Option<(Box<str>, SourcePlace)>,
     pub ty: TypeRef,
     pub built: Option<Built>,
     /// R_EDGE, F_EDGE where TRUE.
-    pub edge: Option<(bool, At)>,
+    pub edge: Option<(bool, SourcePlace)>,
     pub initial: Option<Initial>,
 }
 
@@ -187,22 +187,22 @@ pub(crate) struct VarDecl {
 pub(crate) struct Built {
     pub each: bool,
     pub lists: Vec<Vec<Argument>>,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) enum Initial {
     One(Expr),
     /// `[1, 2, 3(0)]`: values with their number of repetitions.
-    List(Vec<(Option<Expr>, Initial)>, At),
+    List(Vec<(Option<Expr>, Initial)>, SourcePlace),
     /// `(a := 1, b := [1, 2])`: members of a structure, inputs of a block.
-    Members(Vec<(Name, Initial)>, At),
+    Members(Vec<(Name, Initial)>, SourcePlace),
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct TypeRef {
     pub kind: TypeKind,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 #[derive(Clone, Debug)]
@@ -256,7 +256,7 @@ pub(crate) struct TypeDecl {
 #[derive(Clone, Debug)]
 pub(crate) struct Expr {
     pub kind: ExprKind,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 #[derive(Clone, Debug)]
@@ -299,7 +299,7 @@ pub(crate) enum ExprKind {
     Null,
     Unary(UnaryOp, Box<Expr>),
     /// Operators of one level, from left to right.
-    Chain(Box<Expr>, Vec<(BinaryOp, At, Expr)>),
+    Chain(Box<Expr>, Vec<(BinaryOp, SourcePlace, Expr)>),
     /// What was reported already.
     Wrong,
 }
@@ -374,7 +374,7 @@ pub(crate) enum Argument {
 #[derive(Debug)]
 pub(crate) struct Stmt {
     pub kind: StmtKind,
-    pub at: At,
+    pub at: SourcePlace,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -412,7 +412,7 @@ pub(crate) enum StmtKind {
     While {
         condition: Expr,
         body: Vec<Stmt>,
-        end: At,
+        end: SourcePlace,
     },
     Repeat {
         body: Vec<Stmt>,
@@ -432,7 +432,7 @@ pub(crate) struct Counted {
     pub by: Option<Expr>,
     pub body: Vec<Stmt>,
     /// The closing keyword, where the turn is counted.
-    pub end: At,
+    pub end: SourcePlace,
 }
 
 #[derive(Debug)]

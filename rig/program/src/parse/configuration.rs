@@ -4,7 +4,7 @@ use super::ast::{Configuration, ProgramDecl, TaskDecl};
 use super::lexer::Token;
 use super::words::Word;
 use super::{Parsed, Parser, Reported};
-use crate::findings::At;
+use crate::findings::SourcePlace;
 
 impl Parser<'_, '_, '_> {
     pub(super) fn configuration(&mut self) -> Parsed<Configuration> {
@@ -86,7 +86,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// To the next word that starts or closes something.
-    fn recover_in_configuration(&mut self, start: At) {
+    fn recover_in_configuration(&mut self, start: SourcePlace) {
         if self.at() == start {
             self.advance();
         }

@@ -6,7 +6,7 @@ use super::literal::LiteralFault;
 use super::words::Word;
 use super::{Parsed, Parser, Reported, literal, moment};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::types::Elementary;
 
 impl Parser<'_, '_, '_> {
@@ -39,7 +39,7 @@ impl Parser<'_, '_, '_> {
     fn literal<T>(
         &mut self,
         code: Code,
-        at: At,
+        at: SourcePlace,
         read: Result<T, LiteralFault>,
         kind: impl FnOnce(T) -> ExprKind,
     ) -> ExprKind {
@@ -69,7 +69,7 @@ impl Parser<'_, '_, '_> {
                 ExprKind::Bool(value)
             }
             (Token::Word, None) => {
-                let at = At { end: start.end - 1, ..start };
+                let at = SourcePlace { end: start.end - 1, ..start };
                 ExprKind::Qualified(Name { key: prefix, at }, self.name("the name of a value")?)
             }
             (_, Some(ty)) => self.typed_number(start, ty)?,
@@ -86,7 +86,12 @@ impl Parser<'_, '_, '_> {
         Ok(Expr { kind, at: start.to(self.last) })
     }
 
-    fn typed_text(&mut self, start: At, named: Option<Elementary>, wstring: bool) -> Parsed<ExprKind> {
+    fn typed_text(
+        &mut self,
+        start: SourcePlace,
+        named: Option<Elementary>,
+        wstring: bool,
+    ) -> Parsed<ExprKind> {
         let at = self.at();
         let read = literal::text(self.slice(at));
         self.advance();
@@ -114,7 +119,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// Behind `INT#` and the like: a number with or without a sign.
-    fn typed_number(&mut self, start: At, ty: Elementary) -> Parsed<ExprKind> {
+    fn typed_number(&mut self, start: SourcePlace, ty: Elementary) -> Parsed<ExprKind> {
         let negative = self.accept(Token::Minus);
         if !negative {
             self.accept(Token::Plus);

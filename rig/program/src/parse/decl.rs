@@ -7,7 +7,7 @@ use super::lexer::Token;
 use super::words::Word;
 use super::{Parsed, Parser, Reported};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 
 impl Parser<'_, '_, '_> {
     pub(super) fn declarations(&mut self, unit: &mut Unit) {
@@ -59,7 +59,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// To the next word that starts a unit at the outside; inside a unit these words do not occur.
-    fn skip_to_declaration(&mut self, start: At) {
+    fn skip_to_declaration(&mut self, start: SourcePlace) {
         if self.at() == start {
             self.advance();
         }
@@ -247,7 +247,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// Behind the end of a broken method, property or action, or before the next.
-    fn skip_part(&mut self, start: At) {
+    fn skip_part(&mut self, start: SourcePlace) {
         if self.at() == start {
             self.advance();
         }
@@ -292,7 +292,7 @@ impl Parser<'_, '_, '_> {
         Ok((sections, body))
     }
 
-    fn close_part(&mut self, close: Word, open: At) -> Parsed<At> {
+    fn close_part(&mut self, close: Word, open: SourcePlace) -> Parsed<SourcePlace> {
         if self.accept_word(close) { Ok(self.last) } else { Err(self.unclosed(close, open)) }
     }
 

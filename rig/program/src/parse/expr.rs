@@ -6,7 +6,7 @@ use super::tokens::Tok;
 use super::words::Word;
 use super::{MAX_HEIGHT, Parsed, Parser};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 
 impl Parser<'_, '_, '_> {
     pub(super) fn expression(&mut self) -> Parsed<Expr> {
@@ -148,7 +148,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// The number of a bit or part; the compiler knows how far they go.
-    fn part_number(&mut self, at: At, text: &str) -> u32 {
+    fn part_number(&mut self, at: SourcePlace, text: &str) -> u32 {
         let fine = (1..=9).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit());
         text.parse().ok().filter(|_| fine).unwrap_or_else(|| {
             let message = format!("`{}` is no number of a bit or part", self.slice(at));

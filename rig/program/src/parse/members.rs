@@ -5,11 +5,11 @@ use super::lexer::Token;
 use super::words::Word;
 use super::{Parsed, Parser};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::program::Retention;
 
 /// The text of an address and its place.
-type Address = (Box<str>, At);
+type Address = (Box<str>, SourcePlace);
 
 /// Bytes of a declaration times its names: the type is copied for each.
 const MOST_COPIED: usize = 1 << 22;
@@ -90,7 +90,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// Declarations up to `close`, which is taken. Where it seems to be missing it is reported.
-    pub(super) fn members(&mut self, close: Word, open: At) -> Parsed<Vec<VarDecl>> {
+    pub(super) fn members(&mut self, close: Word, open: SourcePlace) -> Parsed<Vec<VarDecl>> {
         let mut list = Vec::new();
         while !self.accept_word(close) {
             if self.accept(Token::Semicolon) {
@@ -135,7 +135,7 @@ impl Parser<'_, '_, '_> {
 
     /// Behind the next semicolon or before `close`, past whole structures; FALSE where the variables seem to have
     /// ended.
-    fn recover_in_members(&mut self, close: Word, start: At) -> bool {
+    fn recover_in_members(&mut self, close: Word, start: SourcePlace) -> bool {
         if self.at() == start && !self.at_word(close) {
             self.advance();
         }

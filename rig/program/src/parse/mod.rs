@@ -21,12 +21,12 @@ mod types;
 pub(crate) mod words;
 
 use crate::codes::Code;
-use crate::findings::{At, Findings};
+use crate::findings::{Findings, SourcePlace};
 use ast::{Name, Unit};
 use document::SourceFile;
 use lexer::Token;
 pub use lexer::{declares, mentions};
-pub(crate) use names::Names;
+pub(crate) use names::NameTable;
 use tokens::Tok;
 use words::Word;
 
@@ -49,12 +49,12 @@ type Parsed<T> = Result<T, Reported>;
 const MOST_SOURCES: usize = 65_535;
 
 /// Reads all sources into one unit.
-pub(crate) fn parse(sources: &[SourceFile], names: &mut Names, findings: &mut Findings<'_>) -> Unit {
+pub(crate) fn parse(sources: &[SourceFile], names: &mut NameTable, findings: &mut Findings<'_>) -> Unit {
     let mut unit = Unit::default();
     if sources.len() > MOST_SOURCES {
         let message = format!("{} sources are too many", sources.len());
         let help = format!("join some of them: at most {MOST_SOURCES} are read");
-        findings.error(Code::SourceSize, At::default(), message, help);
+        findings.error(Code::SourceSize, SourcePlace::default(), message, help);
     }
     for (file, source) in (0..=u16::MAX).zip(sources) {
         let (tokens, cut) = tokens::tokens(&source.text, file, names, findings);
@@ -64,7 +64,7 @@ pub(crate) fn parse(sources: &[SourceFile], names: &mut Names, findings: &mut Fi
             tok: Tok::END,
             tokens,
             place: 0,
-            last: At { file, start: 0, end: 0 },
+            last: SourcePlace { file, start: 0, end: 0 },
             names,
             findings,
             depth: 0,
@@ -100,8 +100,8 @@ struct Parser<'t, 'p, 's> {
     place: usize,
     tok: Tok,
     /// The token before the present one.
-    last: At,
-    names: &'p Names,
+    last: SourcePlace,
+    names: &'p NameTable,
     findings: &'p mut Findings<'s>,
     depth: usize,
     /// Nodes above each other in the expression that was read last.
@@ -131,13 +131,13 @@ impl<'t> Parser<'t, '_, '_> {
         }
     }
 
-    fn at(&self) -> At {
+    fn at(&self) -> SourcePlace {
         match self.tok.token {
             Token::End => {
                 let end = self.text.len() as u32;
-                At { file: self.file, start: end, end }
+                SourcePlace { file: self.file, start: end, end }
             }
-            _ => At { file: self.file, start: self.tok.start, end: self.tok.end },
+            _ => SourcePlace { file: self.file, start: self.tok.start, end: self.tok.end },
         }
     }
 
@@ -149,7 +149,7 @@ impl<'t> Parser<'t, '_, '_> {
         }
     }
 
-    fn slice(&self, at: At) -> &'t str {
+    fn slice(&self, at: SourcePlace) -> &'t str {
         self.text.get(at.start as usize..at.end as usize).unwrap_or("")
     }
 
@@ -191,11 +191,11 @@ impl<'t> Parser<'t, '_, '_> {
         found
     }
 
-    fn expect(&mut self, token: Token, what: &str) -> Parsed<At> {
+    fn expect(&mut self, token: Token, what: &str) -> Parsed<SourcePlace> {
         if self.accept(token) { Ok(self.last) } else { Err(self.unexpected(what)) }
     }
 
-    fn expect_word(&mut self, word: Word) -> Parsed<At> {
+    fn expect_word(&mut self, word: Word) -> Parsed<SourcePlace> {
         if self.accept_word(word) { Ok(self.last) } else { Err(self.unexpected(word.text())) }
     }
 
@@ -207,11 +207,11 @@ impl<'t> Parser<'t, '_, '_> {
         }
         if !self.silent() {
             let found = self.found();
-            let at = At { start: self.last.end, end: self.last.end, ..self.last };
+            let at = SourcePlace { start: self.last.end, end: self.last.end, ..self.last };
             let message = format!("a semicolon is missing here, before {found}");
             self.error(Code::Unexpected, at, message, "end the statement or declaration with ;");
         }
-        let between = At { start: self.last.end, end: self.tok.start, ..self.last };
+        let between = SourcePlace { start: self.last.end, end: self.tok.start, ..self.last };
         if self.is(Token::Word) && self.slice(between).contains('\n') { Ok(()) } else { Err(Reported) }
     }
 
@@ -228,7 +228,13 @@ impl<'t> Parser<'t, '_, '_> {
         self.given_up || self.cut && self.is(Token::End)
     }
 
-    fn error(&mut self, code: Code, at: At, message: impl Into<String>, help: impl Into<String>) -> Reported {
+    fn error(
+        &mut self,
+        code: Code,
+        at: SourcePlace,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Reported {
         self.findings.error(code, at, message, help);
         if self.findings.full() {
             self.give_up();
@@ -254,7 +260,7 @@ impl<'t> Parser<'t, '_, '_> {
     }
 
     /// `word` is missing, which closes what `open` opened.
-    fn unclosed(&mut self, word: Word, open: At) -> Reported {
+    fn unclosed(&mut self, word: Word, open: SourcePlace) -> Reported {
         if !self.silent() {
             let word = word.text();
             let message = format!("{word} is expected here, not {}", self.found());
@@ -269,7 +275,7 @@ impl<'t> Parser<'t, '_, '_> {
     }
 
     /// A part of the language that is refused, with what to write instead.
-    fn unsupported(&mut self, at: At, what: &str, help: &str) -> Reported {
+    fn unsupported(&mut self, at: SourcePlace, what: &str, help: &str) -> Reported {
         self.error(Code::Unsupported, at, format!("{what} is not supported"), help)
     }
 

@@ -5,7 +5,7 @@ use super::words::Word;
 
 /// The names of a compilation. The words of the language come first, so that a key tells whether it is one.
 #[derive(Debug)]
-pub(crate) struct Names {
+pub(crate) struct NameTable {
     /// The capitals of all names, one behind the other.
     text: String,
     /// Where each ends in `text`.
@@ -14,9 +14,9 @@ pub(crate) struct Names {
     slots: Vec<u32>,
 }
 
-impl Names {
-    pub fn new() -> Names {
-        let mut names = Names { text: String::new(), ends: Vec::new(), slots: vec![0; 1024] };
+impl NameTable {
+    pub fn new() -> NameTable {
+        let mut names = NameTable { text: String::new(), ends: Vec::new(), slots: vec![0; 1024] };
         for (_, text) in Word::ALL {
             names.intern(text);
         }
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn names_are_kept_without_case() {
-        let mut names = Names::new();
+        let mut names = NameTable::new();
         let keys: Vec<Key> = (0..5000).map(|n| names.intern(&format!("Name_{n}"))).collect();
         for (n, key) in keys.iter().enumerate() {
             assert_eq!(names.intern(&format!("nAME_{n}")), *key);

@@ -3,7 +3,7 @@
 use super::lexer::Token;
 use super::words::Word;
 use super::{Parsed, Parser, Reported};
-use crate::findings::At;
+use crate::findings::SourcePlace;
 
 impl Parser<'_, '_, '_> {
     /// Behind the bracket that closes the one here.
@@ -23,7 +23,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// Behind `close`, of which the text may not run short.
-    pub(super) fn skip_past(&mut self, close: Word, open: At) {
+    pub(super) fn skip_past(&mut self, close: Word, open: SourcePlace) {
         while !self.accept_word(close) {
             if self.is(Token::End) {
                 self.unclosed(close, open);

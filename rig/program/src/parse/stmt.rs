@@ -5,7 +5,7 @@ use super::lexer::Token;
 use super::words::Word;
 use super::{Parsed, Parser, Reported};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 
 impl Parser<'_, '_, '_> {
     /// Statements up to a word that ends a list, or in a CASE up to the next label.
@@ -85,7 +85,7 @@ impl Parser<'_, '_, '_> {
 
     /// Behind the next semicolon, or before the next word that starts a statement or ends a list. `start` is where
     /// the bad statement began: something is always skipped.
-    fn recover(&mut self, start: At) {
+    fn recover(&mut self, start: SourcePlace) {
         if self.at() == start && !self.is(Token::Semicolon) {
             self.advance();
         }
@@ -198,7 +198,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// The keyword that closes what `open` opened.
-    fn close(&mut self, word: Word, open: At) -> Parsed<At> {
+    fn close(&mut self, word: Word, open: SourcePlace) -> Parsed<SourcePlace> {
         if self.accept_word(word) { Ok(self.last) } else { Err(self.unclosed(word, open)) }
     }
 

@@ -2,10 +2,10 @@
 
 use super::ast::Key;
 use super::lexer::{LexFault, Token};
-use super::names::Names;
+use super::names::NameTable;
 use super::words::Word;
 use crate::codes::Code;
-use crate::findings::{At, Findings};
+use crate::findings::{Findings, SourcePlace};
 use logos::Logos;
 
 /// The key of what is no word.
@@ -36,17 +36,17 @@ impl Tok {
 pub(super) fn tokens(
     text: &str,
     file: u16,
-    names: &mut Names,
+    names: &mut NameTable,
     findings: &mut Findings<'_>,
 ) -> (Vec<Tok>, bool) {
     let mut list = Vec::with_capacity(text.len() / 4);
     let mut lexer = Token::lexer(text);
-    let mut bad: Option<At> = None;
+    let mut bad: Option<SourcePlace> = None;
     let mut cut = false;
     while let Some(lexed) = lexer.next() {
         let span = lexer.span();
         let (start, end) = (span.start as u32, span.end as u32);
-        let at = At { file, start, end };
+        let at = SourcePlace { file, start, end };
         if let Some(run) = bad.take_if(|_| lexed != Err(LexFault::Character)) {
             character(run, text, findings);
         }
@@ -76,7 +76,7 @@ pub(super) fn tokens(
                     _ => ("string", "a quotation mark"),
                 };
                 let message = format!("this {what} is not closed");
-                let open = At { end: start + 1, ..at };
+                let open = SourcePlace { end: start + 1, ..at };
                 findings.error(Code::Unterminated, open, message, format!("close it with {close}"));
                 // A comment swallows the rest. Strings end with their line and stand for a value.
                 cut = what != "string";
@@ -97,7 +97,7 @@ pub(super) fn tokens(
 }
 
 /// The key of a word. Older tools wrote one of the language in one piece as well.
-fn word(text: &str, names: &mut Names) -> Key {
+fn word(text: &str, names: &mut NameTable) -> Key {
     if text.len() == 13 && text.eq_ignore_ascii_case("FUNCTIONBLOCK") {
         Word::FunctionBlock.key()
     } else if text.len() == 17 && text.eq_ignore_ascii_case("END_FUNCTIONBLOCK") {
@@ -107,7 +107,7 @@ fn word(text: &str, names: &mut Names) -> Key {
     }
 }
 
-fn character(at: At, text: &str, findings: &mut Findings<'_>) {
+fn character(at: SourcePlace, text: &str, findings: &mut Findings<'_>) {
     let text = text.get(at.start as usize..at.end as usize).unwrap_or("").chars().take(8).collect::<String>();
     let message = format!("`{}` is nothing that Structured Text knows", text.escape_debug());
     findings.error(Code::Character, at, message, "remove it");

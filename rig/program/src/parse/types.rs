@@ -4,7 +4,7 @@ use super::ast::{Built, Expr, TypeDecl, TypeKind, TypeRef, Unit};
 use super::lexer::Token;
 use super::words::Word;
 use super::{Parsed, Parser};
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::types::Elementary;
 
 /// What a subrange and the values of an enumeration share with the arguments of a constructor.
@@ -33,7 +33,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// Behind the declaration that could not be read, with the members of its structure.
-    fn recover_in_types(&mut self, start: At) {
+    fn recover_in_types(&mut self, start: SourcePlace) {
         if self.at() == start && !self.at_word(Word::EndType) {
             self.advance();
         }

@@ -4,7 +4,7 @@ use super::ast::Key;
 
 macro_rules! words {
     ($($word:ident = $text:literal,)* ; $($open:ident = $open_text:literal,)*) => {
-        /// A word with a meaning. Its key in [`super::Names`] is its place here.
+        /// A word with a meaning. Its key in [`super::NameTable`] is its place here.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u32)]
         pub(crate) enum Word {

@@ -1,13 +1,13 @@
 //! The code in the form that runs: operands with their base taken apart.
 
 use super::quick::{Quick, fold};
-use crate::code::{Base, IndexOf, Op, Operand, Step};
+use crate::code::{AddressBase, IndexOf, Op, Operand, Step};
 use crate::program::Program;
 
 /// Which base an operand's offset counts from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub(super) enum From {
+pub(super) enum OperandBase {
     /// 0: also for fields that are no operands.
     Zero,
     This,
@@ -16,9 +16,9 @@ pub(super) enum From {
 
 /// An operation. Fields that are no operands count from 0.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Fast {
+pub(crate) struct FastStep {
     pub(super) op: Op,
-    pub(super) from: [From; 3],
+    pub(super) from: [OperandBase; 3],
     /// Bits 0 to 2: the address stands where `a`, `b`, `c` lead.
     pub(super) indirect: u8,
     pub(super) a: u32,
@@ -34,7 +34,7 @@ pub(crate) struct FastIndex {
     pub(super) high: i64,
     pub(super) stride: u32,
     pub(super) of: u32,
-    pub(super) from: From,
+    pub(super) from: OperandBase,
     /// The array's address stands where `of` leads.
     pub(super) indirect: bool,
 }
@@ -42,26 +42,26 @@ pub(crate) struct FastIndex {
 /// Code and indexes in the form that runs. Places in them are those of the program.
 #[derive(Clone, Debug)]
 pub(crate) struct Prepared {
-    pub(super) code: Vec<Fast>,
+    pub(super) code: Vec<FastStep>,
     pub(super) indexes: Vec<FastIndex>,
     pub(super) quick: Quick,
 }
 
 impl Prepared {
     pub fn new(program: &Program) -> Prepared {
-        let code: Vec<Fast> = program.code.iter().map(fast).collect();
+        let code: Vec<FastStep> = program.code.iter().map(fast).collect();
         let indexes: Vec<FastIndex> = program.indexes.iter().map(index).collect();
         let quick = fold(&code, &indexes, program);
         Prepared { code, indexes, quick }
     }
 }
 
-impl From {
-    fn of(base: Base) -> From {
+impl OperandBase {
+    fn of(base: AddressBase) -> OperandBase {
         match base {
-            Base::Absolute => From::Zero,
-            Base::This => From::This,
-            Base::Frame | Base::Indirect => From::Frame,
+            AddressBase::Absolute => OperandBase::Zero,
+            AddressBase::This => OperandBase::This,
+            AddressBase::Frame | AddressBase::Indirect => OperandBase::Frame,
         }
     }
 }
@@ -72,15 +72,15 @@ fn index(index: &IndexOf) -> FastIndex {
         high: index.high,
         stride: index.stride,
         of: index.of.offset(),
-        from: From::of(index.of.base()),
-        indirect: index.of.base() == Base::Indirect,
+        from: OperandBase::of(index.of.base()),
+        indirect: index.of.base() == AddressBase::Indirect,
     }
 }
 
-fn fast(step: &Step) -> Fast {
-    let mut fast = Fast {
+fn fast(step: &Step) -> FastStep {
+    let mut fast = FastStep {
         op: step.op,
-        from: [From::Zero; 3],
+        from: [OperandBase::Zero; 3],
         indirect: 0,
         a: step.a,
         b: step.b,
@@ -95,13 +95,13 @@ fn fast(step: &Step) -> Fast {
         }
         let operand = Operand(*field);
         *field = operand.offset();
-        *from = From::of(operand.base());
-        fast.indirect |= u8::from(operand.base() == Base::Indirect) << nth;
+        *from = OperandBase::of(operand.base());
+        fast.indirect |= u8::from(operand.base() == AddressBase::Indirect) << nth;
     }
     if step.op.indexes() {
         // The element's address goes to the frame always.
         fast.a = Operand(step.a).offset();
-        fast.from[0] = From::Frame;
+        fast.from[0] = OperandBase::Frame;
         fast.indirect &= !1;
     }
     fast

@@ -1,7 +1,7 @@
 //! Calls of the library and of native blocks.
 
-use super::text::At;
-use super::world::{By, Stored, World};
+use super::text::TextSpan;
+use super::world::{By, ProgramMemory, Stored};
 use crate::code::{LibraryArgument, LibraryCall, LibraryCode, Operand, TextAt};
 use crate::host::{FaultKind, Host};
 use crate::library::{Body, Service, Text, TextCall, TextOut, from_text, to_text};
@@ -27,7 +27,7 @@ fn cell(ty: Elementary, raw: u64) -> i64 {
     ty.wrap(raw as i64)
 }
 
-impl<H: Host> World<'_, H> {
+impl<H: Host> ProgramMemory<'_, H> {
     /// A scalar as its cell.
     pub fn cell(&mut self, memory: &[u8], at: u32, ty: Elementary) -> Option<i64> {
         self.load(memory, at, ty.bytes() as u32).map(|raw| cell(ty, raw))
@@ -94,7 +94,7 @@ impl<H: Host> World<'_, H> {
                 Ok(Called::Done(self.store(memory, at, ty.bytes() as u32, result as u64, by)))
             }
             LibraryArgument::Text(text) => {
-                let at = At::new(place(memory, text.at)?, text);
+                let at = TextSpan::new(place(memory, text.at)?, text);
                 let length = length.saturating_mul(at.unit() as usize).min(text.bytes as usize);
                 let units = bytes.get(..length).unwrap_or_default();
                 Ok(Called::Done(self.store_text(memory, at, units, by)))

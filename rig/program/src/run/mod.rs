@@ -12,19 +12,19 @@ mod world;
 pub(crate) use fast::Prepared;
 pub(crate) use service::finish_service;
 
-use crate::code::{Base, Op, Operand, map};
+use crate::code::{AddressBase, Op, Operand, map};
 use crate::host::{Fault, FaultKind, Host, Slice, Stop};
 use crate::library::{Service, convert};
 use crate::program::Program;
 use crate::state::{Debug, PinOffsets, Registers, Scratch, ServiceCall, Task};
 use crate::types::Elementary;
 use library::Called;
-use number::{Canonical, Raw, max_f32, max_f64, min_f32, min_f64, shift, spread, turn};
+use number::{Canonical, RawNumber, max_f32, max_f64, min_f32, min_f64, shift, spread, turn};
 use operations::operations;
-use quick::{Around, Place};
+use quick::{QuickContext, QuickPlace};
 use signal::{Span, Time};
-use text::{At, Pair};
-use world::{By, Stored, World};
+use text::{TextOperands, TextSpan};
+use world::{By, ProgramMemory, Stored};
 
 /// Why the loop ended.
 enum Exit {
@@ -37,7 +37,7 @@ enum Exit {
 }
 
 /// What a slice works on, besides the task.
-pub(crate) struct Parts<'a> {
+pub(crate) struct MachineParts<'a> {
     pub program: &'a Program,
     pub prepared: &'a Prepared,
     /// Beside the program's native blocks.
@@ -55,19 +55,19 @@ pub(crate) struct Parts<'a> {
 /// Everything that an operation touches often is a local variable here; what happens seldom is in functions that are
 /// kept out of line. Operands are read and written with one check of bounds each, whose failure is the slow path.
 pub(crate) fn run<H: Host, const DEBUG: bool>(
-    parts: Parts<'_>,
+    parts: MachineParts<'_>,
     task: &mut Task,
     now: Time,
     budget: Span,
     host: &mut H,
 ) -> Slice {
-    let Parts { program, prepared, natives, memory, flags, scratch, debug, changed } = parts;
+    let MachineParts { program, prepared, natives, memory, flags, scratch, debug, changed } = parts;
     let budget = budget.as_nanos().max(0);
     let mut left = budget;
     if task.position >= task.programs.len() {
         return Slice { used: Span::ZERO, stop: Stop::Done };
     }
-    let mut world = World { program, flags, host, changed: 0 };
+    let mut world = ProgramMemory { program, flags, host, changed: 0 };
     let Prepared { code, indexes, quick } = prepared;
     let (code, indexes) = (code.as_slice(), indexes.as_slice());
     // As long as the memory: one check of bounds does for both.
@@ -84,8 +84,9 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
 
     let exit = 'slice: loop {
         if !DEBUG && let Some(entry) = quick.entry(pc) {
-            let around = Around { program, memory, flags, pins: natives, task, now, budget };
-            Place { pc, left, bases, unit } = quick.go(around, entry, Place { pc, left, bases, unit });
+            let around = QuickContext { program, memory, flags, pins: natives, task, now, budget };
+            QuickPlace { pc, left, bases, unit } =
+                quick.go(around, entry, QuickPlace { pc, left, bases, unit });
         }
         let Some(step) = code.get(pc) else { break Exit::Fault(FaultKind::Internal) };
         if DEBUG && debug.stops(pc, task) {
@@ -171,14 +172,14 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
         macro_rules! one {
             ($ty:ident, |$b:ident| $result:expr) => {{
                 let $b = load!($ty, b);
-                put!(a, Raw::raw($result));
+                put!(a, RawNumber::raw($result));
             }};
         }
         macro_rules! two {
             ($ty:ident, |$b:ident, $c:ident| $result:expr) => {{
                 let $b = load!($ty, b);
                 let $c = load!($ty, c);
-                put!(a, Raw::raw($result));
+                put!(a, RawNumber::raw($result));
             }};
         }
         macro_rules! divide {
@@ -412,9 +413,9 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
             }
             Op::MoveText => {
                 let Some(pair) = program.texts.get(c as usize) else { fault!(Internal) };
-                let pair = Pair {
-                    to: At::new(resolve!(pair.to.at), &pair.to),
-                    of: At::new(resolve!(pair.of.at), &pair.of),
+                let pair = TextOperands {
+                    to: TextSpan::new(resolve!(pair.to.at), &pair.to),
+                    of: TextSpan::new(resolve!(pair.of.at), &pair.of),
                 };
                 match world.move_text(memory, &pair, By { pc: here, unit }) {
                     Some(stored) => settle!(stored),
@@ -423,9 +424,9 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
             }
             Op::CompareText => {
                 let Some(pair) = program.texts.get(c as usize) else { fault!(Internal) };
-                let pair = Pair {
-                    to: At::new(resolve!(pair.to.at), &pair.to),
-                    of: At::new(resolve!(pair.of.at), &pair.of),
+                let pair = TextOperands {
+                    to: TextSpan::new(resolve!(pair.to.at), &pair.to),
+                    of: TextSpan::new(resolve!(pair.of.at), &pair.of),
                 };
                 match world.compare_text(memory, &pair) {
                     Some(order) => put!(a, order),
@@ -480,12 +481,12 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
 fn place(memory: &[u8], bases: [u32; 3], operand: Operand) -> Option<u32> {
     let [zero, this, frame] = bases;
     let base = match operand.base() {
-        Base::Absolute => zero,
-        Base::This => this,
-        Base::Frame | Base::Indirect => frame,
+        AddressBase::Absolute => zero,
+        AddressBase::This => this,
+        AddressBase::Frame | AddressBase::Indirect => frame,
     };
     let at = base.wrapping_add(operand.offset());
-    if operand.base() != Base::Indirect {
+    if operand.base() != AddressBase::Indirect {
         return Some(at);
     }
     let bytes = memory.get(at as usize..)?.first_chunk()?;

@@ -33,14 +33,14 @@ impl Canonical for f64 {
 }
 
 /// What is stored of a number: whole numbers as they are, real ones as their bits.
-pub(super) trait Raw {
+pub(super) trait RawNumber {
     type Bits;
     fn raw(self) -> Self::Bits;
 }
 
 macro_rules! raw {
     ($($ty:ident => $bits:ident, |$n:ident| $raw:expr;)*) => {
-        $(impl Raw for $ty {
+        $(impl RawNumber for $ty {
             type Bits = $bits;
             #[inline(always)]
             fn raw(self) -> $bits {

@@ -1,7 +1,7 @@
 //! The way back from a service: what the caller answered goes where the call stands in its expression.
 
 use super::place;
-use super::world::{By, Stored, World};
+use super::world::{By, ProgramMemory, Stored};
 use crate::code::LibraryArgument;
 use crate::host::{Fault, FaultKind, Host, Stop};
 use crate::program::Program;
@@ -19,7 +19,7 @@ pub(crate) fn finish_service<H: Host>(
 ) -> (Option<Stop>, u8) {
     let registers = task.registers;
     let by = By { pc: (registers.pc as usize).saturating_sub(1), unit: registers.unit };
-    let mut world = World { program, flags, host, changed: 0 };
+    let mut world = ProgramMemory { program, flags, host, changed: 0 };
     let stored = match program.library.get(call as usize).map(|call| &call.result) {
         Some(LibraryArgument::Cell(operand, ty)) => {
             place(memory, [0, registers.this, registers.base], *operand).map_or(Stored::Bad, |at| {

@@ -1,6 +1,6 @@
 //! Texts in memory: units of one or two bytes, ended by 0 or by the storage.
 
-use super::world::{By, Stored, World};
+use super::world::{By, ProgramMemory, Stored};
 use crate::code::TextAt;
 use crate::host::Host;
 use std::cmp::Ordering;
@@ -10,15 +10,15 @@ const UNKNOWN: u32 = b'?' as u32;
 
 /// A text whose place is known.
 #[derive(Clone, Copy)]
-pub(super) struct At {
+pub(super) struct TextSpan {
     pub at: u32,
     pub bytes: u32,
     pub wide: bool,
 }
 
-impl At {
-    pub fn new(at: u32, text: &TextAt) -> At {
-        At { at, bytes: text.bytes, wide: text.wide }
+impl TextSpan {
+    pub fn new(at: u32, text: &TextAt) -> TextSpan {
+        TextSpan { at, bytes: text.bytes, wide: text.wide }
     }
 
     /// Bytes of a unit.
@@ -38,14 +38,14 @@ impl At {
 }
 
 /// Places of the two texts of a pair.
-pub(super) struct Pair {
-    pub to: At,
-    pub of: At,
+pub(super) struct TextOperands {
+    pub to: TextSpan,
+    pub of: TextSpan,
 }
 
-impl<H: Host> World<'_, H> {
+impl<H: Host> ProgramMemory<'_, H> {
     /// A unit; 0 behind the storage.
-    fn unit(&mut self, memory: &[u8], text: At, nth: u32) -> Option<u32> {
+    fn unit(&mut self, memory: &[u8], text: TextSpan, nth: u32) -> Option<u32> {
         if nth >= text.units() {
             return Some(0);
         }
@@ -57,7 +57,7 @@ impl<H: Host> World<'_, H> {
     }
 
     /// Units before the closing 0, at most `most`.
-    fn length(&mut self, memory: &[u8], text: At, most: u32) -> Option<u32> {
+    fn length(&mut self, memory: &[u8], text: TextSpan, most: u32) -> Option<u32> {
         let most = most.min(text.units());
         let end = text.at as usize + most as usize;
         if let (false, Some(bytes)) = (text.wide, memory.get(text.at as usize..end)) {
@@ -73,8 +73,8 @@ impl<H: Host> World<'_, H> {
 
     /// Copies a text, cut to the room that there is. What stands behind its closing 0 stays as it is.
     #[inline(never)]
-    pub fn move_text(&mut self, memory: &mut [u8], pair: &Pair, by: By) -> Option<Stored> {
-        let Pair { to, of } = *pair;
+    pub fn move_text(&mut self, memory: &mut [u8], pair: &TextOperands, by: By) -> Option<Stored> {
+        let TextOperands { to, of } = *pair;
         let Some(room) = to.units().checked_sub(1) else { return Some(Stored::Fine) };
         let length = self.length(memory, of, room)?;
         let stored = if to.wide == of.wide {
@@ -93,7 +93,7 @@ impl<H: Host> World<'_, H> {
 
     /// Compares two texts by their units: -1, 0 or 1.
     #[inline(never)]
-    pub fn compare_text(&mut self, memory: &[u8], pair: &Pair) -> Option<i8> {
+    pub fn compare_text(&mut self, memory: &[u8], pair: &TextOperands) -> Option<i8> {
         for nth in 0.. {
             let (a, b) = (self.unit(memory, pair.to, nth)?, self.unit(memory, pair.of, nth)?);
             match a.cmp(&b) {
@@ -108,7 +108,7 @@ impl<H: Host> World<'_, H> {
     }
 
     /// Stores the units that a function of the library wrote.
-    pub fn store_text(&mut self, memory: &mut [u8], to: At, units: &[u8], by: By) -> Stored {
+    pub fn store_text(&mut self, memory: &mut [u8], to: TextSpan, units: &[u8], by: By) -> Stored {
         let Some(room) = to.units().checked_sub(1) else { return Stored::Fine };
         let length = (room * to.unit()).min(units.len() as u32);
         let units = units.get(..length as usize).unwrap_or_default();

@@ -2,13 +2,13 @@
 //! in the vendor's tool.
 
 use super::Sema;
-use super::argument::Parameter;
+use super::argument::CallParameter;
 use super::place::Meaning;
 use super::types::{Type, TypeId};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::parse::ast;
-use crate::tree::{Expr, ExprKind, Input, Place, Slot, Ty};
+use crate::tree::{Expr, ExprKind, Input, Slot, TreePlace, Ty};
 use crate::types::Elementary;
 
 /// Which types an input takes.
@@ -42,7 +42,7 @@ impl<'a> Sema<'a> {
     pub(super) fn any_inputs(
         &mut self,
         written: &ast::Expr,
-        parameter: &Parameter,
+        parameter: &CallParameter,
         kind: Any,
     ) -> Option<Vec<Input>> {
         let at = written.at;
@@ -83,11 +83,17 @@ impl<'a> Sema<'a> {
         Some(values.into_iter().map(|(field, value)| self.field_input(parameter, field, value, at)).collect())
     }
 
-    fn field_input(&self, parameter: &Parameter, field: (TypeId, u32), value: Expr, at: At) -> Input {
+    fn field_input(
+        &self,
+        parameter: &CallParameter,
+        field: (TypeId, u32),
+        value: Expr,
+        at: SourcePlace,
+    ) -> Input {
         let (ty, offset) = field;
         let to = match &parameter.slot {
             Slot::Frame(first, _) => Slot::Frame(first + offset, self.tree_type(ty)),
-            Slot::Place(place) => Slot::Place(Place { at, ..self.inside(place.clone(), offset, ty, at) }),
+            Slot::Place(place) => Slot::Place(TreePlace { at, ..self.inside(place.clone(), offset, ty, at) }),
         };
         Input { to, value }
     }

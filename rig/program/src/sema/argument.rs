@@ -5,15 +5,15 @@ use super::place::Meaning;
 use super::scope::{Callable, Home, Symbol};
 use super::types::{Type, TypeId};
 use crate::codes::Code;
-use crate::findings::{At, count};
+use crate::findings::{SourcePlace, count};
 use crate::native::PinKind;
 use crate::parse::ast::{self, Argument, Key, SectionKind};
-use crate::tree::{Expr, ExprKind, Input, Output, Place, Slot, Target, Ty};
+use crate::tree::{Expr, ExprKind, Input, Output, Slot, Target, TreePlace, Ty};
 use crate::types::Elementary;
 
 /// A parameter of whatever is called.
 #[derive(Clone, Debug)]
-pub(super) struct Parameter {
+pub(super) struct CallParameter {
     pub key: Key,
     pub shown: String,
     pub kind: SectionKind,
@@ -29,7 +29,7 @@ pub(super) struct Parameter {
 
 impl<'a> Sema<'a> {
     /// Parameters that stand in the callee's frame.
-    pub(super) fn frame_parameters(&self, callable: &Callable<'a>) -> Vec<Parameter> {
+    pub(super) fn frame_parameters(&self, callable: &Callable<'a>) -> Vec<CallParameter> {
         let pins = callable.symbols.iter().filter(|symbol| super::is_pin(symbol.kind));
         pins.filter_map(|symbol| {
             let (offset, ty) = match symbol.home {
@@ -42,8 +42,8 @@ impl<'a> Sema<'a> {
         .collect()
     }
 
-    fn parameter(&self, symbol: &Symbol<'a>, slot: Slot, optional: bool) -> Parameter {
-        Parameter {
+    fn parameter(&self, symbol: &Symbol<'a>, slot: Slot, optional: bool) -> CallParameter {
+        CallParameter {
             key: symbol.name.key,
             shown: symbol.shown.to_string(),
             kind: symbol.kind,
@@ -65,7 +65,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Pins of an instance of a block at a place, of what it extends first.
-    pub(super) fn block_parameters(&self, block: u32, place: &Place) -> Vec<Parameter> {
+    pub(super) fn block_parameters(&self, block: u32, place: &TreePlace) -> Vec<CallParameter> {
         let mut lineage: Vec<u32> = self.lineage(block).collect();
         lineage.reverse();
         let mut list = Vec::new();
@@ -75,21 +75,22 @@ impl<'a> Sema<'a> {
                 let at = place.at;
                 let inner = match symbol.home {
                     Home::This(offset) => self.inside(place.clone(), offset, symbol.type_id(), at),
-                    Home::ThisAddress(offset) => {
-                        Place { ty: Ty::Address, ..self.inside(place.clone(), offset, symbol.type_id(), at) }
-                    }
+                    Home::ThisAddress(offset) => TreePlace {
+                        ty: Ty::Address,
+                        ..self.inside(place.clone(), offset, symbol.type_id(), at)
+                    },
                     // Of a program.
                     Home::Absolute(address) => {
-                        self.place(crate::tree::Root::Absolute, address, symbol.type_id(), false, at)
+                        self.place(crate::tree::TreeRoot::Absolute, address, symbol.type_id(), false, at)
                     }
-                    Home::AbsoluteAddress(address) => Place {
+                    Home::AbsoluteAddress(address) => TreePlace {
                         ty: Ty::Address,
-                        ..self.place(crate::tree::Root::Absolute, address, symbol.type_id(), false, at)
+                        ..self.place(crate::tree::TreeRoot::Absolute, address, symbol.type_id(), false, at)
                     },
                     _ => continue,
                 };
                 let kept = symbol.retention != crate::program::Retention::None;
-                let inner = Place { retained: inner.retained || kept, ..inner };
+                let inner = TreePlace { retained: inner.retained || kept, ..inner };
                 let optional = symbol.kind != SectionKind::InOut;
                 list.push(self.parameter(symbol, Slot::Place(inner), optional));
             }
@@ -97,7 +98,7 @@ impl<'a> Sema<'a> {
         list
     }
 
-    pub(super) fn native_parameters(&mut self, native: u16, place: &Place) -> Vec<Parameter> {
+    pub(super) fn native_parameters(&mut self, native: u16, place: &TreePlace) -> Vec<CallParameter> {
         let Some(block) = self.options.blocks.get(usize::from(native)) else { return Vec::new() };
         let offsets = self.native_layouts.get(usize::from(native)).map_or(Vec::new(), |(o, _)| o.clone());
         let mut list = Vec::new();
@@ -109,7 +110,7 @@ impl<'a> Sema<'a> {
             };
             let ty = self.elementary(pin.ty);
             let inner = self.inside(place.clone(), u32::from(offset), ty, place.at);
-            list.push(Parameter {
+            list.push(CallParameter {
                 // Names of pins that no source uses have no key.
                 key: self.names.get(pin.name).unwrap_or(Key(u32::MAX)),
                 shown: pin.name.to_string(),
@@ -127,12 +128,12 @@ impl<'a> Sema<'a> {
     /// The place of a parameter by its name; native blocks have several names for some.
     fn parameter_named(
         &self,
-        parameters: &[Parameter],
+        parameters: &[CallParameter],
         name: ast::Name,
         native: Option<u16>,
         output: bool,
     ) -> Option<usize> {
-        let fits = |parameter: &Parameter| output == (parameter.kind == SectionKind::Output);
+        let fits = |parameter: &CallParameter| output == (parameter.kind == SectionKind::Output);
         if let Some(block) = native.and_then(|native| self.options.blocks.get(usize::from(native))) {
             let pin = block.pins.get(block.pin(self.names.key_text(name.key))?)?;
             return parameters.iter().position(|p| p.shown == pin.name && fits(p));
@@ -144,10 +145,10 @@ impl<'a> Sema<'a> {
     pub(super) fn arguments(
         &mut self,
         shown: &str,
-        parameters: &[Parameter],
+        parameters: &[CallParameter],
         arguments: &[Argument],
         native: Option<u16>,
-        at: At,
+        at: SourcePlace,
     ) -> Option<(Vec<Input>, Vec<Output>)> {
         let mut given = vec![false; parameters.len()];
         let mut inputs = Vec::new();
@@ -255,7 +256,7 @@ impl<'a> Sema<'a> {
         whole.then_some((inputs, outputs))
     }
 
-    fn unknown_parameter(&mut self, name: ast::Name, of: &str, parameters: &[Parameter], output: bool) {
+    fn unknown_parameter(&mut self, name: ast::Name, of: &str, parameters: &[CallParameter], output: bool) {
         let known: Vec<&str> = parameters
             .iter()
             .filter(|parameter| output == (parameter.kind == SectionKind::Output))
@@ -270,7 +271,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The address of a variable for an in-out.
-    pub(super) fn by_reference(&mut self, written: &ast::Expr, parameter: &Parameter) -> Option<Expr> {
+    pub(super) fn by_reference(&mut self, written: &ast::Expr, parameter: &CallParameter) -> Option<Expr> {
         let at = written.at;
         let (place, ty, fixed) = match self.meaning(written) {
             Meaning::Place(place, ty, fixed) => (place, ty, fixed),
@@ -332,7 +333,7 @@ impl<'a> Sema<'a> {
     }
 
     /// What an output is assigned to.
-    fn output(&mut self, parameter: &Parameter, negated: bool, target: &ast::Expr) -> Option<Output> {
+    fn output(&mut self, parameter: &CallParameter, negated: bool, target: &ast::Expr) -> Option<Output> {
         let (target_place, ty) = self.target(target)?;
         let bool_type = self.elementary(Elementary::Bool);
         if negated && parameter.ty != bool_type {
@@ -342,8 +343,8 @@ impl<'a> Sema<'a> {
             return None;
         }
         // Whether the value goes there; the conversion itself is part of the output.
-        let probe = Place {
-            root: crate::tree::Root::Frame,
+        let probe = TreePlace {
+            root: crate::tree::TreeRoot::Frame,
             offset: 0,
             indices: Vec::new(),
             ty: self.tree_type(parameter.ty),

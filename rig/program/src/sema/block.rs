@@ -1,13 +1,13 @@
 //! Where the members of blocks and programs and the global variables stand.
 
 use super::declare::initial_at;
-use super::late::Base;
+use super::late::LateBase;
 use super::scope::{Home, Symbol};
 use super::types::{Type, TypeId, WRONG, elements, stride};
 use super::{Sema, State};
 use crate::code::map;
 use crate::codes::Code;
-use crate::findings::{At, count};
+use crate::findings::{SourcePlace, count};
 use crate::parse::ast::{self, Section, SectionKind};
 use crate::program::{Located, Retained, Retention};
 use crate::shape::{Member, Root};
@@ -18,7 +18,7 @@ const HEADER: u32 = 4;
 
 impl<'a> Sema<'a> {
     /// Lays a block out; FALSE where it is in the middle of that: it contains itself.
-    pub(super) fn settle_block(&mut self, place: u32) -> bool {
+    pub(super) fn resolve_block(&mut self, place: u32) -> bool {
         match self.pous.get(place as usize).map(|pou| pou.state) {
             Some(State::Untouched) => {}
             Some(State::Busy) => return false,
@@ -38,7 +38,7 @@ impl<'a> Sema<'a> {
         let base = self.pous[place as usize].base;
         let mut image = Vec::new();
         if let Some(base) = base {
-            let closed = self.settle_block(base);
+            let closed = self.resolve_block(base);
             self.pous[place as usize].depth = self.pous[base as usize].depth;
             if closed {
                 image = self.pous[base as usize].image.clone();
@@ -61,7 +61,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The same for a program, of which there is one instance, in the data.
-    pub(super) fn settle_program(&mut self, place: u32) {
+    pub(super) fn resolve_program(&mut self, place: u32) {
         self.pous[place as usize].state = State::Busy;
         let outer = std::mem::take(&mut self.context);
         self.context.pou = Some(place);
@@ -233,13 +233,13 @@ impl<'a> Sema<'a> {
                 }
                 _ => continue,
             };
-            let at = if base > 0 { Base::At(base) } else { Base::Block(place) };
+            let at = if base > 0 { LateBase::At(base) } else { LateBase::Block(place) };
             self.variable_initial(&symbol, image, offset, at);
         }
     }
 
     /// Default and given initial value of one variable.
-    fn variable_initial(&mut self, symbol: &Symbol<'a>, image: &mut [u8], offset: u32, base: Base) {
+    fn variable_initial(&mut self, symbol: &Symbol<'a>, image: &mut [u8], offset: u32, base: LateBase) {
         let ty = symbol.type_id();
         let mut bytes = Vec::new();
         self.default_bytes(ty, &mut bytes);
@@ -249,7 +249,7 @@ impl<'a> Sema<'a> {
         let inherited = self.type_initial(&symbol.decl.ty);
         if let Some(initial) = symbol.decl.initial.as_ref().or(inherited) {
             // Constants have their values before anything has a place.
-            let base = if symbol.constant { Base::None } else { base };
+            let base = if symbol.constant { LateBase::None } else { base };
             let outer = std::mem::replace(&mut self.base, base);
             self.write_initial(ty, initial, image, offset);
             self.base = outer;
@@ -261,12 +261,12 @@ impl<'a> Sema<'a> {
     /// The same for a variable in the data.
     pub(super) fn data_initial(&mut self, symbol: &Symbol<'a>, address: u32) {
         let mut data = std::mem::take(&mut self.data);
-        self.variable_initial(symbol, &mut data, address - map::FIRST, Base::At(map::FIRST));
+        self.variable_initial(symbol, &mut data, address - map::FIRST, LateBase::At(map::FIRST));
         self.data = data;
     }
 
     /// Places of the global variables, then their initial values.
-    pub(super) fn settle_globals(&mut self) {
+    pub(super) fn resolve_globals(&mut self) {
         for place in 0..self.globals.len() {
             let ty = self.global_type(place as u32);
             let symbol = self.globals[place].clone();
@@ -477,7 +477,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Arrays and structures at an address.
-    fn located_block(&mut self, decl: &'a ast::VarDecl, place: Address, ty: TypeId, at: At) -> Home {
+    fn located_block(&mut self, decl: &'a ast::VarDecl, place: Address, ty: TypeId, at: SourcePlace) -> Home {
         if ty == WRONG {
             return Home::Nowhere;
         }
@@ -525,13 +525,13 @@ impl<'a> Sema<'a> {
     }
 
     /// An address that exists; reports it otherwise (controller:ADDR-02, controller:ADDR-04).
-    pub(super) fn address(&mut self, text: &str, at: At) -> Option<Address> {
+    pub(super) fn address(&mut self, text: &str, at: SourcePlace) -> Option<Address> {
         let limits = &self.options.limits.addresses;
         match Address::parse(text).and_then(|address| address.check(limits).map(|()| address)) {
             Ok(address) => Some(address),
             Err(error) => {
                 let start = (at.start + error.offset() as u32).min(at.end);
-                self.findings.error(Code::Address, At { start, ..at }, error.to_string(), "");
+                self.findings.error(Code::Address, SourcePlace { start, ..at }, error.to_string(), "");
                 None
             }
         }

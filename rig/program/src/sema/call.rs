@@ -1,19 +1,24 @@
 //! Calls of functions, methods, blocks, programs and actions.
 
 use super::Sema;
-use super::argument::Parameter;
-use super::literal::Operand;
+use super::argument::CallParameter;
+use super::literal::LiteralOperand;
 use super::place::{Instance, Meaning};
-use super::scope::{Callable, CallableKind, Found, Selector, SelectorKind};
+use super::scope::{Callable, CallableKind, FoundName, Selector, SelectorKind};
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
-use crate::findings::{At, similar};
+use crate::findings::{SourcePlace, similar};
 use crate::parse::ast::{self, Argument, Name, PouKind};
-use crate::tree::{Call, Callee, Expr, ExprKind, Input, Place, Root, Ty};
+use crate::tree::{Callee, Expr, ExprKind, Input, TreeCall, TreePlace, TreeRoot, Ty};
 
 impl<'a> Sema<'a> {
     /// A call inside an expression.
-    pub(super) fn call_value(&mut self, callee: &ast::Expr, arguments: &[Argument], at: At) -> Operand {
+    pub(super) fn call_value(
+        &mut self,
+        callee: &ast::Expr,
+        arguments: &[Argument],
+        at: SourcePlace,
+    ) -> LiteralOperand {
         if let ast::ExprKind::Name(name) = &callee.kind
             && let Some(result) = self.named_call(*name, arguments, at)
         {
@@ -31,12 +36,12 @@ impl<'a> Sema<'a> {
         let meaning = self.meaning(callee);
         if self.context.constant && !matches!(meaning, Meaning::Wrong) {
             self.not_constant(at, "a constant is needed here");
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
         match meaning {
             Meaning::Wrong => {
                 // Faults of the arguments are found in the same run.
-                Operand::Wrong
+                LiteralOperand::Wrong
             }
             Meaning::Function(pou) => self.function_call(pou, arguments, at),
             Meaning::Method(instance, name) => self.method_call(instance, name, arguments, at),
@@ -46,29 +51,29 @@ impl<'a> Sema<'a> {
             Meaning::Place(place, ty, fixed) => self.place_call(place, ty, fixed, callee, arguments, at),
             _ => {
                 self.not_callable(callee.at);
-                Operand::Wrong
+                LiteralOperand::Wrong
             }
         }
     }
 
-    fn not_callable(&mut self, at: At) {
+    fn not_callable(&mut self, at: SourcePlace) {
         let message = format!("`{}` cannot be called", self.text(at));
         let help = "functions, methods, programs and instances of function blocks can";
         self.findings.error(Code::NotCallable, at, message, help);
     }
 
     /// Calls by a name that needs no path: user functions, then the library.
-    fn named_call(&mut self, name: Name, arguments: &[Argument], at: At) -> Option<Operand> {
+    fn named_call(&mut self, name: Name, arguments: &[Argument], at: SourcePlace) -> Option<LiteralOperand> {
         let found = self.find(name.key);
         let key = self.names.key_text(name.key);
         match found {
             // The function's own name is its result too.
-            Some(Found::Result) => {
+            Some(FoundName::Result) => {
                 let place = self.context.callable?;
                 match self.callables.get(place as usize)?.kind {
                     CallableKind::Function => {
                         let pou = match self.find_outside(name.key) {
-                            Some(Found::Pou(pou)) => pou,
+                            Some(FoundName::Pou(pou)) => pou,
                             _ => return None,
                         };
                         Some(self.function_call(pou, arguments, at))
@@ -78,15 +83,15 @@ impl<'a> Sema<'a> {
                 }
             }
             // A variable does not hide a function of the library from calls.
-            Some(Found::Local(_) | Found::Member(..) | Found::Global(_)) => {
+            Some(FoundName::Local(_) | FoundName::Member(..) | FoundName::Global(_)) => {
                 let meaning_is_block = match found {
-                    Some(Found::Local(place)) => {
+                    Some(FoundName::Local(place)) => {
                         self.running()?.symbols.get(place as usize).map(|s| s.type_id())
                     }
-                    Some(Found::Member(owner, place)) => {
+                    Some(FoundName::Member(owner, place)) => {
                         self.member_symbol(owner, place).map(|s| s.type_id())
                     }
-                    Some(Found::Global(place)) => Some(self.global_type(place)),
+                    Some(FoundName::Global(place)) => Some(self.global_type(place)),
                     _ => None,
                 };
                 let callable = meaning_is_block.is_some_and(|ty| {
@@ -103,9 +108,9 @@ impl<'a> Sema<'a> {
                     return Some(result);
                 }
                 self.not_callable(name.at);
-                Some(Operand::Wrong)
+                Some(LiteralOperand::Wrong)
             }
-            Some(Found::Type(_) | Found::Enumerator(..) | Found::Ambiguous) | None => {
+            Some(FoundName::Type(_) | FoundName::Enumerator(..) | FoundName::Ambiguous) | None => {
                 if let Some(result) = self.standard(name, key, arguments, at) {
                     return Some(result);
                 }
@@ -118,7 +123,7 @@ impl<'a> Sema<'a> {
                         self.expr(value, None);
                     }
                 }
-                Some(Operand::Wrong)
+                Some(LiteralOperand::Wrong)
             }
             _ => None,
         }
@@ -146,19 +151,27 @@ impl<'a> Sema<'a> {
         self.findings.error(Code::UnknownName, name.at, message, help);
     }
 
-    fn function_call(&mut self, pou: u32, arguments: &[Argument], at: At) -> Operand {
+    fn function_call(&mut self, pou: u32, arguments: &[Argument], at: SourcePlace) -> LiteralOperand {
         if self.context.constant {
             let message = "a constant is needed here";
             self.findings.error(Code::NotConstant, at, message, "the result of a function is none");
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
-        let Some(place) = self.pous.get(pou as usize).map(|pou| pou.callable) else { return Operand::Wrong };
+        let Some(place) = self.pous.get(pou as usize).map(|pou| pou.callable) else {
+            return LiteralOperand::Wrong;
+        };
         self.frame_call(place, Callee::Unit(place as u16), arguments, at)
     }
 
     /// A call with its parameters in the frame.
-    fn frame_call(&mut self, callable: u32, callee: Callee, arguments: &[Argument], at: At) -> Operand {
-        let Some(callable) = self.callables.get(callable as usize) else { return Operand::Wrong };
+    fn frame_call(
+        &mut self,
+        callable: u32,
+        callee: Callee,
+        arguments: &[Argument],
+        at: SourcePlace,
+    ) -> LiteralOperand {
+        let Some(callable) = self.callables.get(callable as usize) else { return LiteralOperand::Wrong };
         let parameters = self.frame_parameters(callable);
         let (shown, result) = (self.text(callable.name.at).to_string(), callable.result);
         self.call_with(&shown, parameters, callee, result, arguments, at)
@@ -167,37 +180,40 @@ impl<'a> Sema<'a> {
     fn call_with(
         &mut self,
         shown: &str,
-        parameters: Vec<Parameter>,
+        parameters: Vec<CallParameter>,
         callee: Callee,
         result: Option<TypeId>,
         arguments: &[Argument],
-        at: At,
-    ) -> Operand {
+        at: SourcePlace,
+    ) -> LiteralOperand {
         let native = match &callee {
             Callee::Native(native, _) => Some(*native),
             _ => None,
         };
         let Some((inputs, outputs)) = self.arguments(shown, &parameters, arguments, native, at) else {
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         };
-        self.finished_call(Call { callee, inputs, outputs, result: result.map(|_| 0), at }, result)
+        self.finished_call(TreeCall { callee, inputs, outputs, result: result.map(|_| 0), at }, result)
     }
 
-    fn finished_call(&mut self, call: Call, result: Option<TypeId>) -> Operand {
+    fn finished_call(&mut self, call: TreeCall, result: Option<TypeId>) -> LiteralOperand {
         let at = call.at;
         let Some(ty) = result else {
             let kind = ExprKind::Call(Box::new(call));
-            return Operand::Nothing(Expr { kind, ty: Ty::Block { bytes: 0 }, at });
+            return LiteralOperand::Nothing(Expr { kind, ty: Ty::Block { bytes: 0 }, at });
         };
         if ty == WRONG {
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
         let value = Expr { kind: ExprKind::Call(Box::new(call)), ty: self.tree_type(ty), at };
         if let Type::Reference(to) = *self.ty(ty) {
-            let place = self.place(Root::Address(Box::new(value)), 0, to, false, at);
-            return Operand::Value(Expr { kind: ExprKind::Load(place), ty: self.tree_type(to), at }, to);
+            let place = self.place(TreeRoot::Address(Box::new(value)), 0, to, false, at);
+            return LiteralOperand::Value(
+                Expr { kind: ExprKind::Load(place), ty: self.tree_type(to), at },
+                to,
+            );
         }
-        Operand::Value(value, ty)
+        LiteralOperand::Value(value, ty)
     }
 
     /// The code that a method or accessor of an instance runs, and its head.
@@ -222,8 +238,8 @@ impl<'a> Sema<'a> {
                 if is_program {
                     (Callee::Unit(method as u16), head)
                 } else if self.is_overridden(block, number) && !head.modifiers.private {
-                    let place = Place {
-                        root: Root::This,
+                    let place = TreePlace {
+                        root: TreeRoot::This,
                         offset: 0,
                         indices: Vec::new(),
                         ty: Ty::Address,
@@ -250,8 +266,8 @@ impl<'a> Sema<'a> {
                 if self.is_overridden(*block, number) || head.modifiers.is_abstract {
                     (Callee::Virtual(number, address.clone()), head)
                 } else {
-                    let place = Place {
-                        root: Root::Address(Box::new(address.clone())),
+                    let place = TreePlace {
+                        root: TreeRoot::Address(Box::new(address.clone())),
                         offset: 0,
                         indices: Vec::new(),
                         ty: Ty::Address,
@@ -271,10 +287,16 @@ impl<'a> Sema<'a> {
         Some((callee, head))
     }
 
-    fn method_call(&mut self, instance: Instance, name: Name, arguments: &[Argument], at: At) -> Operand {
+    fn method_call(
+        &mut self,
+        instance: Instance,
+        name: Name,
+        arguments: &[Argument],
+        at: SourcePlace,
+    ) -> LiteralOperand {
         let Some((callee, head)) = self.bound(&instance, name, SelectorKind::Method) else {
             self.not_callable(name.at);
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         };
         let parameters = self.frame_parameters(&head);
         let shown = self.shown(name).to_string();
@@ -282,21 +304,26 @@ impl<'a> Sema<'a> {
     }
 
     /// The value of a property.
-    pub(super) fn get_property(&mut self, instance: &Instance, name: Name) -> Operand {
+    pub(super) fn get_property(&mut self, instance: &Instance, name: Name) -> LiteralOperand {
         if self.context.constant {
             self.not_constant(name.at, "a constant is needed here");
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
         match self.bound(instance, name, SelectorKind::Get) {
             Some((callee, head)) => {
-                let call =
-                    Call { callee, inputs: Vec::new(), outputs: Vec::new(), result: Some(0), at: name.at };
+                let call = TreeCall {
+                    callee,
+                    inputs: Vec::new(),
+                    outputs: Vec::new(),
+                    result: Some(0),
+                    at: name.at,
+                };
                 self.finished_call(call, head.result)
             }
             None => {
                 let message = format!("the property `{}` cannot be read", self.shown(name));
                 self.findings.error(Code::NotAValue, name.at, message, "it has no GET");
-                Operand::Wrong
+                LiteralOperand::Wrong
             }
         }
     }
@@ -307,7 +334,7 @@ impl<'a> Sema<'a> {
         instance: &Instance,
         name: Name,
         value: &ast::Expr,
-        at: At,
+        at: SourcePlace,
     ) -> Option<Expr> {
         let Some((callee, head)) = self.bound(instance, name, SelectorKind::Set) else {
             let message = format!("the property `{}` cannot be set", self.shown(name));
@@ -317,14 +344,14 @@ impl<'a> Sema<'a> {
         let (ty, to) = self.setter_parameter(&head)?;
         let value = self.value(value, ty)?;
         let inputs = vec![Input { to, value }];
-        let call = Call { callee, inputs, outputs: Vec::new(), result: None, at };
+        let call = TreeCall { callee, inputs, outputs: Vec::new(), result: None, at };
         Some(Expr { kind: ExprKind::Call(Box::new(call)), ty: Ty::Block { bytes: 0 }, at })
     }
 
-    fn program_call(&mut self, pou: u32, arguments: &[Argument], at: At) -> Operand {
-        let Some(entry) = self.pous.get(pou as usize) else { return Operand::Wrong };
+    fn program_call(&mut self, pou: u32, arguments: &[Argument], at: SourcePlace) -> LiteralOperand {
+        let Some(entry) = self.pous.get(pou as usize) else { return LiteralOperand::Wrong };
         let (unit, shown) = (entry.callable as u16, entry.shown.clone());
-        let origin = self.place(Root::Absolute, 0, WRONG, false, at);
+        let origin = self.place(TreeRoot::Absolute, 0, WRONG, false, at);
         let parameters = self.block_parameters(pou, &origin);
         self.call_with(&shown, parameters, Callee::Unit(unit), None, arguments, at)
     }
@@ -332,10 +359,10 @@ impl<'a> Sema<'a> {
     fn action_call(
         &mut self,
         callable: u32,
-        place: Option<Place>,
+        place: Option<TreePlace>,
         arguments: &[Argument],
-        at: At,
-    ) -> Operand {
+        at: SourcePlace,
+    ) -> LiteralOperand {
         let owner = self.callables.get(callable as usize).and_then(|callable| callable.owner);
         let program = owner
             .and_then(|owner| self.pous.get(owner as usize))
@@ -349,11 +376,11 @@ impl<'a> Sema<'a> {
     }
 
     /// `SUPER^(..)`: the body of what the block extends.
-    fn super_call(&mut self, base: u32, arguments: &[Argument], at: At) -> Operand {
-        let Some(entry) = self.pous.get(base as usize) else { return Operand::Wrong };
+    fn super_call(&mut self, base: u32, arguments: &[Argument], at: SourcePlace) -> LiteralOperand {
+        let Some(entry) = self.pous.get(base as usize) else { return LiteralOperand::Wrong };
         let (unit, shown) = (entry.callable as u16, entry.shown.clone());
         let ty = self.intern(Type::Block(base));
-        let origin = self.place(Root::This, 0, ty, false, at);
+        let origin = self.place(TreeRoot::This, 0, ty, false, at);
         let parameters = self.block_parameters(base, &origin);
         self.call_with(&shown, parameters, Callee::Same(unit), None, arguments, at)
     }
@@ -361,28 +388,31 @@ impl<'a> Sema<'a> {
     /// An instance of a block.
     fn place_call(
         &mut self,
-        place: Place,
+        place: TreePlace,
         ty: TypeId,
         fixed: Option<&'static str>,
         callee: &ast::Expr,
         arguments: &[Argument],
-        at: At,
-    ) -> Operand {
+        at: SourcePlace,
+    ) -> LiteralOperand {
         if fixed == Some("it belongs to the block alone") {
             let message = "an inner instance of a block cannot be called here";
             self.findings.error(Code::NotCallable, callee.at, message, "");
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
         match *self.ty(ty) {
             Type::Block(block) => {
-                let Some(entry) = self.pous.get(block as usize) else { return Operand::Wrong };
+                let Some(entry) = self.pous.get(block as usize) else { return LiteralOperand::Wrong };
                 let (unit, shown) = (entry.callable as u16, entry.shown.clone());
-                if entry.ast.modifiers.is_abstract && !matches!(place.root, Root::Address(_) | Root::This) {
+                if entry.ast.modifiers.is_abstract
+                    && !matches!(place.root, TreeRoot::Address(_) | TreeRoot::This)
+                {
                     let message = format!("`{shown}` is ABSTRACT");
                     self.findings.error(Code::NotCallable, callee.at, message, "use a block that extends it");
                 }
                 let parameters = self.block_parameters(block, &place);
-                let same = matches!(place.root, Root::This) && place.offset == 0 && place.indices.is_empty();
+                let same =
+                    matches!(place.root, TreeRoot::This) && place.offset == 0 && place.indices.is_empty();
                 let callee = if same { Callee::Same(unit) } else { Callee::Of(unit, place) };
                 self.call_with(&shown, parameters, callee, None, arguments, at)
             }
@@ -395,10 +425,10 @@ impl<'a> Sema<'a> {
                 let parameters = self.native_parameters(native, &place);
                 self.call_with(&shown, parameters, Callee::Native(native, place), None, arguments, at)
             }
-            Type::Wrong => Operand::Wrong,
+            Type::Wrong => LiteralOperand::Wrong,
             _ => {
                 self.not_callable(callee.at);
-                Operand::Wrong
+                LiteralOperand::Wrong
             }
         }
     }

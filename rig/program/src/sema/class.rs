@@ -1,18 +1,18 @@
 //! What blocks extend and implement.
 
-use super::scope::{Callable, CallableKind, Kind, Selector, SelectorKind};
+use super::scope::{Callable, CallableKind, Selector, SelectorKind, SymbolKind};
 use super::types::TypeId;
 use super::{Global, Sema, State};
-use crate::code::Class;
+use crate::code::ObjectClass;
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::parse::ast::{self, Name, PouKind, SectionKind};
 
 impl<'a> Sema<'a> {
     /// EXTENDS and IMPLEMENTS of every block and interface.
-    pub(super) fn settle_inheritance(&mut self) {
+    pub(super) fn resolve_inheritance(&mut self) {
         for place in 0..self.interfaces.len() as u32 {
-            self.kinds.push(Kind::Interface(place));
+            self.kinds.push(SymbolKind::Interface(place));
             let ast = self.interfaces[place as usize].ast;
             let extends = ast.extends.iter().filter_map(|name| self.interface(*name)).collect();
             self.interfaces[place as usize].extends = extends;
@@ -34,7 +34,7 @@ impl<'a> Sema<'a> {
                 }
                 continue;
             }
-            self.kinds.push(Kind::Block(place));
+            self.kinds.push(SymbolKind::Block(place));
             self.pous[place as usize].class = class;
             class += 1;
             if let Some(name) = ast.extends {
@@ -62,7 +62,7 @@ impl<'a> Sema<'a> {
         }
         self.break_circles();
         for place in 0..self.interfaces.len() as u32 {
-            self.settle_interface(place);
+            self.resolve_interface(place);
         }
     }
 
@@ -98,7 +98,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Heads of the methods of an interface, inherited ones too.
-    fn settle_interface(&mut self, place: u32) {
+    fn resolve_interface(&mut self, place: u32) {
         match self.interfaces[place as usize].state {
             State::Untouched => {}
             State::Done(()) => return,
@@ -119,7 +119,7 @@ impl<'a> Sema<'a> {
         self.interfaces[place as usize].state = State::Busy;
         let mut heads: Vec<(Selector, Callable<'a>)> = Vec::new();
         for base in self.interfaces[place as usize].extends.clone() {
-            self.settle_interface(base);
+            self.resolve_interface(base);
             for (selector, head) in self.interfaces[base as usize].heads.clone() {
                 if !heads.iter().any(|(known, _)| *known == selector) {
                     heads.push((selector, head));
@@ -321,7 +321,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The classes of the blocks, for calls that are bound at run time.
-    pub(super) fn classes(&self) -> Vec<Class> {
+    pub(super) fn classes(&self) -> Vec<ObjectClass> {
         let blocks = (0..self.pous.len() as u32)
             .filter(|place| self.pous[*place as usize].ast.kind == PouKind::FunctionBlock);
         let class = |place: u32| {
@@ -332,12 +332,12 @@ impl<'a> Sema<'a> {
                 };
                 found.map(|unit| unit as u16)
             };
-            let is = |kind: &Kind| match kind {
-                Kind::Block(other) => self.extends(place, *other),
-                Kind::Interface(other) => self.implements(place, *other),
+            let is = |kind: &SymbolKind| match kind {
+                SymbolKind::Block(other) => self.extends(place, *other),
+                SymbolKind::Interface(other) => self.implements(place, *other),
             };
             let kinds = self.kinds.iter().enumerate().filter(|(_, kind)| is(kind));
-            Class {
+            ObjectClass {
                 methods: self.selectors.iter().map(method).collect(),
                 kinds: kinds.map(|(nth, _)| nth as u32).collect(),
             }
@@ -346,7 +346,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Reports a member that is not for everyone; `from` is the block whose code uses it.
-    pub(super) fn check_access(&mut self, method: u32, at: At) {
+    pub(super) fn check_access(&mut self, method: u32, at: SourcePlace) {
         let Some(callable) = self.callables.get(method as usize) else { return };
         let (modifiers, Some(owner)) = (callable.modifiers, callable.owner) else { return };
         let shown = callable.shown.clone();

@@ -15,14 +15,14 @@ impl<'a> Sema<'a> {
         let operand = self.expr(written, None);
         self.context.constant = outer;
         let number = match &operand {
-            super::literal::Operand::Integer(n) => i64::try_from(*n).ok(),
-            super::literal::Operand::Value(expr, ty) => match (&expr.kind, self.scalar(*ty)) {
+            super::literal::LiteralOperand::Integer(n) => i64::try_from(*n).ok(),
+            super::literal::LiteralOperand::Value(expr, ty) => match (&expr.kind, self.scalar(*ty)) {
                 (ExprKind::Constant(cell), Some(ty)) if ty.is_integer() => {
                     i64::try_from(ty.number(*cell)).ok()
                 }
                 _ => None,
             },
-            super::literal::Operand::Wrong => return None,
+            super::literal::LiteralOperand::Wrong => return None,
             _ => None,
         };
         if number.is_none() {
@@ -56,12 +56,12 @@ impl<'a> Sema<'a> {
         }
     }
 
-    pub(super) fn not_constant(&mut self, at: crate::findings::At, message: &str) {
+    pub(super) fn not_constant(&mut self, at: crate::findings::SourcePlace, message: &str) {
         self.findings.error(Code::NotConstant, at, message, "use literals and names from VAR CONSTANT");
     }
 
     /// A unary operation, computed where the operand is constant.
-    pub(super) fn unary(&mut self, op: UnaryOp, of: Expr, at: crate::findings::At) -> Expr {
+    pub(super) fn unary(&mut self, op: UnaryOp, of: Expr, at: crate::findings::SourcePlace) -> Expr {
         let ty = of.ty;
         if let (ExprKind::Constant(cell), Ty::Scalar(scalar)) = (&of.kind, ty) {
             let cell = *cell;
@@ -80,7 +80,13 @@ impl<'a> Sema<'a> {
     }
 
     /// A binary operation on two values of one type, computed where both are constant.
-    pub(super) fn binary(&mut self, op: BinaryOp, left: Expr, right: Expr, at: crate::findings::At) -> Expr {
+    pub(super) fn binary(
+        &mut self,
+        op: BinaryOp,
+        left: Expr,
+        right: Expr,
+        at: crate::findings::SourcePlace,
+    ) -> Expr {
         let ty = if is_comparison(op) { Ty::Scalar(Elementary::Bool) } else { left.ty };
         if let (ExprKind::Constant(a), ExprKind::Constant(b)) = (&left.kind, &right.kind) {
             let scalar = match left.ty {

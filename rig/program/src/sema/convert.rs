@@ -1,10 +1,10 @@
 //! Which values go into which types by themselves.
 
 use super::Sema;
-use super::literal::{Operand, in_range, integer_type, stored};
+use super::literal::{LiteralOperand, in_range, integer_type, stored};
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::parse::ast;
 use crate::tree::{Expr, ExprKind, Ty};
 use crate::types::Elementary;
@@ -17,14 +17,14 @@ impl<'a> Sema<'a> {
     }
 
     /// An operand as a value of a type.
-    pub(super) fn give(&mut self, operand: Operand, ty: TypeId, at: At) -> Option<Expr> {
+    pub(super) fn give(&mut self, operand: LiteralOperand, ty: TypeId, at: SourcePlace) -> Option<Expr> {
         if ty == WRONG {
             return None;
         }
         match operand {
-            Operand::Wrong | Operand::Nothing(_) => None,
-            Operand::Integer(n) => self.give_integer(n, ty, at),
-            Operand::Real(double, single) => match self.scalar(ty) {
+            LiteralOperand::Wrong | LiteralOperand::Nothing(_) => None,
+            LiteralOperand::Integer(n) => self.give_integer(n, ty, at),
+            LiteralOperand::Real(double, single) => match self.scalar(ty) {
                 Some(Elementary::Real) => {
                     Some(self.constant(i64::from(single.to_bits()), Elementary::Real, at))
                 }
@@ -37,8 +37,8 @@ impl<'a> Sema<'a> {
                     None
                 }
             },
-            Operand::Text(wide, units) => self.give_text(wide, &units, ty, at),
-            Operand::Null => {
+            LiteralOperand::Text(wide, units) => self.give_text(wide, &units, ty, at),
+            LiteralOperand::Null => {
                 if self.is_address(ty) {
                     return Some(Expr { kind: ExprKind::Constant(0), ty: Ty::Address, at });
                 }
@@ -46,11 +46,11 @@ impl<'a> Sema<'a> {
                 self.findings.error(Code::Type, at, message, "it suits pointers, references and interfaces");
                 None
             }
-            Operand::Value(value, from) => self.assigned(value, from, ty, at),
+            LiteralOperand::Value(value, from) => self.assigned(value, from, ty, at),
         }
     }
 
-    fn give_integer(&mut self, n: i128, ty: TypeId, at: At) -> Option<Expr> {
+    fn give_integer(&mut self, n: i128, ty: TypeId, at: SourcePlace) -> Option<Expr> {
         if self.is_address(ty) && in_range(n, Elementary::Udint) {
             return Some(Expr { kind: ExprKind::Constant(n as i64), ty: Ty::Address, at });
         }
@@ -89,7 +89,7 @@ impl<'a> Sema<'a> {
         }
     }
 
-    fn give_text(&mut self, wide: bool, units: &[u16], ty: TypeId, at: At) -> Option<Expr> {
+    fn give_text(&mut self, wide: bool, units: &[u16], ty: TypeId, at: SourcePlace) -> Option<Expr> {
         match *self.ty(ty) {
             Type::Text { wide: into, length } if into == wide => {
                 let kept = units.get(..units.len().min(length as usize)).unwrap_or(units);
@@ -124,7 +124,13 @@ impl<'a> Sema<'a> {
     }
 
     /// A typed value into a type.
-    pub(super) fn assigned(&mut self, value: Expr, from: TypeId, to: TypeId, at: At) -> Option<Expr> {
+    pub(super) fn assigned(
+        &mut self,
+        value: Expr,
+        from: TypeId,
+        to: TypeId,
+        at: SourcePlace,
+    ) -> Option<Expr> {
         if from == WRONG || to == WRONG {
             return None;
         }
@@ -209,7 +215,7 @@ impl<'a> Sema<'a> {
         }
     }
 
-    pub(super) fn not_a_value(&mut self, at: At) {
+    pub(super) fn not_a_value(&mut self, at: SourcePlace) {
         let message = "this is an instance of a function block, not a value";
         self.findings.error(Code::NotAValue, at, message, "name one of its outputs, as in t1.Q");
     }
@@ -240,7 +246,14 @@ impl<'a> Sema<'a> {
     }
 
     /// An instance as a value of an interface: its address.
-    fn instance_as(&mut self, value: Expr, from: TypeId, interface: u32, to: TypeId, at: At) -> Option<Expr> {
+    fn instance_as(
+        &mut self,
+        value: Expr,
+        from: TypeId,
+        interface: u32,
+        to: TypeId,
+        at: SourcePlace,
+    ) -> Option<Expr> {
         let Type::Block(block) = *self.ty(from) else { return None };
         if !self.implements(block, interface) {
             self.mismatch(from, to, at);
@@ -255,7 +268,7 @@ impl<'a> Sema<'a> {
         }
     }
 
-    pub(super) fn mismatch(&mut self, from: TypeId, to: TypeId, at: At) {
+    pub(super) fn mismatch(&mut self, from: TypeId, to: TypeId, at: SourcePlace) {
         let message = format!("{} does not go into {}", self.type_name(from), self.type_name(to));
         let help = match (self.scalar(from), self.scalar(to)) {
             (Some(a), Some(_)) => self.conversion_help(a, to),
@@ -273,52 +286,54 @@ impl<'a> Sema<'a> {
 
     /// The type in which two operands meet: the one that holds both, else the smallest signed one that does. A
     /// literal takes the type of the other where it fits.
-    pub(super) fn common(&mut self, a: &Operand, b: &Operand) -> Option<TypeId> {
+    pub(super) fn common(&mut self, a: &LiteralOperand, b: &LiteralOperand) -> Option<TypeId> {
         match (a, b) {
-            (Operand::Integer(_) | Operand::Real(..), Operand::Value(_, ty))
-            | (Operand::Value(_, ty), Operand::Integer(_) | Operand::Real(..)) => {
+            (LiteralOperand::Integer(_) | LiteralOperand::Real(..), LiteralOperand::Value(_, ty))
+            | (LiteralOperand::Value(_, ty), LiteralOperand::Integer(_) | LiteralOperand::Real(..)) => {
                 let literal = if a.is_literal() { a } else { b };
                 self.literal_beside(literal, *ty)
             }
-            (Operand::Real(..), Operand::Real(..) | Operand::Integer(_))
-            | (Operand::Integer(_), Operand::Real(..)) => Some(self.elementary(Elementary::Lreal)),
-            (Operand::Integer(x), Operand::Integer(y)) => {
+            (LiteralOperand::Real(..), LiteralOperand::Real(..) | LiteralOperand::Integer(_))
+            | (LiteralOperand::Integer(_), LiteralOperand::Real(..)) => {
+                Some(self.elementary(Elementary::Lreal))
+            }
+            (LiteralOperand::Integer(x), LiteralOperand::Integer(y)) => {
                 let ty = meet(integer_type(*x)?, integer_type(*y)?)?;
                 Some(self.elementary(ty))
             }
-            (Operand::Text(a, units), Operand::Text(b, other)) if a == b => {
+            (LiteralOperand::Text(a, units), LiteralOperand::Text(b, other)) if a == b => {
                 let length = units.len().max(other.len()).max(1) as u32;
                 Some(self.intern(Type::Text { wide: *a, length }))
             }
             // As long as the longer one: what is compared or chosen is not cut.
-            (Operand::Text(wide, units), Operand::Value(_, ty))
-            | (Operand::Value(_, ty), Operand::Text(wide, units))
+            (LiteralOperand::Text(wide, units), LiteralOperand::Value(_, ty))
+            | (LiteralOperand::Value(_, ty), LiteralOperand::Text(wide, units))
                 if matches!(self.ty(*ty), Type::Text { wide: own, .. } if own == wide) =>
             {
                 let literal = self.intern(Type::Text { wide: *wide, length: (units.len() as u32).max(1) });
                 self.common_type(*ty, literal)
             }
-            (Operand::Text(..) | Operand::Null, Operand::Value(_, ty))
-            | (Operand::Value(_, ty), Operand::Text(..) | Operand::Null) => Some(*ty),
-            (Operand::Value(_, a), Operand::Value(_, b)) => self.common_type(*a, *b),
+            (LiteralOperand::Text(..) | LiteralOperand::Null, LiteralOperand::Value(_, ty))
+            | (LiteralOperand::Value(_, ty), LiteralOperand::Text(..) | LiteralOperand::Null) => Some(*ty),
+            (LiteralOperand::Value(_, a), LiteralOperand::Value(_, b)) => self.common_type(*a, *b),
             _ => None,
         }
     }
 
-    fn literal_beside(&mut self, literal: &Operand, ty: TypeId) -> Option<TypeId> {
+    fn literal_beside(&mut self, literal: &LiteralOperand, ty: TypeId) -> Option<TypeId> {
         if self.is_address(ty) {
             return Some(ty);
         }
         let scalar = self.scalar(ty)?;
         match literal {
-            Operand::Real(..) if scalar.is_real() => Some(self.elementary(scalar)),
-            Operand::Real(..) if scalar.is_integer() => {
+            LiteralOperand::Real(..) if scalar.is_real() => Some(self.elementary(scalar)),
+            LiteralOperand::Real(..) if scalar.is_integer() => {
                 // REAL holds the small ones exactly.
                 let real = if scalar.bits() <= 16 { Elementary::Real } else { Elementary::Lreal };
                 Some(self.elementary(real))
             }
-            Operand::Integer(_) if scalar.is_real() => Some(self.elementary(scalar)),
-            Operand::Integer(n) => {
+            LiteralOperand::Integer(_) if scalar.is_real() => Some(self.elementary(scalar)),
+            LiteralOperand::Integer(n) => {
                 if scalar == Elementary::Bool && (*n == 0 || *n == 1)
                     || scalar.is_integer() && in_range(*n, scalar)
                 {
@@ -383,7 +398,7 @@ fn goes_back(value: &Expr, to: Elementary) -> bool {
 /// Whether a value is read from an address: its bits suit numbers of their width.
 fn is_direct(value: &Expr) -> bool {
     matches!(&value.kind, ExprKind::Load(place)
-        if matches!(place.root, crate::tree::Root::Absolute) && place.offset >= crate::code::map::OWN_END)
+        if matches!(place.root, crate::tree::TreeRoot::Absolute) && place.offset >= crate::code::map::OWN_END)
 }
 
 /// The elementary type in which two others meet.

@@ -3,7 +3,7 @@
 use super::scope::{Callable, CallableKind, Home, Pou, Selector, SelectorKind, Symbol};
 use super::{Global, Interface, KeyMap, Sema, State, TypeEntry, TypeId};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::parse::ast::{self, Key, Name, PouKind, Section, SectionKind};
 use crate::types::Elementary;
 
@@ -76,7 +76,7 @@ impl<'a> Sema<'a> {
         true
     }
 
-    fn place_of(&self, global: Global) -> At {
+    fn place_of(&self, global: Global) -> SourcePlace {
         match global {
             Global::Variable(place) => self.globals.get(place as usize).map(|symbol| symbol.name.at),
             Global::Pou(place) => self.pous.get(place as usize).map(|pou| pou.ast.name.at),
@@ -98,7 +98,7 @@ impl<'a> Sema<'a> {
         }
     }
 
-    pub(super) fn twice(&mut self, name: Name, first: At) {
+    pub(super) fn twice(&mut self, name: Name, first: SourcePlace) {
         let message = format!("`{}` is declared twice", self.shown(name));
         self.findings.error_with(
             Code::Duplicate,
@@ -162,7 +162,7 @@ impl<'a> Sema<'a> {
             late: Vec::new(),
             maker: None,
         };
-        let mut names: KeyMap<Key, At> = KeyMap::default();
+        let mut names: KeyMap<Key, SourcePlace> = KeyMap::default();
         for action in &pou.actions {
             if self.own_name(&mut names, action.name) {
                 let shown = format!("{}.{}", entry.shown, self.shown(action.name));
@@ -200,7 +200,7 @@ impl<'a> Sema<'a> {
         self.pous.push(entry);
     }
 
-    fn own_name(&mut self, names: &mut KeyMap<Key, At>, name: Name) -> bool {
+    fn own_name(&mut self, names: &mut KeyMap<Key, SourcePlace>, name: Name) -> bool {
         match names.insert(name.key, name.at) {
             None => true,
             Some(first) => {
@@ -251,7 +251,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Finds out every type that the sources declare; enumerations first, for their values are names for all.
-    pub(super) fn settle_types(&mut self) {
+    pub(super) fn resolve_types(&mut self) {
         let is_enumeration =
             |entry: &TypeEntry<'_>| matches!(entry.decl.ty.kind, ast::TypeKind::Enumeration { .. });
         for first in [true, false] {
@@ -264,16 +264,16 @@ impl<'a> Sema<'a> {
     }
 
     /// Finds out what blocks and programs consist of and what callables take.
-    pub(super) fn settle_pous(&mut self) {
-        self.settle_inheritance();
+    pub(super) fn resolve_pous(&mut self) {
+        self.resolve_inheritance();
         for place in 0..self.pous.len() as u32 {
             if self.pous[place as usize].ast.kind == PouKind::FunctionBlock {
-                self.settle_block(place);
+                self.resolve_block(place);
             }
         }
         for place in 0..self.pous.len() as u32 {
             if self.pous[place as usize].ast.kind == PouKind::Program {
-                self.settle_program(place);
+                self.resolve_program(place);
             }
         }
         for callable in 0..self.callables.len() as u32 {
@@ -438,7 +438,7 @@ impl<'a> Sema<'a> {
     }
 
     /// A function cannot give an instance of a block.
-    fn refuse_block_value(&mut self, ty: TypeId, at: At) {
+    fn refuse_block_value(&mut self, ty: TypeId, at: SourcePlace) {
         if self.contains_block(ty) {
             let message = "a result cannot be a function block";
             self.findings.error(Code::Type, at, message, "give a REFERENCE TO it");
@@ -498,7 +498,7 @@ impl<'a> Sema<'a> {
 /// Bytes that a frame may have.
 const FRAME_LIMIT: u32 = 1 << 20;
 
-pub(super) fn initial_at(initial: &ast::Initial) -> At {
+pub(super) fn initial_at(initial: &ast::Initial) -> SourcePlace {
     match initial {
         ast::Initial::One(expr) => expr.at,
         ast::Initial::List(_, at) | ast::Initial::Members(_, at) => *at,

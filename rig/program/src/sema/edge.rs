@@ -6,7 +6,7 @@ use super::scope::{CallableKind, Home};
 use super::types::TypeId;
 use crate::codes::Code;
 use crate::parse::ast::{self, PouKind, Section, SectionKind};
-use crate::tree::{BinaryOp, Expr, ExprKind, Place, Root, Stmt, StmtKind, Target, Ty, UnaryOp};
+use crate::tree::{BinaryOp, Expr, ExprKind, Stmt, StmtKind, Target, TreePlace, TreeRoot, Ty, UnaryOp};
 use crate::types::Elementary;
 
 impl<'a> Sema<'a> {
@@ -56,8 +56,8 @@ impl<'a> Sema<'a> {
                     continue;
                 }
                 let ty = Ty::Scalar(Elementary::Bool);
-                let place = |offset: u32| Place {
-                    root: Root::This,
+                let place = |offset: u32| TreePlace {
+                    root: TreeRoot::This,
                     offset,
                     indices: Vec::new(),
                     ty,

@@ -1,18 +1,23 @@
 //! Elements of arrays, texts and what pointers lead to; bits and other parts of whole numbers.
 
 use super::Sema;
-use super::literal::Operand;
+use super::literal::LiteralOperand;
 use super::place::Meaning;
-use super::scope::Found;
+use super::scope::FoundName;
 use super::types::{Type, TypeId, WRONG, stride};
 use crate::codes::Code;
-use crate::findings::{At, count};
+use crate::findings::{SourcePlace, count};
 use crate::parse::ast::{self, Name};
-use crate::tree::{self, Expr, ExprKind, Place, Ty};
+use crate::tree::{self, Expr, ExprKind, TreePlace, Ty};
 use crate::types::Elementary;
 
 impl Sema<'_> {
-    pub(super) fn index_meaning(&mut self, of: &ast::Expr, indices: &[ast::Expr], at: At) -> Meaning {
+    pub(super) fn index_meaning(
+        &mut self,
+        of: &ast::Expr,
+        indices: &[ast::Expr],
+        at: SourcePlace,
+    ) -> Meaning {
         let (place, ty, fixed) = match self.meaning(of) {
             Meaning::Place(place, ty, fixed) => (place, ty, fixed),
             Meaning::Wrong => return Meaning::Wrong,
@@ -63,7 +68,7 @@ impl Sema<'_> {
                 let pointer = Expr { kind: ExprKind::Load(place), ty: Ty::Address, at };
                 let kind = ExprKind::Offset(Box::new(pointer), Box::new(bytes));
                 let address = Expr { kind, ty: Ty::Address, at };
-                let place = self.place(tree::Root::Address(Box::new(address)), 0, to, false, at);
+                let place = self.place(tree::TreeRoot::Address(Box::new(address)), 0, to, false, at);
                 self.followed(place, to, None)
             }
             Type::Wrong => Meaning::Wrong,
@@ -78,12 +83,12 @@ impl Sema<'_> {
     /// An element of an array; constant indices become part of the offset. Too few indices give an error.
     fn indexed(
         &mut self,
-        mut place: Place,
+        mut place: TreePlace,
         dimensions: &[(i64, i64)],
         of: TypeId,
         indices: &[ast::Expr],
-        at: At,
-    ) -> Option<(Place, TypeId)> {
+        at: SourcePlace,
+    ) -> Option<(TreePlace, TypeId)> {
         // `a[1, 2]` may stand for `a[1][2]` where the elements are arrays.
         if indices.len() > dimensions.len()
             && let Type::Array { dimensions: inner, of: element } = self.ty(of).clone()
@@ -108,8 +113,8 @@ impl Sema<'_> {
         for ((index, (low, high)), step) in indices.iter().zip(dimensions).zip(strides) {
             let operand = self.expr(index, None);
             let known = match &operand {
-                Operand::Integer(n) => Some(*n),
-                Operand::Value(Expr { kind: ExprKind::Constant(cell), .. }, ty) => {
+                LiteralOperand::Integer(n) => Some(*n),
+                LiteralOperand::Value(Expr { kind: ExprKind::Constant(cell), .. }, ty) => {
                     self.scalar(*ty).filter(|ty| ty.is_integer()).map(|ty| ty.number(*cell))
                 }
                 _ => None,
@@ -144,7 +149,7 @@ impl Sema<'_> {
         Some((place, of))
     }
 
-    pub(super) fn part_meaning(&mut self, of: &ast::Expr, bits: u8, number: u32, at: At) -> Meaning {
+    pub(super) fn part_meaning(&mut self, of: &ast::Expr, bits: u8, number: u32, at: SourcePlace) -> Meaning {
         let (place, ty, fixed) = match self.meaning(of) {
             Meaning::Place(place, ty, fixed) => (place, ty, fixed),
             Meaning::Wrong => return Meaning::Wrong,
@@ -160,11 +165,11 @@ impl Sema<'_> {
     /// The number of a bit that a constant names, as in `status.READY`.
     pub(super) fn named_bit(&mut self, name: Name) -> Option<u32> {
         let found = self.find(name.key)?;
-        if !matches!(found, Found::Local(_) | Found::Member(..) | Found::Global(_)) {
+        if !matches!(found, FoundName::Local(_) | FoundName::Member(..) | FoundName::Global(_)) {
             return None;
         }
         match self.symbol_meaning(found, name) {
-            Meaning::Operand(Operand::Value(Expr { kind: ExprKind::Constant(cell), .. }, ty)) => {
+            Meaning::Operand(LiteralOperand::Value(Expr { kind: ExprKind::Constant(cell), .. }, ty)) => {
                 let scalar = self.scalar(ty).filter(|ty| ty.is_integer())?;
                 u32::try_from(scalar.number(cell)).ok()
             }
@@ -175,11 +180,11 @@ impl Sema<'_> {
     /// Part `number` of so many bits of a place.
     pub(super) fn part_of(
         &mut self,
-        place: Place,
+        place: TreePlace,
         ty: TypeId,
         fixed: Option<&'static str>,
         (bits, number): (u8, u32),
-        at: At,
+        at: SourcePlace,
     ) -> Meaning {
         let Some(scalar) = self.scalar(ty).filter(|ty| ty.is_integer()) else {
             if ty != WRONG {

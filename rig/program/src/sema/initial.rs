@@ -1,14 +1,14 @@
 //! Initial values, as bytes.
 
 use super::declare::initial_at;
-use super::late::Base;
+use super::late::LateBase;
 use super::scope::{Home, Symbol};
 use super::types::{Type, TypeId, elements, stride};
 use super::{Sema, State};
 use crate::codes::Code;
 use crate::findings::count;
 use crate::parse::ast::{self, Expr, Initial, SectionKind};
-use crate::tree::{self, ExprKind, Place, Stmt, StmtKind, Target};
+use crate::tree::{self, ExprKind, Stmt, StmtKind, Target, TreePlace};
 
 /// How deep constants may be made of others that are declared later.
 const CONSTANT_DEPTH: u32 = 60;
@@ -70,7 +70,7 @@ impl<'a> Sema<'a> {
                         return;
                     };
                     // What waits is to be noted for each.
-                    let again = if self.base != Base::None && self.is_late(value) { times } else { 1 };
+                    let again = if self.base != LateBase::None && self.is_late(value) { times } else { 1 };
                     for copy in 1..again {
                         self.write_one(of, value, image, offset + (nth + copy) as u32 * step);
                     }
@@ -280,7 +280,7 @@ impl<'a> Sema<'a> {
     fn enumerator_member(&self, value: &Expr) -> bool {
         let ast::ExprKind::Member(of, _) = &value.kind else { return false };
         matches!(&of.kind, ast::ExprKind::Name(name)
-            if matches!(self.find(name.key), Some(super::scope::Found::Type(_))))
+            if matches!(self.find(name.key), Some(super::scope::FoundName::Type(_))))
     }
 
     /// Assignments at the begin of a call, of initial values that are no constants. The context is that of the body.
@@ -290,7 +290,7 @@ impl<'a> Sema<'a> {
         for symbol in &symbols {
             if let (Home::Frame(offset), SectionKind::Local | SectionKind::Temp) = (symbol.home, symbol.kind)
             {
-                self.made_variable(symbol, (tree::Root::Frame, offset), &mut list);
+                self.made_variable(symbol, (tree::TreeRoot::Frame, offset), &mut list);
             }
         }
         for symbol in symbols {
@@ -300,8 +300,8 @@ impl<'a> Sema<'a> {
                 continue;
             }
             let Some(typed) = self.value(value, symbol.type_id()) else { continue };
-            let place = Place {
-                root: tree::Root::Frame,
+            let place = TreePlace {
+                root: tree::TreeRoot::Frame,
                 offset,
                 indices: Vec::new(),
                 ty: self.tree_type(symbol.type_id()),
@@ -338,17 +338,17 @@ impl<'a> Sema<'a> {
     }
 
     /// The value of a symbol that is a constant of a scalar type.
-    pub(super) fn symbol_value(&mut self, found: super::scope::Found) -> Option<i64> {
-        use super::scope::Found;
+    pub(super) fn symbol_value(&mut self, found: super::scope::FoundName) -> Option<i64> {
+        use super::scope::FoundName;
         let symbol = match found {
-            Found::Local(place) => self
+            FoundName::Local(place) => self
                 .context
                 .callable
                 .and_then(|c| self.callables.get(c as usize))?
                 .symbols
                 .get(place as usize)?,
-            Found::Member(owner, place) => self.member_symbol(owner, place)?,
-            Found::Global(place) => self.globals.get(place as usize)?,
+            FoundName::Member(owner, place) => self.member_symbol(owner, place)?,
+            FoundName::Global(place) => self.globals.get(place as usize)?,
             _ => return None,
         }
         .clone();
@@ -374,11 +374,11 @@ impl<'a> Sema<'a> {
         let outer = self.context.callable;
         let (pou, constant) = (self.context.pou, self.context.constant);
         match found {
-            Found::Member(owner, _) => {
+            FoundName::Member(owner, _) => {
                 self.context.pou = Some(owner);
                 self.context.callable = None;
             }
-            Found::Global(_) => {
+            FoundName::Global(_) => {
                 self.context.pou = None;
                 self.context.callable = None;
             }
@@ -387,7 +387,7 @@ impl<'a> Sema<'a> {
         self.context.constant = true;
         let ty = match (found, symbol.ty) {
             (_, State::Done(ty)) => ty,
-            (Found::Global(place), _) => self.global_type(place),
+            (FoundName::Global(place), _) => self.global_type(place),
             _ => self.resolve(&symbol.decl.ty),
         };
         let value = match (&symbol.decl.initial, self.scalar(ty)) {
@@ -399,7 +399,7 @@ impl<'a> Sema<'a> {
         self.context.pou = pou;
         self.context.constant = constant;
         self.keep_value(found, State::Done(value));
-        if let (Found::Member(owner, place), State::Untouched) = (found, symbol.ty)
+        if let (FoundName::Member(owner, place), State::Untouched) = (found, symbol.ty)
             && let Some(symbol) =
                 self.pous.get_mut(owner as usize).and_then(|pou| pou.symbols.get_mut(place as usize))
         {
@@ -408,18 +408,18 @@ impl<'a> Sema<'a> {
         value
     }
 
-    fn keep_value(&mut self, found: super::scope::Found, value: State<Option<i64>>) {
-        use super::scope::Found;
+    fn keep_value(&mut self, found: super::scope::FoundName, value: State<Option<i64>>) {
+        use super::scope::FoundName;
         let symbol = match found {
-            Found::Local(place) => self
+            FoundName::Local(place) => self
                 .context
                 .callable
                 .and_then(|c| self.callables.get_mut(c as usize))
                 .and_then(|c| c.symbols.get_mut(place as usize)),
-            Found::Member(owner, place) => {
+            FoundName::Member(owner, place) => {
                 self.pous.get_mut(owner as usize).and_then(|pou| pou.symbols.get_mut(place as usize))
             }
-            Found::Global(place) => self.globals.get_mut(place as usize),
+            FoundName::Global(place) => self.globals.get_mut(place as usize),
             _ => None,
         };
         if let Some(symbol) = symbol {
@@ -428,18 +428,18 @@ impl<'a> Sema<'a> {
     }
 
     /// Whether a name means a constant.
-    pub(super) fn is_constant_symbol(&self, found: super::scope::Found) -> bool {
-        use super::scope::Found;
+    pub(super) fn is_constant_symbol(&self, found: super::scope::FoundName) -> bool {
+        use super::scope::FoundName;
         match found {
-            Found::Local(place) => self
+            FoundName::Local(place) => self
                 .context
                 .callable
                 .and_then(|c| self.callables.get(c as usize))
                 .and_then(|c| c.symbols.get(place as usize))
                 .is_some_and(|symbol| symbol.is_value()),
-            Found::Member(owner, place) => self.member_symbol(owner, place).is_some_and(|s| s.is_value()),
-            Found::Global(place) => self.globals.get(place as usize).is_some_and(|s| s.is_value()),
-            Found::Enumerator(..) | Found::Ambiguous => true,
+            FoundName::Member(owner, place) => self.member_symbol(owner, place).is_some_and(|s| s.is_value()),
+            FoundName::Global(place) => self.globals.get(place as usize).is_some_and(|s| s.is_value()),
+            FoundName::Enumerator(..) | FoundName::Ambiguous => true,
             _ => false,
         }
     }

@@ -6,9 +6,11 @@ use super::Sema;
 use super::scope::{Callable, CallableKind, Home, Symbol};
 use super::types::{Type, TypeId, elements, stride};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::parse::ast::{self, Argument, Key, PouKind, SectionKind};
-use crate::tree::{Call, Callee, Expr, ExprKind, Place, Root, Stmt, StmtKind, Target, Ty, UnitTree};
+use crate::tree::{
+    Callee, Expr, ExprKind, Stmt, StmtKind, Target, TreeCall, TreePlace, TreeRoot, Ty, UnitTree,
+};
 
 /// Statements that make all instances of one unit.
 const MOST_STATEMENTS: usize = 100_000;
@@ -24,7 +26,7 @@ pub(super) struct Late<'a> {
 
 /// Where the image that is being written stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Base {
+pub(super) enum LateBase {
     /// In no instance: constants and defaults of types.
     None,
     /// At the start of an instance of this block.
@@ -37,18 +39,18 @@ impl<'a> Sema<'a> {
     /// Takes an initial value that has to wait; FALSE where it is a constant or has to be one.
     pub(super) fn wait_for(&mut self, value: &'a ast::Expr, ty: TypeId, offset: u32) -> bool {
         let waits = self.is_address(ty) || self.takes_address(value) || self.of_constants(value);
-        if !waits || self.base == Base::None || self.is_constant_expr(value) {
+        if !waits || self.base == LateBase::None || self.is_constant_expr(value) {
             return false;
         }
         match self.base {
-            Base::Block(place) => {
+            LateBase::Block(place) => {
                 self.pous[place as usize].late.push(Late { offset, ty, value });
             }
-            Base::At(base) => {
+            LateBase::At(base) => {
                 let pou = self.context.pou;
                 self.late.push((pou, Late { offset: base + offset, ty, value }));
             }
-            Base::None => {}
+            LateBase::None => {}
         }
         true
     }
@@ -147,17 +149,17 @@ impl<'a> Sema<'a> {
         let mut statements = Vec::new();
         let mut frame = Vec::new();
         for (pou, symbols) in self.lasting() {
-            self.context = super::Context { pou, frame, ..Default::default() };
+            self.context = super::ScopeContext { pou, frame, ..Default::default() };
             for symbol in symbols {
                 if let Home::Absolute(address) = symbol.home {
-                    self.made_variable(&symbol, (Root::Absolute, address), &mut statements);
+                    self.made_variable(&symbol, (TreeRoot::Absolute, address), &mut statements);
                 }
             }
             frame = std::mem::take(&mut self.context).frame;
         }
         for (pou, late) in std::mem::take(&mut self.late) {
-            self.context = super::Context { pou, frame, ..Default::default() };
-            let place = self.place(Root::Absolute, late.offset, late.ty, false, late.value.at);
+            self.context = super::ScopeContext { pou, frame, ..Default::default() };
+            let place = self.place(TreeRoot::Absolute, late.offset, late.ty, false, late.value.at);
             self.assign_late(&late, place, &mut statements);
             frame = std::mem::take(&mut self.context).frame;
         }
@@ -175,7 +177,7 @@ impl<'a> Sema<'a> {
             file: 0,
             frame,
             body: statements,
-            end: At::default(),
+            end: SourcePlace::default(),
         });
         Some((units.len() - 1) as u16)
     }
@@ -200,7 +202,7 @@ impl<'a> Sema<'a> {
             let pou = &self.pous[block as usize];
             (pou.shown.clone(), pou.ast.end, pou.base)
         };
-        self.context = super::Context { pou: Some(block), ..Default::default() };
+        self.context = super::ScopeContext { pou: Some(block), ..Default::default() };
         let mut statements = Vec::new();
         if let Some(unit) = base.and_then(|base| self.maker(base)) {
             statements.push(called(Callee::Same(unit), at));
@@ -211,27 +213,32 @@ impl<'a> Sema<'a> {
             let Home::This(offset) = symbol.home else { continue };
             let end = offset + self.layout(symbol.type_id()).size;
             for late in late.iter().filter(|late| (offset..end).contains(&late.offset)) {
-                let place = self.place(Root::This, late.offset, late.ty, false, late.value.at);
+                let place = self.place(TreeRoot::This, late.offset, late.ty, false, late.value.at);
                 self.assign_late(late, place, &mut statements);
             }
-            self.made_variable(&symbol, (Root::This, offset), &mut statements);
+            self.made_variable(&symbol, (TreeRoot::This, offset), &mut statements);
         }
         let context = std::mem::take(&mut self.context);
         let name = format!("{shown} (initial values)");
         UnitTree { name, file: at.file, frame: context.frame, body: statements, end: at }
     }
 
-    fn assign_late(&mut self, late: &Late<'a>, place: Place, statements: &mut Vec<Stmt>) {
+    fn assign_late(&mut self, late: &Late<'a>, place: TreePlace, statements: &mut Vec<Stmt>) {
         if let Some(value) = self.value(late.value, late.ty) {
             // A reference is given what it refers to: it is an address in memory.
             let ty = value.ty;
-            let kind = StmtKind::Assign(Target::Place(Place { ty, ..place }), value);
+            let kind = StmtKind::Assign(Target::Place(TreePlace { ty, ..place }), value);
             statements.push(Stmt { kind, at: late.value.at });
         }
     }
 
     /// Makes the instances in one variable.
-    pub(super) fn made_variable(&mut self, symbol: &Symbol<'a>, to: (Root, u32), statements: &mut Vec<Stmt>) {
+    pub(super) fn made_variable(
+        &mut self,
+        symbol: &Symbol<'a>,
+        to: (TreeRoot, u32),
+        statements: &mut Vec<Stmt>,
+    ) {
         let ty = symbol.type_id();
         let built = symbol.decl.built.as_ref();
         if let Some(built) = built {
@@ -262,7 +269,7 @@ impl<'a> Sema<'a> {
         &mut self,
         symbol: &Symbol<'a>,
         ty: TypeId,
-        (root, offset): (Root, u32),
+        (root, offset): (TreeRoot, u32),
         nth: Option<usize>,
         statements: &mut Vec<Stmt>,
     ) {
@@ -316,9 +323,9 @@ impl<'a> Sema<'a> {
     fn construct(
         &mut self,
         block: u32,
-        place: &Place,
+        place: &TreePlace,
         arguments: &[Argument],
-        at: At,
+        at: SourcePlace,
         statements: &mut Vec<Stmt>,
     ) {
         let constructors: Vec<u32> = self.constructors(block).collect();
@@ -376,7 +383,7 @@ impl<'a> Sema<'a> {
                 let callee = Callee::Of(constructor as u16, place.clone());
                 let result = callable.result.map(|_| 0);
                 let ty = callable.result.map_or(Ty::Block { bytes: 0 }, |ty| self.tree_type(ty));
-                let call = Call { callee, inputs, outputs, result, at };
+                let call = TreeCall { callee, inputs, outputs, result, at };
                 let call = Expr { kind: ExprKind::Call(Box::new(call)), ty, at };
                 statements.push(Stmt { kind: StmtKind::Call(Box::new(call)), at });
             }
@@ -397,8 +404,8 @@ impl<'a> Sema<'a> {
 }
 
 /// A call without parameters.
-fn called(callee: Callee, at: At) -> Stmt {
-    let call = Call { callee, inputs: Vec::new(), outputs: Vec::new(), result: None, at };
+fn called(callee: Callee, at: SourcePlace) -> Stmt {
+    let call = TreeCall { callee, inputs: Vec::new(), outputs: Vec::new(), result: None, at };
     let call = Expr { kind: ExprKind::Call(Box::new(call)), ty: Ty::Block { bytes: 0 }, at };
     Stmt { kind: StmtKind::Call(Box::new(call)), at }
 }

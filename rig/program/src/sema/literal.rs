@@ -2,13 +2,13 @@
 
 use super::Sema;
 use super::types::{Type, TypeId, WRONG};
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::tree::{Expr, ExprKind, Ty};
 use crate::types::Elementary;
 
 /// A value with or without a type of its own.
 #[derive(Clone, Debug)]
-pub(super) enum Operand {
+pub(super) enum LiteralOperand {
     /// A whole number without a type, which takes the type that its neighbour has.
     Integer(i128),
     /// A number with a point, likewise: as double and as single, for rounding twice is not rounding once.
@@ -24,10 +24,16 @@ pub(super) enum Operand {
     Wrong,
 }
 
-impl Operand {
+impl LiteralOperand {
     /// Whether it is a literal or made of literals alone.
     pub fn is_literal(&self) -> bool {
-        matches!(self, Operand::Integer(_) | Operand::Real(..) | Operand::Text(..) | Operand::Null)
+        matches!(
+            self,
+            LiteralOperand::Integer(_)
+                | LiteralOperand::Real(..)
+                | LiteralOperand::Text(..)
+                | LiteralOperand::Null
+        )
     }
 }
 
@@ -50,31 +56,31 @@ pub(super) fn stored(wide: bool, units: &[u16]) -> Vec<u8> {
 
 impl Sema<'_> {
     /// A constant of a scalar type.
-    pub(super) fn constant(&self, cell: i64, ty: Elementary, at: At) -> Expr {
+    pub(super) fn constant(&self, cell: i64, ty: Elementary, at: SourcePlace) -> Expr {
         Expr { kind: ExprKind::Constant(cell), ty: Ty::Scalar(ty), at }
     }
 
     /// The type of an operand by itself; WRONG for what has none.
-    pub(super) fn own_type(&mut self, operand: &Operand) -> TypeId {
+    pub(super) fn own_type(&mut self, operand: &LiteralOperand) -> TypeId {
         match operand {
-            Operand::Integer(n) => integer_type(*n).map_or(WRONG, |ty| self.elementary(ty)),
+            LiteralOperand::Integer(n) => integer_type(*n).map_or(WRONG, |ty| self.elementary(ty)),
             // The vendor's tool takes LREAL: nothing of the literal is lost.
-            Operand::Real(..) => self.elementary(Elementary::Lreal),
-            Operand::Text(wide, units) => {
+            LiteralOperand::Real(..) => self.elementary(Elementary::Lreal),
+            LiteralOperand::Text(wide, units) => {
                 let length = (units.len() as u32).max(1);
                 self.intern(Type::Text { wide: *wide, length })
             }
-            Operand::Value(_, ty) => *ty,
-            Operand::Null | Operand::Nothing(_) | Operand::Wrong => WRONG,
+            LiteralOperand::Value(_, ty) => *ty,
+            LiteralOperand::Null | LiteralOperand::Nothing(_) | LiteralOperand::Wrong => WRONG,
         }
     }
 
     /// The operand as a value of its own type.
-    pub(super) fn own_value(&mut self, operand: Operand, at: At) -> Option<(Expr, TypeId)> {
+    pub(super) fn own_value(&mut self, operand: LiteralOperand, at: SourcePlace) -> Option<(Expr, TypeId)> {
         let ty = self.own_type(&operand);
         match operand {
-            Operand::Value(expr, ty) => Some((expr, ty)),
-            Operand::Wrong | Operand::Nothing(_) => None,
+            LiteralOperand::Value(expr, ty) => Some((expr, ty)),
+            LiteralOperand::Wrong | LiteralOperand::Nothing(_) => None,
             _ => self.give(operand, ty, at).map(|expr| (expr, ty)),
         }
     }

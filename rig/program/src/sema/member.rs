@@ -1,16 +1,16 @@
 //! Members of structures, blocks, interfaces and programs.
 
 use super::Sema;
-use super::literal::Operand;
+use super::literal::LiteralOperand;
 use super::place::{Instance, Meaning};
-use super::scope::{Found, Home, SelectorKind};
+use super::scope::{FoundName, Home, SelectorKind};
 use super::types::{Type, TypeId};
 use crate::codes::Code;
 use crate::findings::similar;
 use crate::native::PinKind;
 use crate::parse::ast::{Name, SectionKind};
 use crate::program::Retention;
-use crate::tree::{self, Expr, ExprKind, Place, Ty};
+use crate::tree::{self, Expr, ExprKind, TreePlace, Ty};
 use crate::types::Elementary;
 
 impl Sema<'_> {
@@ -23,8 +23,8 @@ impl Sema<'_> {
             Meaning::Program(pou) => self.program_member(pou, name),
             Meaning::Super(base) => self.super_member(base, name),
             // What a reference that was given refers to is no copy.
-            Meaning::Operand(Operand::Value(Expr { kind: ExprKind::Load(place), .. }, ty))
-                if matches!(place.root, tree::Root::Address(_)) =>
+            Meaning::Operand(LiteralOperand::Value(Expr { kind: ExprKind::Load(place), .. }, ty))
+                if matches!(place.root, tree::TreeRoot::Address(_)) =>
             {
                 self.place_member(place, ty, None, name)
             }
@@ -45,7 +45,13 @@ impl Sema<'_> {
         }
     }
 
-    fn place_member(&mut self, place: Place, ty: TypeId, fixed: Option<&'static str>, name: Name) -> Meaning {
+    fn place_member(
+        &mut self,
+        place: TreePlace,
+        ty: TypeId,
+        fixed: Option<&'static str>,
+        name: Name,
+    ) -> Meaning {
         match *self.ty(ty) {
             Type::Structure(of) => {
                 let field = self
@@ -93,27 +99,27 @@ impl Sema<'_> {
     }
 
     /// How the object at a place is reached.
-    pub(super) fn instance_at(&mut self, place: Place, block: u32) -> Instance {
+    pub(super) fn instance_at(&mut self, place: TreePlace, block: u32) -> Instance {
         match place.root {
-            tree::Root::Address(_) => {
+            tree::TreeRoot::Address(_) => {
                 let address = self.address_of(place);
                 Instance::Block(address, block)
             }
-            tree::Root::This if place.offset == 0 && place.indices.is_empty() => Instance::Same,
+            tree::TreeRoot::This if place.offset == 0 && place.indices.is_empty() => Instance::Same,
             _ => Instance::Exact(place, block),
         }
     }
 
-    fn block_member(&mut self, place: Place, of: u32, name: Name) -> Meaning {
+    fn block_member(&mut self, place: TreePlace, of: u32, name: Name) -> Meaning {
         if let Some((owner, nth)) = self.member(of, name.key) {
             let Some(symbol) = self.member_symbol(owner, nth).cloned() else { return Meaning::Wrong };
             let inside = self.context.pou.is_some_and(|pou| self.extends(pou, owner));
             let ty = symbol.type_id();
             if symbol.is_value()
-                && let Some(cell) = self.symbol_value(Found::Member(owner, nth))
+                && let Some(cell) = self.symbol_value(FoundName::Member(owner, nth))
                 && let Some(scalar) = self.scalar(ty)
             {
-                return Meaning::Operand(Operand::Value(self.constant(cell, scalar, name.at), ty));
+                return Meaning::Operand(LiteralOperand::Value(self.constant(cell, scalar, name.at), ty));
             }
             let fixed = match symbol.kind {
                 _ if symbol.is_value() => Some("it is a constant"),
@@ -127,19 +133,19 @@ impl Sema<'_> {
                 Home::This(offset) => (None, offset),
                 Home::ThisAddress(offset) => (Some(offset), 0),
                 Home::Absolute(address) => {
-                    let place = self.place(tree::Root::Absolute, address, ty, kept, name.at);
+                    let place = self.place(tree::TreeRoot::Absolute, address, ty, kept, name.at);
                     return self.followed(place, ty, fixed);
                 }
                 _ => return Meaning::Wrong,
             };
             if let Some(offset) = home {
                 // An in-out: what it was given last.
-                let slot = Place { ty: Ty::Address, ..self.inside(place, offset, ty, name.at) };
+                let slot = TreePlace { ty: Ty::Address, ..self.inside(place, offset, ty, name.at) };
                 let address = Expr { kind: ExprKind::Load(slot), ty: Ty::Address, at: name.at };
-                let place = self.place(tree::Root::Address(Box::new(address)), 0, ty, false, name.at);
+                let place = self.place(tree::TreeRoot::Address(Box::new(address)), 0, ty, false, name.at);
                 return Meaning::Place(place, ty, fixed);
             }
-            let inner = Place { retained: kept, ..self.inside(place, offset, ty, name.at) };
+            let inner = TreePlace { retained: kept, ..self.inside(place, offset, ty, name.at) };
             return self.followed(inner, ty, fixed);
         }
         if let Some(method) = self.method(of, name.key) {
@@ -155,7 +161,7 @@ impl Sema<'_> {
         }
         if let Some(action) = self.action(of, name.key) {
             let same =
-                matches!(place.root, tree::Root::This) && place.offset == 0 && place.indices.is_empty();
+                matches!(place.root, tree::TreeRoot::This) && place.offset == 0 && place.indices.is_empty();
             return Meaning::Action(action, if same { None } else { Some(place) });
         }
         let mut keys: Vec<&str> = Vec::new();
@@ -170,7 +176,7 @@ impl Sema<'_> {
         Meaning::Wrong
     }
 
-    fn native_member(&mut self, place: Place, of: u16, name: Name) -> Meaning {
+    fn native_member(&mut self, place: TreePlace, of: u16, name: Name) -> Meaning {
         let Some(native) = self.options.blocks.get(usize::from(of)) else { return Meaning::Wrong };
         let key = self.names.key_text(name.key);
         let found =
@@ -225,7 +231,7 @@ impl Sema<'_> {
             return Meaning::Property(Instance::Super(base), name);
         }
         if let Some((owner, nth)) = self.member(base, name.key) {
-            return self.symbol_meaning(Found::Member(owner, nth), name);
+            return self.symbol_meaning(FoundName::Member(owner, nth), name);
         }
         if let Some(action) = self.action(base, name.key) {
             return Meaning::Action(action, None);
@@ -250,7 +256,7 @@ impl Sema<'_> {
         };
         let input = self.member_symbol(pou, nth).is_some_and(|symbol| symbol.kind == SectionKind::Input);
         let own = self.context.pou == Some(pou);
-        match self.symbol_meaning(Found::Member(pou, nth), name) {
+        match self.symbol_meaning(FoundName::Member(pou, nth), name) {
             Meaning::Place(place, ty, fixed) if !input && !own => {
                 Meaning::Place(place, ty, fixed.or(Some("only inputs of another program can be")))
             }

@@ -30,16 +30,16 @@ mod table;
 mod task;
 mod types;
 
-use crate::findings::{At, Findings};
+use crate::findings::{Findings, SourcePlace};
 use crate::options::Options;
-use crate::parse::Names;
+use crate::parse::NameTable;
 use crate::parse::ast::{self, Key, Name, SectionKind};
 use crate::program::{Located, Retained};
 use crate::shape::{Root, Shape, ShapeId};
 use crate::tree::{Tree, UnitTree};
 use crate::types::Elementary;
 use document::SourceFile;
-use scope::{Callable, Context, Pou, Symbol};
+use scope::{Callable, Pou, ScopeContext, Symbol};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use types::{Enumeration, Structure, Type, TypeId, WRONG};
@@ -110,7 +110,7 @@ struct Interface<'a> {
 /// The work on one application.
 struct Sema<'a> {
     unit: &'a ast::Unit,
-    names: &'a Names,
+    names: &'a NameTable,
     options: &'a Options,
     findings: Findings<'a>,
     sources: &'a [SourceFile],
@@ -134,7 +134,7 @@ struct Sema<'a> {
     callables: Vec<Callable<'a>>,
     selectors: Vec<scope::Selector>,
     selector_index: HashMap<scope::Selector, u32>,
-    kinds: Vec<scope::Kind>,
+    kinds: Vec<scope::SymbolKind>,
     depth: u32,
     /// Whether the type of an in-out is being found out, which may be an array of variable length.
     in_out: bool,
@@ -152,11 +152,11 @@ struct Sema<'a> {
     roots: Vec<Root>,
     shapes: Vec<Shape>,
     shape_index: HashMap<TypeId, ShapeId>,
-    context: Context,
+    context: ScopeContext,
     /// The first LREAL of the sources.
-    lreal: Option<At>,
+    lreal: Option<SourcePlace>,
     /// Where the image stands whose initial values are being written.
-    base: late::Base,
+    base: late::LateBase,
     /// Initial values of variables at addresses that wait, with the unit whose names they use.
     late: Vec<(Option<u32>, late::Late<'a>)>,
     /// Blocks whose instances are made by code: places in `pous`.
@@ -166,7 +166,7 @@ struct Sema<'a> {
 /// Checks the declarations and bodies. What is wrong is in the findings, and then the tree is not whole.
 pub(crate) fn check<'a>(
     unit: &'a ast::Unit,
-    names: &'a Names,
+    names: &'a NameTable,
     options: &'a Options,
     findings: Findings<'a>,
     (sources, own): (&'a [SourceFile], usize),
@@ -206,9 +206,9 @@ pub(crate) fn check<'a>(
         roots: Vec::new(),
         shapes: Vec::new(),
         shape_index: HashMap::new(),
-        context: Context::default(),
+        context: ScopeContext::default(),
         lreal: None,
-        base: late::Base::None,
+        base: late::LateBase::None,
         late: Vec::new(),
         makers: Vec::new(),
     };
@@ -217,9 +217,9 @@ pub(crate) fn check<'a>(
         sema.intern(Type::Elementary(ty));
     }
     sema.collect();
-    sema.settle_types();
-    sema.settle_pous();
-    sema.settle_globals();
+    sema.resolve_types();
+    sema.resolve_pous();
+    sema.resolve_globals();
     let mut units = sema.bodies();
     let initial = sema.making(&mut units);
     let tree = sema.finish(units, initial);
@@ -228,7 +228,7 @@ pub(crate) fn check<'a>(
 
 impl<'a> Sema<'a> {
     /// The text of a place in the sources.
-    fn text(&self, at: At) -> &'a str {
+    fn text(&self, at: SourcePlace) -> &'a str {
         let sources: &'a [SourceFile] = self.sources;
         let text = sources.get(usize::from(at.file)).map_or("", |source| source.text.as_str());
         text.get(at.start as usize..at.end as usize).unwrap_or("")
@@ -251,7 +251,7 @@ impl<'a> Sema<'a> {
     fn body(&mut self, place: u32) -> UnitTree {
         let Some(callable) = self.callables.get(place as usize) else { return UnitTree::default() };
         let (body, end, name) = (callable.body, callable.end, callable.shown.clone());
-        self.context = Context {
+        self.context = ScopeContext {
             callable: Some(place),
             pou: callable.owner,
             frame: callable.frame.clone(),
@@ -281,7 +281,7 @@ impl<'a> Sema<'a> {
             .filter(|place| self.pous[*place as usize].ast.kind == ast::PouKind::Program)
             .collect();
         if programs.is_empty() && !self.options.library && !self.findings.failed() {
-            let at = At::default();
+            let at = SourcePlace::default();
             let message = "the sources have no PROGRAM";
             let help = "a task runs programs: write PROGRAM name ... END_PROGRAM";
             self.findings.error(crate::codes::Code::NoProgram, at, message, help);
@@ -289,21 +289,26 @@ impl<'a> Sema<'a> {
         let tasks = self.tasks(&programs);
         if units.len() > usize::from(u16::MAX) {
             let message = format!("the sources have {} units", units.len());
-            self.findings.error(crate::codes::Code::Length, At::default(), message, "65535 are too many");
+            self.findings.error(
+                crate::codes::Code::Length,
+                SourcePlace::default(),
+                message,
+                "65535 are too many",
+            );
         }
         self.retained.sort_by_key(|kept| kept.address);
         // The image carries eight bytes of its own.
         if self.kept > 0 && self.kept + 8 > self.options.limits.retained as u64 {
             let message = format!("the retained variables need {} bytes", self.kept + 8);
             let help = format!("the controller keeps {}", self.options.limits.retained);
-            self.findings.error(crate::codes::Code::RetainedSize, At::default(), message, help);
+            self.findings.error(crate::codes::Code::RetainedSize, SourcePlace::default(), message, help);
         }
         let kinds = self
             .kinds
             .iter()
             .map(|kind| match kind {
-                scope::Kind::Block(place) => self.pous[*place as usize].shown.clone(),
-                scope::Kind::Interface(place) => self.interfaces[*place as usize].shown.clone(),
+                scope::SymbolKind::Block(place) => self.pous[*place as usize].shown.clone(),
+                scope::SymbolKind::Interface(place) => self.interfaces[*place as usize].shown.clone(),
             })
             .collect();
         Tree {
@@ -335,7 +340,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Whether there is room for so many more bytes of variables; reports where not.
-    fn has_room(&mut self, bytes: u32, at: At) -> bool {
+    fn has_room(&mut self, bytes: u32, at: SourcePlace) -> bool {
         let room = (self.options.limits.memory as usize).saturating_sub(self.data.len());
         if bytes as usize <= room {
             return true;

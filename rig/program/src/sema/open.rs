@@ -2,14 +2,16 @@
 //! slot of such an in-out holds two DINT for each dimension, the lower and the upper bound.
 
 use super::Sema;
-use super::argument::Parameter;
-use super::literal::Operand;
+use super::argument::CallParameter;
+use super::literal::LiteralOperand;
 use super::place::Meaning;
 use super::types::{Type, TypeId, stride};
 use crate::codes::Code;
-use crate::findings::{At, count};
+use crate::findings::{SourcePlace, count};
 use crate::parse::ast;
-use crate::tree::{BinaryOp, Expr, ExprKind, Index, Input, Place, Root, Slot, Stmt, StmtKind, Target, Ty};
+use crate::tree::{
+    BinaryOp, Expr, ExprKind, Index, Input, Slot, Stmt, StmtKind, Target, TreePlace, TreeRoot, Ty,
+};
 use crate::types::Elementary;
 
 const LINT: Ty = Ty::Scalar(Elementary::Lint);
@@ -28,20 +30,20 @@ impl Sema<'_> {
     }
 
     /// A bound in the slot of an in-out.
-    fn bound_place(&self, slot: &Place, dimension: u32, upper: bool) -> Place {
+    fn bound_place(&self, slot: &TreePlace, dimension: u32, upper: bool) -> TreePlace {
         let offset = slot.offset + ADDRESS + dimension * 8 + if upper { 4 } else { 0 };
-        Place { offset, ty: DINT, ..slot.clone() }
+        TreePlace { offset, ty: DINT, ..slot.clone() }
     }
 
     /// The bound of a variable as a value of LINT.
-    fn bound_value(&mut self, slot: &Place, dimension: u32, upper: bool, at: At) -> Expr {
+    fn bound_value(&mut self, slot: &TreePlace, dimension: u32, upper: bool, at: SourcePlace) -> Expr {
         let kind = ExprKind::Load(self.bound_place(slot, dimension, upper));
         self.widened(Expr { kind, ty: DINT, at }, LINT)
     }
 
     /// The slot of an in-out whose place this is.
-    fn slot_of(place: &Place) -> Option<&Place> {
-        let Root::Address(address) = &place.root else { return None };
+    fn slot_of(place: &TreePlace) -> Option<&TreePlace> {
+        let TreeRoot::Address(address) = &place.root else { return None };
         match &address.kind {
             ExprKind::Load(slot) if place.offset == 0 && place.indices.is_empty() => Some(slot),
             _ => None,
@@ -49,7 +51,7 @@ impl Sema<'_> {
     }
 
     /// The bounds that go with an array into an in-out of variable length.
-    pub(super) fn open_inputs(&mut self, written: &ast::Expr, parameter: &Parameter) -> Vec<Input> {
+    pub(super) fn open_inputs(&mut self, written: &ast::Expr, parameter: &CallParameter) -> Vec<Input> {
         let Type::Open { dimensions, .. } = *self.ty(parameter.ty) else { return Vec::new() };
         let Meaning::Place(place, ty, _) = self.meaning(written) else { return Vec::new() };
         let at = written.at;
@@ -86,11 +88,11 @@ impl Sema<'_> {
     /// An element of an array of variable length: its address is computed, each index checked against its bounds.
     pub(super) fn open_element(
         &mut self,
-        place: Place,
+        place: TreePlace,
         ty: TypeId,
         indices: &[ast::Expr],
-        at: At,
-    ) -> Option<(Place, TypeId)> {
+        at: SourcePlace,
+    ) -> Option<(TreePlace, TypeId)> {
         let Type::Open { dimensions, of } = *self.ty(ty) else { return None };
         let Some(slot) = Self::slot_of(&place).cloned() else {
             self.findings.error(Code::NotAValue, at, "the bounds of this array are not known here", "");
@@ -137,20 +139,20 @@ impl Sema<'_> {
         let kind = ExprKind::Offset(Box::new(start), Box::new(bytes));
         let address = Expr { kind, ty: Ty::Address, at };
         let address = Expr { kind: ExprKind::Sequence(before, Box::new(address)), ty: Ty::Address, at };
-        Some((self.place(Root::Address(Box::new(address)), 0, of, false, at), of))
+        Some((self.place(TreeRoot::Address(Box::new(address)), 0, of, false, at), of))
     }
 
     /// Puts an index into a variable without a name and lets the machine stop where it is outside of its bounds.
     fn checked_index(
         &mut self,
         index: Expr,
-        slot: &Place,
+        slot: &TreePlace,
         dimension: u32,
         before: &mut Vec<Stmt>,
-        at: At,
+        at: SourcePlace,
     ) -> Expr {
-        let frame = |offset: u32, ty: Ty| Place {
-            root: Root::Frame,
+        let frame = |offset: u32, ty: Ty| TreePlace {
+            root: TreeRoot::Frame,
             offset,
             indices: Vec::new(),
             ty,
@@ -169,7 +171,7 @@ impl Sema<'_> {
         let byte = Ty::Scalar(Elementary::Byte);
         let never = Index { value: load.clone(), low: 1, high: 0, stride: 1 };
         let empty = frame(self.hidden(byte), byte);
-        let element = Place { indices: vec![never], ..empty.clone() };
+        let element = TreePlace { indices: vec![never], ..empty.clone() };
         let read = Expr { kind: ExprKind::Load(element), ty: byte, at };
         let fault = Stmt { kind: StmtKind::Assign(Target::Place(empty), read), at };
         let arms = vec![(outside, vec![fault])];
@@ -178,15 +180,20 @@ impl Sema<'_> {
     }
 
     /// LOWER_BOUND and UPPER_BOUND: a DINT, constant for arrays of known length.
-    pub(super) fn bound_call(&mut self, upper: bool, values: &[&ast::Expr], at: At) -> Operand {
-        let [array, dimension] = values else { return Operand::Wrong };
-        let Some(number) = self.constant_number(dimension) else { return Operand::Wrong };
+    pub(super) fn bound_call(
+        &mut self,
+        upper: bool,
+        values: &[&ast::Expr],
+        at: SourcePlace,
+    ) -> LiteralOperand {
+        let [array, dimension] = values else { return LiteralOperand::Wrong };
+        let Some(number) = self.constant_number(dimension) else { return LiteralOperand::Wrong };
         let (place, ty) = match self.meaning(array) {
             Meaning::Place(place, ty, _) => (place, ty),
-            Meaning::Wrong => return Operand::Wrong,
+            Meaning::Wrong => return LiteralOperand::Wrong,
             _ => {
                 self.findings.error(Code::NotAValue, array.at, "only variables have bounds", "");
-                return Operand::Wrong;
+                return LiteralOperand::Wrong;
             }
         };
         let nth = u32::try_from(number).ok().and_then(|number| number.checked_sub(1));
@@ -195,24 +202,24 @@ impl Sema<'_> {
             (Type::Array { dimensions, .. }, Some(nth)) if (nth as usize) < dimensions.len() => {
                 let (low, high) = dimensions.get(nth as usize).copied().unwrap_or_default();
                 let cell = Elementary::Dint.wrap(if upper { high } else { low });
-                Operand::Value(self.constant(cell, Elementary::Dint, at), dint)
+                LiteralOperand::Value(self.constant(cell, Elementary::Dint, at), dint)
             }
             (Type::Open { dimensions, .. }, Some(nth)) if nth < dimensions => match Self::slot_of(&place) {
                 Some(slot) => {
                     let kind = ExprKind::Load(self.bound_place(slot, nth, upper));
-                    Operand::Value(Expr { kind, ty: DINT, at }, dint)
+                    LiteralOperand::Value(Expr { kind, ty: DINT, at }, dint)
                 }
-                None => Operand::Wrong,
+                None => LiteralOperand::Wrong,
             },
             (Type::Array { .. } | Type::Open { .. }, _) => {
                 let message = format!("the array has no dimension {number}");
                 self.findings.error(Code::Index, dimension.at, message, "the first is 1");
-                Operand::Wrong
+                LiteralOperand::Wrong
             }
             _ => {
                 let message = format!("{} has no bounds", self.type_name(ty));
                 self.findings.error(Code::Type, array.at, message, "arrays have");
-                Operand::Wrong
+                LiteralOperand::Wrong
             }
         }
     }

@@ -2,12 +2,12 @@
 
 use super::Sema;
 use super::constant::is_comparison;
-use super::literal::Operand;
+use super::literal::LiteralOperand;
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::parse::ast::{self, BinaryOp as Written};
-use crate::tree::{BinaryOp, Expr, ExprKind, Place, Root, Stmt, StmtKind, Target, Ty};
+use crate::tree::{BinaryOp, Expr, ExprKind, Stmt, StmtKind, Target, TreePlace, TreeRoot, Ty};
 use crate::types::Elementary;
 
 /// Operations in a row after which the value so far is put into a variable, so that the tree stays flat.
@@ -15,21 +15,25 @@ const ROW: u32 = 200;
 
 impl<'a> Sema<'a> {
     /// Operators of one level, from left to right.
-    pub(super) fn chain(&mut self, first: &ast::Expr, rest: &[(Written, At, ast::Expr)]) -> Operand {
+    pub(super) fn chain(
+        &mut self,
+        first: &ast::Expr,
+        rest: &[(Written, SourcePlace, ast::Expr)],
+    ) -> LiteralOperand {
         let mut left = self.expr(first, None);
         let mut at = first.at;
         let mut before: Vec<Stmt> = Vec::new();
         let mut row = 0;
         for (op, op_at, right) in rest {
             let expected = match &left {
-                Operand::Value(_, ty) => Some(*ty),
+                LiteralOperand::Value(_, ty) => Some(*ty),
                 _ => None,
             };
             let right_operand = self.expr(right, expected);
             // An enumerator on the left may wait for the type on the right.
             left = self.operate(*op, left, right_operand, *op_at);
             at = at.to(right.at);
-            if let Operand::Value(value, _) = &mut left {
+            if let LiteralOperand::Value(value, _) = &mut left {
                 value.at = at;
                 row += 1;
                 if row >= ROW && !matches!(value.kind, ExprKind::Constant(_)) {
@@ -38,7 +42,7 @@ impl<'a> Sema<'a> {
                 }
             }
         }
-        if let (Operand::Value(value, _), false) = (&mut left, before.is_empty()) {
+        if let (LiteralOperand::Value(value, _), false) = (&mut left, before.is_empty()) {
             let (ty, at) = (value.ty, value.at);
             let wrong = Expr { kind: ExprKind::Constant(0), ty, at };
             let inner = std::mem::replace(value, wrong);
@@ -50,8 +54,8 @@ impl<'a> Sema<'a> {
     /// Moves a value into a variable without a name.
     pub(super) fn set_aside(&mut self, value: &mut Expr, before: &mut Vec<Stmt>) {
         let (ty, at) = (value.ty, value.at);
-        let place = Place {
-            root: Root::Frame,
+        let place = TreePlace {
+            root: TreeRoot::Frame,
             offset: self.hidden(ty),
             indices: Vec::new(),
             ty,
@@ -64,22 +68,28 @@ impl<'a> Sema<'a> {
     }
 
     /// One operator.
-    pub(super) fn operate(&mut self, op: Written, a: Operand, b: Operand, at: At) -> Operand {
-        if matches!(a, Operand::Wrong) || matches!(b, Operand::Wrong) {
-            return Operand::Wrong;
+    pub(super) fn operate(
+        &mut self,
+        op: Written,
+        a: LiteralOperand,
+        b: LiteralOperand,
+        at: SourcePlace,
+    ) -> LiteralOperand {
+        if matches!(a, LiteralOperand::Wrong) || matches!(b, LiteralOperand::Wrong) {
+            return LiteralOperand::Wrong;
         }
         for operand in [&a, &b] {
-            if let Operand::Value(value, ty) = operand
+            if let LiteralOperand::Value(value, ty) = operand
                 && matches!(self.ty(*ty), Type::Block(_) | Type::Native(_))
             {
                 self.not_a_value(value.at);
-                return Operand::Wrong;
+                return LiteralOperand::Wrong;
             }
         }
         if op == Written::Power {
             return self.power(a, b, at);
         }
-        if let (Operand::Integer(a), Operand::Integer(b)) = (&a, &b)
+        if let (LiteralOperand::Integer(a), LiteralOperand::Integer(b)) = (&a, &b)
             && let Some(result) = self.fold_integers(op, *a, *b, at)
         {
             return result;
@@ -104,15 +114,15 @@ impl<'a> Sema<'a> {
                 _ => String::new(),
             };
             self.findings.error(Code::Operator, at, message, help);
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         };
-        let Some(kind) = self.operation(op, ty, at) else { return Operand::Wrong };
+        let Some(kind) = self.operation(op, ty, at) else { return LiteralOperand::Wrong };
         if matches!(kind, BinaryOp::Divide | BinaryOp::Mod) && self.is_zero(&b) && !self.is_real(ty) {
             self.findings.error(Code::DivisionByZero, at, "a division by 0", "");
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
         let (Some(left), Some(right)) = (self.give_beside(a, ty, at), self.give_beside(b, ty, at)) else {
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         };
         let value = self.binary(kind, left, right, at);
         let result = if is_comparison(kind) {
@@ -121,18 +131,20 @@ impl<'a> Sema<'a> {
             // Arithmetic leaves enumerations and subranges.
             self.scalar(ty).map_or(ty, |scalar| self.elementary(scalar))
         };
-        Operand::Value(value, result)
+        LiteralOperand::Value(value, result)
     }
 
     /// An operand in the type where both meet: without the warnings of an assignment.
-    fn give_beside(&mut self, operand: Operand, ty: TypeId, at: At) -> Option<Expr> {
+    fn give_beside(&mut self, operand: LiteralOperand, ty: TypeId, at: SourcePlace) -> Option<Expr> {
         match operand {
-            Operand::Value(value, from) if self.scalar(from).is_some() && self.scalar(ty).is_some() => {
+            LiteralOperand::Value(value, from)
+                if self.scalar(from).is_some() && self.scalar(ty).is_some() =>
+            {
                 let to = self.tree_type(ty);
                 Some(self.widened(value, to))
             }
-            Operand::Value(value, from) if self.is_address(from) && self.is_address(ty) => Some(value),
-            Operand::Value(value, from)
+            LiteralOperand::Value(value, from) if self.is_address(from) && self.is_address(ty) => Some(value),
+            LiteralOperand::Value(value, from)
                 if matches!(self.ty(from), Type::Text { .. }) && matches!(self.ty(ty), Type::Text { .. }) =>
             {
                 Some(value)
@@ -145,16 +157,16 @@ impl<'a> Sema<'a> {
         self.scalar(ty).is_some_and(Elementary::is_real)
     }
 
-    fn is_zero(&self, operand: &Operand) -> bool {
+    fn is_zero(&self, operand: &LiteralOperand) -> bool {
         match operand {
-            Operand::Integer(n) => *n == 0,
-            Operand::Value(Expr { kind: ExprKind::Constant(0), .. }, _) => true,
+            LiteralOperand::Integer(n) => *n == 0,
+            LiteralOperand::Value(Expr { kind: ExprKind::Constant(0), .. }, _) => true,
             _ => false,
         }
     }
 
     /// The operation for a type; reports where there is none.
-    fn operation(&mut self, op: Written, ty: TypeId, at: At) -> Option<BinaryOp> {
+    fn operation(&mut self, op: Written, ty: TypeId, at: SourcePlace) -> Option<BinaryOp> {
         use Elementary::Bool;
         let scalar = self.scalar(ty);
         let integer = scalar.is_some_and(Elementary::is_integer);
@@ -189,7 +201,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Two literals: exact in 128 bits, and a literal again.
-    fn fold_integers(&mut self, op: Written, a: i128, b: i128, at: At) -> Option<Operand> {
+    fn fold_integers(&mut self, op: Written, a: i128, b: i128, at: SourcePlace) -> Option<LiteralOperand> {
         let truth = |value: bool| i64::from(value);
         let number = match op {
             Written::Or | Written::OrElse => a | b,
@@ -200,7 +212,7 @@ impl<'a> Sema<'a> {
             Written::Multiply => a.checked_mul(b).unwrap_or(i128::MAX),
             Written::Divide | Written::Mod if b == 0 => {
                 self.findings.error(Code::DivisionByZero, at, "a division by 0", "");
-                return Some(Operand::Wrong);
+                return Some(LiteralOperand::Wrong);
             }
             Written::Divide => a / b,
             Written::Mod => a % b,
@@ -215,10 +227,16 @@ impl<'a> Sema<'a> {
         Some(self.literal(number, at))
     }
 
-    fn fold_reals(&mut self, op: Written, a: &Operand, b: &Operand, at: At) -> Option<Operand> {
-        let number = |operand: &Operand| match operand {
-            Operand::Real(double, _) => Some((*double, true)),
-            Operand::Integer(n) => Some((*n as f64, false)),
+    fn fold_reals(
+        &mut self,
+        op: Written,
+        a: &LiteralOperand,
+        b: &LiteralOperand,
+        at: SourcePlace,
+    ) -> Option<LiteralOperand> {
+        let number = |operand: &LiteralOperand| match operand {
+            LiteralOperand::Real(double, _) => Some((*double, true)),
+            LiteralOperand::Integer(n) => Some((*n as f64, false)),
             _ => None,
         };
         let ((a, real), (b, too)) = (number(a)?, number(b)?);
@@ -238,11 +256,17 @@ impl<'a> Sema<'a> {
             Written::GreaterEqual => return Some(self.known(i64::from(a >= b), Elementary::Bool, at)),
             _ => return None,
         };
-        Some(Operand::Real(value, value as f32))
+        Some(LiteralOperand::Real(value, value as f32))
     }
 
     /// Durations and dates; `None` where neither side is one.
-    fn time_operator(&mut self, op: Written, a: &Operand, b: &Operand, at: At) -> Option<Operand> {
+    fn time_operator(
+        &mut self,
+        op: Written,
+        a: &LiteralOperand,
+        b: &LiteralOperand,
+        at: SourcePlace,
+    ) -> Option<LiteralOperand> {
         let (a_id, b_id) = (self.own_type(a), self.own_type(b));
         let (left, right) = (self.scalar(a_id)?, self.scalar(b_id)?);
         let temporal = |ty: Elementary| ty.is_duration() || ty.is_date();
@@ -260,7 +284,7 @@ impl<'a> Sema<'a> {
             Written::Divide if left.is_duration() && number(right) => {
                 if right.is_integer() && self.is_zero(b) {
                     self.findings.error(Code::DivisionByZero, at, "a division by 0", "");
-                    return Some(Operand::Wrong);
+                    return Some(LiteralOperand::Wrong);
                 }
                 return Some(self.duration_by_number(op, left, a.clone(), right, b.clone(), at));
             }
@@ -269,7 +293,7 @@ impl<'a> Sema<'a> {
                 let kind = if op == Written::Add { BinaryOp::Add } else { BinaryOp::Subtract };
                 let ty = self.elementary(meet);
                 let (left, right) = (self.give(a.clone(), ty, at)?, self.give(b.clone(), ty, at)?);
-                return Some(Operand::Value(self.binary(kind, left, right, at), ty));
+                return Some(LiteralOperand::Value(self.binary(kind, left, right, at), ty));
             }
             Written::Add if left.is_date() && right.is_duration() => self.time_function("ADD", left, right),
             Written::Add if left.is_duration() && right.is_date() => {
@@ -288,7 +312,7 @@ impl<'a> Sema<'a> {
             let message =
                 format!("{} does not take {} and {}", op.text(), self.type_name(a_id), self.type_name(b_id));
             self.findings.error(Code::Operator, at, message, "convert one of them");
-            return Some(Operand::Wrong);
+            return Some(LiteralOperand::Wrong);
         };
         Some(self.library_call(function, vec![a.clone(), b.clone()], at))
     }
@@ -324,11 +348,11 @@ impl<'a> Sema<'a> {
         &mut self,
         op: Written,
         ty: Elementary,
-        duration: Operand,
+        duration: LiteralOperand,
         number_type: Elementary,
-        number: Operand,
-        at: At,
-    ) -> Operand {
+        number: LiteralOperand,
+        at: SourcePlace,
+    ) -> LiteralOperand {
         let id = self.elementary(ty);
         if number_type.is_real() {
             let name = match (op, ty) {
@@ -339,11 +363,11 @@ impl<'a> Sema<'a> {
             };
             return match crate::library::find(name) {
                 Some(function) => self.library_call(function, vec![duration, number], at),
-                None => Operand::Wrong,
+                None => LiteralOperand::Wrong,
             };
         }
-        let Some(left) = self.give(duration, id, at) else { return Operand::Wrong };
-        let Some((number, _)) = self.own_value(number, at) else { return Operand::Wrong };
+        let Some(left) = self.give(duration, id, at) else { return LiteralOperand::Wrong };
+        let Some((number, _)) = self.own_value(number, at) else { return LiteralOperand::Wrong };
         let to = Ty::Scalar(ty);
         let right = match number.kind {
             ExprKind::Constant(cell) => {
@@ -352,11 +376,17 @@ impl<'a> Sema<'a> {
             _ => self.reinterpreted(number, to),
         };
         let kind = if op == Written::Multiply { BinaryOp::Multiply } else { BinaryOp::Divide };
-        Operand::Value(self.binary(kind, left, right, at), id)
+        LiteralOperand::Value(self.binary(kind, left, right, at), id)
     }
 
     /// A pointer and a number of bytes, or two pointers.
-    fn pointer_operator(&mut self, op: Written, a: &Operand, b: &Operand, at: At) -> Option<Operand> {
+    fn pointer_operator(
+        &mut self,
+        op: Written,
+        a: &LiteralOperand,
+        b: &LiteralOperand,
+        at: SourcePlace,
+    ) -> Option<LiteralOperand> {
         let (a_id, b_id) = (self.own_type(a), self.own_type(b));
         let pointer = |sema: &Self, ty: TypeId| matches!(sema.ty(ty), Type::Pointer(_));
         let (first, second) = (pointer(self, a_id), pointer(self, b_id));
@@ -372,7 +402,7 @@ impl<'a> Sema<'a> {
             let to = Ty::Scalar(Elementary::Dint);
             let (left, right) = (self.give(a.clone(), a_id, at)?, self.give(b.clone(), b_id, at)?);
             let (left, right) = (self.reinterpreted(left, to), self.reinterpreted(right, to));
-            return Some(Operand::Value(self.binary(BinaryOp::Subtract, left, right, at), dint));
+            return Some(LiteralOperand::Value(self.binary(BinaryOp::Subtract, left, right, at), dint));
         }
         let (pointer, ty, number) = match (first, op) {
             (true, _) => (a.clone(), a_id, b.clone()),
@@ -393,11 +423,11 @@ impl<'a> Sema<'a> {
             number
         };
         let kind = ExprKind::Offset(Box::new(pointer), Box::new(number));
-        Some(Operand::Value(Expr { kind, ty: Ty::Address, at }, ty))
+        Some(LiteralOperand::Value(Expr { kind, ty: Ty::Address, at }, ty))
     }
 
     /// `a ** b`.
-    fn power(&mut self, a: Operand, b: Operand, at: At) -> Operand {
+    fn power(&mut self, a: LiteralOperand, b: LiteralOperand, at: SourcePlace) -> LiteralOperand {
         let (a_id, b_id) = (self.own_type(&a), self.own_type(&b));
         let number =
             |sema: &Self, ty: TypeId| sema.scalar(ty).is_some_and(|ty| ty.is_integer() || ty.is_real());
@@ -408,7 +438,7 @@ impl<'a> Sema<'a> {
         }
         match crate::library::find("EXPT") {
             Some(function) => self.library_call(function, vec![a, b], at),
-            None => Operand::Wrong,
+            None => LiteralOperand::Wrong,
         }
     }
 }

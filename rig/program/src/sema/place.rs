@@ -2,14 +2,14 @@
 
 use super::Sema;
 use super::block::home_of;
-use super::literal::Operand;
-use super::scope::{Found, Home, Symbol};
+use super::literal::LiteralOperand;
+use super::scope::{FoundName, Home, Symbol};
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
-use crate::findings::{At, similar};
+use crate::findings::{SourcePlace, similar};
 use crate::parse::ast::{self, Key, Name};
 use crate::program::Retention;
-use crate::tree::{self, Expr, ExprKind, Place, Target, Ty};
+use crate::tree::{self, Expr, ExprKind, Target, TreePlace, Ty};
 use crate::types::Elementary;
 use signal::Area;
 
@@ -21,7 +21,7 @@ pub(super) enum Instance {
     /// The running one as what it extends.
     Super(u32),
     /// One whose class is known.
-    Exact(Place, u32),
+    Exact(TreePlace, u32),
     /// The one at an address, of this block or one that extends it.
     Block(Expr, u32),
     /// The one at an address, of whatever class.
@@ -32,14 +32,14 @@ pub(super) enum Instance {
 #[derive(Clone, Debug)]
 pub(super) enum Meaning {
     /// A place, and why it cannot be assigned to.
-    Place(Place, TypeId, Option<&'static str>),
+    Place(TreePlace, TypeId, Option<&'static str>),
     /// A bit of the memory at a place.
-    Bit(Place, u32, Option<&'static str>),
-    Operand(Operand),
+    Bit(TreePlace, u32, Option<&'static str>),
+    Operand(LiteralOperand),
     Property(Instance, Name),
     Method(Instance, Name),
     /// An action: its callable, the instance's place where it is not the running one.
-    Action(u32, Option<Place>),
+    Action(u32, Option<TreePlace>),
     Function(u32),
     Program(u32),
     Type(TypeId),
@@ -58,14 +58,14 @@ impl<'a> Sema<'a> {
                 None => self.unknown(*name),
             },
             ast::ExprKind::Qualified(ty, name) => match self.find_outside(ty.key) {
-                Some(Found::Type(place)) => {
+                Some(FoundName::Type(place)) => {
                     let of = self.named_type(place);
                     self.enumerator_of(of, *name)
                 }
                 _ => self.unknown(*ty),
             },
             ast::ExprKind::Member(of, name) => match self.listed(of, *name) {
-                Some(place) => self.symbol_meaning(Found::Global(place), *name),
+                Some(place) => self.symbol_meaning(FoundName::Global(place), *name),
                 None if self.of_library(of, *name) => self.name_meaning_outside(*name),
                 None => {
                     let of = self.meaning(of);
@@ -78,7 +78,7 @@ impl<'a> Sema<'a> {
             ast::ExprKind::Direct(text) => self.direct(text, written.at),
             _ => match self.expr(written, None) {
                 // A function gave a reference: it stands for what it refers to.
-                Operand::Value(Expr { kind: ExprKind::Load(place), .. }, ty) => {
+                LiteralOperand::Value(Expr { kind: ExprKind::Load(place), .. }, ty) => {
                     Meaning::Place(place, ty, None)
                 }
                 operand => Meaning::Operand(operand),
@@ -90,7 +90,7 @@ impl<'a> Sema<'a> {
     /// name, it is that of their file.
     fn listed(&self, of: &ast::Expr, name: Name) -> Option<u32> {
         let ast::ExprKind::Name(list) = &of.kind else { return None };
-        let Some(Found::Global(place)) = self.find_outside(name.key) else { return None };
+        let Some(FoundName::Global(place)) = self.find_outside(name.key) else { return None };
         if self.find(list.key).is_some() {
             return None;
         }
@@ -106,7 +106,7 @@ impl<'a> Sema<'a> {
         let ast::ExprKind::Name(library) = &of.kind else { return false };
         let known = matches!(
             self.find_outside(name.key),
-            Some(Found::Pou(_) | Found::Type(_) | Found::Interface(_) | Found::Native(_))
+            Some(FoundName::Pou(_) | FoundName::Type(_) | FoundName::Interface(_) | FoundName::Native(_))
         );
         known && self.find(library.key).is_none()
     }
@@ -125,15 +125,17 @@ impl<'a> Sema<'a> {
         }
     }
 
-    fn found_meaning(&mut self, found: Found, name: Name) -> Meaning {
+    fn found_meaning(&mut self, found: FoundName, name: Name) -> Meaning {
         match found {
-            Found::Local(_) | Found::Member(..) | Found::Global(_) => self.symbol_meaning(found, name),
-            Found::Result => {
+            FoundName::Local(_) | FoundName::Member(..) | FoundName::Global(_) => {
+                self.symbol_meaning(found, name)
+            }
+            FoundName::Result => {
                 let ty = self.running().and_then(|callable| callable.result).unwrap_or(WRONG);
-                let place = self.place(tree::Root::Frame, 0, ty, false, name.at);
+                let place = self.place(tree::TreeRoot::Frame, 0, ty, false, name.at);
                 self.followed(place, ty, None)
             }
-            Found::Pou(place) => match self.pous.get(place as usize).map(|pou| pou.ast.kind) {
+            FoundName::Pou(place) => match self.pous.get(place as usize).map(|pou| pou.ast.kind) {
                 Some(ast::PouKind::Program) => Meaning::Program(place),
                 Some(ast::PouKind::Function) => Meaning::Function(place),
                 _ => {
@@ -141,14 +143,14 @@ impl<'a> Sema<'a> {
                     Meaning::Type(ty)
                 }
             },
-            Found::Type(place) => Meaning::Type(self.named_type(place)),
-            Found::Interface(place) => Meaning::Type(self.intern(Type::Interface(place))),
-            Found::Native(place) => Meaning::Type(self.intern(Type::Native(place))),
-            Found::Method(_) => Meaning::Method(Instance::Same, name),
-            Found::Property => Meaning::Property(Instance::Same, name),
-            Found::Action(callable) => Meaning::Action(callable, None),
-            Found::Enumerator(ty, cell) => self.enumerator(ty, cell, name.at),
-            Found::Ambiguous => {
+            FoundName::Type(place) => Meaning::Type(self.named_type(place)),
+            FoundName::Interface(place) => Meaning::Type(self.intern(Type::Interface(place))),
+            FoundName::Native(place) => Meaning::Type(self.intern(Type::Native(place))),
+            FoundName::Method(_) => Meaning::Method(Instance::Same, name),
+            FoundName::Property => Meaning::Property(Instance::Same, name),
+            FoundName::Action(callable) => Meaning::Action(callable, None),
+            FoundName::Enumerator(ty, cell) => self.enumerator(ty, cell, name.at),
+            FoundName::Ambiguous => {
                 let message = format!("several enumerations have a value `{}`", self.shown(name));
                 self.findings.error(
                     Code::UnknownName,
@@ -165,9 +167,9 @@ impl<'a> Sema<'a> {
         self.context.callable.and_then(|place| self.callables.get(place as usize))
     }
 
-    fn enumerator(&mut self, ty: TypeId, cell: i64, at: At) -> Meaning {
+    fn enumerator(&mut self, ty: TypeId, cell: i64, at: SourcePlace) -> Meaning {
         let base = self.scalar(ty).unwrap_or(Elementary::Int);
-        Meaning::Operand(Operand::Value(self.constant(cell, base, at), ty))
+        Meaning::Operand(LiteralOperand::Value(self.constant(cell, base, at), ty))
     }
 
     pub(super) fn enumerator_of(&mut self, ty: TypeId, name: Name) -> Meaning {
@@ -238,23 +240,30 @@ impl<'a> Sema<'a> {
         self.findings.error(Code::UnknownName, name.at, message, help);
     }
 
-    pub(super) fn place(&self, root: tree::Root, offset: u32, ty: TypeId, retained: bool, at: At) -> Place {
-        Place { root, offset, indices: Vec::new(), ty: self.tree_type(ty), retained, at }
+    pub(super) fn place(
+        &self,
+        root: tree::TreeRoot,
+        offset: u32,
+        ty: TypeId,
+        retained: bool,
+        at: SourcePlace,
+    ) -> TreePlace {
+        TreePlace { root, offset, indices: Vec::new(), ty: self.tree_type(ty), retained, at }
     }
 
     /// A variable or constant.
-    pub(super) fn symbol_meaning(&mut self, found: Found, name: Name) -> Meaning {
+    pub(super) fn symbol_meaning(&mut self, found: FoundName, name: Name) -> Meaning {
         let symbol = match found {
-            Found::Local(place) => self.running().and_then(|c| c.symbols.get(place as usize)).cloned(),
-            Found::Member(owner, place) => self.member_symbol(owner, place).cloned(),
-            Found::Global(place) => {
+            FoundName::Local(place) => self.running().and_then(|c| c.symbols.get(place as usize)).cloned(),
+            FoundName::Member(owner, place) => self.member_symbol(owner, place).cloned(),
+            FoundName::Global(place) => {
                 self.global_type(place);
                 self.globals.get(place as usize).cloned()
             }
             _ => None,
         };
         let Some(mut symbol) = symbol else { return Meaning::Wrong };
-        if let (Some(edge), Found::Member(..)) = (symbol.edge, found) {
+        if let (Some(edge), FoundName::Member(..)) = (symbol.edge, found) {
             // Inside of the block the input stands for its edge.
             symbol.home = Home::This(edge);
             symbol.constant = true;
@@ -263,14 +272,14 @@ impl<'a> Sema<'a> {
         if symbol.is_value() {
             let value = self.symbol_value(found);
             let ty = match found {
-                Found::Global(place) => self.globals[place as usize].type_id(),
-                Found::Member(owner, place) => {
+                FoundName::Global(place) => self.globals[place as usize].type_id(),
+                FoundName::Member(owner, place) => {
                     self.member_symbol(owner, place).map_or(WRONG, Symbol::type_id)
                 }
                 _ => symbol.type_id(),
             };
             if let (Some(cell), Some(scalar)) = (value, self.scalar(ty)) {
-                return Meaning::Operand(Operand::Value(self.constant(cell, scalar, name.at), ty));
+                return Meaning::Operand(LiteralOperand::Value(self.constant(cell, scalar, name.at), ty));
             }
             if self.scalar(ty).is_some() {
                 return Meaning::Wrong;
@@ -279,7 +288,7 @@ impl<'a> Sema<'a> {
         let meaning = self.home_meaning(&symbol, name.at);
         let written = self.text(symbol.name.at);
         match (meaning, found) {
-            (Meaning::Place(place, ty, None), Found::Global(_))
+            (Meaning::Place(place, ty, None), FoundName::Global(_))
                 if self.options.read_only.iter().any(|known| known.eq_ignore_ascii_case(written)) =>
             {
                 Meaning::Place(place, ty, Some("it is a system variable that programs only read"))
@@ -289,7 +298,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The place of a variable of the running unit or of the outside.
-    fn home_meaning(&mut self, symbol: &Symbol<'a>, at: At) -> Meaning {
+    fn home_meaning(&mut self, symbol: &Symbol<'a>, at: SourcePlace) -> Meaning {
         let ty = symbol.type_id();
         let kept = symbol.retention != Retention::None;
         let fixed = symbol.constant.then_some("it is a constant");
@@ -300,19 +309,19 @@ impl<'a> Sema<'a> {
                 }
                 return Meaning::Wrong;
             }
-            Home::Absolute(address) => (tree::Root::Absolute, address),
-            Home::This(offset) => (tree::Root::This, offset),
-            Home::Frame(offset) => (tree::Root::Frame, offset),
-            Home::ThisAddress(offset) => (self.address_at(tree::Root::This, offset, at), 0),
-            Home::FrameAddress(offset) => (self.address_at(tree::Root::Frame, offset, at), 0),
-            Home::AbsoluteAddress(address) => (self.address_at(tree::Root::Absolute, address, at), 0),
+            Home::Absolute(address) => (tree::TreeRoot::Absolute, address),
+            Home::This(offset) => (tree::TreeRoot::This, offset),
+            Home::Frame(offset) => (tree::TreeRoot::Frame, offset),
+            Home::ThisAddress(offset) => (self.address_at(tree::TreeRoot::This, offset, at), 0),
+            Home::FrameAddress(offset) => (self.address_at(tree::TreeRoot::Frame, offset, at), 0),
+            Home::AbsoluteAddress(address) => (self.address_at(tree::TreeRoot::Absolute, address, at), 0),
             Home::Bit(address, bit) => {
-                let place = self.place(tree::Root::Absolute, address, ty, kept, at);
+                let place = self.place(tree::TreeRoot::Absolute, address, ty, kept, at);
                 return Meaning::Bit(place, bit, read_only(address).or(fixed));
             }
         };
         let fixed = match root {
-            tree::Root::Absolute => read_only(offset).or(fixed),
+            tree::TreeRoot::Absolute => read_only(offset).or(fixed),
             _ => fixed,
         };
         let place = self.place(root, offset, ty, kept, at);
@@ -320,24 +329,24 @@ impl<'a> Sema<'a> {
     }
 
     /// The address that stands at a place.
-    fn address_at(&self, root: tree::Root, offset: u32, at: At) -> tree::Root {
-        let place = Place { root, offset, indices: Vec::new(), ty: Ty::Address, retained: false, at };
-        tree::Root::Address(Box::new(Expr { kind: ExprKind::Load(place), ty: Ty::Address, at }))
+    fn address_at(&self, root: tree::TreeRoot, offset: u32, at: SourcePlace) -> tree::TreeRoot {
+        let place = TreePlace { root, offset, indices: Vec::new(), ty: Ty::Address, retained: false, at };
+        tree::TreeRoot::Address(Box::new(Expr { kind: ExprKind::Load(place), ty: Ty::Address, at }))
     }
 
     /// A reference stands for what it refers to.
-    pub(super) fn followed(&mut self, place: Place, ty: TypeId, fixed: Option<&'static str>) -> Meaning {
+    pub(super) fn followed(&mut self, place: TreePlace, ty: TypeId, fixed: Option<&'static str>) -> Meaning {
         let Type::Reference(to) = *self.ty(ty) else { return Meaning::Place(place, ty, fixed) };
         let at = place.at;
         let address = Expr { kind: ExprKind::Load(place), ty: Ty::Address, at };
-        let place = self.place(tree::Root::Address(Box::new(address)), 0, to, false, at);
+        let place = self.place(tree::TreeRoot::Address(Box::new(address)), 0, to, false, at);
         Meaning::Place(place, to, None)
     }
 
     /// The place of a reference itself, for `REF=`.
-    pub(super) fn reference_place(&mut self, written: &ast::Expr) -> Option<(Place, TypeId)> {
+    pub(super) fn reference_place(&mut self, written: &ast::Expr) -> Option<(TreePlace, TypeId)> {
         let Meaning::Place(place, _, _) = self.meaning(written) else { return None };
-        let tree::Root::Address(address) = place.root else { return None };
+        let tree::TreeRoot::Address(address) = place.root else { return None };
         let ExprKind::Load(slot) = address.kind else { return None };
         let to = self.reference_type(written)?;
         Some((slot, to))
@@ -347,10 +356,10 @@ impl<'a> Sema<'a> {
     fn reference_type(&mut self, written: &ast::Expr) -> Option<TypeId> {
         let ty = match &written.kind {
             ast::ExprKind::Name(name) | ast::ExprKind::Global(name) => match self.find(name.key)? {
-                Found::Local(place) => self.running()?.symbols.get(place as usize)?.type_id(),
-                Found::Member(owner, place) => self.member_symbol(owner, place)?.type_id(),
-                Found::Global(place) => self.global_type(place),
-                Found::Result => self.running()?.result?,
+                FoundName::Local(place) => self.running()?.symbols.get(place as usize)?.type_id(),
+                FoundName::Member(owner, place) => self.member_symbol(owner, place)?.type_id(),
+                FoundName::Global(place) => self.global_type(place),
+                FoundName::Result => self.running()?.result?,
                 _ => return None,
             },
             ast::ExprKind::Member(of, name) if self.listed(of, *name).is_some() => {
@@ -377,15 +386,16 @@ impl<'a> Sema<'a> {
     }
 
     /// A value in a variable without a name, so that it has a place.
-    pub(super) fn held_value(&mut self, value: Expr, at: At) -> Place {
+    pub(super) fn held_value(&mut self, value: Expr, at: SourcePlace) -> TreePlace {
         let ty = value.ty;
         let offset = self.hidden(ty);
-        let place = Place { root: tree::Root::Frame, offset, indices: Vec::new(), ty, retained: false, at };
+        let place =
+            TreePlace { root: tree::TreeRoot::Frame, offset, indices: Vec::new(), ty, retained: false, at };
         let store = tree::Stmt { kind: tree::StmtKind::Assign(Target::Place(place.clone()), value), at };
         let address = Expr { kind: ExprKind::AddressOf(place), ty: Ty::Address, at };
         let address = Expr { kind: ExprKind::Sequence(vec![store], Box::new(address)), ty: Ty::Address, at };
-        Place {
-            root: tree::Root::Address(Box::new(address)),
+        TreePlace {
+            root: tree::TreeRoot::Address(Box::new(address)),
             offset: 0,
             indices: Vec::new(),
             ty,
@@ -395,8 +405,8 @@ impl<'a> Sema<'a> {
     }
 
     /// A part of a place.
-    pub(super) fn inside(&self, place: Place, offset: u32, ty: TypeId, at: At) -> Place {
-        Place {
+    pub(super) fn inside(&self, place: TreePlace, offset: u32, ty: TypeId, at: SourcePlace) -> TreePlace {
+        TreePlace {
             offset: place.offset.wrapping_add(offset),
             ty: self.tree_type(ty),
             at: place.at.to(at),
@@ -404,13 +414,13 @@ impl<'a> Sema<'a> {
         }
     }
 
-    fn deref_meaning(&mut self, of: &ast::Expr, at: At) -> Meaning {
+    fn deref_meaning(&mut self, of: &ast::Expr, at: SourcePlace) -> Meaning {
         match &of.kind {
             ast::ExprKind::This => {
                 let Some(block) = self.this_block(of.at) else { return Meaning::Wrong };
                 let ty = self.intern(Type::Block(block));
                 return Meaning::Place(
-                    self.place(tree::Root::This, 0, ty, false, at),
+                    self.place(tree::TreeRoot::This, 0, ty, false, at),
                     ty,
                     Some("it is the instance"),
                 );
@@ -432,7 +442,7 @@ impl<'a> Sema<'a> {
         let Some((pointer, ty)) = self.own_value(operand, of.at) else { return Meaning::Wrong };
         match *self.ty(ty) {
             Type::Pointer(to) | Type::RefTo(to) => {
-                let place = self.place(tree::Root::Address(Box::new(pointer)), 0, to, false, at);
+                let place = self.place(tree::TreeRoot::Address(Box::new(pointer)), 0, to, false, at);
                 self.followed(place, to, None)
             }
             Type::Wrong => Meaning::Wrong,
@@ -445,7 +455,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The block whose code this is.
-    pub(super) fn this_block(&mut self, at: At) -> Option<u32> {
+    pub(super) fn this_block(&mut self, at: SourcePlace) -> Option<u32> {
         let block = self.context.pou.filter(|pou| {
             self.pous.get(*pou as usize).is_some_and(|p| p.ast.kind == ast::PouKind::FunctionBlock)
         });
@@ -457,18 +467,18 @@ impl<'a> Sema<'a> {
         block
     }
 
-    fn direct(&mut self, text: &str, at: At) -> Meaning {
+    fn direct(&mut self, text: &str, at: SourcePlace) -> Meaning {
         let Some(address) = self.address(text, at) else { return Meaning::Wrong };
         let scalar = Elementary::of_size(address.size());
         let ty = self.elementary(scalar);
         let fixed = (address.area() == Area::Input).then_some("inputs are read only");
         match home_of(address) {
             Home::Bit(byte, bit) => {
-                let place = self.place(tree::Root::Absolute, byte, ty, false, at);
+                let place = self.place(tree::TreeRoot::Absolute, byte, ty, false, at);
                 Meaning::Bit(place, bit, fixed)
             }
             Home::Absolute(byte) => {
-                Meaning::Place(self.place(tree::Root::Absolute, byte, ty, false, at), ty, fixed)
+                Meaning::Place(self.place(tree::TreeRoot::Absolute, byte, ty, false, at), ty, fixed)
             }
             _ => Meaning::Wrong,
         }
@@ -482,7 +492,7 @@ impl<'a> Sema<'a> {
                 (Target::Bit(place, bit), self.elementary(Elementary::Bool), fixed)
             }
             Meaning::Wrong => return None,
-            Meaning::Operand(Operand::Wrong) => return None,
+            Meaning::Operand(LiteralOperand::Wrong) => return None,
             meaning => {
                 let (message, help) = match meaning {
                     Meaning::Operand(_) if matches!(written.kind, ast::ExprKind::Name(_)) => {
@@ -507,12 +517,13 @@ impl<'a> Sema<'a> {
     }
 
     /// The address of a place.
-    pub(super) fn address_of(&mut self, place: Place) -> Expr {
+    pub(super) fn address_of(&mut self, place: TreePlace) -> Expr {
         let at = place.at;
-        if let (tree::Root::Absolute, true) = (&place.root, place.indices.is_empty()) {
+        if let (tree::TreeRoot::Absolute, true) = (&place.root, place.indices.is_empty()) {
             return Expr { kind: ExprKind::Constant(i64::from(place.offset)), ty: Ty::Address, at };
         }
-        if let (tree::Root::Address(address), true, 0) = (&place.root, place.indices.is_empty(), place.offset)
+        if let (tree::TreeRoot::Address(address), true, 0) =
+            (&place.root, place.indices.is_empty(), place.offset)
         {
             return (**address).clone();
         }

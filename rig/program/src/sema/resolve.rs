@@ -1,9 +1,9 @@
 //! Types as they are written: names, arrays, texts, structures.
 
-use super::types::{Enumeration, Field, Structure, Type, TypeId, WRONG, elements, stride};
+use super::types::{Enumeration, Structure, Type, TypeField, TypeId, WRONG, elements, stride};
 use super::{Global, Sema, State, TYPE_DEPTH};
 use crate::codes::Code;
-use crate::findings::{At, similar};
+use crate::findings::{SourcePlace, similar};
 use crate::parse::ast::{self, Expr, Key, Name, TypeKind, TypeRef, VarDecl};
 use crate::types::Elementary;
 
@@ -90,7 +90,7 @@ impl<'a> Sema<'a> {
     fn named(&mut self, name: Name) -> TypeId {
         let ty = self.named_loosely(name);
         match self.ty(ty).clone() {
-            Type::Block(place) if !self.settle_block(place) => {
+            Type::Block(place) if !self.resolve_block(place) => {
                 let message = format!("`{}` contains itself", self.shown(name));
                 self.findings.error(Code::ContainsItself, name.at, message, "use a REFERENCE TO it");
                 return WRONG;
@@ -240,7 +240,13 @@ impl<'a> Sema<'a> {
         self.intern(Type::Subrange { base: elementary, low: lowest, high: highest })
     }
 
-    fn array(&mut self, ranges: &'a [Option<(Expr, Expr)>], of: &'a TypeRef, in_out: bool, at: At) -> TypeId {
+    fn array(
+        &mut self,
+        ranges: &'a [Option<(Expr, Expr)>],
+        of: &'a TypeRef,
+        in_out: bool,
+        at: SourcePlace,
+    ) -> TypeId {
         let element = self.resolve(of);
         if let Some(initial) = self.type_initial(of) {
             let message = "elements of an array do not take the initial value of their type's name";
@@ -428,7 +434,7 @@ impl<'a> Sema<'a> {
                 room.copy_from_slice(&bytes);
             }
             let name = self.shown(member.name).to_string();
-            built.fields.push(Field { key, name, ty, offset });
+            built.fields.push(TypeField { key, name, ty, offset });
             let inherited = self.type_initial(&member.ty);
             if let Some(initial) = member.initial.as_ref().or(inherited) {
                 initials.push((offset, ty, initial));

@@ -2,7 +2,7 @@
 
 use super::types::TypeId;
 use super::{KeyMap, Sema, State};
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::parse::ast::{self, Key, Modifiers, Name, Section, SectionKind};
 use crate::program::Retention;
 use crate::tree::Ty;
@@ -75,7 +75,7 @@ pub(super) struct Selector {
 
 /// What an object can be asked to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum SymbolKind {
     Block(u32),
     Interface(u32),
 }
@@ -102,7 +102,7 @@ pub(super) struct Callable<'a> {
     pub modifiers: Modifiers,
     pub sections: &'a [Section],
     pub body: &'a [ast::Stmt],
-    pub end: At,
+    pub end: SourcePlace,
     pub result_ref: Option<&'a ast::TypeRef>,
     pub result: Option<TypeId>,
     /// Variables of the frame, parameters among them, in order.
@@ -116,7 +116,7 @@ pub(super) struct Callable<'a> {
 }
 
 impl<'a> Callable<'a> {
-    pub(super) fn new(kind: CallableKind, shown: String, name: Name, end: At) -> Self {
+    pub(super) fn new(kind: CallableKind, shown: String, name: Name, end: SourcePlace) -> Self {
         Callable {
             kind,
             shown,
@@ -169,7 +169,7 @@ pub(super) struct Pou<'a> {
 
 /// Where the walk through the bodies is.
 #[derive(Debug, Default)]
-pub(super) struct Context {
+pub(super) struct ScopeContext {
     pub callable: Option<u32>,
     pub pou: Option<u32>,
     /// Bytes of the frame, which hidden variables make longer.
@@ -181,7 +181,7 @@ pub(super) struct Context {
 
 /// What a name is found to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Found {
+pub(super) enum FoundName {
     /// A variable of the running unit's frame: its place there.
     Local(u32),
     /// A member: the block that declares it, its place there.
@@ -204,16 +204,16 @@ pub(super) enum Found {
 
 impl<'a> Sema<'a> {
     /// What a name means where the walk is, from the inside out.
-    pub(super) fn find(&self, key: Key) -> Option<Found> {
+    pub(super) fn find(&self, key: Key) -> Option<FoundName> {
         if let Some(callable) = self.context.callable.and_then(|place| self.callables.get(place as usize)) {
             if let Some(place) = callable.index.get(&key) {
-                return Some(Found::Local(*place));
+                return Some(FoundName::Local(*place));
             }
             if let (Some(owner), Some(place)) = (callable.owner, callable.kept.get(&key)) {
-                return Some(Found::Member(owner, *place));
+                return Some(FoundName::Member(owner, *place));
             }
             if callable.name.key == key && callable.result.is_some() {
-                return Some(Found::Result);
+                return Some(FoundName::Result);
             }
         }
         if let Some(found) = self.context.pou.and_then(|pou| self.find_in_pou(pou, key)) {
@@ -222,41 +222,41 @@ impl<'a> Sema<'a> {
         self.find_outside(key)
     }
 
-    fn find_in_pou(&self, pou: u32, key: Key) -> Option<Found> {
+    fn find_in_pou(&self, pou: u32, key: Key) -> Option<FoundName> {
         if let Some((owner, place)) = self.member(pou, key) {
-            return Some(Found::Member(owner, place));
+            return Some(FoundName::Member(owner, place));
         }
         if let Some(method) = self.method(pou, key) {
-            return Some(Found::Method(method));
+            return Some(FoundName::Method(method));
         }
         if let Some(action) = self.action(pou, key) {
-            return Some(Found::Action(action));
+            return Some(FoundName::Action(action));
         }
         if self
             .accessor(pou, key, SelectorKind::Get)
             .or_else(|| self.accessor(pou, key, SelectorKind::Set))
             .is_some()
         {
-            return Some(Found::Property);
+            return Some(FoundName::Property);
         }
         None
     }
 
     /// What a name means at the outside.
-    pub(super) fn find_outside(&self, key: Key) -> Option<Found> {
+    pub(super) fn find_outside(&self, key: Key) -> Option<FoundName> {
         match self.outside.get(&key) {
-            Some(super::Global::Variable(place)) => return Some(Found::Global(*place)),
-            Some(super::Global::Pou(place)) => return Some(Found::Pou(*place)),
-            Some(super::Global::Type(place)) => return Some(Found::Type(*place)),
-            Some(super::Global::Interface(place)) => return Some(Found::Interface(*place)),
+            Some(super::Global::Variable(place)) => return Some(FoundName::Global(*place)),
+            Some(super::Global::Pou(place)) => return Some(FoundName::Pou(*place)),
+            Some(super::Global::Type(place)) => return Some(FoundName::Type(*place)),
+            Some(super::Global::Interface(place)) => return Some(FoundName::Interface(*place)),
             None => {}
         }
         if let Some(native) = self.native_index.get(&key) {
-            return Some(Found::Native(*native));
+            return Some(FoundName::Native(*native));
         }
         match self.enumerators.get(&key).map(Vec::as_slice) {
-            Some([(ty, cell)]) => Some(Found::Enumerator(*ty, *cell)),
-            Some([_, ..]) => Some(Found::Ambiguous),
+            Some([(ty, cell)]) => Some(FoundName::Enumerator(*ty, *cell)),
+            Some([_, ..]) => Some(FoundName::Ambiguous),
             _ => None,
         }
     }

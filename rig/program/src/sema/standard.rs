@@ -1,15 +1,15 @@
 //! Functions of the library: those that are operations of the machine, conversions, and the table's.
 
 use super::Sema;
-use super::literal::Operand;
+use super::literal::LiteralOperand;
 use super::place::Meaning;
-use super::scope::Kind;
+use super::scope::SymbolKind;
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::library::parse_conversion;
 use crate::parse::ast::{self, Argument, BinaryOp as Written, Name};
-use crate::tree::{BinaryOp, Expr, ExprKind, Root, Stmt, StmtKind, Ty, UnaryOp};
+use crate::tree::{BinaryOp, Expr, ExprKind, Stmt, StmtKind, TreeRoot, Ty, UnaryOp};
 use crate::types::Elementary;
 
 /// What a function that is an operation does.
@@ -83,30 +83,30 @@ impl<'a> Sema<'a> {
         name: Name,
         key: &str,
         arguments: &[Argument],
-        at: At,
-    ) -> Option<Operand> {
+        at: SourcePlace,
+    ) -> Option<LiteralOperand> {
         if let Some((_, parameters, operation)) = OPERATIONS.iter().find(|(known, ..)| *known == key) {
             let many = matches!(
                 operation,
                 Operation::Operator(_, true) | Operation::Least | Operation::Greatest | Operation::Multiplex
             );
             let Some(values) = self.in_order(parameters, many, name, key, arguments) else {
-                return Some(Operand::Wrong);
+                return Some(LiteralOperand::Wrong);
             };
             return Some(self.operation_call(*operation, key, &values, at));
         }
         if let Some(function) = crate::library::find(key) {
             let Some(values) = self.library_arguments(function, name, arguments) else {
-                return Some(Operand::Wrong);
+                return Some(LiteralOperand::Wrong);
             };
-            let operands: Vec<Operand> = values.iter().map(|value| self.expr(value, None)).collect();
+            let operands: Vec<LiteralOperand> = values.iter().map(|value| self.expr(value, None)).collect();
             return Some(self.library_call(function, operands, at));
         }
         let conversion = parse_conversion(key)?;
         let Some(values) = self.in_order(&["IN"], false, name, key, arguments) else {
-            return Some(Operand::Wrong);
+            return Some(LiteralOperand::Wrong);
         };
-        Some(values.first().map_or(Operand::Wrong, |value| self.conversion(conversion, value, at)))
+        Some(values.first().map_or(LiteralOperand::Wrong, |value| self.conversion(conversion, value, at)))
     }
 
     /// The values of parameters in their order; reports what is missing, unknown or too much.
@@ -176,12 +176,18 @@ impl<'a> Sema<'a> {
         None
     }
 
-    fn operation_call(&mut self, operation: Operation, key: &str, values: &[&ast::Expr], at: At) -> Operand {
+    fn operation_call(
+        &mut self,
+        operation: Operation,
+        key: &str,
+        values: &[&ast::Expr],
+        at: SourcePlace,
+    ) -> LiteralOperand {
         match operation {
             Operation::Operator(op, _) => {
                 let mut result = match values.first() {
                     Some(first) => self.expr(first, None),
-                    None => return Operand::Wrong,
+                    None => return LiteralOperand::Wrong,
                 };
                 for value in values.iter().skip(1) {
                     let right = self.expr(value, None);
@@ -189,14 +195,14 @@ impl<'a> Sema<'a> {
                 }
                 result
             }
-            Operation::Move => values.first().map_or(Operand::Wrong, |value| self.expr(value, None)),
+            Operation::Move => values.first().map_or(LiteralOperand::Wrong, |value| self.expr(value, None)),
             Operation::Not => match values.first().map(|value| self.expr(value, None)) {
-                Some(Operand::Value(value, ty))
+                Some(LiteralOperand::Value(value, ty))
                     if self.scalar(ty).is_some_and(|ty| ty == Elementary::Bool || ty.is_integer()) =>
                 {
-                    Operand::Value(self.unary(UnaryOp::Not, value, at), ty)
+                    LiteralOperand::Value(self.unary(UnaryOp::Not, value, at), ty)
                 }
-                Some(Operand::Wrong) | None => Operand::Wrong,
+                Some(LiteralOperand::Wrong) | None => LiteralOperand::Wrong,
                 Some(operand) => {
                     let ty = self.own_type(&operand);
                     self.no_operator("NOT", ty, at)
@@ -219,18 +225,18 @@ impl<'a> Sema<'a> {
         }
     }
 
-    fn absolute(&mut self, values: &[&ast::Expr], at: At) -> Operand {
-        let Some(value) = values.first() else { return Operand::Wrong };
+    fn absolute(&mut self, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
+        let Some(value) = values.first() else { return LiteralOperand::Wrong };
         match self.expr(value, None) {
-            Operand::Integer(n) => self.literal(n.abs(), at),
-            Operand::Real(double, single) => Operand::Real(double.abs(), single.abs()),
-            Operand::Wrong => Operand::Wrong,
+            LiteralOperand::Integer(n) => self.literal(n.abs(), at),
+            LiteralOperand::Real(double, single) => LiteralOperand::Real(double.abs(), single.abs()),
+            LiteralOperand::Wrong => LiteralOperand::Wrong,
             operand => {
-                let Some((value, ty)) = self.own_value(operand, at) else { return Operand::Wrong };
+                let Some((value, ty)) = self.own_value(operand, at) else { return LiteralOperand::Wrong };
                 match self.scalar(ty) {
                     Some(scalar) if scalar.is_integer() || scalar.is_real() => {
                         let id = self.elementary(scalar);
-                        Operand::Value(self.unary(UnaryOp::Absolute, value, at), id)
+                        LiteralOperand::Value(self.unary(UnaryOp::Absolute, value, at), id)
                     }
                     _ => self.no_operator("ABS", ty, at),
                 }
@@ -239,18 +245,19 @@ impl<'a> Sema<'a> {
     }
 
     /// The operands in the type where all meet.
-    fn together(&mut self, values: &[&ast::Expr], key: &str, at: At) -> Option<(Vec<Expr>, TypeId)> {
+    fn together(&mut self, values: &[&ast::Expr], key: &str, at: SourcePlace) -> Option<(Vec<Expr>, TypeId)> {
         let mut operands = Vec::with_capacity(values.len());
         for value in values {
             let operand = self.expr(value, None);
-            if matches!(operand, Operand::Wrong) {
+            if matches!(operand, LiteralOperand::Wrong) {
                 return None;
             }
             operands.push((operand, value.at));
         }
         // Values with a type of their own decide before literals do.
-        let mut common: Option<Operand> = None;
-        let mut order: Vec<&(Operand, At)> = operands.iter().filter(|(o, _)| !o.is_literal()).collect();
+        let mut common: Option<LiteralOperand> = None;
+        let mut order: Vec<&(LiteralOperand, SourcePlace)> =
+            operands.iter().filter(|(o, _)| !o.is_literal()).collect();
         order.extend(operands.iter().filter(|(o, _)| o.is_literal()));
         for (operand, operand_at) in order {
             common = Some(match common {
@@ -258,7 +265,7 @@ impl<'a> Sema<'a> {
                 Some(so_far) => match self.common(&so_far, operand) {
                     Some(ty) => {
                         let kind = ExprKind::Constant(0);
-                        Operand::Value(Expr { kind, ty: self.tree_type(ty), at: *operand_at }, ty)
+                        LiteralOperand::Value(Expr { kind, ty: self.tree_type(ty), at: *operand_at }, ty)
                     }
                     None => {
                         let (a, b) = (self.own_type(&so_far), self.own_type(operand));
@@ -271,13 +278,15 @@ impl<'a> Sema<'a> {
             });
         }
         let ty = match common? {
-            Operand::Value(_, ty) => ty,
+            LiteralOperand::Value(_, ty) => ty,
             literal => self.own_type(&literal),
         };
         let mut list = Vec::with_capacity(operands.len());
         for (operand, operand_at) in operands {
             let value = match operand {
-                Operand::Value(value, from) if self.scalar(from).is_some() && self.scalar(ty).is_some() => {
+                LiteralOperand::Value(value, from)
+                    if self.scalar(from).is_some() && self.scalar(ty).is_some() =>
+                {
                     let to = self.tree_type(ty);
                     self.widened(value, to)
                 }
@@ -288,8 +297,14 @@ impl<'a> Sema<'a> {
         Some((list, ty))
     }
 
-    fn extremes(&mut self, op: BinaryOp, key: &str, values: &[&ast::Expr], at: At) -> Operand {
-        let Some((list, ty)) = self.together(values, key, at) else { return Operand::Wrong };
+    fn extremes(
+        &mut self,
+        op: BinaryOp,
+        key: &str,
+        values: &[&ast::Expr],
+        at: SourcePlace,
+    ) -> LiteralOperand {
+        let Some((list, ty)) = self.together(values, key, at) else { return LiteralOperand::Wrong };
         if matches!(self.ty(ty), Type::Text { .. }) {
             return self.extreme_text(op, list, ty, at);
         }
@@ -297,18 +312,24 @@ impl<'a> Sema<'a> {
             return self.no_operator(key, ty, at);
         }
         let mut list = list.into_iter();
-        let Some(first) = list.next() else { return Operand::Wrong };
+        let Some(first) = list.next() else { return LiteralOperand::Wrong };
         let value = list.fold(first, |so_far, next| self.binary(op, so_far, next, at));
-        Operand::Value(value, ty)
+        LiteralOperand::Value(value, ty)
     }
 
     /// The least or greatest text. Each is used twice, to be compared and to be chosen: what has to be computed is put
     /// into a variable first.
-    fn extreme_text(&mut self, op: BinaryOp, mut list: Vec<Expr>, ty: TypeId, at: At) -> Operand {
+    fn extreme_text(
+        &mut self,
+        op: BinaryOp,
+        mut list: Vec<Expr>,
+        ty: TypeId,
+        at: SourcePlace,
+    ) -> LiteralOperand {
         let constant = |value: &Expr| matches!(value.kind, ExprKind::Text(_));
         let variable = |value: &Expr| {
             matches!(&value.kind, ExprKind::Load(place)
-                if place.indices.is_empty() && !matches!(place.root, Root::Address(_)))
+                if place.indices.is_empty() && !matches!(place.root, TreeRoot::Address(_)))
         };
         let mut before = Vec::new();
         if !list.iter().all(|value| constant(value) || variable(value)) {
@@ -318,7 +339,7 @@ impl<'a> Sema<'a> {
         }
         let compare = if op == BinaryOp::Least { BinaryOp::Greater } else { BinaryOp::Less };
         let mut list = list.into_iter();
-        let Some(mut best) = list.next() else { return Operand::Wrong };
+        let Some(mut best) = list.next() else { return LiteralOperand::Wrong };
         for next in list {
             if !constant(&best) && !variable(&best) {
                 self.set_aside(&mut best, &mut before);
@@ -331,80 +352,82 @@ impl<'a> Sema<'a> {
             let ty = best.ty;
             best = Expr { kind: ExprKind::Sequence(before, Box::new(best)), ty, at };
         }
-        Operand::Value(best, ty)
+        LiteralOperand::Value(best, ty)
     }
 
-    fn limit(&mut self, values: &[&ast::Expr], at: At) -> Operand {
-        let Some((list, ty)) = self.together(values, "LIMIT", at) else { return Operand::Wrong };
+    fn limit(&mut self, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
+        let Some((list, ty)) = self.together(values, "LIMIT", at) else { return LiteralOperand::Wrong };
         let text = matches!(self.ty(ty), Type::Text { .. });
         if self.scalar(ty).is_none() && !text {
             return self.no_operator("LIMIT", ty, at);
         }
-        let Ok([low, value, high]) = <[Expr; 3]>::try_from(list) else { return Operand::Wrong };
+        let Ok([low, value, high]) = <[Expr; 3]>::try_from(list) else { return LiteralOperand::Wrong };
         if text {
             return match self.extreme_text(BinaryOp::Greatest, vec![low, value], ty, at) {
-                Operand::Value(raised, _) => self.extreme_text(BinaryOp::Least, vec![raised, high], ty, at),
+                LiteralOperand::Value(raised, _) => {
+                    self.extreme_text(BinaryOp::Least, vec![raised, high], ty, at)
+                }
                 other => other,
             };
         }
         let raised = self.binary(BinaryOp::Greatest, low, value, at);
-        Operand::Value(self.binary(BinaryOp::Least, raised, high, at), ty)
+        LiteralOperand::Value(self.binary(BinaryOp::Least, raised, high, at), ty)
     }
 
-    fn select(&mut self, values: &[&ast::Expr], at: At) -> Operand {
-        let Some((selector, rest)) = values.split_first() else { return Operand::Wrong };
+    fn select(&mut self, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
+        let Some((selector, rest)) = values.split_first() else { return LiteralOperand::Wrong };
         let bool_type = self.elementary(Elementary::Bool);
         let selector = self.value(selector, bool_type);
-        let Some((list, ty)) = self.together(rest, "SEL", at) else { return Operand::Wrong };
-        let Some(selector) = selector else { return Operand::Wrong };
+        let Some((list, ty)) = self.together(rest, "SEL", at) else { return LiteralOperand::Wrong };
+        let Some(selector) = selector else { return LiteralOperand::Wrong };
         let kind = ExprKind::Select(Box::new(selector), list);
-        Operand::Value(Expr { kind, ty: self.tree_type(ty), at }, ty)
+        LiteralOperand::Value(Expr { kind, ty: self.tree_type(ty), at }, ty)
     }
 
-    fn multiplex(&mut self, values: &[&ast::Expr], at: At) -> Operand {
-        let Some((selector, rest)) = values.split_first() else { return Operand::Wrong };
+    fn multiplex(&mut self, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
+        let Some((selector, rest)) = values.split_first() else { return LiteralOperand::Wrong };
         let operand = self.expr(selector, None);
         let selector = self.own_value(operand, selector.at);
-        let Some((list, ty)) = self.together(rest, "MUX", at) else { return Operand::Wrong };
-        let Some((selector, selector_type)) = selector else { return Operand::Wrong };
+        let Some((list, ty)) = self.together(rest, "MUX", at) else { return LiteralOperand::Wrong };
+        let Some((selector, selector_type)) = selector else { return LiteralOperand::Wrong };
         if !self.scalar(selector_type).is_some_and(Elementary::is_integer) {
             return self.no_operator("MUX", selector_type, at);
         }
         let kind = ExprKind::Select(Box::new(selector), list);
-        Operand::Value(Expr { kind, ty: self.tree_type(ty), at }, ty)
+        LiteralOperand::Value(Expr { kind, ty: self.tree_type(ty), at }, ty)
     }
 
-    fn shift(&mut self, op: BinaryOp, key: &str, values: &[&ast::Expr], at: At) -> Operand {
-        let [value, times] = values else { return Operand::Wrong };
+    fn shift(&mut self, op: BinaryOp, key: &str, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
+        let [value, times] = values else { return LiteralOperand::Wrong };
         let operand = self.expr(value, None);
-        if matches!(operand, Operand::Integer(_)) {
+        if matches!(operand, LiteralOperand::Integer(_)) {
             let help = "give it one, as in WORD#16#1";
             self.findings.error(Code::Operator, value.at, format!("{key} needs a value with a type"), help);
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
-        let Some((value, ty)) = self.own_value(operand, value.at) else { return Operand::Wrong };
+        let Some((value, ty)) = self.own_value(operand, value.at) else { return LiteralOperand::Wrong };
         let Some(scalar) = self.scalar(ty).filter(|ty| ty.is_integer()) else {
             if ty != WRONG {
                 let message = format!("{key} is not defined for {}", self.type_name(ty));
                 self.findings.error(Code::Operator, at, message, "");
             }
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         };
         let lint = self.elementary(Elementary::Lint);
         let times_operand = self.expr(times, None);
         let times = match times_operand {
-            Operand::Value(value, from) if self.scalar(from).is_some_and(Elementary::is_integer) => {
+            LiteralOperand::Value(value, from) if self.scalar(from).is_some_and(Elementary::is_integer) => {
                 Some(self.widened(value, Ty::Scalar(Elementary::Lint)))
             }
             operand => self.give(operand, lint, times.at),
         };
-        let Some(times) = times else { return Operand::Wrong };
+        let Some(times) = times else { return LiteralOperand::Wrong };
         let id = self.elementary(scalar);
-        Operand::Value(self.binary(op, value, times, at), id)
+        LiteralOperand::Value(self.binary(op, value, times, at), id)
     }
 
-    fn size_of(&mut self, values: &[&ast::Expr], at: At) -> Operand {
-        let Some(value) = values.first() else { return Operand::Wrong };
+    fn size_of(&mut self, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
+        let Some(value) = values.first() else { return LiteralOperand::Wrong };
         let outer = self.context.constant;
         let ty = match self.meaning_of_type(value) {
             Some(ty) => ty,
@@ -417,16 +440,16 @@ impl<'a> Sema<'a> {
                     Meaning::Place(_, ty, _) | Meaning::Type(ty) => ty,
                     Meaning::Bit(..) => self.elementary(Elementary::Bool),
                     Meaning::Operand(operand) => self.own_type(&operand),
-                    Meaning::Wrong => return Operand::Wrong,
+                    Meaning::Wrong => return LiteralOperand::Wrong,
                     _ => {
                         self.findings.error(Code::NotAValue, at, "this has no size", "");
-                        return Operand::Wrong;
+                        return LiteralOperand::Wrong;
                     }
                 }
             }
         };
         if ty == WRONG {
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
         // It goes into whatever type holds it, as a literal does.
         let size = self.layout(ty).size;
@@ -440,8 +463,8 @@ impl<'a> Sema<'a> {
         self.find(name.key).is_none().then(|| self.elementary(ty))
     }
 
-    fn address_call(&mut self, reference: bool, values: &[&ast::Expr]) -> Operand {
-        let Some(value) = values.first() else { return Operand::Wrong };
+    fn address_call(&mut self, reference: bool, values: &[&ast::Expr]) -> LiteralOperand {
+        let Some(value) = values.first() else { return LiteralOperand::Wrong };
         let outer = std::mem::replace(&mut self.context.constant, false);
         let meaning = self.meaning(value);
         self.context.constant = outer;
@@ -450,9 +473,9 @@ impl<'a> Sema<'a> {
                 let address = self.address_of(place);
                 let pointer =
                     if reference { self.intern(Type::RefTo(ty)) } else { self.intern(Type::Pointer(ty)) };
-                Operand::Value(address, pointer)
+                LiteralOperand::Value(address, pointer)
             }
-            Meaning::Wrong | Meaning::Operand(Operand::Wrong) => Operand::Wrong,
+            Meaning::Wrong | Meaning::Operand(LiteralOperand::Wrong) => LiteralOperand::Wrong,
             Meaning::Bit(..) => {
                 let message = "a single bit has no address";
                 self.findings.error(
@@ -461,42 +484,42 @@ impl<'a> Sema<'a> {
                     message,
                     "take that of a BOOL variable or a byte",
                 );
-                Operand::Wrong
+                LiteralOperand::Wrong
             }
-            Meaning::Operand(Operand::Text(wide, units)) if !reference => {
+            Meaning::Operand(LiteralOperand::Text(wide, units)) if !reference => {
                 // The text stands in the memory for good, as pointers to it may be kept.
                 let ty = self.intern(Type::Text { wide, length: (units.len() as u32).max(1) });
                 let bytes = super::literal::stored(wide, &units);
                 if !self.has_room(bytes.len() as u32, value.at) {
-                    return Operand::Wrong;
+                    return LiteralOperand::Wrong;
                 }
                 let address = self.allocate(&bytes, 2);
-                let place = self.place(Root::Absolute, address, ty, false, value.at);
+                let place = self.place(TreeRoot::Absolute, address, ty, false, value.at);
                 let pointer = self.intern(Type::Pointer(ty));
-                Operand::Value(self.address_of(place), pointer)
+                LiteralOperand::Value(self.address_of(place), pointer)
             }
             _ => {
                 let message = "only variables have an address";
                 self.findings.error(Code::Output, value.at, message, "put the value into a variable first");
-                Operand::Wrong
+                LiteralOperand::Wrong
             }
         }
     }
 
     /// Whether an object is of the interface of a variable, which then gets it.
-    fn query_interface(&mut self, values: &[&ast::Expr], at: At) -> Operand {
-        let [object, target] = values else { return Operand::Wrong };
+    fn query_interface(&mut self, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
+        let [object, target] = values else { return LiteralOperand::Wrong };
         let operand = self.expr(object, None);
         let (Some((object, from)), Some((place, ty))) = (self.own_value(operand, at), self.target(target))
         else {
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         };
         let (Type::Interface(_), Type::Interface(wanted)) = (self.ty(from), self.ty(ty)) else {
             let message = "__QUERYINTERFACE takes two variables of interfaces";
             self.findings.error(Code::Type, at, message, "declare them with INTERFACE types");
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         };
-        let wanted = Kind::Interface(*wanted);
+        let wanted = SymbolKind::Interface(*wanted);
         let kind = self.kinds.iter().position(|kind| *kind == wanted).unwrap_or(0) as u32;
         let bool_type = self.elementary(Elementary::Bool);
         let boolean = Ty::Scalar(Elementary::Bool);
@@ -506,26 +529,26 @@ impl<'a> Sema<'a> {
         let arms = vec![(is.clone(), vec![assign(object)])];
         let decide = Stmt { kind: StmtKind::If { arms, otherwise: vec![assign(null)] }, at };
         let kind = ExprKind::Sequence(vec![decide], Box::new(is));
-        Operand::Value(Expr { kind, ty: boolean, at }, bool_type)
+        LiteralOperand::Value(Expr { kind, ty: boolean, at }, bool_type)
     }
 
-    fn valid_reference(&mut self, values: &[&ast::Expr], at: At) -> Operand {
-        let Some(value) = values.first() else { return Operand::Wrong };
+    fn valid_reference(&mut self, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
+        let Some(value) = values.first() else { return LiteralOperand::Wrong };
         let slot = match self.reference_place(value) {
             Some((slot, _)) => slot,
             None => match self.meaning(value) {
                 Meaning::Place(place, ty, _) if self.is_address(ty) => place,
-                Meaning::Wrong => return Operand::Wrong,
+                Meaning::Wrong => return LiteralOperand::Wrong,
                 _ => {
                     let message = "__ISVALIDREF takes a reference, a pointer or an interface";
                     self.findings.error(Code::Type, value.at, message, "");
-                    return Operand::Wrong;
+                    return LiteralOperand::Wrong;
                 }
             },
         };
         let address = Expr { kind: ExprKind::Load(slot), ty: Ty::Address, at };
         let null = Expr { kind: ExprKind::Constant(0), ty: Ty::Address, at };
         let ty = self.elementary(Elementary::Bool);
-        Operand::Value(self.binary(BinaryOp::NotEqual, address, null, at), ty)
+        LiteralOperand::Value(self.binary(BinaryOp::NotEqual, address, null, at), ty)
     }
 }

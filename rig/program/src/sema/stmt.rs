@@ -1,13 +1,13 @@
 //! Statements.
 
 use super::Sema;
-use super::literal::Operand;
+use super::literal::LiteralOperand;
 use super::place::Meaning;
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
-use crate::findings::At;
+use crate::findings::SourcePlace;
 use crate::parse::ast::{self, AssignKind, CaseLabel, Counted, StmtKind as Written};
-use crate::tree::{Expr, ExprKind, For, Place, Root, Stmt, StmtKind, Target, Ty};
+use crate::tree::{Expr, ExprKind, For, Stmt, StmtKind, Target, TreePlace, TreeRoot, Ty};
 use crate::types::Elementary;
 
 impl<'a> Sema<'a> {
@@ -92,16 +92,16 @@ impl<'a> Sema<'a> {
 
     fn condition(&mut self, written: &ast::Expr) -> Option<Expr> {
         let operand = self.expr(written, None);
-        if matches!(operand, Operand::Wrong) {
+        if matches!(operand, LiteralOperand::Wrong) {
             return None;
         }
         let ty = self.own_type(&operand);
         match operand {
-            Operand::Value(value, ty) if self.scalar(ty) == Some(Elementary::Bool) => Some(value),
+            LiteralOperand::Value(value, ty) if self.scalar(ty) == Some(Elementary::Bool) => Some(value),
             operand => {
                 let what = match operand {
-                    Operand::Integer(_) | Operand::Real(..) => "a number".to_string(),
-                    Operand::Text(..) => "a text".to_string(),
+                    LiteralOperand::Integer(_) | LiteralOperand::Real(..) => "a number".to_string(),
+                    LiteralOperand::Text(..) => "a text".to_string(),
                     _ => self.type_name(ty),
                 };
                 let message = format!("a condition is BOOL, this is {what}");
@@ -116,7 +116,7 @@ impl<'a> Sema<'a> {
         targets: &[ast::Expr],
         kind: AssignKind,
         value: &ast::Expr,
-        at: At,
+        at: SourcePlace,
         out: &mut Vec<Stmt>,
     ) {
         match (kind, targets) {
@@ -142,7 +142,7 @@ impl<'a> Sema<'a> {
         }
     }
 
-    fn assign(&mut self, target: &ast::Expr, value: &ast::Expr, at: At, out: &mut Vec<Stmt>) {
+    fn assign(&mut self, target: &ast::Expr, value: &ast::Expr, at: SourcePlace, out: &mut Vec<Stmt>) {
         if let Some((instance, name)) = self.property_target(target) {
             if let Some(call) = self.set_property(&instance, name, value, at) {
                 out.push(Stmt { kind: StmtKind::Call(Box::new(call)), at });
@@ -161,7 +161,7 @@ impl<'a> Sema<'a> {
         }
         let operand = self.expr(value, Some(ty));
         // The bits of an address suit numbers of their width.
-        if let (Target::Place(place), Operand::Value(from, from_type), ast::ExprKind::Direct(_)) =
+        if let (Target::Place(place), LiteralOperand::Value(from, from_type), ast::ExprKind::Direct(_)) =
             (&place, &operand, &target.kind)
             && let (Some(a), Some(b)) = (self.scalar(*from_type), self.scalar(ty))
             && a.is_integer()
@@ -189,7 +189,7 @@ impl<'a> Sema<'a> {
         if !self.is_property_name(name.key) {
             return None;
         }
-        if let (ast::ExprKind::Name(_), Some(super::scope::Found::Property)) =
+        if let (ast::ExprKind::Name(_), Some(super::scope::FoundName::Property)) =
             (&target.kind, self.find(name.key))
         {
             return Some((super::place::Instance::Same, name));
@@ -210,7 +210,13 @@ impl<'a> Sema<'a> {
     }
 
     /// `r REF= x`.
-    fn assign_reference(&mut self, target: &ast::Expr, value: &ast::Expr, at: At, out: &mut Vec<Stmt>) {
+    fn assign_reference(
+        &mut self,
+        target: &ast::Expr,
+        value: &ast::Expr,
+        at: SourcePlace,
+        out: &mut Vec<Stmt>,
+    ) {
         let Some((slot, ty)) = self.reference_place(target) else {
             let message = "REF= needs a REFERENCE on its left";
             self.findings.error(Code::Type, target.at, message, "assign values with :=");
@@ -233,8 +239,8 @@ impl<'a> Sema<'a> {
                 }
                 Meaning::Wrong => return,
                 // What a function or method refers to.
-                Meaning::Operand(Operand::Value(Expr { kind: ExprKind::Load(place), .. }, from))
-                    if matches!(place.root, crate::tree::Root::Address(_))
+                Meaning::Operand(LiteralOperand::Value(Expr { kind: ExprKind::Load(place), .. }, from))
+                    if matches!(place.root, crate::tree::TreeRoot::Address(_))
                         && self.reference_fits(from, to, false) =>
                 {
                     self.address_of(place)
@@ -251,7 +257,7 @@ impl<'a> Sema<'a> {
                 }
             },
         };
-        let target = Target::Place(Place { ty: Ty::Address, ..slot });
+        let target = Target::Place(TreePlace { ty: Ty::Address, ..slot });
         out.push(Stmt { kind: StmtKind::Assign(target, address), at });
     }
 
@@ -261,7 +267,7 @@ impl<'a> Sema<'a> {
         set: bool,
         target: &ast::Expr,
         value: &ast::Expr,
-        at: At,
+        at: SourcePlace,
         out: &mut Vec<Stmt>,
     ) {
         let place = self.target(target);
@@ -296,8 +302,8 @@ impl<'a> Sema<'a> {
             },
         };
         match operand {
-            Operand::Nothing(call) => Some(call),
-            Operand::Value(value, _) => {
+            LiteralOperand::Nothing(call) => Some(call),
+            LiteralOperand::Value(value, _) => {
                 // The function's work may be all that is wanted of it.
                 Some(value)
             }
@@ -312,7 +318,7 @@ impl<'a> Sema<'a> {
         otherwise: &[ast::Stmt],
     ) -> Option<StmtKind> {
         let operand = self.expr(selector, None);
-        let wrong = matches!(operand, Operand::Wrong);
+        let wrong = matches!(operand, LiteralOperand::Wrong);
         let value = self.own_value(operand, selector.at);
         let ty = value.as_ref().map(|(_, ty)| *ty).filter(|ty| {
             self.scalar(*ty)
@@ -322,7 +328,7 @@ impl<'a> Sema<'a> {
             let message = "CASE selects by a number";
             self.findings.error(Code::Type, selector.at, message, "use IF for other types");
         }
-        let mut seen: Vec<(i128, i128, At)> = Vec::new();
+        let mut seen: Vec<(i128, i128, SourcePlace)> = Vec::new();
         let mut out = Vec::with_capacity(arms.len());
         for (labels, body) in arms {
             let mut ranges = Vec::with_capacity(labels.len());
@@ -343,7 +349,7 @@ impl<'a> Sema<'a> {
         Some(StmtKind::Case { selector, arms: out, otherwise })
     }
 
-    fn check_labels(&mut self, mut seen: Vec<(i128, i128, At)>) {
+    fn check_labels(&mut self, mut seen: Vec<(i128, i128, SourcePlace)>) {
         seen.sort_by_key(|(low, high, at)| (*low, *high, at.start));
         for pair in seen.windows(2) {
             if let [(_, high, first), (low, _, second)] = pair
@@ -365,7 +371,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The values of a label, both ends included.
-    fn label(&mut self, label: &CaseLabel, ty: TypeId) -> Option<(i128, i128, At)> {
+    fn label(&mut self, label: &CaseLabel, ty: TypeId) -> Option<(i128, i128, SourcePlace)> {
         let scalar = self.scalar(ty)?;
         let low = self.constant_cell(&label.low, ty).map(|cell| scalar.number(cell))?;
         let Some(high) = &label.high else { return Some((low, low, label.low.at)) };
@@ -397,22 +403,28 @@ impl<'a> Sema<'a> {
     }
 
     /// Keeps where a control variable is, so that a pointer that the body changes leads the loop nowhere else.
-    fn hold_address(&mut self, variable: &mut Place, out: &mut Vec<Stmt>) {
+    fn hold_address(&mut self, variable: &mut TreePlace, out: &mut Vec<Stmt>) {
         let at = variable.at;
-        if !matches!(variable.root, Root::Address(_)) {
+        if !matches!(variable.root, TreeRoot::Address(_)) {
             return;
         }
         let offset = self.hidden(Ty::Address);
-        let held =
-            Place { root: Root::Frame, offset, indices: Vec::new(), ty: Ty::Address, retained: false, at };
+        let held = TreePlace {
+            root: TreeRoot::Frame,
+            offset,
+            indices: Vec::new(),
+            ty: Ty::Address,
+            retained: false,
+            at,
+        };
         let address = self.address_of(variable.clone());
         out.push(Stmt { kind: StmtKind::Assign(Target::Place(held.clone()), address), at });
         let load = Expr { kind: ExprKind::Load(held), ty: Ty::Address, at };
-        variable.root = Root::Address(Box::new(load));
+        variable.root = TreeRoot::Address(Box::new(load));
         variable.offset = 0;
     }
 
-    fn for_variable(&mut self, written: &ast::Expr) -> Option<(Place, TypeId)> {
+    fn for_variable(&mut self, written: &ast::Expr) -> Option<(TreePlace, TypeId)> {
         let (target, ty) = self.target(written)?;
         let scalar = self.scalar(ty).filter(|ty| ty.is_integer());
         match (target, scalar) {
@@ -439,7 +451,7 @@ impl<'a> Sema<'a> {
         let lint = self.elementary(Elementary::Lint);
         let operand = self.expr(by, None);
         let step = match operand {
-            Operand::Value(value, from) if self.scalar(from).is_some_and(Elementary::is_integer) => {
+            LiteralOperand::Value(value, from) if self.scalar(from).is_some_and(Elementary::is_integer) => {
                 self.widened(value, Ty::Scalar(Elementary::Lint))
             }
             operand => self.give(operand, lint, by.at)?,

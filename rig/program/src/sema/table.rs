@@ -1,11 +1,11 @@
 //! Conversions and the functions of the library's table.
 
 use super::Sema;
-use super::literal::Operand;
+use super::literal::LiteralOperand;
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
-use crate::findings::{At, count};
-use crate::library::{Accepts, Body, Conversion, Function, Gives, How, Side, TEXT_LIMIT};
+use crate::findings::{SourcePlace, count};
+use crate::library::{Accepts, Body, Conversion, ConversionSide, Function, Gives, How, TEXT_LIMIT};
 use crate::parse::ast::{self, Argument, Name};
 use crate::tree::{Expr, ExprKind, Ty};
 use crate::types::Elementary;
@@ -14,14 +14,19 @@ use crate::types::Elementary;
 const MOST_TEXTS: usize = 32;
 
 impl Sema<'_> {
-    pub(super) fn conversion(&mut self, conversion: Conversion, value: &ast::Expr, at: At) -> Operand {
+    pub(super) fn conversion(
+        &mut self,
+        conversion: Conversion,
+        value: &ast::Expr,
+        at: SourcePlace,
+    ) -> LiteralOperand {
         let from = conversion.from.map(|side| self.side(side));
         let operand = self.expr(value, from);
         let value_at = value.at;
         let typed = match (from, operand) {
-            (_, Operand::Wrong) => return Operand::Wrong,
+            (_, LiteralOperand::Wrong) => return LiteralOperand::Wrong,
             // The name says what the bits are: no warning, but no other type either.
-            (Some(from), Operand::Value(value, own))
+            (Some(from), LiteralOperand::Value(value, own))
                 if self.scalar(from).is_some_and(Elementary::is_integer)
                     && self
                         .scalar(own)
@@ -31,62 +36,65 @@ impl Sema<'_> {
                 let to = self.tree_type(from);
                 Some((self.widened(value, to), from))
             }
-            (Some(from), Operand::Value(value, own))
+            (Some(from), LiteralOperand::Value(value, own))
                 if self.is_address(own) && self.scalar(from).is_some() =>
             {
                 let plain = self.reinterpreted(value, Ty::Scalar(Elementary::Udint));
                 let udint = self.elementary(Elementary::Udint);
                 self.assigned(plain, udint, from, value_at).map(|value| (value, from))
             }
-            (Some(from), Operand::Text(wide, units)) if matches!(self.ty(from), Type::Text { .. }) => {
+            (Some(from), LiteralOperand::Text(wide, units)) if matches!(self.ty(from), Type::Text { .. }) => {
                 let _ = from;
-                self.own_value(Operand::Text(wide, units), value_at)
+                self.own_value(LiteralOperand::Text(wide, units), value_at)
             }
-            (Some(from), Operand::Value(value, own)) if matches!((self.ty(from), self.ty(own)), (Type::Text { wide: a, .. }, Type::Text { wide: b, .. }) if a == b) => {
+            (Some(from), LiteralOperand::Value(value, own)) if matches!((self.ty(from), self.ty(own)), (Type::Text { wide: a, .. }, Type::Text { wide: b, .. }) if a == b) => {
                 Some((value, own))
             }
             (Some(from), operand) => self.give(operand, from, value_at).map(|value| (value, from)),
-            (None, Operand::Value(value, own)) if self.is_address(own) => {
+            (None, LiteralOperand::Value(value, own)) if self.is_address(own) => {
                 let udint = self.elementary(Elementary::Udint);
                 Some((self.reinterpreted(value, Ty::Scalar(Elementary::Udint)), udint))
             }
             (None, operand) => self.own_value(operand, value_at),
         };
-        let Some((value, own)) = typed else { return Operand::Wrong };
+        let Some((value, own)) = typed else { return LiteralOperand::Wrong };
         if let Some(function) = conversion.function() {
-            return self.library_call(function, vec![Operand::Value(value, own)], at);
+            return self.library_call(function, vec![LiteralOperand::Value(value, own)], at);
         }
         debug_assert_eq!(conversion.how, How::Plain);
         let to = self.conversion_target(conversion.to, own);
         if self.scalar(own).is_none() && !matches!(self.ty(own), Type::Text { .. }) {
             self.mismatch(own, to, at);
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
         let target = self.tree_type(to);
         if value.ty == target {
             // It costs what a conversion costs even where nothing changes.
             return match value.kind {
-                ExprKind::Constant(_) => Operand::Value(value, to),
-                _ => Operand::Value(Expr { kind: ExprKind::Convert(Box::new(value)), ty: target, at }, to),
+                ExprKind::Constant(_) => LiteralOperand::Value(value, to),
+                _ => LiteralOperand::Value(
+                    Expr { kind: ExprKind::Convert(Box::new(value)), ty: target, at },
+                    to,
+                ),
             };
         }
-        Operand::Value(self.converted(value, target), to)
+        LiteralOperand::Value(self.converted(value, target), to)
     }
 
-    fn side(&mut self, side: Side) -> TypeId {
+    fn side(&mut self, side: ConversionSide) -> TypeId {
         match side {
-            Side::Scalar(ty) => self.elementary(ty),
-            Side::String => self.intern(Type::Text { wide: false, length: TEXT_LIMIT }),
-            Side::Wstring => self.intern(Type::Text { wide: true, length: TEXT_LIMIT }),
+            ConversionSide::Scalar(ty) => self.elementary(ty),
+            ConversionSide::String => self.intern(Type::Text { wide: false, length: TEXT_LIMIT }),
+            ConversionSide::Wstring => self.intern(Type::Text { wide: true, length: TEXT_LIMIT }),
         }
     }
 
     /// What a conversion gives; texts as long as the longest number, or as what they come from.
-    fn conversion_target(&mut self, side: Side, from: TypeId) -> TypeId {
+    fn conversion_target(&mut self, side: ConversionSide, from: TypeId) -> TypeId {
         let wide = match side {
-            Side::Scalar(ty) => return self.elementary(ty),
-            Side::String => false,
-            Side::Wstring => true,
+            ConversionSide::Scalar(ty) => return self.elementary(ty),
+            ConversionSide::String => false,
+            ConversionSide::Wstring => true,
         };
         let length = match self.ty(from) {
             Type::Text { length, .. } => *length,
@@ -144,16 +152,18 @@ impl Sema<'_> {
     pub(super) fn library_call(
         &mut self,
         function: &'static Function,
-        operands: Vec<Operand>,
-        at: At,
-    ) -> Operand {
-        if operands.iter().any(|operand| matches!(operand, Operand::Wrong)) {
-            return Operand::Wrong;
+        operands: Vec<LiteralOperand>,
+        at: SourcePlace,
+    ) -> LiteralOperand {
+        if operands.iter().any(|operand| matches!(operand, LiteralOperand::Wrong)) {
+            return LiteralOperand::Wrong;
         }
         let accepts = |nth: usize| {
             function.parameters.get(nth).or(function.parameters.last()).map_or(Accepts::AnyReal, |(_, a)| *a)
         };
-        let Some(generic) = self.generic(function, &operands, &accepts, at) else { return Operand::Wrong };
+        let Some(generic) = self.generic(function, &operands, &accepts, at) else {
+            return LiteralOperand::Wrong;
+        };
         let scalar = self.scalar(generic).unwrap_or(Elementary::Bool);
         let wide = matches!(self.ty(generic), Type::Text { wide: true, .. });
         let mut values = Vec::with_capacity(operands.len());
@@ -167,7 +177,7 @@ impl Sema<'_> {
                 (Accepts::AnyInt, operand) if matches!(self.ty(generic), Type::Text { .. }) => {
                     let lint = self.elementary(Elementary::Lint);
                     match operand {
-                        Operand::Value(value, from)
+                        LiteralOperand::Value(value, from)
                             if self.scalar(from).is_some_and(Elementary::is_integer) =>
                         {
                             Some(self.widened(value, Ty::Scalar(Elementary::Lint)))
@@ -176,14 +186,14 @@ impl Sema<'_> {
                     }
                 }
                 (Accepts::AnyText, operand) => match operand {
-                    Operand::Text(own, _) if own != wide => self.give(operand, generic, at),
-                    Operand::Value(value, from) if matches!(self.ty(from), Type::Text { wide: own, .. } if *own == wide) => {
+                    LiteralOperand::Text(own, _) if own != wide => self.give(operand, generic, at),
+                    LiteralOperand::Value(value, from) if matches!(self.ty(from), Type::Text { wide: own, .. } if *own == wide) => {
                         Some(value)
                     }
-                    Operand::Text(..) => self.own_value(operand, at).map(|(value, _)| value),
+                    LiteralOperand::Text(..) => self.own_value(operand, at).map(|(value, _)| value),
                     operand => self.give(operand, generic, at),
                 },
-                (_, Operand::Value(value, from))
+                (_, LiteralOperand::Value(value, from))
                     if self.scalar(from).is_some() && self.scalar(generic).is_some() =>
                 {
                     let to = self.tree_type(generic);
@@ -193,7 +203,7 @@ impl Sema<'_> {
             };
             match value {
                 Some(value) => values.push(value),
-                None => return Operand::Wrong,
+                None => return LiteralOperand::Wrong,
             }
         }
         let result = match function.gives {
@@ -210,27 +220,27 @@ impl Sema<'_> {
                 })
                 .collect();
             if let (Some(cells), Some(ty)) = (cells, self.scalar(result)) {
-                return Operand::Value(self.constant(body(scalar, &cells), ty, at), result);
+                return LiteralOperand::Value(self.constant(body(scalar, &cells), ty, at), result);
             }
         }
         if self.context.constant {
             self.not_constant(at, "a constant is needed here");
-            return Operand::Wrong;
+            return LiteralOperand::Wrong;
         }
         let kind = ExprKind::Library(function, scalar, values);
-        Operand::Value(Expr { kind, ty: self.tree_type(result), at }, result)
+        LiteralOperand::Value(Expr { kind, ty: self.tree_type(result), at }, result)
     }
 
     /// The type that the generic parameters of a call share; BOOL where there are none.
     fn generic(
         &mut self,
         function: &'static Function,
-        operands: &[Operand],
+        operands: &[LiteralOperand],
         accepts: &dyn Fn(usize) -> Accepts,
-        at: At,
+        at: SourcePlace,
     ) -> Option<TypeId> {
         let text = (0..operands.len()).any(|nth| accepts(nth) == Accepts::AnyText);
-        let mut common: Option<Operand> = None;
+        let mut common: Option<LiteralOperand> = None;
         for (nth, operand) in operands.iter().enumerate() {
             let generic = match accepts(nth) {
                 Accepts::Exact(_) => false,
@@ -245,7 +255,7 @@ impl Sema<'_> {
                 Some(so_far) => match self.common(&so_far, operand) {
                     Some(ty) => {
                         let expr = Expr { kind: ExprKind::Constant(0), ty: self.tree_type(ty), at };
-                        Some(Operand::Value(expr, ty))
+                        Some(LiteralOperand::Value(expr, ty))
                     }
                     None => {
                         let (a, b) = (self.own_type(&so_far), self.own_type(operand));

@@ -65,7 +65,7 @@ pub(super) struct Enumeration {
 
 /// A member of a structure.
 #[derive(Clone, Debug)]
-pub(super) struct Field {
+pub(super) struct TypeField {
     pub key: Key,
     pub name: String,
     pub ty: TypeId,
@@ -76,7 +76,7 @@ pub(super) struct Field {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Structure {
     pub name: String,
-    pub fields: Vec<Field>,
+    pub fields: Vec<TypeField>,
     pub size: u32,
     pub align: u32,
     /// Levels of what it contains.
@@ -87,7 +87,7 @@ pub(super) struct Structure {
 
 /// Bytes of a type with what they begin at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Layout {
+pub(super) struct TypeLayout {
     pub size: u32,
     pub align: u32,
 }
@@ -136,41 +136,44 @@ impl Sema<'_> {
         }
     }
 
-    pub(super) fn layout(&self, id: TypeId) -> Layout {
+    pub(super) fn layout(&self, id: TypeId) -> TypeLayout {
         match self.ty(id) {
-            Type::Wrong => Layout { size: 1, align: 1 },
-            Type::Elementary(ty) => Layout { size: ty.bytes() as u32, align: ty.bytes() as u32 },
+            Type::Wrong => TypeLayout { size: 1, align: 1 },
+            Type::Elementary(ty) => TypeLayout { size: ty.bytes() as u32, align: ty.bytes() as u32 },
             Type::Text { wide, length } => {
                 let unit = 1 + u32::from(*wide);
-                Layout { size: (length + 1) * unit, align: unit }
+                TypeLayout { size: (length + 1) * unit, align: unit }
             }
             Type::Enumeration(_) | Type::Subrange { .. } => {
                 let bytes = self.scalar(id).map_or(1, |ty| ty.bytes() as u32);
-                Layout { size: bytes, align: bytes }
+                TypeLayout { size: bytes, align: bytes }
             }
             Type::Array { dimensions, of } => {
                 let element = self.layout(*of);
                 let count = elements(dimensions);
                 let size = count.saturating_mul(u64::from(stride(element))).min(u64::from(u32::MAX / 2));
-                Layout { size: size as u32, align: element.align }
+                TypeLayout { size: size as u32, align: element.align }
             }
-            Type::Structure(place) => self
-                .structures
-                .get(*place as usize)
-                .map_or(Layout { size: 1, align: 1 }, |s| Layout { size: s.size, align: s.align.max(1) }),
-            Type::Block(place) => self
-                .pous
-                .get(*place as usize)
-                .map_or(Layout { size: 8, align: 8 }, |pou| Layout { size: pou.size.max(4), align: 8 }),
+            Type::Structure(place) => {
+                self.structures.get(*place as usize).map_or(TypeLayout { size: 1, align: 1 }, |s| {
+                    TypeLayout { size: s.size, align: s.align.max(1) }
+                })
+            }
+            Type::Block(place) => {
+                self.pous.get(*place as usize).map_or(TypeLayout { size: 8, align: 8 }, |pou| TypeLayout {
+                    size: pou.size.max(4),
+                    align: 8,
+                })
+            }
             Type::Native(place) => self
                 .native_layouts
                 .get(usize::from(*place))
-                .map_or(Layout { size: 8, align: 8 }, |(_, size)| Layout { size: *size, align: 8 }),
+                .map_or(TypeLayout { size: 8, align: 8 }, |(_, size)| TypeLayout { size: *size, align: 8 }),
             Type::Pointer(_)
             | Type::RefTo(_)
             | Type::Reference(_)
             | Type::Interface(_)
-            | Type::Open { .. } => Layout { size: 4, align: 4 },
+            | Type::Open { .. } => TypeLayout { size: 4, align: 4 },
         }
     }
 
@@ -185,7 +188,7 @@ impl Sema<'_> {
     }
 
     /// Whether what contains a variable of this type is not too deep; reports where it is.
-    pub(super) fn check_depth(&mut self, id: TypeId, at: crate::findings::At) -> bool {
+    pub(super) fn check_depth(&mut self, id: TypeId, at: crate::findings::SourcePlace) -> bool {
         if self.type_depth(id) < super::TYPE_DEPTH {
             return true;
         }
@@ -372,6 +375,6 @@ pub(super) fn elements(dimensions: &[(i64, i64)]) -> u64 {
 }
 
 /// Bytes from one element to the next.
-pub(super) fn stride(element: Layout) -> u32 {
+pub(super) fn stride(element: TypeLayout) -> u32 {
     element.size.next_multiple_of(element.align.max(1))
 }

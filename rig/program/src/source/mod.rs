@@ -30,7 +30,7 @@ pub fn source(name: &str, bytes: &[u8]) -> Result<SourceFile, Diagnostic> {
 
 /// Why there is no Structured Text in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Fault {
+struct SourceFault {
     /// Bytes before it.
     at: usize,
     what: &'static str,
@@ -39,9 +39,9 @@ struct Fault {
     language: bool,
 }
 
-impl Fault {
-    const fn new(at: usize, what: &'static str) -> Fault {
-        Fault { at, what, help: "export it again, or give the text of the unit alone", language: false }
+impl SourceFault {
+    const fn new(at: usize, what: &'static str) -> SourceFault {
+        SourceFault { at, what, help: "export it again, or give the text of the unit alone", language: false }
     }
 }
 

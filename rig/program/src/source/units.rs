@@ -2,7 +2,7 @@
 //! an element for each unit, method, property and action, whose declaration and body stand apart. They become one text
 //! in which every line has the number that it has in the file.
 
-use super::Fault;
+use super::SourceFault;
 use super::xml::{Event, read};
 use crate::parse::first_word;
 
@@ -26,12 +26,12 @@ fn known(name: &str) -> &str {
 }
 
 /// The text of the units in a document.
-pub(super) fn structured_text(text: &str) -> Result<String, Fault> {
+pub(super) fn structured_text(text: &str) -> Result<String, SourceFault> {
     let mut taken = Taken { file: text, ..Taken::default() };
     read(text, |event, at| taken.take(event, at))?;
     if !taken.found {
         let help = "TwinCAT's files and PLCopen exports of CODESYS, with declarations as text, are read";
-        return Err(Fault { help, ..Fault::new(0, "there is no Structured Text in this XML") });
+        return Err(SourceFault { help, ..SourceFault::new(0, "there is no Structured Text in this XML") });
     }
     if !taken.pending.is_empty() {
         taken.part();
@@ -58,7 +58,7 @@ struct Taken<'t> {
 }
 
 impl<'t> Taken<'t> {
-    fn take(&mut self, event: Event<'t>, at: usize) -> Result<(), Fault> {
+    fn take(&mut self, event: Event<'t>, at: usize) -> Result<(), SourceFault> {
         match event {
             Event::Break => {
                 self.text.push('\n');
@@ -99,7 +99,7 @@ impl<'t> Taken<'t> {
         self.declared.last_mut().is_some_and(|declared| !std::mem::replace(declared, true))
     }
 
-    fn opened(&mut self, name: &str, given: &str, at: usize) -> Result<(), Fault> {
+    fn opened(&mut self, name: &str, given: &str, at: usize) -> Result<(), SourceFault> {
         if self.open.last() == Some(&"POU") && matches!(name, "Method" | "Action" | "Property" | "Transition")
         {
             self.close_unit();
@@ -108,7 +108,7 @@ impl<'t> Taken<'t> {
             && self.open.contains(&"Implementation")
         {
             let what = "this body is not in Structured Text";
-            return Err(Fault { at, what, help: "write the body in Structured Text", language: true });
+            return Err(SourceFault { at, what, help: "write the body in Structured Text", language: true });
         }
         match name {
             "Action" => self.pending.push(format!("ACTION {given}:")),

@@ -1,6 +1,6 @@
 //! Just enough of XML: elements, their texts, the five entities and numbers.
 
-use super::Fault;
+use super::SourceFault;
 
 /// A piece of a document, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,30 +20,30 @@ const DEPTH: usize = 100;
 /// Reads a document and gives its pieces to `take`, each with its place and the characters before it in its line.
 pub(super) fn read<'t>(
     text: &'t str,
-    mut take: impl FnMut(Event<'t>, usize) -> Result<(), Fault>,
-) -> Result<(), Fault> {
+    mut take: impl FnMut(Event<'t>, usize) -> Result<(), SourceFault>,
+) -> Result<(), SourceFault> {
     let mut open: Vec<&str> = Vec::new();
     let mut at = 0;
     while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {
         let start = at;
         if let Some(body) = rest.strip_prefix("<![CDATA[") {
-            let end = body.find("]]>").ok_or(Fault::new(start, "CDATA is not closed"))?;
+            let end = body.find("]]>").ok_or(SourceFault::new(start, "CDATA is not closed"))?;
             take(Event::Text(body.get(..end).unwrap_or("").to_owned()), start + 9)?;
             at += 9 + end + 3;
         } else if rest.starts_with("<!--") || rest.starts_with("<?") || rest.starts_with("<!") {
             let close = if rest.starts_with("<!--") { "-->" } else { ">" };
-            let end = rest.find(close).ok_or(Fault::new(start, "a remark is not closed"))?;
+            let end = rest.find(close).ok_or(SourceFault::new(start, "a remark is not closed"))?;
             at += end + close.len();
             breaks(text, start, at, &mut take)?;
         } else if let Some(tag) = rest.strip_prefix('<') {
-            let end = tag_end(tag).ok_or(Fault::new(start, "a tag is not closed"))?;
+            let end = tag_end(tag).ok_or(SourceFault::new(start, "a tag is not closed"))?;
             let tag = tag.get(..end).unwrap_or("");
             at += end + 2;
             breaks(text, start, at, &mut take)?;
             if let Some(name) = tag.strip_prefix('/') {
                 let name = local(name.trim_end());
                 if open.pop() != Some(name) {
-                    return Err(Fault::new(start, "this tag closes nothing"));
+                    return Err(SourceFault::new(start, "this tag closes nothing"));
                 }
                 take(Event::Close(name), start)?;
                 continue;
@@ -57,7 +57,7 @@ pub(super) fn read<'t>(
                 open.push(name);
             }
             if open.len() > DEPTH {
-                return Err(Fault::new(start, "elements stand too deep inside each other"));
+                return Err(SourceFault::new(start, "elements stand too deep inside each other"));
             }
         } else {
             let end = rest.find('<').unwrap_or(rest.len());
@@ -70,7 +70,7 @@ pub(super) fn read<'t>(
             }
         }
     }
-    if open.is_empty() { Ok(()) } else { Err(Fault::new(text.len(), "an element is not closed")) }
+    if open.is_empty() { Ok(()) } else { Err(SourceFault::new(text.len(), "an element is not closed")) }
 }
 
 /// Line breaks that belong to no text.
@@ -78,8 +78,8 @@ fn breaks<'t>(
     text: &str,
     from: usize,
     to: usize,
-    take: &mut impl FnMut(Event<'t>, usize) -> Result<(), Fault>,
-) -> Result<(), Fault> {
+    take: &mut impl FnMut(Event<'t>, usize) -> Result<(), SourceFault>,
+) -> Result<(), SourceFault> {
     let skipped = text.get(from..to).unwrap_or("");
     skipped.match_indices('\n').try_for_each(|(at, _)| take(Event::Break, from + at))
 }

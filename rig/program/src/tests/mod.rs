@@ -7,7 +7,7 @@ mod random;
 mod slices;
 
 use crate::assemble::finish;
-use crate::code::{Base, Op, Operand, Statement, Step, Unit, map};
+use crate::code::{AddressBase, Op, Operand, Statement, Step, Unit, map};
 use crate::host::{Host, Slice, Stop};
 use crate::machine::Machine;
 use crate::program::{Program, Retained, Retention};
@@ -17,19 +17,19 @@ use signal::{Address, AddressLimits, Area, Image, Span, Time};
 use std::sync::Arc;
 
 pub fn at(offset: u32) -> u32 {
-    Operand::new(Base::Absolute, offset).0
+    Operand::new(AddressBase::Absolute, offset).0
 }
 
 pub fn this(offset: u32) -> u32 {
-    Operand::new(Base::This, offset).0
+    Operand::new(AddressBase::This, offset).0
 }
 
 pub fn frame(offset: u32) -> u32 {
-    Operand::new(Base::Frame, offset).0
+    Operand::new(AddressBase::Frame, offset).0
 }
 
 pub fn via(offset: u32) -> u32 {
-    Operand::new(Base::Indirect, offset).0
+    Operand::new(AddressBase::Indirect, offset).0
 }
 
 /// A program under construction: constants, variables, units in the order of their code.

@@ -2,7 +2,8 @@
 
 use super::{Board, Builder, at, frame, this, via};
 use crate::code::{
-    Class, IndexOf, LibraryArgument, LibraryCall, LibraryCode, Op, Operand, Statement, Step, TextAt, TextPair,
+    IndexOf, LibraryArgument, LibraryCall, LibraryCode, ObjectClass, Op, Operand, Statement, Step, TextAt,
+    TextPair,
 };
 use crate::host::Stop;
 use crate::machine::Machine;
@@ -111,7 +112,7 @@ prop_compose! {
             build.program.units[usize::from(unit)].entry = entry;
         }
         build.program.natives = crate::native::STANDARD.iter().collect();
-        build.program.classes = vec![Class { methods, kinds: vec![0, 2] }; 2];
+        build.program.classes = vec![ObjectClass { methods, kinds: vec![0, 2] }; 2];
         build.program.texts = texts.into_iter().map(|(to, of)| TextPair { to, of }).collect();
         build.program.library = library;
         build.program.indexes = indexes

@@ -1,7 +1,7 @@
 //! Slices, watches and faults.
 
 use super::{Board, Builder, at, cycle, done, frame, this, via};
-use crate::code::{Class, IndexOf, Op::*, Operand, TextAt, TextPair};
+use crate::code::{IndexOf, ObjectClass, Op::*, Operand, TextAt, TextPair};
 use crate::host::{Fault, FaultKind, Stop};
 use crate::machine::Machine;
 use crate::program::VarRef;
@@ -306,7 +306,7 @@ fn methods_are_found_by_the_class() {
     let objects = [1u32, 2].map(|class| build.variable(&[class.to_le_bytes(), [0; 4]].concat()));
     let pointer = build.variable(&objects[1].to_le_bytes());
     let is = build.variable(&[9, 9]);
-    let class = |unit, kinds: &[u32]| Class { methods: vec![None, Some(unit)], kinds: kinds.into() };
+    let class = |unit, kinds: &[u32]| ObjectClass { methods: vec![None, Some(unit)], kinds: kinds.into() };
     build.program.classes = vec![class(1, &[0]), class(2, &[0, 3])];
     build.program("MAIN", &[1, 2]);
     build.op(FrameVirtual, 1, at(pointer), 0);

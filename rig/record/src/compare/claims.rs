@@ -5,7 +5,7 @@ use crate::{CaseRecord, Figure, Verdict};
 use std::collections::BTreeMap;
 
 /// A claim or measurement, as far as it is compared.
-struct Entry<'a> {
+struct ClaimEntry<'a> {
     verdict: Verdict,
     margin: Option<&'a Figure>,
     /// How much of the margin is not known, in its unit.
@@ -15,7 +15,7 @@ struct Entry<'a> {
 }
 
 /// Entries by kind, name and turn: names need not be unique in a case.
-type Entries<'a> = BTreeMap<(bool, &'a str, usize), Entry<'a>>;
+type Entries<'a> = BTreeMap<(bool, &'a str, usize), ClaimEntry<'a>>;
 
 /// Adds what changed in a case that is in both runs.
 pub(super) fn compare(was: &CaseRecord, is: &CaseRecord, thresholds: &Thresholds, found: &mut Comparison) {
@@ -52,7 +52,7 @@ fn entries(case: &CaseRecord) -> Entries<'_> {
     for claim in &case.claims {
         let unknown = claim.uncertainty.as_ref();
         let unknown = unknown.filter(|u| claim.margin.as_ref().is_some_and(|m| m.unit == u.unit));
-        let entry = Entry {
+        let entry = ClaimEntry {
             verdict: claim.verdict,
             margin: claim.margin.as_ref(),
             unknown: unknown.map_or(0.0, |u| u.value.abs()),
@@ -62,7 +62,7 @@ fn entries(case: &CaseRecord) -> Entries<'_> {
         all.insert((false, claim.name.as_str(), turn(false, claim.name.as_str())), entry);
     }
     for m in &case.measurements {
-        let entry = Entry {
+        let entry = ClaimEntry {
             verdict: m.verdict,
             margin: m.margin.as_ref(),
             unknown: m.value.map_or(0.0, |[low, high]| high - low),
@@ -79,8 +79,8 @@ fn entries(case: &CaseRecord) -> Entries<'_> {
 fn eroded(
     case: &CaseRecord,
     name: &str,
-    old: &Entry<'_>,
-    new: &Entry<'_>,
+    old: &ClaimEntry<'_>,
+    new: &ClaimEntry<'_>,
     thresholds: &Thresholds,
 ) -> Option<Erosion> {
     let (was, is) = (old.margin?, new.margin?);
@@ -99,7 +99,7 @@ fn eroded(
     })
 }
 
-fn moved(case: &CaseRecord, name: &str, old: &Entry<'_>, new: &Entry<'_>) -> Option<Move> {
+fn moved(case: &CaseRecord, name: &str, old: &ClaimEntry<'_>, new: &ClaimEntry<'_>) -> Option<Move> {
     let (was, is) = (old.value?, new.value?);
     let apart = was[1] < is[0] || is[1] < was[0];
     (apart && old.unit == new.unit).then(|| Move {

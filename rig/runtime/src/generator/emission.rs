@@ -129,7 +129,7 @@ impl Generator {
 mod tests {
     use super::*;
     use crate::generator::{Curve, Shape};
-    use plans::steps::Cycle;
+    use plans::steps::ExactPeriod;
 
     const fn us(n: i64) -> Span {
         Span::from_micros(n)
@@ -145,7 +145,7 @@ mod tests {
 
     /// 25 kHz of which a quarter is high.
     fn square(lasts: Option<Span>) -> Generator {
-        let cycle = Cycle::of_millihertz(25_000_000);
+        let cycle = ExactPeriod::of_millihertz(25_000_000);
         let shape = Shape::Square { band: None, cycle, phase: 0, duty: 90_000_000 };
         Generator::Wave { channel: ChannelId(0), curve: Curve { shape, lasts, sample: us(1) } }
     }

@@ -15,7 +15,7 @@ pub use sequence::{Rows, TableValue};
 pub use wave::{Curve, Form, Shape};
 
 use drivers::{BusId, ChannelId, Emission, Frame};
-use plans::steps::{Encoder, SendFrames, Train};
+use plans::steps::{Encoder, SendFrames, TrainStimulus};
 use signal::{Random, Span, Value};
 
 /// A stimulus under way.
@@ -26,7 +26,7 @@ pub enum Generator {
         /// Where it is emitted.
         channel: ChannelId,
         /// The pulses.
-        train: Train,
+        train: TrainStimulus,
         /// What its jitter is drawn from.
         seed: u64,
     },
@@ -179,7 +179,7 @@ impl Generator {
 }
 
 /// From the beginning of a train to an edge of its pulse `n` from 1.
-fn pulse_edge(train: &Train, seed: u64, n: u32, rising: bool) -> Span {
+fn pulse_edge(train: &TrainStimulus, seed: u64, n: u32, rising: bool) -> Span {
     let nominal = if rising { train.rises(n) } else { train.falls(n) };
     if train.jitter == Span::ZERO {
         return nominal;

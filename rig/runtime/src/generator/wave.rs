@@ -1,7 +1,7 @@
 //! Waves: which value a channel gets at which instant.
 
 use super::band::{Band, quotient};
-use plans::steps::Cycle;
+use plans::steps::ExactPeriod;
 use signal::{Random, Span, Value};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -39,8 +39,8 @@ pub enum Shape {
         /// From the least to the greatest value.
         band: Band,
         /// The period.
-        cycle: Cycle,
-        /// Where in the period it begins, in parts of [`plans::steps::Periodic::WHOLE`].
+        cycle: ExactPeriod,
+        /// Where in the period it begins, in parts of [`plans::steps::PeriodicWave::WHOLE`].
         phase: u32,
         /// Whether it ends with a whole period.
         whole: bool,
@@ -50,7 +50,7 @@ pub enum Shape {
         /// From low to high.
         band: Option<Band>,
         /// The period.
-        cycle: Cycle,
+        cycle: ExactPeriod,
         /// Where in the period it begins, as above.
         phase: u32,
         /// The high part of the period, as above.
@@ -77,7 +77,7 @@ pub enum Form {
 }
 
 /// A period in the parts of a phase.
-const WHOLE: u128 = plans::steps::Periodic::WHOLE as u128;
+const WHOLE: u128 = plans::steps::PeriodicWave::WHOLE as u128;
 
 impl Curve {
     /// How long after the beginning value `n` from 0 comes; `None` behind the last.
@@ -213,8 +213,13 @@ mod tests {
 
     fn periodic(form: Form, phase: u32, lasts: Option<Span>, whole: bool) -> Curve {
         // 2 Hz in values every 25 ms: 20 of them in a period.
-        let shape =
-            Shape::Periodic { form, band: band(-1, 3), cycle: Cycle::of_millihertz(2_000), phase, whole };
+        let shape = Shape::Periodic {
+            form,
+            band: band(-1, 3),
+            cycle: ExactPeriod::of_millihertz(2_000),
+            phase,
+            whole,
+        };
         Curve { shape, lasts, sample: Span::from_millis(25) }
     }
 
@@ -275,7 +280,7 @@ mod tests {
     #[test]
     fn a_square_wave_has_its_edges_where_its_phase_puts_them() {
         let square = |phase: u32, duty: u32| {
-            let shape = Shape::Square { band: None, cycle: Cycle::of_millihertz(100_000), phase, duty };
+            let shape = Shape::Square { band: None, cycle: ExactPeriod::of_millihertz(100_000), phase, duty };
             let curve = Curve { shape, lasts: Some(Span::from_millis(20)), sample: Span::from_millis(10) };
             values(&curve).into_iter().map(|(at, value)| (at, value == Value::Bool(true))).collect::<Vec<_>>()
         };

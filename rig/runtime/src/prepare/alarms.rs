@@ -3,7 +3,7 @@
 use super::meaning::SignalMeanings;
 use document::Diagnostic;
 use plans::Case;
-use plans::alarm::Watch;
+use plans::alarm::AlarmWatch;
 use signal::{Kind, SignalId, SignalInfo, Trace};
 
 /// An alarm that is watched while its case runs.
@@ -16,7 +16,7 @@ pub struct ArmedAlarm {
     /// The mark of its being raised.
     pub mark: SignalId,
     /// Follows its condition.
-    pub watch: Watch,
+    pub watch: AlarmWatch,
     /// Whether the case ends when it is raised.
     pub ends: bool,
 }

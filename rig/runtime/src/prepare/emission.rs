@@ -6,8 +6,8 @@ use super::meaning::{Meaning, SignalMeanings};
 use crate::generator::{EmissionError, EmittedPulses, Generator, Shape};
 use document::Findings;
 use drivers::{ChannelId, Emission, NotEmitted, PulseCapability};
-use plans::Step;
-use plans::steps::{Periodic, Shape as Planned, Stimulus};
+use plans::PlanStep;
+use plans::steps::{PeriodicWave, Stimulus, WaveShape};
 use signal::{Area, Span};
 
 /// The channel of a line that makes pulses by itself, with what it can emit.
@@ -25,7 +25,7 @@ pub(super) fn emitting(
 /// levels is driven level by level by what is not made of pulses.
 pub(super) fn by_itself(
     generator: Generator,
-    step: &Step,
+    step: &PlanStep,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
     out: &mut Findings,
@@ -76,11 +76,11 @@ fn made(
     generator: &Generator,
     channel: ChannelId,
     emits: &PulseCapability,
-    step: &Step,
+    step: &PlanStep,
 ) -> Result<EmittedPulses, EmissionError> {
     let (lasts, counted) = match &step.stimulus {
         Stimulus::Wave(wave) => match &wave.shape {
-            Planned::Square { periodic: Periodic { count, .. }, .. } => (wave.lasts, count.is_some()),
+            WaveShape::Square { periodic: PeriodicWave { count, .. }, .. } => (wave.lasts, count.is_some()),
             _ => (wave.lasts, false),
         },
         stimulus => (Some(stimulus.duration()), true),
@@ -92,7 +92,7 @@ fn made(
         if *phase != 0 {
             return Err(EmissionError::Phase);
         }
-        let whole = u128::from(Periodic::WHOLE);
+        let whole = u128::from(PeriodicWave::WHOLE);
         let (period, high) = (cycle.after(1, 1), cycle.after(u128::from(*duty), whole));
         let emission = Emission::Square { period, high };
         emits.check(&emission).map_err(EmissionError::NotEmitted)?;
@@ -112,7 +112,7 @@ fn words(why: EmissionError) -> String {
     }
 }
 
-fn fix(why: EmissionError, emits: &PulseCapability, step: &Step) -> String {
+fn fix(why: EmissionError, emits: &PulseCapability, step: &PlanStep) -> String {
     let square = matches!(step.stimulus, Stimulus::Wave(_));
     match why {
         EmissionError::NotEmitted(NotEmitted::Short(_)) => {

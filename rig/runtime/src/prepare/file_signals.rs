@@ -5,7 +5,7 @@ use crate::observable::Observable;
 use controller::{FileProbe, Probe, RegisterProbe, RelocationPart};
 use document::Findings;
 use plans::Case;
-use plans::signals::{FileFigure, RowFigure, SignalBinding, Source};
+use plans::signals::{FileFigure, RowFigure, SignalBinding, SignalSource};
 use signal::Kind;
 
 /// What a bound name is, where it stands for files, the log or registers: these the subject has to be told of.
@@ -18,8 +18,8 @@ pub(super) fn observable(
     let mut ask = |fact, kind| Observable { probe: bench.subject.file_probe(fact), kind };
     let register = |fact, kind| Observable { probe: Probe::Register(fact), kind };
     let found = match &binding.source {
-        Source::Log(text) => ask(FileProbe::Log(text.clone()), Kind::Int),
-        Source::File { path, asks } => {
+        SignalSource::Log(text) => ask(FileProbe::Log(text.clone()), Kind::Int),
+        SignalSource::File { path, asks } => {
             let path = path.clone();
             match asks {
                 FileFigure::Exists => ask(FileProbe::Exists(path), Kind::Bool),
@@ -28,13 +28,13 @@ pub(super) fn observable(
                 FileFigure::Lost => ask(FileProbe::Lost(path), Kind::Int),
             }
         }
-        Source::Register { register: number, exception: false } => {
+        SignalSource::Register { register: number, exception: false } => {
             register(RegisterProbe::Value(*number), Kind::Word)
         }
-        Source::Register { register: number, exception: true } => {
+        SignalSource::Register { register: number, exception: true } => {
             register(RegisterProbe::Exception(*number), Kind::Int)
         }
-        Source::Relocation { row, figure } => {
+        SignalSource::Relocation { row, figure } => {
             let parts =
                 [RelocationPart::Read, RelocationPart::Write].into_iter().zip(&case.settings.relocation);
             let mut places = parts.filter_map(|(part, rows)| {

@@ -7,9 +7,9 @@ use crate::observable::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
 use drivers::{BoardKind, Channel, ChannelId, FaultKind};
-use plans::Step;
+use plans::PlanStep;
 use plans::lang::Literal;
-use plans::steps::FaultKind as PlannedFault;
+use plans::steps::LineFault;
 use signal::{Area, Level, Span, Value};
 
 /// The code of pulses that the board does not promise: a case with such a step gets no verdict.
@@ -19,7 +19,7 @@ pub(crate) const NOT_PROMISED: &str = "R0315";
 pub(super) fn line(
     name: &str,
     names: &SignalMeanings<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<ChannelId> {
     if let Some(Meaning::Channel(channel, _)) = names.meaning(name) {
@@ -43,7 +43,7 @@ pub(super) fn driven(
     name: &str,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<ChannelId> {
     let channel = line(name, names, step, out)?;
@@ -74,7 +74,7 @@ pub(super) fn terminal(
     name: &str,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Terminal> {
     let address = match names.meaning(name)? {
@@ -107,17 +107,17 @@ fn value_on(literal: &Literal, channel: &Channel) -> Option<Value> {
 }
 
 /// A planned fault as a channel takes it; `None` where its value does not fit.
-pub(crate) fn fault_on(kind: &PlannedFault, channel: &Channel) -> Option<FaultKind> {
+pub(crate) fn fault_on(kind: &LineFault, channel: &Channel) -> Option<FaultKind> {
     Some(match kind {
-        PlannedFault::Stuck(value) => FaultKind::StuckAt(value_on(value, channel)?),
-        PlannedFault::Open => FaultKind::Open,
-        PlannedFault::ShortToGround => FaultKind::ShortToGround,
-        PlannedFault::ShortToSupply => FaultKind::ShortToSupply,
-        PlannedFault::Glitch { value, width } => {
+        LineFault::Stuck(value) => FaultKind::StuckAt(value_on(value, channel)?),
+        LineFault::Open => FaultKind::Open,
+        LineFault::ShortToGround => FaultKind::ShortToGround,
+        LineFault::ShortToSupply => FaultKind::ShortToSupply,
+        LineFault::Glitch { value, width } => {
             FaultKind::Glitch { value: value_on(value, channel)?, width: *width }
         }
-        PlannedFault::Late(delay) => FaultKind::Late(*delay),
-        PlannedFault::Lost => FaultKind::Lost,
+        LineFault::Late(delay) => FaultKind::Late(*delay),
+        LineFault::Lost => FaultKind::Lost,
     })
 }
 
@@ -126,7 +126,7 @@ pub(super) fn value_for(
     literal: &Literal,
     channel: ChannelId,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Value> {
     let channel = &bench.board.channels()[usize::from(channel.0)];
@@ -146,13 +146,13 @@ pub(super) fn value_for(
 }
 
 pub(super) fn fault_kind(
-    kind: &PlannedFault,
+    kind: &LineFault,
     channel: ChannelId,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<FaultKind> {
-    if let PlannedFault::Stuck(value) | PlannedFault::Glitch { value, .. } = kind {
+    if let LineFault::Stuck(value) | LineFault::Glitch { value, .. } = kind {
         value_for(value, channel, bench, step, out)?;
     }
     let channel = &bench.board.channels()[usize::from(channel.0)];
@@ -174,7 +174,7 @@ pub(super) fn warn_if_too_fast(
     channel: ChannelId,
     millihertz: u64,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) {
     let Some(hertz) = bench.profile.regular_input_hertz() else { return };
@@ -195,7 +195,7 @@ pub(super) fn warn_if_not_promised(
     channel: ChannelId,
     shortest: Span,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) {
     let channel = &bench.board.channels()[usize::from(channel.0)];

@@ -5,7 +5,7 @@ use crate::observable::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
 use drivers::{BoardExt, ChannelId};
-use plans::signals::{SignalBinding, Source, TaskFigure};
+use plans::signals::{SignalBinding, SignalSource, TaskFigure};
 use signal::{Address, Kind, SignalId};
 
 /// What a name turned out to be.
@@ -23,7 +23,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
     let at = binding.span.clone();
     let inside = |name: &str| bench.subject.observable(name).map(Meaning::Inside);
     let found = match &binding.source {
-        Source::Line(address) => {
+        SignalSource::Line(address) => {
             let channel = bench.file.channel_of(*address);
             channel.map(|channel| Meaning::Channel(channel, Some(*address))).or_else(|| {
                 // A terminal that the reference does not have is no line; nor is one that the board leaves open.
@@ -35,7 +35,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
                 None
             })?
         }
-        Source::Memory(address) | Source::Image(address) => {
+        SignalSource::Memory(address) | SignalSource::Image(address) => {
             let limits = bench.profile.address_limits();
             if let Err(error) = address.check(&limits) {
                 out.error("R0112", at, error.to_string(), "");
@@ -43,7 +43,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
             }
             inside(&address.to_string())?
         }
-        Source::Channel(name) => match bench.board.find(name) {
+        SignalSource::Channel(name) => match bench.board.find(name) {
             Some(channel) => Meaning::Channel(channel, None),
             None => {
                 let channels = bench.board.channels().iter().map(|channel| channel.name.as_str());
@@ -52,7 +52,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
                 return None;
             }
         },
-        Source::Path(path) => {
+        SignalSource::Path(path) => {
             let channel = || bench.board.find(path).map(|channel| Meaning::Channel(channel, None));
             let Some(found) = inside(path).or_else(channel) else {
                 if let Some((message, help)) = element(path, bench) {
@@ -69,7 +69,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
             };
             found
         }
-        Source::Task { task, figure } => {
+        SignalSource::Task { task, figure } => {
             let Some(place) = bench.subject.task(task) else {
                 out.error("R0105", at, format!("there is no task `{task}`"), known_tasks(task, bench));
                 return None;
@@ -79,12 +79,12 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
             Meaning::Inside(Observable { probe, kind })
         }
         // These were looked at before.
-        Source::Log(_)
-        | Source::File { .. }
-        | Source::Register { .. }
-        | Source::Relocation { .. }
-        | Source::Frames(_)
-        | Source::FrameSignal(_) => {
+        SignalSource::Log(_)
+        | SignalSource::File { .. }
+        | SignalSource::Register { .. }
+        | SignalSource::Relocation { .. }
+        | SignalSource::Frames(_)
+        | SignalSource::FrameSignal(_) => {
             return None;
         }
     };

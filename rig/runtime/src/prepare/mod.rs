@@ -21,7 +21,7 @@ use document::{Diagnostic, Findings};
 use drivers::{Board, BoardFile};
 use meaning::{Meaning, SignalMeanings, meaning};
 use plans::Case;
-use plans::signals::{SignalBinding, Source};
+use plans::signals::{SignalBinding, SignalSource};
 use plans::steps::{CasePart, ProgramRef};
 use plans::steps::{Question, Stimulus};
 use profile::{Profile, Reference};
@@ -235,13 +235,13 @@ impl Signals {
         out: &mut Findings,
     ) -> bool {
         let pattern = match &binding.source {
-            Source::Frames(pattern) => &**pattern,
-            Source::FrameSignal(source) => &source.pattern,
+            SignalSource::Frames(pattern) => &**pattern,
+            SignalSource::FrameSignal(source) => &source.pattern,
             _ => return false,
         };
         let Some((bus, known)) = frames::find(bench.board, &pattern.bus) else { return true };
         let info = match &binding.source {
-            Source::FrameSignal(source) => frames::value_info(&binding.name, source, known),
+            SignalSource::FrameSignal(source) => frames::value_info(&binding.name, source, known),
             _ => frames::count_info(&binding.name, known),
         };
         let Some(policy) = policy(binding, &info, 0.0, out) else { return true };
@@ -250,7 +250,7 @@ impl Signals {
         wiring.follow(
             bus,
             match &binding.source {
-                Source::FrameSignal(source) => Watch::reading(signal, source),
+                SignalSource::FrameSignal(source) => Watch::reading(signal, source),
                 _ => Watch::counting(signal, Arc::new(pattern.clone())),
             },
         );

@@ -2,7 +2,7 @@
 
 use document::Findings;
 use drivers::{Channel, ChannelKind, TimestampSource};
-use plans::signals::{Recording, SignalBinding};
+use plans::signals::{RecordingPolicy, SignalBinding};
 use signal::{ClockDomain, Kind, Policy, Sampling, SignalId, SignalInfo, Trace, TraceError, Value};
 
 /// Which changes of a bound signal the trace keeps. `own` is the deadband that its channel has on the board: what is
@@ -14,16 +14,16 @@ pub(super) fn policy(
     out: &mut Findings,
 ) -> Option<Policy> {
     let band = match &binding.recording {
-        Recording::Changes if own > 0.0 => return Some(Policy::Deadband(own)),
+        RecordingPolicy::Changes if own > 0.0 => return Some(Policy::Deadband(own)),
         _ if own > 0.0 => {
             let message =
                 format!("`{}` has a deadband of {own} {} on its board already", info.name, info.unit);
             out.error("R0115", binding.span.clone(), message, "keep one: the board file's or the plan's");
             return None;
         }
-        Recording::Changes => return Some(Policy::Changes),
-        Recording::AtMostEvery(span) => return Some(Policy::AtMostEvery(*span)),
-        Recording::Deadband(band) => band,
+        RecordingPolicy::Changes => return Some(Policy::Changes),
+        RecordingPolicy::AtMostEvery(span) => return Some(Policy::AtMostEvery(*span)),
+        RecordingPolicy::Deadband(band) => band,
     };
     let (message, help) = match (info.kind, plans::value_of(band, info).ok().and_then(Value::as_real)) {
         (Kind::Int | Kind::Word | Kind::Real, Some(band)) if band > 0.0 && band.is_finite() => {

@@ -9,14 +9,14 @@ use controller::{Channel as Terminal, Command, DeviceReset, Disturbance, FAULT_B
 use document::Findings;
 use drivers::{BoardExt, Fault};
 use plans::lang::Literal;
-use plans::plan::Await;
+use plans::plan::StepCondition;
 use plans::steps::ProgramRef;
 use plans::steps::Stimulus;
-use plans::{Step, StepTime};
+use plans::{PlanStep, StepTime};
 use signal::{Address, Kind, SignalId, SignalInfo, Span, Trace, Value};
 
 pub(super) fn plan_step(
-    step: &Step,
+    step: &PlanStep,
     mark: SignalId,
     done: SignalId,
     names: &SignalMeanings<'_>,
@@ -101,19 +101,19 @@ pub(super) fn plan_step(
         }
         Stimulus::Command(command) => {
             let command = match command {
-                plans::steps::Command::Run => Command::Run,
-                plans::steps::Command::Stop => Command::Stop,
-                plans::steps::Command::ResetWarm => Command::ResetWarm,
-                plans::steps::Command::ResetCold => Command::ResetCold,
-                plans::steps::Command::Login => Command::LogIn,
-                plans::steps::Command::Logout => Command::LogOut { keep_forcing: false },
-                plans::steps::Command::LogoutKeepForcing => Command::LogOut { keep_forcing: true },
-                plans::steps::Command::IdentifyOn => Command::Identify(true),
-                plans::steps::Command::IdentifyOff => Command::Identify(false),
-                plans::steps::Command::ResetOrigin => Command::ResetOrigin,
-                plans::steps::Command::Reboot => Command::Reboot,
-                plans::steps::Command::CreateBootApplication => Command::CreateBootApplication,
-                plans::steps::Command::DeleteApplication => Command::DeleteApplication,
+                plans::steps::PlanCommand::Run => Command::Run,
+                plans::steps::PlanCommand::Stop => Command::Stop,
+                plans::steps::PlanCommand::ResetWarm => Command::ResetWarm,
+                plans::steps::PlanCommand::ResetCold => Command::ResetCold,
+                plans::steps::PlanCommand::Login => Command::LogIn,
+                plans::steps::PlanCommand::Logout => Command::LogOut { keep_forcing: false },
+                plans::steps::PlanCommand::LogoutKeepForcing => Command::LogOut { keep_forcing: true },
+                plans::steps::PlanCommand::IdentifyOn => Command::Identify(true),
+                plans::steps::PlanCommand::IdentifyOff => Command::Identify(false),
+                plans::steps::PlanCommand::ResetOrigin => Command::ResetOrigin,
+                plans::steps::PlanCommand::Reboot => Command::Reboot,
+                plans::steps::PlanCommand::CreateBootApplication => Command::CreateBootApplication,
+                plans::steps::PlanCommand::DeleteApplication => Command::DeleteApplication,
             };
             vec![(Span::ZERO, Act::Command(command, expected(step)))]
         }
@@ -208,7 +208,12 @@ pub(super) fn plan_step(
 
 /// The place of a source in its application: as a step names it, relative to the plan; the first one where it names
 /// none.
-fn source_file(name: Option<&str>, step: &Step, bench: &TestBench<'_>, out: &mut Findings) -> Option<u16> {
+fn source_file(
+    name: Option<&str>,
+    step: &PlanStep,
+    bench: &TestBench<'_>,
+    out: &mut Findings,
+) -> Option<u16> {
     let Some(name) = name else { return Some(0) };
     let known = bench.subject.source_files();
     let found = known.iter().find(|(_, known)| known == name || known.ends_with(&format!("/{name}")));
@@ -226,13 +231,13 @@ fn source_file(name: Option<&str>, step: &Step, bench: &TestBench<'_>, out: &mut
 
 /// What goes wrong, with its output found on the bench.
 fn disturbance(
-    what: plans::steps::Disturbance,
+    what: plans::steps::DisturbanceKind,
     on: bool,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Disturbance> {
-    use plans::steps::Disturbance as PlannedStep;
+    use plans::steps::DisturbanceKind;
     let mut output = |address: Address| match Terminal::at(address, bench.reference) {
         Some(Terminal::Output(output)) => Some(output),
         _ => {
@@ -242,13 +247,13 @@ fn disturbance(
         }
     };
     Some(match what {
-        PlannedStep::ShortCircuit(address) => Disturbance::ShortCircuit { output: output(address)?, on },
-        PlannedStep::OverTemperature(address) => {
+        DisturbanceKind::ShortCircuit(address) => Disturbance::ShortCircuit { output: output(address)?, on },
+        DisturbanceKind::OverTemperature(address) => {
             Disturbance::OverTemperature { output: output(address)?, on }
         }
-        PlannedStep::NoIoSupply => Disturbance::IoSupply(!on),
-        PlannedStep::External(bit) if FAULT_BITS.contains(&bit) => Disturbance::ExternalError { bit, on },
-        PlannedStep::External(bit) => {
+        DisturbanceKind::NoIoSupply => Disturbance::IoSupply(!on),
+        DisturbanceKind::External(bit) if FAULT_BITS.contains(&bit) => Disturbance::ExternalError { bit, on },
+        DisturbanceKind::External(bit) => {
             let bits: Vec<String> = FAULT_BITS.iter().map(u8::to_string).collect();
             let help = format!("the others are {}", bits.join(", "));
             out.error("R0107", step.span.clone(), format!("bit {bit} is reserved"), help);
@@ -260,7 +265,7 @@ fn disturbance(
 /// The bundle of the program that a step brings: of the case's own one where it names none.
 fn bundle(
     program: Option<&ProgramRef>,
-    step: &Step,
+    step: &PlanStep,
     bench: &TestBench<'_>,
     out: &mut Findings,
 ) -> Option<Vec<u8>> {
@@ -277,11 +282,16 @@ fn bundle(
     bundle.map(<[u8]>::to_vec)
 }
 
-const fn expected(step: &Step) -> Expected {
+const fn expected(step: &PlanStep) -> Expected {
     if step.refused { Expected::Refused } else { Expected::Obeyed }
 }
 
-fn awaited(awaits: &Await, info: &SignalInfo, step: &Step, out: &mut Findings) -> Option<AwaitedChange> {
+fn awaited(
+    awaits: &StepCondition,
+    info: &SignalInfo,
+    step: &PlanStep,
+    out: &mut Findings,
+) -> Option<AwaitedChange> {
     let mut value = |literal: &Literal| {
         let value = plans::value_of(literal, info).ok();
         if value.is_none() {
@@ -294,12 +304,12 @@ fn awaited(awaits: &Await, info: &SignalInfo, step: &Step, out: &mut Findings) -
         value
     };
     Some(match awaits {
-        Await::Becomes(literal) => AwaitedChange::Becomes(value(literal)?),
-        Await::Rises => AwaitedChange::Rises,
-        Await::Falls => AwaitedChange::Falls,
-        Await::Changes => AwaitedChange::Changes,
-        Await::Above(literal) => AwaitedChange::Above(value(literal)?.as_real()?),
-        Await::Below(literal) => AwaitedChange::Below(value(literal)?.as_real()?),
+        StepCondition::Becomes(literal) => AwaitedChange::Becomes(value(literal)?),
+        StepCondition::Rises => AwaitedChange::Rises,
+        StepCondition::Falls => AwaitedChange::Falls,
+        StepCondition::Changes => AwaitedChange::Changes,
+        StepCondition::Above(literal) => AwaitedChange::Above(value(literal)?.as_real()?),
+        StepCondition::Below(literal) => AwaitedChange::Below(value(literal)?.as_real()?),
     })
 }
 

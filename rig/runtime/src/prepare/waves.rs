@@ -8,8 +8,8 @@ use crate::frames;
 use crate::generator::{Band, Curve, Form, Generator, Rows, Shape, TableValue};
 use document::Findings;
 use drivers::ChannelId;
-use plans::Step;
-use plans::steps::{Encoder, Periodic, Sequence, Shape as Planned, Stimulus, Wave};
+use plans::PlanStep;
+use plans::steps::{Encoder, PeriodicWave, Sequence, Stimulus, Wave, WaveShape};
 use plans::table::Cell;
 use signal::{Decimal, Quantity, QuantityRange, Random, Unit, Value};
 
@@ -18,7 +18,7 @@ const INDEX: usize = 2;
 
 /// The generator of a step that has one: what the rig does, or what it has the board do.
 pub(super) fn generator(
-    step: &Step,
+    step: &PlanStep,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
     out: &mut Findings,
@@ -28,7 +28,7 @@ pub(super) fn generator(
 
 /// What the rig would write itself, edge by edge.
 fn by_rig(
-    step: &Step,
+    step: &PlanStep,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
     out: &mut Findings,
@@ -82,7 +82,7 @@ fn pulsed(
     name: &str,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<ChannelId> {
     match emitting(name, names, bench) {
@@ -97,7 +97,7 @@ fn values(
     column: usize,
     channel: ChannelId,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Vec<Option<TableValue>>> {
     let table = &sequence.table;
@@ -148,7 +148,7 @@ fn encoder_lines(
     encoder: &Encoder,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<[Option<ChannelId>; 3]> {
     let mut lines = [None; 3];
@@ -187,15 +187,15 @@ fn curve(
     wave: &Wave,
     channel: ChannelId,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Curve> {
-    let level = matches!(&wave.shape, Planned::Square { periodic: Periodic { range: None, .. }, .. });
+    let level = matches!(&wave.shape, WaveShape::Square { periodic: PeriodicWave { range: None, .. }, .. });
     if level != is_level(channel, bench) {
         let message = format!("`{}` has {}", wave.signal, carries(channel, bench));
         let help = match (level, &wave.shape) {
             (true, _) => "give the square wave a `range`, as in range = \"0 .. 10 V\"",
-            (false, Planned::Square { .. }) => "leave out the `range`: the wave is FALSE and TRUE then",
+            (false, WaveShape::Square { .. }) => "leave out the `range`: the wave is FALSE and TRUE then",
             _ => "a level is driven with `square`, `train`, `pulse` or `set`",
         };
         out.error("R0107", step.span.clone(), message, help);
@@ -207,19 +207,19 @@ fn curve(
         Some(Band::new(min?, max?))
     };
     let shape = match &wave.shape {
-        Planned::Ramp { from: Some(from), to } => {
+        WaveShape::Ramp { from: Some(from), to } => {
             let (from, to) = (number(from)?, number(to)?);
             Shape::Ramp { band: Band::new(from, to), fixed: true }
         }
-        Planned::Ramp { from: None, to } => {
+        WaveShape::Ramp { from: None, to } => {
             let to = number(to)?;
             Shape::Ramp { band: Band::new(to, to), fixed: false }
         }
-        Planned::Sine(periodic) => shape(Form::Sine, periodic, band(periodic.range.as_ref()?)?),
-        Planned::Triangle { periodic, rise } => {
+        WaveShape::Sine(periodic) => shape(Form::Sine, periodic, band(periodic.range.as_ref()?)?),
+        WaveShape::Triangle { periodic, rise } => {
             shape(Form::Triangle(*rise), periodic, band(periodic.range.as_ref()?)?)
         }
-        Planned::Square { periodic, duty } => Shape::Square {
+        WaveShape::Square { periodic, duty } => Shape::Square {
             band: match &periodic.range {
                 Some(range) => Some(band(range)?),
                 None => None,
@@ -227,9 +227,9 @@ fn curve(
             cycle: periodic.cycle,
             phase: periodic.phase,
             // The parts of a phase are finer by this.
-            duty: duty * (Periodic::WHOLE / 1_000_000),
+            duty: duty * (PeriodicWave::WHOLE / 1_000_000),
         },
-        Planned::Noise { range, deviation } => Shape::Noise {
+        WaveShape::Noise { range, deviation } => Shape::Noise {
             band: band(range)?,
             deviation: match deviation {
                 Some(deviation) => Some(number(deviation)?.as_f64()),
@@ -241,7 +241,7 @@ fn curve(
     Some(Curve { shape, lasts: wave.lasts, sample: wave.sample })
 }
 
-fn shape(form: Form, periodic: &Periodic, band: Band) -> Shape {
+fn shape(form: Form, periodic: &PeriodicWave, band: Band) -> Shape {
     Shape::Periodic {
         form,
         band,
@@ -256,7 +256,7 @@ fn in_unit(
     quantity: &Quantity,
     channel: ChannelId,
     bench: &TestBench<'_>,
-    step: &Step,
+    step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Decimal> {
     let unit = bench.board.channels()[usize::from(channel.0)].unit();

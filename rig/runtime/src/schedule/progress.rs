@@ -6,7 +6,7 @@
 use super::{Due, PlannedStep, Schedule, StepAnchor};
 use crate::generator::Generator;
 use drivers::ChannelId;
-use plans::plan::Repeat;
+use plans::plan::StepRepeat;
 use plans::steps::CasePart;
 use signal::{Span, Time, Value};
 use std::collections::BTreeMap;
@@ -61,7 +61,7 @@ impl Progress {
             open[parent] += 1;
         }
         let untils = steps.iter().enumerate().filter_map(|(step, planned)| match &planned.repeat {
-            Some(Repeat::Every { until: Some(until), .. }) => {
+            Some(StepRepeat::Every { until: Some(until), .. }) => {
                 Some((StepAnchor::of(&until.base, places), step, until.offset))
             }
             _ => None,
@@ -181,8 +181,8 @@ impl Schedule {
     /// What this step waits for happened. TRUE where it is to begin.
     pub(super) fn reacts(&mut self, step: usize) -> bool {
         match &self.steps[step].repeat {
-            Some(Repeat::Each { .. }) if self.progress.working[step] => return false,
-            Some(Repeat::Each { .. }) => {}
+            Some(StepRepeat::Each { .. }) if self.progress.working[step] => return false,
+            Some(StepRepeat::Each { .. }) => {}
             _ => self.armed[step] = false,
         }
         self.progress.working[step] = true;
@@ -215,7 +215,7 @@ impl Schedule {
         self.progress.times[step] += 1;
         let n = self.progress.times[step];
         match &self.steps[step].repeat {
-            Some(Repeat::Each { times }) if n < *times => {}
+            Some(StepRepeat::Each { times }) if n < *times => {}
             _ => self.armed[step] = false,
         }
         n
@@ -223,7 +223,7 @@ impl Schedule {
 
     /// Queues the next time of a step that comes every so often.
     pub(super) fn again(&mut self, step: usize, n: u64, now: Time) {
-        if let Some(Repeat::Every { period, times, .. }) = self.steps[step].repeat
+        if let Some(StepRepeat::Every { period, times, .. }) = self.steps[step].repeat
             && n < times
         {
             self.put(now.saturating_add(period), step, Due::Begin);

@@ -21,8 +21,8 @@ use controller::{State, TaskFigures};
 use document::Diagnostic;
 use drivers::{BoardFile, RealtimeSettings};
 use plans::Case;
-use plans::judge::Judge;
-use plans::lang::{Anchor, Base};
+use plans::judge::CaseJudge;
+use plans::lang::{Anchor, AnchorBase};
 use signal::{Span, Time, Trace};
 use std::sync::mpsc::SyncSender;
 use subject::{SoftPlc, SoftPlcTerminals};
@@ -99,7 +99,7 @@ pub fn run(
     wiring.state = None;
     let mut subject = SoftPlc::new(subject, lines, places, initial_state(case.settings.initial), tell);
     subject.quick = settings.booted;
-    let judge = Judge::new(case.scenario(), trace.signals())?;
+    let judge = CaseJudge::new(case.scenario(), trace.signals())?;
     let mut recorder = Recorder::new(trace, judge);
     let mut schedule = Schedule::new(Vec::new(), case.ends.clone());
     let limits = Limits {
@@ -155,7 +155,7 @@ fn bare(case: &Case, lasts: Option<Span>) -> Case {
     case.measurements.clear();
     case.invariants.clear();
     case.alarms.clear();
-    case.ends = Anchor { base: Base::Start, offset: lasts.unwrap_or(AGES) };
+    case.ends = Anchor { base: AnchorBase::Start, offset: lasts.unwrap_or(AGES) };
     case.timeout = Span::MAX;
     case
 }

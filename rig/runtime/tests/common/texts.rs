@@ -6,7 +6,7 @@
 use controller::{Config, State};
 use document::{Diagnostic, SourceFile};
 use drivers::{Board, OnLoss};
-use plans::judge::Judge;
+use plans::judge::CaseJudge;
 use record::Verdict;
 use scanrig_runtime::application::compile;
 use scanrig_runtime::bundle::Bundle;
@@ -109,7 +109,7 @@ impl Texts<'_> {
         };
         let prepared = prepare(&case, &files.plan, Trace::new(), &mut bench)?;
         let Prepared { trace, wiring, steps, alarms, warnings, .. } = prepared;
-        let judge = Judge::new(case.scenario(), trace.signals()).unwrap();
+        let judge = CaseJudge::new(case.scenario(), trace.signals()).unwrap();
         let schedule = Schedule::new(steps, case.ends.clone());
         let recorder = Recorder::new(trace, judge);
         let (timeout, teardown) = (case.timeout, case.teardown);

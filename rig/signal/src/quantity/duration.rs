@@ -1,6 +1,6 @@
 //! Durations as a user writes them.
 
-use super::{Placed, QuantityError};
+use super::{PlacedQuantity, QuantityError};
 use crate::Span;
 
 impl Span {
@@ -12,7 +12,7 @@ impl Span {
     /// # Errors
     /// [`QuantityError`] with the byte of the first fault.
     pub fn parse(text: &str) -> Result<Span, QuantityError> {
-        Placed::read(text, 0)?.span()
+        PlacedQuantity::read(text, 0)?.span()
     }
 }
 

@@ -34,7 +34,7 @@ impl Quantity {
     /// # Errors
     /// [`QuantityError`] with the byte of the first fault.
     pub fn parse(text: &str) -> Result<Quantity, QuantityError> {
-        Placed::read(text, 0).map(|placed| placed.quantity)
+        PlacedQuantity::read(text, 0).map(|placed| placed.quantity)
     }
 
     /// The number in another unit, exactly. `None` where the two are not of one kind, or where the other is
@@ -94,7 +94,7 @@ impl fmt::Display for Quantity {
 
 /// A quantity with its places in the text.
 #[derive(Clone)]
-struct Placed {
+struct PlacedQuantity {
     quantity: Quantity,
     /// Where it begins.
     at: usize,
@@ -102,11 +102,11 @@ struct Placed {
     unit_at: usize,
 }
 
-impl Placed {
+impl PlacedQuantity {
     /// Reads all of a text, which itself begins at the byte `from` of the whole.
-    fn read(text: &str, from: usize) -> Result<Placed, QuantityError> {
+    fn read(text: &str, from: usize) -> Result<PlacedQuantity, QuantityError> {
         let place = |rest: &str| from + text.len() - rest.len();
-        let (mut placed, mut rest) = Placed::part(text, from)?;
+        let (mut placed, mut rest) = PlacedQuantity::part(text, from)?;
         if rest.is_empty() {
             return Ok(placed);
         }
@@ -120,7 +120,7 @@ impl Placed {
             if !rest.starts_with(|c: char| c.is_ascii_digit()) {
                 return Err(QuantityFault::Number.at(at));
             }
-            let (part, behind) = Placed::part(rest, at)?;
+            let (part, behind) = PlacedQuantity::part(rest, at)?;
             let sum = nanos.checked_add(sign * part.span()?.as_nanos());
             nanos = sum.ok_or(QuantityFault::TooLong.at(placed.at))?;
             rest = behind;
@@ -130,7 +130,7 @@ impl Placed {
     }
 
     /// Reads one number with its unit, and gives what stands behind it.
-    fn part(text: &str, from: usize) -> Result<(Placed, &str), QuantityError> {
+    fn part(text: &str, from: usize) -> Result<(PlacedQuantity, &str), QuantityError> {
         let (number, rest) = Decimal::split(text).map_err(|error| error.fault.at(error.at + from))?;
         let place = |rest: &str| from + text.len() - rest.len();
         let word = &rest[..unit_length(rest)];
@@ -138,7 +138,7 @@ impl Placed {
         let letters = &word[..word.find(char::is_numeric).unwrap_or(word.len())];
         let unit = if Unit::new(letters).is_of(SECOND) { letters } else { word };
         let quantity = Quantity { number, unit: Unit::new(unit) };
-        let placed = Placed { quantity, at: place(text.trim_start()), unit_at: place(rest) };
+        let placed = PlacedQuantity { quantity, at: place(text.trim_start()), unit_at: place(rest) };
         Ok((placed, rest[unit.len()..].trim_start()))
     }
 

@@ -1,6 +1,6 @@
 //! Ranges of quantities and of durations: `4 .. 20 mA`, `.. 5 V`, `24 V ± 10 %`.
 
-use super::{Decimal, Placed, Quantity, QuantityError, QuantityFault, Unit};
+use super::{Decimal, PlacedQuantity, Quantity, QuantityError, QuantityFault, Unit};
 use crate::Span;
 
 /// All quantities from `min` to `max`, both included; an end that is missing is open.
@@ -34,8 +34,8 @@ impl QuantityRange {
     /// # Errors
     /// [`QuantityError`] with the byte of the first fault in the whole text.
     pub fn parse(text: &str) -> Result<QuantityRange, QuantityError> {
-        match Written::read(text)? {
-            Written::Ends(min, max) => {
+        match WrittenRange::read(text)? {
+            WrittenRange::Ends(min, max) => {
                 if let (Some(min), Some(max)) = (&min, &max) {
                     let numbers = common(&min.quantity, &max.quantity);
                     let (low, high, _) = numbers.ok_or(QuantityFault::Units.at(max.at))?;
@@ -43,10 +43,10 @@ impl QuantityRange {
                         return Err(QuantityFault::Reversed.at(max.at));
                     }
                 }
-                let quantity = |end: Option<Placed>| end.map(|end| end.quantity);
+                let quantity = |end: Option<PlacedQuantity>| end.map(|end| end.quantity);
                 Ok(QuantityRange { min: quantity(min), max: quantity(max) })
             }
-            Written::Around(middle, band) => {
+            WrittenRange::Around(middle, band) => {
                 QuantityRange::around(&middle.quantity, &band.quantity).map_err(|fault| fault.at(band.at))
             }
         }
@@ -82,18 +82,18 @@ impl Span {
     /// # Errors
     /// [`QuantityError`] with the byte of the first fault in the whole text.
     pub fn parse_range(text: &str) -> Result<(Span, Span), QuantityError> {
-        let duration = |one: &Placed| match one.span()? {
+        let duration = |one: &PlacedQuantity| match one.span()? {
             span if span.is_negative() => Err(QuantityFault::Negative.at(one.at)),
             span => Ok(span),
         };
-        match Written::read(text)? {
-            Written::Ends(min, max) => {
+        match WrittenRange::read(text)? {
+            WrittenRange::Ends(min, max) => {
                 let shortest = min.as_ref().map_or(Ok(Span::ZERO), duration)?;
                 let longest = max.as_ref().map_or(Ok(Span::MAX), duration)?;
                 let at = max.map_or(0, |max| max.at);
                 if shortest > longest { Err(QuantityFault::Reversed.at(at)) } else { Ok((shortest, longest)) }
             }
-            Written::Around(middle, band) => {
+            WrittenRange::Around(middle, band) => {
                 duration(&middle)?;
                 let place = |fault: QuantityFault| fault.at(band.at);
                 let range = QuantityRange::around(&middle.quantity, &band.quantity).map_err(place)?;
@@ -105,18 +105,18 @@ impl Span {
 }
 
 /// A range as written, every quantity with its unit.
-enum Written {
-    Ends(Option<Placed>, Option<Placed>),
-    Around(Placed, Placed),
+enum WrittenRange {
+    Ends(Option<PlacedQuantity>, Option<PlacedQuantity>),
+    Around(PlacedQuantity, PlacedQuantity),
 }
 
-impl Written {
-    fn read(text: &str) -> Result<Written, QuantityError> {
+impl WrittenRange {
+    fn read(text: &str) -> Result<WrittenRange, QuantityError> {
         if let Some(at) = text.find(ENDS) {
             let behind = at + ENDS.len();
             let end = |text: &str, from: usize| match text.trim().is_empty() {
                 true => Ok(None),
-                false => Placed::read(text, from).map(Some),
+                false => PlacedQuantity::read(text, from).map(Some),
             };
             let (mut min, max) = (end(&text[..at], 0)?, end(&text[behind..], behind)?);
             match (&mut min, &max) {
@@ -124,26 +124,26 @@ impl Written {
                 (Some(min), Some(max)) => min.lend(max),
                 _ => {}
             }
-            return Ok(Written::Ends(min, max));
+            return Ok(WrittenRange::Ends(min, max));
         }
         let signs = AROUND.iter().filter_map(|sign| text.find(sign).map(|at| (at, sign.len())));
         if let Some((at, length)) = signs.min() {
             let behind = at + length;
-            let mut middle = Placed::read(&text[..at], 0)?;
-            let band = Placed::read(&text[behind..], behind)?;
+            let mut middle = PlacedQuantity::read(&text[..at], 0)?;
+            let band = PlacedQuantity::read(&text[behind..], behind)?;
             if !band.quantity.is_part() {
                 middle.lend(&band);
             }
-            return Ok(Written::Around(middle, band));
+            return Ok(WrittenRange::Around(middle, band));
         }
-        let one = Placed::read(text, 0)?;
-        Ok(Written::Ends(Some(one.clone()), Some(one)))
+        let one = PlacedQuantity::read(text, 0)?;
+        Ok(WrittenRange::Ends(Some(one.clone()), Some(one)))
     }
 }
 
-impl Placed {
+impl PlacedQuantity {
     /// Takes the unit of another one if it has none of its own.
-    fn lend(&mut self, other: &Placed) {
+    fn lend(&mut self, other: &PlacedQuantity) {
         if self.quantity.unit.is_none() {
             self.quantity.unit = other.quantity.unit.clone();
         }

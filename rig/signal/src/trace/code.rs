@@ -39,7 +39,7 @@ pub(super) struct State {
 
 /// Why bytes are no event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Fault {
+pub(super) enum CodeFault {
     /// They end before the event does.
     Short,
     /// No event is written like this.
@@ -146,13 +146,13 @@ impl State {
     }
 
     /// Reads the event at the start of `bytes`, takes it into account and returns it with its length.
-    pub(super) fn decode(&mut self, bytes: &[u8], signals: usize) -> Result<(Event, usize), Fault> {
-        let mut reader = Reader::new(bytes);
+    pub(super) fn decode(&mut self, bytes: &[u8], signals: usize) -> Result<(Event, usize), CodeFault> {
+        let mut reader = CodeReader::new(bytes);
         let head = reader.varint()?;
-        let signal = SignalId(u32::try_from(head >> SIGNAL_SHIFT).map_err(|_| Fault::Bad)?);
+        let signal = SignalId(u32::try_from(head >> SIGNAL_SHIFT).map_err(|_| CodeFault::Bad)?);
         let place = signal.0 as usize;
         if place >= signals {
-            return Err(Fault::Bad);
+            return Err(CodeFault::Bad);
         }
         if place >= self.last.len() {
             // Signals may be defined while the trace is read.
@@ -164,7 +164,7 @@ impl State {
         let width = if head & WIDE != 0 { reader.varint()? } else { 0 };
         let latest = earliest.wrapping_add(width as i64);
         if latest < earliest || (latest.wrapping_sub(earliest) as u64) != width {
-            return Err(Fault::Bad);
+            return Err(CodeFault::Bad);
         }
         let value = match head & TAG {
             FALSE => Value::Bool(false),
@@ -177,7 +177,7 @@ impl State {
             _ => {
                 let (value, uncertainty) = (f64::from_bits(reader.u64()?), reader.f32()?);
                 if !(uncertainty > 0.0 && uncertainty.is_finite()) {
-                    return Err(Fault::Bad);
+                    return Err(CodeFault::Bad);
                 }
                 Value::Measured(value, uncertainty)
             }
@@ -189,14 +189,14 @@ impl State {
                 0 => Cause::Unknown,
                 1 => Cause::Controller,
                 2 => Cause::Board,
-                3 => Cause::Step(u16::try_from(reader.varint()?).map_err(|_| Fault::Bad)?),
+                3 => Cause::Step(u16::try_from(reader.varint()?).map_err(|_| CodeFault::Bad)?),
                 4 => Cause::Program {
                     task: reader.byte()?,
-                    file: u16::try_from(reader.varint()?).map_err(|_| Fault::Bad)?,
-                    line: u32::try_from(reader.varint()?).map_err(|_| Fault::Bad)?,
+                    file: u16::try_from(reader.varint()?).map_err(|_| CodeFault::Bad)?,
+                    line: u32::try_from(reader.varint()?).map_err(|_| CodeFault::Bad)?,
                 },
-                5 => Cause::Gap(*Gap::ALL.get(usize::from(reader.byte()?)).ok_or(Fault::Bad)?),
-                _ => return Err(Fault::Bad),
+                5 => Cause::Gap(*Gap::ALL.get(usize::from(reader.byte()?)).ok_or(CodeFault::Bad)?),
+                _ => return Err(CodeFault::Bad),
             }
         };
         let at = When { earliest: Time::from_nanos(earliest), latest: Time::from_nanos(latest) };
@@ -221,8 +221,8 @@ impl State {
     }
 
     /// Reads what [`State::save`] wrote.
-    pub(super) fn restore(bytes: &[u8], signals: usize) -> Result<State, Fault> {
-        let mut reader = Reader::new(bytes);
+    pub(super) fn restore(bytes: &[u8], signals: usize) -> Result<State, CodeFault> {
+        let mut reader = CodeReader::new(bytes);
         let earliest = reader.u64()? as i64;
         let known = reader.varint()?;
         let mut state = State { earliest: 0, last: vec![None; signals] };
@@ -296,36 +296,36 @@ pub(super) fn put_text(out: &mut Vec<u8>, text: &str) {
 }
 
 /// Reads numbers and texts from bytes of any origin.
-pub(super) struct Reader<'a> {
+pub(super) struct CodeReader<'a> {
     bytes: &'a [u8],
     pub(super) at: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> CodeReader<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
-        Reader { bytes, at: 0 }
+        CodeReader { bytes, at: 0 }
     }
 
     #[inline]
-    pub(super) fn byte(&mut self) -> Result<u8, Fault> {
-        let byte = *self.bytes.get(self.at).ok_or(Fault::Short)?;
+    pub(super) fn byte(&mut self) -> Result<u8, CodeFault> {
+        let byte = *self.bytes.get(self.at).ok_or(CodeFault::Short)?;
         self.at += 1;
         Ok(byte)
     }
 
     #[inline]
-    pub(super) fn varint(&mut self) -> Result<u64, Fault> {
+    pub(super) fn varint(&mut self) -> Result<u64, CodeFault> {
         let first = self.byte()?;
         if first < 0x80 { Ok(u64::from(first)) } else { self.varint_from(u64::from(first & 0x7f)) }
     }
 
-    fn varint_from(&mut self, mut n: u64) -> Result<u64, Fault> {
+    fn varint_from(&mut self, mut n: u64) -> Result<u64, CodeFault> {
         let mut shift = 7;
         loop {
             let byte = self.byte()?;
             let bits = u64::from(byte & 0x7f);
             if shift == 63 && bits > 1 {
-                return Err(Fault::Bad);
+                return Err(CodeFault::Bad);
             }
             n |= bits << shift;
             if byte < 0x80 {
@@ -333,33 +333,33 @@ impl<'a> Reader<'a> {
             }
             shift += 7;
             if shift > 63 {
-                return Err(Fault::Bad);
+                return Err(CodeFault::Bad);
             }
         }
     }
 
-    pub(super) fn take(&mut self, length: usize) -> Result<&'a [u8], Fault> {
-        let end = self.at.checked_add(length).ok_or(Fault::Short)?;
-        let taken = self.bytes.get(self.at..end).ok_or(Fault::Short)?;
+    pub(super) fn take(&mut self, length: usize) -> Result<&'a [u8], CodeFault> {
+        let end = self.at.checked_add(length).ok_or(CodeFault::Short)?;
+        let taken = self.bytes.get(self.at..end).ok_or(CodeFault::Short)?;
         self.at = end;
         Ok(taken)
     }
 
-    pub(super) fn u64(&mut self) -> Result<u64, Fault> {
+    pub(super) fn u64(&mut self) -> Result<u64, CodeFault> {
         let mut bytes = [0; 8];
         bytes.copy_from_slice(self.take(8)?);
         Ok(u64::from_le_bytes(bytes))
     }
 
-    fn f32(&mut self) -> Result<f32, Fault> {
+    fn f32(&mut self) -> Result<f32, CodeFault> {
         let mut bytes = [0; 4];
         bytes.copy_from_slice(self.take(4)?);
         Ok(f32::from_le_bytes(bytes))
     }
 
-    pub(super) fn text(&mut self) -> Result<&'a str, Fault> {
-        let length = usize::try_from(self.varint()?).map_err(|_| Fault::Short)?;
-        std::str::from_utf8(self.take(length)?).map_err(|_| Fault::Bad)
+    pub(super) fn text(&mut self) -> Result<&'a str, CodeFault> {
+        let length = usize::try_from(self.varint()?).map_err(|_| CodeFault::Short)?;
+        std::str::from_utf8(self.take(length)?).map_err(|_| CodeFault::Bad)
     }
 
     pub(super) fn rest(&self) -> &'a [u8] {

@@ -14,7 +14,7 @@
 
 use std::io::{self, Read, Write};
 
-use super::code::{Fault, MAX_EVENT, Reader, State, put_text};
+use super::code::{CodeFault, CodeReader, MAX_EVENT, State, put_text};
 use super::error::{TraceError, Transfer};
 use super::info::{info_bytes, put_info, read_info};
 use super::segment::Fetched;
@@ -90,7 +90,7 @@ impl Trace {
     /// # Errors
     /// Every variant of [`TraceError`] that speaks of a file, with the byte at which it is wrong.
     pub fn load(input: &mut dyn Read, limits: LoadLimits) -> Result<Trace, TraceError> {
-        let mut source = Source { input, offset: 0 };
+        let mut source = SourceBytes { input, offset: 0 };
         let mut magic = [0; MAGIC.len()];
         if source.fill(&mut magic)? < magic.len() || magic != MAGIC {
             return Err(TraceError::NotATrace);
@@ -146,12 +146,12 @@ fn checksum(tag: u8, payload: &[u8]) -> u32 {
 }
 
 /// A file of any origin, with the byte at which reading stands.
-struct Source<'a> {
+struct SourceBytes<'a> {
     input: &'a mut dyn Read,
     offset: u64,
 }
 
-impl Source<'_> {
+impl SourceBytes<'_> {
     /// Reads as much as there is; how much that was.
     fn fill(&mut self, into: &mut [u8]) -> Result<usize, TraceError> {
         let mut have = 0;
@@ -234,7 +234,7 @@ impl Loader {
     }
 
     fn note(&mut self, payload: &[u8], offset: u64) -> Result<(), TraceError> {
-        let mut reader = Reader::new(payload);
+        let mut reader = CodeReader::new(payload);
         let (key, value) = match (reader.text(), reader.text()) {
             (Ok(key), Ok(value)) if reader.rest().is_empty() && !self.in_events => (key, value),
             _ => return Err(TraceError::Malformed { offset }),
@@ -255,7 +255,7 @@ impl Loader {
                     at += length;
                     self.trace.append(event)?;
                 }
-                Err(Fault::Short) if self.pending.len() - at < MAX_EVENT => break,
+                Err(CodeFault::Short) if self.pending.len() - at < MAX_EVENT => break,
                 Err(_) => return Err(TraceError::Malformed { offset }),
             }
         }

@@ -1,6 +1,6 @@
 //! The encoding of signal definitions, for the digest and for the file.
 
-use super::code::{Fault, Reader, put_text, put_varint};
+use super::code::{CodeFault, CodeReader, put_text, put_varint};
 use crate::{ClockDomain, Kind, Policy, Sampling, SignalInfo, Span};
 
 /// Appends a definition.
@@ -43,8 +43,8 @@ fn put_tagged(out: &mut Vec<u8>, tag: u8, bits: u64) {
 }
 
 /// Reads a definition that takes all of `bytes`.
-pub(super) fn read_info(bytes: &[u8]) -> Result<SignalInfo, Fault> {
-    let mut reader = Reader::new(bytes);
+pub(super) fn read_info(bytes: &[u8]) -> Result<SignalInfo, CodeFault> {
+    let mut reader = CodeReader::new(bytes);
     let name = reader.text()?.to_string();
     let kind = match reader.byte()? {
         0 => Kind::Bool,
@@ -53,7 +53,7 @@ pub(super) fn read_info(bytes: &[u8]) -> Result<SignalInfo, Fault> {
         3 => Kind::Real,
         4 => Kind::State,
         5 => Kind::Mark,
-        _ => return Err(Fault::Bad),
+        _ => return Err(CodeFault::Bad),
     };
     let unit = reader.text()?.to_string();
     let count = reader.varint()?;
@@ -66,12 +66,12 @@ pub(super) fn read_info(bytes: &[u8]) -> Result<SignalInfo, Fault> {
         0 => ClockDomain::Virtual,
         1 => ClockDomain::Monotonic,
         2 => ClockDomain::Device,
-        _ => return Err(Fault::Bad),
+        _ => return Err(CodeFault::Bad),
     };
     let sampling = match (reader.byte()?, Span::from_nanos(reader.u64()? as i64)) {
         (0, resolution) => Sampling::Edges { resolution },
         (1, period) => Sampling::Sampled { period },
-        _ => return Err(Fault::Bad),
+        _ => return Err(CodeFault::Bad),
     };
     let shortest_pulse = Span::from_nanos(reader.u64()? as i64);
     let policy = match (reader.byte()?, reader.u64()?) {
@@ -80,10 +80,10 @@ pub(super) fn read_info(bytes: &[u8]) -> Result<SignalInfo, Fault> {
             Policy::Deadband(f64::from_bits(bits))
         }
         (2, nanos) if (nanos as i64) > 0 => Policy::AtMostEvery(Span::from_nanos(nanos as i64)),
-        _ => return Err(Fault::Bad),
+        _ => return Err(CodeFault::Bad),
     };
     if !reader.rest().is_empty() {
-        return Err(Fault::Bad);
+        return Err(CodeFault::Bad);
     }
     Ok(SignalInfo { name, kind, unit, labels, clock, sampling, shortest_pulse, policy })
 }

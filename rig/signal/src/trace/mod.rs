@@ -21,12 +21,12 @@ use sha2::{Digest, Sha256};
 
 use crate::{Cause, Event, Kind, Policy, SignalId, SignalInfo, Time, Value, When};
 use code::{MAX_EVENT, State};
-use policy::Waiting;
+use policy::HeldChange;
 use segment::Segments;
 
 pub use error::{TraceError, Transfer};
 pub use file::LoadLimits;
-pub use read::{Between, Cursor, Events};
+pub use read::{Cursor, Events, EventsBetween};
 pub use segment::Spill;
 
 /// The most signals that a trace defines.
@@ -43,7 +43,7 @@ pub struct Trace {
     /// Memory taken by `signals`, `names` and `notes`, roughly.
     described_bytes: usize,
     state: State,
-    waiting: Waiting,
+    waiting: HeldChange,
     segments: Segments,
     events: u64,
     /// Of the stream of all closed segments.
@@ -91,7 +91,7 @@ impl Trace {
             notes: BTreeMap::new(),
             described_bytes: 0,
             state: State::default(),
-            waiting: Waiting::new(),
+            waiting: HeldChange::new(),
             segments: Segments::new(segment_bytes, bound, store),
             events: 0,
             hasher: Sha256::new(),
@@ -268,8 +268,8 @@ impl Trace {
     ///
     /// # Errors
     /// [`TraceError::Io`] or [`TraceError::SpillDamaged`] if a stored segment cannot be read.
-    pub fn between(&self, from: Time, to: Time) -> Result<Between<'_>, TraceError> {
-        Between::new(self, from, to)
+    pub fn between(&self, from: Time, to: Time) -> Result<EventsBetween<'_>, TraceError> {
+        EventsBetween::new(self, from, to)
     }
 }
 

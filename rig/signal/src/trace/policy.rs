@@ -34,7 +34,7 @@ struct Wait {
 
 /// The signals of [`Policy::AtMostEvery`] whose values wait to be recorded.
 #[derive(Debug)]
-pub(super) struct Waiting {
+pub(super) struct HeldChange {
     list: Vec<Wait>,
     /// Signals that may have to wait.
     most: usize,
@@ -42,9 +42,9 @@ pub(super) struct Waiting {
     quiet: Time,
 }
 
-impl Waiting {
-    pub(super) const fn new() -> Waiting {
-        Waiting { list: Vec::new(), most: 0, quiet: Time::MAX }
+impl HeldChange {
+    pub(super) const fn new() -> HeldChange {
+        HeldChange { list: Vec::new(), most: 0, quiet: Time::MAX }
     }
 
     /// Makes room for one more signal, so that recording never allocates.

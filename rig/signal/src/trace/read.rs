@@ -104,32 +104,32 @@ fn damaged(segment: usize) -> TraceError {
 #[derive(Debug)]
 pub struct Events<'a> {
     trace: &'a Trace,
-    cursor: Held<'a>,
+    cursor: HeldSegment<'a>,
     failed: bool,
 }
 
 #[derive(Debug)]
-enum Held<'a> {
+enum HeldSegment<'a> {
     Own(Box<Cursor>),
     Lent(&'a mut Cursor),
 }
 
-impl Held<'_> {
+impl HeldSegment<'_> {
     fn get(&mut self) -> &mut Cursor {
         match self {
-            Held::Own(cursor) => cursor,
-            Held::Lent(cursor) => cursor,
+            HeldSegment::Own(cursor) => cursor,
+            HeldSegment::Lent(cursor) => cursor,
         }
     }
 }
 
 impl<'a> Events<'a> {
     pub(super) fn all(trace: &'a Trace) -> Self {
-        Events { trace, cursor: Held::Own(Box::default()), failed: false }
+        Events { trace, cursor: HeldSegment::Own(Box::default()), failed: false }
     }
 
     pub(super) fn since(trace: &'a Trace, cursor: &'a mut Cursor) -> Self {
-        Events { trace, cursor: Held::Lent(cursor), failed: false }
+        Events { trace, cursor: HeldSegment::Lent(cursor), failed: false }
     }
 }
 
@@ -154,7 +154,7 @@ impl Iterator for Events<'_> {
 ///
 /// Segments that lie outside the window are not read. Ends after the first error.
 #[derive(Debug)]
-pub struct Between<'a> {
+pub struct EventsBetween<'a> {
     trace: &'a Trace,
     from: Time,
     to: Time,
@@ -167,7 +167,7 @@ pub struct Between<'a> {
     failed: bool,
 }
 
-impl<'a> Between<'a> {
+impl<'a> EventsBetween<'a> {
     pub(super) fn new(trace: &'a Trace, from: Time, to: Time) -> Result<Self, TraceError> {
         let count = trace.segments.count();
         let reaches = |segment: &usize| trace.segments.times(*segment).is_some_and(|t| t.last_latest >= from);
@@ -197,7 +197,16 @@ impl<'a> Between<'a> {
             }
         }
         let forgotten = vec![false; trace.signals.len()];
-        Ok(Between { trace, from, to, before, cursor, next_segment: first + 1, forgotten, failed: false })
+        Ok(EventsBetween {
+            trace,
+            from,
+            to,
+            before,
+            cursor,
+            next_segment: first + 1,
+            forgotten,
+            failed: false,
+        })
     }
 
     /// Events of this signal need not come any more: segments in which nothing else happens are not read.
@@ -264,7 +273,7 @@ impl<'a> Between<'a> {
     }
 }
 
-impl Iterator for Between<'_> {
+impl Iterator for EventsBetween<'_> {
     type Item = Result<Event, TraceError>;
 
     fn next(&mut self) -> Option<Self::Item> {

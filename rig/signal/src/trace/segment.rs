@@ -17,14 +17,15 @@ impl<T: Read + Write + Seek + Send> Spill for T {}
 
 /// The times that a segment covers.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Times {
+pub(super) struct SegmentTimes {
     pub(super) first_earliest: Time,
     pub(super) first_latest: Time,
     pub(super) last_latest: Time,
 }
 
-impl Times {
-    const NONE: Times = Times { first_earliest: Time::MAX, first_latest: Time::MAX, last_latest: Time::MIN };
+impl SegmentTimes {
+    const NONE: SegmentTimes =
+        SegmentTimes { first_earliest: Time::MAX, first_latest: Time::MAX, last_latest: Time::MIN };
 
     #[inline]
     fn cover(&mut self, at: When) {
@@ -35,29 +36,29 @@ impl Times {
 }
 
 /// The segment that grows.
-pub(super) struct Open {
+pub(super) struct OpenSegment {
     bytes: Vec<u8>,
     /// Where the piece of the stream begins: behind the state.
     stream_at: usize,
     /// The segment is full when it is this long.
     full_at: usize,
-    times: Times,
+    times: SegmentTimes,
 }
 
 /// A full segment.
 struct Segment {
-    place: Place,
+    place: SegmentPlace,
     stream_at: usize,
-    times: Times,
+    times: SegmentTimes,
 }
 
-enum Place {
+enum SegmentPlace {
     Memory(Vec<u8>),
     Store { offset: u64, length: usize, crc: u32 },
 }
 
 /// A segment's state and its piece of the stream.
-type Parts<'a> = (&'a [u8], &'a [u8]);
+type SegmentParts<'a> = (&'a [u8], &'a [u8]);
 
 /// Where a reader keeps a segment that it fetched from the store.
 #[derive(Clone, Debug, Default)]
@@ -69,7 +70,7 @@ pub(super) struct Fetched {
 /// All segments.
 pub(super) struct Segments {
     full: Vec<Segment>,
-    open: Open,
+    open: OpenSegment,
     segment_bytes: usize,
     bound: usize,
     store: Option<Mutex<Box<dyn Spill>>>,
@@ -82,7 +83,7 @@ pub(super) struct Segments {
 
 impl Segments {
     pub(super) fn new(segment_bytes: usize, bound: usize, store: Option<Box<dyn Spill>>) -> Self {
-        let open = Open::new(Vec::new(), &State::default(), segment_bytes);
+        let open = OpenSegment::new(Vec::new(), &State::default(), segment_bytes);
         Segments {
             full: Vec::new(),
             open,
@@ -120,11 +121,11 @@ impl Segments {
     /// Closes the growing segment and begins the next one at `state`; moves segments to the store while memory
     /// holds more than the bound.
     pub(super) fn close(&mut self, state: &State) -> Result<(), TraceError> {
-        let next = Open::new(std::mem::take(&mut self.spare), state, self.segment_bytes);
+        let next = OpenSegment::new(std::mem::take(&mut self.spare), state, self.segment_bytes);
         let done = std::mem::replace(&mut self.open, next);
         self.held_bytes += done.bytes.capacity();
         self.full.push(Segment {
-            place: Place::Memory(done.bytes),
+            place: SegmentPlace::Memory(done.bytes),
             stream_at: done.stream_at,
             times: done.times,
         });
@@ -141,7 +142,7 @@ impl Segments {
         let (Some(segment), Some(store)) = (self.full.get_mut(self.first_held), &self.store) else {
             return Ok(false);
         };
-        let Place::Memory(bytes) = &mut segment.place else { return Ok(false) };
+        let SegmentPlace::Memory(bytes) = &mut segment.place else { return Ok(false) };
         let mut store = lock(store);
         store
             .seek(SeekFrom::Start(self.stored_bytes))
@@ -151,14 +152,14 @@ impl Segments {
         let length = bytes.len();
         self.held_bytes -= bytes.capacity();
         self.spare = std::mem::take(bytes);
-        segment.place = Place::Store { offset: self.stored_bytes, length, crc };
+        segment.place = SegmentPlace::Store { offset: self.stored_bytes, length, crc };
         self.stored_bytes += length as u64;
         self.first_held += 1;
         Ok(true)
     }
 
     /// The times that a segment covers.
-    pub(super) fn times(&self, segment: usize) -> Option<Times> {
+    pub(super) fn times(&self, segment: usize) -> Option<SegmentTimes> {
         if segment == self.full.len() {
             Some(self.open.times)
         } else {
@@ -171,14 +172,14 @@ impl Segments {
         &'a self,
         segment: usize,
         fetched: &'a mut Fetched,
-    ) -> Result<Option<Parts<'a>>, TraceError> {
+    ) -> Result<Option<SegmentParts<'a>>, TraceError> {
         if segment == self.full.len() {
             return Ok(Some(self.open.bytes.split_at(self.open.stream_at)));
         }
         let Some(full) = self.full.get(segment) else { return Ok(None) };
         let bytes = match &full.place {
-            Place::Memory(bytes) => bytes,
-            Place::Store { offset, length, crc } => {
+            SegmentPlace::Memory(bytes) => bytes,
+            SegmentPlace::Store { offset, length, crc } => {
                 if fetched.segment != Some(segment) {
                     fetched.segment = None;
                     self.fetch(*offset, *length, &mut fetched.bytes)
@@ -220,7 +221,7 @@ fn lock<'a>(store: &'a Mutex<Box<dyn Spill>>) -> MutexGuard<'a, Box<dyn Spill>> 
     store.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Open {
+impl OpenSegment {
     fn new(mut bytes: Vec<u8>, state: &State, segment_bytes: usize) -> Self {
         bytes.clear();
         state.save(&mut bytes);
@@ -228,6 +229,6 @@ impl Open {
         // With thousands of signals the state is long: let it be a small part of the segment all the same.
         let full_at = stream_at + segment_bytes.max(4 * stream_at);
         bytes.reserve_exact(full_at + MAX_EVENT - stream_at);
-        Open { bytes, stream_at, full_at, times: Times::NONE }
+        OpenSegment { bytes, stream_at, full_at, times: SegmentTimes::NONE }
     }
 }

@@ -1,14 +1,14 @@
 //! Calls: the order in which things happen, frames, instances, and what they cost.
 
 use super::*;
-use crate::code::Class;
+use crate::code::ObjectClass;
 
-fn frame(offset: u32, ty: Elementary) -> Place {
-    place(PlaceRoot::Frame, offset, one(ty))
+fn frame(offset: u32, ty: Elementary) -> TreePlace {
+    place(TreeRoot::Frame, offset, one(ty))
 }
 
-fn this(offset: u32, ty: Elementary) -> Place {
-    place(PlaceRoot::This, offset, one(ty))
+fn this(offset: u32, ty: Elementary) -> TreePlace {
+    place(TreeRoot::This, offset, one(ty))
 }
 
 fn input(offset: u32, value: Expr) -> Input {
@@ -16,7 +16,7 @@ fn input(offset: u32, value: Expr) -> Input {
 }
 
 fn call(callee: Callee, inputs: Vec<Input>, outputs: Vec<Output>, result: Option<u32>) -> Expr {
-    typed(ExprKind::Call(Box::new(Call { callee, inputs, outputs, result, at: AT })), one(Dint))
+    typed(ExprKind::Call(Box::new(TreeCall { callee, inputs, outputs, result, at: AT })), one(Dint))
 }
 
 fn add(a: Expr, b: Expr) -> Expr {
@@ -96,7 +96,7 @@ fn adder() -> UnitTree {
 #[test]
 fn blocks_at_fixed_places() {
     let pin = Input { to: Slot::Place(global(32, Dint)), value: number(6, Dint) };
-    let callee = Callee::Of(1, place(PlaceRoot::Absolute, map::FIRST + 32, Ty::Block { bytes: 8 }));
+    let callee = Callee::Of(1, place(TreeRoot::Absolute, map::FIRST + 32, Ty::Block { bytes: 8 }));
     let sum = Output {
         from: Slot::Place(global(36, Dint)),
         negated: false,
@@ -112,7 +112,7 @@ fn blocks_in_arrays_compute_their_index_once() {
     // The input of b[i] is F(i, 0), which may change everything.
     let at = |offset, ty| {
         let index = Index { value: load(global(100, Dint)), low: 0, high: 3, stride: 8 };
-        Place { indices: vec![index], ..place(PlaceRoot::Absolute, map::FIRST + 32 + offset, ty) }
+        TreePlace { indices: vec![index], ..place(TreeRoot::Absolute, map::FIRST + 32 + offset, ty) }
     };
     let value = minus(number(9, Dint), number(0, Dint));
     let pin = Input { to: Slot::Place(at(0, one(Dint))), value };
@@ -132,7 +132,7 @@ fn blocks_in_arrays_compute_their_index_once() {
 #[test]
 fn native_blocks_cost_a_block() {
     let native = crate::native::STANDARD.iter().find(|native| native.name == "R_TRIG").unwrap();
-    let callee = Callee::Native(0, place(PlaceRoot::Absolute, map::FIRST + 32, Ty::Block { bytes: 24 }));
+    let callee = Callee::Native(0, place(TreeRoot::Absolute, map::FIRST + 32, Ty::Block { bytes: 24 }));
     let pin = Input { to: Slot::Place(global(32, Bool)), value: number(1, Bool) };
     let statement = stmt(StmtKind::Call(Box::new(call(callee, vec![pin], vec![], None))));
     let mut tree = program(vec![unit("MAIN", 0, vec![statement])]);
@@ -144,13 +144,13 @@ fn native_blocks_cost_a_block() {
 fn methods_are_found_by_the_class_of_the_instance() {
     // Two classes with one method each: M := x + 1 and M := x + 2. The class word stands at 0 of an instance.
     let method = |n| unit("M", 8, vec![set(frame(0, Dint), add(load(frame(4, Dint)), number(n, Dint)))]);
-    let reference = place(PlaceRoot::Absolute, map::FIRST + 64, Ty::Address);
+    let reference = place(TreeRoot::Absolute, map::FIRST + 64, Ty::Address);
     let through = |x| {
         let callee = Callee::Virtual(0, load(reference.clone()));
         call(callee, vec![input(4, x)], vec![], Some(0))
     };
     let instance =
-        |at| typed(ExprKind::AddressOf(place(PlaceRoot::Absolute, map::FIRST + at, one(Dint))), Ty::Address);
+        |at| typed(ExprKind::AddressOf(place(TreeRoot::Absolute, map::FIRST + at, one(Dint))), Ty::Address);
     let body = vec![
         set(reference.clone(), instance(32)),
         set(global(0, Dint), through(number(10, Dint))),
@@ -158,7 +158,7 @@ fn methods_are_found_by_the_class_of_the_instance() {
         set(global(4, Dint), through(through(number(10, Dint)))),
     ];
     let mut tree = program(vec![unit("MAIN", 0, body), method(1), method(2)]);
-    let class = |unit| Class { methods: vec![Some(unit)], kinds: Vec::new() };
+    let class = |unit| ObjectClass { methods: vec![Some(unit)], kinds: Vec::new() };
     tree.classes = vec![class(1), class(2)];
     tree.variables[32] = 1;
     tree.variables[40] = 2;
@@ -170,7 +170,7 @@ fn methods_are_found_by_the_class_of_the_instance() {
 
 #[test]
 fn what_is_written_of_the_outputs_is_known() {
-    let output = |offset, ty| place(PlaceRoot::Absolute, map::OUTPUTS + offset, one(ty));
+    let output = |offset, ty| place(TreeRoot::Absolute, map::OUTPUTS + offset, one(ty));
     let body = vec![
         set(output(2, Elementary::Word), number(1, Elementary::Word)),
         stmt(StmtKind::Assign(Target::Bit(output(0, Bool), 5), number(1, Bool))),
@@ -183,8 +183,7 @@ fn what_is_written_of_the_outputs_is_known() {
 #[test]
 fn in_outs_stand_in_the_frame() {
     // F(x) with an in-out at 4: x := x + 1.
-    let x =
-        || place(PlaceRoot::Address(Box::new(load(place(PlaceRoot::Frame, 4, Ty::Address)))), 0, one(Dint));
+    let x = || place(TreeRoot::Address(Box::new(load(place(TreeRoot::Frame, 4, Ty::Address)))), 0, one(Dint));
     let f = unit("F", 8, vec![set(x(), add(load(x()), number(1, Dint)))]);
     let address = typed(ExprKind::AddressOf(global(20, Dint)), Ty::Address);
     let statement =
@@ -196,7 +195,7 @@ fn in_outs_stand_in_the_frame() {
 
 #[test]
 fn instances_are_asked_for_their_kind() {
-    let reference = place(PlaceRoot::Absolute, map::FIRST + 64, Ty::Address);
+    let reference = place(TreeRoot::Absolute, map::FIRST + 64, Ty::Address);
     let is = |kind| typed(ExprKind::IsKind(Box::new(load(reference.clone())), kind), one(Bool));
     let instance = typed(ExprKind::AddressOf(global(32, Dint)), Ty::Address);
     let body = vec![
@@ -206,7 +205,7 @@ fn instances_are_asked_for_their_kind() {
         set(global(2, Bool), is(0)),
     ];
     let mut tree = program(vec![unit("MAIN", 0, body)]);
-    tree.classes = vec![Class { methods: Vec::new(), kinds: vec![1] }];
+    tree.classes = vec![ObjectClass { methods: Vec::new(), kinds: vec![1] }];
     tree.kinds = vec!["A".into(), "B".into()];
     tree.variables[32] = 1;
     let ran = run_tree(tree);
@@ -221,7 +220,7 @@ fn blocks_of_bytes_are_copied_by_words() {
     let whole = |root, offset| place(root, offset, bytes);
     let f = unit("F", 16, vec![set(frame(8, Dint), number(3, Dint))]);
     let value = typed(
-        ExprKind::Call(Box::new(Call {
+        ExprKind::Call(Box::new(TreeCall {
             callee: Callee::Unit(1),
             inputs: vec![],
             outputs: vec![],
@@ -230,7 +229,7 @@ fn blocks_of_bytes_are_copied_by_words() {
         })),
         bytes,
     );
-    let variable = |at| whole(PlaceRoot::Absolute, map::FIRST + at);
+    let variable = |at| whole(TreeRoot::Absolute, map::FIRST + at);
     let body = vec![set(variable(0), value), set(variable(16), load(variable(0)))];
     let ran = run_tree(program(vec![unit("MAIN", 0, body), f]));
     assert_eq!((ran.cell(24, Dint), ran.nanos), (3, 200 + 25 + 2 * (2 * 49)));

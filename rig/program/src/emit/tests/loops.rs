@@ -4,7 +4,7 @@ use super::*;
 
 const TURN: i64 = 20;
 
-fn n() -> Place {
+fn n() -> TreePlace {
     global(0, Int)
 }
 

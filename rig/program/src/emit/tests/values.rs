@@ -81,7 +81,7 @@ fn elements_of_arrays() {
 #[test]
 fn elements_of_several_dimensions() {
     let index = |n: i64, stride| Index { value: load(global(n as u32, Int)), low: 0, high: 3, stride };
-    let cell = Place { indices: vec![index(200, 16), index(202, 4)], ..global(0, Dint) };
+    let cell = TreePlace { indices: vec![index(200, 16), index(202, 4)], ..global(0, Dint) };
     let before = vec![set(global(200, Int), number(2, Int)), set(global(202, Int), number(3, Int))];
     let ran = run_after(before, vec![set(cell, number(7, Dint))]);
     assert_eq!((ran.cell(44, Dint), ran.nanos), (7, 2 * (32 + 42) + 25));
@@ -90,13 +90,14 @@ fn elements_of_several_dimensions() {
 #[test]
 fn places_behind_addresses() {
     // p := ADR(x); p^ (at offset 4) := 9
-    let p = place(PlaceRoot::Absolute, map::FIRST + 64, Ty::Address);
+    let p = place(TreeRoot::Absolute, map::FIRST + 64, Ty::Address);
     let address = typed(ExprKind::AddressOf(global(8, Dint)), Ty::Address);
-    let behind = place(PlaceRoot::Address(Box::new(load(p.clone()))), 4, one(Dint));
+    let behind = place(TreeRoot::Address(Box::new(load(p.clone()))), 4, one(Dint));
     let ran = run(vec![set(p.clone(), address), set(behind.clone(), number(9, Dint))]);
     assert_eq!((ran.cell(12, Dint), ran.nanos), (9, 25 + 24 + 25));
     // NULL is found though the offset leads to a variable.
-    let tree = program(vec![unit("MAIN", 0, vec![set(Place { offset: 100, ..behind }, number(9, Dint))])]);
+    let tree =
+        program(vec![unit("MAIN", 0, vec![set(TreePlace { offset: 100, ..behind }, number(9, Dint))])]);
     let mut machine = Machine::new(Arc::new(made(tree)), &[vec![0]]).unwrap();
     machine.begin(0);
     assert!(matches!(machine.resume(0, Time::ZERO, Span::from_secs(1), &mut NoHost).stop, Stop::Fault(_)));
@@ -197,7 +198,7 @@ fn conversions_cost_what_the_source_writes() {
 #[test]
 fn texts_are_copied_and_compared() {
     let ty = Ty::Text { wide: false, length: 3 };
-    let s = |at| place(PlaceRoot::Absolute, map::FIRST + at, ty);
+    let s = |at| place(TreeRoot::Absolute, map::FIRST + at, ty);
     let literal = typed(ExprKind::Text(b"abcdef\0".to_vec()), Ty::Text { wide: false, length: 6 });
     let less = binary(BinaryOp::Less, load(s(0)), literal.clone(), Bool);
     let ran = run(vec![set(s(0), literal), set(s(8), load(s(0))), set(global(16, Bool), less)]);
@@ -218,8 +219,8 @@ fn constants_stand_once() {
     assert_eq!(made.variables_from, map::FIRST);
 }
 
-fn text(at: u32, length: u32) -> Place {
-    place(PlaceRoot::Absolute, map::FIRST + at, Ty::Text { wide: false, length })
+fn text(at: u32, length: u32) -> TreePlace {
+    place(TreeRoot::Absolute, map::FIRST + at, Ty::Text { wide: false, length })
 }
 
 fn literal(bytes: &[u8]) -> Expr {
@@ -267,10 +268,10 @@ fn texts_and_numbers_become_each_other() {
 #[test]
 fn values_that_were_given_a_place() {
     // A value in the frame, reached through its address as the argument of an in-out would be.
-    let hidden = place(PlaceRoot::Frame, 0, one(Dint));
+    let hidden = place(TreeRoot::Frame, 0, one(Dint));
     let address = typed(ExprKind::AddressOf(hidden.clone()), Ty::Address);
     let kept = typed(ExprKind::Sequence(vec![set(hidden, number(7, Dint))], Box::new(address)), Ty::Address);
-    let behind = place(PlaceRoot::Address(Box::new(kept)), 0, one(Dint));
+    let behind = place(TreeRoot::Address(Box::new(kept)), 0, one(Dint));
     let main = unit("MAIN", 8, vec![set(global(0, Dint), load(behind))]);
     let ran = run_tree(program(vec![main]));
     assert_eq!((ran.cell(0, Dint), ran.nanos), (7, 25 + 24 + 25));
@@ -278,10 +279,10 @@ fn values_that_were_given_a_place() {
 
 #[test]
 fn addresses_are_counted_on() {
-    let p = place(PlaceRoot::Absolute, map::FIRST + 64, Ty::Address);
+    let p = place(TreeRoot::Absolute, map::FIRST + 64, Ty::Address);
     let start = typed(ExprKind::AddressOf(global(0, Dint)), Ty::Address);
     let ahead = ExprKind::Offset(Box::new(load(p.clone())), Box::new(load(global(72, Lint))));
-    let behind = place(PlaceRoot::Address(Box::new(typed(ahead, Ty::Address))), 0, one(Dint));
+    let behind = place(TreeRoot::Address(Box::new(typed(ahead, Ty::Address))), 0, one(Dint));
     let ran = run(vec![set(global(72, Lint), number(8, Lint)), set(p, start), set(behind, number(9, Dint))]);
     assert_eq!((ran.cell(8, Dint), ran.nanos), (9, 50 + 25 + (24 + 48 + 41) + 25));
 }

@@ -16,7 +16,7 @@ mod read;
 mod write;
 
 pub(super) use functions::{FUNCTIONS, bits, decimal};
-pub(crate) use names::{Conversion, How, Side, parse_conversion};
+pub(crate) use names::{Conversion, ConversionSide, How, parse_conversion};
 pub(crate) use read::from_text;
 pub(crate) use write::to_text;
 

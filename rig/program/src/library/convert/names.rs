@@ -6,7 +6,7 @@ use crate::types::Elementary::{self, *};
 
 /// What stands on one side of a conversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Side {
+pub(crate) enum ConversionSide {
     Scalar(Elementary),
     String,
     Wstring,
@@ -29,15 +29,15 @@ pub(crate) enum How {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Conversion {
     /// `None` for the type of the argument, as in TO_INT.
-    pub from: Option<Side>,
-    pub to: Side,
+    pub from: Option<ConversionSide>,
+    pub to: ConversionSide,
     pub how: How,
 }
 
 impl Conversion {
     /// The function that does what is not plain; its one argument is of the type `from`.
     pub(crate) fn function(self) -> Option<&'static Function> {
-        let Side::Scalar(to) = self.to else { return None };
+        let ConversionSide::Scalar(to) = self.to else { return None };
         let prefix = match self.how {
             How::Plain => return None,
             How::Truncate => "TRUNC_",
@@ -52,7 +52,7 @@ impl Conversion {
 /// gives DINT; `A_BCD_TO_B`, `BCD_TO_B`, `A_TO_BCD_B`, `TO_BCD_B` and `A_TO_BCD`.
 pub(crate) fn parse_conversion(key: &str) -> Option<Conversion> {
     if key == "TRUNC" {
-        return Some(Conversion { from: None, to: Side::Scalar(Dint), how: How::Truncate });
+        return Some(Conversion { from: None, to: ConversionSide::Scalar(Dint), how: How::Truncate });
     }
     if let Some((from, to)) = split(key, "TRUNC_") {
         let (from, to) = (optional(from)?, side(to)?);
@@ -67,7 +67,7 @@ pub(crate) fn parse_conversion(key: &str) -> Option<Conversion> {
     }
     if to == "BCD" {
         let from = side(from)?;
-        let to = Side::Scalar(digits_of(from)?);
+        let to = ConversionSide::Scalar(digits_of(from)?);
         return Some(Conversion { from: Some(from), to, how: How::ToBcd });
     }
     if let Some(to) = to.strip_prefix("BCD_") {
@@ -89,38 +89,38 @@ fn split<'a>(key: &'a str, word: &str) -> Option<(&'a str, &'a str)> {
     })
 }
 
-fn side(key: &str) -> Option<Side> {
+fn side(key: &str) -> Option<ConversionSide> {
     match key {
-        "STRING" => Some(Side::String),
-        "WSTRING" => Some(Side::Wstring),
-        _ => Elementary::named(key).map(Side::Scalar),
+        "STRING" => Some(ConversionSide::String),
+        "WSTRING" => Some(ConversionSide::Wstring),
+        _ => Elementary::named(key).map(ConversionSide::Scalar),
     }
 }
 
 /// A type that may be missing; `None` where it is no type.
-fn optional(key: &str) -> Option<Option<Side>> {
+fn optional(key: &str) -> Option<Option<ConversionSide>> {
     if key.is_empty() { Some(None) } else { side(key).map(Some) }
 }
 
-fn real(side: Side) -> bool {
-    matches!(side, Side::Scalar(ty) if ty.is_real())
+fn real(side: ConversionSide) -> bool {
+    matches!(side, ConversionSide::Scalar(ty) if ty.is_real())
 }
 
-fn whole(side: Side) -> bool {
-    matches!(side, Side::Scalar(ty) if ty.is_integer())
+fn whole(side: ConversionSide) -> bool {
+    matches!(side, ConversionSide::Scalar(ty) if ty.is_integer())
 }
 
-fn bits(side: Side) -> bool {
-    matches!(side, Side::Scalar(ty) if ty.is_bit_string())
+fn bits(side: ConversionSide) -> bool {
+    matches!(side, ConversionSide::Scalar(ty) if ty.is_bit_string())
 }
 
 /// What `A_TO_BCD` gives: the bit string as wide as A, but a BYTE for INT, as the controllers' Util library has it.
-fn digits_of(from: Side) -> Option<Elementary> {
+fn digits_of(from: ConversionSide) -> Option<Elementary> {
     match from {
-        Side::Scalar(Sint | Usint | Byte | Int) => Some(Byte),
-        Side::Scalar(Uint | Word) => Some(Word),
-        Side::Scalar(Dint | Udint | Dword) => Some(Dword),
-        Side::Scalar(Lint | Ulint | Lword) => Some(Lword),
+        ConversionSide::Scalar(Sint | Usint | Byte | Int) => Some(Byte),
+        ConversionSide::Scalar(Uint | Word) => Some(Word),
+        ConversionSide::Scalar(Dint | Udint | Dword) => Some(Dword),
+        ConversionSide::Scalar(Lint | Ulint | Lword) => Some(Lword),
         _ => None,
     }
 }

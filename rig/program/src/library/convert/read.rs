@@ -15,7 +15,7 @@ use crate::types::Elementary::{self, *};
 ///   between; 0 for a date that there is not;
 /// - a character: the first one.
 pub(crate) fn from_text(text: Text<'_>, to: Elementary) -> i64 {
-    let mut reader = Reader { text, at: 0 };
+    let mut reader = LiteralReader { text, at: 0 };
     match to {
         // Even a space is a character.
         Char | Wchar => {
@@ -40,12 +40,12 @@ pub(crate) fn from_text(text: Text<'_>, to: Elementary) -> i64 {
 
 /// A place in a text.
 #[derive(Clone, Copy)]
-struct Reader<'a> {
+struct LiteralReader<'a> {
     text: Text<'a>,
     at: usize,
 }
 
-impl Reader<'_> {
+impl LiteralReader<'_> {
     /// The next unit; 0 at the end and for what is not ASCII, neither of which any value goes on with.
     fn peek(&self) -> u8 {
         u8::try_from(self.text.unit(self.at)).unwrap_or(0)

@@ -209,7 +209,7 @@ fn written_out() {
 /// What a conversion with this name gives.
 fn named(key: &str, cell: i64) -> i64 {
     let conversion = parse_conversion(key).unwrap();
-    let Some(Side::Scalar(from)) = conversion.from else { panic!("{key}") };
+    let Some(ConversionSide::Scalar(from)) = conversion.from else { panic!("{key}") };
     let crate::library::Body::Scalar(body) = conversion.function().unwrap().body else { panic!("{key}") };
     body(from, &[cell])
 }
@@ -248,19 +248,22 @@ fn decimals_in_four_bits() {
 #[test]
 fn names_of_conversions() {
     let plain = |from, to| Some(Conversion { from, to, how: How::Plain });
-    let scalar = |ty| Some(Side::Scalar(ty));
-    assert_eq!(parse_conversion("INT_TO_REAL"), plain(scalar(Int), Side::Scalar(Real)));
-    assert_eq!(parse_conversion("DATE_AND_TIME_TO_TOD"), plain(scalar(Dt), Side::Scalar(Tod)));
-    assert_eq!(parse_conversion("DT_TO_TIME_OF_DAY"), plain(scalar(Dt), Side::Scalar(Tod)));
-    assert_eq!(parse_conversion("LTOD_TO_STRING"), plain(scalar(Ltod), Side::String));
-    assert_eq!(parse_conversion("STRING_TO_WSTRING"), plain(Some(Side::String), Side::Wstring));
-    assert_eq!(parse_conversion("TO_LDT"), plain(None, Side::Scalar(Ldt)));
-    assert_eq!(parse_conversion("ANY_TO_BYTE"), plain(None, Side::Scalar(Byte)));
-    let trunc = |from, to| Some(Conversion { from, to: Side::Scalar(to), how: How::Truncate });
+    let scalar = |ty| Some(ConversionSide::Scalar(ty));
+    assert_eq!(parse_conversion("INT_TO_REAL"), plain(scalar(Int), ConversionSide::Scalar(Real)));
+    assert_eq!(parse_conversion("DATE_AND_TIME_TO_TOD"), plain(scalar(Dt), ConversionSide::Scalar(Tod)));
+    assert_eq!(parse_conversion("DT_TO_TIME_OF_DAY"), plain(scalar(Dt), ConversionSide::Scalar(Tod)));
+    assert_eq!(parse_conversion("LTOD_TO_STRING"), plain(scalar(Ltod), ConversionSide::String));
+    assert_eq!(
+        parse_conversion("STRING_TO_WSTRING"),
+        plain(Some(ConversionSide::String), ConversionSide::Wstring)
+    );
+    assert_eq!(parse_conversion("TO_LDT"), plain(None, ConversionSide::Scalar(Ldt)));
+    assert_eq!(parse_conversion("ANY_TO_BYTE"), plain(None, ConversionSide::Scalar(Byte)));
+    let trunc = |from, to| Some(Conversion { from, to: ConversionSide::Scalar(to), how: How::Truncate });
     assert_eq!(parse_conversion("TRUNC"), trunc(None, Dint));
     assert_eq!(parse_conversion("TRUNC_INT"), trunc(None, Int));
     assert_eq!(parse_conversion("LREAL_TRUNC_LINT"), trunc(scalar(Lreal), Lint));
-    let bcd = |from, to, how| Some(Conversion { from, to: Side::Scalar(to), how });
+    let bcd = |from, to, how| Some(Conversion { from, to: ConversionSide::Scalar(to), how });
     assert_eq!(parse_conversion("BYTE_BCD_TO_USINT"), bcd(scalar(Byte), Usint, How::FromBcd));
     assert_eq!(parse_conversion("BCD_TO_INT"), bcd(None, Int, How::FromBcd));
     assert_eq!(parse_conversion("TO_BCD_WORD"), bcd(None, Word, How::ToBcd));
@@ -296,7 +299,7 @@ fn names_of_conversions() {
     for from in Elementary::ALL {
         for to in Elementary::ALL {
             let key = format!("{}_TO_{}", from.name(), to.name());
-            assert_eq!(parse_conversion(&key), plain(scalar(from), Side::Scalar(to)), "{key}");
+            assert_eq!(parse_conversion(&key), plain(scalar(from), ConversionSide::Scalar(to)), "{key}");
         }
     }
 }

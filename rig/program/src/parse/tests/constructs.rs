@@ -1,13 +1,13 @@
 //! What single constructs are read as, where the walk over the grammar leaves a choice open.
 
-use super::super::Names;
+use super::super::NameTable;
 use super::super::ast::*;
 use super::print::print;
 use super::read;
 use crate::program::Retention;
 use crate::types::Elementary;
 
-fn valid(text: &str) -> (Unit, Names) {
+fn valid(text: &str) -> (Unit, NameTable) {
     let (unit, names, findings) = read(text);
     assert!(findings.is_empty(), "{findings:#?}\n{text}");
     (unit, names)
@@ -235,7 +235,7 @@ fn words_of_one_place_are_names_elsewhere() {
 fn sources_share_one_unit() {
     let sources = ["PROGRAM a END_PROGRAM", "PROGRAM b END_PROGRAM"]
         .map(|text| document::SourceFile::new("x.st", text));
-    let mut names = Names::new();
+    let mut names = NameTable::new();
     let mut findings = crate::findings::Findings::new(&sources, 50);
     let unit = super::super::parse(&sources, &mut names, &mut findings);
     let places: Vec<(u16, u32)> = unit.pous.iter().map(|pou| (pou.name.at.file, pou.name.at.start)).collect();
@@ -247,7 +247,7 @@ fn sources_share_one_unit() {
 fn places_span_what_they_are_of() {
     let text = "PROGRAM p a.b[1] := (c + d) * 2; END_PROGRAM";
     let (unit, _) = valid(text);
-    let at = |at: crate::findings::At| &text[at.start as usize..at.end as usize];
+    let at = |at: crate::findings::SourcePlace| &text[at.start as usize..at.end as usize];
     let statement = &unit.pous[0].body[0];
     assert_eq!(at(statement.at), "a.b[1] := (c + d) * 2;");
     let StmtKind::Assign { targets, value, .. } = &statement.kind else { panic!() };

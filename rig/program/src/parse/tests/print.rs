@@ -1,6 +1,6 @@
 //! Writes a tree as text again: everything that is in the tree, so that what was not read into it is missed.
 
-use super::super::Names;
+use super::super::NameTable;
 use super::super::ast::*;
 use crate::program::Retention;
 use crate::types::Elementary;
@@ -24,7 +24,7 @@ pub const MOMENTS: &[(&str, i64, Elementary)] = &[
     ("LDT#1970-01-01-00:00:00.000000003", 3, Elementary::Ldt),
 ];
 
-pub fn print(unit: &Unit, names: &Names) -> Vec<Piece> {
+pub fn print(unit: &Unit, names: &NameTable) -> Vec<Piece> {
     let mut printer = Printer { names, pieces: Vec::new() };
     for section in &unit.globals {
         printer.section(section);
@@ -47,7 +47,7 @@ pub fn print(unit: &Unit, names: &Names) -> Vec<Piece> {
 }
 
 pub(super) struct Printer<'n> {
-    pub(super) names: &'n Names,
+    pub(super) names: &'n NameTable,
     pieces: Vec<Piece>,
 }
 

@@ -1,6 +1,6 @@
 //! How long reading takes: `cargo test --release -p scanrig-program parse::tests::speed -- --ignored --nocapture`.
 
-use super::super::{Names, parse};
+use super::super::{NameTable, parse};
 use crate::findings::Findings;
 use document::SourceFile;
 use std::fmt::Write;
@@ -54,7 +54,7 @@ END_FUNCTION_BLOCK
 fn thirty_thousand_lines() {
     let sources = [SourceFile::new("large.st", source(30_000))];
     for _ in 0..7 {
-        let mut names = Names::new();
+        let mut names = NameTable::new();
         let mut findings = Findings::new(&sources, 50);
         let start = Instant::now();
         let unit = parse(&sources, &mut names, &mut findings);

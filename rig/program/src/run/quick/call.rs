@@ -2,7 +2,7 @@
 //!
 //! They are kept out of the loop: with them in it, all other steps take a tenth longer.
 
-use super::{Around, NONE, Quick};
+use super::{NONE, Quick, QuickContext};
 use crate::native::{BlockBody, Pins};
 use crate::program::Program;
 use crate::state::{PinOffsets, Registers, Task};
@@ -32,11 +32,11 @@ pub(super) struct Calls<'a> {
 impl<'a> Calls<'a> {
     /// With the memory and its flags, which are as many.
     pub fn new(
-        around: Around<'a>,
+        around: QuickContext<'a>,
         bases: [u32; 3],
         unit: u16,
     ) -> Option<(Calls<'a>, &'a mut [u8], &'a [u8])> {
-        let Around { program, memory, flags, pins, task, now, budget } = around;
+        let QuickContext { program, memory, flags, pins, task, now, budget } = around;
         let flags = flags.get(..memory.len())?;
         Some((Calls { program, pins, task, now, budget, bases, unit }, memory, flags))
     }

@@ -1,17 +1,17 @@
 //! Steps whose last operand is a constant, which they then hold themselves.
 
-use super::super::fast::{Fast, From};
+use super::super::fast::{FastStep, OperandBase};
 use crate::code::Op;
 use crate::program::Program;
 
 /// The bytes of a constant from an operand on.
-fn bytes(program: &Program, from: From, offset: u32) -> Option<&[u8]> {
-    let is = from == From::Zero && offset >= program.variables_to;
+fn bytes(program: &Program, from: OperandBase, offset: u32) -> Option<&[u8]> {
+    let is = from == OperandBase::Zero && offset >= program.variables_to;
     program.image.get(offset as usize..).filter(|_| is)
 }
 
 /// The constant at an operand (0 for `a`) as a number of 8, 16 or 32 bits, in the low bits.
-pub(super) fn constant(program: &Program, plain: &Fast, operand: usize, width: usize) -> Option<u32> {
+pub(super) fn constant(program: &Program, plain: &FastStep, operand: usize, width: usize) -> Option<u32> {
     let offset = [plain.a, plain.b, plain.c].get(operand).copied()?;
     if plain.indirect >> operand & 1 != 0 {
         return None;
@@ -21,7 +21,7 @@ pub(super) fn constant(program: &Program, plain: &Fast, operand: usize, width: u
 }
 
 /// The operation with its sides changed, so that the constant is the last operand, and what it is then.
-pub(super) fn with_constant(program: &Program, plain: &Fast) -> Option<(Fast, Op)> {
+pub(super) fn with_constant(program: &Program, plain: &FastStep) -> Option<(FastStep, Op)> {
     let (width, last, first) = match plain.op {
         Op::Move8 => (1, None, Some(Op::Set8)),
         Op::Move16 => (2, None, Some(Op::Set16)),
@@ -47,7 +47,7 @@ pub(super) fn with_constant(program: &Program, plain: &Fast) -> Option<(Fast, Op
         && let Some(value) = constant(program, plain, 2, width)
     {
         let [from_a, from_b, _] = plain.from;
-        turned.from = [from_a, from_b, From::Zero];
+        turned.from = [from_a, from_b, OperandBase::Zero];
         let minus = matches!(plain.op, Op::Sub16 | Op::Sub32);
         turned.c = if minus { value.wrapping_neg() } else { value };
         let same = plain.indirect == 0 && from_a == from_b && plain.a == plain.b;
@@ -62,7 +62,7 @@ pub(super) fn with_constant(program: &Program, plain: &Fast) -> Option<(Fast, Op
     }
     let value = constant(program, plain, 1, width)?;
     let [from_a, _, from_c] = plain.from;
-    turned.from = [from_a, from_c, From::Zero];
+    turned.from = [from_a, from_c, OperandBase::Zero];
     (turned.b, turned.c) = (plain.c, value);
     turned.indirect = plain.indirect & 1 | plain.indirect >> 1 & 2;
     Some((turned, first?))

@@ -1,36 +1,36 @@
 //! Steps that have an element of an array of numbers, found by themselves.
 
-use super::super::fast::{Fast, From};
-use super::fold::{Found, leave};
+use super::super::fast::{FastStep, OperandBase};
+use super::fold::{FoldedLoop, leave};
 use super::lookup::{IndexType, Lookup};
-use super::{DIRECT, Step};
+use super::{DIRECT, QuickStep};
 use crate::code::Op;
 
 /// Which operand the element is.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
+enum ElementSide {
     A,
     B,
     C,
 }
 
 /// The lookup alone, as a step that leaves the address.
-pub(super) fn address(plain: &Fast, found: &Found) -> Option<Step> {
+pub(super) fn address(plain: &FastStep, found: &FoldedLoop) -> Option<QuickStep> {
     let Lookup { stride, .. } = found.lookup;
     let [from_a, ..] = plain.from;
-    let step = Step { op: Op::Element, from: [from_a; 4], a: plain.a, b: stride, ..leave() };
+    let step = QuickStep { op: Op::Element, from: [from_a; 4], a: plain.a, b: stride, ..leave() };
     with(step, &found.lookup)
 }
 
 /// An operation and the lookups before it, all of which it uses.
-pub(super) fn element(plain: &Fast, lookups: &[Found]) -> Option<Step> {
-    let Fast { from: [from_a, from_b, from_c], a, b, c, .. } = *plain;
+pub(super) fn element(plain: &FastStep, lookups: &[FoldedLoop]) -> Option<QuickStep> {
+    let FastStep { from: [from_a, from_b, from_c], a, b, c, .. } = *plain;
     match lookups {
         [found] => {
             let side = match plain.indirect {
-                1 if a == found.slot => Side::A,
-                2 if b == found.slot => Side::B,
-                4 if c == found.slot => Side::C,
+                1 if a == found.slot => ElementSide::A,
+                2 if b == found.slot => ElementSide::B,
+                4 if c == found.slot => ElementSide::C,
                 _ => return None,
             };
             if found.lookup.ty == IndexType::Constant {
@@ -38,9 +38,9 @@ pub(super) fn element(plain: &Fast, lookups: &[Found]) -> Option<Step> {
             }
             let (op, width) = one(plain.op, side)?;
             // The operand that is no element.
-            let (other, from_other) = if side == Side::B { (c, from_c) } else { (b, from_b) };
-            let from = [from_a, from_other, From::Zero, From::Zero];
-            let step = Step { op, from, a, b: other, ..leave() };
+            let (other, from_other) = if side == ElementSide::B { (c, from_c) } else { (b, from_b) };
+            let from = [from_a, from_other, OperandBase::Zero, OperandBase::Zero];
+            let step = QuickStep { op, from, a, b: other, ..leave() };
             (found.lookup.stride == width).then_some(())?;
             with(step, &found.lookup)
         }
@@ -58,53 +58,53 @@ pub(super) fn element(plain: &Fast, lookups: &[Found]) -> Option<Step> {
             };
             let same = Lookup { add: to.add, ..of } == to && to.stride == width;
             same.then_some(())?;
-            with(Step { op, b: of.add, ..leave() }, &to)
+            with(QuickStep { op, b: of.add, ..leave() }, &to)
         }
         _ => None,
     }
 }
 
 /// What goes behind an address: a pin of an instance that was found.
-fn behind(plain: &Fast, side: Side, lookup: &Lookup) -> Option<Step> {
+fn behind(plain: &FastStep, side: ElementSide, lookup: &Lookup) -> Option<QuickStep> {
     let op = match plain.op {
         Op::Move8 => Op::Behind8,
         Op::Move16 => Op::Behind16,
         Op::Move32 => Op::Behind32,
         _ => return None,
     };
-    let fits = side == Side::A && lookup.indirect && lookup.add <= lookup.last;
-    let from = [lookup.from, plain.from[1], From::Zero, From::Zero];
+    let fits = side == ElementSide::A && lookup.indirect && lookup.add <= lookup.last;
+    let from = [lookup.from, plain.from[1], OperandBase::Zero, OperandBase::Zero];
     let d = lookup.add.wrapping_mul(lookup.stride);
-    fits.then_some(Step { op, from, a: lookup.of, b: plain.b, d, ..leave() })
+    fits.then_some(QuickStep { op, from, a: lookup.of, b: plain.b, d, ..leave() })
 }
 
 /// The operation with an element on one side, and the width of the element.
-fn one(op: Op, side: Side) -> Option<(Op, u32)> {
+fn one(op: Op, side: ElementSide) -> Option<(Op, u32)> {
     Some(match (op, side) {
-        (Op::Move8, Side::B) => (Op::Fetch8, 1),
-        (Op::Move16, Side::B) => (Op::Fetch16, 2),
-        (Op::Move32, Side::B) => (Op::Fetch32, 4),
-        (Op::Move8, Side::A) => (Op::Keep8, 1),
-        (Op::Move16, Side::A) => (Op::Keep16, 2),
-        (Op::Move32, Side::A) => (Op::Keep32, 4),
-        (Op::Add32, Side::B | Side::C) => (Op::AddElement32, 4),
-        (Op::AddF32, Side::B | Side::C) => (Op::AddElementF32, 4),
-        (Op::JumpEq32, Side::B | Side::C) => (Op::EqualElement32, 4),
-        (Op::JumpNe32, Side::B | Side::C) => (Op::OtherElement32, 4),
-        (Op::JumpLtI32, Side::C) => (Op::LessElement32, 4),
-        (Op::JumpLtI32, Side::B) => (Op::GreaterElement32, 4),
-        (Op::JumpLeI32, Side::C) => (Op::LessEqualElement32, 4),
-        (Op::JumpLeI32, Side::B) => (Op::GreaterEqualElement32, 4),
+        (Op::Move8, ElementSide::B) => (Op::Fetch8, 1),
+        (Op::Move16, ElementSide::B) => (Op::Fetch16, 2),
+        (Op::Move32, ElementSide::B) => (Op::Fetch32, 4),
+        (Op::Move8, ElementSide::A) => (Op::Keep8, 1),
+        (Op::Move16, ElementSide::A) => (Op::Keep16, 2),
+        (Op::Move32, ElementSide::A) => (Op::Keep32, 4),
+        (Op::Add32, ElementSide::B | ElementSide::C) => (Op::AddElement32, 4),
+        (Op::AddF32, ElementSide::B | ElementSide::C) => (Op::AddElementF32, 4),
+        (Op::JumpEq32, ElementSide::B | ElementSide::C) => (Op::EqualElement32, 4),
+        (Op::JumpNe32, ElementSide::B | ElementSide::C) => (Op::OtherElement32, 4),
+        (Op::JumpLtI32, ElementSide::C) => (Op::LessElement32, 4),
+        (Op::JumpLtI32, ElementSide::B) => (Op::GreaterElement32, 4),
+        (Op::JumpLeI32, ElementSide::C) => (Op::LessEqualElement32, 4),
+        (Op::JumpLeI32, ElementSide::B) => (Op::GreaterEqualElement32, 4),
         _ => return None,
     })
 }
 
 /// The step with its lookup, if it is one that steps can have.
-fn with(step: Step, lookup: &Lookup) -> Option<Step> {
+fn with(step: QuickStep, lookup: &Lookup) -> Option<QuickStep> {
     let Lookup { index, add, last, of, index_from, from, ty, indirect, .. } = *lookup;
     let fits = !indirect && ty != IndexType::Constant && step.modes == DIRECT;
     let [from_a, from_b, ..] = step.from;
     let from = [from_a, from_b, index_from, from];
     let narrow = ty == IndexType::Narrow;
-    fits.then_some(Step { from, c: index, d: add, last, of, narrow, ..step })
+    fits.then_some(QuickStep { from, c: index, d: add, last, of, narrow, ..step })
 }

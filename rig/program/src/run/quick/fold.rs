@@ -1,11 +1,11 @@
 //! Makes the steps of the quick loop: elements are found by the operation that uses them.
 
-use super::super::fast::{Fast, FastIndex, From};
+use super::super::fast::{FastIndex, FastStep, OperandBase};
 use super::constant::{constant, with_constant};
 use super::element::{address, element};
 use super::lookup::{IndexType, Lookup};
 use super::pair::pair;
-use super::{BASED, Callee, DIRECT, INDIRECT, LOOKUP, NONE, PLAIN, Quick, Step};
+use super::{BASED, Callee, DIRECT, INDIRECT, LOOKUP, NONE, PLAIN, Quick, QuickStep};
 use crate::code::{Op, map};
 use crate::program::Program;
 
@@ -17,7 +17,7 @@ const WORTH: usize = 5;
 const FAR: usize = 200;
 
 struct Folder<'a> {
-    code: &'a [Fast],
+    code: &'a [FastStep],
     indexes: &'a [FastIndex],
     program: &'a Program,
     /// By operation: jumps lead here.
@@ -28,7 +28,7 @@ struct Folder<'a> {
 }
 
 /// A lookup and the operations that it stands for.
-pub(super) struct Found {
+pub(super) struct FoldedLoop {
     pub lookup: Lookup,
     /// Where the element's address goes in the frame.
     pub slot: u32,
@@ -37,7 +37,7 @@ pub(super) struct Found {
     length: usize,
 }
 
-pub(in super::super) fn fold(code: &[Fast], indexes: &[FastIndex], program: &Program) -> Quick {
+pub(in super::super) fn fold(code: &[FastStep], indexes: &[FastIndex], program: &Program) -> Quick {
     let mut reached = vec![false; code.len()];
     for step in code.iter().filter(|step| step.op == Op::Jump || step.op.branches()) {
         if let Some(reached) = reached.get_mut(step.a as usize) {
@@ -76,7 +76,7 @@ impl Folder<'_> {
         }
         // So that there is a step behind each.
         self.push(leave(), pc);
-        settle(&mut self.quick.steps, &positions);
+        renumber_jumps(&mut self.quick.steps, &positions);
         self.quick.entries = self.entries(&positions);
         let at = |pc: u32| positions.get(pc as usize).copied().unwrap_or(NONE);
         let callees =
@@ -86,11 +86,11 @@ impl Folder<'_> {
         self.quick
     }
 
-    fn push(&mut self, mut step: Step, pc: usize) {
+    fn push(&mut self, mut step: QuickStep, pc: usize) {
         if step.modes == DIRECT {
             let calls = is_call(step.op)
                 || matches!(step.op, Op::Frame | Op::CallThrough | Op::CallNative | Op::Return);
-            step.modes = if step.from == [From::Zero; 4] && !calls { PLAIN } else { BASED };
+            step.modes = if step.from == [OperandBase::Zero; 4] && !calls { PLAIN } else { BASED };
         }
         self.quick.steps.push(step);
         self.quick.origins.push(pc as u32);
@@ -116,18 +116,25 @@ impl Folder<'_> {
 
     /// A jump to the next operation, where the time of the following ones is taken.
     fn pause(&mut self, pc: usize) {
-        let jump =
-            Fast { op: Op::Jump, from: [From::Zero; 3], indirect: 0, a: pc as u32, b: 0, c: 0, cost: 0 };
+        let jump = FastStep {
+            op: Op::Jump,
+            from: [OperandBase::Zero; 3],
+            indirect: 0,
+            a: pc as u32,
+            b: 0,
+            c: 0,
+            cost: 0,
+        };
         let step = self.simple(pc, &jump).0;
         self.push(step, pc);
     }
 
     /// The longest step that begins at an operation, and of how many operations it is.
-    fn step(&mut self, pc: usize, plain: &Fast) -> (Step, usize) {
+    fn step(&mut self, pc: usize, plain: &FastStep) -> (QuickStep, usize) {
         if let Some(step) = self.pair(pc, plain) {
             return (step, 2);
         }
-        let mut lookups: Vec<Found> = Vec::new();
+        let mut lookups: Vec<FoldedLoop> = Vec::new();
         let mut behind = pc;
         while lookups.len() < 3
             && let Some(found) = self.lookup(behind)
@@ -142,22 +149,22 @@ impl Folder<'_> {
             behind -= lookups.pop().map_or(0, |found| found.length);
         }
         match self.plain_lookup(plain).and_then(|found| address(plain, &found)) {
-            Some(step) => (Step { cost: plain.cost, ..step }, 1),
+            Some(step) => (QuickStep { cost: plain.cost, ..step }, 1),
             None => (self.simple(pc, plain).0, 1),
         }
     }
 
     /// The operation and the next one, if they are one step.
-    fn pair(&self, pc: usize, plain: &Fast) -> Option<Step> {
+    fn pair(&self, pc: usize, plain: &FastStep) -> Option<QuickStep> {
         let next = self.code.get(pc + 1).filter(|_| self.reached.get(pc + 1) == Some(&false))?;
         let (step, temporary) = pair(self.program, plain, next)?;
         let cost = plain.cost.checked_add(next.cost)?;
         let idle = |offset| self.is_dead(pc + 2, offset);
-        temporary.is_none_or(idle).then_some(Step { cost, ..step })
+        temporary.is_none_or(idle).then_some(QuickStep { cost, ..step })
     }
 
     /// The lookup that begins at an operation.
-    fn lookup(&self, pc: usize) -> Option<Found> {
+    fn lookup(&self, pc: usize) -> Option<FoldedLoop> {
         let first = self.code.get(pc)?;
         let (width, ty) = match first.op {
             Op::Add16 | Op::Sub16 => (2, IndexType::Narrow),
@@ -167,9 +174,9 @@ impl Folder<'_> {
         // A constant is added to the index.
         let add = constant(self.program, first, 2, width)?;
         let mut found = self.plain_lookup(self.code.get(pc + 1)?)?;
-        let Found { lookup, slot, sum, length } = &mut found;
-        let to = lookup.index_from == From::Frame && lookup.index == first.a && *slot != first.a;
-        if !to || first.from[0] != From::Frame || first.indirect != 0 || lookup.ty != ty {
+        let FoldedLoop { lookup, slot, sum, length } = &mut found;
+        let to = lookup.index_from == OperandBase::Frame && lookup.index == first.a && *slot != first.a;
+        if !to || first.from[0] != OperandBase::Frame || first.indirect != 0 || lookup.ty != ty {
             return None;
         }
         let minus = matches!(first.op, Op::Sub16 | Op::Sub32);
@@ -180,7 +187,7 @@ impl Folder<'_> {
         Some(found)
     }
 
-    fn plain_lookup(&self, step: &Fast) -> Option<Found> {
+    fn plain_lookup(&self, step: &FastStep) -> Option<FoldedLoop> {
         let index = self.indexes.get(step.c as usize).filter(|_| step.op.indexes() && step.indirect == 0)?;
         let (ty, add, range) = match step.op {
             Op::IndexI16 => (IndexType::Narrow, 0, i64::from(i16::MIN)..=i64::from(i16::MAX)),
@@ -206,18 +213,18 @@ impl Folder<'_> {
             ty,
             indirect: index.indirect,
         };
-        Some(Found { lookup, slot: step.a, sum: None, length: 1 })
+        Some(FoldedLoop { lookup, slot: step.a, sum: None, length: 1 })
     }
 
     /// The operation as a step, its constant in it, and with the sides as the step has them.
-    fn simple(&self, pc: usize, plain: &Fast) -> (Step, Fast) {
+    fn simple(&self, pc: usize, plain: &FastStep) -> (QuickStep, FastStep) {
         let (plain, op) = with_constant(self.program, plain).unwrap_or((*plain, plain.op));
         let modes = (0..3).fold(DIRECT, |modes, nth| {
             modes | if plain.indirect >> nth & 1 != 0 { INDIRECT << (2 * nth) } else { DIRECT }
         });
-        let Fast { from: [from_a, from_b, from_c], a, b, c, cost, .. } = plain;
-        let from = [from_a, from_b, from_c, From::Zero];
-        let mut step = Step { op, from, modes, a, b, c, cost, ..leave() };
+        let FastStep { from: [from_a, from_b, from_c], a, b, c, cost, .. } = plain;
+        let from = [from_a, from_b, from_c, OperandBase::Zero];
+        let mut step = QuickStep { op, from, modes, a, b, c, cost, ..leave() };
         if is_call(op) {
             // Where it returns to.
             step.c = pc as u32 + 1;
@@ -225,11 +232,11 @@ impl Folder<'_> {
         if op == Op::CallThis && modes == INDIRECT << 2 {
             (step.op, step.modes) = (Op::CallThrough, DIRECT);
         }
-        (if is_quick(op) { step } else { Step { op, ..leave() } }, plain)
+        (if is_quick(op) { step } else { QuickStep { op, ..leave() } }, plain)
     }
 
     /// The operation at `at` with the lookups before it, if it uses all of them and nothing else does.
-    fn folded(&mut self, first: usize, at: usize, lookups: &[Found]) -> Option<Step> {
+    fn folded(&mut self, first: usize, at: usize, lookups: &[FoldedLoop]) -> Option<QuickStep> {
         let plain = self.code.get(at).filter(|plain| is_quick(plain.op))?;
         if self.reached.get(first + 1..=at)?.contains(&true) || !apart(lookups) {
             return None;
@@ -242,7 +249,7 @@ impl Folder<'_> {
             for (place, (field, offset)) in fields.into_iter().enumerate() {
                 if turned.indirect >> place & 1 != 0 && offset == found.slot {
                     *field = self.quick.lookups.len() as u32 + nth;
-                    step.from[place] = From::Zero;
+                    step.from[place] = OperandBase::Zero;
                     step.modes = step.modes & !(3 << (2 * place)) | LOOKUP << (2 * place);
                     uses = true;
                 }
@@ -259,7 +266,7 @@ impl Folder<'_> {
             return None;
         }
         if let Some(element) = element(plain, lookups) {
-            return Some(Step { cost: step.cost, ..element });
+            return Some(QuickStep { cost: step.cost, ..element });
         }
         self.quick.lookups.extend(lookups.iter().map(|found| found.lookup));
         Some(step)
@@ -276,12 +283,12 @@ impl Folder<'_> {
             let of = self.indexes.get(step.c as usize).filter(|_| step.op.indexes());
             if table
                 || reads(step, offset)
-                || of.is_some_and(|of| of.from == From::Frame && near(of.of, offset))
+                || of.is_some_and(|of| of.from == OperandBase::Frame && near(of.of, offset))
                 || (step.indirect & 1 != 0 && near(step.a, offset))
             {
                 return false;
             }
-            if step.op.places()[0] && step.from[0] == From::Frame && step.a == offset {
+            if step.op.places()[0] && step.from[0] == OperandBase::Frame && step.a == offset {
                 return true;
             }
         }
@@ -291,7 +298,7 @@ impl Folder<'_> {
 }
 
 /// Turns jumps to operations into jumps to steps, and costs into those of runs.
-fn settle(steps: &mut [Step], positions: &[u32]) {
+fn renumber_jumps(steps: &mut [QuickStep], positions: &[u32]) {
     let mut after = 0;
     for step in steps.iter_mut().rev() {
         if jumps(step.op) {
@@ -309,10 +316,10 @@ fn settle(steps: &mut [Step], positions: &[u32]) {
 }
 
 /// What the other loop goes on with.
-pub(super) fn leave() -> Step {
-    Step {
+pub(super) fn leave() -> QuickStep {
+    QuickStep {
         op: Op::Leave,
-        from: [From::Zero; 4],
+        from: [OperandBase::Zero; 4],
         modes: DIRECT,
         narrow: false,
         a: 0,
@@ -331,32 +338,35 @@ pub(super) fn near(of: u32, offset: u32) -> bool {
 }
 
 /// Whether the operation reads at the frame's offset, itself or for an address.
-fn reads(step: &Fast, offset: u32) -> bool {
+fn reads(step: &FastStep, offset: u32) -> bool {
     let fields = [(1, step.b), (2, step.c)];
-    fields
-        .iter()
-        .any(|(nth, field)| step.op.places()[*nth] && step.from[*nth] == From::Frame && near(*field, offset))
+    fields.iter().any(|(nth, field)| {
+        step.op.places()[*nth] && step.from[*nth] == OperandBase::Frame && near(*field, offset)
+    })
 }
 
 /// The same without the addresses of operands, for an operation that the lookup is made for.
-fn reads_beside(step: &Fast, offset: u32) -> bool {
+fn reads_beside(step: &FastStep, offset: u32) -> bool {
     let fields = [step.a, step.b, step.c];
     fields.iter().enumerate().any(|(nth, field)| {
         let exact = step.indirect >> nth & 1 != 0 && *field == offset;
         let read = nth > 0 || step.indirect & 1 != 0;
-        read && !exact && step.op.places()[nth] && step.from[nth] == From::Frame && near(*field, offset)
+        read && !exact
+            && step.op.places()[nth]
+            && step.from[nth] == OperandBase::Frame
+            && near(*field, offset)
     })
 }
 
 /// Whether no lookup reads or overwrites in another way what one before it leaves. They are all found before
 /// anything is left.
-fn apart(lookups: &[Found]) -> bool {
-    let touches = |one: &Found, other: &Lookup| {
+fn apart(lookups: &[FoldedLoop]) -> bool {
+    let touches = |one: &FoldedLoop, other: &Lookup| {
         let inputs = [(other.index_from, other.index), (other.from, other.of)];
         [Some(one.slot), one.sum]
             .into_iter()
             .flatten()
-            .any(|left| inputs.iter().any(|(from, at)| *from == From::Frame && left.abs_diff(*at) < 4))
+            .any(|left| inputs.iter().any(|(from, at)| *from == OperandBase::Frame && left.abs_diff(*at) < 4))
     };
     lookups.iter().enumerate().all(|(nth, one)| {
         let slots = lookups.iter().skip(nth + 1).all(|other| other.slot != one.slot);
@@ -385,9 +395,11 @@ fn within(op: Op, first: Op, last: Op) -> bool {
 }
 
 /// Whether an operand is in the host's areas.
-fn is_foreign(plain: &Fast) -> bool {
+fn is_foreign(plain: &FastStep) -> bool {
     let fields = plain.op.places().into_iter().zip(plain.from).zip([plain.a, plain.b, plain.c]);
-    fields.into_iter().any(|((place, from), offset)| place && from == From::Zero && offset >= map::INPUTS)
+    fields
+        .into_iter()
+        .any(|((place, from), offset)| place && from == OperandBase::Zero && offset >= map::INPUTS)
 }
 
 /// Whether the step may go on at the operation `a`.

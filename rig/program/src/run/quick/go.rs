@@ -1,17 +1,17 @@
 //! The loop itself.
 
-use super::super::number::{Canonical, Raw, max_f32, max_f64, min_f32, min_f64, shift, spread, turn};
+use super::super::number::{Canonical, RawNumber, max_f32, max_f64, min_f32, min_f64, shift, spread, turn};
 use super::super::operations::operations;
 use super::call::Calls;
 use super::lookup::{follow, place, read};
 use super::steps::steps;
-use super::{Around, BASED, DIRECT, INDIRECT, PLAIN, Place, Quick};
+use super::{BASED, DIRECT, INDIRECT, PLAIN, Quick, QuickContext, QuickPlace};
 use crate::code::Op;
 
 impl Quick {
     /// Goes on from a step as far as it can.
     #[inline(never)]
-    pub(in super::super) fn go(&self, around: Around<'_>, entry: u32, from: Place) -> Place {
+    pub(in super::super) fn go(&self, around: QuickContext<'_>, entry: u32, from: QuickPlace) -> QuickPlace {
         let mut left = from.left;
         let (steps, lookups) = (self.steps.as_slice(), self.lookups.as_slice());
         let Some((mut calls, memory, flags)) = Calls::new(around, from.bases, from.unit) else { return from };
@@ -61,14 +61,14 @@ impl Quick {
                 macro_rules! one {
                     ($ty:ident, |$b:ident| $result:expr) => {{
                         let $b = load!($ty, b!());
-                        put!(a!(), Raw::raw($result));
+                        put!(a!(), RawNumber::raw($result));
                     }};
                 }
                 macro_rules! two {
                     ($ty:ident, |$b:ident, $c:ident| $result:expr) => {{
                         let $b = load!($ty, b!());
                         let $c = load!($ty, c!());
-                        put!(a!(), Raw::raw($result));
+                        put!(a!(), RawNumber::raw($result));
                     }};
                 }
                 macro_rules! divide {
@@ -463,6 +463,6 @@ impl Quick {
         }
         // The one that does not happen is not in the rest any more.
         let position = steps.len().saturating_sub(rest.len() + 1);
-        self.before(position, Place { pc: 0, left, bases: calls.bases, unit: calls.unit })
+        self.before(position, QuickPlace { pc: 0, left, bases: calls.bases, unit: calls.unit })
     }
 }

@@ -1,6 +1,6 @@
 //! Places in memory, and elements that the operation finds that uses them.
 
-use super::From;
+use super::OperandBase;
 use crate::code::map;
 
 /// Types of indices.
@@ -27,8 +27,8 @@ pub(super) struct Lookup {
     /// The array.
     pub of: u32,
     pub stride: u32,
-    pub index_from: From,
-    pub from: From,
+    pub index_from: OperandBase,
+    pub from: OperandBase,
     pub ty: IndexType,
     pub indirect: bool,
 }
@@ -40,7 +40,7 @@ pub(super) fn read<const N: usize>(memory: &[u8], at: usize) -> Option<[u8; N]> 
 
 /// Where an offset leads.
 #[inline(always)]
-pub(super) fn place(bases: &[u32; 3], from: From, offset: u32) -> usize {
+pub(super) fn place(bases: &[u32; 3], from: OperandBase, offset: u32) -> usize {
     bases[from as usize].wrapping_add(offset) as usize
 }
 

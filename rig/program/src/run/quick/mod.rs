@@ -14,7 +14,7 @@ mod lookup;
 mod pair;
 mod steps;
 
-use super::fast::{FastIndex, From};
+use super::fast::{FastIndex, OperandBase};
 use crate::code::Op;
 use crate::program::Program;
 use crate::state::{PinOffsets, Task};
@@ -25,10 +25,10 @@ use signal::Time;
 
 /// One operation or several, of which all happens or nothing.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct QuickStep {
     op: Op,
     /// The bases of `a`, `b`, `c`, and of `d` or the array.
-    from: [From; 4],
+    from: [OperandBase; 4],
     /// Two bits for each of `a`, `b`, `c`: [`DIRECT`], [`INDIRECT`] or [`LOOKUP`]; or [`PLAIN`] or [`BASED`].
     modes: u8,
     /// The index of the element has 16 bits and not 32.
@@ -65,7 +65,7 @@ const NONE: u32 = u32::MAX;
 /// The code as this loop takes it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Quick {
-    steps: Vec<Step>,
+    steps: Vec<QuickStep>,
     /// Beside the steps: the first operation of each.
     origins: Vec<u32>,
     /// By operation: the step that begins there, if it is worth going on there with this loop.
@@ -78,7 +78,7 @@ pub(crate) struct Quick {
 }
 
 /// What the loop works on.
-pub(super) struct Around<'a> {
+pub(super) struct QuickContext<'a> {
     pub program: &'a Program,
     pub memory: &'a mut [u8],
     pub flags: &'a [u8],
@@ -92,7 +92,7 @@ pub(super) struct Around<'a> {
 
 /// Where a task stands.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct QuickPlace {
     /// The operation that comes next.
     pub pc: usize,
     /// Time that is left, in nanoseconds.
@@ -112,9 +112,9 @@ impl Quick {
     /// Where a task stands that goes on with a step, if nothing of it ran though its time is taken.
     #[cold]
     #[inline(never)]
-    fn before(&self, position: usize, place: Place) -> Place {
+    fn before(&self, position: usize, place: QuickPlace) -> QuickPlace {
         let cost = self.steps.get(position).map_or(0, |step| i64::from(step.cost));
         let pc = self.origins.get(position).map_or(NONE as usize, |pc| *pc as usize);
-        Place { pc, left: place.left + cost, ..place }
+        QuickPlace { pc, left: place.left + cost, ..place }
     }
 }

@@ -6,7 +6,7 @@ use crate::alarm;
 
 /// What a case came to by its trace.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outcome {
+pub struct JudgedCase {
     /// The expectations in the plan's order, then the steps that had to happen.
     pub claims: Vec<ClaimRecord>,
     /// The measurements in the plan's order.
@@ -17,9 +17,9 @@ pub struct Outcome {
     pub reason: String,
 }
 
-impl Outcome {
+impl JudgedCase {
     /// Combines claims and measurements.
-    pub fn of(claims: Vec<ClaimRecord>, measurements: Vec<MeasurementRecord>) -> Outcome {
+    pub fn of(claims: Vec<ClaimRecord>, measurements: Vec<MeasurementRecord>) -> JudgedCase {
         let parts = || {
             let claims = claims.iter().map(|claim| (claim.verdict, &claim.name, &claim.reason));
             claims.chain(measurements.iter().map(|taken| (taken.verdict, &taken.name, &taken.reason)))
@@ -37,6 +37,6 @@ impl Outcome {
             Some((_, name, reason)) => format!("{name}: {reason}"),
             None => String::new(),
         };
-        Outcome { claims, measurements, verdict, reason }
+        JudgedCase { claims, measurements, verdict, reason }
     }
 }

@@ -5,17 +5,17 @@ use std::fmt;
 use signal::{Sampling, SignalInfo, Span};
 
 use super::anchors::Anchors;
-use super::{Point, Window};
-use crate::lang::{Anchor, Base};
+use super::{UncertainInstant, UncertainWindow};
+use crate::lang::{Anchor, AnchorBase};
 
 /// The signals of a trace.
 #[derive(Clone, Copy, Debug)]
-pub struct Wiring<'a> {
+pub struct TraceSignals<'a> {
     /// All of them, by their places in the trace.
     pub signals: &'a [SignalInfo],
 }
 
-impl<'a> Wiring<'a> {
+impl<'a> TraceSignals<'a> {
     /// The signal of this name.
     pub fn find(&self, name: &str) -> Option<&'a SignalInfo> {
         self.signals.iter().find(|info| info.name == name)
@@ -55,7 +55,7 @@ impl fmt::Display for NotJudged {
 
 /// The signals and instants of one case.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct CaseTimeline<'a> {
     pub(crate) signals: &'a [SignalInfo],
     pub(crate) anchors: &'a Anchors,
     /// For every signal, whether its intervals run backwards; empty where that is not known yet.
@@ -66,12 +66,12 @@ pub struct Scene<'a> {
     pub(crate) closing: bool,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> CaseTimeline<'a> {
     /// An instant.
     ///
     /// # Errors
     /// [`NotJudged::NeverCame`], [`NotJudged::AfterEnd`].
-    pub fn point(&self, anchor: &Anchor) -> Result<Point, NotJudged> {
+    pub fn point(&self, anchor: &Anchor) -> Result<UncertainInstant, NotJudged> {
         let point = self.resolve(anchor).ok_or_else(|| NotJudged::NeverCame(anchor.to_string()))?;
         match !self.closing && point.a > self.end() {
             true => Err(NotJudged::AfterEnd(anchor.to_string())),
@@ -79,9 +79,12 @@ impl<'a> Scene<'a> {
         }
     }
 
-    fn resolve(&self, anchor: &Anchor) -> Option<Point> {
-        let closed =
-            if self.closing && anchor.base == Base::End { self.anchors.closed(anchor.offset) } else { None };
+    fn resolve(&self, anchor: &Anchor) -> Option<UncertainInstant> {
+        let closed = if self.closing && anchor.base == AnchorBase::End {
+            self.anchors.closed(anchor.offset)
+        } else {
+            None
+        };
         closed.or_else(|| self.anchors.resolve(anchor))
     }
 
@@ -94,13 +97,16 @@ impl<'a> Scene<'a> {
     ///
     /// # Errors
     /// [`NotJudged`] if an end never came or the window is empty in every placement.
-    pub fn window(&self, from: &Anchor, until: &Anchor) -> Result<Window, NotJudged> {
+    pub fn window(&self, from: &Anchor, until: &Anchor) -> Result<UncertainWindow, NotJudged> {
         let start = self.point(from)?;
         let end = match (self.point(until), self.open_from) {
-            (Err(_), Some(now)) => Point { a: now, b: i64::MAX, place: u64::MAX, base: u32::MAX, offset: 0 },
+            (Err(_), Some(now)) => {
+                UncertainInstant { a: now, b: i64::MAX, place: u64::MAX, base: u32::MAX, offset: 0 }
+            }
             (end, _) => end?,
         };
-        Window::new(start, end).ok_or_else(|| NotJudged::EmptyWindow(format!("{from} until {until}")))
+        UncertainWindow::new(start, end)
+            .ok_or_else(|| NotJudged::EmptyWindow(format!("{from} until {until}")))
     }
 
     /// The end of the case; later than all time while it is not known.
@@ -128,7 +134,7 @@ impl<'a> Scene<'a> {
     /// # Errors
     /// [`NotJudged::NoSignal`].
     pub fn signal(&self, name: &str) -> Result<&'a SignalInfo, NotJudged> {
-        Wiring { signals: self.signals }.find(name).ok_or_else(|| NotJudged::NoSignal(name.to_owned()))
+        TraceSignals { signals: self.signals }.find(name).ok_or_else(|| NotJudged::NoSignal(name.to_owned()))
     }
 }
 

@@ -6,15 +6,15 @@
 //! more; between a stretch's counts and what no count cut off lies less than one turn. The figure is the least tolerance
 //! with which that holds for every stretch, in the best and in the worst placement of all instants.
 
-use super::shape::{Band, Border, Shape};
-use super::track::Count;
-use super::{Point, Seen, Window};
+use super::shape::{BandBorder, FrequencyShape, ShapeBand};
+use super::track::PositionChange;
+use super::{TimedValue, UncertainInstant, UncertainWindow};
 
 /// What a course is held against.
 #[derive(Clone, Debug)]
-pub struct Held {
+pub struct ShapeLimits {
     /// The frequency over time, from the window's beginning on.
-    pub shape: Shape,
+    pub shape: FrequencyShape,
     /// By how much its instants may be off, nanoseconds.
     pub within: i64,
     /// Shortest stretch that is judged, nanoseconds; from each count to the next if 0.
@@ -27,11 +27,11 @@ pub struct Held {
 
 /// A stretch that decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deciding {
+pub struct DecidingStretch {
     /// The count that begins it, or `None` for the window's beginning.
-    pub from: Option<Seen>,
+    pub from: Option<TimedValue>,
     /// The count that ends it, or `None` for the window's end.
-    pub until: Option<Seen>,
+    pub until: Option<TimedValue>,
     /// Its length and its beginning behind that of the shape, nanoseconds.
     pub length: f64,
     /// See `length`.
@@ -48,11 +48,11 @@ pub struct Deciding {
 
 /// What it came to.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Found {
+pub struct ShapeResult {
     /// The least tolerance that is needed, hertz: in the best placement, and in the worst one.
     pub needed: (f64, f64),
     /// The stretches that need it.
-    pub deciding: [Option<Deciding>; 2],
+    pub deciding: [Option<DecidingStretch>; 2],
     /// Counts of the window in every placement, and in some.
     pub counts: (u64, u64),
     /// More may be hidden where nothing is known.
@@ -61,10 +61,10 @@ pub struct Found {
 
 /// What has to hold of a stretch.
 #[derive(Clone, Copy, Debug)]
-struct Demand {
-    ends: (Option<Seen>, Option<Seen>),
+struct StretchDemand {
+    ends: (Option<TimedValue>, Option<TimedValue>),
     extent: (f64, f64),
-    border: Border,
+    border: BandBorder,
     backwards: bool,
     /// At most so many pulses are due, or at least so many have room.
     limit: f64,
@@ -80,10 +80,10 @@ const STEPS: usize = 64;
 
 /// Counts since the one that began a stretch.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
-    begin: Seen,
-    up: Heap,
-    down: Heap,
+struct CountStretch {
+    begin: TimedValue,
+    up: DirectionCounts,
+    down: DirectionCounts,
     /// What began it may have come before or behind another count.
     tangled: bool,
     /// It is long enough, but what would have ended it may have come before or behind another count.
@@ -92,7 +92,7 @@ struct Stretch {
 
 /// Counts of one direction in a stretch.
 #[derive(Clone, Copy, Debug)]
-struct Heap {
+struct DirectionCounts {
     least: u64,
     most: u64,
     /// All counts, the beginning one among them, certainly (or possibly) have this direction.
@@ -100,10 +100,10 @@ struct Heap {
     perhaps: bool,
 }
 
-impl Heap {
-    fn new(own: (u64, u64), other: (u64, u64), blurred: bool) -> Heap {
+impl DirectionCounts {
+    fn new(own: (u64, u64), other: (u64, u64), blurred: bool) -> DirectionCounts {
         let pure = own.0 > 0 && other.1 == 0 && !blurred;
-        Heap { least: 0, most: 0, pure, perhaps: own.1 > 0 && other.0 == 0 }
+        DirectionCounts { least: 0, most: 0, pure, perhaps: own.1 > 0 && other.0 == 0 }
     }
 
     fn add(&mut self, own: (u64, u64), other: (u64, u64), blurred: bool) {
@@ -114,20 +114,20 @@ impl Heap {
     }
 }
 
-impl Stretch {
-    fn new(count: &Count) -> Stretch {
-        Stretch {
+impl CountStretch {
+    fn new(count: &PositionChange) -> CountStretch {
+        CountStretch {
             begin: count.seen,
-            up: Heap::new(count.up, count.down, count.blurred),
-            down: Heap::new(count.down, count.up, count.blurred),
+            up: DirectionCounts::new(count.up, count.down, count.blurred),
+            down: DirectionCounts::new(count.down, count.up, count.blurred),
             tangled: count.blurred,
             overdue: false,
         }
     }
 
     /// The stretch that begins with a count, or with the one before where it is not known which of them came later.
-    fn behind(count: &Count, before: Option<&Stretch>) -> Stretch {
-        let mut stretch = Stretch::new(count);
+    fn behind(count: &PositionChange, before: Option<&CountStretch>) -> CountStretch {
+        let mut stretch = CountStretch::new(count);
         if let Some(before) = before.filter(|before| before.begin.b >= count.seen.a) {
             stretch.begin.b = stretch.begin.b.max(before.begin.b);
             for (own, other) in [(&mut stretch.up, &before.up), (&mut stretch.down, &before.down)] {
@@ -138,18 +138,18 @@ impl Stretch {
         stretch
     }
 
-    fn add(&mut self, count: &Count) {
+    fn add(&mut self, count: &PositionChange) {
         self.up.add(count.up, count.down, count.blurred);
         self.down.add(count.down, count.up, count.blurred);
     }
 }
 
 /// A count that ends a stretch, or in its place the one that may come before it: of either direction, then.
-fn either(count: &Count) -> Count {
+fn either(count: &PositionChange) -> PositionChange {
     match count.blurred {
         true => {
             let most = (0, count.up.1.max(count.down.1));
-            Count { up: most, down: most, ..*count }
+            PositionChange { up: most, down: most, ..*count }
         }
         false => *count,
     }
@@ -157,19 +157,20 @@ fn either(count: &Count) -> Count {
 
 /// The last count of a direction, or one that may be.
 #[derive(Clone, Copy, Debug)]
-struct Lone {
-    begin: Seen,
+struct LastCount {
+    begin: TimedValue,
     /// The earliest end of those that certainly came behind it.
-    behind: Option<Seen>,
+    behind: Option<TimedValue>,
 }
 
-impl Lone {
+impl LastCount {
     /// Follows the last count of a direction; tells it where this one may be the next of all, and of its direction.
-    fn next(last: &mut Option<Lone>, own: (u64, u64), seen: &Seen) -> Option<Seen> {
-        let before =
-            |one: &Seen, other: &Seen| one.b < other.a || one.b == other.a && one.place < other.place;
+    fn next(last: &mut Option<LastCount>, own: (u64, u64), seen: &TimedValue) -> Option<TimedValue> {
+        let before = |one: &TimedValue, other: &TimedValue| {
+            one.b < other.a || one.b == other.a && one.place < other.place
+        };
         if own.1 > 0 {
-            let old = last.replace(Lone { begin: *seen, behind: None })?;
+            let old = last.replace(LastCount { begin: *seen, behind: None })?;
             return old.behind.is_none_or(|behind| !before(&behind, seen)).then_some(old.begin);
         }
         if let Some(last) = last.as_mut().filter(|last| before(&last.begin, seen)) {
@@ -184,31 +185,31 @@ impl Lone {
 
 /// Follows the counts.
 #[derive(Clone, Debug)]
-pub struct Course {
-    held: Held,
-    window: Window,
-    origin: Point,
-    bands: [Band; 2],
-    open: [Option<Stretch>; 2],
+pub struct ShapeFollower {
+    held: ShapeLimits,
+    window: UncertainWindow,
+    origin: UncertainInstant,
+    bands: [ShapeBand; 2],
+    open: [Option<CountStretch>; 2],
     /// The stretch that the last count begins.
-    last: Option<Stretch>,
+    last: Option<CountStretch>,
     /// The last counts up and down.
-    lone: [Option<Lone>; 2],
+    lone: [Option<LastCount>; 2],
     /// The first count that may lie in the window, and the first that certainly does.
-    first: [Option<Seen>; 2],
-    found: Found,
+    first: [Option<TimedValue>; 2],
+    found: ShapeResult,
     /// Which count begins a longer stretch, or ends the last one, is not certain.
     ragged: bool,
 }
 
-impl Course {
+impl ShapeFollower {
     /// Nothing seen yet. The shape begins at `origin`.
-    pub fn new(held: Held, origin: Point, window: Window) -> Course {
+    pub fn new(held: ShapeLimits, origin: UncertainInstant, window: UncertainWindow) -> ShapeFollower {
         let spread = origin.b.saturating_sub(origin.a) as f64 / 2.0;
         let within = held.within as f64;
         let bands = [held.shape.band(within + spread), held.shape.band(within - spread)];
         let first = [None; 2];
-        Course {
+        ShapeFollower {
             held,
             window,
             origin,
@@ -217,7 +218,7 @@ impl Course {
             last: None,
             lone: [None; 2],
             first,
-            found: Found::default(),
+            found: ShapeResult::default(),
             ragged: false,
         }
     }
@@ -229,7 +230,7 @@ impl Course {
     }
 
     /// The next count.
-    pub fn see(&mut self, count: &Count) {
+    pub fn see(&mut self, count: &PositionChange) {
         let seen = &count.seen;
         if !self.window.can_hold(seen) {
             return;
@@ -242,7 +243,7 @@ impl Course {
             self.found.counts.0 += count.up.0.max(count.down.0);
             self.first[WORST].get_or_insert(*seen);
         }
-        let begun = Stretch::behind(count, self.last.as_ref());
+        let begun = CountStretch::behind(count, self.last.as_ref());
         let tangled = self.held.over == 0 && (count.blurred || self.last.is_some_and(|last| last.tangled));
         self.last = Some(begun);
         self.see_lone(count, tangled);
@@ -275,14 +276,14 @@ impl Course {
 
     /// Between two counts of a direction of which one may be the next behind the other there has to be room for a turn,
     /// whatever may have come between them instead.
-    fn see_lone(&mut self, count: &Count, tangled: bool) {
+    fn see_lone(&mut self, count: &PositionChange, tangled: bool) {
         for (way, own) in [count.up, count.down].into_iter().enumerate() {
-            let begin = Lone::next(&mut self.lone[way], own, &count.seen);
+            let begin = LastCount::next(&mut self.lone[way], own, &count.seen);
             let Some(begin) = begin.filter(|_| tangled && (way == 0 || self.held.signed)) else { continue };
-            let demand = Demand {
+            let demand = StretchDemand {
                 ends: (Some(begin), Some(count.seen)),
                 extent: (self.behind(begin.b), self.behind(count.seen.a)),
-                border: Border::Most,
+                border: BandBorder::Most,
                 backwards: way > 0,
                 limit: 1.0,
                 counts: 1,
@@ -292,12 +293,12 @@ impl Course {
     }
 
     /// A stretch of which nothing is known.
-    pub fn unknown(&mut self, seen: &Seen) {
+    pub fn unknown(&mut self, seen: &TimedValue) {
         self.found.doubtful |= self.window.can_hold(seen);
         (self.open, self.last, self.lone) = ([None; 2], None, [None; 2]);
     }
 
-    fn judge(&mut self, side: usize, stretch: &Stretch, end: &Seen, tangled: bool) {
+    fn judge(&mut self, side: usize, stretch: &CountStretch, end: &TimedValue, tangled: bool) {
         let short = (self.behind(stretch.begin.b), self.behind(end.a));
         let long = (self.behind(stretch.begin.a), self.behind(end.b));
         let ends = (Some(stretch.begin), Some(*end));
@@ -306,7 +307,7 @@ impl Course {
                 continue;
             }
             let coarse = u64::from(self.held.coarse);
-            let Heap { least, most, pure, perhaps } = *heap;
+            let DirectionCounts { least, most, pure, perhaps } = *heap;
             // What counts, and how many pulses may be due at most and must have room at least. Where all counts can be of
             // one direction they are as many as there can be, and not off by one.
             let ((came, due), (passed, room)) = match side {
@@ -316,10 +317,10 @@ impl Course {
                 _ => ((least, least + 1), (most, most.saturating_sub(1))),
             };
             let (inside, around) = if side == BEST { (short, long) } else { (long, short) };
-            let demand = Demand {
+            let demand = StretchDemand {
                 ends,
                 extent: inside,
-                border: Border::Least,
+                border: BandBorder::Least,
                 backwards,
                 limit: (due + coarse) as f64,
                 counts: came,
@@ -327,7 +328,13 @@ impl Course {
             self.hold(side, &demand);
             if room > coarse && !(side == WORST && tangled) {
                 let limit = (room - coarse) as f64;
-                let demand = Demand { extent: around, border: Border::Most, limit, counts: passed, ..demand };
+                let demand = StretchDemand {
+                    extent: around,
+                    border: BandBorder::Most,
+                    limit,
+                    counts: passed,
+                    ..demand
+                };
                 self.hold(side, &demand);
             }
         }
@@ -337,25 +344,25 @@ impl Course {
     fn gap(
         &mut self,
         side: usize,
-        ends: (Option<Seen>, Option<Seen>),
+        ends: (Option<TimedValue>, Option<TimedValue>),
         extent: (f64, f64),
         counts: (u64, u64),
     ) {
         let loose = 1 + u64::from(self.held.coarse);
         for (backwards, counts) in [(false, counts.0), (true, counts.1)] {
             if !backwards || self.held.signed {
-                let (border, limit) = (Border::Least, (counts + loose) as f64);
-                self.hold(side, &Demand { ends, extent, border, backwards, limit, counts });
+                let (border, limit) = (BandBorder::Least, (counts + loose) as f64);
+                self.hold(side, &StretchDemand { ends, extent, border, backwards, limit, counts });
             }
         }
     }
 
     /// Raises the tolerance until no more pulses are due in a time than its limit, or until that many have room in it.
-    fn hold(&mut self, side: usize, demand: &Demand) {
+    fn hold(&mut self, side: usize, demand: &StretchDemand) {
         let needed = if side == BEST { &mut self.found.needed.0 } else { &mut self.found.needed.1 };
         let band = &self.bands[side];
-        let Demand { extent, border, backwards, limit, .. } = *demand;
-        let many = border == Border::Most;
+        let StretchDemand { extent, border, backwards, limit, .. } = *demand;
+        let many = border == BandBorder::Most;
         let wrong = |tolerance: f64| {
             let (pulses, slope) = band.pulses(border, backwards, tolerance, extent);
             (if many { limit - pulses } else { pulses - limit }, slope)
@@ -385,11 +392,11 @@ impl Course {
         let (from, until) = demand.ends;
         let (begins, counts) = (extent.0, demand.counts);
         self.found.deciding[side] =
-            Some(Deciding { from, until, length, begins, counts, backwards, many, due });
+            Some(DecidingStretch { from, until, length, begins, counts, backwards, many, due });
     }
 
     /// What it came to when nothing comes any more.
-    pub fn finish(mut self) -> Found {
+    pub fn finish(mut self) -> ShapeResult {
         let (begin, end) = (self.window.from, self.window.until);
         for side in [BEST, WORST] {
             let (from, until) = match side {

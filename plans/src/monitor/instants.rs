@@ -1,15 +1,15 @@
 //! Instants with their intervals, and windows between two of them.
 //!
 //! All arithmetic is in integer nanoseconds and saturates. An event `e` with the interval `[a, b]` can be
-//! placed before a point exactly when the point can be placed at or after [`Seen::before`]; it can be placed
-//! at or after a point exactly when the point can be placed at or before [`Seen::after`]. At one and the same
+//! placed before a point exactly when the point can be placed at or after [`TimedValue::before`]; it can be placed
+//! at or after a point exactly when the point can be placed at or before [`TimedValue::after`]. At one and the same
 //! instant the order of the trace decides.
 
 use signal::{Cause, Event, Span, Time, Value, When};
 
 /// An event of one watched signal, in the order of the trace, with its interval tightened by its neighbours'.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct TimedValue {
     /// Not before this instant, nanoseconds.
     pub a: i64,
     /// Not after this instant, nanoseconds.
@@ -25,20 +25,26 @@ pub struct Seen {
     pub cause: Cause,
 }
 
-impl Seen {
+impl TimedValue {
     /// What is known of a signal before its first event: nothing.
-    pub const NOTHING: Seen =
-        Seen { a: i64::MIN, b: i64::MIN, place: 0, since: 0, value: Value::Unknown, cause: Cause::Unknown };
+    pub const NOTHING: TimedValue = TimedValue {
+        a: i64::MIN,
+        b: i64::MIN,
+        place: 0,
+        since: 0,
+        value: Value::Unknown,
+        cause: Cause::Unknown,
+    };
 
     /// An event at a place of the trace, with the interval `[a, b]`.
     #[inline]
-    pub(crate) fn of(event: &Event, a: i64, b: i64, place: u64) -> Seen {
-        Seen { a, b, place, since: place, value: event.value, cause: event.cause }
+    pub(crate) fn of(event: &Event, a: i64, b: i64, place: u64) -> TimedValue {
+        TimedValue { a, b, place, since: place, value: event.value, cause: event.cause }
     }
 
     /// The earliest placement of `point` that has this event before it.
     #[inline]
-    pub fn before(&self, point: &Point) -> i64 {
+    pub fn before(&self, point: &UncertainInstant) -> i64 {
         if self.is(point) {
             return i64::MIN;
         }
@@ -47,7 +53,7 @@ impl Seen {
 
     /// The latest placement of `point` that has this event at or after it.
     #[inline]
-    pub fn after(&self, point: &Point) -> i64 {
+    pub fn after(&self, point: &UncertainInstant) -> i64 {
         if self.is(point) {
             return i64::MIN;
         }
@@ -56,7 +62,7 @@ impl Seen {
 
     /// Whether the point is this very event, which then comes before it wherever both are placed.
     #[inline]
-    fn is(&self, point: &Point) -> bool {
+    fn is(&self, point: &UncertainInstant) -> bool {
         self.place.wrapping_add(1) == point.place && self.since == self.place
     }
 
@@ -68,7 +74,7 @@ impl Seen {
 
 /// An instant that a claim hangs on: an event of the trace, or a distance from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Point {
+pub struct UncertainInstant {
     /// The earliest placement, nanoseconds.
     pub a: i64,
     /// The latest placement, nanoseconds.
@@ -81,14 +87,14 @@ pub struct Point {
     pub offset: i64,
 }
 
-impl Point {
+impl UncertainInstant {
     /// The point `offset` from an event of the trace at `at`, with number `base`, recorded at `place`.
     ///
     /// With no offset the order of the trace tells what comes before it, the event itself included. With one,
     /// changes at the very instant count as coming at or after it.
-    pub fn new(at: When, place: u64, base: u32, offset: Span) -> Point {
+    pub fn new(at: When, place: u64, base: u32, offset: Span) -> UncertainInstant {
         let offset = offset.as_nanos();
-        Point {
+        UncertainInstant {
             a: at.earliest.as_nanos().saturating_add(offset),
             b: at.latest.as_nanos().saturating_add(offset),
             place: if offset == 0 { place + 1 } else { 0 },
@@ -98,8 +104,8 @@ impl Point {
     }
 
     /// The same instant for reading a value: with an offset, a change at the very instant has happened.
-    pub fn for_reading(self) -> Point {
-        Point { place: if self.offset == 0 { self.place } else { u64::MAX }, ..self }
+    pub fn for_reading(self) -> UncertainInstant {
+        UncertainInstant { place: if self.offset == 0 { self.place } else { u64::MAX }, ..self }
     }
 
     /// The interval.
@@ -108,32 +114,32 @@ impl Point {
     }
 
     /// The distance from `self` to `other` where both hang on one event.
-    pub fn link(&self, other: &Point) -> Option<i64> {
+    pub fn link(&self, other: &UncertainInstant) -> Option<i64> {
         (self.base == other.base).then(|| other.offset.saturating_sub(self.offset))
     }
 }
 
 /// A window `[from, until)` whose ends may be uncertain. Only placements with `from <= until` count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Window {
+pub struct UncertainWindow {
     /// Where it begins.
-    pub from: Point,
+    pub from: UncertainInstant,
     /// Where it ends.
-    pub until: Point,
+    pub until: UncertainInstant,
     /// Its length where both ends hang on one event.
     pub link: Option<i64>,
 }
 
-impl Window {
+impl UncertainWindow {
     /// The window between two points, or `None` if it has no length in any placement.
-    pub fn new(mut from: Point, mut until: Point) -> Option<Window> {
+    pub fn new(mut from: UncertainInstant, mut until: UncertainInstant) -> Option<UncertainWindow> {
         let link = from.link(&until);
         if link.is_none() {
             from.b = from.b.min(until.b);
             until.a = until.a.max(from.a);
         }
         let longest = link.unwrap_or_else(|| until.b.saturating_sub(from.a));
-        (longest > 0).then_some(Window { from, until, link })
+        (longest > 0).then_some(UncertainWindow { from, until, link })
     }
 
     /// The window's end is still to come: what is fed at `now` comes before it.
@@ -167,7 +173,7 @@ impl Window {
     }
 
     /// Whether an event can be placed in it.
-    pub fn can_hold(&self, seen: &Seen) -> bool {
+    pub fn can_hold(&self, seen: &TimedValue) -> bool {
         let (latest_from, earliest_until) = (seen.after(&self.from), seen.before(&self.until));
         match self.link {
             Some(length) => {
@@ -178,14 +184,14 @@ impl Window {
     }
 
     /// Whether an event lies in it in every placement.
-    pub fn must_hold(&self, seen: &Seen) -> bool {
+    pub fn must_hold(&self, seen: &TimedValue) -> bool {
         let latest = seen.b.saturating_add(i64::from(seen.place >= self.until.place));
         let earliest = seen.a.saturating_sub(i64::from(seen.place < self.from.place));
         !seen.is(&self.from) && earliest >= self.from.b && (latest <= self.until.a || seen.is(&self.until))
     }
 
     /// Whether an event comes after it in every placement, and all later ones with it.
-    pub fn is_past(&self, seen: &Seen) -> bool {
+    pub fn is_past(&self, seen: &TimedValue) -> bool {
         seen.before(&self.until) > self.until.b
     }
 }

@@ -3,26 +3,26 @@
 use record::Verdict;
 use signal::{Time, Trace, When};
 
-use super::{Judge, JudgeError, Scenario};
+use super::{CaseJudge, JudgeError, Scenario};
 use crate::lang::Anchor;
 
 /// How far a claim is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Standing {
+pub struct ClaimProgress {
     /// The claim's own name, or what it expects.
     pub name: String,
     /// What it came to, if nothing that comes can change that.
     pub verdict: Option<Verdict>,
 }
 
-impl Standing {
+impl ClaimProgress {
     /// The claims by what the trace tells up to `now`. Reads the whole trace.
     ///
     /// # Errors
     /// [`JudgeError`] if the trace cannot be read, or lacks a signal that the claims look at.
-    pub fn of(scenario: &Scenario, trace: &Trace, now: Time) -> Result<Vec<Standing>, JudgeError> {
+    pub fn of(scenario: &Scenario, trace: &Trace, now: Time) -> Result<Vec<ClaimProgress>, JudgeError> {
         let unfit = |_| JudgeError { fault: String::from("it lacks a signal of the plan") };
-        let mut judge = Judge::new(scenario.clone(), trace.signals()).map_err(unfit)?;
+        let mut judge = CaseJudge::new(scenario.clone(), trace.signals()).map_err(unfit)?;
         for event in trace.events() {
             judge.feed(&event.map_err(|error| JudgeError { fault: error.to_string() })?);
         }
@@ -42,7 +42,7 @@ impl Standing {
                 _ if over && !hangs => Some(claim.verdict),
                 _ => None,
             };
-            Standing { name: claim.name, verdict }
+            ClaimProgress { name: claim.name, verdict }
         });
         Ok(standings.collect())
     }

@@ -22,7 +22,7 @@ pub fn note_of(signal: &str) -> String {
 
 /// Pulses that came faster than a board promises to tell them.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
+struct FastStretch {
     from: i64,
     until: i64,
     /// The shortest period of it, in nanoseconds.
@@ -31,17 +31,17 @@ struct Stretch {
 
 /// A signal of which a board tells every pulse up to a frequency.
 #[derive(Clone, Debug)]
-struct Line {
+struct CountedSignal {
     hz: u64,
     /// Periods below this are too short, in nanoseconds.
     shortest: i64,
     level: Option<bool>,
     /// The earliest instants of the last rising and the last falling edge.
     edges: [Option<i64>; 2],
-    fast: Vec<Stretch>,
+    fast: Vec<FastStretch>,
 }
 
-impl Line {
+impl CountedSignal {
     fn see(&mut self, event: &Event) {
         let Some(high) = event.value.as_bool() else {
             (self.level, self.edges) = (None, [None; 2]);
@@ -60,27 +60,27 @@ impl Line {
                 last.until = latest;
                 last.period = last.period.min(period);
             }
-            _ => self.fast.push(Stretch { from, until: latest, period }),
+            _ => self.fast.push(FastStretch { from, until: latest, period }),
         }
     }
 }
 
 /// The signals of a trace whose boards promise to tell pulses up to a frequency.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Counting(Vec<Option<Line>>);
+pub(super) struct PulseLimits(Vec<Option<CountedSignal>>);
 
-impl Counting {
+impl PulseLimits {
     /// By the notes of a trace.
-    pub(super) fn new(signals: &[SignalInfo], note: &dyn Fn(&str) -> Option<String>) -> Counting {
+    pub(super) fn new(signals: &[SignalInfo], note: &dyn Fn(&str) -> Option<String>) -> PulseLimits {
         let line = |info: &SignalInfo| {
             let hz: u64 = note(&note_of(&info.name))?.parse().ok().filter(|hz| *hz > 0)?;
             let period = 1_000_000_000 / i64::try_from(hz).unwrap_or(i64::MAX);
             let shortest = period * PART.0 / PART.1;
-            Some(Line { hz, shortest, level: None, edges: [None; 2], fast: Vec::new() })
+            Some(CountedSignal { hz, shortest, level: None, edges: [None; 2], fast: Vec::new() })
         };
-        let lines: Vec<Option<Line>> = signals.iter().map(line).collect();
+        let lines: Vec<Option<CountedSignal>> = signals.iter().map(line).collect();
         // As a rule nobody promised anything.
-        Counting(if lines.iter().any(Option::is_some) { lines } else { Vec::new() })
+        PulseLimits(if lines.iter().any(Option::is_some) { lines } else { Vec::new() })
     }
 
     /// The next event of the trace.
@@ -112,7 +112,7 @@ impl Counting {
                     "pulses of {wanted} Hz are wanted of `{name}`, whose board counts up to {hz} Hz: {mend}"
                 ));
             }
-            let inside = |fast: &&Stretch| {
+            let inside = |fast: &&FastStretch| {
                 window.is_none_or(|window| {
                     fast.from <= window.until_ns[1] && fast.until >= window.from_ns[0]
                 })

@@ -83,7 +83,7 @@ impl From<Decimal> for Number {
 
 /// A condition on a value, in the terms of one signal.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Test {
+pub enum ValueTest {
     /// It is one of these numbers; `TRUE` is 1.
     OneOf(Vec<Number>),
     /// It is a number within these limits, both included.
@@ -96,13 +96,13 @@ pub enum Test {
     /// Nobody drives the line.
     HighZ,
     /// The condition does not hold.
-    Not(Box<Test>),
+    Not(Box<ValueTest>),
 }
 
-impl Test {
+impl ValueTest {
     /// It is TRUE, or a number other than 0 is required by `Not` of `FALSE`.
-    pub fn bool(on: bool) -> Test {
-        Test::OneOf(vec![Number::Int(i128::from(on))])
+    pub fn bool(on: bool) -> ValueTest {
+        ValueTest::OneOf(vec![Number::Int(i128::from(on))])
     }
 
     /// Whether a value meets the condition. `slack` is how far a number may be from what is recorded, beside what it is
@@ -110,7 +110,7 @@ impl Test {
     #[inline]
     pub fn holds(&self, value: Value, slack: f64) -> Truth {
         // The common case of a line first.
-        if let (Value::Bool(on), Test::OneOf(wanted)) = (value, self)
+        if let (Value::Bool(on), ValueTest::OneOf(wanted)) = (value, self)
             && let [Number::Int(wanted)] = wanted[..]
         {
             return Truth::of(wanted == i128::from(on));
@@ -121,9 +121,9 @@ impl Test {
         let own = slack;
         let slack = slack + value.uncertainty();
         match self {
-            Test::Not(inner) => inner.holds(value, own).not(),
-            Test::HighZ => Truth::of(matches!(value, Value::HighZ)),
-            Test::OneOf(wanted) => match Number::of(value) {
+            ValueTest::Not(inner) => inner.holds(value, own).not(),
+            ValueTest::HighZ => Truth::of(matches!(value, Value::HighZ)),
+            ValueTest::OneOf(wanted) => match Number::of(value) {
                 None => Truth::False,
                 Some(number) if slack > 0.0 => {
                     let real = number.as_real();
@@ -134,7 +134,7 @@ impl Test {
                     Truth::of(wanted.iter().any(|want| number.compare(*want) == Some(Ordering::Equal)))
                 }
             },
-            Test::Range { min, max } => match Number::of(value) {
+            ValueTest::Range { min, max } => match Number::of(value) {
                 None => Truth::False,
                 Some(number) if slack > 0.0 => {
                     let real = number.as_real();
@@ -154,13 +154,13 @@ impl Test {
 
     /// The limits of the condition; `None` where it has none.
     pub fn bounds(&self) -> Option<record::Bounds> {
-        let Test::Range { min, max } = self else { return None };
+        let ValueTest::Range { min, max } = self else { return None };
         Some(record::Bounds { min: min.map(Number::as_real), max: max.map(Number::as_real) })
     }
 
     /// How far inside its limits a value is at least, negative outside; `None` where the condition has no limits.
     pub fn margin(&self, value: Value) -> Option<f64> {
-        let Test::Range { min, max } = self else { return None };
+        let ValueTest::Range { min, max } = self else { return None };
         let number = Number::of(value)?;
         let below = max.map(|max| distance(number, max));
         let above = min.map(|min| distance(min, number));
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_value_at_the_limit_is_inside() {
-        let test = Test::Range { min: Some(Number::Int(10)), max: Some(Number::Real(20.5)) };
+        let test = ValueTest::Range { min: Some(Number::Int(10)), max: Some(Number::Real(20.5)) };
         assert_eq!(test.holds(Value::Int(10), 0.0), Truth::True);
         assert_eq!(test.holds(Value::Int(9), 0.0), Truth::False);
         assert_eq!(test.holds(Value::Real(20.5), 0.0), Truth::True);
@@ -211,29 +211,35 @@ mod tests {
 
     #[test]
     fn a_deadband_leaves_values_near_a_limit_open() {
-        let test = Test::Range { min: None, max: Some(Number::Real(10.0)) };
+        let test = ValueTest::Range { min: None, max: Some(Number::Real(10.0)) };
         assert_eq!(test.holds(Value::Real(9.7), 0.5), Truth::Unknown);
         assert_eq!(test.holds(Value::Real(9.4), 0.5), Truth::True);
         assert_eq!(test.holds(Value::Real(10.6), 0.5), Truth::False);
         assert_eq!(test.holds(Value::Int(9), 1.0), Truth::True);
         assert_eq!(test.holds(Value::Int(10), 1.0), Truth::Unknown);
         assert_eq!(test.holds(Value::Int(12), 1.0), Truth::False);
-        let test = Test::OneOf(vec![Number::Int(5)]);
+        let test = ValueTest::OneOf(vec![Number::Int(5)]);
         assert_eq!(test.holds(Value::Int(5), 1.0), Truth::Unknown);
         assert_eq!(test.holds(Value::Int(7), 1.0), Truth::False);
     }
 
     #[test]
     fn what_was_measured_is_inside_only_with_all_that_it_may_be() {
-        let test = Test::Range { min: Some(Number::Int(4)), max: Some(Number::Real(10.0)) };
+        let test = ValueTest::Range { min: Some(Number::Int(4)), max: Some(Number::Real(10.0)) };
         let holds = |value, by, slack| test.holds(Value::measured(value, by), slack);
         assert_eq!(holds(9.0, 0.5, 0.0), Truth::True);
         assert_eq!(holds(9.7, 0.5, 0.0), Truth::Unknown);
         assert_eq!(holds(9.0, 0.5, 0.75), Truth::Unknown, "a deadband comes on top");
         assert_eq!(holds(11.0, 0.5, 0.0), Truth::False);
-        assert_eq!(Test::Not(Box::new(test.clone())).holds(Value::measured(9.7, 0.5), 0.0), Truth::Unknown);
+        assert_eq!(
+            ValueTest::Not(Box::new(test.clone())).holds(Value::measured(9.7, 0.5), 0.0),
+            Truth::Unknown
+        );
         assert_eq!(test.margin(Value::measured(9.0, 0.5)), Some(0.5));
-        assert_eq!(Test::OneOf(vec![Number::Int(5)]).holds(Value::measured(5.0, 0.5), 0.0), Truth::Unknown);
+        assert_eq!(
+            ValueTest::OneOf(vec![Number::Int(5)]).holds(Value::measured(5.0, 0.5), 0.0),
+            Truth::Unknown
+        );
     }
 
     #[test]
@@ -249,15 +255,15 @@ mod tests {
 
     #[test]
     fn a_line_that_nobody_drives_is_neither_true_nor_false() {
-        assert_eq!(Test::bool(false).holds(Value::HighZ, 0.0), Truth::False);
-        assert_eq!(Test::bool(true).holds(Value::HighZ, 0.0), Truth::False);
-        assert_eq!(Test::HighZ.holds(Value::HighZ, 0.0), Truth::True);
-        assert_eq!(Test::bool(true).holds(Value::Unknown, 0.0), Truth::Unknown);
+        assert_eq!(ValueTest::bool(false).holds(Value::HighZ, 0.0), Truth::False);
+        assert_eq!(ValueTest::bool(true).holds(Value::HighZ, 0.0), Truth::False);
+        assert_eq!(ValueTest::HighZ.holds(Value::HighZ, 0.0), Truth::True);
+        assert_eq!(ValueTest::bool(true).holds(Value::Unknown, 0.0), Truth::Unknown);
     }
 
     #[test]
     fn large_numbers_stay_exact() {
-        let test = Test::OneOf(vec![Number::Int(i128::from(u64::MAX))]);
+        let test = ValueTest::OneOf(vec![Number::Int(i128::from(u64::MAX))]);
         assert_eq!(test.holds(Value::Word(u64::MAX), 0.0), Truth::True);
         assert_eq!(test.holds(Value::Word(u64::MAX - 1), 0.0), Truth::False);
     }

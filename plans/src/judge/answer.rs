@@ -7,14 +7,14 @@ use document::Diagnostic;
 use signal::Value;
 
 use super::StepFacts;
-use crate::expect::{Claim, Expectation, Place, known};
+use crate::expect::{Claim, Expectation, FilePlace, known};
 use crate::lang::Anchor;
-use crate::monitor::{Finding, Monitor, NotJudged, Scene, Seen, Wiring};
+use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals};
 use crate::steps::Question;
 
 /// The claim.
 #[derive(Clone, Debug)]
-struct Answered {
+struct AnswerClaim {
     step: String,
     question: Question,
 }
@@ -24,18 +24,18 @@ pub(crate) fn implied(step: &StepFacts, question: &Question) -> Expectation {
     Expectation {
         name: question.text.clone(),
         verb: "ask",
-        claim: Arc::new(Answered { step: step.id.clone(), question: question.clone() }),
-        place: Some(Place { file: Arc::from(""), span: 0..0, line: step.line }),
+        claim: Arc::new(AnswerClaim { step: step.id.clone(), question: question.clone() }),
+        place: Some(FilePlace { file: Arc::from(""), span: 0..0, line: step.line }),
     }
 }
 
-impl Answered {
+impl AnswerClaim {
     fn answer(&self, place: usize) -> &str {
         self.question.answers.get(place).map_or("?", String::as_str)
     }
 }
 
-impl Claim for Answered {
+impl Claim for AnswerClaim {
     fn expected(&self) -> String {
         format!("{} is answered {}", self.step, self.answer(self.question.pass))
     }
@@ -48,23 +48,23 @@ impl Claim for Answered {
         Vec::new()
     }
 
-    fn check(&self, wiring: &Wiring<'_>, out: &mut Vec<Diagnostic>) {
+    fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         known(&self.signals()[0], wiring, out);
     }
 
-    fn start(&self, _: &Scene<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
-        Ok(Box::new(Waiting { claim: self.clone(), given: None }))
+    fn start(&self, _: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+        Ok(Box::new(AnswerMonitor { claim: self.clone(), given: None }))
     }
 }
 
 /// The judge.
-struct Waiting {
-    claim: Answered,
-    given: Option<(Seen, Value)>,
+struct AnswerMonitor {
+    claim: AnswerClaim,
+    given: Option<(TimedValue, Value)>,
 }
 
-impl Monitor for Waiting {
-    fn feed(&mut self, _slot: usize, seen: &Seen) {
+impl Monitor for AnswerMonitor {
+    fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         self.given.get_or_insert((*seen, seen.value));
     }
 

@@ -7,7 +7,7 @@ use super::{Anchor, AnchorFault, is_path};
 
 /// A signal and the instant at which its value counts.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Operand {
+pub struct SignalAt {
     /// Name of the signal.
     pub signal: String,
     /// Bytes of the name in the text.
@@ -20,43 +20,43 @@ pub struct Operand {
 
 /// Why a text is no operand.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum OperandError {
+pub enum SignalAtError {
     /// No name of a signal at these bytes.
     Signal(Range<usize>),
     /// The instant behind `@` is wrong at these bytes.
     Anchor(Range<usize>, AnchorFault),
 }
 
-impl OperandError {
+impl SignalAtError {
     /// Bytes of the text at fault.
     pub fn at(&self) -> Range<usize> {
         match self {
-            OperandError::Signal(at) | OperandError::Anchor(at, _) => at.clone(),
+            SignalAtError::Signal(at) | SignalAtError::Anchor(at, _) => at.clone(),
         }
     }
 }
 
-impl fmt::Display for OperandError {
+impl fmt::Display for SignalAtError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            OperandError::Signal(_) => f.write_str("expected the name of a signal, as in `n` or `n @ cut`"),
-            OperandError::Anchor(_, fault) => fault.fmt(f),
+            SignalAtError::Signal(_) => f.write_str("expected the name of a signal, as in `n` or `n @ cut`"),
+            SignalAtError::Anchor(_, fault) => fault.fmt(f),
         }
     }
 }
 
-impl Operand {
+impl SignalAt {
     /// Reads `signal` or `signal @ instant`.
     ///
     /// # Errors
-    /// [`OperandError`] with the bytes at fault.
-    pub fn parse(text: &str) -> Result<Operand, OperandError> {
+    /// [`SignalAtError`] with the bytes at fault.
+    pub fn parse(text: &str) -> Result<SignalAt, SignalAtError> {
         let name_end = text.find('@').unwrap_or(text.len());
         let name = text[..name_end].trim();
         let from = text[..name_end].len() - text[..name_end].trim_start().len();
         let signal_at = from..from + name.len();
         if !is_path(name) && !name.starts_with('%') {
-            return Err(OperandError::Signal(signal_at));
+            return Err(SignalAtError::Signal(signal_at));
         }
         let (mut at, mut anchor_at) = (None, text.len()..text.len());
         if name_end < text.len() {
@@ -64,10 +64,10 @@ impl Operand {
             let blanks = text[rest..].len() - text[rest..].trim_start().len();
             anchor_at = rest + blanks..text.trim_end().len().max(rest + blanks);
             at = Some(Anchor::parse(&text[rest..]).map_err(|error| {
-                OperandError::Anchor(error.at.start + rest..error.at.end + rest, error.fault)
+                SignalAtError::Anchor(error.at.start + rest..error.at.end + rest, error.fault)
             })?);
         }
-        Ok(Operand { signal: name.to_owned(), signal_at, at, anchor_at })
+        Ok(SignalAt { signal: name.to_owned(), signal_at, at, anchor_at })
     }
 }
 
@@ -79,21 +79,21 @@ mod tests {
 
     #[test]
     fn operands_read() {
-        let plain = Operand::parse("MAIN.n").unwrap();
+        let plain = SignalAt::parse("MAIN.n").unwrap();
         assert_eq!((plain.signal.as_str(), plain.at), ("MAIN.n", None));
-        let then = Operand::parse("n @ cut - 1 ms").unwrap();
+        let then = SignalAt::parse("n @ cut - 1 ms").unwrap();
         assert_eq!(then.signal, "n");
         assert_eq!(then.anchor_at, 4..14);
         assert_eq!(then.at.unwrap().offset, Span::from_millis(-1));
-        assert_eq!(Operand::parse(" @ cut").unwrap_err().at(), 1..1);
-        assert_eq!(Operand::parse("n @ cut + 1").unwrap_err().at(), 10..11);
+        assert_eq!(SignalAt::parse(" @ cut").unwrap_err().at(), 1..1);
+        assert_eq!(SignalAt::parse("n @ cut + 1").unwrap_err().at(), 10..11);
     }
 
     proptest! {
         #[test]
         fn no_text_panics(text in "\\PC*", near in "(n|@| |cut|\\+|1 s|%MW1){0,7}") {
             for text in [text, near] {
-                if let Err(error) = Operand::parse(&text) {
+                if let Err(error) = SignalAt::parse(&text) {
                     prop_assert!(error.at().end <= text.len());
                 }
             }
