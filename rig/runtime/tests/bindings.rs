@@ -60,9 +60,11 @@ fn findings_say_what_to_write_instead() {
     let options = RunOptions::new(ClockKind::Virtual, &interrupt);
     let board = board("");
     let write = "steps = [{ id = \"w\", at = \"start\", write = { of = \"lamp\", value = true } }]";
+    let image = "steps = [{ id = \"w\", at = \"start\", write = { of = \"%IX0.0\", value = true } }]";
     let array = "measure = []";
     for (rest, signal, code, help) in [
         (write, "", "R0106", "`force`"),
+        (image, "", "R0106", "the process image is { image = "),
         (array, ", whole = \"MAIN.a\"", "R0104", "`MAIN.a[1]`"),
         (array, ", beyond = \"MAIN.a[9]\"", "R0104", "`MAIN.a[1]`"),
         (array, ", no = { address = \"%QX0.5\", deadband = 1 }", "R0115", "remove `deadband`"),

@@ -84,6 +84,13 @@ pub(super) fn plan_step(
                         true => "an output of the controller is driven from outside with `force`",
                         false => "a line is driven with `set`",
                     };
+                    let help = match of.starts_with('%') {
+                        true => format!(
+                            "in a plan `{of}` is the terminal: {help}; the bit of the process image is {{ image = \"{of}\" }}, \
+                             bound under `signals`"
+                        ),
+                        false => String::from(help),
+                    };
                     out.error("R0106", step.span.clone(), message, help);
                     return None;
                 }
