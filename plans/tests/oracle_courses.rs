@@ -26,7 +26,7 @@ const WAYS: [Way; 4] = [
             .all(sure)
             .then(|| edges.iter().map(|at| (*at, if level(*at) == Some(1) { 1 } else { -1 })).collect())
     }),
-    (r#"signal = "q", backwards = "r""#, |q, r| {
+    (r#"signal = "q", down = "r""#, |q, r| {
         let ups = rising(q).into_iter().map(|at| (at, 1));
         let mut all: Vec<(i64, i64)> = ups.chain(rising(r).into_iter().map(|at| (at, -1))).collect();
         all.sort_unstable();
@@ -74,7 +74,7 @@ fn shape(turning: bool) -> impl Strategy<Value = Points> {
     })
 }
 
-/// The shape at a step behind its beginning, in pulses a nanosecond.
+/// The shape at a step after its beginning, in pulses a nanosecond.
 fn at(points: &Points, step: f64) -> f64 {
     let t = step / FINE as f64;
     if t < points[0].0 as f64 {
@@ -171,7 +171,7 @@ fn profile_of(
     exact: bool,
 ) -> Result<(), TestCaseError> {
     let (keys, counts) = WAYS[which];
-    // Which counts end a stretch is settled by what is certain, and not by each placement anew.
+    // Which counts end a stretch is settled by what is certain, and not by each placement again.
     let over = if exact { over } else { 0 };
     let signed = which > 0;
     let points: Points = match signed {
@@ -214,7 +214,7 @@ fn profile_of(
     Ok(())
 }
 
-/// Two counts backwards with one forwards before, between or behind them: the former may follow each other at once.
+/// Two counts backwards with one forwards before, between or after them: the former may follow each other at once.
 #[test]
 fn a_count_between_that_need_not_be_there() {
     let event = |signal, a, b, value| Raw { signal, a, b, value };

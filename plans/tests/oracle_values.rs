@@ -186,7 +186,7 @@ pub(crate) fn stretches(line: &Placed) -> Vec<(i64, i64, i64)> {
     line.iter().zip(ends).map(|(change, end)| (change.0, end, change.1)).collect()
 }
 
-/// Rising edges behind an instant. At the instant itself the order of the trace would decide, which is not drawn.
+/// Rising edges after an instant. At the instant itself the order of the trace would decide, which is not drawn.
 pub(crate) fn rises(line: &Placed, from: i64) -> Vec<i64> {
     let rise = |pair: &&[(i64, i64)]| pair[0].1 == 0 && pair[1].1 == 1 && pair[1].0 >= from;
     line.windows(2).filter(rise).map(|pair| pair[1].0).collect()
@@ -260,7 +260,7 @@ proptest! {
                 })
             })
         });
-        let text = r#"{ phase = { of = "q", behind = "r", is = "180 deg ± 60 deg", from = "a" } }"#;
+        let text = r#"{ phase = { of = "q", reference = "r", is = "180 deg ± 60 deg", from = "a" } }"#;
         let verdict = judged(&raw, text, Kind::Bool).verdict;
         prop_assert!(check(verdict, expected, exact), "{verdict} and not {expected}: {raw:?}");
     }

@@ -1,7 +1,7 @@
 //! `log`: entries of the controller's log.
 //!
 //! ```toml
-//! { log = { holds = "RUNNING -> HALT", from = "busy", within = "1 s" } }
+//! { log = { contains = "RUNNING -> HALT", from = "busy", within = "1 s" } }
 //! { log = { never = "watchdog", from = "start", until = "busy" } }
 //! ```
 //! An entry counts by the instant at which it is written. What the log holds already at `from` is no answer.
@@ -21,10 +21,11 @@ pub(super) const LOG: ExpectVerb = ExpectVerb {
     doc: "An entry with a text is added to the controller's log in time, or at no time of a window",
     keys: &[
         KeySpec::optional(
-            "holds",
+            "contains",
             KeyType::Text,
             "The text of an entry that is added `within` a delay after `from`",
-        ),
+        )
+        .was("holds"),
         KeySpec::optional(
             "never",
             KeyType::Text,
@@ -38,17 +39,17 @@ pub(super) const LOG: ExpectVerb = ExpectVerb {
 };
 
 fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
-    let (key, other) = match (fields.has("holds"), fields.has("never")) {
-        (true, false) => ("holds", "until"),
+    let (key, other) = match (fields.has("contains"), fields.has("never")) {
+        (true, false) => ("contains", "until"),
         (false, true) => ("never", "within"),
         _ => {
             let message = "an entry is claimed in no way or in two";
-            cx.out.error(codes::CLAIM, cx.place.clone(), message, "give one of `holds` and `never`");
+            cx.out.error(codes::CLAIM, cx.place.clone(), message, "give one of `contains` and `never`");
             return None;
         }
     };
     if let Some(node) = fields.get(other) {
-        let takes = if key == "holds" { "`from` and `within`" } else { "`from` and `until`" };
+        let takes = if key == "contains" { "`from` and `within`" } else { "`from` and `until`" };
         let message = format!("`{other}` has no meaning with `{key}`");
         cx.out.bad(codes::CLAIM, node, message, format!("`{key}` takes {takes}"));
         return None;
@@ -60,7 +61,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
     }
     let signal = cx.names.signal(&source(text, &[("log", text.data.clone())]), cx.out);
     match key {
-        "holds" => read_delay(fields, signal, FirstEdgeKind::Added, cx),
+        "contains" => read_delay(fields, signal, FirstEdgeKind::Added, cx),
         _ => edges::read_none(fields, signal, cx),
     }
 }

@@ -1,9 +1,9 @@
-//! `phase`: how far one periodic signal comes behind another, as an angle of the other's cycle.
+//! `phase`: how far one periodic signal comes after another, as an angle of the other's cycle.
 //!
 //! ```toml
-//! { phase = { of = "b", behind = "a", is = "90 deg ± 10 deg", from = "run" } }
+//! { phase = { of = "b", reference = "a", is = "90 deg ± 10 deg", from = "run" } }
 //! ```
-//! Every whole cycle of `behind` in the window is judged: the first edge of `of` at or after its beginning comes at
+//! Every whole cycle of `reference` in the window is judged: the first edge of `of` at or after its beginning comes at
 //! the angle. -10 deg and 350 deg are one. A cycle in which `of` has no edge fails the claim, and so does a window
 //! without a whole cycle.
 
@@ -28,10 +28,11 @@ use crate::monitor::{
 /// `phase`.
 pub(super) const PHASE: ExpectVerb = ExpectVerb {
     name: "phase",
-    doc: "One periodic signal comes behind another by an angle of the other's cycle, in every cycle of a window",
+    doc: "One periodic signal lags another by an angle of the other's cycle, in every cycle of a window",
     keys: &[
         KeySpec::required("of", KeyType::SignalRef, "The signal whose edges are looked for"),
-        KeySpec::required("behind", KeyType::SignalRef, "The signal whose cycles they are looked for in"),
+        KeySpec::required("reference", KeyType::SignalRef, "The signal whose cycles they are looked for in")
+            .was("behind"),
         IS_RANGE,
         MIN,
         MAX,
@@ -54,7 +55,7 @@ const MOST: usize = 256;
 #[derive(Clone, Debug)]
 struct PhaseClaim {
     of: String,
-    behind: String,
+    reference: String,
     by_falls: bool,
     band: FigureBand,
     between: PlanWindow,
@@ -62,12 +63,12 @@ struct PhaseClaim {
 }
 
 fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
-    let (of, behind) = (signal(fields, "of", cx), signal(fields, "behind", cx));
+    let (of, reference) = (signal(fields, "of", cx), signal(fields, "reference", cx));
     let between = PlanWindow::read(fields, cx);
     let band = FigureBand::read(fields, "phase", "deg", cx)?;
-    let (of, behind) = (of?, behind?);
-    if of == behind {
-        let node = fields.get("behind")?;
+    let (of, reference) = (of?, reference?);
+    if of == reference {
+        let node = fields.get("reference")?;
         cx.out.bad(codes::CLAIM, node, format!("`{of}` is compared with itself"), "name another signal");
         return None;
     }
@@ -80,17 +81,17 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
     }
     let by_falls = fields.text("edge") == Some("falls");
     let longer_than = fields.duration("pulses-longer-than");
-    Some(Arc::new(PhaseClaim { of, behind, by_falls, band, between: between?, longer_than }))
+    Some(Arc::new(PhaseClaim { of, reference, by_falls, band, between: between?, longer_than }))
 }
 
 impl Claim for PhaseClaim {
     fn expected(&self) -> String {
-        let PhaseClaim { of, behind, band, between, .. } = self;
-        format!("`{of}` comes {band} behind `{behind}` in every cycle{}", between.words())
+        let PhaseClaim { of, reference, band, between, .. } = self;
+        format!("`{of}` lags `{reference}` by {band} in every cycle{}", between.words())
     }
 
     fn signals(&self) -> Vec<String> {
-        vec![self.of.clone(), self.behind.clone()]
+        vec![self.of.clone(), self.reference.clone()]
     }
 
     fn anchors(&self) -> Vec<&Anchor> {
@@ -99,11 +100,11 @@ impl Claim for PhaseClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.of, wiring, out);
-        super::known(&self.behind, wiring, out);
+        super::known(&self.reference, wiring, out);
     }
 
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
-        vec![ClaimDemand::Change(&self.of), ClaimDemand::Change(&self.behind), self.between.demand()]
+        vec![ClaimDemand::Change(&self.of), ClaimDemand::Change(&self.reference), self.between.demand()]
     }
 
     fn counts(&self) -> Option<f64> {
@@ -118,12 +119,12 @@ impl Claim for PhaseClaim {
             let finder = EdgeFinder::new(edge, slack(&info));
             Ok(PhaseSignal { info, finder, lag: scene.lag(name), edges: VecDeque::new(), reached: i64::MIN })
         };
-        let (of, behind) = (side(&self.of)?, side(&self.behind)?);
-        let missed = [&of, &behind]
+        let (of, reference) = (side(&self.of)?, side(&self.reference)?);
+        let missed = [&of, &reference]
             .into_iter()
             .find_map(|side| blind(&side.info, self.longer_than).map(|span| blind_words(&side.info, span)));
         let answer = PhaseResult::default();
-        Ok(Box::new(PhaseMonitor { claim: self.clone(), window, of, behind, missed, answer }))
+        Ok(Box::new(PhaseMonitor { claim: self.clone(), window, of, reference, missed, answer }))
     }
 }
 
@@ -131,7 +132,7 @@ impl Claim for PhaseClaim {
 struct PhaseSignal {
     info: SignalInfo,
     finder: EdgeFinder,
-    /// How far behind the newest event of the trace one of this signal can begin, nanoseconds.
+    /// How far after the newest event of the trace one of this signal can begin, nanoseconds.
     lag: i64,
     edges: VecDeque<TimedValue>,
     /// No later event of the signal begins before this.
@@ -158,7 +159,7 @@ struct PhaseMonitor {
     claim: PhaseClaim,
     window: UncertainWindow,
     of: PhaseSignal,
-    behind: PhaseSignal,
+    reference: PhaseSignal,
     missed: Option<String>,
     answer: PhaseResult,
 }
@@ -186,7 +187,7 @@ impl PhaseTurn {
         PhaseTurn { begin, end, length }
     }
 
-    /// Least and greatest angle of an edge behind the beginning of the cycle.
+    /// Least and greatest angle of an edge after the beginning of the cycle.
     fn angle(&self, start: &TimedValue, edge: &TimedValue) -> (f64, f64) {
         let delay = (edge.a.saturating_sub(start.b), edge.b.saturating_sub(start.a));
         let angle = |delay: i64, length: i64| delay as f64 * 360.0 / length as f64;
@@ -199,14 +200,14 @@ impl PhaseTurn {
 impl PhaseMonitor {
     /// Judges the cycles that nothing new can come into.
     fn advance(&mut self, over: bool) {
-        while let (Some(start), Some(end)) = (self.behind.edges.front(), self.behind.edges.get(1)) {
+        while let (Some(start), Some(end)) = (self.reference.edges.front(), self.reference.edges.get(1)) {
             let (start, end) = (*start, *end);
             let turn = PhaseTurn::of(&start, &end, &self.claim.band);
             if !over && self.of.reached <= turn.end.1 {
                 break;
             }
             self.cycle(&start, &end, &turn);
-            self.behind.edges.pop_front();
+            self.reference.edges.pop_front();
         }
     }
 
@@ -258,17 +259,17 @@ impl PhaseMonitor {
 
 impl Monitor for PhaseMonitor {
     fn feed(&mut self, slot: usize, seen: &TimedValue) {
-        for side in [&mut self.of, &mut self.behind] {
+        for side in [&mut self.of, &mut self.reference] {
             side.reached = side.reached.max(seen.a.saturating_sub(side.lag));
         }
-        let side = if slot == 0 { &mut self.of } else { &mut self.behind };
+        let side = if slot == 0 { &mut self.of } else { &mut self.reference };
         side.reached = side.reached.max(seen.a);
         match side.finder.see(seen) {
             Some(found) if found.certain => {
                 side.edges.push_back(*seen);
                 if side.edges.len() > MOST {
                     let oldest = side.edges.pop_front().map_or(i64::MIN, |edge| edge.b);
-                    let waiting = self.behind.edges.front().map_or(i64::MAX, |start| start.a);
+                    let waiting = self.reference.edges.front().map_or(i64::MAX, |start| start.a);
                     // An edge that lies well before every cycle that waits is none of theirs.
                     self.answer.doubtful |= slot == 1 || waiting <= oldest;
                 }
@@ -280,7 +281,7 @@ impl Monitor for PhaseMonitor {
     }
 
     fn finish(mut self: Box<Self>) -> Finding {
-        for rest in [self.of.finder.rest(), self.behind.finder.rest()].into_iter().flatten() {
+        for rest in [self.of.finder.rest(), self.reference.finder.rest()].into_iter().flatten() {
             self.unknown(&TimedValue { place: LAST, ..rest.seen });
         }
         self.advance(true);
@@ -300,7 +301,7 @@ impl Monitor for PhaseMonitor {
         };
         finding.observed = match answer.extent {
             Some(extent) => format!("{} over {} cycles", shown(extent, "deg"), answer.cycles),
-            None if none => format!("no whole cycle of `{}`{}", claim.behind, claim.between.words()),
+            None if none => format!("no whole cycle of `{}`{}", claim.reference, claim.between.words()),
             None => format!("`{}` came in no cycle", claim.of),
         };
         let words = |seen: &TimedValue| {
@@ -313,7 +314,7 @@ impl Monitor for PhaseMonitor {
                 format!("`{}` did not come in the cycle that began {}", of.info.name, words(&start))
             }
             (false, None, Some((_, extent, seen))) => {
-                format!("it came {} behind, {}", shown(extent, "deg"), words(&seen))
+                format!("it lagged by {}, {}", shown(extent, "deg"), words(&seen))
             }
             (false, None, None) => String::from("there is no cycle to judge"),
         };

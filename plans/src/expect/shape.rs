@@ -17,17 +17,18 @@ const HALVINGS: u32 = 100;
 const LONGEST: i64 = 4_294_967_295;
 
 const POINT_KEYS: &[KeySpec] = &[
-    KeySpec::required("at", KeyType::Duration, "How long behind `from`"),
+    KeySpec::required("at", KeyType::Duration, "How long after `from`"),
     KeySpec::required(
         "frequency",
         KeyType::Text,
         "The frequency from there on, as in \"20 kHz\"; below 0 backwards",
     ),
     KeySpec::optional(
-        "curved",
+        "jerk-ratio",
         KeyType::Text,
         "The part of the way from the point before that is curved, as in \"50 %\"; none if left out",
-    ),
+    )
+    .was("curved"),
 ];
 const POINT: KeyType = KeyType::Table(POINT_KEYS);
 
@@ -43,10 +44,11 @@ const MOVE_KEYS: &[KeySpec] = &[
     KeySpec::optional("start", KeyType::Text, "The velocity that it begins with; 0 Hz if left out"),
     KeySpec::optional("stop", KeyType::Text, "The velocity that it ends with; 0 Hz if left out"),
     KeySpec::optional(
-        "curved",
+        "jerk-ratio",
         KeyType::Text,
         "The part of each ramp that is curved, as in \"50 %\"; none if left out",
-    ),
+    )
+    .was("curved"),
 ];
 
 /// Points.
@@ -112,10 +114,10 @@ const PART: &[(&str, f64)] = &[("%", 0.01)];
 const HIGHEST: f64 = 1e9;
 
 fn curved(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<f64> {
-    if !fields.has("curved") {
+    if !fields.has("jerk-ratio") {
         return Some(0.0);
     }
-    number(fields, "curved", PART, |part| (0.0..=1.0).contains(&part), cx)
+    number(fields, "jerk-ratio", PART, |part| (0.0..=1.0).contains(&part), cx)
 }
 
 fn points(node: &Node, fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<FrequencyShape> {

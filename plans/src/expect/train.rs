@@ -29,10 +29,11 @@ pub(crate) const INVERTED: KeySpec = KeySpec::optional(
 );
 /// The other line of pulses.
 pub(crate) const BACKWARDS: KeySpec = KeySpec::optional(
-    "backwards",
+    "down",
     KeyType::SignalRef,
     "The line of the pulses that count down, beside those of `signal` that count up",
-);
+)
+.was("backwards");
 /// Phase B.
 pub(crate) const QUADRATURE: KeySpec = KeySpec::optional(
     "quadrature",
@@ -56,7 +57,7 @@ impl TrainLines {
     pub(crate) fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<TrainLines> {
         let first = signal(fields, "signal", cx);
         let given: Vec<&str> =
-            ["direction", "backwards", "quadrature"].into_iter().filter(|key| fields.has(key)).collect();
+            ["direction", "down", "quadrature"].into_iter().filter(|key| fields.has(key)).collect();
         let inverted = fields.boolean("inverted").unwrap_or(false);
         if let Some(entry) = fields.entry("inverted").filter(|_| given != ["direction"]) {
             let message = "`inverted` goes with a line of `direction`";
@@ -68,15 +69,15 @@ impl TrainLines {
             [key] => {
                 let carried = match *key {
                     "direction" => PulseEncoding::Direction { inverted },
-                    "backwards" => PulseEncoding::Backwards,
+                    "down" => PulseEncoding::Backwards,
                     _ => PulseEncoding::Quadrature,
                 };
                 Some((carried, signal(fields, key, cx)?))
             }
             [_, key, ..] => {
                 let place = fields.entry(key)?.key_span.clone();
-                let message = "a direction is told in two ways";
-                let help = "give one of `direction`, `backwards` and `quadrature`";
+                let message = "a direction is given in two ways";
+                let help = "give one of `direction`, `down` and `quadrature`";
                 cx.out.error(codes::TRAIN, place, message, help);
                 return None;
             }

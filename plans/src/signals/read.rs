@@ -8,10 +8,16 @@ use crate::codes;
 use crate::lang::{Literal, address, is_id, is_path};
 
 const PATH: KeySpec = KeySpec::optional("path", KeyType::Text, "A variable, or a channel of the board.");
-const ADDRESS: KeySpec =
-    KeySpec::optional("address", KeyType::Text, "The line of an input or output, or a place of memory.");
-const IMAGE: KeySpec =
-    KeySpec::optional("image", KeyType::Text, "An input or output as the program sees it.");
+const ADDRESS: KeySpec = KeySpec::optional(
+    "address",
+    KeyType::Text,
+    "The terminal of an input or output, as in %IX0.0, or a place of memory.",
+);
+const IMAGE: KeySpec = KeySpec::optional(
+    "image",
+    KeyType::Text,
+    "An input or output as the program sees it: the bit of the process image.",
+);
 const CHANNEL: KeySpec = KeySpec::optional("channel", KeyType::Text, "A channel of the board.");
 const TASK: KeySpec = KeySpec::optional("task", KeyType::Text, "A task, whose `figure` is meant.");
 const FIGURE: KeySpec = KeySpec::optional(
@@ -23,7 +29,8 @@ const LOG: KeySpec =
     KeySpec::optional("log", KeyType::Text, "A text: how many entries of the controller's log hold it.");
 const FILE: KeySpec =
     KeySpec::optional("file", KeyType::Text, "A file of the controller: whether it is there.");
-const HOLDS: KeySpec = KeySpec::optional("holds", KeyType::Text, "A text: whether the file holds it.");
+const CONTAINS: KeySpec =
+    KeySpec::optional("contains", KeyType::Text, "A text: whether the file contains it.").was("holds");
 const REGISTER: KeySpec = KeySpec::optional(
     "register",
     KeyType::Integer(0, 65_535),
@@ -38,7 +45,7 @@ const OTHER_FIGURES: &[&str] = &["size", "exception", "address", "length", "vali
 /// Every figure.
 const FIGURES: &[&str] = &figures();
 
-/// [`TaskFigure::NAMES`] and behind them [`OTHER_FIGURES`]; `lost` is a figure of tasks and of files.
+/// [`TaskFigure::NAMES`] and after them [`OTHER_FIGURES`]; `lost` is a figure of tasks and of files.
 const fn figures() -> [&'static str; TaskFigure::NAMES.len() + OTHER_FIGURES.len()] {
     let mut all = [""; TaskFigure::NAMES.len() + OTHER_FIGURES.len()];
     let mut place = 0;
@@ -62,7 +69,7 @@ pub(crate) const RECORD: KeySpec =
 
 /// What names a signal.
 pub(crate) const SOURCE_KEYS: &[KeySpec] =
-    &[PATH, ADDRESS, IMAGE, CHANNEL, TASK, FIGURE, LOG, FILE, HOLDS, REGISTER, RELOCATION];
+    &[PATH, ADDRESS, IMAGE, CHANNEL, TASK, FIGURE, LOG, FILE, CONTAINS, REGISTER, RELOCATION];
 
 /// What names a signal that is bound, and how it is recorded.
 const BINDING_KEYS: &[KeySpec] = &[
@@ -74,7 +81,7 @@ const BINDING_KEYS: &[KeySpec] = &[
     FIGURE,
     LOG,
     FILE,
-    HOLDS,
+    CONTAINS,
     REGISTER,
     RELOCATION,
     DEADBAND,
@@ -236,14 +243,19 @@ fn file_source(fields: &Fields<'_>, out: &mut Findings) -> Option<SignalSource> 
         );
         return None;
     }
-    let asks = match (fields.text("holds"), fields.text("figure")) {
+    let asks = match (fields.text("contains"), fields.text("figure")) {
         (None, None) => FileFigure::Exists,
         (Some(text), None) => FileFigure::Holds(text.to_owned()),
         (None, Some("size")) => FileFigure::Size,
         (None, Some("lost")) => FileFigure::Lost,
         (None, Some(_)) => return no_figure("a file", &["size", "lost"], fields, out),
         (Some(_), Some(_)) => {
-            out.bad(codes::SIGNAL, node, "the table names several signals", "leave `holds` or `figure` out");
+            out.bad(
+                codes::SIGNAL,
+                node,
+                "the table names several signals",
+                "leave `contains` or `figure` out",
+            );
             return None;
         }
     };

@@ -38,7 +38,7 @@ pub struct Label {
     pub text: String,
 }
 
-/// A finding: a code that has a page, what is wrong, where, and the mend.
+/// A finding: a code that has a page, what is wrong, where, and the fix.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
     /// `P0102` for plans, `B....` boards, `S....` programs, `R....` the rig itself.

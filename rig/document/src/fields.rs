@@ -37,7 +37,15 @@ impl<'a> Fields<'a> {
                     let what = &entry.key;
                     good |= u128::from(check_value(&entry.node, what, &specs[at].ty, out)) << at;
                 }
-                None => unknown_key(entry, what, specs, out),
+                None => match specs.iter().find(|spec| !spec.was.is_empty() && spec.was == entry.key) {
+                    Some(spec) => {
+                        missing.retain(|name| *name != spec.name);
+                        let message = format!("`{}` of the {what} is called `{}` now", entry.key, spec.name);
+                        let help = format!("write `{}`; its value stays as it is", spec.name);
+                        out.error(out.codes().unknown_key, entry.key_span.clone(), message, help);
+                    }
+                    None => unknown_key(entry, what, specs, out),
+                },
             }
         }
         for name in missing {

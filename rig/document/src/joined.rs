@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::{Diagnostic, SourceFile, Table, line_col};
 
-/// Files one behind another: a byte of the second counts on from the end of the first, so that a value needs no more
+/// Files one after another: a byte of the second counts on from the end of the first, so that a value needs no more
 /// than its bytes to say where it stands, whichever file it is from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Joined {
@@ -28,7 +28,7 @@ impl Joined {
         name.clone_into(&mut self.files[0].1.name);
     }
 
-    /// The files behind the first one.
+    /// The files after the first one.
     pub fn others(&self) -> impl Iterator<Item = &SourceFile> {
         self.files.iter().skip(1).map(|(_, file)| file)
     }
@@ -40,7 +40,7 @@ impl Joined {
         self.files.push((base, file));
     }
 
-    /// Where the next file would begin: a byte behind the end of the last one, which is still of that file.
+    /// Where the next file would begin: a byte after the end of the last one, which is still of that file.
     pub fn next(&self) -> usize {
         self.files.last().map_or(0, |(base, file)| base + file.text.len() + 1)
     }

@@ -11,17 +11,25 @@ pub struct KeySpec {
     pub required: bool,
     /// What it means, one sentence, for the schema and the manual.
     pub doc: &'static str,
+    /// What it was called in an earlier version; empty where it has had one name.
+    pub was: &'static str,
 }
 
 impl KeySpec {
     /// A key that must be there.
     pub const fn required(name: &'static str, ty: KeyType, doc: &'static str) -> Self {
-        KeySpec { name, ty, required: true, doc }
+        KeySpec { name, ty, required: true, doc, was: "" }
     }
 
     /// A key that may be left out.
     pub const fn optional(name: &'static str, ty: KeyType, doc: &'static str) -> Self {
-        KeySpec { name, ty, required: false, doc }
+        KeySpec { name, ty, required: false, doc, was: "" }
+    }
+
+    /// The key with the name that it had in an earlier version. The finding about that name gives the new one.
+    #[must_use]
+    pub const fn was(self, was: &'static str) -> Self {
+        KeySpec { was, ..self }
     }
 }
 
@@ -66,7 +74,7 @@ pub enum KeyType {
 }
 
 impl KeyType {
-    /// What is expected, with an example: fits behind `expected`.
+    /// What is expected, with an example: fits after `expected`.
     pub fn describe(&self) -> String {
         match self {
             KeyType::Text => "a text in quotes".into(),

@@ -4,7 +4,7 @@
 //! The way through: [`toml::parse`] makes a tree of [`Node`]s, [`Fields::check`] holds a table of it against a
 //! list of [`KeySpec`]s and gives typed access, [`Findings`] collects what is wrong, [`render`] shows it.
 //!
-//! Goals: several findings in one run, every finding with the exact place and the mend, bounded memory for any
+//! Goals: several findings in one run, every finding with the exact place and the fix, bounded memory for any
 //! input. Not goals: writing TOML, opening files.
 
 mod diagnostic;

@@ -1,6 +1,6 @@
 //! From bytes to what a person counts.
 
-/// Line and column of a byte, both from 1; columns count characters. A byte behind the text is its end; a
+/// Line and column of a byte, both from 1; columns count characters. A byte after the text is its end; a
 /// byte inside a character is that character.
 pub fn line_col(text: &str, byte: usize) -> (usize, usize) {
     let byte = floor(text, byte);

@@ -1,7 +1,7 @@
 //! JSON Schema of a format, made from its tables of keys: editors complete and check by it what the readers read.
 //!
 //! Draft 7, with `definitions`: what editors of TOML understand. A schema never refuses what the reader takes; what
-//! hangs on other keys or on other files only the reader refuses.
+//! depends on other keys or on other files only the reader refuses.
 
 use serde_json::{Map, Value as Json, json};
 

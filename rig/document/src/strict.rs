@@ -68,7 +68,7 @@ impl State {
             }
             TokenKind::RightCurlyBracket => {
                 if let (Some(comma), Some(Open::InlineTable { .. })) = (self.comma.take(), self.open.pop()) {
-                    let message = "a comma behind the last entry of an inline table";
+                    let message = "a comma after the last entry of an inline table";
                     out.error(
                         out.codes().newer_toml,
                         comma,

@@ -106,13 +106,13 @@ fn sentence(message: &str) -> String {
     format!("not TOML: {}", message.trim_end_matches('.'))
 }
 
-/// The mend for what people commonly write in place of a TOML value.
+/// The fix for what people commonly write in place of a TOML value.
 fn hint(text: &str, span: &Range<usize>) -> String {
     let at = floor(text, span.start);
     let line_start = text[..at].rfind('\n').map_or(0, |at| at + 1);
     let line_end = text[at..].find('\n').map_or(text.len(), |end| at + end);
     let line = &text[line_start..line_end];
-    // The value around the place: behind the last `=` before it, up to the mark that ends it.
+    // The value around the place: after the last `=` before it, up to the mark that ends it.
     let value_start = line[..at - line_start].rfind('=').map_or(0, |at| at + 1);
     let rest = line[value_start..].trim_start();
     let value = rest.split([',', '}', ']', '#', '=']).next().unwrap_or_default().trim();

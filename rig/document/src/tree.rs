@@ -71,7 +71,7 @@ impl Table {
         self.entry(key).map(|entry| &entry.node)
     }
 
-    /// Moves every place in it by this many bytes: the table of a file that is read behind others.
+    /// Moves every place in it by this many bytes: the table of a file that is read after others.
     pub fn shift(&mut self, by: usize) {
         let moved = |span: &Range<usize>| span.start + by..span.end + by;
         for entry in &mut self.entries {
@@ -127,7 +127,7 @@ impl Node {
         }
     }
 
-    /// The bytes of the file behind `within` of the text's content; the whole value where that cannot be told.
+    /// The bytes of the file after `within` of the text's content; the whole value where that cannot be told.
     pub fn inner(&self, within: Range<usize>) -> Range<usize> {
         match self.content {
             Some(start) if start + within.end <= self.span.end => start + within.start..start + within.end,
