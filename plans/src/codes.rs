@@ -20,9 +20,9 @@ document::codes! {
     STEP_VERB = "P0201", "A step with no verb, an unknown verb or two verbs";
     STEP_ID = "P0202", "A step's id is missing, malformed or used twice";
     STEP_TIME = "P0203", "A step has no time, or two";
-    STEP_BEFORE = "P0204", "A step cannot come before what it hangs on";
+    STEP_BEFORE = "P0204", "A step cannot come before what it depends on";
     STEP_AFTER_END = "P0205", "A step comes after the end of its case";
-    STEP_CYCLE = "P0206", "Steps hang on each other";
+    STEP_CYCLE = "P0206", "Steps depend on each other";
     STIMULUS = "P0207", "A stimulus that cannot be";
     TOO_MANY_STEPS = "P0208", "More steps than a plan can have";
     ANCHOR = "P0301", "A text that does not read as an instant";
@@ -45,9 +45,9 @@ document::codes! {
     NOTHING_CLAIMED = "P0501", "A plan that claims and measures nothing";
     EXPECT_VERB = "P0502", "An expectation with no verb, an unknown verb or two verbs";
     CLAIM = "P0503", "A claim that can never be met or never fail";
-    MEANING = "P0504", "A claim that means nothing for its signal";
+    MEANING = "P0504", "A value that is not valid for its signal";
     NOT_IN_TRACE = "P0505", "A signal that the trace does not have";
-    PHASE = "P0600", "A step that hangs on another part of the case";
+    PHASE = "P0600", "A step that depends on another part of the case";
     NO_TEARDOWN = "P0601", "An instant of a teardown that the plan does not have";
     GROUP = "P0602", "An unknown group";
     ARGUMENT = "P0603", "An argument that is missing, unknown or malformed";
@@ -58,7 +58,7 @@ document::codes! {
     REPEAT = "P0608", "A step that cannot come again like this";
     OCCURRENCE = "P0609", "A time that a step does not come";
     QUESTION = "P0610", "A question that cannot be asked";
-    GUARD_STEP = "P0620", "An invariant or alarm that hangs on a step";
+    GUARD_STEP = "P0620", "An invariant or alarm that depends on a step";
     ALARM = "P0621", "An alarm that cannot be";
     BEYOND_CASE = "P0622", "A claim that looks beyond the end of its case";
     UNUSED = "P0623", "A name that is bound and never used";
@@ -70,7 +70,7 @@ document::codes! {
     TABLE_FILE = "P0643", "A table that cannot be read";
     TABLE = "P0644", "A table of values that is malformed";
     COLUMN = "P0645", "A column that cannot drive a signal";
-    MEASURE = "P0660", "A key that means nothing for this kind of measurement";
+    MEASURE = "P0660", "A key that does not apply to this kind of measurement";
     TOO_MANY_TURNS = "P0661", "More turns than a plan can have";
     FRAME = "P0670", "A frame that cannot be described like this";
     FRAME_DATA = "P0671", "A text that does not read as data of a frame";
@@ -80,9 +80,9 @@ document::codes! {
     SEND = "P0675", "A frame that cannot be sent";
     FRAME_VALUE = "P0676", "A value that a frame cannot carry";
     UNKNOWN_FRAME = "P0677", "A frame that the plan does not name";
-    FUNCTION_KEY = "P0690", "A key that means nothing for this kind of expert function";
-    GRID = "P0710", "A grid that jitter cannot be told from";
-    TRAIN = "P0711", "A pulse train whose direction cannot be told like this";
+    FUNCTION_KEY = "P0690", "A key that does not apply to this kind of expert function";
+    GRID = "P0710", "A grid that jitter cannot be measured from";
+    TRAIN = "P0711", "A pulse train whose direction cannot be described like this";
     SHAPE = "P0712", "A shape that no frequency has";
 }
 

@@ -3,7 +3,7 @@
 //! [`read`] makes a [`Plan`] of a text; [`Plan::case`] gives its concrete cases one by one; [`judge`] turns a
 //! trace into verdicts. Steps are one file of [`steps`] for each verb, expectations one of [`expect`].
 //!
-//! Goals: every finding with a code, the exact place and the mend; several findings in one run; bounded time
+//! Goals: every finding with a code, the exact place and the fix; several findings in one run; bounded time
 //! and memory for any text. Not goals: opening files, driving anything: the runtime does both.
 
 pub mod alarm;

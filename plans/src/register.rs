@@ -45,7 +45,7 @@ pub struct Requirement {
 /// One row of a requirement that is a table or a list; cited as in `controller:RB-02#8`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RequirementClause {
-    /// What stands behind the `#`.
+    /// What stands after the `#`.
     pub id: String,
     /// What it asks, one line.
     pub asks: String,

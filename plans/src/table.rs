@@ -308,7 +308,7 @@ impl<'f> CsvReader<'f> {
     }
 }
 
-/// A name with the unit behind it: `level [V]`, `level (V)`.
+/// A name with the unit after it: `level [V]`, `level (V)`.
 fn named(text: &str) -> Column {
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some((name, unit)) = text.strip_suffix(close).and_then(|text| text.rsplit_once(open)) {

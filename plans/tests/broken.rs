@@ -1,7 +1,7 @@
 //! Broken plans: `tests/broken/*.toml` each say in their first line which findings, with code, line and column,
 //! the reader must report, all of them and no others: `# expect P0102 3:7, P0201 4:9`.
 //!
-//! `SCANRIG_BLESS=1 cargo test -p scanrig-plans --test all broken` writes the first lines anew.
+//! `SCANRIG_BLESS=1 cargo test -p scanrig-plans --test all broken` writes the first lines again.
 
 use std::path::PathBuf;
 

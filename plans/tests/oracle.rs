@@ -288,7 +288,7 @@ proptest! {
         }
     }
 
-    /// `never` in a window whose ends hang on one step.
+    /// `never` in a window whose ends depend on one step.
     #[test]
     fn never_in_a_window_that_moves(raw in events(), offset in -3i64..4, length in 1i64..8) {
         let expected = oracle(&raw, |line, a, _| {
@@ -317,7 +317,7 @@ proptest! {
         }
     }
 
-    /// `edges` in a window whose ends hang on one step, and between two.
+    /// `edges` in a window whose ends depend on one step, and between two.
     #[test]
     fn counted_edges(raw in events(), moving: bool, length in 1i64..9, wanted in 0u64..4) {
         let holds = |line: &[Placed], a: (i64, usize), b: (i64, usize)| {

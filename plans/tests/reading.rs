@@ -120,7 +120,7 @@ fn a_sweep_is_exact_and_keeps_its_unit() {
     assert_eq!(last.steps[0].when, StepTime::At(at));
     let StepTime::When { within, from, .. } = &last.steps[1].when else { panic!("does not wait") };
     assert_eq!(*within, Span::from_secs(30));
-    // What is waited for from an awaited or timed step hangs on what that step hangs on.
+    // What is waited for from an awaited or timed step depends on what that step depends on.
     assert_eq!(*from, Anchor { base: AnchorBase::Start, offset: Span::from_micros(2_019_980) });
     assert_eq!(last.ends, Anchor { base: AnchorBase::Step("back".into()), offset: Span::from_secs(1) });
 }

@@ -50,7 +50,7 @@ pub struct Alarm {
     pub condition: AlarmCondition,
     /// How long it may last: an alarm is raised when it lasted that long.
     pub delay: Span,
-    /// How far behind the limit the value has to come back before the condition is over.
+    /// How far after the limit the value has to come back before the condition is over.
     pub hysteresis: Option<Literal>,
     /// Whether the case ends when it is raised.
     pub ends: bool,

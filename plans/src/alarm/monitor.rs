@@ -136,7 +136,7 @@ impl AlarmMonitor {
         let delay = (start.a.saturating_sub(from.b).max(0), start.b.saturating_sub(from.a).max(0));
         let lasting = match lasted.over {
             true => format!("for {}", span_range((least, most))),
-            false => format!("for {} to the end of the case", span_range((least, most))),
+            false => format!("for {} until the end", span_range((least, most))),
         };
         format!("{} {lasting}, from {}", self.alarm.words(), delay_words(delay, &Anchor::START))
     }

@@ -205,7 +205,7 @@ impl Monitor for EqualMonitor {
     }
 }
 
-/// Whether two readings can be placed at once: instants that hang on one event move together.
+/// Whether two readings can be placed at once: instants that depend on one event move together.
 fn together(left: &Candidate, right: &Candidate, link: Option<i64>) -> bool {
     link.is_none_or(|link| {
         let low = left.low.saturating_add(link).max(right.low);

@@ -3,7 +3,7 @@
 //! ```toml
 //! { follows = { signal = "speed", leader = "set-point", tolerance = "10 rpm", from = "run", within = "50 ms" } }
 //! ```
-//! `within` is how long the value may lag behind: they may be farther apart for so long at a time. The two signals
+//! `within` is how long the value may lag after: they may be farther apart for so long at a time. The two signals
 //! have clocks and channels of their own, so that changes of both that overlap may have come in any order: between
 //! them the distance is not known.
 
@@ -101,7 +101,7 @@ impl Claim for Follows {
             None => String::new(),
         };
         let lag = match self.within {
-            Some(lag) => format!(", at most {lag} behind"),
+            Some(lag) => format!(", at most {lag} later"),
             None => String::new(),
         };
         format!("`{}` follows `{}`{how}{lag}{}", self.signal, self.leader, self.between.words())
@@ -167,7 +167,7 @@ impl Claim for Follows {
 
 /// What is known of one of the signals.
 struct FollowsSide {
-    /// How far behind the newest event of the trace one of this signal can begin, nanoseconds.
+    /// How far after the newest event of the trace one of this signal can begin, nanoseconds.
     lag: i64,
     /// No later event of the signal begins before this.
     reached: i64,

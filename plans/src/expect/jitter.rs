@@ -29,7 +29,7 @@ use crate::monitor::{
 pub(crate) const COMPARES: KeySpec = KeySpec::optional(
     "compares",
     KeyType::Choice(&["edges", "periods"]),
-    "What jitter is told from: the distances of edges from an even grid, or the lengths of periods; `edges` if left out",
+    "What jitter is measured from: the distances of edges from an even grid, or the lengths of periods; `edges` if left out",
 );
 /// The grid.
 pub(crate) const GRID: KeySpec = KeySpec::optional(
@@ -118,7 +118,7 @@ pub(crate) fn asked(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Jit
         return None;
     };
     if compared == JitterReference::Periods && !rms {
-        let message = "how far periods lie apart does not hang on a grid";
+        let message = "how far periods lie apart does not depend on a grid";
         cx.out.bad(codes::GRID, node, message, "remove `grid`, or take = \"rms\"");
         return None;
     }

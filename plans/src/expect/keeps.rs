@@ -320,7 +320,7 @@ impl Common {
                 let lasting = lasts(breach.start, breach.value_end);
                 let all = match breach.value_end == breach.end {
                     true => String::new(),
-                    false => format!("; forbidden {} in all", lasts(breach.start, breach.end)),
+                    false => format!("; out of range {}", lasts(breach.start, breach.end)),
                 };
                 let from = &self.claim.between.from;
                 let point = &self.segments.window().from;
@@ -374,7 +374,7 @@ fn lasts(start: (i64, i64), end: (i64, i64)) -> String {
     let least = end.0.saturating_sub(start.1).max(0);
     let most = end.1.saturating_sub(start.0);
     match end {
-        (i64::MAX, _) => String::from("to the end of the case"),
+        (i64::MAX, _) => String::from("until the end"),
         (_, i64::MAX) => format!("for {} or longer", Span::from_nanos(least)),
         _ => format!("for {}", span_range((least, most))),
     }

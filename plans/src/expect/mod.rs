@@ -119,7 +119,7 @@ pub trait Claim: Debug + Send + Sync {
     fn expected(&self) -> String;
     /// The signals that it looks at. The place in this list is the `slot` of [`Monitor::feed`].
     fn signals(&self) -> Vec<String>;
-    /// The instants that it hangs on.
+    /// The instants that it depends on.
     fn anchors(&self) -> Vec<&Anchor>;
     /// Finds what cannot be judged with these signals at all (a label that the state does not have).
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>);
@@ -132,10 +132,10 @@ pub trait Claim: Debug + Send + Sync {
     fn counts(&self) -> Option<f64> {
         None
     }
-    /// Starts judging; every instant that the claim hangs on is known by now, or known not to have come.
+    /// Starts judging; every instant that the claim depends on is known by now, or known not to have come.
     ///
     /// # Errors
-    /// [`NotJudged`] when it hangs on an instant that never came or on a window that is empty.
+    /// [`NotJudged`] when it depends on an instant that never came or on a window that is empty.
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged>;
 }
 

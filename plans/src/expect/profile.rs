@@ -92,7 +92,7 @@ impl ShapedTrain {
         self.train.check(wiring, out);
         let known = wiring.find(&self.train.signal);
         if self.shape.turns() && known.is_some_and(|info| !self.train.is_signed(info)) {
-            let message = format!("the shape goes backwards, and `{}` tells no direction", self.train.signal);
+            let message = format!("the shape goes backwards, and `{}` has no direction", self.train.signal);
             let help = "add `direction`, `backwards` or `quadrature`";
             out.push(Diagnostic::error(codes::SHAPE, message).help(help));
         }

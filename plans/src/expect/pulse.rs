@@ -189,7 +189,7 @@ fn finding(
         (deciding.seen.a.saturating_sub(window.from.b), deciding.seen.b.saturating_sub(window.from.a));
     let unfinished = deciding.extent.1 >= i64::MAX.saturating_sub(end);
     let lasting = match unfinished {
-        true => format!("at least {}, to the end of the case", Span::from_nanos(deciding.extent.0)),
+        true => format!("at least {}, until the end", Span::from_nanos(deciding.extent.0)),
         false => span_range(deciding.extent),
     };
     finding.observed = format!("a {noun} of {lasting}, {}", delay_words(delay, &claim.between.from));

@@ -36,7 +36,7 @@ struct OverlapSignal {
     class: Option<Truth>,
     /// No later event of the signal begins before this.
     reached: i64,
-    /// How far behind the newest event of the trace one of this signal can begin, nanoseconds.
+    /// How far after the newest event of the trace one of this signal can begin, nanoseconds.
     lag: i64,
 }
 

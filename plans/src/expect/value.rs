@@ -66,7 +66,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
     let when = anchor(fields, "when", Anchor::END, cx);
     let (signal, at) = cx.names.at_value(fields.get("of")?, cx.out)?;
     if let (Some(_), Some(node)) = (&at, fields.get("when")) {
-        let message = "the instant is given twice, behind `@` and as `when`";
+        let message = "the instant is given twice, after `@` and as `when`";
         cx.out.bad(codes::CLAIM, node, message, "leave one of them out");
         return None;
     }

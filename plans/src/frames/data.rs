@@ -6,7 +6,7 @@
 //! 01 ..      any second byte
 //! 01 4.      a second byte from 40 to 4F
 //! 2#1......0 one byte, bit by bit, the highest first
-//! 05 *       05, and any number of bytes behind it
+//! 05 *       05, and any number of bytes after it
 //! ```
 
 use std::fmt;
@@ -30,9 +30,9 @@ pub enum DataFault {
     Digit,
     /// A digit without its other half.
     Half,
-    /// Not eight bits behind `2#`.
+    /// Not eight bits after `2#`.
     Bits,
-    /// Something behind `*`.
+    /// Something after `*`.
     BehindOpen,
     /// More than [`MAX_DATA`] bytes.
     TooLong,
@@ -43,8 +43,8 @@ impl fmt::Display for DataFault {
         f.write_str(match self {
             DataFault::Digit => "a byte has two digits from 0 to F, or a dot for any",
             DataFault::Half => "a byte has two digits, and one is missing",
-            DataFault::Bits => "behind `2#` stand eight bits, each 0, 1 or a dot for any",
-            DataFault::BehindOpen => "nothing stands behind `*`",
+            DataFault::Bits => "after `2#` stand eight bits, each 0, 1 or a dot for any",
+            DataFault::BehindOpen => "nothing stands after `*`",
             DataFault::TooLong => "a frame has at most 64 bytes",
         })
     }

@@ -44,12 +44,12 @@ pub struct Scenario {
     pub measurements: Vec<Measurement>,
     /// The steps, in the plan's order: the place is that of [`signal::Cause::Step`].
     pub steps: Vec<StepFacts>,
-    /// Invariants and alarms, which are judged behind the expectations.
+    /// Invariants and alarms, which are judged after the expectations.
     pub global_checks: Vec<GlobalCheck>,
 }
 
 impl Scenario {
-    /// All instants that claims and measurements hang on.
+    /// All instants that claims and measurements depend on.
     fn anchors(&self) -> impl Iterator<Item = &Anchor> {
         let claims = self.expectations.iter().flat_map(|each| each.claim.anchors());
         claims.chain(self.measurements.iter().flat_map(Measurement::anchors))
@@ -69,7 +69,7 @@ impl Scenario {
         names
     }
 
-    /// The part of the case that a claim looks at, by the instants that it hangs on and the signals that it looks at:
+    /// The part of the case that a claim looks at, by the instants that it depends on and the signals that it looks at:
     /// what names the teardown sees it to its end, and what is of a step of the setup alone does not need the rest.
     fn part(&self, anchors: &[&Anchor], signals: &[String]) -> CasePart {
         let part = |id: &str| self.steps.iter().find(|step| step.id == id).map(|step| step.part);
@@ -407,7 +407,7 @@ impl FinalReading {
         let (mut claims, mut measurements) = (Vec::new(), Vec::new());
         let mut running = self.running.into_iter();
         let counting = self.counting;
-        // The global_checks stand behind the case's own claims.
+        // The global_checks stand after the case's own claims.
         let own = scenario.expectations.len() - scenario.global_checks.len();
         for ((place, expectation), running) in scenario.expectations.iter().enumerate().zip(running.by_ref())
         {

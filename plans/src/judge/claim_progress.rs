@@ -27,7 +27,7 @@ impl ClaimProgress {
             judge.feed(&event.map_err(|error| JudgeError { fault: error.to_string() })?);
         }
         let lost = judge.lost();
-        // What is awaited stands behind the claims of the plan; its window is that of its wait.
+        // What is awaited stands after the claims of the plan; its window is that of its wait.
         let at_end: Vec<bool> =
             scenario.expectations.iter().map(|each| each.claim.anchors().contains(&&Anchor::END)).collect();
         let outcome = judge.finish(When::exactly(now), trace)?;

@@ -1,6 +1,6 @@
 //! Watching claims while the trace grows, only to notice early that one is lost.
 //!
-//! A claim is watched from the moment that the instants it hangs on are known. What is noticed here never
+//! A claim is watched from the moment that the instants it depends on are known. What is noticed here never
 //! becomes a verdict: the last reading decides.
 
 use signal::{Event, SignalInfo};
@@ -50,7 +50,7 @@ pub(crate) struct LiveReading {
 }
 
 impl LiveReading {
-    /// The claim at this place is not watched: it is decided behind the case.
+    /// The claim at this place is not watched: it is decided after the case.
     pub(crate) fn pass_over(&mut self, at: usize) {
         self.watches[at] = ClaimWatch::Over { lost: false };
     }
@@ -152,7 +152,7 @@ impl LiveReading {
         for line in &self.lines {
             for (_, slot) in line.followers.iter().filter(|(watch, _)| *watch == at) {
                 match line.last {
-                    // Events that may lie behind the instant would have to be fed, and only the last is kept.
+                    // Events that may lie after the instant would have to be fed, and only the last is kept.
                     Some(last) if last.b > now => {
                         self.watches[at] = ClaimWatch::Over { lost: false };
                         return;

@@ -1,6 +1,6 @@
 //! The judge: verdicts out of a trace and nothing else.
 //!
-//! The judge follows the trace as it grows, to know the instants that claims hang on and, where a case may end
+//! The judge follows the trace as it grows, to know the instants that claims depend on and, where a case may end
 //! early, to notice that a claim is lost; at the end of the case it reads the trace once more, now with every instant known, and
 //! that reading alone decides. So `rig judge` on a recorded trace repeats every verdict.
 //!

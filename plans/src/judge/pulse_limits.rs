@@ -7,9 +7,9 @@
 use record::Window;
 use signal::{Event, SignalInfo, Span, Value};
 
-/// What the notes of such signals are called; their names come behind it, the value is in Hz.
+/// What the notes of such signals are called; their names come after it, the value is in Hz.
 const NOTE: &str = "counts-up-to:";
-/// Stretches of too fast pulses that are kept of a signal. What comes behind them widens the last one.
+/// Stretches of too fast pulses that are kept of a signal. What comes after them widens the last one.
 const MOST: usize = 64;
 /// A period counts as too short from this part of the shortest promised one on: stamps are not exact, and a line may be
 /// used up to what is promised of it.
@@ -105,11 +105,11 @@ impl PulseLimits {
         let lines = self.0.iter().zip(signals).filter(|(_, info)| names.contains(&info.name));
         lines.filter_map(|(line, info)| Some((line.as_ref()?, info))).find_map(|(line, info)| {
             let (name, hz) = (&info.name, line.hz);
-            let mend = "lower the frequency, raise `counts-up-to` as far as `rig bench counts` allows, or count with a \
+            let fix = "lower the frequency, raise `counts-up-to` as far as `rig bench counts` allows, or count with a \
                 counter of the kernel";
             if wanted > hz as f64 {
                 return Some(format!(
-                    "pulses of {wanted} Hz are wanted of `{name}`, whose board counts up to {hz} Hz: {mend}"
+                    "pulses of {wanted} Hz are wanted of `{name}`, whose board counts up to {hz} Hz: {fix}"
                 ));
             }
             let inside = |fast: &&FastStretch| {
@@ -120,7 +120,7 @@ impl PulseLimits {
             let fast = line.fast.iter().find(inside)?;
             let (at, period) = (Span::from_nanos(fast.from), Span::from_nanos(fast.period));
             Some(format!(
-                "`{name}` has pulses {period} apart from {at} on, and its board counts up to {hz} Hz: {mend}"
+                "`{name}` has pulses {period} apart from {at} on, and its board counts up to {hz} Hz: {fix}"
             ))
         })
     }

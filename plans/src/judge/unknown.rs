@@ -3,7 +3,7 @@
 use record::Window;
 use signal::{Cause, Event, Gap, Span, Value};
 
-/// Stretches that are kept of a signal. A sentence names one; those behind are for windows that lie behind it.
+/// Stretches that are kept of a signal. A sentence names one; those after are for windows that lie after it.
 const MOST: usize = 64;
 
 /// A stretch in which a signal was not known.
@@ -57,22 +57,22 @@ impl UnknownTimes {
     }
 }
 
-/// Adds to the reason of an open verdict why its signals were not known then, where a board told: `the value is not
+/// Adds to the reason of an open verdict why its signals were not known then, where a board reasons: `the value is not
 /// known at end (`pressure` from 1.2 s: its wire is open)`.
 pub(super) fn add_why<'a>(
     signals: impl Iterator<Item = (&'a str, &'a UnknownTimes)>,
     window: Option<&Window>,
     reason: &mut String,
 ) {
-    let mut told = Vec::new();
+    let mut reasons = Vec::new();
     for (name, unknown) in signals {
         if let Some(stretch) = unknown.within(window) {
             let from = Span::from_nanos(stretch.from[1]);
-            told.push(format!("`{name}` from {from}: {}", stretch.gap));
+            reasons.push(format!("`{name}` from {from}: {}", stretch.gap));
         }
     }
-    if !told.is_empty() {
-        reason.push_str(&format!(" ({})", told.join("; ")));
+    if !reasons.is_empty() {
+        reason.push_str(&format!(" ({})", reasons.join("; ")));
     }
 }
 

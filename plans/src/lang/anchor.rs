@@ -54,7 +54,7 @@ pub enum AnchorBase {
 }
 
 impl AnchorBase {
-    /// The id of the step it hangs on, if any.
+    /// The id of the step it depends on, if any.
     pub fn step(&self) -> Option<&str> {
         match self {
             AnchorBase::Start | AnchorBase::Main | AnchorBase::End | AnchorBase::Teardown => None,

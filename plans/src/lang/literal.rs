@@ -43,7 +43,7 @@ impl fmt::Display for LiteralFault {
         f.write_str(match self {
             LiteralFault::Empty => "the value is empty",
             LiteralFault::Digits => "the digits do not fit the base, or not into 64 bits",
-            LiteralFault::Duration => "a duration is expected behind `T#`, as in `T#500ms`",
+            LiteralFault::Duration => "a duration is expected after `T#`, as in `T#500ms`",
             LiteralFault::Unreadable => {
                 "no value: write a number, TRUE, 16#0010, T#500ms, a quantity such as `24 V` or the name of a state"
             }

@@ -115,7 +115,7 @@ impl fmt::Display for NeedFault {
                 write!(f, "no rig can have this; there are {}", words.join(", "))
             }
             NeedFault::Relation => {
-                f.write_str("expected `>=` or `<=` behind the word, as in `pulse >= 200 kHz`")
+                f.write_str("expected `>=` or `<=` after the word, as in `pulse >= 200 kHz`")
             }
             NeedFault::NoAmount => f.write_str("this is there or not, without an amount"),
             NeedFault::Frequency => f.write_str("expected a frequency, as in `pulse >= 200 kHz`"),

@@ -35,7 +35,7 @@ impl<'a> Bindings<'a> {
         self.values.push((name, value, place));
     }
 
-    /// Adds all of `others` behind: those that are here already go before them.
+    /// Adds all of `others` after: those that are here already go before them.
     pub fn append(&mut self, others: &Bindings<'a>) {
         self.values.extend(others.values.iter().cloned());
         if self.row.is_none() {
@@ -114,13 +114,12 @@ fn replace(node: &Node, text: &str, bindings: &Bindings<'_>, out: &mut Findings)
         at = dollar + 1 + length;
         let name = &rest[..length];
         if length == 0 {
-            let help =
-                "write the name of a row's column, sweep or parameter behind `$`; write `$$` for a `$`";
+            let help = "write the name of a row's column, sweep or parameter after `$`; write `$$` for a `$`";
             out.bad_inside(
                 codes::REFERENCE_FORM,
                 node,
                 Some(dollar..at),
-                "a `$` with no name behind it",
+                "a `$` with no name after it",
                 help,
             );
             return node.clone();

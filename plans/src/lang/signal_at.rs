@@ -23,7 +23,7 @@ pub struct SignalAt {
 pub enum SignalAtError {
     /// No name of a signal at these bytes.
     Signal(Range<usize>),
-    /// The instant behind `@` is wrong at these bytes.
+    /// The instant after `@` is wrong at these bytes.
     Anchor(Range<usize>, AnchorFault),
 }
 

@@ -259,7 +259,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// The instants that it hangs on.
+    /// The instants that it depends on.
     pub fn anchors(&self) -> Vec<&Anchor> {
         match &self.quantity {
             MeasuredQuantity::Between { from, to } => vec![from, to],

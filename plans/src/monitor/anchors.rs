@@ -12,7 +12,7 @@ use super::edges::{Edge, EdgeFinder};
 use super::{TimedValue, UncertainInstant};
 use crate::lang::{Anchor, AnchorBase};
 
-/// A happening of the trace that instants of the plan hang on.
+/// A happening of the trace that instants of the plan depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Happening {
     at: When,
@@ -32,7 +32,7 @@ struct TrainPulses {
     wanted: Vec<(u64, usize)>,
 }
 
-/// The instants that a case's claims and measurements hang on.
+/// The instants that a case's claims and measurements depend on.
 #[derive(Clone, Debug)]
 pub(crate) struct Anchors {
     bases: Vec<AnchorBase>,
@@ -165,7 +165,7 @@ impl Anchors {
         }
     }
 
-    /// Place in the trace of the case's end; behind everything in a case without a teardown.
+    /// Place in the trace of the case's end; after everything in a case without a teardown.
     pub(crate) fn end_place(&self) -> u64 {
         if self.closing.is_none() {
             return u64::MAX;

@@ -66,7 +66,7 @@ fn grows(old: Value, new: Value) -> bool {
     }
 }
 
-/// A place in the trace behind all events.
+/// A place in the trace after all events.
 pub(crate) const LAST: u64 = u64::MAX - 1;
 
 /// A change that counts, or one that may be hidden in a stretch of which nothing is known.
@@ -129,7 +129,7 @@ impl EdgeFinder {
         }
         let old = self.last.replace(seen.value);
         if let Some((a, since)) = self.unknown_from.take() {
-            // A condition that held on neither side need not have been met, one that holds only behind it was.
+            // A condition that held on neither side need not have been met, one that holds only after it was.
             let before = self.before.take().filter(|_| matches!(self.edge, Edge::Becomes(_)));
             let certain = before.is_some_and(|old| self.edge.matches(old, seen.value, self.slack));
             return Some(FoundEdge { seen: TimedValue { a, since, ..*seen }, certain });
@@ -147,7 +147,7 @@ impl EdgeFinder {
 
 /// The first edge at or after an instant: is its delay within limits?
 ///
-/// Each edge in turn is the first one in those placements that have the instant behind the edge before it.
+/// Each edge in turn is the first one in those placements that have the instant after the edge before it.
 /// For each, the placements of the instant that make the delay right, too short or too long are intervals,
 /// so that nothing needs to be enumerated.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! The longest time without an event, over a whole window.
 //!
-//! Events that lie in the window in every placement are judged together exactly: each has to come within the limit behind
+//! Events that lie in the window in every placement are judged together exactly: each has to come within the limit after
 //! the one before, wherever that was placed. Those at an uncertain end of the window may be there or not, which can only
 //! make a verdict inconclusive, never wrong.
 
@@ -115,7 +115,7 @@ impl Gaps {
     /// The judgement when nothing comes any more.
     pub fn finish(mut self) -> GapResult {
         let until = (self.window.until.a, self.window.until.b);
-        // Both ends may hang on one instant: then the window has one length.
+        // Both ends may depend on one instant: then the window has one length.
         let whole = self.window.link.filter(|_| self.last_seen.is_none());
         match whole {
             Some(length) => {

@@ -72,7 +72,7 @@ impl TimedValue {
     }
 }
 
-/// An instant that a claim hangs on: an event of the trace, or a distance from one.
+/// An instant that a claim depends on: an event of the trace, or a distance from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UncertainInstant {
     /// The earliest placement, nanoseconds.
@@ -81,7 +81,7 @@ pub struct UncertainInstant {
     pub b: i64,
     /// Events at the very same instant come before the point if their place in the trace is below this.
     pub place: u64,
-    /// Which event of the trace it hangs on, so that two points on one event move together.
+    /// Which event of the trace it depends on, so that two points on one event move together.
     pub base: u32,
     /// Its distance from that event, nanoseconds.
     pub offset: i64,
@@ -113,7 +113,7 @@ impl UncertainInstant {
         When { earliest: Time::from_nanos(self.a), latest: Time::from_nanos(self.b) }
     }
 
-    /// The distance from `self` to `other` where both hang on one event.
+    /// The distance from `self` to `other` where both depend on one event.
     pub fn link(&self, other: &UncertainInstant) -> Option<i64> {
         (self.base == other.base).then(|| other.offset.saturating_sub(self.offset))
     }
@@ -126,7 +126,7 @@ pub struct UncertainWindow {
     pub from: UncertainInstant,
     /// Where it ends.
     pub until: UncertainInstant,
-    /// Its length where both ends hang on one event.
+    /// Its length where both ends depend on one event.
     pub link: Option<i64>,
 }
 

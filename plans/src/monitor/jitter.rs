@@ -256,7 +256,7 @@ impl Jitter {
             let nanos = (seen.a.saturating_sub(before.a)).midpoint(seen.b.saturating_sub(before.b));
             self.grid = Some(Grid { nanos: nanos.unsigned_abs(), parts: 1 });
         }
-        // The first edge is where the grid is laid: its distance hangs on no period.
+        // The first edge is where the grid is laid: its distance depends on no period.
         let grid = self.grid.unwrap_or(Grid { nanos: 0, parts: 1 });
         let away = |length: i64, periods: i64| {
             i128::from(length) * i128::from(grid.parts) - i128::from(periods) * i128::from(grid.nanos)

@@ -42,7 +42,7 @@ impl Levels {
                 None
             }
             (Truth::Unknown, _) => {
-                // There can be any pulse in an unknown stretch, and one that is there behind it can have begun
+                // There can be any pulse in an unknown stretch, and one that is there after it can have begun
                 // anywhere in it.
                 let begun = TimedValue { a: start.a, since: start.since, ..*seen };
                 self.clean = class == Truth::False;

@@ -225,7 +225,7 @@ impl FigureChain {
             self.spread.doubtful = true;
             self.spread.can_break = true;
             self.possible = true;
-            // What is behind it has no known distance from what was before it.
+            // What is after it has no known distance from what was before it.
             self.last = None;
             self.edge = None;
         }

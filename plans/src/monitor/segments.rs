@@ -88,7 +88,7 @@ impl SegmentJudgement {
         self.second = None;
     }
 
-    /// A forbidden or unknown segment with ends that hang on different signals, in the order of beginnings.
+    /// A forbidden or unknown segment with ends that depend on different signals, in the order of beginnings.
     pub fn segment(&mut self, class: Truth, start: &TimedValue, end: (i64, i64)) {
         self.change(class, start);
         let over = TimedValue { a: end.0, b: end.1, value: Value::Unknown, cause: Cause::Unknown, ..*start };

@@ -3,7 +3,7 @@
 /// Farthest instant, nanoseconds: 52 days.
 const FAR: f64 = 4_503_599_627_370_496.0;
 
-/// A straight piece: from an instant and frequency to another. Instants are nanoseconds behind the shape's beginning.
+/// A straight piece: from an instant and frequency to another. Instants are nanoseconds after the shape's beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapePiece {
     /// When it begins.
@@ -22,14 +22,14 @@ impl ShapePiece {
     }
 }
 
-/// A frequency over time. It is 0 before its beginning, and behind its last piece it stays.
+/// A frequency over time. It is 0 before its beginning, and after its last piece it stays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrequencyShape {
     pieces: Vec<ShapePiece>,
 }
 
 impl FrequencyShape {
-    /// Adds a piece of this length behind the others; one without length is a jump.
+    /// Adds a piece of this length after the others; one without length is a jump.
     pub fn go(&mut self, length: f64, first: f64, last: f64) {
         let from = self.pieces.last().map_or(0.0, |piece| piece.until);
         if self.pieces.is_empty() {

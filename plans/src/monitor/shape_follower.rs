@@ -1,6 +1,6 @@
 //! How closely counts follow a frequency over time.
 //!
-//! The claim behind the figure: there is a frequency that keeps to the shape, to within a tolerance, and that makes just
+//! The claim after the figure: there is a frequency that keeps to the shape, to within a tolerance, and that makes just
 //! these counts, one for each whole turn of its phase. From one count to the next a phase goes exactly one turn on. So
 //! under the upper border of the band there must be room for the counts that came, and under the lower one for no
 //! more; between a stretch's counts and what no count cut off lies less than one turn. The figure is the least tolerance
@@ -32,7 +32,7 @@ pub struct DecidingStretch {
     pub from: Option<TimedValue>,
     /// The count that ends it, or `None` for the window's end.
     pub until: Option<TimedValue>,
-    /// Its length and its beginning behind that of the shape, nanoseconds.
+    /// Its length and its beginning after that of the shape, nanoseconds.
     pub length: f64,
     /// See `length`.
     pub begins: f64,
@@ -84,9 +84,9 @@ struct CountStretch {
     begin: TimedValue,
     up: DirectionCounts,
     down: DirectionCounts,
-    /// What began it may have come before or behind another count.
+    /// What began it may have come before or after another count.
     tangled: bool,
-    /// It is long enough, but what would have ended it may have come before or behind another count.
+    /// It is long enough, but what would have ended it may have come before or after another count.
     overdue: bool,
 }
 
@@ -159,7 +159,7 @@ fn either(count: &PositionChange) -> PositionChange {
 #[derive(Clone, Copy, Debug)]
 struct LastCount {
     begin: TimedValue,
-    /// The earliest end of those that certainly came behind it.
+    /// The earliest end of those that certainly came after it.
     behind: Option<TimedValue>,
 }
 
@@ -223,7 +223,7 @@ impl ShapeFollower {
         }
     }
 
-    /// Nanoseconds behind the beginning of the shape, in the middle of where it may lie.
+    /// Nanoseconds after the beginning of the shape, in the middle of where it may lie.
     fn behind(&self, at: i64) -> f64 {
         let spread = self.origin.b.saturating_sub(self.origin.a);
         at.saturating_sub(self.origin.a) as f64 - spread as f64 / 2.0
@@ -274,7 +274,7 @@ impl ShapeFollower {
         }
     }
 
-    /// Between two counts of a direction of which one may be the next behind the other there has to be room for a turn,
+    /// Between two counts of a direction of which one may be the next after the other there has to be room for a turn,
     /// whatever may have come between them instead.
     fn see_lone(&mut self, count: &PositionChange, tangled: bool) {
         for (way, own) in [count.up, count.down].into_iter().enumerate() {

@@ -25,9 +25,9 @@ impl<'a> TraceSignals<'a> {
 /// Why a claim was not judged. The verdict is then inconclusive: no evidence is no pass, and no failure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotJudged {
-    /// The instant that it hangs on never came.
+    /// The instant that it depends on never came.
     NeverCame(String),
-    /// The instant that it hangs on lies behind the end of the case, of which nothing is known.
+    /// The instant that it depends on lies after the end of the case, of which nothing is known.
     AfterEnd(String),
     /// The case never came to its steps proper.
     NoMain(String),
@@ -43,7 +43,7 @@ impl fmt::Display for NotJudged {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NotJudged::NeverCame(anchor) => write!(f, "`{anchor}` never came"),
-            NotJudged::AfterEnd(anchor) => write!(f, "`{anchor}` lies behind the end of the case"),
+            NotJudged::AfterEnd(anchor) => write!(f, "`{anchor}` is after the end of the case"),
             NotJudged::NoMain(why) if why.is_empty() => f.write_str("the setup was never done"),
             NotJudged::NoMain(why) => write!(f, "the setup was never done: {why}"),
             NotJudged::EmptyWindow(window) => write!(f, "the window from {window} is empty"),
@@ -88,7 +88,7 @@ impl<'a> CaseTimeline<'a> {
         closed.or_else(|| self.anchors.resolve(anchor))
     }
 
-    /// Place in the trace behind which nothing counts.
+    /// Place in the trace after which nothing counts.
     pub(crate) fn last_place(&self) -> u64 {
         if self.closing { u64::MAX } else { self.anchors.end_place() }
     }
@@ -119,7 +119,7 @@ impl<'a> CaseTimeline<'a> {
         self.open_from.is_some() && self.point(until).is_err()
     }
 
-    /// How far behind the newest event of the trace an event of this signal can begin, nanoseconds.
+    /// How far after the newest event of the trace an event of this signal can begin, nanoseconds.
     pub fn lag(&self, name: &str) -> i64 {
         match self.signals.iter().position(|info| info.name == name) {
             Some(at) if !self.disordered.get(at).copied().unwrap_or(false) => {

@@ -40,7 +40,7 @@ pub struct PositionChange {
     pub up: (u64, u64),
     /// The same downwards.
     pub down: (u64, u64),
-    /// One of the other direction may come before or behind it.
+    /// One of the other direction may come before or after it.
     pub blurred: bool,
 }
 
@@ -66,7 +66,7 @@ pub struct PositionTrack {
 #[derive(Clone, Debug)]
 struct TrackLine {
     finder: EdgeFinder,
-    /// How far behind the newest event of the trace one of this line can begin, nanoseconds.
+    /// How far after the newest event of the trace one of this line can begin, nanoseconds.
     lag: i64,
     waiting: VecDeque<TimedValue>,
     /// No later event of the line begins before this.
@@ -150,7 +150,7 @@ impl PositionTrack {
         }
     }
 
-    /// Takes an event in its turn. `blurred`: it may come before or behind one of the other line.
+    /// Takes an event in its turn. `blurred`: it may come before or after one of the other line.
     fn take(&mut self, slot: usize, seen: &TimedValue, blurred: bool, out: &mut impl FnMut(TrackStep)) {
         let line = &mut self.lines[slot];
         let taken = line.taken.unwrap_or((i64::MIN, 0));
@@ -182,7 +182,7 @@ impl PositionTrack {
                 _ => BOTH,
             },
             (PulseEncoding::Quadrature, _) => match (self.lines[0].level, self.lines[1].level) {
-                // Behind an edge of A going first the levels differ, behind one of B they are alike.
+                // Behind an edge of A going first the levels differ, after one of B they are alike.
                 (Some(a), Some(b)) if !blurred => way((a != b) == (slot == 0)),
                 _ => BOTH,
             },

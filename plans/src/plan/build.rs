@@ -220,7 +220,7 @@ fn whole(
         proves,
         tags,
         profiles,
-        // Nothing of what is refused hangs on chance.
+        // Nothing of what is refused depends on chance.
         repeat: match refusal {
             None => fields.integer("repeat").and_then(|turns| u32::try_from(turns).ok()).unwrap_or(1),
             Some(_) => 1,

@@ -29,7 +29,7 @@ pub(super) struct CheckedParts<'a> {
     pub(super) settings: &'a Settings,
 }
 
-/// A place in time: what it hangs on that is not known before the case runs, and the distance from it.
+/// A place in time: what it depends on that is not known before the case runs, and the distance from it.
 #[derive(Clone, Debug, PartialEq)]
 struct CheckedTime<'a> {
     /// The id of an awaited step; `None`: `start`.
@@ -38,7 +38,7 @@ struct CheckedTime<'a> {
 }
 
 impl CheckedTime<'_> {
-    /// How long after `other`, where both hang on the same.
+    /// How long after `other`, where both depend on the same.
     fn behind(&self, other: &CheckedTime<'_>) -> Option<i128> {
         (self.root == other.root).then(|| self.nanos - other.nanos)
     }
@@ -87,7 +87,7 @@ pub(super) fn unused(binding: &SignalBinding, out: &mut Findings) {
 /// How long the processor is taken before the system watchdogs act (controller:WD-00, WD-01).
 const SYSTEM_WATCHDOG: Span = Span::from_secs(3);
 
-/// What mends a claim that looks too late.
+/// What fixes a claim that looks too late.
 const LATER: &str = "let the case end later with `ends`, or count from an earlier instant";
 
 impl CheckedParts<'_> {
@@ -119,7 +119,7 @@ impl CheckedParts<'_> {
         Some(base.later(anchor.offset))
     }
 
-    /// Whether an instant lies behind the end of the case whatever happens.
+    /// Whether an instant lies after the end of the case whatever happens.
     fn is_behind(&self, anchor: &Anchor, end: Option<&CheckedTime<'_>>) -> bool {
         self.place(anchor).zip(end).and_then(|(at, end)| at.behind(end)).is_some_and(|late| late > 0)
     }

@@ -1,4 +1,4 @@
-//! The lists of one case: those of the plan, with what groups bring behind each step that runs one.
+//! The lists of one case: those of the plan, with what groups bring after each step that runs one.
 
 use std::borrow::Cow;
 use std::ops::Range;

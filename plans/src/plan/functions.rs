@@ -199,7 +199,7 @@ functions![
     ("probe", KeyType::Text, Input, PTO, "The input that captures positions and starts moves."),
     ("limit-positive", KeyType::Text, Input, PTO, "The input of the limit switch for larger positions."),
     ("limit-negative", KeyType::Text, Input, PTO, "The input of the limit switch for smaller positions."),
-    ("drive-ready", KeyType::Text, Input, PTO, "The input that tells that the drive is ready."),
+    ("drive-ready", KeyType::Text, Input, PTO, "The input that says that the drive is ready."),
     ("active-low", KeyType::List(&ACTIVE_LOW), Plain, PTO, "Inputs of the axis that act with their 0."),
     ("start-velocity", KeyType::Quantity, Hertz, PTO, "Velocity at which motions begin."),
     ("stop-velocity", KeyType::Quantity, Hertz, PTO, "Velocity at which motions end."),
@@ -379,7 +379,7 @@ fn values(
         let Some((_, takes, kinds)) = MEANINGS.iter().find(|(name, ..)| *name == entry.key) else { continue };
         if kinds & kind.bit() == 0 {
             let word = TYPES.get(kind as usize).copied().unwrap_or_default();
-            let message = format!("`{}` means nothing for `{word}`", entry.key);
+            let message = format!("`{}` does not apply to `{word}`", entry.key);
             let known = MEANINGS.iter().filter(|(_, _, kinds)| kinds & kind.bit() != 0);
             let known: Vec<&str> = known.map(|(name, ..)| *name).collect();
             let help = format!("its keys are {}", known.join(", "));

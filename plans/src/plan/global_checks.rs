@@ -44,7 +44,7 @@ pub(super) const ALARM_KEYS: &[KeySpec] = &[
     KeySpec::optional(
         "hysteresis",
         KeyType::Quantity,
-        "How far behind the limit the value has to come back before the condition is over.",
+        "How far the value has to come back from the limit before the condition is over.",
     ),
     KeySpec::optional("ends", KeyType::Bool, "Whether it ends the case; true if left out."),
     KeySpec::optional("rows", KeyType::List(&KeyType::Text), "The rows that have it; all if left out."),
@@ -115,7 +115,7 @@ impl CaseChecks {
         out: &mut Findings,
     ) {
         let Some(mut read) = expectation(node, &INVARIANT, names, out) else { return };
-        // An instant behind `@` is read with its signal.
+        // An instant after `@` is read with its signal.
         if let Some(anchor) = read.claim.anchors().into_iter().find(|anchor| anchor.base.step().is_some()) {
             hangs_on_step(anchor, node, out);
             return;
@@ -178,12 +178,12 @@ fn alarm(
             .quantity()
             .map_or_else(|| band.value().and_then(signal::Value::as_real), |band| Some(band.number.as_f64()));
         if *key == "is" {
-            let message = "`hysteresis` means nothing for a value that is met or not";
+            let message = "`hysteresis` does not apply to a value that is met or not";
             out.bad(codes::ALARM, node, message, "remove it, or give `above` or `below`");
             return None;
         }
         if number.is_none_or(|number| number < 0.0) {
-            let help = "it says how far the value comes back behind the limit, as in \"0.2 bar\"";
+            let help = "it says how far the value comes back from the limit, as in \"0.2 bar\"";
             out.bad(codes::ALARM, node, "the hysteresis is below 0", help);
             return None;
         }

@@ -264,7 +264,7 @@ impl PlanText {
     }
 }
 
-/// Puts the entries of an included list behind those of the same key.
+/// Puts the entries of an included list after those of the same key.
 fn append(root: &mut Table, entry: &Entry) {
     let Some(at) = root.entries.iter().position(|known| known.key == entry.key) else {
         root.entries.push(entry.clone());

@@ -66,7 +66,7 @@ pub const PLAN_KEYS: &[KeySpec] = &[
     ),
     KeySpec::optional("setup", STEPS, "What is done before the steps; they wait for it."),
     KeySpec::optional("steps", STEPS, "What is done, in order."),
-    KeySpec::optional("teardown", STEPS, "What is done behind the case, however it ended."),
+    KeySpec::optional("teardown", STEPS, "What is done after the case, however it ended."),
     KeySpec::optional(
         "group",
         KeyType::Map(&KeyType::Table(GROUP_KEYS)),
@@ -87,7 +87,7 @@ pub const PLAN_KEYS: &[KeySpec] = &[
     KeySpec::optional(
         "repeat",
         KeyType::Integer(1, 10_000),
-        "How often each case runs, with what is left to chance drawn anew; every turn has to pass.",
+        "How often each case runs, with what is left to chance drawn again; every turn has to pass.",
     ),
     KeySpec::optional("rows", KeyType::Map(&ROW_TYPE), "Cases: name and values of each."),
     KeySpec::optional("sweep", KeyType::Map(&SWEEP_TYPE), "Values that multiply the cases."),

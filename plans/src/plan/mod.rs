@@ -106,7 +106,7 @@ impl StepRepeat {
 #[derive(Clone, Debug, PartialEq)]
 pub enum StepTime {
     /// At an instant. Its base is never `end`, and a step among its bases is one that is awaited or whose
-    /// `.done` or pulse is meant: what hangs on other steps was added up to here.
+    /// `.done` or pulse is meant: what depends on other steps was added up to here.
     At(Anchor),
     /// When something happens.
     When {
@@ -167,7 +167,7 @@ pub struct Case {
     pub signals: Vec<SignalBinding>,
     /// Names that the plan binds and this case leaves aside. They are recorded all the same.
     pub unspoken: Vec<String>,
-    /// The steps, setup, main and teardown each in the plan's order, those of a group behind the step that runs it: the
+    /// The steps, setup, main and teardown each in the plan's order, those of a group after the step that runs it: the
     /// place is that of [`signal::Cause::Step`].
     pub steps: Vec<PlanStep>,
     /// What is claimed.
@@ -192,7 +192,7 @@ pub struct Case {
     pub tags: Vec<String>,
     /// The profiles that it holds for; empty for all.
     pub profiles: Vec<Profile>,
-    /// How often it runs, each turn with what is left to chance drawn anew.
+    /// How often it runs, each turn with what is left to chance drawn again.
     pub repeat: u32,
     /// What its check must find, for a case that is never to run.
     pub refusal: Option<Refusal>,

@@ -58,7 +58,7 @@ pub(super) struct PlanDocument {
     pub(super) name: String,
     /// The root without [`APART`].
     pub(super) head: Table,
-    /// Setup, main and teardown, one behind another.
+    /// Setup, main and teardown, one after another.
     pub(super) steps: Vec<ListEntry>,
     pub(super) groups: Vec<Group>,
     pub(super) expect: Vec<ListEntry>,
@@ -112,7 +112,7 @@ impl Plan {
         self.len() == 0
     }
 
-    /// The case of this number from 0; `None` behind the last.
+    /// The case of this number from 0; `None` after the last.
     pub fn case(&self, number: u64) -> Option<Case> {
         self.case_with(number, self.document.seed).ok()
     }
@@ -120,7 +120,7 @@ impl Plan {
     /// The case of this number from 0 with another seed for what it leaves to chance.
     ///
     /// # Errors
-    /// What is wrong with it: a phase that is drawn anew can move a step behind the end of the case.
+    /// What is wrong with it: a phase that is drawn again can move a step after the end of the case.
     pub fn case_with(&self, number: u64, seed: u64) -> Result<Case, Vec<Diagnostic>> {
         let mut out = Findings::new(&self.document.file, codes::TOML);
         build::case(&self.document, number, seed, &mut out).ok_or_else(|| out.into_vec())

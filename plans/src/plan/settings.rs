@@ -90,7 +90,7 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
     KeySpec::optional(
         "rearming",
         KeyType::Choice(&["automatic", "manual"]),
-        "How outputs come back behind a fault: by themselves, or on the rearming command.",
+        "How outputs come back after a fault: by themselves, or on the rearming command.",
     ),
     KeySpec::optional(
         "minimize-jitter",
@@ -155,7 +155,7 @@ pub enum HaltOutputs {
     Default,
 }
 
-/// How outputs come back behind a fault.
+/// How outputs come back after a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rearming {
     /// By themselves.
@@ -180,7 +180,7 @@ pub enum StartingMode {
 pub enum TaskType {
     /// An interval.
     Cyclic,
-    /// The end of the pause behind the cycle before.
+    /// The end of the pause after the cycle before.
     Freewheeling,
     /// A Boolean variable.
     Event,
@@ -239,7 +239,7 @@ pub struct Settings {
     pub halt_outputs: Option<HaltOutputs>,
     /// The output that shows that the application is running.
     pub alarm_output: Option<Address>,
-    /// How outputs come back behind a fault.
+    /// How outputs come back after a fault.
     pub rearming: Option<Rearming>,
     /// Whether outputs are written where the next bus cycle reads its inputs.
     pub minimize_jitter: Option<bool>,

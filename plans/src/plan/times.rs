@@ -1,4 +1,4 @@
-//! When the steps of a case come: what hangs on other steps is added up, and what cannot be is reported.
+//! When the steps of a case come: what depends on other steps is added up, and what cannot be is reported.
 
 use std::collections::BTreeMap;
 
@@ -92,7 +92,7 @@ pub(super) struct CaseTimes {
     pub(super) teardown: Span,
 }
 
-/// Rewrites the times of `steps` so that every instant hangs on `start`, `main`, `teardown` or on a step of which
+/// Rewrites the times of `steps` so that every instant depends on `start`, `main`, `teardown` or on a step of which
 /// nobody knows beforehand when it comes, and gives the end of the case and the time that it may take. `ends` is what
 /// the plan says, with the value that says it.
 ///
@@ -161,7 +161,7 @@ pub(super) fn resolve(
     Some(CaseTimes { ends: to_anchor(end, &ids), allowance, teardown })
 }
 
-/// The chain of what hangs on what. Every step hangs on exactly one thing, so following is a walk, not a search.
+/// The chain of what depends on what. Every step depends on exactly one thing, so following is a walk, not a search.
 struct TimeChain<'c, 'n> {
     steps: &'c [PlanStep],
     /// Place of each step by its id.
@@ -175,7 +175,7 @@ struct TimeChain<'c, 'n> {
 }
 
 impl TimeChain<'_, '_> {
-    /// Settles what stands at `first` and all that it hangs on.
+    /// Settles what stands at `first` and all that it depends on.
     fn follow(&mut self, first: usize, out: &mut Findings) {
         let mut path: Vec<usize> = Vec::new();
         let mut at = first;
@@ -229,7 +229,7 @@ impl TimeChain<'_, '_> {
         self.steps.get(at).map_or(CasePart::Main, |step| step.part)
     }
 
-    /// Where an instant stands that hangs on no step.
+    /// Where an instant stands that depends on no step.
     fn fixed(&self, at: usize) -> RootedTime {
         let root = match self.anchor(at).map(|anchor| &anchor.base) {
             Some(AnchorBase::Main) if self.setup => TimeRoot::Main,
@@ -239,13 +239,13 @@ impl TimeChain<'_, '_> {
         RootedTime { root, nanos: 0 }
     }
 
-    /// What the instant at `at` hangs on: a step, the end, or nothing for `start` and the like.
+    /// What the instant at `at` depends on: a step, the end, or nothing for `start` and the like.
     fn base_of(&self, at: usize, out: &mut Findings) -> Result<Option<usize>, ()> {
         let Some(anchor) = self.anchor(at) else { return Err(()) };
         self.base_in(&anchor.base, self.part(at), self.node(at), out)
     }
 
-    /// What a base is to something of a part of the case; reports what it cannot hang on.
+    /// What a base is to something of a part of the case; reports what it cannot depend on.
     fn base_in(
         &self,
         base: &AnchorBase,
@@ -267,15 +267,15 @@ impl TimeChain<'_, '_> {
         if !possible {
             let (message, help) = match part {
                 CasePart::Setup => (
-                    "the setup hangs on what comes behind it",
+                    "the setup depends on what comes after it",
                     "count from `start` or from a step of the setup",
                 ),
                 CasePart::Main => (
-                    "the steps of the case hang on its teardown",
+                    "the steps of the case depend on its teardown",
                     "count from `start`, `main` or from a step of the case",
                 ),
                 CasePart::Teardown => (
-                    "the teardown hangs on a step that may never have come",
+                    "the teardown depends on a step that may never have come",
                     "count from `teardown` or from a step of the teardown",
                 ),
             };
@@ -286,7 +286,7 @@ impl TimeChain<'_, '_> {
             (AnchorBase::End, _) if self.ends.is_some() => Ok(Some(self.steps.len())),
             (AnchorBase::End, _) => {
                 let help = "say when the case ends, as in ends = \"start + 10 s\"";
-                out.bad(codes::STEP_CYCLE, node, "the end of the case hangs on its steps", help);
+                out.bad(codes::STEP_CYCLE, node, "the end of the case depends on its steps", help);
                 Err(())
             }
             (_, Some(step)) => step.map(Some).ok_or(()),
@@ -376,13 +376,13 @@ impl TimeChain<'_, '_> {
         let name = |at: usize| self.steps.get(at).map_or("end", |step| step.id.as_str());
         let ring: Vec<&str> = path[from..].iter().take(8).map(|one| name(*one)).collect();
         let message = match ring.as_slice() {
-            [one] => format!("`{one}` hangs on itself"),
-            _ => format!("these hang on each other: {}", ring.join(", ")),
+            [one] => format!("`{one}` depends on itself"),
+            _ => format!("these depend on each other: {}", ring.join(", ")),
         };
         let mut found = Diagnostic::error(codes::STEP_CYCLE, message)
             .help("let one of them count from `start`, or from a step outside the circle");
         for one in path[from..].iter().take(8) {
-            let what = format!("`{}` hangs on this", name(*one));
+            let what = format!("`{}` depends on this", name(*one));
             found = found.at(out.file().to_owned(), self.node(*one).span.clone(), what);
         }
         out.push(found);
@@ -449,7 +449,7 @@ fn default_end(
     Some(end.later(after))
 }
 
-/// Reports steps before what they hang on and behind the end.
+/// Reports steps before what they depend on and after the end.
 fn check(
     steps: &[PlanStep],
     written: &[WrittenTime<'_>],

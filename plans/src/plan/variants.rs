@@ -198,7 +198,7 @@ impl<'a> Variant<'a> {
         bindings
     }
 
-    /// What stands behind the plan's path in the case's name, the phases aside.
+    /// What stands after the plan's path in the case's name, the phases aside.
     pub(super) fn suffix(&self) -> String {
         let mut suffix = self.row.map_or_else(String::new, |row| format!("[{}]", row.name));
         for (sweep, at) in &self.points {

@@ -20,7 +20,7 @@ pub enum SignalSource {
     Line(Address),
     /// A place of the memory (`%MW10`), or more than one bit of the inputs or outputs (`%IW0`).
     Memory(Address),
-    /// A bit of the image that the program sees, behind the filter or before the output.
+    /// A bit of the image that the program sees, after the filter or before the output.
     Image(Address),
     /// A variable of the program, a system variable (`PLC_R...`) or a channel of the board, found by the runtime
     /// in this order.

@@ -53,7 +53,7 @@ pub(super) const SUPPLY_IO: StepVerb = StepVerb {
 
 pub(super) const EXTERNAL_ERROR: StepVerb = StepVerb {
     name: "external-error",
-    doc: "Puts a part outside of the controller in error, or mends it.",
+    doc: "Puts a part outside of the controller in error, or takes the error back.",
     value: KeyType::Table(ERROR_KEYS),
     needs: &["faults"],
     read: read_external,

@@ -20,7 +20,7 @@ const FURTHEST: i64 = 1_000_000_000_000;
 const LONGEST_RAMP: Span = Span::from_secs(100);
 /// Counts in a line of the disc.
 const COUNTS_IN_LINE: u32 = 4;
-/// Bits behind the point of a nanosecond in which instants are worked out.
+/// Bits after the point of a nanosecond in which instants are worked out.
 const FINE: u32 = 8;
 
 const MOTION_KEYS: &[KeySpec] = &[
@@ -143,7 +143,7 @@ impl Encoder {
         self.lasts
     }
 
-    /// When count `n` from 1 comes after the step, and the position that it brings; `None` behind the last.
+    /// When count `n` from 1 comes after the step, and the position that it brings; `None` after the last.
     pub fn count(&self, n: u64) -> Option<(Span, i64)> {
         let place = self.motions.partition_point(|motion| motion.before < n).checked_sub(1)?;
         let motion = &self.motions[place];
@@ -226,7 +226,7 @@ fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimul
     Some(Stimulus::Encoder(encoder))
 }
 
-/// Adds a motion or pause, and gives the position behind it.
+/// Adds a motion or pause, and gives the position after it.
 fn add(
     encoder: &mut Encoder,
     position: i64,

@@ -304,13 +304,13 @@ pub enum Stimulus {
         /// The line.
         signal: String,
     },
-    /// Something goes wrong around the controller, or is mended.
+    /// Something goes wrong around the controller, or is fixed.
     Disturb {
         /// What.
         what: DisturbanceKind,
         /// Whether it begins.
         on: bool,
-        /// For how long; `None`: until another step mends it.
+        /// For how long; `None`: until another step fixes it.
         lasts: Option<Span>,
     },
     /// Emits a train of pulses.

@@ -96,7 +96,7 @@ fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimul
     let low = train.rises(2) - high;
     let shorter = high.min(low);
     if shorter <= Span::ZERO {
-        let message = "a pulse, or the pause behind it, is shorter than 1 ns";
+        let message = "a pulse, or the pause after it, is shorter than 1 ns";
         out.bad(codes::STIMULUS, node, message, "lower the frequency, or take a duty nearer to 50 %");
         return None;
     }

@@ -322,7 +322,7 @@ fn read_periodic(
             let duty = part(&fields, "duty", out)?;
             let high = cycle.after(u128::from(duty), 1_000_000);
             if high.min(cycle.after(1, 1) - high) <= Span::ZERO {
-                let message = "a pulse of the wave, or the pause behind it, is shorter than 1 ns";
+                let message = "a pulse of the wave, or the pause after it, is shorter than 1 ns";
                 out.bad(codes::WAVE, node, message, "lower the frequency, or take a duty nearer to 50 %");
                 return None;
             }

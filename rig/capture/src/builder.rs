@@ -14,7 +14,7 @@ pub(crate) struct CaptureBuilder {
 }
 
 impl CaptureBuilder {
-    /// Adds a channel; `None` where there are too many. A name that is taken gets a number behind it.
+    /// Adds a channel; `None` where there are too many. A name that is taken gets a number after it.
     pub(crate) fn channel(&mut self, name: &str, unit: &str, shape: ChannelType) -> Option<u32> {
         if self.channels.len() >= MAX_CHANNELS {
             return None;

@@ -52,7 +52,7 @@ fn channels_of_comment(line: &str) -> Option<Vec<String>> {
     Some(names.split(',').map(|name| name.trim().to_owned()).collect())
 }
 
-/// A column's name and the unit behind it: `level [V]`.
+/// A column's name and the unit after it: `level [V]`.
 fn name_and_unit(column: &str) -> (String, String) {
     let column = column.trim().trim_matches('"').trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -83,7 +83,7 @@ fn power(column: &str) -> Option<i32> {
 struct CsvTable {
     separator: char,
     power: i32,
-    /// Name and unit of each column behind the first.
+    /// Name and unit of each column after the first.
     names: Vec<(String, String)>,
 }
 
@@ -91,8 +91,8 @@ impl CsvTable {
     fn new(at: u64, header: &str) -> Result<CsvTable, CaptureError> {
         let separator = SEPARATORS.into_iter().find(|separator| header.contains(*separator));
         let Some(separator) = separator else {
-            let mend = "the first column is the time, each further one a channel, with commas between";
-            return Err(CaptureError::line(at, "the header has one column only", mend));
+            let fix = "the first column is the time, each further one a channel, with commas between";
+            return Err(CaptureError::line(at, "the header has one column only", fix));
         };
         let mut columns = header.split(separator);
         let first = columns.next().unwrap_or_default();
@@ -170,8 +170,8 @@ impl CsvTable {
             return Ok(());
         }
         let Some(value) = value(&cell) else {
-            let mend = "write a number, TRUE, FALSE, z or x";
-            return Err(CaptureError::line(at, format!("`{cell}` is no value"), mend));
+            let fix = "write a number, TRUE, FALSE, z or x";
+            return Err(CaptureError::line(at, format!("`{cell}` is no value"), fix));
         };
         let since = match (period, before) {
             _ if !builder.is_known(column) => now.0,

@@ -21,23 +21,23 @@ pub struct CaptureError {
     /// What is wrong.
     pub what: String,
     /// What to do about it; may be empty.
-    pub mend: &'static str,
+    pub fix: &'static str,
 }
 
 impl CaptureError {
     /// Something wrong with the whole file.
-    pub(crate) fn whole(what: impl Into<String>, mend: &'static str) -> CaptureError {
-        CaptureError { place: CapturePlace::Whole, what: what.into(), mend }
+    pub(crate) fn whole(what: impl Into<String>, fix: &'static str) -> CaptureError {
+        CaptureError { place: CapturePlace::Whole, what: what.into(), fix }
     }
 
     /// Something wrong in a line.
-    pub(crate) fn line(line: u64, what: impl Into<String>, mend: &'static str) -> CaptureError {
-        CaptureError { place: CapturePlace::Line(line), what: what.into(), mend }
+    pub(crate) fn line(line: u64, what: impl Into<String>, fix: &'static str) -> CaptureError {
+        CaptureError { place: CapturePlace::Line(line), what: what.into(), fix }
     }
 
     /// Something wrong with a file in the archive.
-    pub(crate) fn entry(name: &str, what: impl Into<String>, mend: &'static str) -> CaptureError {
-        CaptureError { place: CapturePlace::Entry(name.to_owned()), what: what.into(), mend }
+    pub(crate) fn entry(name: &str, what: impl Into<String>, fix: &'static str) -> CaptureError {
+        CaptureError { place: CapturePlace::Entry(name.to_owned()), what: what.into(), fix }
     }
 }
 

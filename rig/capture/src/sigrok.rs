@@ -81,7 +81,7 @@ struct Device {
 
 impl Device {
     fn read(text: &str, period: Option<Span>) -> Result<Device, CaptureError> {
-        let wrong = |what: String, mend| CaptureError::entry("metadata", what, mend);
+        let wrong = |what: String, fix| CaptureError::entry("metadata", what, fix);
         let mut device = Device {
             pace: Pace::Rate(0),
             unit: 1,
@@ -119,7 +119,7 @@ impl Device {
             ));
         }
         if device.logic.iter().any(|(number, _)| *number == 0 || *number > device.unit * 8) {
-            return Err(wrong("a channel stands behind the samples' bits".into(), "save it again"));
+            return Err(wrong("a channel is outside of the samples' bits".into(), "save it again"));
         }
         device.pace = match (period, rate) {
             (Some(period), _) => Pace::Every(period),

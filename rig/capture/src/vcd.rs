@@ -39,7 +39,7 @@ pub fn read(bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError>
         match parser.next() {
             None => break,
             Some(Ok(command)) => {
-                reader.take(command).map_err(|(what, mend)| CaptureError::line(parser.line(), what, mend))?
+                reader.take(command).map_err(|(what, fix)| CaptureError::line(parser.line(), what, fix))?
             }
             Some(Err(error)) => {
                 let what = format!("no value change dump: {}", plain(&error));
@@ -160,8 +160,8 @@ impl VcdReader {
 
     fn finish(self) -> Result<Capture, CaptureError> {
         if !self.defined {
-            let mend = "a value change dump has declarations and `$enddefinitions $end`";
-            return Err(CaptureError::whole("no value change dump: its header does not end", mend));
+            let fix = "a value change dump has declarations and `$enddefinitions $end`";
+            return Err(CaptureError::whole("no value change dump: its header does not end", fix));
         }
         let unit = Span::from_nanos(i64::try_from(self.femtoseconds.div_ceil(1_000_000)).unwrap_or(i64::MAX));
         let knowledge = match self.period.or(self.sampled) {

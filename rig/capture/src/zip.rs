@@ -86,7 +86,7 @@ impl ZipEntry {
     /// # Errors
     /// [`CaptureError`]: it is too large, damaged, or packed in another way.
     pub fn unpack(&self, bytes: &[u8]) -> Result<Vec<u8>, CaptureError> {
-        let wrong = |what: String, mend| CaptureError::entry(&self.name, what, mend);
+        let wrong = |what: String, fix| CaptureError::entry(&self.name, what, fix);
         let damaged = || wrong("it is damaged".to_owned(), AGAIN);
         if self.size > MAX_ENTRY {
             return Err(wrong(format!("it has more than {MAX_ENTRY} bytes"), "capture for a shorter time"));

@@ -147,7 +147,7 @@ fn what_is_wrong_is_said_with_its_line() {
     ] {
         let error = refused(CaptureFormat::Csv, text);
         assert_eq!(error.place, CapturePlace::Line(line), "{text}");
-        assert!(error.what.contains(words) && !error.mend.is_empty(), "{error}");
+        assert!(error.what.contains(words) && !error.fix.is_empty(), "{error}");
     }
     let declared = "$timescale 1 us $end\n$var wire 1 ! a $end\n$enddefinitions $end\n";
     for (text, line, words) in [

@@ -75,7 +75,7 @@ impl<'a> Findings<'a> {
         if self.full() {
             let labels = vec![self.label(at, "")];
             let message = format!("the compilation gives up after {} errors", self.limit);
-            self.push(Code::TooMany, Severity::Error, message, labels, "mend the errors above first".into());
+            self.push(Code::TooMany, Severity::Error, message, labels, "fix the errors above first".into());
         }
     }
 

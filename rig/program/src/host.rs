@@ -46,7 +46,7 @@ pub enum Stop {
     /// the next slice.
     Break,
     /// The program asks for something, the operation that does so being complete at the end of the slice. The cycle
-    /// goes on with the next slice behind [`crate::Machine::answer`]; without an answer it asks again.
+    /// goes on with the next slice after [`crate::Machine::answer`]; without an answer it asks again.
     Service {
         /// What it asks for.
         service: Service,

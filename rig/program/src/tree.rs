@@ -61,7 +61,7 @@ pub(crate) struct Tree {
     pub classes: Vec<crate::code::ObjectClass>,
     pub kinds: Vec<String>,
     pub natives: Vec<&'static Native>,
-    /// Initial bytes of the variables. Their first stands at [`crate::code::map::FIRST`]: constants that code needs come behind
+    /// Initial bytes of the variables. Their first stands at [`crate::code::map::FIRST`]: constants that code needs come after
     /// them when the code is made.
     pub variables: Vec<u8>,
     pub retained: Vec<Retained>,
@@ -79,7 +79,7 @@ pub(crate) struct UnitTree {
     /// As declared; a method with its block, `block.method`.
     pub name: String,
     pub file: u16,
-    /// Initial bytes of the frame: result, parameters, variables. Temporaries come behind.
+    /// Initial bytes of the frame: result, parameters, variables. Temporaries come after.
     pub frame: Vec<u8>,
     pub body: Vec<Stmt>,
     /// The closing keyword.

@@ -72,7 +72,7 @@ fn pulse() {
             (0, false, false, 0),
             (10, true, true, 0),
             (20, false, true, 10),
-            // Not started anew while it runs.
+            // Not started again while it runs.
             (30, true, true, 20),
             (59, true, true, 49),
             (60, true, false, 50),

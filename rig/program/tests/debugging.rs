@@ -168,7 +168,7 @@ fn breakpoints_stop_before_the_statement() {
     assert_eq!(stops(&mut machine, false, "n"), [1, 3]);
     machine.clear_breakpoints();
     assert_eq!(stops(&mut machine, false, "n"), Vec::<i128>::new());
-    // In the function; from the line of a declaration to the first statement behind it.
+    // In the function; from the line of a declaration to the first statement after it.
     for line in [1, 2] {
         assert_eq!(machine.set_breakpoint(0, line), Some(2));
         assert_eq!(stops(&mut machine, false, "n"), [1, 3]);
@@ -289,7 +289,7 @@ END_PROGRAM";
     // Both ways of the IF, one of the WHILE that never turned.
     assert_eq!(ways(&branches, 3), (2, 2));
     assert_eq!(ways(&branches, 13), (2, 2));
-    // Switched on anew it starts from nothing.
+    // Switched on again it starts from nothing.
     let mut rig = Rig::new(text);
     rig.machine.set_coverage(true);
     rig.cycle();

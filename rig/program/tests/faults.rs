@@ -205,7 +205,7 @@ fn what_ran_before_a_fault_stays() {
 
 #[test]
 fn counted_loops_at_the_limits() {
-    // IEC 61131-3, 7.3.3.4.2: tested before each turn, the control variable has no defined value behind; here it
+    // IEC 61131-3, 7.3.3.4.2: tested before each turn, the control variable has no defined value after; here it
     // stops at the last value that its type holds.
     for ty in WHOLE {
         let (low, high) = limits(ty);

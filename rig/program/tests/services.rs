@@ -64,7 +64,7 @@ fn each_function_asks_and_takes_the_answer() {
         assert_eq!(asked.len(), 1, "{call}");
         assert_eq!((asked[0].0, asked[0].1), (service, argument), "{call}");
         assert_eq!(rig.int("n"), 1001, "{call}");
-        // The call is one function of the library: 1000 ns and what reads and writes; the rest comes behind it.
+        // The call is one function of the library: 1000 ns and what reads and writes; the rest comes after it.
         assert!(asked[0].2 >= 1000 && asked[0].2 < used, "{call}: {asked:?} of {used}");
         // A call may stand alone as a statement.
         let name = call.trim_start_matches("BOOL_TO_INT(");

@@ -239,7 +239,7 @@ fn characters_of_texts() {
     );
     assert_eq!((rig.int("b"), rig.int("v"), rig.int("n")), (97, 0x20AC, 11));
     assert_eq!((show(&rig, "s").as_str(), show(&rig, "t").as_str()), ("'aXa'", "'qq'"));
-    // The place behind the last character is the closing 0; further ones are outside.
+    // The place after the last character is the closing 0; further ones are outside.
     let with = |index: &str| {
         let mut rig = Rig::new(&format!(
             "PROGRAM MAIN VAR s : STRING[5] := 'abc'; b : BYTE; i : INT := {index}; END_VAR b := s[i]; END_PROGRAM"

@@ -3,7 +3,7 @@
 use crate::{Figure, Verdict};
 use serde::{Deserialize, Serialize};
 
-/// When a claim looks at its signal. Each end is itself known to within an interval where it hangs on an
+/// When a claim looks at its signal. Each end is itself known to within an interval where it depends on an
 /// event; `limit_...` is the allowed part of the window where the claim has one (`within = "a .. b"`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]

@@ -146,7 +146,7 @@ pub struct RequirementFact {
     pub id: String,
     /// What it asks, one line.
     pub asks: String,
-    /// Its clauses: what stands behind the `#`, and what each asks.
+    /// Its clauses: what stands after the `#`, and what each asks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub clauses: Vec<(String, String)>,
 }

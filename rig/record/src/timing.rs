@@ -9,7 +9,7 @@ pub const MAX_LATE_WAKES: usize = 32;
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RigTiming {
-    /// The latest that the rig was behind its own schedule, nanoseconds.
+    /// The latest that the rig was after its own schedule, nanoseconds.
     pub late_max_ns: i64,
     /// How often it missed a deadline of its own.
     pub overruns: u64,

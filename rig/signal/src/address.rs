@@ -164,7 +164,7 @@ impl fmt::Display for AddressError {
             ),
             Self::Number(_) => f.write_str("a decimal number is expected here"),
             Self::TooLarge(_) => f.write_str("the number is beyond every controller's memory"),
-            Self::MissingBit(_) => f.write_str("the bit is missing: write .0 to .7 behind the byte, as in %IX0.4"),
+            Self::MissingBit(_) => f.write_str("the bit is missing: write .0 to .7 after the byte, as in %IX0.4"),
             Self::BitTooLarge { last, .. } => write!(f, "no such bit: the last one here is {last}"),
             Self::NoBits(_) => f.write_str("only bytes and words have bits: write %MX5.3 or %MW2.11"),
             Self::Trailing(_) => f.write_str("the address should end here"),
@@ -306,7 +306,7 @@ impl Address {
     }
 }
 
-/// A decimal number and the byte behind it.
+/// A decimal number and the byte after it.
 fn decimal(bytes: &[u8], start: usize) -> Result<(u32, usize), AddressError> {
     let mut at = start;
     let mut number = 0u32;

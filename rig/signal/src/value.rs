@@ -45,7 +45,7 @@ pub enum Value {
     Unknown,
 }
 
-/// Bits of an uncertainty's mantissa that are rounded away: it is kept to 3 %, so that one that is estimated anew with
+/// Bits of an uncertainty's mantissa that are rounded away: it is kept to 3 %, so that one that is estimated again with
 /// every reading is not another with every reading.
 const ROUNDED: u32 = 18;
 
@@ -68,7 +68,7 @@ impl Value {
         if let Value::Measured(_, uncertainty) = self { f64::from(uncertainty) } else { 0.0 }
     }
 
-    /// The exact integer behind a Boolean, number or bit string.
+    /// The exact integer after a Boolean, number or bit string.
     pub fn as_int(self) -> Option<i128> {
         match self {
             Value::Bool(b) => Some(i128::from(b)),
@@ -144,7 +144,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// Digits behind the point that a number has which is known to within this: two of the uncertainty's own count.
+/// Digits after the point that a number has which is known to within this: two of the uncertainty's own count.
 fn places(uncertainty: f32) -> usize {
     let mut places = 0;
     let mut digits = uncertainty;

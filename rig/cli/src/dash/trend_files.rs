@@ -67,7 +67,7 @@ impl TrendFiles for HostTrendFiles {
         let format = CaptureFormat::of(&bytes, path)
             .ok_or_else(|| failed("its format is not known".to_owned(), other))?;
         let capture =
-            capture::read(format, &bytes, None).map_err(|error| failed(error.to_string(), error.mend))?;
+            capture::read(format, &bytes, None).map_err(|error| failed(error.to_string(), error.fix))?;
         Ok(recording_of(capture))
     }
 

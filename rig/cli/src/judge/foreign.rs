@@ -66,7 +66,7 @@ fn read(args: &JudgeArgs, format: CaptureFormat) -> Result<Capture, Diagnostic> 
     let bytes = std::fs::read(&args.trace).map_err(|error| wrong(error.to_string()))?;
     capture::read(format, &bytes, period).map_err(|error: CaptureError| {
         let found = wrong(error.to_string());
-        if error.mend.is_empty() { found } else { found.help(error.mend) }
+        if error.fix.is_empty() { found } else { found.help(error.fix) }
     })
 }
 

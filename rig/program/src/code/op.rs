@@ -250,11 +250,11 @@ pub(crate) enum Op {
     StepU32,
     StepI64,
     StepU64,
-    /// Prepares the frame of unit `a` behind the running one, with its template.
+    /// Prepares the frame of unit `a` after the running one, with its template.
     Frame,
     /// The same for the method with selector `a` of the instance whose address (4 bytes) is at `b`.
     FrameVirtual,
-    /// Calls unit `a`, in the frame behind the running one; `b` is no place.
+    /// Calls unit `a`, in the frame after the running one; `b` is no place.
     Call,
     /// The same with the place `b` as its instance.
     CallThis,
@@ -327,7 +327,7 @@ pub(crate) enum Op {
     LessEqualElement32,
     GreaterElement32,
     GreaterEqualElement32,
-    /// `d` bytes behind the address at `a` stands `b`.
+    /// `d` bytes after the address at `a` stands `b`.
     Behind8,
     Behind16,
     Behind32,

@@ -78,7 +78,7 @@ impl Emitter<'_, '_, '_> {
         }
     }
 
-    /// Inputs that run code of others come first, with all before them: their calls use the frame behind the running
+    /// Inputs that run code of others come first, with all before them: their calls use the frame after the running
     /// one, where the parameters of this call are then put together.
     fn inputs(&mut self, call: &TreeCall, instance: Instance) {
         let first =

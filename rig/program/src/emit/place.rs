@@ -55,7 +55,7 @@ impl Emitter<'_, '_, '_> {
         (of, cost)
     }
 
-    /// Puts the address of what stands `offset` bytes behind a place into a slot of the frame.
+    /// Puts the address of what stands `offset` bytes after a place into a slot of the frame.
     pub(super) fn behind(&mut self, of: Operand, offset: u32, slot: Operand, cost: u32, at: SourcePlace) {
         let zero = self.constant(0, Ty::Scalar(Elementary::Usint));
         let entry = self.indexes.len() as u32;
@@ -74,7 +74,7 @@ impl Emitter<'_, '_, '_> {
         self.release(mark);
     }
 
-    /// What stands behind the address of a place that is known: a value that was put into a variable to have one.
+    /// What stands after the address of a place that is known: a value that was put into a variable to have one.
     fn known_address(&mut self, address: &Expr, offset: u32) -> Option<Operand> {
         let (statements, inner) = match &address.kind {
             ExprKind::Sequence(statements, inner) => (statements.as_slice(), inner.as_ref()),

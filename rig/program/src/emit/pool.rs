@@ -1,4 +1,4 @@
-//! Constants that code reads: each stands once, behind the variables.
+//! Constants that code reads: each stands once, after the variables.
 
 use std::collections::BTreeMap;
 

@@ -128,7 +128,7 @@ fn concat(call: &mut TextCall<'_>) {
     }
 }
 
-/// STR1 with STR2 behind the character POS: at the start for 0, at the end from the length on. A negative POS leaves
+/// STR1 with STR2 after the character POS: at the start for 0, at the end from the length on. A negative POS leaves
 /// STR1 as it is.
 fn insert(call: &mut TextCall<'_>) {
     let (text, position) = (first(call), cell(call, 0));
@@ -150,7 +150,7 @@ fn delete(call: &mut TextCall<'_>) {
     call.out.extend(text.units().skip(end));
 }
 
-/// STR1 with STR2 in the place of L characters from P on. A negative P leaves STR1 as it is; behind the end STR2 is
+/// STR1 with STR2 in the place of L characters from P on. A negative P leaves STR1 as it is; after the end STR2 is
 /// added to it.
 fn replace(call: &mut TextCall<'_>) {
     let (text, position) = (first(call), cell(call, 1));

@@ -7,7 +7,7 @@ use std::fmt;
 const UNKNOWN: u16 = b'?' as u16;
 
 impl<'a> Text<'a> {
-    /// What the storage holds at a place, counted from 0, be it before the end of the text or behind it.
+    /// What the storage holds at a place, counted from 0, be it before the end of the text or after it.
     fn stored(self, place: usize) -> Option<u16> {
         if self.wide {
             let start = place.checked_mul(2)?;
@@ -34,7 +34,7 @@ impl<'a> Text<'a> {
         self.bytes.get(..self.length() * width).unwrap_or_default()
     }
 
-    /// The unit at a place, which must not be behind the end of the text; 0 at the end.
+    /// The unit at a place, which must not be after the end of the text; 0 at the end.
     pub(super) fn unit(self, place: usize) -> u16 {
         self.stored(place).unwrap_or(0)
     }

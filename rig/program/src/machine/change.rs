@@ -48,7 +48,7 @@ pub struct ChangeReport {
 impl Machine {
     /// Goes on with another program. Values of variables with the same path and type are kept, retained or not; the others have
     /// their initial values, and so have pointers, references and interfaces, because what they lead to has moved. Forced variables stay forced.
-    /// Watches, breakpoints and coverage start anew, and references of the old program are not valid any more.
+    /// Watches, breakpoints and coverage start again, and references of the old program are not valid any more.
     ///
     /// # Errors
     /// [`ChangeError`], and nothing has changed.

@@ -341,7 +341,7 @@ proptest! {
         }
     }
 
-    /// On-delay against the time since IN became TRUE, computed anew at every call.
+    /// On-delay against the time since IN became TRUE, computed again at every call.
     #[test]
     fn delays_by_the_clock(steps in proptest::collection::vec((0..40i64, any::<bool>()), 1..40)) {
         let (mut ton, mut now, mut since) = (Instance::new("TON"), 0, None);

@@ -172,7 +172,7 @@ pub(crate) struct Section {
 #[derive(Clone, Debug)]
 pub(crate) struct VarDecl {
     pub name: Name,
-    /// Text of the address behind AT.
+    /// Text of the address after AT.
     pub address: Option<(Box<str>, SourcePlace)>,
     pub ty: TypeRef,
     pub built: Option<Built>,
@@ -361,7 +361,7 @@ pub(crate) enum Argument {
     Positional(Expr),
     /// `name := value`.
     Input(Name, Expr),
-    /// `name := ` with nothing behind, which leaves the parameter out.
+    /// `name := ` with nothing after, which leaves the parameter out.
     Empty(Name),
     /// `name => target`, `name => NOT target`; without a target it is left out.
     Output {

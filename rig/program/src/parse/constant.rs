@@ -140,7 +140,8 @@ impl Parser<'_, '_, '_> {
         let whole = ty.is_integer() || ty == Elementary::Bool;
         if !whole || token == Token::Real {
             let message = format!("{} has no such literal", ty.name());
-            let help = "whole numbers go behind types of whole numbers, numbers with a point behind REAL# and LREAL#";
+            let help =
+                "whole numbers go after types of whole numbers, numbers with a point after REAL# and LREAL#";
             return Err(self.error(Code::Number, at, message, help));
         }
         let read = literal::number(text);

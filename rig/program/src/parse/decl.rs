@@ -42,7 +42,7 @@ impl Parser<'_, '_, '_> {
                 return Ok(());
             }
             Some(Word::Method | Word::Property | Word::Action) => {
-                // Some tools write what belongs to a unit behind it.
+                // Some tools write what belongs to a unit after it.
                 let Some(pou) = unit.pous.get_mut(first..).and_then(<[Pou]>::last_mut) else {
                     let message = format!("{} stands outside of a FUNCTION_BLOCK", self.found());
                     let help = "move it before END_FUNCTION_BLOCK of its block";

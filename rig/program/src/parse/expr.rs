@@ -57,7 +57,7 @@ impl Parser<'_, '_, '_> {
         Ok(Expr { at: at.to(operand.at), kind: ExprKind::Unary(op, Box::new(operand)) })
     }
 
-    /// A value with what stands behind it: `a.b`, `a[1]`, `p^`, `f(x)`, `w.%X3`, in any order.
+    /// A value with what stands after it: `a.b`, `a[1]`, `p^`, `f(x)`, `w.%X3`, in any order.
     pub(super) fn postfix(&mut self, what: &str) -> Parsed<Expr> {
         let mut expr = self.primary(what)?;
         loop {
@@ -96,7 +96,7 @@ impl Parser<'_, '_, '_> {
         }
     }
 
-    /// A member, a bit or part, or `colour#red` behind the name of a library.
+    /// A member, a bit or part, or `colour#red` after the name of a library.
     fn behind_point(&mut self, of: &mut Expr) -> Parsed<ExprKind> {
         let at = self.at();
         match self.tok.token {
@@ -200,7 +200,7 @@ impl Parser<'_, '_, '_> {
         Ok(Expr { kind, at: at.to(self.last) })
     }
 
-    /// The bracket behind what is called.
+    /// The bracket after what is called.
     pub(super) fn arguments(&mut self) -> Parsed<Vec<Argument>> {
         self.expect(Token::Open, "an opening bracket (")?;
         let mut arguments = Vec::new();
@@ -260,13 +260,13 @@ fn taken(expr: &mut Expr) -> Expr {
 }
 
 impl ExprKind {
-    /// Whether something can stand behind this: a point, an index, `^`.
+    /// Whether something can stand after this: a point, an index, `^`.
     fn is_place(&self) -> bool {
         self.can_be_called()
             || matches!(self, ExprKind::Part { .. } | ExprKind::Call(..) | ExprKind::Direct(_))
     }
 
-    /// Whether a bracket behind this is that of a call.
+    /// Whether a bracket after this is that of a call.
     pub(super) fn can_be_called(&self) -> bool {
         matches!(
             self,

@@ -6,7 +6,7 @@ use super::words::Word;
 use super::{Parsed, Parser};
 
 impl Parser<'_, '_, '_> {
-    /// What stands behind a type: `:=` and values, or nothing.
+    /// What stands after a type: `:=` and values, or nothing.
     pub(super) fn initial_of(&mut self, ty: &TypeRef) -> Parsed<Option<Initial>> {
         if self.at_word(Word::Ref) && self.next_is(Token::Equal) {
             let help = "assign it in a statement";
@@ -95,7 +95,7 @@ impl Parser<'_, '_, '_> {
         } else {
             self.advance();
             let repeated = self.nested(Self::initial)?;
-            self.expect(Token::Close, "a closing bracket ) behind the repeated value")?;
+            self.expect(Token::Close, "a closing bracket ) after the repeated value")?;
             repeated
         };
         Ok((Some(count), repeated))

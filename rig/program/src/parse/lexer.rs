@@ -7,7 +7,7 @@ pub fn mentions(text: &str, name: &str) -> bool {
     words(text, name).next().is_some()
 }
 
-/// Whether a text declares a name, with a colon and a type behind it.
+/// Whether a text declares a name, with a colon and a type after it.
 pub fn declares(text: &str, name: &str) -> bool {
     words(text, name).any(|mut rest| {
         loop {
@@ -84,7 +84,7 @@ pub(crate) enum Token {
     /// `INT#` before a literal, `colour#` before the name of a value.
     #[regex(r"[A-Za-z_][A-Za-z0-9_]*#")]
     Prefix,
-    /// `%IX0.4`, `%MW10`; `%I*`; behind a point `%X3`.
+    /// `%IX0.4`, `%MW10`; `%I*`; after a point `%X3`.
     #[regex(r"%[A-Za-z]*[0-9*]*(\.[0-9]+)*")]
     Address,
     #[regex("'", |lex| quoted(lex, b'\''))]

@@ -29,7 +29,7 @@ pub(crate) enum LiteralFault {
     Date,
     /// A day that no calendar has.
     NoSuchDay,
-    /// Before 1970 or behind the last day of the type.
+    /// Before 1970 or after the last day of the type.
     OutsideCalendar,
     /// Not of the form `23:59:59.999`.
     TimeOfDay,
@@ -48,7 +48,7 @@ pub(crate) enum LiteralFault {
 }
 
 impl LiteralFault {
-    /// What is wrong and how to mend it.
+    /// What is wrong and how to fix it.
     pub(crate) fn text(self) -> (&'static str, &'static str) {
         match self {
             Self::Underscore => ("an underscore is misplaced", "use single underscores between digits"),
@@ -160,7 +160,7 @@ pub(crate) fn text(literal: &str) -> Result<(bool, Vec<u16>), LiteralFault> {
     Ok((wide, units))
 }
 
-/// What stands behind `$`. `$N` is one character, 16#0A.
+/// What stands after `$`. `$N` is one character, 16#0A.
 fn escaped(rest: &mut std::str::Chars<'_>, wide: bool) -> Result<u16, LiteralFault> {
     let first = rest.next().ok_or(LiteralFault::Escape)?;
     Ok(match first {

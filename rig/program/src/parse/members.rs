@@ -210,7 +210,7 @@ impl Parser<'_, '_, '_> {
         Ok(())
     }
 
-    /// `AT %MW10` behind the name of a variable.
+    /// `AT %MW10` after the name of a variable.
     fn address(&mut self, close: Word) -> Parsed<Option<Address>> {
         if !self.at_word(Word::At) {
             return Ok(None);

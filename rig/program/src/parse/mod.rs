@@ -1,5 +1,5 @@
 //! Recursive descent over the tokens of one source. A fault is reported where it is found, then reading goes on
-//! behind the next semicolon or at the next word that starts or closes something.
+//! after the next semicolon or at the next word that starts or closes something.
 
 pub(crate) mod ast;
 mod configuration;
@@ -81,7 +81,7 @@ pub(crate) fn parse(sources: &[SourceFile], names: &mut NameTable, findings: &mu
     unit
 }
 
-/// The first word of a text behind remarks and pragmas, in capitals.
+/// The first word of a text after remarks and pragmas, in capitals.
 pub(crate) fn first_word(text: &str) -> String {
     let mut lexer = <Token as logos::Logos>::lexer(text);
     while let Some(token) = lexer.next() {
@@ -141,7 +141,7 @@ impl<'t> Parser<'t, '_, '_> {
         }
     }
 
-    /// The token `n` behind the present one.
+    /// The token `n` after the present one.
     fn ahead(&self, n: usize) -> Tok {
         match self.given_up {
             true => Tok::END,
@@ -199,7 +199,7 @@ impl<'t> Parser<'t, '_, '_> {
         if self.accept_word(word) { Ok(self.last) } else { Err(self.unexpected(word.text())) }
     }
 
-    /// A missing semicolon is shown behind what it should follow. Where a new line starts with a word, what was read
+    /// A missing semicolon is shown after what it should follow. Where a new line starts with a word, what was read
     /// is taken as complete.
     fn semicolon(&mut self) -> Parsed<()> {
         if self.accept(Token::Semicolon) {
@@ -319,7 +319,7 @@ impl<'t> Parser<'t, '_, '_> {
         Ok(name)
     }
 
-    /// `library.name`, of which only the name counts. The point stands at the name: behind the head of a method,
+    /// `library.name`, of which only the name counts. The point stands at the name: after the head of a method,
     /// `.global := 1;` is a statement.
     fn path_name(&mut self, what: &str) -> Parsed<Name> {
         let mut name = self.name(what)?;

@@ -6,7 +6,7 @@ use super::words::Word;
 /// The names of a compilation. The words of the language come first, so that a key tells whether it is one.
 #[derive(Debug)]
 pub(crate) struct NameTable {
-    /// The capitals of all names, one behind the other.
+    /// The capitals of all names, one after the other.
     text: String,
     /// Where each ends in `text`.
     ends: Vec<u32>,

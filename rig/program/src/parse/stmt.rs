@@ -210,7 +210,7 @@ impl Parser<'_, '_, '_> {
         list
     }
 
-    /// A value in the head of a statement and the word behind it. Where either is wrong, reading goes on with the
+    /// A value in the head of a statement and the word after it. Where either is wrong, reading goes on with the
     /// statements inside, so that what closes them is not reported too.
     fn head(&mut self, word: Word) -> Expr {
         let at = self.at();
@@ -295,7 +295,7 @@ impl Parser<'_, '_, '_> {
                 break;
             }
         }
-        self.expect(Token::Colon, "a colon behind the label")?;
+        self.expect(Token::Colon, "a colon after the label")?;
         Ok(labels)
     }
 

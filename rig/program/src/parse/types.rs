@@ -92,7 +92,7 @@ impl Parser<'_, '_, '_> {
             (TypeKind::Struct { extends, .. }, base) => *extends = base,
             (_, Some(base)) => {
                 let message = "only a structure extends another";
-                let help = "write STRUCT behind the colon, or remove EXTENDS";
+                let help = "write STRUCT after the colon, or remove EXTENDS";
                 return Err(self.error(crate::codes::Code::Section, base.at, message, help));
             }
             (_, None) => {}
@@ -139,7 +139,7 @@ impl Parser<'_, '_, '_> {
                 };
                 self.advance();
                 let length = self.expression()?;
-                self.expect(close, "a closing bracket behind the length")?;
+                self.expect(close, "a closing bracket after the length")?;
                 Ok(TypeKind::Text { wide, length: Some(Box::new(length)) })
             }
             Some(Word::Struct) => {
@@ -206,7 +206,7 @@ impl Parser<'_, '_, '_> {
         Ok(values)
     }
 
-    /// A name of a type, with a subrange or the values of an enumeration behind it.
+    /// A name of a type, with a subrange or the values of an enumeration after it.
     fn named_type(&mut self) -> Parsed<TypeKind> {
         let base = self.path_name("a type")?;
         if self.builds && self.is(Token::OpenBracket) && self.next_is(Token::Open) {
@@ -244,7 +244,7 @@ impl Parser<'_, '_, '_> {
         Ok(TypeKind::Subrange { base, low, high })
     }
 
-    /// `[(level := 1), (level := 2)]` behind the block of an array.
+    /// `[(level := 1), (level := 2)]` after the block of an array.
     fn built_each(&mut self) -> Parsed<Built> {
         let open = self.at();
         self.advance();
@@ -275,7 +275,7 @@ impl Parser<'_, '_, '_> {
         false
     }
 
-    /// R_EDGE or F_EDGE behind a type.
+    /// R_EDGE or F_EDGE after a type.
     pub(super) fn at_edge(&self) -> bool {
         self.at_word(Word::REdge) || self.at_word(Word::FEdge)
     }

@@ -265,7 +265,7 @@ pub(crate) fn run<H: Host, const DEBUG: bool>(
                 }
             }};
         }
-        // The frame behind the running one, for a callee, with the room that it takes checked.
+        // The frame after the running one, for a callee, with the room that it takes checked.
         macro_rules! room {
             ($callee:expr) => {{
                 let Some(callee) = units.get($callee as usize) else { fault!(Internal) };

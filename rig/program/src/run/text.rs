@@ -44,7 +44,7 @@ pub(super) struct TextOperands {
 }
 
 impl<H: Host> ProgramMemory<'_, H> {
-    /// A unit; 0 behind the storage.
+    /// A unit; 0 after the storage.
     fn unit(&mut self, memory: &[u8], text: TextSpan, nth: u32) -> Option<u32> {
         if nth >= text.units() {
             return Some(0);
@@ -71,7 +71,7 @@ impl<H: Host> ProgramMemory<'_, H> {
         Some(most)
     }
 
-    /// Copies a text, cut to the room that there is. What stands behind its closing 0 stays as it is.
+    /// Copies a text, cut to the room that there is. What stands after its closing 0 stays as it is.
     #[inline(never)]
     pub fn move_text(&mut self, memory: &mut [u8], pair: &TextOperands, by: By) -> Option<Stored> {
         let TextOperands { to, of } = *pair;

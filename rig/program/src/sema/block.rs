@@ -496,7 +496,7 @@ impl<'a> Sema<'a> {
         }
         let last = Address::new(place.area(), Size::Byte, first + layout.size.max(1) - 1);
         if last.is_none_or(|last| last.check(&self.options.limits.addresses).is_err()) {
-            let message = format!("{} does not fit behind {place}", self.type_name(ty));
+            let message = format!("{} does not fit after {place}", self.type_name(ty));
             self.findings.error(Code::Address, at, message, "choose a lower address or a smaller type");
             return Home::Nowhere;
         }

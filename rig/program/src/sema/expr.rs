@@ -39,7 +39,7 @@ impl<'a> Sema<'a> {
             ast::ExprKind::Chain(first, rest) => self.chain(first, rest),
             ast::ExprKind::Call(callee, arguments) => match self.call_value(callee, arguments, at) {
                 LiteralOperand::Nothing(_) => {
-                    let message = "this call gives no value";
+                    let message = "this call returns no value";
                     self.findings.error(Code::NotCallable, at, message, "call it in a statement of its own");
                     LiteralOperand::Wrong
                 }

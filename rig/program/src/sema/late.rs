@@ -1,6 +1,6 @@
 //! What makes an instance before the first cycle beyond its initial bytes: initial values that are addresses, and
 //! FB_Init with what the declaration gives it. It becomes code, which runs once when the program has been compiled;
-//! what it leaves behind are the initial values of the program.
+//! what it leaves after are the initial values of the program.
 
 use super::Sema;
 use super::scope::{Callable, CallableKind, Home, Symbol};
@@ -144,7 +144,7 @@ impl<'a> Sema<'a> {
         unit
     }
 
-    /// The code that makes everything, behind the units of the sources; its last unit is to be run.
+    /// The code that makes everything, after the units of the sources; its last unit is to be run.
     pub(super) fn making(&mut self, units: &mut Vec<UnitTree>) -> Option<u16> {
         let mut statements = Vec::new();
         let mut frame = Vec::new();

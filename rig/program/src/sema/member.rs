@@ -80,7 +80,7 @@ impl Sema<'_> {
             Type::Pointer(to) | Type::RefTo(to) => {
                 let message = format!("this is a pointer, which has no `{}`", self.shown(name));
                 let _ = to;
-                self.findings.error(Code::NotAValue, name.at, message, "write ^ behind it, as in p^.a");
+                self.findings.error(Code::NotAValue, name.at, message, "write ^ after it, as in p^.a");
                 Meaning::Wrong
             }
             Type::Wrong => Meaning::Wrong,

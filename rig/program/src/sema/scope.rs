@@ -34,7 +34,7 @@ pub(super) struct Symbol<'a> {
     pub constant: bool,
     pub ty: State<TypeId>,
     pub home: Home,
-    /// Of an input that detects edges: where the block keeps the edge, and behind it what the input was.
+    /// Of an input that detects edges: where the block keeps the edge, and after it what the input was.
     pub edge: Option<u32>,
     /// Cell of a constant of a scalar type.
     pub value: State<Option<i64>>,

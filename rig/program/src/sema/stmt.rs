@@ -126,7 +126,7 @@ impl<'a> Sema<'a> {
             }
             (AssignKind::Value, [target]) => self.assign(target, value, at, out),
             (AssignKind::Value, targets) => {
-                // From the right: each gets what the one behind it got.
+                // From the right: each gets what the one after it got.
                 let Some((last, before)) = targets.split_last() else { return };
                 self.assign(last, value, at, out);
                 let mut source = last;

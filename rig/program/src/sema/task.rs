@@ -34,7 +34,12 @@ impl Sema<'_> {
                 };
                 let Some(place) = place else {
                     let message = format!("there is no PROGRAM `{}`", self.shown(name));
-                    self.findings.error(Code::UnknownName, name.at, message, "write one, or mend the name");
+                    self.findings.error(
+                        Code::UnknownName,
+                        name.at,
+                        message,
+                        "write one, or correct the name",
+                    );
                     continue;
                 };
                 let Some(task) = declared.task else {

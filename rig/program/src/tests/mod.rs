@@ -97,7 +97,7 @@ impl Builder {
         at
     }
 
-    /// A constant behind the variables, of which there are no more then.
+    /// A constant after the variables, of which there are no more then.
     pub fn constant_behind(&mut self, bytes: &[u8]) -> u32 {
         self.bytes(bytes)
     }

@@ -41,7 +41,7 @@ impl Decimal {
         Decimal::split(&text).ok().filter(|(_, rest)| rest.is_empty()).map(|(number, _)| number)
     }
 
-    /// Reads a number such as `-0.37`, `60_000` or `1.5e-3` and gives what stands behind it, without the blanks
+    /// Reads a number such as `-0.37`, `60_000` or `1.5e-3` and gives what stands after it, without the blanks
     /// between: `"0.37 ms"` is 0.37 and `"ms"`.
     ///
     /// # Errors
@@ -66,7 +66,7 @@ impl Decimal {
         self.mantissa.checked_mul(10i128.checked_pow(u32::try_from(self.exponent).ok()?)?)
     }
 
-    /// Whether nothing stands behind the point.
+    /// Whether nothing stands after the point.
     pub const fn is_whole(self) -> bool {
         self.exponent >= 0
     }
@@ -145,7 +145,7 @@ fn aligned(a: Decimal, b: Decimal) -> Option<(i128, i128, i32)> {
     Some((scaled(a)?, scaled(b)?, exponent))
 }
 
-/// A number without a sign, and the text behind it.
+/// A number without a sign, and the text after it.
 fn unsigned(text: &str) -> Result<(Decimal, &str), QuantityFault> {
     let bytes = text.as_bytes();
     let mut at = digits_end(bytes, 0);
@@ -172,7 +172,7 @@ fn unsigned(text: &str) -> Result<(Decimal, &str), QuantityFault> {
     if number.as_f64().is_finite() { Ok((number, rest)) } else { Err(QuantityFault::TooLarge) }
 }
 
-/// The power of ten of `e-3` at the beginning, 0 if there is none, and the text behind it.
+/// The power of ten of `e-3` at the beginning, 0 if there is none, and the text after it.
 fn power_of_ten(text: &str) -> Result<(i32, &str), QuantityFault> {
     let Some(rest) = text.strip_prefix(['e', 'E']) else { return Ok((0, text)) };
     let digits = rest.strip_prefix(['+', '-']).unwrap_or(rest);
@@ -222,7 +222,7 @@ impl From<i128> for Decimal {
 }
 
 impl fmt::Display for Decimal {
-    /// All digits, without zeros at the end behind the point; very large and very small numbers with `e`.
+    /// All digits, without zeros at the end after the point; very large and very small numbers with `e`.
     /// Reads back with [`Decimal::split`].
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = self.mantissa.unsigned_abs().to_string();

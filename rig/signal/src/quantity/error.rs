@@ -20,7 +20,7 @@ pub enum QuantityFault {
     Number,
     /// The number has over 30 digits, or is beyond what a float holds.
     TooLarge,
-    /// The number of a duration has no unit behind it.
+    /// The number of a duration has no unit after it.
     MissingUnit,
     /// The word is no unit of time.
     NoTime,

@@ -129,12 +129,12 @@ impl PlacedQuantity {
         Ok(placed)
     }
 
-    /// Reads one number with its unit, and gives what stands behind it.
+    /// Reads one number with its unit, and gives what stands after it.
     fn part(text: &str, from: usize) -> Result<(PlacedQuantity, &str), QuantityError> {
         let (number, rest) = Decimal::split(text).map_err(|error| error.fault.at(error.at + from))?;
         let place = |rest: &str| from + text.len() - rest.len();
         let word = &rest[..unit_length(rest)];
-        // `1s500ms`: behind a unit of time the next number may follow at once.
+        // `1s500ms`: after a unit of time the next number may follow at once.
         let letters = &word[..word.find(char::is_numeric).unwrap_or(word.len())];
         let unit = if Unit::new(letters).is_of(SECOND) { letters } else { word };
         let quantity = Quantity { number, unit: Unit::new(unit) };

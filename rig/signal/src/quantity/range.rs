@@ -27,7 +27,7 @@ pub fn is_range(text: &str) -> bool {
 impl QuantityRange {
     /// Reads `a .. b`, `.. b`, `a ..`, `x ± y` (or `+-`, `+/-`), or a single quantity, which is both ends.
     ///
-    /// What stands in front without a unit has the unit of what stands behind: `4 .. 20 mA`, `100 ± 0.3 ms`. A
+    /// What stands in front without a unit has the unit of what stands after: `4 .. 20 mA`, `100 ± 0.3 ms`. A
     /// tolerance in percent is relative, unless the quantity itself is in percent: `24 V ± 10 %`, but
     /// `50 % ± 5 %` is `45 % .. 55 %`.
     ///

@@ -259,7 +259,7 @@ impl Trace {
         Events::all(self)
     }
 
-    /// The events behind the cursor, which moves along: for reading a trace while it grows.
+    /// The events after the cursor, which moves along: for reading a trace while it grows.
     pub fn since<'a>(&'a self, cursor: &'a mut Cursor) -> Events<'a> {
         Events::since(self, cursor)
     }

@@ -256,7 +256,7 @@ impl<'a> EventsBetween<'a> {
             self.next_segment = segment + 1;
             match self.is_idle(segment) {
                 Ok(false) => {}
-                // The cursor stays behind: it is set anew at the next segment that is read.
+                // The cursor stays after: it is set again at the next segment that is read.
                 Ok(true) => continue,
                 Err(error) => return Some(Err(error)),
             }

@@ -38,7 +38,7 @@ impl SegmentTimes {
 /// The segment that grows.
 pub(super) struct OpenSegment {
     bytes: Vec<u8>,
-    /// Where the piece of the stream begins: behind the state.
+    /// Where the piece of the stream begins: after the state.
     stream_at: usize,
     /// The segment is full when it is this long.
     full_at: usize,
@@ -167,7 +167,7 @@ impl Segments {
         }
     }
 
-    /// A segment's state and its piece of the stream; `None` behind the last one.
+    /// A segment's state and its piece of the stream; `None` after the last one.
     pub(super) fn get<'a>(
         &'a self,
         segment: usize,

@@ -59,7 +59,7 @@ fn calls_inside_calls_do_not_disturb_each_other() {
 
 #[test]
 fn what_a_call_changes_was_read_before() {
-    // x := count + F(0, 0) * 0 + count: 0 before the call, 1 behind it.
+    // x := count + F(0, 0) * 0 + count: 0 before the call, 1 after it.
     let count = || load(global(100, Dint));
     let zero = binary(BinaryOp::Multiply, minus(number(0, Dint), number(0, Dint)), number(0, Dint), Dint);
     let sum = add(add(count(), zero), count());

@@ -165,7 +165,7 @@ impl LiteralReader<'_> {
     fn fraction(&mut self, unit: u64) -> u128 {
         let (mut number, mut scale) = (0u128, 1u128);
         while let Some(digit) = self.digit(10) {
-            // Digits behind the 18th are below a nanosecond of any unit.
+            // Digits after the 18th are below a nanosecond of any unit.
             if scale < 1_000_000_000_000_000_000 {
                 number = number * 10 + u128::from(digit);
                 scale *= 10;

@@ -8,7 +8,7 @@ use std::fmt::{Debug, Result, UpperExp, Write};
 
 /// Writes a value:
 /// - BOOL as TRUE or FALSE, whole numbers and bit strings in decimal;
-/// - REAL and LREAL with the fewest digits that read back as the same number, at least one of them behind the point;
+/// - REAL and LREAL with the fewest digits that read back as the same number, at least one of them after the point;
 ///   below 1E-4, and from 1E8 (REAL) or 1E15 (LREAL) on, as in 1.5E20 and 1E-7; `#NaN`, `#Inf`, `-#Inf`;
 /// - TIME and LTIME as T#1d2h3m4s5ms and LTIME#..us..ns without the parts that are 0, T#0ms and LTIME#0ns;
 /// - dates as D#2020-01-31, TOD#12:34:56.789, DT#2020-01-31-12:34:56 and LD#, LTOD#, LDT#, a fraction of a second

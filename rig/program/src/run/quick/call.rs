@@ -43,7 +43,7 @@ impl<'a> Calls<'a> {
 }
 
 impl Quick {
-    /// The frame of a unit behind the running one.
+    /// The frame of a unit after the running one.
     #[inline(always)]
     fn room(&self, calls: &Calls<'_>, unit: u32) -> Option<(&Callee, u32)> {
         let (callee, caller) = (self.callees.get(unit as usize)?, self.callees.get(usize::from(calls.unit))?);

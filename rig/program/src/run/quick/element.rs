@@ -64,7 +64,7 @@ pub(super) fn element(plain: &FastStep, lookups: &[FoldedLoop]) -> Option<QuickS
     }
 }
 
-/// What goes behind an address: a pin of an instance that was found.
+/// What goes after an address: a pin of an instance that was found.
 fn behind(plain: &FastStep, side: ElementSide, lookup: &Lookup) -> Option<QuickStep> {
     let op = match plain.op {
         Op::Move8 => Op::Behind8,

@@ -74,7 +74,7 @@ impl Folder<'_> {
             (length, sum) = if ends(step.op) { (0, 0) } else { (length + 1, sum.saturating_add(step.cost)) };
             pc += count;
         }
-        // So that there is a step behind each.
+        // So that there is a step after each.
         self.push(leave(), pc);
         renumber_jumps(&mut self.quick.steps, &positions);
         self.quick.entries = self.entries(&positions);
