@@ -6,10 +6,11 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::scripted::{INPUTS, Script};
-use scanrig_drivers::adc::{AdcBoard, Date, InRange};
+use scanrig_drivers::adc::{AdcBoard, InRange};
 use scanrig_drivers::{
     Board, BoardContext, BoardError, BoardEvent, ChannelId, LossReason, TimestampSource, build,
 };
+use signal::calendar::Date;
 use signal::{Span, Time, Value, When};
 
 const EIO: i32 = 5;

@@ -8,6 +8,7 @@ use crate::brief::{self, DecidingResult};
 use crate::show::{self, Outcome, clean};
 use record::{CaseRecord, ClaimRecord, Clock, Figure, MeasurementRecord, RunRecord, Verdict};
 use serde_json::{Map, Value, json};
+use signal::calendar::seconds_of;
 
 /// Version of the format.
 const SPEC: &str = "0.0.0";
@@ -20,7 +21,7 @@ const LONGEST_TRACE: usize = 65_536;
 pub fn render(run: &RunRecord) -> String {
     let facts = &run.provenance;
     let counts = |status: &str| run.cases.iter().filter(|case| status_of(case) == status).count();
-    let start = facts.started.as_deref().and_then(milliseconds).unwrap_or(0);
+    let start = facts.started.as_deref().and_then(seconds_of).map_or(0, |seconds| seconds * 1_000);
     let host_ms = if run.host_ms > 0 { run.host_ms } else { run.cases.iter().map(|c| c.host_ms).sum() };
     let host_ms = i64::try_from(host_ms).unwrap_or(i64::MAX);
     let mut suites: Vec<&str> = run.cases.iter().map(CaseRecord::folder).collect();
@@ -225,34 +226,5 @@ fn number(number: Option<f64>) -> Value {
         None => Value::Null,
         Some(number) if number.is_finite() => json!(number),
         Some(number) => Value::String(number.to_string()),
-    }
-}
-
-/// Milliseconds since 1970 of an instant `2026-11-21T05:30:00Z`; fractions of the second are dropped.
-fn milliseconds(rfc3339: &str) -> Option<i64> {
-    let part = |from: usize, to: usize| rfc3339.get(from..to)?.parse::<i64>().ok();
-    let (year, month, day) = (part(0, 4)?, part(5, 7)?, part(8, 10)?);
-    let (hour, minute, second) = (part(11, 13)?, part(14, 16)?, part(17, 19)?);
-    if !rfc3339.ends_with('Z') || !(1..=12).contains(&month) {
-        return None;
-    }
-    // Counts from 1 March, so that the leap day is the last day of its year.
-    let year = if month <= 2 { year - 1 } else { year };
-    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
-    let days = 365 * year + year / 4 - year / 100 + year / 400 + of_year - 719_468;
-    Some((((days * 24 + hour) * 60 + minute) * 60 + second) * 1000)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::milliseconds;
-
-    #[test]
-    fn instants_are_milliseconds() {
-        assert_eq!(milliseconds("1970-01-01T00:00:00Z"), Some(0));
-        assert_eq!(milliseconds("2000-02-29T23:59:59Z"), Some(951_868_799_000));
-        assert_eq!(milliseconds("2100-01-01T00:00:00.5Z"), Some(4_102_444_800_000));
-        assert_eq!(milliseconds("2026-11-21 05:30"), None);
-        assert_eq!(milliseconds("µ"), None);
     }
 }

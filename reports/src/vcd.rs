@@ -10,6 +10,7 @@ use signal::{Event, Kind, SignalId, SignalInfo, Trace, TraceError, Value};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 use std::io::{self, Write};
+use thiserror::Error;
 use vcd::{IdCode, SimulationCommand, TimescaleUnit, VarType, Writer};
 
 /// How many changes wait to be put in order.
@@ -37,24 +38,15 @@ pub fn write<W: Write>(
 }
 
 /// Why a trace was not written as VCD.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 pub enum VcdError {
     /// The trace could not be read.
-    Trace(TraceError),
+    #[error("the trace cannot be read: {0}")]
+    Trace(#[source] TraceError),
     /// The output could not be written.
-    Output(io::Error),
+    #[error("the dump cannot be written: {0}")]
+    Output(#[source] io::Error),
 }
-
-impl std::fmt::Display for VcdError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            VcdError::Trace(error) => write!(f, "the trace cannot be read: {error}"),
-            VcdError::Output(error) => write!(f, "the dump cannot be written: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for VcdError {}
 
 /// Writes a whole trace with its notes; see [`write()`].
 ///
@@ -129,7 +121,7 @@ impl<'a, W: Write> VcdWriter<'a, W> {
     }
 
     /// The same with the notes of the trace, comments `note KEY VALUE` with which the dump can be judged again. They
-    /// stand in the header: sigrok reads nothing behind a comment among the values.
+    /// stand in the header: sigrok reads nothing after a comment among the values.
     fn begin_with(
         signals: &'a [SignalInfo],
         rig_version: &str,

@@ -1,8 +1,9 @@
 //! The calibrations of a board, for its record.
 
 use document::Diagnostic;
+use signal::calendar::Date;
 
-use super::{AdcsSpec, Date};
+use super::AdcsSpec;
 use crate::channel_table::ChannelTable;
 use crate::codes;
 

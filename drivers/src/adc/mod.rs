@@ -18,7 +18,7 @@ pub use accuracy::{Accuracy, Noise, Resolution};
 pub use board::{AdcBoard, Source, describe, open};
 pub use calibrated::Calibrated;
 pub(crate) use calibrated::calibrated;
-pub use certificate::{Certificate, Date};
+pub use certificate::{Certificate, today};
 pub use scale::{Point, Scale, Shown};
 pub use spec::{AdcKind, AdcSpec, AdcsSpec, FindInput, SPREAD, SampleSpec};
 

@@ -1,15 +1,14 @@
 //! The converters of a board file, and the inputs behind its analog channels.
 
 use document::{Data, Entry, Fields, Findings, Node, suggest};
+use signal::calendar::Date;
 use signal::{Quantity, QuantityRange, Span, Unit};
 
 use super::bench::Bench;
 use super::real::channels;
 use super::{codes, generators, iio, keys, number, spi};
 use crate::ChannelId;
-use crate::adc::{
-    Accuracy, AdcKind, AdcSpec, AdcsSpec, Certificate, Date, FindInput, Point, SampleSpec, Scale,
-};
+use crate::adc::{Accuracy, AdcKind, AdcSpec, AdcsSpec, Certificate, FindInput, Point, SampleSpec, Scale};
 
 /// How often an input is read where the file does not say.
 const PERIOD: Span = Span::from_millis(10);

@@ -24,9 +24,10 @@ mod spi;
 mod subject;
 
 use document::Diagnostic;
+use signal::calendar::Date;
 use signal::{Address, Area, Size};
 
-use crate::adc::{Calibrated, Date, calibrated};
+use crate::adc::{Calibrated, calibrated};
 use crate::channel_table::ChannelTable;
 use crate::circuit::{ChannelSpec, Circuit, CircuitError, Pull};
 use crate::real::{self as devices, OfflineBoard, RealSpec};

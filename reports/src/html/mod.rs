@@ -13,12 +13,13 @@ use minijinja::value::{Serde, Value, ValueKind};
 use minijinja::{AutoEscape, Environment, context, escape_formatter};
 use record::RunRecord;
 use sha2::{Digest, Sha256};
-use std::fmt;
+use thiserror::Error;
 
 /// Why no page was made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum HtmlError {
     /// R0410: the template that ships in the binary failed at this line: a fault of rig itself.
+    #[error("the page's template failed at line {line}; please report this")]
     Template {
         /// Line of the template, from 1; 0 when unknown.
         line: usize,
@@ -33,18 +34,6 @@ impl HtmlError {
         }
     }
 }
-
-impl fmt::Display for HtmlError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            HtmlError::Template { line } => {
-                write!(f, "the page's template failed at line {line}; please report this")
-            }
-        }
-    }
-}
-
-impl std::error::Error for HtmlError {}
 
 /// The script, in the order in which its parts need each other.
 const SCRIPT: [&str; 15] = [

@@ -7,7 +7,6 @@ use crate::figures::{self, MachineFigures};
 use crate::heartbeat::Heartbeat;
 use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
-use drivers::adc::Date;
 use drivers::real::OfflineBoard;
 use drivers::{
     Board, BoardContext, BoardError, BoardEvent, BoardFile, BoardKind, Channel, ChannelId, Health,
@@ -102,7 +101,7 @@ impl Hardware {
         // First of all: there are no threads yet, and no memory is locked.
         let guard = Arc::new(Guard::spawn(&file.guard).map_err(refused)?);
         let mut standing = figures::standing(file);
-        for calibrated in file.calibrated(Date::today()) {
+        for calibrated in file.calibrated(drivers::adc::today()) {
             standing.facts.push((format!("Channel {}", calibrated.channel), calibrated.words));
             standing.warnings.extend(calibrated.expired);
         }

@@ -4,6 +4,7 @@
 //! only ground for a verdict. Not goals: I/O, threads, clocks. Nothing in here reads a clock or opens a file.
 
 pub mod address;
+pub mod calendar;
 mod event;
 mod image;
 mod quantity;

@@ -10,7 +10,6 @@ mod show;
 
 use crate::exit::Exit;
 use crate::output;
-use crate::saved_runs::provenance::rfc3339;
 use clap::Subcommand;
 use counts::CountsArgs;
 use document::Diagnostic;
@@ -21,6 +20,7 @@ use record::{Durations, MACHINE_FORMAT, MachineRecord};
 use runtime::figures::{self, ENOUGH};
 use scan::ScanArgs;
 use signal::Span;
+use signal::calendar::rfc3339;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -3,6 +3,7 @@
 use host::{Machine, Preemption};
 use record::{Clock, Provenance};
 use sha2::{Digest, Sha256};
+use signal::calendar::rfc3339;
 use std::io::Read;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -53,7 +54,7 @@ fn environment(machine: &Machine) -> Vec<(String, String)> {
     all.into_iter().flatten().collect()
 }
 
-/// Which kind of kernel this is, as far as it tells.
+/// Which kind of kernel this is, as far as it reports.
 fn real_time(machine: &Machine) -> &'static str {
     match machine.preemption() {
         Preemption::Realtime => "PREEMPT_RT",
@@ -75,38 +76,4 @@ fn binary_sha256() -> Option<String> {
         }
     }
     Some(runtime::describe::hex(&hasher.finalize()))
-}
-
-/// Seconds since 1970 as a date and time in UTC.
-pub fn rfc3339(seconds: u64) -> String {
-    let (days, second) = (seconds / 86_400, seconds % 86_400);
-    let (year, month, day) = civil(days);
-    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", second / 3600, second / 60 % 60, second % 60)
-}
-
-/// Days since 1970-01-01 as year, month and day of the Gregorian calendar.
-fn civil(days: u64) -> (u64, u64, u64) {
-    // Counts from 1 March of year 0, so that the leap day is the last day of its year.
-    let day = days + 719_468;
-    let era = day / 146_097;
-    let of_era = day % 146_097;
-    let year_of_era = (of_era - of_era / 1_460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let shifted = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
-    (era * 400 + year_of_era + u64::from(month <= 2), month, day)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::rfc3339;
-
-    #[test]
-    fn dates() {
-        assert_eq!(rfc3339(0), "1970-01-01T00:00:00Z");
-        assert_eq!(rfc3339(951_782_400), "2000-02-29T00:00:00Z");
-        assert_eq!(rfc3339(951_868_799), "2000-02-29T23:59:59Z");
-        assert_eq!(rfc3339(4_102_444_800), "2100-01-01T00:00:00Z");
-    }
 }
