@@ -13,11 +13,11 @@ use std::fmt::Write;
 /// The longest summary in bytes: a comment on GitHub takes 65 536 characters.
 pub const MAX_BYTES: usize = 60_000;
 
-/// Cases that did not pass which are told with their claims; further ones by name and message.
+/// Cases that did not pass which are listed with their claims; further ones by name and message.
 const WITH_CLAIMS: usize = 20;
 /// Cases that did not pass which are named at all.
 const NAMED: usize = 100;
-/// Claims of one case that are told.
+/// Claims of one case that are listed.
 const CLAIMS: usize = 10;
 /// Rows of the tables of margins and measurements.
 const ROWS: usize = 10;
@@ -33,7 +33,7 @@ pub fn render(run: &RunRecord) -> String {
     requirements(&mut page, run);
     environment(&mut page, run);
     if page.full {
-        page.out.push_str("\n*The rest found no room here: see the report.*\n");
+        page.out.push_str("\n*The rest is left out here: see the report.*\n");
     }
     page.out
 }
@@ -317,7 +317,7 @@ mod tests {
         let text = render(&run);
         assert!(text.len() <= MAX_BYTES, "{}", text.len());
         // The worst comes first, and what is missing is said.
-        let order = ["case 499", "case 0", "and 30 more claims", "The rest found no room"];
+        let order = ["case 499", "case 0", "and 30 more claims", "The rest is left out"];
         let places = order.map(|part| text.find(part).unwrap_or_else(|| panic!("{part}: {text}")));
         assert!(places.is_sorted(), "{places:?}");
     }

@@ -1,4 +1,4 @@
-//! The forms that other tools and people's eyes depend on. After a wanted change write them anew:
+//! The forms that other tools and people's eyes depend on. After a wanted change write them again:
 //! `cargo run -p scanrig-reports --example page text > reports/tests/golden/run.txt` (and `junit`, `run.xml`; `ctrf`,
 //! `ctrf.json`; `markdown`, `summary.md`; `measurements`, `measurements.csv`; `claims`, `claims.csv`).
 

@@ -13,6 +13,7 @@ fn arguments_that_mean_nothing() {
     bench.refused(&["test", "--seed", "-1"], &["-1"]);
     bench.refused(&["test", "--clock", "sundial"], &["sundial", "virtual", "real"]);
     bench.refused(&["check"], &["FILE|DIR"]);
+    bench.refused(&["run", "--board", "b.toml", "--program", "lamp.st", "--led"], &["R0225", "`--stepped`"]);
     bench.refused(&["judge", "lamp.toml"], &["TRACE"]);
 }
 
@@ -67,7 +68,7 @@ fn broken_files() {
     assert!(ran.err.contains("S0301") && ran.err.contains("lamp.st:2:1"), "{}", ran.err);
     bench.write("board.toml", "format = 1\n[board]\nkind = \"simulated\"\n[bind]\n\"%IX0.0\" = \"Q77\"\n");
     bench.refused(&["test", "lamp.toml", "--board", "board.toml"], &["B0304", "board.toml:5:12"]);
-    // Every broken file is told of in one run.
+    // Every broken file is reported in one run.
     bench.write_lamp("more.toml", "rises", "risse");
     bench.refused(&["test", "plan.toml", "more.toml"], &["plan.toml:10:", "more.toml:10:"]);
 }

@@ -55,7 +55,7 @@ fn lines_that_are_not_there_are_named_with_their_place() {
     }
     let bench = bench();
     let ran = bench.expect(2, &["board", "check", "lines.toml"]);
-    assert_eq!(ran.out, "door   cannot be had\nvalve  cannot be had\npump   cannot be had\n");
+    assert_eq!(ran.out, "door   not available\nvalve  not available\npump   not available\n");
     assert!(ran.err.contains("error[B0170]") && ran.err.contains("lines.toml:5:1"), "{}", ran.err);
     bench.refused(
         &["board", "watch", "lines.toml", "--for", "1 s"],

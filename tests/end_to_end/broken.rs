@@ -54,7 +54,7 @@ fn expected(text: &str) -> Vec<String> {
     expected
 }
 
-/// Codes and places that a check told of: `error[P0101]: ...` and the first ` --> path:2:1` behind it.
+/// Codes and places that a check reported: `error[P0101]: ...` and the first ` --> path:2:1` after it.
 fn told(output: &str) -> Vec<String> {
     let mut told = Vec::new();
     let mut code = None;
@@ -96,7 +96,7 @@ fn broken_files_are_refused_at_their_places() {
         if ran.code != Some(2) || told != expected || told.is_empty() || !ran.out.is_empty() {
             wrong += &format!("{path}: exit {:?}\n  expects {expected:?}\n  told of {told:?}\n", ran.code);
         }
-        // Every finding has a message; most have a mend.
+        // Every finding has a message; most have a fix.
         assert!(!ran.err.contains("]: \n"), "{path}: {}", ran.err);
     }
     assert!(wrong.is_empty(), "{wrong}");

@@ -2,7 +2,7 @@
 
 use crate::project_folder::{LAMP, TestProject, root};
 
-/// The lamp's plan for instruments that sample: pulses that they can miss are told not to matter.
+/// The lamp's plan for instruments that sample: pulses that they can miss are declared not to matter.
 fn bench() -> TestProject {
     let bench = TestProject::new();
     let blind = "until = \"press + 500 ms\"";
@@ -223,7 +223,7 @@ fn a_trace_of_the_rig_says_everything_itself() {
     let bench = TestProject::new();
     bench.expect(0, &["test", "lamp.toml", "--report", "out"]);
     bench.refused(&["judge", "lamp.toml", "out/traces/lamp.trace", "--start", "0 s"], &["rig's own"]);
-    // A dump's instants can be said anew: then the press is half a second later than it was.
+    // A dump's instants can be given again: then the press is half a second later than it was.
     let moved = ["judge", "lamp.toml", "out/traces/lamp.vcd", "--start", "2 s"];
     assert!(bench.expect(1, &moved).out.contains("too early"));
 }

@@ -1,5 +1,5 @@
-//! The page about the control socket: its examples are run on a rig whose time is led, one after the other, and print
-//! what stands there. `SCANRIG_BLESS=1` writes the page anew.
+//! The page about the control socket: its examples are run on a rig in stepped time, one after the other, and print
+//! what stands there. `SCANRIG_BLESS=1` writes the page again.
 
 use crate::project_folder::{TestProject, root};
 use crate::stepped_rig::SteppedRig;

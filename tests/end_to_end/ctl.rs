@@ -90,7 +90,7 @@ fn what_cannot_be_is_refused_before_anything_moves() {
 fn what_is_awaited_and_does_not_come_is_a_failure() {
     let (_bench, led) = rig();
     let late = led.expect(1, &["await", "state=HALT", "MAIN.part>0.1", "--advance", "100ms"]);
-    assert_eq!((&*late.out, &*late.err), ("", "state=HALT did not come: it is RUNNING\n"));
+    assert_eq!((&*late.out, &*late.err), ("", "state=HALT was not reached: it is RUNNING\n"));
     led.expect(1, &["await", "state!=RUNNING", "--within", "10ms"]);
     led.expect(0, &["await", "state=running", "MAIN.part<=0.5"]);
 }
@@ -168,7 +168,7 @@ fn json_is_what_the_rig_tells() {
     let (_bench, led) = rig();
     let json = |args: &[&str]| serde_json::from_str::<serde_json::Value>(&led.expect(0, args).out).unwrap();
     assert_eq!(json(&["status", "--json"])["state"], "RUNNING");
-    assert_eq!(json(&["describe", "--json"])["clock"], "led");
+    assert_eq!(json(&["describe", "--json"])["clock"], "stepped");
     assert_eq!(
         json(&["read", "--json", "MAIN.part", "%IX0.0"]),
         serde_json::json!({"MAIN.part": 0.5, "%IX0.0": false})
@@ -220,7 +220,7 @@ fn a_rig_is_found_by_its_board() {
     std::fs::create_dir(bench.path("run")).unwrap();
     let mut rigs = Vec::new();
     for (board, name) in [("left.toml", "left"), ("right.toml", "right.toml")] {
-        let args = ["run", "--board", board, "--program", "count.st", "--led"];
+        let args = ["run", "--board", board, "--program", "count.st", "--stepped"];
         rigs.push(KilledOnDrop(command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()));
         let (code, said) = ctl(&["describe", "--board", name, "--wait", "60s"]);
         assert!(code == Some(0) && said.contains(board), "{said}");
@@ -228,7 +228,7 @@ fn a_rig_is_found_by_its_board() {
     assert!(socket.exists());
     let listed = ctl(&["rigs"]).1;
     assert!(listed.contains("run/scanrig/left.sock  TM241CEC24T  left.toml"), "{listed}");
-    let second = ["run", "--board", "left.toml", "--program", "count.st", "--led", "--control"];
+    let second = ["run", "--board", "left.toml", "--program", "count.st", "--stepped", "--control"];
     let mut second = command(&second);
     second.arg(bench.path("run/scanrig/second.sock")).stdout(Stdio::null()).stderr(Stdio::null());
     rigs.push(KilledOnDrop(second.spawn().unwrap()));
@@ -260,7 +260,7 @@ fn a_plan_has_the_course_and_the_exit_of_a_test() {
     assert_eq!(kinds, ["case", "step", "step", "verdict", "over"]);
     let missing = led.expect(2, &["plan", "lapm"]);
     assert!(missing.err.contains("R061"), "{}", missing.err);
-    // The controller begins anew behind it.
+    // The controller restarts after it.
     led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
 }
 

@@ -5,7 +5,7 @@ use crate::project_folder::{TestProject, root};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::Path;
 
-/// Makes the files of a machine: behind `== PATH` come its text, and beside it its mode and the name of its group.
+/// Makes the files of a machine: after `== PATH` come its text, and beside it its mode and the name of its group.
 /// `@gpio` stands for the group that the files have, `@other` for a user and a group that they do not have.
 fn make(bench: &TestProject, name: &str) {
     let text = std::fs::read_to_string(root().join(format!("tests/end_to_end/machines/{name}.txt"))).unwrap();

@@ -1,7 +1,7 @@
 //! Every verb of `expect` and every kind of measurement, passing, failing and left open, word for word.
 //!
 //! `tests/verbs/expect/VERB.toml` has a row for each; `VERB.txt` beside it is what a user reads of them.
-//! `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end expectations` writes the texts anew.
+//! `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end expectations` writes the texts again.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;

@@ -224,7 +224,7 @@ fn found(bench: &TestProject, block: &ExampleBlock) -> (Vec<String>, bool) {
 }
 
 #[test]
-fn every_example_provokes_its_code_and_its_mend_does_not() {
+fn every_example_provokes_its_code_and_its_fix_does_not() {
     let bench = TestProject::new();
     let mut wrong = Vec::new();
     for block in blocks() {
@@ -242,7 +242,7 @@ fn every_example_provokes_its_code_and_its_mend_does_not() {
                 let (codes, content) = found(&bench, &block);
                 // Other warnings may come of what the example leaves out.
                 if codes.contains(&block.code) || !content {
-                    wrong.push(format!("the mend of {} has {codes:?}", block.code));
+                    wrong.push(format!("the fix of {} has {codes:?}", block.code));
                 }
             }
             role => wrong.push(format!("{}: `{role}`", block.code)),
@@ -276,8 +276,8 @@ fn every_code_has_a_page_and_all_but_a_few_an_example() {
     for line in listed.lines() {
         let code = &line[..5];
         let page = bench.expect(0, &["explain", code]).out;
-        if !page.starts_with(&format!("{code}: ")) || !page.contains("\nMend: ") {
-            wrong.push(format!("the page of {code} lacks title or mend"));
+        if !page.starts_with(&format!("{code}: ")) || !page.contains("\nFix: ") {
+            wrong.push(format!("the page of {code} lacks title or fix"));
         }
         let has = blocks.iter().any(|block| block.code == code && block.role == "wrong");
         let excused = WITHOUT_EXAMPLE.iter().any(|(prefix, _)| code.starts_with(prefix));
@@ -298,15 +298,15 @@ fn a_page_is_read_by_a_person() {
 
 An instant counts from `start`, from `end` or from a step of the same case.
 
-Refused is:
+This is refused:
 
     expect = [{ rises = { signal = \"lamp\", from = \"pres\", within = \"500 ms .. 550 ms\" } }]
 
-Right is:
+This is right:
 
     expect = [{ rises = { signal = \"lamp\", from = \"press\", within = \"500 ms .. 550 ms\" } }]
 
-Mend: Name a step that the case has (steps of other rows do not count), or a
+Fix: Name a step that the case has (steps of other rows do not count), or a
 pulse that the train has.
 ";
     assert_eq!(page, shown);

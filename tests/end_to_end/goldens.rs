@@ -1,6 +1,6 @@
 //! What a user sees, word for word: the README's example and a failing plan.
 //!
-//! `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end` writes the goldens anew.
+//! `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end` writes the goldens again.
 
 use crate::project_folder::{CommandOutput, TestProject, root};
 

@@ -137,7 +137,7 @@ fn damaged_traces_are_refused() {
     let whole = std::fs::read(bench.path("out/traces/lamp.trace")).unwrap();
     let judge = |bytes: &[u8]| {
         std::fs::write(bench.path("damaged.trace"), bytes).unwrap();
-        bench.refused(&["judge", "lamp.toml", "damaged.trace"], &["damaged.trace is no whole trace"]);
+        bench.refused(&["judge", "lamp.toml", "damaged.trace"], &["damaged.trace is not a complete trace"]);
     };
     judge(b"");
     judge(LAMP.as_bytes());

@@ -44,7 +44,7 @@ fn figures_are_kept_with_the_machine_that_they_are_of() {
     assert_eq!((&kept["kind"], &kept["figures"][0]["count"]), (&"latency".into(), &10_000.into()));
     assert_eq!(kept["machine"][0][0], "kernel");
     assert!(kept["machine"][0][1].as_str().unwrap().starts_with("Linux "), "{kept}");
-    // The doctor tells of them, and that they are no longer those of this machine.
+    // The doctor reports them, and that they are no longer those of this machine.
     let doctor = |state: &TestProject| {
         let mut command = state.command(&["doctor"]);
         command.env("XDG_STATE_HOME", state.path("state"));

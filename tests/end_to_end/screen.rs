@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// Far above what any of it takes, on a machine that does much else.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// What a terminal is told when a program takes its screen, and when it gives it back.
+/// What a terminal receives when a program takes its screen, and when it gives it back.
 const TAKEN: &str = "\x1b[?1049h";
 const GIVEN_BACK: &str = "\x1b[?1049l";
 

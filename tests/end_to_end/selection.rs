@@ -8,8 +8,8 @@ fn listed(bench: &TestProject, args: &[&str]) -> Vec<String> {
     out.lines().map(|line| line.split("  ").next().unwrap().to_owned()).collect()
 }
 
-/// Verdict words and names of the cases that a command ran, in the order in which it told of them: up to the summary,
-/// behind which failures come again.
+/// Verdict words and names of the cases that a command ran, in the order in which it named them: up to the summary,
+/// after which failures come again.
 fn lines(out: &str) -> Vec<(String, String)> {
     out.lines()
         .take_while(|line| !line.starts_with("Summary"))

@@ -1,4 +1,4 @@
-//! `rig run` as a service manager starts it: what it tells, and when.
+//! `rig run` as a service manager starts it: what it sends, and when.
 
 use crate::project_folder::TestProject;
 use nix::sys::signal::{Signal, kill};
@@ -51,7 +51,7 @@ fn a_manager_is_told_when_the_controller_is_ready_that_it_goes_on_and_that_it_st
     assert_eq!(told_until(&manager, "READY=1").last().map(String::as_str), Some("STATUS=ready"));
     let lines = told_until(&manager, "STATUS=RUNNING");
     assert!(lines.contains(&String::from("STATUS=BOOTING")), "{lines:?}");
-    // It goes on for as long as the scan does, without anything else to be told.
+    // It goes on for as long as the scan does, without anything else to be sent.
     for _ in 0..5 {
         assert_eq!(told(&manager), ["WATCHDOG=1"]);
     }

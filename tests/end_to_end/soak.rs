@@ -1,4 +1,4 @@
-//! A long commissioning in led time: clients come and go, force, trend, run plans, forget to read, break off. The rig stays as large
+//! A long commissioning in stepped time: clients come and go, force, trend, run plans, forget to read, break off. The rig stays as large
 //! as it was, and serves everybody.
 
 use crate::project_folder::TestProject;
@@ -53,7 +53,7 @@ const WARM: u32 = 120;
 const ROUNDS: u32 = 600;
 
 /// What the rig may grow by in 8 minutes: an allocator keeps pages at its own will, half a MiB within an hour. A leak of a
-/// few bytes for each change that is told meanwhile would be seen.
+/// few bytes for each change that is sent meanwhile would be seen.
 const SLACK: u64 = 1024 * 1024;
 
 /// What the kernel says of the rig's process.
@@ -130,7 +130,7 @@ fn round(led: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>,
     let name = "%IX0.0".to_owned();
     let on = WireValue(Value::Bool(round.is_multiple_of(2)));
     if round.is_multiple_of(60) {
-        // The program begins anew behind it.
+        // The program restarts after it.
         plan(led);
     }
     leader

@@ -1,4 +1,4 @@
-//! A rig whose time is led by its clients: what a script does to it happens at the same instant each time.
+//! A rig in stepped time: what a script does to it happens at the same instant each time.
 
 use crate::project_folder::{CommandOutput, TestProject, run};
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ impl SteppedRig {
     pub fn start(bench: &TestProject, board: &str, program: &str) -> SteppedRig {
         let folder = bench.path("");
         let mut command =
-            bench.command(&["run", "--board", board, "--program", program, "--led", "--control"]);
+            bench.command(&["run", "--board", board, "--program", program, "--stepped", "--control"]);
         command.arg(folder.join(SOCKET)).stdout(Stdio::null()).stderr(Stdio::null());
         let led = SteppedRig { child: command.spawn().unwrap(), folder };
         let ran = led.ctl(&["state", "--wait", "60s"]);

@@ -2,7 +2,7 @@
 //!
 //! `tests/verbs/steps/VERB.toml` has a row that passes, with a claim that allows the exact instant alone, and one that
 //! fails. On a rig whose waits end late nobody can say whether that instant was kept. `VERB.txt` beside it is what a user
-//! reads of the three. `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end stimuli` writes the texts anew.
+//! reads of the three. `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end stimuli` writes the texts again.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;

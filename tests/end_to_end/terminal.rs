@@ -30,7 +30,7 @@ fn on_terminal(command: Command) -> (Option<i32>, String) {
     talk(command, &[])
 }
 
-/// The same with somebody there who types the next of the lines whenever the command waits behind `> `.
+/// The same with somebody there who types the next of the lines whenever the command waits after `> `.
 pub fn talk(mut command: Command, typed: &[&str]) -> (Option<i32>, String) {
     let size = Winsize { ws_row: 24, ws_col: 80, ws_xpixel: 0, ws_ypixel: 0 };
     let pty = openpty(&size, None).unwrap();

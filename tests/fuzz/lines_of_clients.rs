@@ -25,7 +25,7 @@ impl Rig for Willing {
     }
 
     fn describe(&self) -> Description {
-        Description { clock: Clock::Led, ..Description::default() }
+        Description { clock: Clock::Stepped, ..Description::default() }
     }
 
     fn status(&self) -> Status {

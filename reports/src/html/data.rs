@@ -30,7 +30,7 @@ fn text(run: &RunRecord) -> String {
         ..RunRecord::default()
     };
     let mut text = pruned(tree(&shell)).to_string();
-    // The shell is an object that has a format, so it ends in a brace behind at least one field.
+    // The shell is an object that has a format, so it ends in a brace after at least one field.
     text.pop();
     text.push_str(&format!(",\"repeated\":{}", pruned(tree(&run.repeated()))));
     text.push_str(",\"cases\":[");

@@ -5,7 +5,7 @@ use crate::show::{self, Outcome};
 use record::{CaseRecord, ClaimRecord, Clock, MeasurementRecord, RunRecord, Totals, Verdict};
 use serde::Serialize;
 
-/// The most cases that the summary tells of; the script has them all.
+/// The most cases that the summary lists; the script has them all.
 const MOST_CASES: usize = 200;
 
 /// The whole page without what the script draws.
@@ -101,9 +101,9 @@ fn headline(run: &RunRecord) -> String {
         Verdict::Inconclusive => of(totals.inconclusive, "inconclusive"),
         Verdict::Fail => of(totals.failed, "failed"),
         Verdict::Error if totals.failed > 0 => {
-            format!("{}, {} failed", of(totals.errors, "with trouble of the rig itself"), totals.failed)
+            format!("{}, {} failed", of(totals.errors, "with a fault of the rig itself"), totals.failed)
         }
-        Verdict::Error => of(totals.errors, "with trouble of the rig itself"),
+        Verdict::Error => of(totals.errors, "with a fault of the rig itself"),
     }
 }
 

@@ -156,7 +156,7 @@ fn suites(run: &RunRecord, folder: &str, detail: DetailLevel, most: usize) -> Su
         let errors = usize::from(worst_left_out > Verdict::Pass);
         let counts = SuiteCounts { tests: 1, errors, skipped: 1 - errors, ..SuiteCounts::default() };
         let said = format!(
-            "{} cases found no room in this file of at most {most} bytes; the worst of them came to {worst_left_out}",
+            "{} cases are left out of this file of at most {most} bytes; the worst verdict among them is {worst_left_out}",
             all.left_out
         );
         open_suite(&mut all.body, run, "rig", counts);

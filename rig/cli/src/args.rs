@@ -9,7 +9,7 @@ use clap::{Parser, Subcommand};
 #[derive(Debug, Parser)]
 #[command(name = "rig", version, after_help = EXIT_CODES, disable_help_subcommand = true)]
 pub struct Cli {
-    /// Whether to dress text in colour. `auto` follows NO_COLOR, CLICOLOR and CLICOLOR_FORCE.
+    /// Whether to colour text. `auto` follows NO_COLOR, CLICOLOR and CLICOLOR_FORCE.
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
     pub color: ColorChoice,
     /// What to do.
@@ -22,48 +22,48 @@ pub struct Cli {
 pub enum Command {
     /// Run test plans; without any, the plans that ship with the rig, on the simulated board.
     Test(crate::test::TestArgs),
-    /// Read plans, boards and programs and say what is wrong with them; nothing moves.
+    /// Check plans, boards and programs and report what is wrong; nothing moves.
     Check(crate::check::CheckArgs),
     /// Judge a recorded trace again by its plan, or what another instrument recorded.
     Judge(crate::judge::JudgeArgs),
-    /// What each requirement is proven by.
+    /// List the requirements and the cases that prove them.
     Requirements(crate::requirements::RequirementsArgs),
-    /// Draw the reports of a run again, or put the parts of a suite together.
+    /// Render the reports of a run again, or merge the parts of a sharded run.
     Report(crate::report::ReportArgs),
-    /// What changed between two runs: verdicts, margins that erode, what they were made from.
+    /// Compare two runs: verdicts, margins that erode, inputs that differ.
     Diff(crate::diff::DiffArgs),
-    /// Verdicts, margins and measurements of past runs: what is flaky, and what drifts.
+    /// Verdicts, margins and measurements of past runs: what is flaky and what drifts.
     #[command(subcommand)]
     History(crate::history::HistoryCommand),
-    /// Real boards: find lines, look whether they can be had, watch them, try outputs.
+    /// Real boards: find lines, check that they are available, watch inputs, exercise outputs.
     #[command(subcommand)]
     Board(crate::board::BoardCommand),
-    /// Check, try, list and measure a Structured Text program alone.
+    /// Check, run, disassemble and measure a Structured Text program without a board.
     #[command(subcommand)]
     Program(crate::program::ProgramCommand),
-    /// Say what this machine can do on real lines, and the line to type that mends what it cannot.
+    /// Check what this machine can do on real lines, and print the command that fixes what it cannot.
     Doctor(crate::doctor::DoctorArgs),
-    /// Measure what this machine and its board can do, for the runs that follow.
+    /// Measure what this machine and its board can do; later runs use the figures.
     #[command(subcommand)]
     Bench(crate::bench::BenchCommand),
-    /// Make a project with a program, a board, plans and jobs for a CI server.
+    /// Create a project with a program, a board, plans and jobs for a CI server.
     New(crate::new::NewArgs),
     /// Keep the modelled controller running on a board, until it is interrupted.
     Run(crate::run::RunArgs),
-    /// Look at a controller that `rig run` keeps running, and work it, from a shell or a script.
+    /// Inspect and operate a controller that `rig run` keeps running, from a shell or a script.
     Ctl(crate::ctl::CtlArgs),
-    /// Look at such a controller on this terminal, and work it: inputs, outputs, trends, tasks, buses, plans.
+    /// Inspect and operate such a controller on this terminal: inputs, outputs, trends, tasks, buses, plans.
     Dash(crate::dash::DashArgs),
-    /// Go through one case step by step, with its signals and claims, in virtual time.
+    /// Step through one case, with its signals and claims, in virtual time.
     Step(crate::step::StepArgs),
-    /// Say what the code of a finding means, with an example and the mend.
+    /// Explain the code of a finding, with an example and the fix.
     Explain(crate::explain::ExplainArgs),
     /// Print the JSON Schema of a format, for editors.
     Schema(crate::schema::SchemaArgs),
     /// The plans that ship with the rig.
     #[command(subcommand)]
     Plans(crate::plans::PlansCommand),
-    /// Print what a shell needs to complete the command.
+    /// Print the completion script of a shell.
     Completions(crate::completions::CompletionsArgs),
     /// Write the pages for `man` into a folder.
     Man(crate::completions::ManArgs),

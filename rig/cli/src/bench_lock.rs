@@ -1,4 +1,4 @@
-//! A bench that somebody else may be using.
+//! A bench that another run may be using.
 
 use crate::exit::Exit;
 use crate::output;
@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// What the command line says of it.
 #[derive(Clone, Debug, Args)]
 pub struct BenchLockArgs {
-    /// Wait at most so long for a bench that somebody else uses.
+    /// Wait at most this long for a bench that another run uses.
     #[arg(long, value_name = "TIME", value_parser = crate::duration::above_zero)]
     wait: Option<Span>,
 }

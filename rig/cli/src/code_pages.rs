@@ -1,4 +1,4 @@
-//! The pages of the codes, made of the documents that are built in: title and mend stand in the list of codes, meaning
+//! The pages of the codes, made of the documents that are built in: title and fix stand in the list of codes, meaning
 //! and examples in one file for each letter. A code that only the list has, has a page without an example.
 
 /// The list of codes.
@@ -11,7 +11,7 @@ const MEANINGS: [&str; 4] = [
     include_str!("../../../docs/codes/R.md"),
 ];
 
-/// What the list says of the mend where the finding is no error.
+/// What the list says of the fix where the finding is no error.
 const WARNING: &str = "warning";
 
 /// All that is to be said of a code.
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn a_page_is_joined_of_list_and_examples() {
         assert_eq!(row("| P0102 | A key | Add `a | b`. |"), Some(("P0102", "A key", "Add `a | b`.")));
-        assert_eq!(row("| code | title | mend |"), None);
+        assert_eq!(row("| code | title | fix |"), None);
         let text = "# T\n\n## P0101\n\nOne.\n\n## P0102\n\nIt means\nthis.\n\n```toml wrong\na = 1\n```\n\n```toml right\nb = 1\n```\n";
         let (meaning, examples) = section(text, "P0102").unwrap();
         assert_eq!(meaning, "It means\nthis.");

@@ -1,4 +1,4 @@
-//! `rig explain`: what a code means, an example and the mend.
+//! `rig explain`: what a code means, an example and the fix.
 
 use crate::code_pages::{self, CodePage, ExampleRole};
 use crate::exit::Exit;
@@ -54,23 +54,23 @@ fn show(page: &CodePage<'_>) -> String {
     for paragraph in page.meaning.split("\n\n").filter(|paragraph| !paragraph.is_empty()) {
         let _ = write!(text, "\n{}", wrap(paragraph));
     }
-    let refused = if page.is_warning() { "A warning comes of" } else { "Refused is" };
+    let refused = if page.is_warning() { "This gives a warning" } else { "This is refused" };
     for example in &page.examples {
         let words = match example.role {
             ExampleRole::With => "With",
             ExampleRole::Wrong => refused,
-            ExampleRole::Right => "Right is",
+            ExampleRole::Right => "This is right",
         };
         let _ = write!(text, "\n{words}:\n\n");
         for line in example.text.lines() {
             let _ = writeln!(text, "    {line}");
         }
     }
-    let _ = write!(text, "\n{}", wrap(&format!("Mend: {}", plain(page.fix))));
+    let _ = write!(text, "\n{}", wrap(&format!("Fix: {}", plain(page.fix))));
     text
 }
 
-/// Links of Markdown as words with the file behind them: `[needs](plans.md#needs)` is `needs (docs/plans.md#needs)`.
+/// Links of Markdown as words with the file after them: `[needs](plans.md#needs)` is `needs (docs/plans.md#needs)`.
 fn plain(text: &str) -> String {
     let mut plain = String::new();
     let mut rest = text;
@@ -81,7 +81,7 @@ fn plain(text: &str) -> String {
     plain + rest
 }
 
-/// What stands before a link, its words, its target, and what stands behind it.
+/// What stands before a link, its words, its target, and what follows it.
 fn link(text: &str) -> Option<(&str, &str, &str, &str)> {
     let middle = text.find("](")?;
     let start = text[..middle].rfind('[')?;

@@ -7,7 +7,7 @@ use document::{Diagnostic, SourceFile};
 use std::io::{IsTerminal, Write};
 use std::sync::OnceLock;
 
-/// Whether to dress text in colour.
+/// Whether to colour text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ColorChoice {
     /// On a terminal, unless NO_COLOR, CLICOLOR=0 or TERM=dumb forbid it; CLICOLOR_FORCE=1 wants it everywhere.
@@ -92,7 +92,7 @@ pub fn new_findings(found: &[Diagnostic], shown: &mut Vec<Diagnostic>, sources: 
     shown.extend(new);
 }
 
-/// Prints why a rig did not do what it was asked for, on standard error. A younger rig may have codes without a page.
+/// Prints why a rig did not do what it was asked for, on standard error. A newer rig may have codes without a page.
 pub fn fault(fault: &Fault) {
     match code_pages::registered(&fault.code) {
         Some(code) => {
@@ -109,7 +109,7 @@ pub fn error(text: &str) {
     let _ = writeln!(std::io::stderr(), "error: {text}");
 }
 
-/// Says something that is no error, on standard error.
+/// Prints a note on standard error.
 pub fn note(text: &str) {
     let _ = writeln!(std::io::stderr(), "note: {text}");
 }

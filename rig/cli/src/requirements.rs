@@ -38,7 +38,7 @@ struct Proof {
 /// What is cited, with its proofs by the names of the profiles.
 type Proofs = BTreeMap<String, BTreeMap<String, Proof>>;
 
-/// What can be said of a requirement or a clause. The greatest of several is the one to tell.
+/// What can be said of a requirement or a clause. The greatest of several is the one reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum ProofStatus {
     Proven,
@@ -125,7 +125,7 @@ fn proofs(record: &RunRecord) -> Proofs {
     proofs
 }
 
-/// The row of a requirement, and behind it those of its clauses. With clauses it is proven when each of them is.
+/// The row of a requirement, and after it those of its clauses. With clauses it is proven when each of them is.
 fn rows<'a>(entry: &'a Requirement, proofs: &'a Proofs) -> Vec<RequirementRow<'a>> {
     let own = row(entry.id.clone(), &entry.asks, entry, &entry.profiles, proofs);
     if entry.clauses.is_empty() {

@@ -1,4 +1,4 @@
-//! Which of the rigs that run is meant.
+//! Which of the running rigs a client connects to.
 
 use clap::Args;
 use control::client::{PATIENCE, by_name, only};
@@ -9,10 +9,10 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// How often it is looked whether a rig is there that is waited for.
+/// How often a rig that is waited for is looked for.
 const POLL: Duration = Duration::from_millis(20);
 
-/// Which rig is meant, as the command line says it; the only one that runs if it does not.
+/// The rig that the command line names; the only one that runs where it names none.
 #[derive(Clone, Debug, Default, Args)]
 pub struct RigAddress {
     /// The rig at this socket.
@@ -21,7 +21,7 @@ pub struct RigAddress {
     /// The rig of this board: its file, or the file's name without `.toml`.
     #[arg(long, value_name = "FILE|NAME", global = true, conflicts_with = "socket")]
     pub board: Option<PathBuf>,
-    /// Wait at most so long for the rig to be there.
+    /// Wait at most this long for the rig to start.
     #[arg(long, value_name = "TIME", global = true, value_parser = crate::duration::above_zero)]
     pub wait: Option<Span>,
 }
@@ -37,7 +37,7 @@ impl RigAddress {
         Ok(client)
     }
 
-    /// Connects as [`RigAddress::connect`] does, and says nothing.
+    /// Connects as [`RigAddress::connect`] does, without a greeting.
     ///
     /// # Errors
     /// See [`RigAddress::connect`].
@@ -62,7 +62,7 @@ impl RigAddress {
     }
 }
 
-/// Whether it may be otherwise in a moment: the rig is not there yet.
+/// Whether trying again may help: the rig has not started yet.
 fn may_come(error: &ClientError) -> bool {
     match error {
         ClientError::NoRig(_) => true,

@@ -44,12 +44,12 @@ impl<'a> Canvas<'a> {
         self.area
     }
 
-    /// Writes a text; the column behind it.
+    /// Writes a text; the column after it.
     pub fn text(&mut self, x: u16, y: u16, text: &str, style: Style) -> u16 {
         self.text_in(x, y, self.area.width.saturating_sub(x), text, style)
     }
 
-    /// Writes at most so many columns of a text; the column behind it. What is cut off ends with `~`.
+    /// Writes at most so many columns of a text; the column after it. What is cut off ends with `~`.
     pub fn text_in(&mut self, x: u16, y: u16, width: u16, text: &str, style: Style) -> u16 {
         let width = width.min(self.area.width.saturating_sub(x));
         if width == 0 || y >= self.area.height {

@@ -26,7 +26,7 @@ pub enum EditResult {
 }
 
 impl Editor {
-    /// A line with a text to begin with, and the place behind it. What is typed first takes the text's place; who moves
+    /// A line with a text to begin with, and the place after it. What is typed first takes the text's place; who moves
     /// or deletes first edits it.
     pub fn new(text: &str) -> Editor {
         let mut editor = Editor::default();

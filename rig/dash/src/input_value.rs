@@ -56,7 +56,7 @@ pub fn value(text: &str, expected: &ExpectedInput) -> Result<WireValue, String> 
             (found, "TRUE, FALSE or a number")
         }
     };
-    found.map(WireValue).ok_or_else(|| format!("`{text}` is no value here: type {wanted}"))
+    found.map(WireValue).ok_or_else(|| format!("`{text}` is not a valid value: type {wanted}"))
 }
 
 /// A duration as people or Structured Text write it, with one unit.
@@ -85,7 +85,7 @@ fn integer(text: &str) -> Option<Value> {
         return signed.or_else(|_| plain.parse().map(Value::Word)).ok();
     };
     let base = base.parse().ok().filter(|base| [2, 8, 10, 16].contains(base))?;
-    // A sign behind the base is none of a number's.
+    // A sign after the base is not one of a number's.
     let digits = Some(digits).filter(|digits| !digits.starts_with(['+', '-']))?;
     let word = u64::from_str_radix(digits, base).ok()?;
     Some(i64::try_from(word).map_or(Value::Word(word), Value::Int))
@@ -122,8 +122,8 @@ mod tests {
             let expected = ExpectedInput { kind, labels: labels.clone(), duration: false };
             assert_eq!(value(text, &expected).ok(), read.map(WireValue), "{text}");
         }
-        let told = value("maybe", &ExpectedInput::level()).unwrap_err();
-        assert_eq!(told, "`maybe` is no value here: type TRUE or FALSE, 1 or 0");
+        let error = value("maybe", &ExpectedInput::level()).unwrap_err();
+        assert_eq!(error, "`maybe` is not a valid value: type TRUE or FALSE, 1 or 0");
         let expected = ExpectedInput { kind: Some(SignalKind::Int), labels: Vec::new(), duration: true };
         for (text, nanos) in [
             ("250 ms", Some(250_000_000)),

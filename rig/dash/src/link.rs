@@ -18,7 +18,7 @@ const RECONNECT_AFTER: Duration = Duration::from_secs(1);
 pub(crate) enum LinkEvent {
     /// There is a connection.
     Connected(Box<Greeting>, Sender),
-    /// Something was told.
+    /// Something was sent.
     Message(Message),
     /// There is none.
     Disconnected(ClientError),
@@ -79,7 +79,7 @@ impl RequestSender {
         self.sender = None;
     }
 
-    /// Sends a request. One that cannot be sent ends the connection, which the other half tells.
+    /// Sends a request. One that cannot be sent ends the connection, which the other half reports.
     pub fn send(&mut self, number: u64, ask: Operation) {
         let Some(sender) = &mut self.sender else { return };
         match sender.send(ask) {

@@ -24,7 +24,7 @@ pub struct Model {
     pub log: VecDeque<(i64, String)>,
     /// Frames of its buses, oldest first.
     pub frames: VecDeque<FrameSeen>,
-    /// What the plan that runs, or ran last, told.
+    /// What the plan that runs, or ran last, reported.
     pub plan: Vec<PlanEvent>,
     /// The cases that it can run, once it was asked ([`control::Operation::Plans`]).
     pub plans: Option<Vec<String>>,
@@ -73,7 +73,7 @@ impl Model {
         self.take_plan_event(event);
     }
 
-    /// What a plan told. That of an earlier one goes when the next begins.
+    /// An event of a plan. Those of an earlier one go when the next begins.
     pub(crate) fn take_plan_event(&mut self, event: PlanEvent) {
         let first = matches!(event, PlanEvent::Case { place: (1, _), .. });
         let over = matches!(self.plan.last(), Some(PlanEvent::Over { .. }));

@@ -10,7 +10,7 @@ pub struct TrendRecording {
     pub tracks: Vec<RecordedSignal>,
     /// Their changes, in the order of their latest instants.
     pub samples: Vec<RecordedChange>,
-    /// The first and the last instant that it tells of, nanoseconds.
+    /// The first and the last instant that it covers, nanoseconds.
     pub span: (i64, i64),
 }
 

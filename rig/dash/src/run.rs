@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, SyncSender};
 use std::time::{Duration, Instant};
 
-/// The time between two frames while only the rig tells something.
+/// The time between two frames while only the rig sends something.
 const FRAME: Duration = Duration::from_millis(100);
 
 /// The time between two frames while somebody types.
@@ -28,7 +28,7 @@ const IDLE_FRAME: Duration = Duration::from_millis(250);
 const LEAVE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// What waits to be taken into account. The thread that listens waits when it is full, and then the rig leaves out what
-/// it would tell; nothing grows.
+/// it would send; nothing grows.
 const QUEUE: usize = 1_024;
 
 /// How the dashboard is run.
@@ -126,7 +126,7 @@ struct Dashboard {
     shell: Shell,
     screen: TerminalScreen,
     requests: RequestSender,
-    /// When the rig told something last.
+    /// When the rig sent its last status.
     last_status: Instant,
     /// When somebody said goodbye.
     leaving: Option<Instant>,

@@ -49,7 +49,7 @@ impl TerminalScreen {
         Ok(())
     }
 
-    /// Gives it back while `other` has it, then takes it again and draws everything anew.
+    /// Gives it back while `other` has it, then takes it again and draws everything again.
     ///
     /// # Errors
     /// A terminal that is gone.

@@ -29,7 +29,7 @@ fn a_force_proposes_the_other_value() {
     assert_eq!(setup.asked[1], Operation::Force { name: "%IX0.1".to_owned(), value: ON });
     setup.press("f").control('u').enter("maybe");
     assert_eq!(setup.asked.len(), 2);
-    assert!(setup.screen().contains("`maybe` is no value here: type TRUE or FALSE, 1 or 0"));
+    assert!(setup.screen().contains("`maybe` is not a valid value: type TRUE or FALSE, 1 or 0"));
 }
 
 #[test]

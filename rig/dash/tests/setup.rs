@@ -1,4 +1,4 @@
-//! A dashboard on a terminal that is none, and a rig that answers from what it was told to say.
+//! A dashboard on a terminal that is none, and a rig that answers from what it was set up to say.
 
 use control::{
     Change, Description, Event, Fault, Greeting, LogLine, Operation, PROTOCOL, PlanEvent, Plans, Reply,
@@ -184,12 +184,12 @@ impl DashboardSetup {
         }
     }
 
-    /// The rig tells its status.
+    /// The rig sends its status.
     pub fn tell_status(&mut self) {
         self.tell(Event::Status { subscription: 0, status: Box::new(self.rig.status.clone()) });
     }
 
-    /// A signal changes; all who subscribed to it are told.
+    /// A signal changes; all who subscribed to it are sent it.
     pub fn change(&mut self, name: &str, at: i64, value: WireValue) {
         let place = self.rig.signals.keys().position(|known| known == name).unwrap() as u32;
         self.rig.signals.insert(name.to_owned(), (at, value));
@@ -204,7 +204,7 @@ impl DashboardSetup {
         }
     }
 
-    /// The rig tells something.
+    /// The rig sends something.
     pub fn tell(&mut self, event: Event) {
         self.shell.receive(RigMessage::Event(event));
         self.answer();
@@ -232,7 +232,7 @@ impl DashboardSetup {
         self
     }
 
-    /// A line behind a prompt.
+    /// A line after a prompt.
     pub fn enter(&mut self, line: &str) -> &mut DashboardSetup {
         self.press(line).key(KeyCode::Enter)
     }

@@ -1,6 +1,6 @@
 //! The dashboard before a rig whose time clients lead, over its socket: what it shows is the same with every run.
 //!
-//! `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end dashboard` writes the goldens anew.
+//! `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end dashboard` writes the goldens again.
 
 mod floor;
 mod setup;
@@ -174,7 +174,7 @@ fn a_trigger_shows_what_it_waited_for() {
             setup.choose(name);
         }
         setup.advance(1_000 * MS);
-        // One rising edge of the pusher's contact, half of the window before it, and what it is behind it.
+        // One rising edge of the pusher's contact, half of the window before it, and what it is after it.
         setup.keys("++t>>>");
         setup.golden("trend-trigger-setting");
         setup.keys("\n");

@@ -100,7 +100,7 @@ impl DashboardSetup {
     /// A rig of these files.
     pub fn of(folder: TestProject, words: &[&str], features: TerminalFeatures) -> DashboardSetup {
         let socket = folder.path("rig.sock");
-        let mut command = folder.command(&["run", "--led"]);
+        let mut command = folder.command(&["run", "--stepped"]);
         command.args(words).arg("--control").arg(&socket).stdout(Stdio::null());
         let mut rig = command.spawn().unwrap();
         let until = Instant::now() + PATIENCE;
@@ -166,7 +166,7 @@ impl DashboardSetup {
         self.settle();
     }
 
-    /// Lets time pass. Everything that happens until then is told before it is answered.
+    /// Lets time pass. Everything that happens until then is sent before it is answered.
     pub fn advance(&mut self, by: i64) {
         self.ask(Operation::Advance { by });
     }

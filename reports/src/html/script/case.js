@@ -143,7 +143,7 @@ const evidence = (record) => {
 const logTable = (record) =>
   record.log.length > 0 && [
     table("plain log", [["From start", true], ["Log"]], record.log.map((entry) => h("tr", {}, h("td", { class: "n" }, offset(entry.at_ns - record.start_ns)), h("td", {}, entry.text)))),
-    record.log_dropped > 0 && h("p", { class: "note" }, `${plural(record.log_dropped, "more line")} found no room.`),
+    record.log_dropped > 0 && h("p", { class: "note" }, `${plural(record.log_dropped, "more line")} dropped: the log was full.`),
   ];
 
 // A part that opens on demand.

@@ -108,7 +108,7 @@ class Cases {
     for (const record of run.cases) byFolder.set(record.folder, [...(byFolder.get(record.folder) ?? []), record]);
     this.folders = [...byFolder].map(([name, records]) => new Folder(name, records));
     this.of = new Map(this.folders.map((folder) => [folder.name, folder]));
-    this.empty = h("p", { class: "empty", hidden: true }, "No case is left by the filter.");
+    this.empty = h("p", { class: "empty", hidden: true }, "No case matches the filter.");
     this.element = h(
       "div",
       {},

@@ -50,7 +50,7 @@ const nearestTable = (run) => {
       h("td", { class: "n" }, "window" in check ? claimGauge(check, record) : measureGauge(check)),
     ),
   );
-  return h("section", {}, heading("h2", "Nearest to their limits"), h("p", { class: "lead" }, "What passed with the least room, a plan once: 0 % is on the limit, 100 % in the middle between both."), table("nearest", [["Case"], ["Claim or measurement"], ["Margin", true], ["Room left", true], ["", true]], rows));
+  return h("section", {}, heading("h2", "Nearest to their limits"), h("p", { class: "lead" }, "What passed with the least headroom, one row per plan: 0 % is at the limit, 100 % in the middle between both limits."), table("nearest", [["Case"], ["Claim or measurement"], ["Margin", true], ["Headroom", true], ["", true]], rows));
 };
 
 const folderTable = (run) => {
@@ -110,7 +110,7 @@ const environment = (run) => {
   const whole = run.host_ms > 0 ? `${rounded(run.host_ms * 1e6, 4)}, ` : "";
   const rows = [
     ["Clock", p.clock === "real" ? "real: the host's monotonic clock" : "virtual: modelled time, from event to event"],
-    ["Timing quality", real ? `${timingWords(total) || "no deadline missed"}; ${plural(total.late, "case")} with trouble` : "exact: no figure depends on how fast the host was"],
+    ["Timing quality", real ? `${timingWords(total) || "no deadline missed"}; ${plural(total.late, "case")} with rig faults` : "exact: no figure depends on how fast the host was"],
     ["Modelled time", rounded(modelled, 6)],
     ["Host time", `${whole}${rounded(host * 1e6, 4)} over all cases`],
     ...(p.environment ?? []),
@@ -130,7 +130,7 @@ const environment = (run) => {
     "section",
     {},
     heading("h2", "Environment"),
-    trouble && h("p", { class: "reason v-error" }, `The rig missed ${plural(total.overruns, "deadline")} of its own and lost ${plural(total.dropped, "event")}: figures of those cases say nothing of the controller.`),
+    trouble && h("p", { class: "reason v-error" }, `The rig missed ${plural(total.overruns, "deadline")} of its own and lost ${plural(total.dropped, "event")}: figures of those cases say nothing about the controller.`),
     h("div", { class: "scroll" }, h("table", { class: "environment" }, h("tbody", {}, rows.filter(([, text]) => text).map(([name, text]) => h("tr", {}, h("th", { scope: "row" }, name), h("td", {}, text)))))),
   );
 };
@@ -140,9 +140,9 @@ const guide = () =>
     "section",
     { class: "legend" },
     heading("h2", "How to read a diagram"),
-    h("p", {}, "Time runs from the plan's start. A number in a box is the claim of that row in the table; its tint is the window in which the claim looks, the stronger tint with lines at its ends what it allows. A vertical line with a box is the instant that decided a claim without a pass. Hatched edges happened somewhere within the hatched interval; widely hatched stretches are unknown; a dashed middle line is high impedance; a comb is many changes too close together to be told apart. Where time is left out the axis is broken; zooming mends it."),
+    h("p", {}, "Time runs from the plan's start. A number in a box is the claim of that row in the table; its tint is the window in which the claim looks, the stronger tint with lines at its ends what it allows. A vertical line with a box is the instant that decided a claim without a pass. Hatched edges happened somewhere within the hatched interval; widely hatched stretches are unknown; a dashed middle line is high impedance; a comb is many changes too close together to be distinguished. Where time is left out the axis is broken; zoom in to see it."),
     h("p", {}, "Cursors snap to edges. A distance to an edge that is known only to within an interval is itself an interval."),
-    h("p", {}, "A claim passes if it holds for every placement of the events inside their intervals, fails if it holds for none, and is inconclusive otherwise. An error is the rig's own trouble and says nothing of the controller. A margin is the distance to the nearest limit in the worst placement."),
+    h("p", {}, "A claim passes if it holds for every placement of the events inside their intervals, fails if it holds for none, and is inconclusive otherwise. An error is a fault of the rig itself and says nothing about the controller. A margin is the distance to the nearest limit in the worst placement."),
     h(
       "table",
       { class: "plain keys" },
@@ -151,10 +151,10 @@ const guide = () =>
         "tbody",
         {},
         [
-          ["← →", "active cursor to the edge before or behind; with Shift by a pixel"],
+          ["← →", "active cursor to the previous or next edge; with Shift by a pixel"],
           ["↑ ↓", "choose the signal whose edges count, or all"],
           ["A B", "choose the cursor that moves"],
-          ["Esc", "take both cursors away"],
+          ["Esc", "clear both cursors"],
           ["+ −", "zoom, around the active cursor where it is seen"],
           ["Page Up, Page Down", "pan by half"],
           ["0", "the whole case"],

@@ -51,7 +51,7 @@ const repeats = (run) => {
       h("summary", {}, h("b", {}, name), h("span", { class: `count v-${worst(records.map((record) => record.word))}` }, `${passed} of ${plural(records.length, "turn")} passed`)),
       rows.length > 0
         ? table("repeats", [["Figure"], ["Turns", true], ["Least", true], ["Mean", true], ["Greatest", true], ["Spread", true], ["Drift per turn", true], ["Limits"], ["Turn by turn"]], rows)
-        : h("p", { class: "soft" }, "Nothing in it has a figure."),
+        : h("p", { class: "soft" }, "No figures to compare."),
       h("p", { class: "proofs" }, records.filter((record) => record.word !== "pass").slice(0, 20).map((record) => h("a", { class: "proof", href: link({ case: record.name }) }, h("span", { class: `mark v-${record.word}` }, SIGNS[record.word]), " ", record.name))),
     );
   });

@@ -114,7 +114,7 @@ fn line(same: &[Train]) -> String {
     let edges: u64 = same.iter().map(|train| u64::from(train.made)).sum();
     let came = match (missing, lost) {
         (0, 0) => String::from("all seen"),
-        (missing, lost) => format!("{missing} missing, {lost} told as lost"),
+        (missing, lost) => format!("{missing} missing, {lost} reported as lost"),
     };
     let made = if slowest == first.wanted_hz { String::new() } else { format!(", made at {slowest} Hz") };
     format!("{:>9} Hz  {} times, {edges} edges: {came}{made}\n", first.wanted_hz, same.len())

@@ -111,7 +111,7 @@ impl ChannelActivity {
 pub fn loss(reason: LossReason) -> &'static str {
     match reason {
         LossReason::Injected | LossReason::Gone => "gone",
-        LossReason::Unresponsive => "silent",
+        LossReason::Unresponsive => "unresponsive",
     }
 }
 
@@ -129,7 +129,7 @@ pub fn quantity(quantity: Quantity, unit: &str) -> String {
 pub fn table(channels: &[Channel], tallies: &[ChannelActivity]) -> String {
     let wide = channels.iter().map(|channel| channel.name.len()).max().unwrap_or(0).max("channel".len());
     let mut text =
-        format!("{:<wide$}  {:>6} {:>9} {:>9}  {}\n", "channel", "level", "rises", "falls", "last change");
+        format!("{:<wide$}  {:>12} {:>9} {:>9}  {}\n", "channel", "level", "rises", "falls", "last change");
     for (channel, tally) in channels.iter().zip(tallies) {
         text.push_str(&format!("{}\n", row(channel, tally, wide)));
     }
@@ -156,7 +156,7 @@ pub fn row(channel: &Channel, tally: &ChannelActivity, wide: usize) -> String {
         };
         return format!("{name:<wide$}  {shown:>26}  {last}{missed}{noise}");
     }
-    format!("{name:<wide$}  {level:>6} {rises:>9} {falls:>9}  {last}{missed}")
+    format!("{name:<wide$}  {level:>12} {rises:>9} {falls:>9}  {last}{missed}")
 }
 
 #[cfg(test)]
@@ -205,7 +205,7 @@ mod tests {
             tally.take(&BoardEvent::Lost { channel, at: at(3), reason }),
             ActivityChange::Lost(reason)
         );
-        assert_eq!(tally.word(), "silent");
+        assert_eq!(tally.word(), "unresponsive");
         assert_eq!(tally.take(&BoardEvent::Returned { channel, at: at(4) }), ActivityChange::Returned);
         assert_eq!(tally.take(&changed(4, true)), ActivityChange::First(true));
         assert_eq!((tally.rises, tally.falls, tally.dropped, tally.word()), (0, 1, 3, "1"));

@@ -52,12 +52,12 @@ pub fn run(args: &CheckArgs) -> Exit {
     let named = (0..rows.len()).map(|at| bench.name(at).len());
     let wide = named.chain(others.buses.iter().map(|(_, name, _)| name.len())).max().unwrap_or(0);
     for (at, row) in rows.iter().enumerate() {
-        let text = row.as_ref().map_or("cannot be had", |row| row.lines.as_str());
+        let text = row.as_ref().map_or("not available", |row| row.lines.as_str());
         let relay = bench.relay(at).map_or_else(String::new, |what| format!("; {what}"));
         output::print(&format!("{:<wide$}  {text}{relay}\n", bench.name(at)));
     }
     for (_, name, words) in &others.buses {
-        output::print(&format!("{name:<wide$}  {}\n", words.as_deref().unwrap_or("cannot be had")));
+        output::print(&format!("{name:<wide$}  {}\n", words.as_deref().unwrap_or("not available")));
     }
     let wrong: Vec<Diagnostic> = whole.err().into_iter().flatten().chain(others.found).collect();
     if !wrong.is_empty() {

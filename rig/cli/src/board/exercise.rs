@@ -40,7 +40,7 @@ pub struct ExerciseArgs {
     /// How long an output stays at its other level.
     #[arg(long, value_name = "TIME", default_value = "500 ms", value_parser = crate::duration::above_zero)]
     hold: Span,
-    /// What it does when somebody else is on the lines.
+    /// What it does while another run uses the lines.
     #[command(flatten)]
     wait: BenchLockArgs,
 }
@@ -140,11 +140,11 @@ fn ask_consent(
     operator.ask(bench.name(at), &question, &INTERRUPT).map(|answer| answer == 1)
 }
 
-/// Gives an output its turn and tells what came back. `false` where the rig lost something on the way.
+/// Drives an output and reports what came back. `false` where the rig lost something on the way.
 fn exercise_output(bench: &RealBoardFile, at: usize, hold: Span) -> Result<bool, Exit> {
     let keep = |other, line: &LineSpec| if other == at { Some(line.clone()) } else { listening(line) };
     let board = bench.subset(keep, OtherDevices::Excluded);
-    // As in a run: with the guard behind the output, if the file has one.
+    // As in a run: with the guard watching the output, if the file has one.
     let opened = Hardware::open(&board).map_err(|found| bench.wrong(&found))?;
     // Only a simulated board has nothing to open, and such files were refused.
     let hardware = opened.ok_or(Exit::UserFiles)?;
@@ -182,14 +182,14 @@ fn exercise_output(bench: &RealBoardFile, at: usize, hold: Span) -> Result<bool,
     Ok(board.health().is_sound())
 }
 
-/// Says why the guard does not stand behind the output.
+/// Reports why the guard does not watch over the output.
 fn unguarded(error: GuardError) -> Exit {
     let found = Diagnostic::error(error.code(), error.to_string()).help(error.help());
     output::findings(&[found], &[]);
     Exit::Error
 }
 
-/// What is heard on the channels.
+/// What the channels answer.
 #[derive(Debug)]
 struct ResponseRecorder {
     activities: Vec<ChannelActivity>,
@@ -215,7 +215,7 @@ impl ResponseRecorder {
         }
     }
 
-    /// Takes what happens for so long, or until an interrupt.
+    /// Records what happens for so long, or until an interrupt.
     fn listen(&mut self, board: &mut dyn Board, hardware: &Hardware, lasts: Span) -> Result<(), Exit> {
         let (surroundings, heartbeat) = (hardware.surroundings(), hardware.heartbeat());
         let end = surroundings.time.now() + lasts;

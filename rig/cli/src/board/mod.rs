@@ -18,11 +18,11 @@ use clap::Subcommand;
 pub enum BoardCommand {
     /// Write a first board file from the devices of this machine. Nothing is claimed and nothing moves.
     Scan(scan::ScanArgs),
-    /// Look whether every line, converter, counter and bus of a board file is there and free. Nothing is claimed and nothing moves.
+    /// Check that every line, converter, counter and bus of a board file is there and free. Nothing is claimed and nothing moves.
     Check(check::CheckArgs),
     /// Show the inputs and buses of a board as they change, with counts and times. Outputs are left alone.
     Watch(watch::WatchArgs),
-    /// Drive one output at a time, with consent for each, and tell what comes back.
+    /// Drive one output at a time, with consent for each, and report what comes back.
     Exercise(exercise::ExerciseArgs),
 }
 

@@ -86,7 +86,7 @@ impl RealBoardFile {
         })
     }
 
-    /// The input behind a channel.
+    /// The input of a channel.
     pub fn sample(&self, channel: usize) -> Option<&SampleSpec> {
         self.spec.converters.samples.iter().find(|sample| usize::from(sample.channel.0) == channel)
     }
@@ -107,7 +107,7 @@ impl RealBoardFile {
         spec.gpio.lines.clear();
         spec.converters.samples.clear();
         spec.counters.counts.clear();
-        // What makes pulses tells nothing by itself, and is not to be moved.
+        // What makes pulses reports nothing by itself, and is not to be moved.
         spec.generators.outputs.clear();
         if others == OtherDevices::Excluded {
             spec.can.buses.clear();
@@ -157,7 +157,7 @@ impl RealBoardFile {
     }
 }
 
-/// The line of a channel as somebody sees it who drives nothing: `None` for an output that no other line tells of.
+/// The line of a channel as somebody sees it who drives nothing: `None` for an output that no other line reports.
 pub fn listening(line: &LineSpec) -> Option<LineSpec> {
     let listened = match (line.direction, &line.readback) {
         (Direction::Input, _) => &line.line,
@@ -170,7 +170,7 @@ pub fn listening(line: &LineSpec) -> Option<LineSpec> {
 /// Says that a call on a device failed.
 pub fn failed(error: BoardError) -> Exit {
     let found = Diagnostic::error(CALL_FAILED, error.to_string()).help(
-        "`rig board check` looks whether the lines are there; `dmesg` tells what the device's driver says",
+        "`rig board check` shows whether the lines are there; `dmesg` shows what the device's driver reports",
     );
     output::findings(&[found], &[]);
     Exit::Error

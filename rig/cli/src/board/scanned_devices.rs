@@ -12,7 +12,7 @@ use std::path::Path;
 /// How often an input is read that nobody thought about yet.
 const PERIOD: &str = "100 ms";
 
-/// Parts of a board file. What could move something, or what nobody can tell from outside, stands there as a comment.
+/// Parts of a board file. What could move something, or what cannot be known from outside, stands there as a comment.
 #[derive(Debug, Default)]
 pub struct ScannedDevices {
     /// Lines under `[converters]`.
@@ -69,7 +69,7 @@ fn converter(machine: &Machine, device: &IioDevice, all: &[IioDevice], found: &m
     let key = if named { device.name.clone() } else { device.number.replace(':', "-") };
     let by = match place.as_deref().and_then(Path::parent).and_then(Path::to_str) {
         _ if named => format!("name = {}", quoted(&device.name)),
-        // Its number may be another with the next start, and the place of what it hangs on is not.
+        // Its number may be another with the next start, and the place of its parent is not.
         Some(place) => format!("path = {}", quoted(place)),
         None => format!("path = {}", quoted(&format!("/dev/{}", device.number))),
     };
@@ -106,7 +106,7 @@ fn counts(machine: &Machine, device: &CounterDevice, all: &[CounterDevice], foun
     let key = if named { &device.name } else { &device.number };
     let by = match place.as_deref().and_then(Path::parent).and_then(Path::to_str) {
         _ if named => format!("name = {}", quoted(&device.name)),
-        // Its number may be another with the next start, and the place of what it hangs on is not.
+        // Its number may be another with the next start, and the place of its parent is not.
         Some(place) => format!("path = {}", quoted(place)),
         None => format!("path = {}", quoted(&format!("/dev/{}", device.number))),
     };
@@ -138,13 +138,13 @@ fn counts(machine: &Machine, device: &CounterDevice, all: &[CounterDevice], foun
     }
 }
 
-/// A chip select: what hangs on it cannot be asked.
+/// A chip select: what is connected to it cannot be asked.
 fn spi(device: &Device) -> String {
     let name = device.path.trim_start_matches("/dev/").replace('.', "-");
     let part = device.what.strip_prefix("spi:").filter(|part| is_name(part)).unwrap_or("mcp3008");
     let (path, part) = (quoted(&device.path), quoted(part));
     format!(
-        "# {name} = {{ kind = \"spi\", path = {path}, part = {part}, reference = \"3.3 V\" }} # if that is what hangs there\n"
+        "# {name} = {{ kind = \"spi\", path = {path}, part = {part}, reference = \"3.3 V\" }} # if that is what is connected\n"
     )
 }
 
@@ -153,7 +153,7 @@ fn stream(device: &Device) -> String {
     let name = device.path.trim_start_matches("/dev/").replace('.', "-");
     let path = quoted(&device.path);
     format!(
-        "# {name}-out = {{ kind = \"spi\", path = {path} }} # if nothing hangs there but a wire from its data line\n"
+        "# {name}-out = {{ kind = \"spi\", path = {path} }} # if nothing is connected but a wire from its data line\n"
     )
 }
 
@@ -266,7 +266,7 @@ mod tests {
             found.converters,
             "ads8688 = { kind = \"iio\", name = \"ads8688\", period = \"100 ms\" } # iio:device0, 2 inputs\n\
              # spidev0-0 = { kind = \"spi\", path = \"/dev/spidev0.0\", part = \"mcp3208\", reference = \"3.3 V\" } \
-             # if that is what hangs there\n"
+             # if that is what is connected\n"
         );
         assert_eq!(
             found.counters,
@@ -281,7 +281,7 @@ mod tests {
         );
         assert_eq!(
             found.generators,
-            "# spidev0-0-out = { kind = \"spi\", path = \"/dev/spidev0.0\" } # if nothing hangs there but a wire \
+            "# spidev0-0-out = { kind = \"spi\", path = \"/dev/spidev0.0\" } # if nothing is connected but a wire \
              from its data line\n\
              # fe20c000-pwm = { kind = \"pwm\", path = \"/sys/devices/platform/soc/fe20c000.pwm\" } # 2 outputs\n"
         );

@@ -1,4 +1,4 @@
-//! What passes on the buses of a board, told and counted.
+//! What passes on the buses of a board, shown and counted.
 
 use super::activity::loss;
 use drivers::{Bus, BusError, BusEvent, BusKind, BusState, LossReason};
@@ -14,7 +14,7 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// Takes an event of the bus: what is told of it.
+    /// Takes an event of the bus: what is shown of it.
     pub fn take(&mut self, event: &BusEvent) -> String {
         match *event {
             BusEvent::Frame { frame, .. } => {

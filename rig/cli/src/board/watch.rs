@@ -13,7 +13,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How often a terminal is drawn anew at most.
+/// How often a terminal is drawn again at most.
 const REDRAW: Span = Span::from_millis(100);
 
 /// Set by the first interrupt.
@@ -30,7 +30,7 @@ pub struct WatchArgs {
     lasts: Option<Span>,
 }
 
-/// Watches lines. Those that the rig would drive are left alone, unless another line tells of them.
+/// Watches lines. Those that the rig would drive are left alone, unless another line reports them.
 pub fn run(args: &WatchArgs) -> Exit {
     try_run(args).unwrap_or_else(|exit| exit)
 }
@@ -86,7 +86,7 @@ fn follow(
     let end = lasts.map(|lasts| surroundings.time.now() + lasts);
     loop {
         let now = surroundings.time.now();
-        // What happened before the end is told.
+        // What happened before the end is shown.
         let over = end.is_some_and(|end| now >= end) || INTERRUPT.load(Ordering::Relaxed);
         board.poll(now, &mut events).map_err(failed)?;
         for event in events.drain(..) {
@@ -127,7 +127,7 @@ fn widest(channels: &[Channel], buses: &[Bus]) -> usize {
     names.max().unwrap_or(0).max("channel".len())
 }
 
-/// Where changes are shown: a table that is drawn anew, or a line each.
+/// Where changes are shown: a table that is drawn again, or a line each.
 #[derive(Debug)]
 struct WatchScreen {
     /// The rows on a terminal.

@@ -10,7 +10,7 @@ use control::{Change, Client, Event, Operation, Signal, Subscribed, Topic, WireV
 use signal::{Span, Value};
 use std::time::{Duration, Instant};
 
-/// The pieces in which time is led: the end lies at most so far behind the instant that was waited for.
+/// The steps in which time is advanced: the end lies at most so far after the instant that was waited for.
 const STEP: Span = Span::from_millis(10);
 
 /// How long the rig is waited for at once.
@@ -22,10 +22,10 @@ pub struct AwaitArgs {
     /// What is waited for, as in state=RUNNING, %QX0.3=1, 'level>=2.5'; of several, all at once. There are = != < <= > >=.
     #[arg(value_name = "NAME=VALUE", required = true)]
     wanted: Vec<String>,
-    /// Wait at most so long [default: as long as it takes].
+    /// Wait at most this long [default: as long as it takes].
     #[arg(long, value_name = "TIME", value_parser = crate::duration::above_zero)]
     within: Option<Span>,
-    /// Lead the rig's time on, at most by so much.
+    /// Advance the rig's time, at most by this much.
     #[arg(long, value_name = "TIME", conflicts_with = "within", value_parser = crate::duration::above_zero)]
     advance: Option<Span>,
 }
@@ -133,7 +133,7 @@ pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, CtlError> {
         return Ok(Exit::Passed);
     }
     for one in wanted.iter().filter(|one| !one.relation.holds(one.is, one.value)) {
-        output::info(&format!("{} did not come: it is {}", one.words, show::value(one.is, &one.signal)));
+        output::info(&format!("{} was not reached: it is {}", one.words, show::value(one.is, &one.signal)));
     }
     Ok(Exit::Failed)
 }
@@ -146,7 +146,7 @@ fn event_meets(wanted: &mut [AwaitedValue], event: &Event) -> bool {
     }
 }
 
-/// Takes a change; tells whether all hold now.
+/// Takes a change; returns whether all hold now.
 fn take(wanted: &mut [AwaitedValue], Change(number, _, _, WireValue(value)): &Change) -> bool {
     for one in wanted.iter_mut().filter(|one| one.signal.number == *number) {
         one.is = *value;

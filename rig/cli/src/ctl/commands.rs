@@ -11,10 +11,10 @@ use signal::Span;
 use std::io::{BufRead, Write};
 use std::time::Duration;
 
-/// Time is led in pieces, so that a rig that stands still is noticed.
+/// Time is advanced in steps, so that a rig that does not answer is noticed.
 const STEP: Span = Span::from_secs(60);
 
-/// How long a piece of led time may take: a program may compute a lot in it.
+/// How long a step of time may take on the host: a program may compute a lot in it.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Commands to the controller.
@@ -75,10 +75,10 @@ pub fn act(client: &mut Client, command: &ControllerCommand) -> Result<Exit, Ctl
     Ok(Exit::Passed)
 }
 
-/// Asks whoever sits at a terminal whether something is meant that moves outputs. A script is not asked.
+/// Asks the operator at a terminal to confirm what moves outputs. A script is not asked.
 ///
 /// # Errors
-/// It is not meant.
+/// It is not confirmed.
 pub fn confirm(client: &Client, yes: bool, what: &str) -> Result<(), CtlError> {
     if yes || !operator::is_present() {
         return Ok(());
@@ -98,7 +98,7 @@ pub fn confirm(client: &Client, yes: bool, what: &str) -> Result<(), CtlError> {
 /// `rig ctl lock`.
 #[derive(Debug, Args)]
 pub struct LockArgs {
-    /// A word on why; told to whoever is refused.
+    /// A note on why; it is shown to whoever is refused.
     #[arg(long, value_name = "TEXT", default_value = "")]
     note: String,
 }
@@ -136,7 +136,7 @@ pub fn advance(client: &mut Client, args: &AdvanceArgs) -> Result<Exit, CtlError
     Ok(Exit::Passed)
 }
 
-/// Lets time pass piece by piece; behind each one it is asked whether to go on. Tells the instant that was reached.
+/// Advances time step by step; after each one `goes_on` is asked. Returns the instant that was reached.
 pub fn advance_by(
     client: &mut Client,
     by: Span,

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// How long the rig is waited for at once.
 const WAIT: Duration = Duration::from_secs(1);
 
-/// Time is led in pieces of so much.
+/// Time is advanced in steps of so much.
 const PIECE: Span = Span::from_millis(100);
 
 /// `rig ctl frames`.

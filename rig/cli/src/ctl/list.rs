@@ -15,7 +15,7 @@ pub struct ListArgs {
     /// Only those of which one of these words is a part, in any case of letters.
     #[arg(value_name = "WORD")]
     words: Vec<String>,
-    /// Print JSON for a program: what `describe` tells of them.
+    /// Print JSON for a program: the entries of `describe`.
     #[arg(long)]
     json: bool,
 }

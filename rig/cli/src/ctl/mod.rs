@@ -41,9 +41,9 @@ pub enum CtlCommand {
     Rigs,
     /// Print the state of the controller, as in RUNNING.
     State,
-    /// Print how the rig is: state, indicators, tasks, forces, troubles.
+    /// Print the status of the rig: state, indicators, tasks, forces, faults.
     Status(status::StatusArgs),
-    /// Print what the rig is: controller, board, program, tasks, functions, buses, devices.
+    /// Describe the rig: controller, board, program, tasks, functions, buses, devices.
     Describe(status::StatusArgs),
     /// List what can be read: terminals, lines of the board, variables.
     List(list::ListArgs),
@@ -60,7 +60,7 @@ pub enum CtlCommand {
     Act(commands::ControllerCommand),
     /// Print signals as they change.
     Watch(watch::WatchArgs),
-    /// Wait until signals are what is asked for; exit with 1 if they are not in time.
+    /// Wait until signals have the given values; exit with 1 if they do not in time.
     Await(await_values::AwaitArgs),
     /// Print the log.
     Log(log::LogArgs),
@@ -68,21 +68,21 @@ pub enum CtlCommand {
     Frames(frames::FramesArgs),
     /// List the cases that the rig can run on its board.
     Plans(plan::PlansArgs),
-    /// Run a case, or all cases of a plan, in place of the controller's program, and tell how it goes.
+    /// Run a case, or all cases of a plan, in place of the controller's program, and report its progress.
     Plan(plan::PlanArgs),
     /// End the plan that runs.
     Abort,
-    /// Freeze what was commissioned: until it is unlocked nobody can write, force, command or run plans.
+    /// Lock the rig: until it is unlocked nobody can write, force, command or run plans.
     Lock(commands::LockArgs),
     /// End the lock.
     Unlock,
-    /// Let time pass on a rig that was started with `--led`.
+    /// Advance the time of a rig that was started with `--stepped`.
     Advance(commands::AdvanceArgs),
-    /// Send lines of the protocol from standard input as they are, and print what the rig says.
+    /// Send lines of the protocol from standard input as they are, and print the answers.
     Raw(raw::RawArgs),
 }
 
-/// Why a command did not come to its end.
+/// Why a command ended early.
 #[derive(Debug)]
 pub enum CtlError {
     /// Something between client and rig.

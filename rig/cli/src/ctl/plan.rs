@@ -37,15 +37,15 @@ pub fn list(client: &mut Client, args: &PlansArgs) -> Result<Exit, CtlError> {
 pub struct PlanArgs {
     /// The case, or the plan with all its cases, as `rig ctl plans` names it.
     name: String,
-    /// Print JSON for a program: what the plan tells, an object a line.
+    /// Print JSON for a program: the events of the plan, an object a line.
     #[arg(long)]
     json: bool,
-    /// Do not ask on a terminal whether it is meant.
+    /// Do not ask for confirmation on a terminal.
     #[arg(long, short)]
     yes: bool,
 }
 
-/// Runs a plan and tells of it; an interrupt ends it.
+/// Runs a plan and prints its progress; an interrupt ends it.
 pub fn run(client: &mut Client, args: &PlanArgs) -> Result<Exit, CtlError> {
     commands::confirm(client, args.yes, &format!("run {}", args.name))?;
     let interrupted = interrupt::catch()?;
@@ -85,7 +85,7 @@ struct PlanText {
 }
 
 impl PlanText {
-    /// What was told, for a person.
+    /// An event, for a person.
     fn shown(&mut self, told: &PlanEvent) -> String {
         match told {
             PlanEvent::Case { name, place, steps, .. } => {

@@ -26,7 +26,7 @@ pub fn run(address: &RigAddress, args: &RawArgs) -> Result<Exit, CtlError> {
     let rig = address.open()?;
     let socket = rig.socket().to_owned();
     let unreachable = |error: std::io::Error| ClientError::Unreachable(socket.clone(), error.kind());
-    // Its greeting was taken to see that it is a rig, so this connection begins anew.
+    // Its greeting was taken to see that it is a rig, so this connection starts again.
     drop(rig);
     let stream = UnixStream::connect(&socket).map_err(unreachable)?;
     let sends = stream.try_clone().map_err(unreachable)?;
@@ -41,7 +41,7 @@ fn send(mut stream: UnixStream, follow: bool) {
     for line in std::io::stdin().lock().split(b'\n') {
         let Ok(mut line) = line else { break };
         line.push(b'\n');
-        // A rig that is gone is told of by the other side.
+        // A rig that is gone is reported by the other side.
         if stream.write_all(&line).is_err() {
             return;
         }

@@ -10,7 +10,7 @@ use control::{Client, Clock, Description, Led, Operation, Status, Subject, TaskI
 /// `rig ctl status` and `rig ctl describe`.
 #[derive(Debug, Args)]
 pub struct StatusArgs {
-    /// Print JSON for a program, as the rig tells it.
+    /// Print JSON for a program, as the rig sends it.
     #[arg(long)]
     json: bool,
 }
@@ -91,7 +91,7 @@ fn led(led: &Led) -> String {
 const fn clock(clock: Clock) -> &'static str {
     match clock {
         Clock::Real => "on the host's clock",
-        Clock::Led => "led by its clients",
+        Clock::Stepped => "stepped by its clients",
     }
 }
 

@@ -10,7 +10,7 @@ use signal::{Kind, SignalInfo, Value};
 
 /// Why words give no value.
 pub fn refuse(words: &str, why: &str, help: &str) -> CtlError {
-    let found = Diagnostic::error("R0649", format!("`{words}` gives no value: {why}"));
+    let found = Diagnostic::error("R0649", format!("`{words}` is not a valid value: {why}"));
     output::findings(&[found.help(help)], &[]);
     CtlError::Exit(Exit::UserFiles)
 }
@@ -21,7 +21,7 @@ pub fn pair(client: &mut Client, words: &str) -> Result<(String, WireValue), Ctl
         Some((name, text)) if !name.trim().is_empty() => {
             Ok((name.trim().to_owned(), of(client, name.trim(), words, text)?))
         }
-        _ => Err(refuse(words, "no name with a value", "write NAME=VALUE, as in %QX0.3=1")),
+        _ => Err(refuse(words, "it is not a name with a value", "write NAME=VALUE, as in %QX0.3=1")),
     }
 }
 

@@ -26,10 +26,10 @@ pub struct WatchArgs {
     /// Print JSON for a program, an object a line.
     #[arg(long, conflicts_with = "csv")]
     json: bool,
-    /// Tell the last change of each signal so often.
+    /// Print the last change of each signal this often.
     #[arg(long, value_name = "TIME", default_value = "100 ms", value_parser = crate::duration::above_zero)]
     every: Span,
-    /// Tell every change.
+    /// Print every change.
     #[arg(long, conflicts_with = "every")]
     all: bool,
     /// End after so long [default: until it is interrupted].
@@ -96,7 +96,7 @@ pub fn run(client: &mut Client, args: &WatchArgs) -> Result<Exit, CtlError> {
     }
     let missed = view.missed + client.unseen();
     if missed > 0 {
-        output::note(&format!("{missed} changes were missed: they came faster than they could be told"));
+        output::note(&format!("{missed} changes were missed: they came faster than they could be sent"));
     }
     Ok(Exit::Passed)
 }

@@ -41,7 +41,7 @@ impl Demonstration {
     /// Starts it, and waits until it answers.
     ///
     /// # Errors
-    /// Files that cannot be written, or a rig that ends or does not answer: what it said is told.
+    /// Files that cannot be written, or a rig that ends or does not answer: its messages are reported.
     pub fn start(interrupt: &AtomicBool) -> Result<Demonstration, Diagnostic> {
         let folder = std::env::temp_dir().join(format!("scanrig-demonstration-{}", std::process::id()));
         let socket = folder.join("sim.sock");
@@ -101,5 +101,5 @@ impl Drop for Demonstration {
 
 fn not_started(why: &str) -> Diagnostic {
     let found = Diagnostic::error("R0661", format!("the rig of the demonstration does not run: {why}"));
-    found.help("see whether `rig run` works on this machine: `rig doctor` tells more")
+    found.help("see whether `rig run` works on this machine: `rig doctor` says more")
 }

@@ -66,7 +66,7 @@ pub fn run(args: &DashArgs) -> Exit {
     }
 }
 
-/// A rig that runs. One that is not there now is told before the screen is taken.
+/// A rig that runs. One that is not there is reported before the screen is taken.
 fn attach(args: &DashArgs) -> Exit {
     match args.address.connect("rig dash") {
         Ok(client) => show(args, client.socket().to_owned(), false),

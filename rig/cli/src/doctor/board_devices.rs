@@ -103,7 +103,7 @@ fn transfers(machine: &Machine, buffer: u32) -> Check {
             Check::bad(GROUP, TRANSFERS, format!("of up to {bytes} bytes, and a stream of the board has {buffer}"))
                 .means("the board cannot be opened")
                 .fix(format!("echo 'options spidev bufsiz={buffer}' | sudo tee /etc/modprobe.d/rig-spidev.conf"))
-                .then(format!("start the machine again; where the driver is built in: spidev.bufsiz={buffer} on the kernel's command line"))
+                .then(format!("restart the machine; where the driver is built in: spidev.bufsiz={buffer} on the kernel's command line"))
         }
         Some(bytes) => Check::good(GROUP, TRANSFERS, format!("of up to {bytes} bytes, enough for the board's streams")),
         None => Check::open(GROUP, TRANSFERS, "the driver does not say how long they may be"),

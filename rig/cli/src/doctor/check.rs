@@ -1,11 +1,11 @@
-//! What was found of one thing, how good it is for real lines, and what mends it.
+//! What was found of one thing, how good it is for real lines, and what fixes it.
 
 /// How good a thing is for real lines, best first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CheckState {
     /// As it should be.
     Good,
-    /// Nothing that real lines need, or nothing that can be told.
+    /// Nothing that real lines need, or not known.
     Open,
     /// Works, with a drawback.
     Poor,
@@ -38,9 +38,9 @@ pub struct Check {
     pub found: String,
     /// What follows from it, where it is not good.
     pub means: &'static str,
-    /// The line to type.
+    /// The command that fixes it.
     pub fix: Option<String>,
-    /// What has to be done behind it, or what no line can do, as in `log in again`.
+    /// What has to be done after it, or what no command can do, as in `log in again`.
     pub then: String,
 }
 
@@ -54,7 +54,7 @@ impl Check {
         Check::new(CheckState::Good, group, name, found.into())
     }
 
-    /// A thing that is not there and need not be, or that cannot be told.
+    /// A thing that is not there and need not be, or that is not known.
     pub fn open(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
         Check::new(CheckState::Open, group, name, found.into())
     }
@@ -76,14 +76,14 @@ impl Check {
         self
     }
 
-    /// The line to type that mends it.
+    /// The command that fixes it.
     #[must_use]
     pub fn fix(mut self, line: impl Into<String>) -> Check {
         self.fix = Some(line.into());
         self
     }
 
-    /// What has to be done behind the mend, or in its place.
+    /// What has to be done after the fix, or in its place.
     #[must_use]
     pub fn then(mut self, then: impl Into<String>) -> Check {
         self.then = then.into();

@@ -10,7 +10,7 @@ pub const GROUP: &str = "devices";
 /// ARPHRD_CAN: the type of a network interface that is a CAN controller.
 const CAN: &str = "280";
 
-/// The first kernel that tells when edges of a GPIO line were lost.
+/// The first kernel that reports when edges of a GPIO line were lost.
 const GPIO_V2: (u32, u32) = (5, 10);
 
 /// A kind of device that programs open by a node or a file.
@@ -112,7 +112,7 @@ fn devices(machine: &Machine, kind: &DeviceClass) -> Check {
         }
         None if gpio && version(machine).is_some_and(|version| version < GPIO_V2) => {
             Check::poor(GROUP, kind.name, format!("{}, by the first interface", names.join(", ")))
-                .means("edges that get lost go unnoticed; a kernel from 5.10 tells of them")
+                .means("edges that get lost go unnoticed; a kernel from 5.10 reports them")
         }
         None => Check::good(GROUP, kind.name, names.join(", ")),
     }
@@ -125,7 +125,7 @@ pub fn version(machine: &Machine) -> Option<(u32, u32)> {
     Some((numbers.next()?.ok()?, numbers.next()?.ok()?))
 }
 
-/// The line that gives a file to this user, and what has to be done behind it.
+/// The line that gives a file to this user, and what has to be done after it.
 pub fn grant(machine: &Machine, file: &str, subsystem: &str, group: &str) -> (String, &'static str) {
     let owner = machine.mode(file).filter(|(mode, _, _)| mode & 0o060 == 0o060);
     let name = owner.and_then(|(_, _, gid)| group_name(machine, gid)).filter(|name| name != "root");
@@ -188,6 +188,6 @@ fn can_up(machine: &Machine, names: &[String]) -> Check {
         Some(off) => Check::poor(GROUP, NAME, words.join("; "))
             .means("nothing passes there before its controller is started again")
             .fix(format!("sudo ip link set {} type can restart", off.name))
-            .then("look at bit rate, termination and cable: somebody made it give up"),
+            .then("look at bit rate, termination and cable: too many errors made it give up"),
     }
 }

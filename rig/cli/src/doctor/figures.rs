@@ -44,7 +44,7 @@ pub fn counts(file: &BoardFile) -> Option<Check> {
             let name = name.map_or("", |channel| channel.name.as_str());
             let check =
                 Check::poor(GROUP, NAME, format!("{found}; the board file promises {hz} Hz of `{name}`"));
-            check.means("counts of faster pulses may be wrong, and nobody is told").fix(fix)
+            check.means("counts of faster pulses may be wrong without notice").fix(fix)
         }
         _ => Check::good(GROUP, NAME, found),
     })

@@ -51,7 +51,7 @@ fn kind(machine: &Machine) -> Check {
     } else {
         return check;
     };
-    mended.then("start the machine anew")
+    mended.then("restart the machine")
 }
 
 fn resolution(machine: &Machine) -> Check {
@@ -142,9 +142,9 @@ pub fn boot_parameter(machine: &Machine, check: Check, parameter: &str, further:
         }),
     };
     match line {
-        Some(line) => check.fix(line).then(format!("start the machine anew{further}")),
+        Some(line) => check.fix(line).then(format!("restart the machine{further}")),
         None => check.then(format!(
-            "let your boot loader give `{parameter}` to the kernel, and start the machine anew{further}"
+            "let your boot loader give `{parameter}` to the kernel, and restart the machine{further}"
         )),
     }
 }

@@ -1,4 +1,4 @@
-//! `rig doctor`: what this machine can do on real lines, and the line to type where it cannot.
+//! `rig doctor`: what this machine can do on real lines, and the command that fixes what it cannot.
 
 mod board_devices;
 mod check;
@@ -127,7 +127,7 @@ fn document(machine: &Machine, checks: &[Check], worst: CheckState) -> serde_jso
                 "state": state,
                 "found": check.found,
                 "means": check.means,
-                "mend": check.fix,
+                "fix": check.fix,
                 "then": check.then,
             })
         })

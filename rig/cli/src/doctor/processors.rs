@@ -6,7 +6,7 @@ use host::Machine;
 
 const GROUP: &str = "processors";
 
-/// Where the kernel tells about them.
+/// Where the kernel describes them.
 const PROCESSORS: &str = "/sys/devices/system/cpu";
 
 /// Everything about the processors.

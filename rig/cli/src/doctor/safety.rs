@@ -1,4 +1,4 @@
-//! What makes the outputs safe when the rig cannot any more: the guard, and the watchdog behind it.
+//! What makes the outputs safe when the rig cannot any more: the guard, and the watchdog that backs it.
 
 use super::check::Check;
 use super::devices::{grant, version};
@@ -35,7 +35,7 @@ fn guard(machine: &Machine) -> Check {
     }
 }
 
-/// Starts a guard and ends it: what it would have to do without, which other lines here mend.
+/// Starts a guard and ends it: what it would have to do without, which other entries here fix.
 fn tried() -> Result<String, GuardError> {
     let guard = Guard::spawn(&GuardSettings::default())?;
     let Lacks { priority, memory, sparing } = guard.lacks();
@@ -67,7 +67,7 @@ fn watchdog(machine: &Machine) -> Check {
     }
     let name = about("identity").unwrap_or_else(|| String::from("one without a name"));
     if about("state").as_deref() == Some("active") {
-        return Check::poor(GROUP, NAME, format!("{name}, which somebody else feeds"))
+        return Check::poor(GROUP, NAME, format!("{name}, which another program feeds"))
             .means("it bites when that program ends, and not when the rig does")
             .fix(
                 "printf '[Manager]\\nRuntimeWatchdogSec=0\\n' | \

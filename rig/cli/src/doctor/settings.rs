@@ -64,7 +64,7 @@ fn latency(machine: &Machine) -> Option<Check> {
             && about(port, "type").as_deref() != Some("0")
     };
     let ports: Vec<String> = machine.list("/sys/class/tty", "tty").into_iter().filter(real).collect();
-    // An adapter tells its timer in ms, a port of the mainboard one of its flags.
+    // An adapter reports its timer in ms, a port of the mainboard one of its flags.
     let slow = |port: &&String| match about(port, "device/latency_timer") {
         Some(timer) => timer.parse().is_ok_and(|timer: u32| timer > QUICK),
         None => about(port, "flags")
@@ -74,7 +74,7 @@ fn latency(machine: &Machine) -> Option<Check> {
     let slow: Vec<&str> = ports.iter().filter(slow).map(String::as_str).collect();
     match (ports.len(), slow.len()) {
         (0, _) => None,
-        (_, 0) => Some(Check::good(GROUP, NAME, "low, as far as the ports tell")),
+        (_, 0) => Some(Check::good(GROUP, NAME, "low, as far as the ports report")),
         _ => {
             let found = format!("{} may keep what comes for some milliseconds", slow.join(", "));
             let check = Check::open(GROUP, NAME, found);

@@ -143,7 +143,7 @@ fn choose(
     }
 }
 
-/// Claims on what the capture does not have come out inconclusive; the user is told why.
+/// Claims on what the capture does not have come out inconclusive; the reason is reported.
 fn say_what_is_missing(case: &Case, layout: &CaseLayout, wires: &[ChannelMapping]) {
     let has = |name: &str| wires.iter().any(|wire| layout.signals()[wire.signal].name == name);
     let missing: Vec<String> = case.scenario().signals().into_iter().filter(|name| !has(name)).collect();
@@ -198,7 +198,7 @@ fn before(at: When, span: Span) -> When {
 
 fn step(text: &str, layout: &CaseLayout, names: &CaptureNames<'_>) -> Result<(String, When), Diagnostic> {
     let Some((id, when)) = text.split_once('=') else {
-        let message = format!("--at {text}: it says no instant");
+        let message = format!("--at {text}: it names no instant");
         return Err(Diagnostic::error("R0178", message).help("write --at STEP=\"button rises\""));
     };
     let id = id.trim();

@@ -34,7 +34,7 @@ pub fn find(option: &str, text: &str, names: &CaptureNames<'_>) -> Result<When, 
         let at = Time::ZERO.saturating_add(span);
         // Before the first instant the case may have begun unseen.
         if at > last {
-            let message = format!("{option}: {span} is behind the end of the capture");
+            let message = format!("{option}: {span} is after the end of the capture");
             return Err(Diagnostic::error("R0173", message).help(range(first, last)));
         }
         return Ok(When::exactly(at));
@@ -61,7 +61,7 @@ pub fn find(option: &str, text: &str, names: &CaptureNames<'_>) -> Result<When, 
 }
 
 fn range(first: Time, last: Time) -> String {
-    format!("the capture tells of {first} to {last}")
+    format!("the capture covers {first} to {last}")
 }
 
 fn truth(value: Value, threshold: Option<f64>) -> Option<bool> {

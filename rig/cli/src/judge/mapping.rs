@@ -63,7 +63,7 @@ pub fn wires(
 fn mapping(text: &str, capture: &Capture, signals: &[SignalInfo]) -> Result<ChannelMapping, Diagnostic> {
     // A channel's name may hold a `=`, a signal's does not.
     let Some((channel, signal)) = text.rsplit_once('=') else {
-        let message = format!("--map {text}: it says no signal");
+        let message = format!("--map {text}: it names no signal");
         return Err(Diagnostic::error("R0178", message).help("write --map CHANNEL=SIGNAL"));
     };
     let (signal, threshold) = match signal.rsplit_once('@') {
@@ -71,7 +71,7 @@ fn mapping(text: &str, capture: &Capture, signals: &[SignalInfo]) -> Result<Chan
         Some((signal, number)) => match number.trim().parse::<f64>() {
             Ok(number) if number.is_finite() => (signal, Some(number)),
             _ => {
-                let message = format!("--map {text}: `{number}` is no number");
+                let message = format!("--map {text}: `{number}` is not a number");
                 return Err(Diagnostic::error("R0178", message).help("write the threshold as in lamp@2.5"));
             }
         },

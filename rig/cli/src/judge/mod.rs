@@ -89,7 +89,7 @@ fn try_run(args: &JudgeArgs) -> Result<Exit, Exit> {
         Some(format) => foreign::judge(args, format, &mut sources),
         None => {
             file.rewind().map_err(unreadable)?;
-            let trace = load(file).map_err(|why| refuse(format!("{path} is no whole trace: {why}")))?;
+            let trace = load(file).map_err(|why| refuse(format!("{path} is not a complete trace: {why}")))?;
             if args.capture.is_given() {
                 let what =
                     format!("{path} is a trace of the rig's own, which says its case, signals and instants");
@@ -111,10 +111,10 @@ fn try_run(args: &JudgeArgs) -> Result<Exit, Exit> {
 fn load(file: File) -> Result<Trace, String> {
     let mut file = BufReader::new(file);
     let trace = Trace::load(&mut file, LoadLimits::default()).map_err(|error| error.to_string())?;
-    // A trace says where it ends; what stands behind it is of no trace.
+    // A trace says where it ends; what follows it is not of the trace.
     match file.fill_buf().is_ok_and(<[u8]>::is_empty) {
         true => Ok(trace),
-        false => Err("something stands behind its end".to_owned()),
+        false => Err("something follows its end".to_owned()),
     }
 }
 

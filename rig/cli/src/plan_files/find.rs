@@ -41,7 +41,7 @@ fn search(folder: &Path, depth: usize, found: &mut Vec<String>) {
     }
 }
 
-/// In a folder of a user's project other TOML files stand about. One that is no plan yet is taken for one, lest it be
+/// In a folder of a user's project other TOML files stand about. One that is no plan yet is taken for one, so that it is not
 /// passed over in silence.
 fn is_plan(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "toml")

@@ -1,4 +1,4 @@
-//! The plans that a command line names, on disk or of those that ship: found, told from other files, loaded.
+//! The plans that a command line names, on disk or of those that ship: found, distinguished from other files, loaded.
 
 pub mod find;
 pub mod kind;

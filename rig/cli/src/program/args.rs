@@ -57,7 +57,7 @@ pub struct ProgramBenchArgs {
     /// Structured Text files of one application.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// How many scans to measure, behind a few to warm up.
+    /// How many scans to measure, after a few to warm up.
     #[arg(long, value_name = "N")]
     pub cycles: u64,
     /// How to print.

@@ -73,7 +73,7 @@ fn parts_of_other_runs(parts: &[SavedRun]) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     for part in parts.iter().filter(|part| part.record.shard.is_none()) {
         found.push(
-            Diagnostic::error("R0165", format!("`{}` is no part of a suite", part.name))
+            Diagnostic::error("R0165", format!("`{}` is not a part of a suite", part.name))
                 .help("parts are what `rig test --shard K/N` ran"),
         );
     }

@@ -75,7 +75,7 @@ fn load(folder: &Path, case: &CaseRecord) -> Result<Trace, String> {
     let path = path(folder, case)?;
     let mut file = BufReader::new(File::open(&path).map_err(|error| format!("{}: {error}", path.display()))?);
     let trace = Trace::load(&mut file, LoadLimits::default())
-        .map_err(|error| format!("{} is no whole trace: {error}", path.display()))?;
+        .map_err(|error| format!("{} is not a complete trace: {error}", path.display()))?;
     if runtime::describe::hex(&trace.digest()) != case.trace_sha256 {
         return Err(format!("{} is another trace than the record names", path.display()));
     }
@@ -93,6 +93,6 @@ pub(super) fn path(folder: &Path, case: &CaseRecord) -> Result<PathBuf, String> 
     {
         Ok(folder.join(named))
     } else {
-        Err(format!("`{}` is no place in the run's folder", named.display()))
+        Err(format!("`{}` is not a path within the run's folder", named.display()))
     }
 }

@@ -15,27 +15,45 @@ use std::path::{Path, PathBuf};
 /// Where a service manager says that what lasts is kept.
 const STATE: &str = "STATE_DIRECTORY";
 
-/// What a command line says of the socket.
+/// What the command line says of the socket.
 #[derive(Debug, Args)]
 pub struct ControlArgs {
-    /// The control socket, by which `rig ctl` and `rig dash` work it: else as the board file says, or the usual place.
+    /// The control socket for `rig ctl` and `rig dash` [default: that of the board file, or the usual place].
     #[arg(long, value_name = "PATH")]
     control: Option<PathBuf>,
-    /// A folder in which the lock outlasts the rig: else $STATE_DIRECTORY.
+    /// A folder in which the lock outlasts the rig [default: $STATE_DIRECTORY].
     #[arg(long, value_name = "FOLDER")]
     state: Option<PathBuf>,
-    /// Let time stand still until a client of the control socket leads it on: for tests, on simulated boards.
+    /// Run in stepped time: it stands still until a client of the control socket advances it. For tests, on simulated boards.
     #[arg(long)]
-    pub led: bool,
+    pub stepped: bool,
+    /// The old name of `--stepped`.
+    #[arg(long, hide = true)]
+    led: bool,
 }
 
-/// Serves clients where that is wanted. A socket that nobody asked for and that cannot be made is said and done without.
+impl ControlArgs {
+    /// Whether time is stepped by clients.
+    ///
+    /// # Errors
+    /// R0225: the old option.
+    pub fn is_stepped(&self) -> Result<bool, Diagnostic> {
+        if self.led {
+            let found = Diagnostic::error("R0225", "`--led` is the old name of an option");
+            return Err(found.help("write `--stepped`"));
+        }
+        Ok(self.stepped)
+    }
+}
+
+/// Serves clients where that is wanted. A socket that was not asked for and cannot be created is reported, and the rig
+/// runs without it.
 ///
 /// # Errors
-/// One that was asked for cannot be made.
+/// One that was asked for cannot be created.
 pub fn serve(args: &ControlArgs, board: &BoardFile, rig: LiveRig) -> Result<Option<Serving>, Diagnostic> {
     let named = args.control.clone().or_else(|| board.control.socket.clone());
-    let wanted = named.is_some() || board.control.group.is_some() || args.led;
+    let wanted = named.is_some() || board.control.group.is_some() || args.stepped;
     let socket = named.unwrap_or_else(|| place::default_socket(Path::new(&board.name)));
     match services::control::serve(rig, settings(args, board, socket), output::info) {
         Ok(serving) => {

@@ -27,13 +27,13 @@ use std::sync::{Arc, Mutex};
 /// Set by the signal handler: the controller stops with its outputs safe.
 static INTERRUPT: AtomicBool = AtomicBool::new(false);
 
-/// What the executor has done: the service manager is told that it goes on.
+/// Counts the executor's turns: the service manager is notified as long as they go on.
 static TURNS: LoopCounter = LoopCounter::new();
 
 /// How long an interrupt takes at most to be seen where nothing happens.
 const SLICE: Span = Span::from_millis(50);
 
-/// The same where lines are modelled, and nobody's bell ends a wait: orders of clients are seen as soon.
+/// The same where lines are modelled and no event ends a wait: the delay of a client's request.
 const MODELLED: Span = Span::from_millis(10);
 
 /// Lines that wait to be printed.
@@ -58,16 +58,16 @@ pub struct RunArgs {
     /// How long to run; until it is interrupted if left out.
     #[arg(long = "for", value_name = "TIME")]
     duration: Option<String>,
-    /// Let its first boot take no time.
+    /// Skip the time of the first boot.
     #[arg(long)]
     booted: bool,
-    /// What it does when somebody else is on the lines.
+    /// What it does while another run uses the lines.
     #[command(flatten)]
     wait: BenchLockArgs,
-    /// The seed of everything that is left to chance.
+    /// The seed of all random choices.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// How clients work it.
+    /// How clients operate it.
     #[command(flatten)]
     control: ControlArgs,
 }
@@ -86,6 +86,7 @@ pub fn run(args: &RunArgs) -> Exit {
 
 fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Diagnostic>> {
     let lasts = args.duration.as_deref().map(duration).transpose().map_err(|found| vec![found])?;
+    let stepped = args.control.is_stepped().map_err(|found| vec![found])?;
     let board = suite::load_board(&Disk, &args.board.to_string_lossy(), sources)?;
     if board.0.subject.is_external() {
         return Err(vec![soft_plc::real_controller(&board.0)]);
@@ -110,9 +111,8 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     let hardware = Hardware::open(&board.0)?.map(|hardware| hardware.with_lock(lock));
     output::findings(&hardware.as_ref().map(Hardware::warnings).unwrap_or_default(), sources);
     let plans = live::PlanBench { source: Arc::new(HostPlans), board: board.clone(), seed: args.seed };
-    let led = args.control.led;
     let (rig, port, slot) =
-        live::open(&case, &files, hardware.as_ref(), led, env!("CARGO_PKG_VERSION"), Some(plans))?;
+        live::open(&case, &files, hardware.as_ref(), stepped, env!("CARGO_PKG_VERSION"), Some(plans))?;
     let serving = serve(&args.control, &board.0, rig).map_err(|found| vec![found])?;
     let port = Mutex::new(port);
     let options = RunOptions {
@@ -120,7 +120,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
         hardware: hardware.as_ref(),
         loop_counter: Some(&TURNS),
         live: serving.is_some().then_some(&port),
-        ..RunOptions::new(if led { ClockKind::Virtual } else { ClockKind::Real }, &INTERRUPT)
+        ..RunOptions::new(if stepped { ClockKind::Virtual } else { ClockKind::Real }, &INTERRUPT)
     };
     let settings = SoftPlcSettings { duration: lasts, booted: args.booted };
     let (tell, told) = mpsc::sync_channel(WAITING);
@@ -148,13 +148,13 @@ fn duration(text: &str) -> Result<Span, Diagnostic> {
     match Span::parse(text) {
         Ok(span) if span > Span::ZERO => Ok(span),
         _ => {
-            let found = Diagnostic::error("R0222", format!("`--for {text}` is no duration above 0"));
+            let found = Diagnostic::error("R0222", format!("`--for {text}` is not a duration above 0"));
             Err(found.help("write one such as \"--for 10s\" or \"--for '1 h 30 min'\""))
         }
     }
 }
 
-/// A plan that has nothing but a program.
+/// A plan that names a program and nothing else.
 struct ProgramOnlyPlan(String);
 
 impl FileSource for ProgramOnlyPlan {
@@ -218,7 +218,7 @@ fn seconds(at: Time) -> f64 {
     (at - Time::ZERO).as_nanos() as f64 / 1e9
 }
 
-/// Prints what the controller tells until it is gone.
+/// Prints what the controller reports until it ends.
 fn show(told: &Receiver<SoftPlcEvent>, notifier: &ServiceNotifier) {
     let line = |at: Time, text: &str| output::print(&format!("{:>12.3} s  {text}\n", seconds(at)));
     for told in told {
@@ -236,7 +236,7 @@ fn show(told: &Receiver<SoftPlcEvent>, notifier: &ServiceNotifier) {
     }
 }
 
-/// Says how it was, and how the command ends: an interrupt is how a controller that is kept running stops.
+/// Prints the summary, and returns how the command ends: an interrupt is how a controller that is kept running stops.
 fn end(played: &SoftPlcReport, notifier: &ServiceNotifier) -> Exit {
     let lasted = seconds(played.report.closed);
     let milliseconds = |span: Span| span.as_nanos() as f64 / 1e6;

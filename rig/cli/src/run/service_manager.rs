@@ -1,7 +1,7 @@
-//! What the service manager is told of a controller that is kept running: sd_notify(3), in a few lines of our own.
+//! Notifies the service manager of a controller that is kept running: sd_notify(3).
 //!
-//! A thread of its own talks, without real-time priority: a manager that does not listen holds up nobody. It says that the
-//! rig lives only if the executor has turned since it said so last, so that one that hangs is missed by the manager.
+//! A thread of its own sends, without real-time priority: a manager that does not read delays nothing. It sends the
+//! watchdog's keep-alive only if the executor has turned since the last one, so that the manager notices one that hangs.
 
 use document::Diagnostic;
 use runtime::LoopCounter;
@@ -17,26 +17,26 @@ use std::time::{Duration, Instant};
 /// Where the manager listens: a path, or `@` and an abstract name.
 const NOTIFY_SOCKET: &str = "NOTIFY_SOCKET";
 
-/// Microseconds after which it misses a sign of life.
+/// Microseconds within which it expects a keep-alive.
 const WATCHDOG_USEC: &str = "WATCHDOG_USEC";
 
-/// The process that it misses one of; this one where nothing is said.
+/// The process that it expects one of; this one where the variable is not set.
 const WATCHDOG_PID: &str = "WATCHDOG_PID";
 
 /// The least time between two looks at the executor, which turns every 50 ms at rest.
 const SHORTEST_PERIOD: Duration = Duration::from_millis(1);
 
-/// Tells the service manager, if there is one, until it is dropped.
+/// Notifies the service manager, if there is one, until it is dropped.
 #[derive(Debug)]
 pub struct ServiceNotifier {
     handle: Option<(NotifierHandle, JoinHandle<()>)>,
 }
 
-/// A way to tell it something, for another thread.
+/// Notifies it from another thread.
 #[derive(Clone, Debug)]
 pub struct NotifierHandle(Sender<Notification>);
 
-/// What it is told.
+/// What it is notified of.
 #[derive(Debug)]
 enum Notification {
     Ready,
@@ -63,7 +63,7 @@ impl ManagerEnvironment {
             Some(text) => match text.to_str().and_then(|text| text.parse::<u64>().ok()) {
                 Some(number) => Ok(Some(number)),
                 None => {
-                    let message = format!("`{name}` is {}, which is no number", text.to_string_lossy());
+                    let message = format!("`{name}` is {}, which is not a number", text.to_string_lossy());
                     let found = Diagnostic::error("R0341", message);
                     Err(found.help("leave it to the service manager, or unset it"))
                 }
@@ -76,16 +76,16 @@ impl ManagerEnvironment {
 }
 
 impl ServiceNotifier {
-    /// Tells the manager that the environment names, and that the rig lives as long as these turns go on.
+    /// Notifies the manager that the environment names, and keeps its watchdog alive as long as these turns go on.
     ///
     /// # Errors
-    /// What the environment says cannot be, or nobody listens there.
+    /// The environment's variables are invalid, or nobody listens there.
     pub fn start(turns: &'static LoopCounter) -> Result<ServiceNotifier, Diagnostic> {
         let wanted = ManagerEnvironment::read(|name| std::env::var_os(name), std::process::id())?;
         let Some(socket) = wanted.socket else { return Ok(ServiceNotifier { handle: None }) };
         let unreachable = |error: io::Error| {
             let message =
-                format!("the service manager cannot be told at {}: {error}", socket.to_string_lossy());
+                format!("the service manager cannot be notified at {}: {error}", socket.to_string_lossy());
             let found = Diagnostic::error("R0340", message);
             found.help(format!(
                 "start the rig by `systemctl`, or unset `{NOTIFY_SOCKET}` where there is no service manager"
@@ -93,10 +93,10 @@ impl ServiceNotifier {
         };
         let socket = connect(&socket).map_err(unreachable)?;
         let (sender, notifications) = mpsc::channel();
-        let notify_loop = move || notify_loop(&socket, &notifications, turns, wanted.watchdog);
+        let body = move || notify_loop(&socket, &notifications, turns, wanted.watchdog);
         let thread =
-            std::thread::Builder::new().name(String::from("notify")).spawn(notify_loop).map_err(|error| {
-                Diagnostic::error("R0340", format!("the service manager cannot be told: {error}"))
+            std::thread::Builder::new().name(String::from("notify")).spawn(body).map_err(|error| {
+                Diagnostic::error("R0340", format!("the service manager cannot be notified: {error}"))
                     .help("let the service have more threads (`TasksMax`)")
             })?;
         Ok(ServiceNotifier { handle: Some((NotifierHandle(sender), thread)) })
@@ -107,20 +107,20 @@ impl ServiceNotifier {
         self.send(Notification::Ready);
     }
 
-    /// How it is, in a few words.
+    /// Its status, in a few words.
     pub fn status(&self, text: &str) {
         // A line is all that a status may be.
         self.send(Notification::Status(text.lines().collect::<Vec<_>>().join(" ")));
     }
 
-    /// For the handler of signals; `None` where nobody is to be told.
+    /// For the handler of signals; `None` where there is no service manager.
     pub fn handle(&self) -> Option<NotifierHandle> {
         self.handle.as_ref().map(|(handle, _)| handle.clone())
     }
 
     fn send(&self, notification: Notification) {
         if let Some((handle, _)) = &self.handle {
-            // The thread ends only behind the last word.
+            // The thread ends only after the last notification.
             let _ = handle.0.send(notification);
         }
     }
@@ -138,7 +138,7 @@ impl Drop for ServiceNotifier {
         if let Some((handle, thread)) = self.handle.take() {
             handle.stopping();
             let _ = handle.0.send(Notification::End);
-            // A panic there has printed its words, and nothing hangs on it here.
+            // A panic there has printed its message, and nothing here depends on it.
             let _ = thread.join();
         }
     }
@@ -154,7 +154,7 @@ fn connect(name: &OsStr) -> io::Result<UnixDatagram> {
     Ok(socket)
 }
 
-/// Talks until the last word, and says in between that the rig lives.
+/// Sends notifications until the last one, and keep-alives in between.
 fn notify_loop(
     socket: &UnixDatagram,
     notifications: &Receiver<Notification>,
@@ -192,7 +192,7 @@ fn notify_loop(
     }
 }
 
-/// When a sign of life is due, and whether there is one to give.
+/// When a keep-alive is due, and whether it may be sent.
 #[derive(Debug)]
 struct WatchdogTimer {
     every: Duration,

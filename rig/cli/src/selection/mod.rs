@@ -151,7 +151,7 @@ fn tokens(text: &str) -> Result<Vec<Token>, SelectionError> {
             }
             first => {
                 let mut word = String::from(first);
-                // Square brackets and blanks inside quotes behind a colon belong to the word: `title:"a b"`.
+                // Square brackets and blanks inside quotes after a colon belong to the word: `title:"a b"`.
                 let mut quoted = false;
                 while let Some((_, c)) = chars.peek().copied() {
                     if c == '"' {

@@ -24,7 +24,7 @@ impl Shard {
             .and_then(|(part, of)| Some(Shard { part: number(part)?, of: number(of)? }))
             .filter(|shard| (1..=shard.of).contains(&shard.part))
             .ok_or_else(|| {
-                Diagnostic::error("R0161", format!("`--shard {text}` is no part of a suite"))
+                Diagnostic::error("R0161", format!("`--shard {text}` is not a part of a suite"))
                     .help("write `--shard 1/3`, `2/3` and `3/3` to run a suite in three parts")
             })
     }

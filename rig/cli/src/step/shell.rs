@@ -62,7 +62,7 @@ impl StepCommand {
                 return Err(format!("there is no command `{other}`{}", near.unwrap_or_default()));
             }
         };
-        if rest.trim().is_empty() { Ok(command) } else { Err(format!("`{word}` takes nothing behind it")) }
+        if rest.trim().is_empty() { Ok(command) } else { Err(format!("`{word}` takes no argument")) }
     }
 }
 

@@ -40,7 +40,7 @@ pub struct TestArgs {
     /// Give a plan's parameter a value.
     #[arg(long = "param", value_name = "K=V")]
     pub params: Vec<String>,
-    /// The seed of everything that is left to chance.
+    /// The seed of all random choices.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Run every case this many times, each with a seed of its own.
@@ -52,16 +52,16 @@ pub struct TestArgs {
     /// List the cases and run none.
     #[arg(long)]
     pub list: bool,
-    /// Note which statements and branches of the programs ran.
+    /// Record which statements and branches of the programs ran.
     #[arg(long)]
     pub coverage: bool,
-    /// What a run on real lines does when somebody else is on them.
+    /// What a run on real lines does while another run uses them.
     #[command(flatten)]
     pub wait: BenchLockArgs,
     /// How the run is shown.
     #[command(flatten)]
     pub display: DisplayArgs,
-    /// What the run leaves.
+    /// What the run writes.
     #[command(flatten)]
     pub reporting: ReportingArgs,
 }

@@ -1,4 +1,4 @@
-//! How a run is shown, and which traces are kept: the arguments.
+//! Arguments: how a run is displayed, and which traces are kept.
 
 use clap::{Args, ValueEnum};
 use record::{CaseRecord, Verdict};
@@ -17,7 +17,7 @@ pub struct DisplayArgs {
     /// Whether to draw a progress bar on standard error.
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     pub progress: Progress,
-    /// A case that takes longer than this on the host is said to be slow.
+    /// A case that takes longer than this on the host is reported as slow.
     #[arg(long, value_name = "TIME", default_value = "10 s", value_parser = duration)]
     pub slow: Duration,
     /// Which traces the report keeps.

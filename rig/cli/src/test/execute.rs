@@ -1,4 +1,4 @@
-//! Runs the chosen cases, keeps their record, and tells an observer.
+//! Runs the chosen cases, collects their records, and reports to an observer.
 
 use super::INTERRUPT;
 use super::args::{ClockChoice, TestArgs};
@@ -135,7 +135,7 @@ fn at_once(args: &TestArgs, real: bool) -> usize {
     }
 }
 
-/// What comes of a run.
+/// Collects the results of a run.
 struct RunCollector {
     run: RunRecord,
     folder: Option<ReportFolder>,
@@ -148,7 +148,7 @@ struct RunCollector {
 }
 
 impl RunCollector {
-    /// Keeps what became of a job, and hands back its record.
+    /// Collects the result of a job, and returns its record.
     fn collect(&mut self, done: JobResult, job: &Job, loaded: &[LoadedPlan]) -> &CaseRecord {
         let (mut record, trace, frames) = match done {
             JobResult::Case(result) => {
@@ -189,7 +189,7 @@ impl RunCollector {
         }
     }
 
-    /// Tells the end, writes the reports, and says how the command ends.
+    /// Writes the reports, reports the end, and returns how the command ends.
     fn finish(mut self, observer: &mut dyn RunObserver) -> Exit {
         self.run.coverage =
             if self.run.shard.is_some() { self.coverage.part() } else { self.coverage.record() };

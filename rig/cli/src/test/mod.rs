@@ -1,4 +1,4 @@
-//! `rig test`: plans are loaded, cases chosen and run, and an observer tells the user.
+//! `rig test`: plans are loaded, cases chosen and run, and an observer reports to the user.
 
 mod args;
 mod choose;

@@ -1,10 +1,10 @@
-//! What is told while cases run.
+//! What is reported while cases run.
 
 use document::{Diagnostic, SourceFile};
 use record::{CaseRecord, RunRecord};
 use runtime::suite::Job;
 
-/// Is told of a run as it goes on: what a terminal, a CI log or a program that reads events shows of it.
+/// Observes a run: what a terminal, a CI log or a program that reads events shows of it.
 pub trait RunObserver {
     /// The run begins: the record without cases yet, and how many cases run at a time.
     fn run_started(&mut self, _run: &RunRecord, _at_once: usize) {}

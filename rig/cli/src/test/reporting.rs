@@ -1,4 +1,4 @@
-//! What a run leaves: which part of the suite it is, its reports, a summary, a place in a history.
+//! What a run writes: its reports, a summary, an entry of a history; and which part of the suite it is.
 
 use crate::exit::Exit;
 use crate::saved_runs::report_folder::{ReportFolder, ReportFormat};
@@ -13,13 +13,13 @@ use std::path::PathBuf;
 /// What the command line says of it.
 #[derive(Clone, Debug, Args)]
 pub struct ReportingArgs {
-    /// Run only part K of N of the chosen cases; `rig report --merge` puts the parts together.
+    /// Run only part K of N of the chosen cases; `rig report --merge` merges the parts.
     #[arg(long, value_name = "K/N")]
     pub shard: Option<String>,
     /// Write a summary in Markdown into this file: for a merge request, or for the job's page.
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
-    /// Add the run to this history, of which `rig history show` tells.
+    /// Add the run to this history, for `rig history show`.
     #[arg(long, value_name = "FILE")]
     pub history: Option<PathBuf>,
 }

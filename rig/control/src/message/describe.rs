@@ -26,8 +26,9 @@ pub enum Clock {
     /// The host's clock.
     #[default]
     Real,
-    /// Clients: time stands still until one asks for more of it ([`crate::Operation::Advance`]).
-    Led,
+    /// Clients: time stands still until one advances it ([`crate::Operation::Advance`]).
+    #[serde(alias = "led")]
+    Stepped,
 }
 
 /// What is under test.

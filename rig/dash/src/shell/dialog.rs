@@ -1,4 +1,4 @@
-//! What stands over the view until it is answered.
+//! Dialogs: shown over the view until they are answered.
 
 use super::Shell;
 use super::menu::{self, MenuAction};
@@ -15,7 +15,7 @@ pub(super) enum PromptTarget {
     Lock,
 }
 
-/// What stands over the view until it is answered.
+/// What is shown over the view until it is answered.
 #[derive(Clone, Debug)]
 pub(super) enum Dialog {
     /// Keys and what they do.

@@ -1,4 +1,4 @@
-//! The screen: header, tabs, the view, the bottom line, and what stands over them.
+//! The screen: header, tabs, the view, the bottom line, and the dialog over them.
 
 use super::dialog::Dialog;
 use super::input::KEYS;
@@ -101,9 +101,9 @@ impl Shell {
         } else if !status.state.is_empty() {
             canvas.text(x, 0, "SUPPLY OFF", canvas::bold());
         }
-        let led = if model.description.clock == Clock::Led { " (led)" } else { "" };
+        let stepped = if model.description.clock == Clock::Stepped { " stepped" } else { "" };
         let figures =
-            format!("load {}  {} s{led}", show::per_mille(status.load), show::seconds(model.now, 1));
+            format!("load {}  {} s{stepped}", show::per_mille(status.load), show::seconds(model.now, 1));
         canvas.right(canvas.width() - 1, 0, &figures, Style::new());
         let mut x = 1;
         for led in &status.leds {
@@ -162,12 +162,12 @@ impl Shell {
         match dialog {
             Dialog::Prompt { ask, editor, .. } => self.draw_prompt(frame, ask, editor),
             Dialog::Help => {
-                let owns_rig = self.views.get(self.at).map(|view| view.keys()).unwrap_or_default();
+                let view_keys = self.views.get(self.at).map(|view| view.keys()).unwrap_or_default();
                 let mut canvas = Canvas::new(frame, area, self.features);
-                let rows = (KEYS.len() + owns_rig.len() + 3) as u16;
+                let rows = (KEYS.len() + view_keys.len() + 3) as u16;
                 let mut canvas = window(&mut canvas, 76, rows);
                 let mut canvas = canvas.framed(&format!("Help: {}", self.views[self.at].name()));
-                for (row, (key, does)) in owns_rig.iter().chain([&("", "")]).chain(&KEYS).enumerate() {
+                for (row, (key, does)) in view_keys.iter().chain([&("", "")]).chain(&KEYS).enumerate() {
                     canvas.text(1, row as u16, key, canvas::bold());
                     canvas.text(14, row as u16, does, Style::new());
                 }
@@ -258,7 +258,7 @@ fn warning(color: bool, of: Color) -> Style {
     Style::new().bg(of).fg(text).add_modifier(Modifier::BOLD)
 }
 
-/// An indicator with its name; the column behind it.
+/// An indicator with its name; the column after it.
 fn draw_led(canvas: &mut Canvas<'_>, x: u16, led: &Led, model: &Model) -> u16 {
     let lit = match (led.pattern.as_str(), led.times) {
         ("off", _) => false,

@@ -11,9 +11,9 @@ pub(super) const KEYS: [(&str, &str); 8] = [
     (": F2", "commands: run, stop, resets, switch, supply, release all, lock"),
     ("? F1", "this help"),
     ("q", "leave; what happens to forces is asked"),
-    ("Ctrl-l", "draw everything anew"),
+    ("Ctrl-l", "redraw everything"),
     ("Ctrl-z", "stop the dashboard for a while; the rig goes on"),
-    ("Esc", "close what stands over the view"),
+    ("Esc", "close the dialog"),
     ("mouse", "tabs, rows, entries of menus"),
 ];
 

@@ -67,14 +67,12 @@ pub(super) fn question(ask: &Operation, model: &Model) -> String {
         },
         Operation::ReleaseAll => {
             return match model.status.forced.len() {
-                0 => "Nothing is forced. Release all nevertheless?".to_owned(),
+                0 => "Nothing is forced. Release all anyway?".to_owned(),
                 1 => "Release what is forced? It follows the program or its line again.".to_owned(),
                 count => format!("Release all {count} forces? They follow the program or their lines again."),
             };
         }
-        Operation::Abort => {
-            "Abort the plan? Outputs go to their safe values, then the controller begins anew."
-        }
+        Operation::Abort => "Abort the plan? Outputs go to their safe values, then the controller restarts.",
         _ => "Do it?",
     };
     what.to_owned()

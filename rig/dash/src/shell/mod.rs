@@ -23,7 +23,7 @@ const STATUS_EVERY: u32 = 100;
 /// What comes from the rig.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RigMessage {
-    /// There is a connection, and this is the rig behind it.
+    /// There is a connection, and this is the rig at its other end.
     Connected(Box<Greeting>),
     /// An answer.
     Reply(Reply),
@@ -67,7 +67,7 @@ struct Note {
 pub enum LoopCommand {
     /// To be stopped as ctrl-z stops programs, with the terminal given back.
     Suspend,
-    /// To draw everything anew: something else wrote on the terminal.
+    /// To draw everything again: something else wrote on the terminal.
     Redraw,
     /// To end.
     End,
@@ -129,7 +129,7 @@ impl Shell {
         shell
     }
 
-    /// What the rig is and how, as far as it told.
+    /// What the rig is and how, as far as it is known.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -261,7 +261,7 @@ impl Shell {
             Event::Frame { frame, .. } => self.model.take_frame(frame),
             Event::Plan { told, .. } => self.model.plan_event(told),
             Event::Missed { lines, .. } => {
-                self.say(format!("{lines} lines of the rig were not told: they came too fast"));
+                self.say(format!("{lines} lines of the rig were not sent: they came too fast"));
             }
             Event::Gone { why } => self.model.gone = Some(why),
         }
@@ -350,7 +350,7 @@ impl Shell {
     }
 }
 
-/// What keeps an answer from being one, as the rig would tell it.
+/// What keeps an answer from being one, as the rig would report it.
 fn fault_of(error: ClientError) -> Fault {
     error.fault()
 }

@@ -23,7 +23,7 @@ pub(super) struct SignalSubscriptions {
     /// What was asked of the rig: names of signals of which the last value is enough, and of which every change is
     /// wanted. A name stands in one of the two.
     asked: [BTreeSet<String>; 2],
-    /// How often each of the two was asked for anew: answers to earlier requests are of no use any more.
+    /// How often each of the two was asked for again: answers to earlier requests are of no use any more.
     rounds: [u64; 2],
     /// The subscriptions: which of the two, and the names that were asked for by the numbers that they got. Two names
     /// can mean one signal.

@@ -223,7 +223,7 @@ impl BusesView {
         }
     }
 
-    /// The form behind this one, and what it is called.
+    /// The form after this one, and what it is called.
     fn next_format(&self) -> (DataFormat, &'static str) {
         match self.format {
             DataFormat::Hex => (DataFormat::Text, "text"),
@@ -353,7 +353,7 @@ fn style_of(canvas: &Canvas<'_>, frame: &FrameSeen) -> Style {
     if wrong { canvas.alarm() } else { Style::new() }
 }
 
-/// The table of the buses; the row behind it.
+/// The table of the buses; the row after it.
 fn draw_buses(canvas: &mut Canvas<'_>, infos: &[BusInfo], statuses: &[BusStatus]) -> u16 {
     canvas::titles(canvas, 0, &BUSES);
     let mut y = 1;

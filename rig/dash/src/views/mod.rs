@@ -53,7 +53,7 @@ pub fn all(files: Box<dyn TrendFiles>) -> Vec<Box<dyn View>> {
     ]
 }
 
-/// A view. It is asked before the dashboard is: a key that means something to it means nothing else.
+/// A view. It is asked before the dashboard is: a key that it uses goes no further.
 pub trait View: std::fmt::Debug {
     /// The name in the row of tabs.
     fn name(&self) -> &'static str;
@@ -73,26 +73,26 @@ pub trait View: std::fmt::Debug {
         Vec::new()
     }
 
-    /// Whether frames of the buses are to be told of now: on a fast bus they are many.
+    /// Whether frames of the buses are to be sent now: on a fast bus they are many.
     fn wants_frames(&self) -> bool {
         false
     }
 
-    /// There was no connection for a while, and now there is one again: nobody told of what changed in between. Where
-    /// the rig began anew, its time did so, too.
+    /// There was no connection for a while, and now there is one again: nothing was sent of what changed in between. Where
+    /// the rig restarted, its time did, too.
     fn reconnected(&mut self) {}
 
     /// A signal that it asked for changed: the earliest and the latest instant in nanoseconds since the rig began, and
     /// its value. In the order of the latest instants. What it was when it was asked for comes so, too.
     fn changed(&mut self, _name: &str, _when: (i64, i64), _value: WireValue) {}
 
-    /// The rig did not tell of so many changes of the signals that it asked for, some time before now.
+    /// The rig did not send so many changes of the signals that it asked for, some time before now.
     fn missed(&mut self, _changes: u64) {}
 
     /// Draws it.
     fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures);
 
-    /// A key. `None` where it means nothing here.
+    /// A key. `None` where the view does not use it.
     fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>>;
 
     /// The mouse, somewhere in the area that was drawn last.
@@ -100,7 +100,7 @@ pub trait View: std::fmt::Debug {
         Vec::new()
     }
 
-    /// What the user typed behind a prompt.
+    /// What the user typed after a prompt.
     fn typed(&mut self, _text: &str, _model: &Model) -> Vec<ViewRequest> {
         Vec::new()
     }

@@ -106,7 +106,7 @@ impl Directory {
     /// The signal of a name.
     ///
     /// # Errors
-    /// A name that means nothing, or one more than can be found.
+    /// A name that is unknown, or one more than can be found.
     pub fn find(&mut self, name: &str) -> Result<Signal, Fault> {
         let name = name.trim();
         let small = name.to_ascii_lowercase();

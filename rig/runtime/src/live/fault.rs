@@ -8,18 +8,18 @@ fn fault(code: &str, message: String, help: &str) -> Fault {
     Fault { code: code.into(), message, help: help.into() }
 }
 
-/// A name that means nothing.
+/// A name that the rig does not know.
 pub fn unknown(name: &str, meant: Option<&str>) -> Fault {
     let help = match meant {
         Some(meant) => format!("did you mean `{meant}`?"),
         None => String::from("`describe` lists the names; addresses such as %MW12 can be named besides"),
     };
-    fault("R0601", format!("`{name}` means nothing to this rig"), &help)
+    fault("R0601", format!("unknown name `{name}`"), &help)
 }
 
 /// An address that the controller does not have.
 pub fn unknown_address(name: &str, why: &str) -> Fault {
-    fault("R0601", format!("`{name}` means nothing to this rig: {why}"), "name an address of this controller")
+    fault("R0601", format!("unknown name `{name}`: {why}"), "name an address of this controller")
 }
 
 /// Something that is only looked at.
@@ -61,8 +61,8 @@ pub fn refused(why: ScanCommandError) -> Fault {
         ScanCommandError::Board(error) => fault("R0608", format!("the board does not do it: {error}"), ""),
         ScanCommandError::NotStepped => fault(
             "R0607",
-            "time passes by itself here".into(),
-            "start the rig with `rig run --led` to lead it",
+            "the time of this rig is not stepped".into(),
+            "start the rig with `rig run --stepped` to advance it",
         ),
         ScanCommandError::PlanRuns => plan_runs(),
         ScanCommandError::NoPlan => fault("R0612", "no plan runs".into(), ""),

@@ -366,7 +366,7 @@ impl Rig for LiveRig {
         }
         self.instruments.look_at_host();
         // A rig that is led may wait for room.
-        if self.description.clock == control::Clock::Led {
+        if self.description.clock == control::Clock::Stepped {
             self.bell.ring();
         }
         if gone && !std::mem::replace(&mut self.ended, true) {

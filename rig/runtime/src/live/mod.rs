@@ -36,7 +36,7 @@ pub use plans::{PlanBench, PlanSlot, PlanSource, run_with_plans};
 /// that a client chose wait for [`run_with_plans`].
 ///
 /// # Errors
-/// Findings in the user's files, and a rig on real lines whose time clients are to lead.
+/// Findings in the user's files, and stepped time on real lines.
 pub fn open(
     case: &Case,
     files: &CaseFiles,
@@ -47,9 +47,9 @@ pub fn open(
 ) -> Result<(LiveRig, ScanPort, PlanSlot), Vec<Diagnostic>> {
     let file = &files.board;
     if led && file.is_real() {
-        let message = format!("`{}` has real lines, whose time nobody leads", file.name);
+        let message = format!("`{}` has real lines: their time cannot be stepped", file.name);
         let found = Diagnostic::error(fault::LED, message).at(&file.name, 0..0, "");
-        return Err(vec![found.help("leave `--led` out, or take a simulated board")]);
+        return Err(vec![found.help("leave `--stepped` out, or take a simulated board")]);
     }
     let mut stage = set_up(case, files, None)?;
     if let Some(hardware) = hardware {
@@ -72,7 +72,7 @@ pub fn open(
         reference: files.reference.name.into(),
         profile: files.profile.name().into(),
         program: files.sources.iter().map(|source| source.name.clone()).collect(),
-        clock: if led { Clock::Led } else { Clock::Real },
+        clock: if led { Clock::Stepped } else { Clock::Real },
         subject: Subject::Model,
         points,
         signals: directory.listed(),

@@ -201,8 +201,8 @@ impl Hub {
         let mut told = std::mem::take(&mut self.told);
         let queue = self.settings.limits.queue;
         let waits = |client: &Client| client.leads() && !client.cut && client.out.len() >= queue;
-        // A rig whose time is led stands still while what it told finds no room.
-        if !self.is_led() || !self.clients.values().any(waits) {
+        // A rig in stepped time stands still while what it told finds no room.
+        if !self.is_stepped() || !self.clients.values().any(waits) {
             self.rig.poll(&mut |one| told.push(one));
         }
         for one in told.drain(..) {
@@ -282,8 +282,8 @@ impl Hub {
     }
 
     /// Time stands still until a client asks for more of it.
-    pub(super) fn is_led(&self) -> bool {
-        self.description.clock == Clock::Led
+    pub(super) fn is_stepped(&self) -> bool {
+        self.description.clock == Clock::Stepped
     }
 
     /// Writes a line into the log.

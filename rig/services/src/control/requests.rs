@@ -37,7 +37,7 @@ impl Hub {
         match self.ask(id, number, ask, now) {
             Ok(Outcome::Answered) => {}
             Ok(Outcome::Done) => {
-                if self.is_led() {
+                if self.is_stepped() {
                     self.flush_all(Some(id), now);
                 }
                 self.answer(id, number, Ok(&Done {}), now);
@@ -233,7 +233,7 @@ impl Hub {
         let Some(client) = self.clients.get_mut(&id) else { return };
         let Some(Work { id: number, then, values, fault, .. }) = client.work.take() else { return };
         self.status_cache.fresh = false;
-        if self.is_led() {
+        if self.is_stepped() {
             // Whatever comes of the request is told before its answer: so a client that leads time knows it all.
             self.flush_all(Some(id), now);
         }
@@ -279,10 +279,10 @@ impl Hub {
         let latest = Time::from_nanos(self.current_status().status.at);
         let mut begun = Subscribed { subscription, signals, ..Subscribed::default() };
         let limits = self.settings.limits;
-        let led = self.is_led();
+        let stepped = self.is_stepped();
         let subscriptions = self.clients.get_mut(&id).map(|client| &mut client.subscriptions);
         let Some(of) = subscriptions.and_then(|all| all.get_mut(&subscription)) else { return begun };
-        of.due = if led { latest + of.every } else { now };
+        of.due = if stepped { latest + of.every } else { now };
         match &mut of.of {
             Of::Signals { numbers, waiting } => {
                 // What came meanwhile is in these values.

@@ -81,7 +81,7 @@ pub trait Rig: Send {
     /// What a name means: a signal's, a terminal's, a channel's, an address.
     ///
     /// # Errors
-    /// A name that means nothing, with what may be meant.
+    /// A name that the rig does not know, with the nearest one.
     fn find(&mut self, name: &str) -> Result<Signal, Fault>;
 
     /// From now on changes of a signal are told, its present value as the first. It is watched as often as this was

@@ -29,7 +29,7 @@ impl Hub {
         match told {
             RigEvent::Change { signal, at, value } => {
                 let Some(watchers) = self.watched.get(&signal) else { return };
-                let led = self.is_led();
+                let stepped = self.is_stepped();
                 for (id, number) in watchers {
                     let Some(client) = self.clients.get_mut(id) else { continue };
                     let room = client.has_room(self.settings.limits.queue);
@@ -37,7 +37,7 @@ impl Hub {
                     let Of::Signals { waiting, .. } = &mut one.of else { continue };
                     // Where clients lead time, messages are cut by the rig's own time: the same each time. And rather
                     // than that something is missed, a message comes early.
-                    let due = led && at.latest >= one.due;
+                    let due = stepped && at.latest >= one.due;
                     if room && one.due != Time::MAX && (due || waiting.is_full()) {
                         while publish_changes(*number, one, &mut client.out, now) && due {}
                         if due {
@@ -127,7 +127,7 @@ impl Hub {
 
     /// Tells what is due to those who have room for it.
     pub(super) fn flush(&mut self, now: Time) {
-        if !self.is_led() {
+        if !self.is_stepped() {
             self.flush_those(now, |one| one.due <= now, None);
         } else {
             self.flush_those(now, |one| one.due == Time::MIN, None);
@@ -140,9 +140,9 @@ impl Hub {
     }
 
     fn flush_those(&mut self, now: Time, due: impl Fn(&Subscription) -> bool, all_to: Option<ClientId>) {
-        let led = self.is_led();
+        let stepped = self.is_stepped();
         let queue = self.settings.limits.queue;
-        let at = if led { Time::from_nanos(self.current_status().status.at) } else { now };
+        let at = if stepped { Time::from_nanos(self.current_status().status.at) } else { now };
         let ids: Vec<ClientId> = self.clients.keys().copied().collect();
         for id in ids {
             let Some(client) = self.clients.get(&id) else { continue };
@@ -157,8 +157,8 @@ impl Hub {
             for (number, one) in &mut client.subscriptions {
                 let room = client.out.len() < queue || all_to == Some(id);
                 if !room || !due(one) {
-                    // Where time is led nothing else would bring it up again.
-                    if led && !room && due(one) {
+                    // Where time is stepped nothing else would bring it up again.
+                    if stepped && !room && due(one) {
                         one.due = Time::MIN;
                     }
                     continue;
@@ -177,13 +177,13 @@ impl Hub {
                             }
                         }
                         if matches!(&one.of, Of::Signals { waiting, .. } if !waiting.is_empty()) {
-                            one.due = if led { Time::MIN } else { now };
+                            one.due = if stepped { Time::MIN } else { now };
                         }
                     }
                     Of::Status { told, last } => {
                         let Some((line, edition)) = &line else { continue };
                         one.due = next;
-                        let silent = !led && now - *last >= SIGN_OF_LIFE;
+                        let silent = !stepped && now - *last >= SIGN_OF_LIFE;
                         if *told == Some(*edition) && !silent {
                             continue;
                         }

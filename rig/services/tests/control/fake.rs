@@ -118,7 +118,7 @@ impl Rig for Fake {
     }
 
     fn describe(&self) -> Description {
-        let clock = if self.state().led { Clock::Led } else { Clock::Real };
+        let clock = if self.state().led { Clock::Stepped } else { Clock::Real };
         let point = Point {
             name: "t5".into(),
             address: Some("m5".into()),

@@ -179,7 +179,7 @@ pump   drives line 9, on gpiochip0, free
     let held = run(&["board", "check", &file]);
     assert_eq!(held.code, 2);
     assert!(
-        held.out.contains("door   cannot be had\n") && held.out.contains("valve  drives line 8"),
+        held.out.contains("door   not available\n") && held.out.contains("valve  drives line 8"),
         "{}",
         held.out
     );

@@ -20,7 +20,7 @@ pub(super) enum Row {
 /// What the rows are sorted by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Sort {
-    /// As the rig tells them.
+    /// As the rig lists them.
     #[default]
     Order,
     Name,

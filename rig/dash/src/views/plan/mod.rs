@@ -81,7 +81,7 @@ impl View for PlanView {
         match key.code {
             KeyCode::Char('l') => self.list = !self.list,
             KeyCode::Char('x') if model.status.plan.is_some() => {
-                let question = "Abort the plan? The controller begins anew.".to_owned();
+                let question = "Abort the plan? The controller restarts.".to_owned();
                 return Some(vec![ViewRequest::Confirm(question, Operation::Abort)]);
             }
             KeyCode::Char('o') => {
@@ -157,7 +157,7 @@ impl PlanView {
         self.case = None;
         let question = format!(
             "Run `{name}` on the board? The controller stops with safe outputs, the plan moves the outputs, and the \
-             controller begins anew."
+             controller restarts."
         );
         vec![ViewRequest::Confirm(question, Operation::Plan { name })]
     }
@@ -187,7 +187,7 @@ impl PlanView {
     fn draw_list(&mut self, canvas: &mut Canvas<'_>, model: &Model) {
         let filter = if self.filter.is_empty() { String::new() } else { format!(" with `{}`", self.filter) };
         let Some(plans) = &model.plans else {
-            canvas.text(1, 0, "The rig told of no plans. o: those of a file or folder.", Style::new());
+            canvas.text(1, 0, "The rig has no plans. o: open those of a file or folder.", Style::new());
             return;
         };
         let wanted = self.wanted(model);
@@ -265,7 +265,7 @@ fn draw_progress(canvas: &mut Canvas<'_>, course: &PlanProgress<'_>, model: &Mod
             }
         }
         None if model.status.plan.is_none() => {
-            canvas.text(1, 1, "It ended before its last case: nothing more is told.", canvas.alarm());
+            canvas.text(1, 1, "It ended before its last case: no more is reported.", canvas.alarm());
         }
         None => {
             canvas.text(1, 1, &format!("Running {name}"), Style::new());
@@ -349,7 +349,7 @@ fn draw_case(canvas: &mut Canvas<'_>, case: &CaseProgress<'_>, down: usize) -> u
     down
 }
 
-/// A row in as many as it needs; those behind the first are set in.
+/// A row in as many as it needs; those after the first are indented.
 fn wrapped(row: Row<'_>, width: usize) -> Vec<Row<'_>> {
     const SET_IN: usize = 10;
     let Row::Text(text, style) = row else { return vec![row] };

@@ -1,4 +1,4 @@
-//! What a plan that runs has told, case by case.
+//! What a plan that runs has reported, case by case.
 
 use control::{Measured, PlanEvent};
 
@@ -22,7 +22,7 @@ pub struct CaseProgress<'a> {
     pub steps: &'a [(String, String)],
     /// Its claims: name and what they ask.
     pub claims: &'a [(String, String)],
-    /// What was told until it was over.
+    /// What was reported until it was over.
     events: &'a [PlanEvent],
     /// How it ended.
     pub end: Option<CaseResult<'a>>,
@@ -54,7 +54,7 @@ pub enum StepProgress {
 }
 
 impl<'a> PlanProgress<'a> {
-    /// Reads what was told. What does not belong to a case is passed over.
+    /// Reads what was reported. What does not belong to a case is passed over.
     pub fn of(events: &'a [PlanEvent]) -> PlanProgress<'a> {
         let mut course = PlanProgress::default();
         for (at, event) in events.iter().enumerate() {

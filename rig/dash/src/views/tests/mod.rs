@@ -1,5 +1,5 @@
 //! Views before a rig that is made by hand, for what no rig on a simulated board does. What they look like otherwise is
-//! told by goldens of a rig that runs: `tests/end_to_end/dashboard`.
+//! shown by goldens of a rig that runs: `tests/end_to_end/dashboard`.
 
 mod scene;
 

@@ -90,7 +90,7 @@ fn draw_head(trend: &TrendView, canvas: &mut Canvas<'_>) {
         x = canvas.text(x, 0, &format!("trigger {}, {state}", trend.trigger.mode.label()), Style::new()) + 2;
     }
     if trend.missed > 0 {
-        canvas.text(x, 0, &format!("!! {} changes were not told", trend.missed), canvas.alarm());
+        canvas.text(x, 0, &format!("!! {} changes were not sent", trend.missed), canvas.alarm());
     }
 }
 

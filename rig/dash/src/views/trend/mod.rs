@@ -97,7 +97,7 @@ pub struct TrendView {
     trigger: Trigger,
     over: Option<Overlay>,
     typing: TrendPrompt,
-    /// Changes that the rig could not tell of.
+    /// Changes that the rig could not send.
     missed: u64,
     /// Where the plot and its lanes were drawn, and the window in it.
     plot: Rect,
@@ -413,7 +413,7 @@ impl View for TrendView {
                     setting.trigger.level = level;
                     Vec::new()
                 }
-                _ => vec![ViewRequest::Message(format!("`{text}` is no number."))],
+                _ => vec![ViewRequest::Message(format!("`{text}` is not a number."))],
             },
         }
     }

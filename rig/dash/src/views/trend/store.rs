@@ -59,7 +59,7 @@ impl TrendLine {
         }
     }
 
-    /// The changes behind an instant, up to another and with it.
+    /// The changes after an instant, up to another and with it.
     pub fn between(&self, from: i64, to: i64) -> impl Iterator<Item = &TrendPoint> {
         let first = self.points.partition_point(|point| point.at <= from);
         self.points.range(first..).take_while(move |point| point.at <= to)
@@ -76,7 +76,7 @@ impl TrendLine {
         self.points.back().map_or(Value::Unknown, |point| point.value)
     }
 
-    /// The next change behind an instant, or the last one before it.
+    /// The next change after an instant, or the last one before it.
     pub fn next(&self, at: i64, forward: bool) -> Option<TrendPoint> {
         if forward {
             self.points.get(self.points.partition_point(|point| point.at <= at)).copied()
@@ -117,7 +117,7 @@ impl TrendStore {
         self.now = self.now.max(now);
     }
 
-    /// Nobody told of changes since the last instant.
+    /// No changes were sent since the last instant.
     pub fn gap(&mut self) {
         let now = self.now;
         for line in &mut self.lines {

@@ -15,7 +15,7 @@ pub enum TriggerEdge {
     Change,
 }
 
-/// What it does behind a trigger.
+/// What it does after a trigger.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TriggerMode {
     /// There is no trigger: the newest is shown.
@@ -72,9 +72,9 @@ pub struct Trigger {
     pub level: f64,
     /// How much of the window lies before the trigger, per cent.
     pub before: u8,
-    /// It looks at changes behind this instant only.
+    /// It looks at changes after this instant only.
     armed: i64,
-    /// A trigger whose time behind it is not over yet.
+    /// A trigger whose time after it is not over yet.
     fired: Option<i64>,
     /// The last trigger whose window is whole.
     whole: Option<i64>,
@@ -102,7 +102,7 @@ pub enum TriggerState {
     Off,
     /// It waits.
     Armed,
-    /// It came; what lies behind it is still to come.
+    /// It came; what follows it is still to come.
     Fired,
     /// It came, its window is whole, and no other is waited for.
     Done,
@@ -157,7 +157,7 @@ impl Trigger {
         let end = at.saturating_add(self.after(base));
         if now >= end {
             self.whole = self.fired.take();
-            // The next one is waited for behind the window that is shown.
+            // The next one is waited for after the window that is shown.
             self.armed = if self.mode == TriggerMode::Single { i64::MAX } else { end };
         }
     }
