@@ -1,6 +1,8 @@
 //! What the controller asks of an application, and of whoever turns a bundle into one.
 
-use crate::{Memory, RelocationPart, VariableLocation};
+use crate::config::RelocationPart;
+use crate::location::VariableLocation;
+use crate::memory::Memory;
 use expert::ExpertFunctions;
 use profile::ApplicationError;
 use signal::{Span, Time, Value};

@@ -1,9 +1,8 @@
 //! The time bases that programs and plans can read (controller:SYS-05): bits that are TRUE in the second half of
 //! each period, counted from the end of the boot.
 
-use crate::watch::class;
-use crate::{Controller, Effects, Probe, SystemVariable};
-use signal::{Cause, Span, Time};
+use crate::system_variable::SystemVariable;
+use signal::{Span, Time};
 
 /// The bits with their periods.
 const BITS: [(SystemVariable, Span); 3] = [
@@ -52,33 +51,19 @@ impl Clocks {
         let passed = (self.at - self.origin).as_nanos() / half.as_nanos();
         self.origin.saturating_add(Span::from_nanos((passed + 1).saturating_mul(half.as_nanos())))
     }
-}
 
-impl Controller {
-    /// Has the edges come of the bits that somebody looks at.
-    pub(crate) fn start_clocks(&mut self) {
-        let looked_at =
-            |variable| self.system.link(variable).is_some() || self.watches.has(&Probe::System(variable));
-        let looked_at = BITS.iter().find(|(variable, _)| looked_at(*variable));
-        let half = looked_at.map(|(_, period)| half(*period));
-        let clocks = &mut self.system.clocks;
-        if clocks.half != half {
-            clocks.half = half;
-            clocks.at = clocks.at.max(self.cpu.at);
+    /// The edges come of the bits that somebody looks at, from `now` on.
+    pub(crate) fn observe(&mut self, now: Time, observed: impl Fn(SystemVariable) -> bool) {
+        let shortest = BITS.iter().find(|(variable, _)| observed(*variable));
+        let half = shortest.map(|(_, period)| half(*period));
+        if self.half != half {
+            self.half = half;
+            self.at = self.at.max(now);
         }
     }
 
-    /// When the next edge is due.
-    pub(crate) fn clock_due(&self) -> Time {
-        if self.state.status().is_some() { self.system.clocks.next() } else { Time::MAX }
-    }
-
-    /// The edges due at `now`.
-    pub(crate) fn fire_clocks(&mut self, now: Time, fx: &mut Effects) {
-        if self.clock_due() > now {
-            return;
-        }
-        self.system.clocks.at = now;
-        self.observe(class::STATE, now, Cause::Controller, fx);
+    /// The edges up to `now` have come.
+    pub(crate) fn fire(&mut self, now: Time) {
+        self.at = now;
     }
 }

@@ -1,9 +1,10 @@
 //! The files of the non-volatile store as users, services and the application reach them (controller: section 5).
 
-use crate::watch::class;
-use crate::{APPLICATION_FILE, Controller, Effects, NonVolatile, State};
-use profile::{TreeEntry, USER_DISK_BYTES};
-use signal::{Cause, Time, Value};
+use crate::state::State;
+use crate::store::{APPLICATION_FILE, NonVolatile};
+use crate::system_log::SystemLog;
+use profile::{Profile, Reference, TreeEntry, USER_DISK_BYTES};
+use signal::{Time, Value};
 use std::fmt;
 
 /// Longest path of a file, in bytes (rig definition).
@@ -69,15 +70,6 @@ pub enum FileProbe {
     Log(String),
 }
 
-/// What the controller keeps of its files besides the store.
-#[derive(Debug, Default)]
-pub(crate) struct Files {
-    /// What is asked, by the number in [`crate::Probe::File`].
-    pub facts: Vec<FileProbe>,
-    /// Entries that logs lost.
-    lost: Vec<(String, u64)>,
-}
-
 /// A path taken apart.
 struct Path<'a> {
     folder: &'a str,
@@ -111,9 +103,36 @@ fn stored(store: &dyn NonVolatile, path: &str) -> Option<String> {
     found
 }
 
-impl Controller {
+/// The files: the store, the controller's own log, and what is asked of them.
+pub(crate) struct Files {
+    profile: Profile,
+    reference: &'static Reference,
+    store: Box<dyn NonVolatile>,
+    log: SystemLog,
+    /// What is asked, by the number in [`crate::Probe::File`].
+    probes: Vec<FileProbe>,
+    /// Entries that logs lost.
+    lost: Vec<(String, u64)>,
+}
+
+impl Files {
+    /// The files of a store.
+    pub(crate) fn new(profile: Profile, reference: &'static Reference, store: Box<dyn NonVolatile>) -> Files {
+        Files { profile, reference, store, log: SystemLog::default(), probes: Vec::new(), lost: Vec::new() }
+    }
+
+    /// The store.
+    pub(crate) fn store(&self) -> &dyn NonVolatile {
+        &*self.store
+    }
+
+    /// The store, to be written.
+    pub(crate) fn store_mut(&mut self) -> &mut dyn NonVolatile {
+        &mut *self.store
+    }
+
     fn tree(&self) -> impl Iterator<Item = &'static TreeEntry> {
-        self.config.profile.file_tree(self.config.reference)
+        self.profile.file_tree(self.reference)
     }
 
     /// The spelling of a path that the store has or would give a new file (controller:NV-04).
@@ -121,7 +140,7 @@ impl Controller {
         if let Some(known) = stored(&*self.store, path) {
             return Ok(known);
         }
-        if let Some(known) = self.config.profile.spelling(path) {
+        if let Some(known) = self.profile.spelling(path) {
             return Ok(known.to_owned());
         }
         let Path { folder, name } = split(path)?;
@@ -133,16 +152,19 @@ impl Controller {
     fn redirected(&self, path: &str) -> Result<String, FileError> {
         let Path { name, .. } = split(path)?;
         let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
-        match self.config.profile.redirection(extension).filter(|_| disk(path) == Some("usr")) {
+        match self.profile.redirection(extension).filter(|_| disk(path) == Some("usr")) {
             Some(folder) => self.spelt(&format!("{folder}/{name}")),
             None => self.spelt(path),
         }
     }
 
-    /// Whether this user may open the path, `writing` or not.
-    fn admit(&self, path: &str, user: FileUser, writing: bool) -> Result<(), FileError> {
-        if self.state.status().is_none() {
-            return Err(FileError::State(self.state));
+    /// Whether this user may open the path in this state, `writing` or not.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub(crate) fn admit(path: &str, user: FileUser, writing: bool, state: State) -> Result<(), FileError> {
+        if state.status().is_none() {
+            return Err(FileError::State(state));
         }
         split(path)?;
         match (disk(path), user) {
@@ -156,7 +178,7 @@ impl Controller {
 
     /// Whether the path is the controller's own log.
     fn is_log(&self, path: &str) -> bool {
-        path.eq_ignore_ascii_case(self.config.profile.system_log())
+        path.eq_ignore_ascii_case(self.profile.system_log())
     }
 
     /// Free bytes of /usr.
@@ -168,19 +190,11 @@ impl Controller {
         USER_DISK_BYTES.saturating_sub(used)
     }
 
-    /// Writes a file whole (controller:MEM-05: what runs is not touched by it), where its extension sends it.
+    /// Writes a file whole where its extension sends it: where that is.
     ///
     /// # Errors
     /// [`FileError`]; nothing is written then.
-    pub fn put_file(
-        &mut self,
-        now: Time,
-        path: &str,
-        bytes: &[u8],
-        user: FileUser,
-        fx: &mut Effects,
-    ) -> Result<(), FileError> {
-        self.admit(path, user, true)?;
+    pub(crate) fn put(&mut self, path: &str, bytes: &[u8]) -> Result<String, FileError> {
         if self.is_log(path) {
             return Err(FileError::Denied);
         }
@@ -190,73 +204,45 @@ impl Controller {
             return Err(FileError::Full);
         }
         self.store.write(&place, bytes);
-        self.touched(&place, now, fx);
-        Ok(())
+        Ok(place)
     }
 
-    /// Appends an entry to a log of the application; one that does not fit is lost and counted, and the application
-    /// goes on (controller:NV-06).
+    /// Appends an entry to a log of the application; one that does not fit is lost and counted (controller:NV-06).
     ///
     /// # Errors
     /// [`FileError`]; [`FileError::Full`] where the entry was lost.
-    pub fn log_data(
-        &mut self,
-        now: Time,
-        path: &str,
-        entry: &str,
-        fx: &mut Effects,
-    ) -> Result<(), FileError> {
-        self.admit(path, FileUser::Application, true)?;
+    pub(crate) fn append(&mut self, path: &str, entry: &str) -> Result<(), FileError> {
         let place = self.redirected(path)?;
         if entry.len() as u64 + 1 > self.free_bytes() {
-            match self.files.lost.iter_mut().find(|(name, _)| name.eq_ignore_ascii_case(&place)) {
+            match self.lost.iter_mut().find(|(name, _)| name.eq_ignore_ascii_case(&place)) {
                 Some((_, count)) => *count += 1,
-                None => self.files.lost.push((place, 1)),
+                None => self.lost.push((place, 1)),
             }
-            self.files_changed(now, fx);
             return Err(FileError::Full);
         }
         let mut bytes = self.store.read(&place).unwrap_or_default();
         bytes.extend_from_slice(entry.as_bytes());
         bytes.push(b'\n');
         self.store.write(&place, &bytes);
-        self.files_changed(now, fx);
         Ok(())
     }
 
-    /// Removes a file.
+    /// Removes a file, or empties the controller's log: which file of the store that was.
     ///
     /// # Errors
     /// [`FileError`].
-    pub fn remove_file(
-        &mut self,
-        now: Time,
-        path: &str,
-        user: FileUser,
-        fx: &mut Effects,
-    ) -> Result<(), FileError> {
-        self.admit(path, user, true)?;
+    pub(crate) fn remove(&mut self, path: &str) -> Result<Option<String>, FileError> {
         if self.is_log(path) {
             self.log.clear();
-        } else {
-            let place = stored(&*self.store, path).ok_or(FileError::NotFound)?;
-            self.store.remove(&place);
-            self.touched(&place, now, fx);
+            return Ok(None);
         }
-        self.files_changed(now, fx);
-        Ok(())
+        let place = stored(&*self.store, path).ok_or(FileError::NotFound)?;
+        self.store.remove(&place);
+        Ok(Some(place))
     }
 
     /// The bytes of a file.
-    ///
-    /// # Errors
-    /// [`FileError`].
-    pub fn read_file(&self, path: &str, user: FileUser) -> Result<Vec<u8>, FileError> {
-        self.admit(path, user, false)?;
-        self.content(path).ok_or(FileError::NotFound)
-    }
-
-    fn content(&self, path: &str) -> Option<Vec<u8>> {
+    pub(crate) fn content(&self, path: &str) -> Option<Vec<u8>> {
         if self.is_log(path) {
             return (self.log.len() > 0).then(|| self.log.bytes());
         }
@@ -264,7 +250,7 @@ impl Controller {
     }
 
     /// Whether a file or a folder is there, in any case of letters.
-    pub fn file_exists(&self, path: &str) -> bool {
+    pub(crate) fn exists(&self, path: &str) -> bool {
         let companion = COMPANIONS.iter().any(|file| file.eq_ignore_ascii_case(path));
         self.tree().any(|entry| entry.path.eq_ignore_ascii_case(path))
             || (companion && self.store.read(APPLICATION_FILE).is_some())
@@ -272,32 +258,42 @@ impl Controller {
             || stored(&*self.store, path).is_some()
     }
 
-    /// A system error leaves a record for the vendor's support (controller:NV-03).
-    pub(crate) fn record_crash(&mut self) {
-        let record = format!("system error {:04X}\n", self.system.error.code());
-        self.store.write(self.config.profile.crash_record(), record.as_bytes());
-    }
-
-    /// A file was written or removed: the boot application may be another one now (controller:STATE-15).
-    fn touched(&mut self, place: &str, now: Time, fx: &mut Effects) {
-        if place == APPLICATION_FILE {
-            self.power.creating = None;
-            self.boot_file_changed();
-            self.observe(class::STATE, now, Cause::Controller, fx);
+    /// Removes the files of a folder, but for those of another one inside it.
+    pub(crate) fn erase(&mut self, folder: &str, except: Option<&str>) {
+        let below = |name: &str, folder: &str| {
+            name.get(..folder.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(folder))
+        };
+        let mut names = Vec::new();
+        self.store.list(&mut |name, _| {
+            if below(name, folder) && !except.is_some_and(|spared| below(name, spared)) {
+                names.push(name.to_owned());
+            }
+        });
+        for name in names {
+            self.store.remove(&name);
         }
-        self.files_changed(now, fx);
     }
 
-    /// Reports what changed of the facts that are observed.
-    pub(crate) fn files_changed(&mut self, now: Time, fx: &mut Effects) {
-        self.observe(class::FILE, now, Cause::Controller, fx);
+    /// Appends a line to the controller's log.
+    pub(crate) fn log(&mut self, at: Time, text: &str) {
+        self.log.append(at, text);
     }
 
-    /// What a fact is now.
-    pub(crate) fn read_file_probe(&self, place: u16) -> Value {
-        match self.files.facts.get(usize::from(place)) {
+    /// Asks for a fact of files or of the log; its number.
+    pub(crate) fn add_probe(&mut self, probe: FileProbe) -> u16 {
+        let known = self.probes.iter().position(|known| *known == probe);
+        let place = known.unwrap_or_else(|| {
+            self.probes.push(probe);
+            self.probes.len() - 1
+        });
+        u16::try_from(place).unwrap_or(u16::MAX)
+    }
+
+    /// What is asked by this number, now.
+    pub(crate) fn read_probe(&self, place: u16) -> Value {
+        match self.probes.get(usize::from(place)) {
             None => Value::Unknown,
-            Some(FileProbe::Exists(path)) => Value::Bool(self.file_exists(path)),
+            Some(FileProbe::Exists(path)) => Value::Bool(self.exists(path)),
             Some(FileProbe::Holds(path, text)) => {
                 let holds =
                     |bytes: &[u8]| bytes.windows(text.len().max(1)).any(|part| part == text.as_bytes());
@@ -307,26 +303,10 @@ impl Controller {
                 self.content(path).map_or(Value::Unknown, |bytes| Value::Int(bytes.len() as i64))
             }
             Some(FileProbe::Lost(path)) => {
-                let found = self.files.lost.iter().find(|(name, _)| name.eq_ignore_ascii_case(path));
+                let found = self.lost.iter().find(|(name, _)| name.eq_ignore_ascii_case(path));
                 Value::Int(found.map_or(0, |(_, count)| *count as i64))
             }
             Some(FileProbe::Log(text)) => Value::Int(self.log.count(text)),
         }
-    }
-
-    /// Asks for a fact; the number of it in [`crate::Probe::File`].
-    pub fn file_probe(&mut self, fact: FileProbe) -> crate::Probe {
-        let known = self.files.facts.iter().position(|known| *known == fact);
-        let place = known.unwrap_or_else(|| {
-            self.files.facts.push(fact);
-            self.files.facts.len() - 1
-        });
-        crate::Probe::File(u16::try_from(place).unwrap_or(u16::MAX))
-    }
-
-    /// A line of the controller's log, in words (controller:NV-09).
-    pub fn log_line(&mut self, at: Time, text: &str, fx: &mut Effects) {
-        self.log.append(at, text);
-        self.files_changed(at, fx);
     }
 }

@@ -1,6 +1,6 @@
 //! The indicators of the controller: what each of them shows, and when it is lit (controller:STATE-01, io:LED-01).
 
-use crate::{Controller, State};
+use crate::state::State;
 use profile::Profile;
 use signal::{Span, Time};
 
@@ -102,51 +102,111 @@ impl LedPattern {
     }
 }
 
+/// What the indicators depend on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LedInputs {
+    pub profile: Profile,
+    pub state: State,
+    /// The supply is there.
+    pub supplied: bool,
+    /// Step of BOOTING, 0...2; the last one also while its end is being worked on.
+    pub boot_step: usize,
+    /// The boot was provoked by a system error.
+    pub system_error: bool,
+    /// The boot application is not the one in memory (controller:STATE-15).
+    pub application_differs: bool,
+    /// An error outside of the controller.
+    pub external_error: bool,
+    /// An error of the TM4 bus.
+    pub tm4_error: bool,
+}
+
 /// The common phase of all flashes and what of it is observed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leds {
     /// Every flash begins lit here: the last power-on.
-    pub origin: Time,
+    origin: Time,
     /// The controller shows itself to somebody who looks for it (controller:LED-03).
-    pub identify: bool,
+    identify: bool,
     /// When an observed indicator is lit or goes dark next.
-    pub next: Time,
+    next: Time,
     /// When anything was reported last.
-    pub seen: Time,
+    reported: Time,
 }
 
 impl Default for Leds {
     fn default() -> Self {
-        Leds { origin: Time::ZERO, identify: false, next: Time::MAX, seen: Time::ZERO }
+        Leds { origin: Time::ZERO, identify: false, next: Time::MAX, reported: Time::ZERO }
     }
 }
 
-impl Controller {
+impl Leds {
+    /// Every flash begins at `now`.
+    pub(crate) fn power_on(&mut self, now: Time) {
+        self.origin = now;
+    }
+
+    /// Since when flashes flash.
+    pub(crate) const fn origin(&self) -> Time {
+        self.origin
+    }
+
+    /// Every indicator flashes, or no longer does.
+    pub(crate) fn identify(&mut self, on: bool) {
+        self.identify = on;
+    }
+
+    /// Values are reported at `at`.
+    pub(crate) fn report(&mut self, at: Time) {
+        self.reported = at;
+    }
+
+    /// When an observed indicator is lit or goes dark next.
+    #[inline]
+    pub(crate) const fn next(&self) -> Time {
+        self.next
+    }
+
+    /// Sets when an observed indicator is lit or goes dark next.
+    pub(crate) fn set_next(&mut self, next: Time) {
+        self.next = next;
+    }
+
     /// What an indicator shows.
-    pub(crate) fn pattern(&self, led: Led) -> LedPattern {
-        if self.state == State::Off {
+    pub(crate) fn pattern(&self, led: Led, inputs: &LedInputs) -> LedPattern {
+        if inputs.state == State::Off {
             LedPattern::Off
-        } else if self.leds.identify {
+        } else if self.identify {
             LedPattern::RegularFlash
         } else {
             match led {
-                Led::Pwr => on(self.power.hold_up.is_none()),
-                Led::Run => self.run_pattern(),
-                Led::Err => self.err_pattern(),
-                Led::Io => on(self.io_lit()),
-                Led::Tm4 => on(self.state.status().is_some() && self.external.tm4()),
+                Led::Pwr => on(inputs.supplied),
+                Led::Run => inputs.run(),
+                Led::Err => inputs.err(),
+                Led::Io => on(inputs.io()),
+                Led::Tm4 => on(inputs.state.status().is_some() && inputs.tm4_error),
             }
         }
     }
 
-    /// Step of BOOTING, 0...2; the last one also while its end is being worked on.
-    fn boot_step(&self) -> usize {
-        self.power.stage.map_or(2, |(step, _)| step)
+    /// Whether a pattern is lit at `now`.
+    pub(crate) fn is_lit(&self, pattern: LedPattern, now: Time) -> bool {
+        pattern.lit(self.reported.max(now) - self.origin).0
     }
 
-    fn run_pattern(&self) -> LedPattern {
+    /// When a pattern is lit or goes dark next.
+    pub(crate) fn next_flash(&self, pattern: LedPattern, now: Time) -> Time {
+        match pattern.lit(now - self.origin).1 {
+            Span::MAX => Time::MAX,
+            left => now.saturating_add(left),
+        }
+    }
+}
+
+impl LedInputs {
+    const fn run(&self) -> LedPattern {
         match self.state {
-            State::Booting => on(self.config.profile == Profile::M241_2014 && self.boot_step() == 0),
+            State::Booting => on(matches!(self.profile, Profile::M241_2014) && self.boot_step == 0),
             State::Running => LedPattern::On,
             State::Breakpoint => LedPattern::SingleFlash,
             State::Stopped | State::Halt => LedPattern::RegularFlash,
@@ -154,42 +214,27 @@ impl Controller {
         }
     }
 
-    fn err_pattern(&self) -> LedPattern {
+    const fn err(&self) -> LedPattern {
         match self.state {
             State::Off => LedPattern::Off,
-            State::Booting => on(self.boot_step() > 0),
+            State::Booting => on(self.boot_step > 0),
             State::InvalidOs => LedPattern::RegularFlash,
-            State::Empty if self.power.system_error => LedPattern::FastFlash,
+            State::Empty if self.system_error => LedPattern::FastFlash,
             State::Empty => LedPattern::SingleFlash,
             State::Halt => LedPattern::On,
-            // controller:STATE-15: the boot application is not the one in memory.
-            _ if self.application_differs() => LedPattern::SingleFlash,
+            _ if self.application_differs => LedPattern::SingleFlash,
             State::Running | State::Breakpoint | State::Stopped => LedPattern::Off,
         }
     }
 
-    fn io_lit(&self) -> bool {
+    const fn io(&self) -> bool {
         match self.state {
             State::Off | State::InvalidOs | State::Empty => false,
-            State::Booting => match self.boot_step() {
-                0 => self.config.profile != Profile::M241_2014,
+            State::Booting => match self.boot_step {
+                0 => !matches!(self.profile, Profile::M241_2014),
                 step => step == 1,
             },
-            State::Running | State::Breakpoint | State::Stopped | State::Halt => self.external_error(),
-        }
-    }
-
-    /// Whether an indicator is lit.
-    pub(crate) fn lit(&self, led: Led) -> bool {
-        let now = self.leds.seen.max(self.cpu.at);
-        self.pattern(led).lit(now - self.leds.origin).0
-    }
-
-    /// When an indicator is lit or goes dark next.
-    pub(crate) fn next_flash(&self, led: Led, now: Time) -> Time {
-        match self.pattern(led).lit(now - self.leds.origin).1 {
-            Span::MAX => Time::MAX,
-            left => now.saturating_add(left),
+            State::Running | State::Breakpoint | State::Stopped | State::Halt => self.external_error,
         }
     }
 }

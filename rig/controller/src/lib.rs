@@ -10,78 +10,63 @@
 
 mod application;
 mod boot;
-mod change;
+mod channel;
 mod clocks;
-mod commands;
+mod command;
 mod config;
 mod controller;
-mod debug;
-mod edges;
 mod effect;
-mod event;
-mod exchange;
+mod event_source;
 mod external;
 mod files;
-mod forcing;
-mod front_panel;
-mod functions;
-mod input;
+mod first_cycle;
+mod io;
 mod last_state;
 mod led;
-mod load;
+mod location;
 mod log;
 mod memory;
-mod output;
-mod plc_w;
-mod protection;
+mod power;
+mod probe;
+mod probes;
 mod registers;
-mod release;
 mod relocation;
 mod remanent;
 mod rtc;
-
-mod scan;
-mod service;
-mod startup;
+mod scheduler;
 mod state;
 mod store;
 mod system;
 mod system_log;
-mod task;
-mod time_slice;
-mod timers;
-mod transition;
-mod warnings;
-mod watch;
-mod watchdog;
+mod system_variable;
 
 pub use application::{
     Application, ApplicationFault, FaultClass, LoadError, Loader, Slice, SliceEnd, SystemCall, VariableReset,
 };
-pub use commands::{Channel, Command, CommandError, DeviceReset, WriteError};
+pub use channel::Channel;
+pub use command::{Command, CommandError, DeviceReset, WriteError};
 pub use config::{
-    AlwaysUpdate, BusCycle, Config, ConfigError, HaltOutputs, OutputsInStop, Rearming, StartingMode,
-    TaskConfig, TaskKind, Watchdog, WatchdogBasis,
+    AlwaysUpdate, BusCycle, Config, ConfigError, HaltOutputs, InputConfig, InputFault, OutputsInStop,
+    Rearming, RelocationConfig, RelocationPart, RunStopFault, StartingMode, TaskConfig, TaskKind, Warning,
+    Watchdog, WatchdogBasis,
 };
-pub use controller::Controller;
-pub use effect::{Effect, Effects, OutputState, Probe, ProbeId};
-pub use event::EventSource;
+pub use controller::{Controller, FrontPanel};
+pub use effect::{Effect, Effects};
+pub use event_source::EventSource;
 pub use external::{Disturbance, FAULT_BITS};
 pub use files::{FileError, FileProbe, FileUser, LONGEST_PATH};
-pub use front_panel::FrontPanel;
-pub use input::{InputConfig, InputFault, InputProbe, RunStopFault};
 pub use led::{Led, LedPattern};
-pub use load::Overload;
+pub use location::{RegisterFormat, VariableLocation};
 pub use log::LogEntry;
 pub use memory::Memory;
-pub use registers::{RegisterError, RegisterProbe};
-pub use relocation::{RegisterFormat, RelocationConfig, RelocationPart, RelocationRow, VariableLocation};
+pub use probe::{InputProbe, OutputState, Probe, ProbeId, RegisterProbe};
+pub use registers::RegisterError;
+pub use relocation::RelocationRow;
 pub use rtc::{RTC_BAD_DRIFT, RTC_OK, Rtc};
+pub use scheduler::{JITTER_BORDERS, JitterCounts, Overload, TaskFigure, TaskFigures};
 pub use state::State;
 pub use store::{
     APPLICATION_FILE, CERTIFICATES_FOLDER, DATES_FILE, NonVolatile, POST_CONFIGURATION_FILE, RETAIN_FILES,
     RETAIN_MAP, RIGHTS_FILE, STATE_FILE,
 };
-pub use system::{SystemType, SystemVariable};
-pub use task::{JITTER_BORDERS, JitterCounts, TaskFigure, TaskFigures};
-pub use warnings::Warning;
+pub use system_variable::{SystemType, SystemVariable};

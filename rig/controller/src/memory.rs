@@ -1,7 +1,7 @@
 //! The memory that application and controller share: the images of inputs and outputs, and %M.
 
 use profile::{Profile, REMANENT_WORDS};
-use signal::{Address, Area, Cause, Image, Size};
+use signal::{Address, Area, Cause, Image, Size, Value};
 
 /// %I, %Q and %M (controller:MEM-06, controller:ADDR-01), with the last writer of every output bit.
 #[derive(Clone, Debug)]
@@ -56,6 +56,12 @@ impl Memory {
             Area::Output => self.outputs.get(at),
             Area::Memory => self.words.get(at),
         }
+    }
+
+    /// What is at an address: a Boolean for a bit, else a bit string.
+    pub(crate) fn value(&self, at: Address) -> Value {
+        let value = self.load(at);
+        if at.size() == Size::Bit { Value::Bool(value != 0) } else { Value::Word(value) }
     }
 
     /// Stores the low bits of `value`; TRUE when a watched place changed. Beyond the end of its area nothing happens.

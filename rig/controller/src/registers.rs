@@ -1,17 +1,13 @@
 //! The registers that the network sees: %MW, the system variables and the relocation table (controller:MEM-06,
-//! controller:MEM-07). Protocols come to the controller's memory by these two functions alone.
+//! controller:MEM-07).
 
-use crate::relocation::{
-    RegisterFormat, RelocationPart, RelocationRow, RelocationTable, RelocationTarget, VariableLocation,
-    with_word, word_of,
-};
-use crate::{Application, Controller, Effects, Probe, SystemVariable};
+use crate::config::RelocationPart;
+use crate::relocation::RelocationTable;
 use profile::{
-    FILE_HANDLES, FIRMWARE_VERSION, Profile, READ_TABLE, RESERVED_REGISTERS, SERIAL_NUMBER, SYSTEM_REGISTERS,
-    SYSTEM_WRITE_REGISTERS, SystemField, TABLE_WORDS, USER_DISK_BYTES, VENDOR_NAME, WRITABLE_FIELDS,
+    READ_TABLE, RESERVED_REGISTERS, SYSTEM_REGISTERS, SYSTEM_WRITE_REGISTERS, TABLE_WORDS, WRITABLE_FIELDS,
     WRITE_TABLE,
 };
-use signal::{Address, Area, Cause, Size, Time, Value};
+use signal::{Address, Area, Size};
 
 /// Why registers were not read or written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,24 +18,9 @@ pub enum RegisterError {
     IllegalAddress,
 }
 
-/// What can be asked of a register or of a row of the relocation table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RegisterProbe {
-    /// What reading it gives; unknown where nothing answers, and after an exception.
-    Value(u16),
-    /// The exception that reading it gives: 0 for none, 2 for an illegal address; unknown where nothing answers.
-    Exception(u16),
-    /// The address of a row: -1 where its variable does not exist (controller:REL-05).
-    Address(RelocationPart, u16),
-    /// The length of a row in registers.
-    Length(RelocationPart, u16),
-    /// Whether the variable of a row exists.
-    Valid(RelocationPart, u16),
-}
-
 /// The parts of the register map (controller:MEM-06).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Block {
+pub(crate) enum Block {
     Memory,
     System,
     Table(RelocationPart),
@@ -47,7 +28,8 @@ enum Block {
     Reserved,
 }
 
-const fn block(register: u16) -> Block {
+/// The part of the map that a register belongs to.
+pub(crate) const fn block(register: u16) -> Block {
     match register {
         RESERVED_REGISTERS.. => Block::Reserved,
         WRITE_TABLE.. => Block::Table(RelocationPart::Write),
@@ -61,7 +43,7 @@ const fn block(register: u16) -> Block {
 /// Registers that belong to no variable, and the relocation table.
 #[derive(Debug)]
 pub(crate) struct Registers {
-    pub table: RelocationTable,
+    table: RelocationTable,
     /// Registers of the read and the write table that no row covers.
     loose: [Box<[u16]>; 2],
     /// Words of the structures that may be written.
@@ -80,298 +62,48 @@ impl Default for Registers {
 }
 
 impl Registers {
-    fn loose(&self, part: RelocationPart, register: u16) -> u16 {
+    /// The relocation table.
+    pub(crate) const fn table(&self) -> &RelocationTable {
+        &self.table
+    }
+
+    /// The relocation table is this one from now on.
+    pub(crate) fn set_table(&mut self, table: RelocationTable) {
+        self.table = table;
+    }
+
+    /// A word of the structures that may be written.
+    pub(crate) fn writable(&self, place: u8) -> u16 {
+        self.writable.get(usize::from(place)).copied().unwrap_or(0)
+    }
+
+    /// Writes a word of the structures that may be written.
+    pub(crate) fn set_writable(&mut self, place: u8, value: u16) {
+        if let Some(word) = self.writable.get_mut(usize::from(place)) {
+            *word = value;
+        }
+    }
+
+    /// A register that no row of the table covers.
+    pub(crate) fn loose(&self, part: RelocationPart, register: u16) -> u16 {
         self.loose[part as usize].get(usize::from(register - part.first())).copied().unwrap_or(0)
     }
 
-    fn set_loose(&mut self, part: RelocationPart, register: u16, value: u16) {
+    /// Writes a register that no row of the table covers.
+    pub(crate) fn set_loose(&mut self, part: RelocationPart, register: u16, value: u16) {
         if let Some(place) = self.loose[part as usize].get_mut(usize::from(register - part.first())) {
             *place = value;
         }
     }
 }
 
-fn word_address(register: u16) -> Option<Address> {
+/// The word of memory behind a register.
+pub(crate) fn word_address(register: u16) -> Option<Address> {
     Address::new(Area::Memory, Size::Word, u32::from(register))
 }
 
-impl Controller {
-    /// Reads registers from `first` on for a client in the network, at any moment between two operations of the
-    /// application (controller:MEM-11).
-    ///
-    /// # Errors
-    /// [`RegisterError`]; `out` is then not to be used.
-    pub fn read_registers(&self, first: u16, out: &mut [u16]) -> Result<(), RegisterError> {
-        if self.state.status().is_none() {
-            return Err(RegisterError::NoAnswer);
-        }
-        for (place, word) in out.iter_mut().enumerate() {
-            let offset = u16::try_from(place).map_err(|_| RegisterError::IllegalAddress)?;
-            let register = first.checked_add(offset).ok_or(RegisterError::IllegalAddress)?;
-            *word = self.register(register)?;
-        }
-        Ok(())
-    }
-
-    /// Writes registers from `first` on for a client in the network; all of them or none.
-    ///
-    /// # Errors
-    /// [`RegisterError`]; nothing is written then.
-    pub fn write_registers(
-        &mut self,
-        now: Time,
-        first: u16,
-        values: &[u16],
-        cause: Cause,
-        fx: &mut Effects,
-    ) -> Result<(), RegisterError> {
-        if self.state.status().is_none() {
-            return Err(RegisterError::NoAnswer);
-        }
-        let mut all = (0..values.len()).map(|place| {
-            let offset = u16::try_from(place).ok();
-            offset.and_then(|offset| first.checked_add(offset)).filter(|register| self.is_open(*register))
-        });
-        if all.any(|open| open.is_none()) {
-            return Err(RegisterError::IllegalAddress);
-        }
-        for (register, value) in (first..=u16::MAX).zip(values) {
-            self.set_register(now, register, *value, cause, fx);
-        }
-        self.observe_memory(now, cause, fx);
-        Ok(())
-    }
-
-    /// Whether a register may be written (controller:MEM-07).
-    fn is_open(&self, register: u16) -> bool {
-        let first_edition = self.config.profile == Profile::M241_2014;
-        match block(register) {
-            Block::Memory | Block::SystemWrite | Block::Table(RelocationPart::Write) => true,
-            Block::System | Block::Reserved => false,
-            Block::Table(RelocationPart::Read) => {
-                first_edition && self.registers.table.at(RelocationPart::Read, register).is_none()
-            }
-        }
-    }
-
-    fn register(&self, register: u16) -> Result<u16, RegisterError> {
-        let first_edition = self.config.profile == Profile::M241_2014;
-        match block(register) {
-            Block::Memory => {
-                let load = |at| self.memory.load(at) as u16;
-                word_address(register).map(load).ok_or(RegisterError::IllegalAddress)
-            }
-            Block::System => {
-                let found = SystemField::located(self.config.profile, register);
-                Ok(found.map_or(0, |(field, word)| self.field_word(field, word)))
-            }
-            Block::Table(part) => match self.registers.table.at(part, register) {
-                // What is declared in the write table may only be written in 2014 (controller:MEM-07).
-                Some(_) if first_edition && part == RelocationPart::Write => {
-                    Err(RegisterError::IllegalAddress)
-                }
-                Some((target, word)) => Ok(self.target_word(target, word)),
-                None => Ok(self.registers.loose(part, register)),
-            },
-            Block::SystemWrite => Ok(0),
-            Block::Reserved => Err(RegisterError::IllegalAddress),
-        }
-    }
-
-    fn target_word(&self, target: RelocationTarget, word: u16) -> u16 {
-        match target {
-            RelocationTarget::System(field) => self.field_word(field, word),
-            RelocationTarget::Application(VariableLocation::Memory(at)) => {
-                (self.memory.load(at) >> (16 * u32::from(word.min(3)))) as u16
-            }
-            RelocationTarget::Application(VariableLocation::Variable(number, form)) => {
-                self.application.as_ref().map_or(0, |it| word_of(form, it.read(number), word))
-            }
-        }
-    }
-
-    fn set_register(&mut self, now: Time, register: u16, value: u16, cause: Cause, fx: &mut Effects) {
-        match block(register) {
-            Block::Memory => {
-                if let Some(at) = word_address(register) {
-                    self.memory.set_cause(cause);
-                    self.memory.store(at, u64::from(value));
-                }
-            }
-            Block::Table(part) => match self.registers.table.at(part, register) {
-                Some((RelocationTarget::System(field), _)) => self.set_field(now, field, value, fx),
-                Some((RelocationTarget::Application(located), word)) => {
-                    self.set_located(located, word, value, cause)
-                }
-                None => self.registers.set_loose(part, register, value),
-            },
-            Block::System | Block::SystemWrite | Block::Reserved => {}
-        }
-    }
-
-    /// A client writes a system variable; one that is only read stays as it is, wherever it was put.
-    fn set_field(&mut self, now: Time, field: SystemField, value: u16, fx: &mut Effects) {
-        let commands = match field {
-            SystemField::PlcControl => SystemVariable::PlcControl,
-            SystemField::OpenPlcControl => SystemVariable::OpenPlcControl,
-            SystemField::Writable(place) => {
-                if let Some(field) = self.registers.writable.get_mut(usize::from(place)) {
-                    *field = value;
-                }
-                return;
-            }
-            _ => return,
-        };
-        // A command that the state does not take is no error (controller:CMD-01).
-        let _ = self.write_system(commands, Value::Word(u64::from(value)), now, fx);
-    }
-
-    fn set_located(&mut self, located: VariableLocation, word: u16, value: u16, cause: Cause) {
-        match located {
-            VariableLocation::Memory(at) => {
-                let form = if at.bit_len() == 1 { RegisterFormat::Bit } else { RegisterFormat::Whole(4) };
-                let new = with_word(form, Value::Word(self.memory.load(at)), word, value);
-                self.memory.set_cause(cause);
-                self.memory.store(at, new.as_int().map_or(0, |bits| bits as u64));
-            }
-            VariableLocation::Variable(number, form) => {
-                if let Some(application) = &mut self.application {
-                    let new = with_word(form, application.read(number), word, value);
-                    application.write(number, new);
-                }
-            }
-        }
-    }
-
-    /// A register of a system variable (controller:SYS-06); what no document gives is a rig definition.
-    fn field_word(&self, field: SystemField, word: u16) -> u16 {
-        use SystemField as Field;
-        let part = |bits: u64| (bits >> (16 * u32::from(word.min(3)))) as u16;
-        let text = |text: &str| {
-            let byte = |at: usize| text.as_bytes().get(at).copied().unwrap_or(0);
-            u16::from_le_bytes([byte(usize::from(word) * 2), byte(usize::from(word) * 2 + 1)])
-        };
-        let signature = self.application.as_ref().map_or(0, |application| application.signature());
-        match field {
-            Field::VendorId => self.system_word(SystemVariable::VendorId, word),
-            Field::ProductId => self.config.reference.product_id(),
-            Field::SerialNumber => part(u64::from(SERIAL_NUMBER)),
-            Field::FirmwareVersion | Field::BootVersion | Field::CoprocessorVersion => {
-                part(u64::from(u32::from_le_bytes(FIRMWARE_VERSION)))
-            }
-            Field::HardwareVersion => 0,
-            Field::Status => self.system_word(SystemVariable::Status, word),
-            Field::BootProjectStatus => self.system_word(SystemVariable::BootProjectStatus, word),
-            Field::LastStopCause => self.system_word(SystemVariable::LastStopCause, word),
-            Field::LastApplicationError => self.system_word(SystemVariable::LastApplicationError, word),
-            Field::SystemFault1 => self.system_word(SystemVariable::SystemFault1, word),
-            Field::SystemFault2 => u16::MAX,
-            Field::IoStatus1 => self.system_word(SystemVariable::IoStatus1, word),
-            Field::IoStatus2 => self.system_word(SystemVariable::IoStatus2, word),
-            Field::Battery => self.system_word(SystemVariable::ClockBatteryStatus, word),
-            Field::LastStopTime => self.system_word(SystemVariable::LastStopTime, word),
-            Field::LastPowerOffDate => self.system_word(SystemVariable::LastPowerOffDate, word),
-            Field::PlcControl => self.system_word(SystemVariable::PlcControl, word),
-            Field::OpenPlcControl => self.system_word(SystemVariable::OpenPlcControl, word),
-            Field::Signature(place) => part(signature_word(signature, place)),
-            Field::VendorName => text(VENDOR_NAME),
-            Field::ProductReference => text(self.config.reference.name),
-            // A controller without a configured name has its reference as name (rig definition).
-            Field::NodeName => text(self.config.reference.name),
-            Field::FreeFileHandles => FILE_HANDLES,
-            Field::TotalBytes => part(USER_DISK_BYTES),
-            Field::FreeBytes => part(self.free_bytes()),
-            // Connected while a tool is: the model's plans always are.
-            Field::TerminalPort => 2,
-            Field::SdCard => 0,
-            Field::Tm3Bus => 3,
-            Field::Writable(place) => self.registers.writable.get(usize::from(place)).copied().unwrap_or(0),
-        }
-    }
-
-    /// A register of a system variable; 0 where it is not known.
-    fn system_word(&self, variable: SystemVariable, word: u16) -> u16 {
-        word_of(RegisterFormat::Whole(4), self.read_system(variable), word)
-    }
-
-    /// Packs the relocation table for an application, or for none.
-    pub(crate) fn relocate(&mut self) {
-        let application = self.application.as_deref();
-        // An application whose table does not fit was refused when it was built.
-        self.registers.table =
-            RelocationTable::pack(&self.config.relocation, application, self.config.profile)
-                .unwrap_or_default();
-        self.watch_rows();
-    }
-
-    /// Whether the relocation table fits with this application; else its first row that does not.
-    pub(crate) fn check_relocation(
-        &self,
-        application: &dyn Application,
-    ) -> Result<(), (RelocationPart, usize)> {
-        RelocationTable::pack(&self.config.relocation, Some(application), self.config.profile).map(|_| ())
-    }
-
-    /// A row of the relocation table.
-    fn row(&self, part: RelocationPart, place: u16) -> Option<&RelocationRow> {
-        self.registers.table.part(part).get(usize::from(place))
-    }
-
-    /// What a fact of the registers is now.
-    pub(crate) fn read_register_probe(&self, fact: RegisterProbe) -> Value {
-        let answers = self.state.status().is_some();
-        match fact {
-            _ if !answers => Value::Unknown,
-            RegisterProbe::Value(register) => {
-                self.register(register).map_or(Value::Unknown, |word| Value::Word(u64::from(word)))
-            }
-            RegisterProbe::Exception(register) => {
-                Value::Int(if self.register(register).is_err() { 2 } else { 0 })
-            }
-            RegisterProbe::Address(part, place) => self
-                .row(part, place)
-                .map_or(Value::Unknown, |row| Value::Int(row.address.map_or(-1, i64::from))),
-            RegisterProbe::Length(part, place) => {
-                self.row(part, place).map_or(Value::Unknown, |row| Value::Int(i64::from(row.words)))
-            }
-            RegisterProbe::Valid(part, place) => {
-                self.row(part, place).map_or(Value::Unknown, |row| Value::Bool(row.address.is_some()))
-            }
-        }
-    }
-
-    /// Has the application stop at changes of what observed registers show.
-    pub(crate) fn watch_rows(&mut self) {
-        for place in 0..self.watches.len() {
-            if let Some(Probe::Register(RegisterProbe::Value(register))) = self.watches.get(place) {
-                self.watch_register(register);
-            }
-        }
-    }
-
-    pub(crate) fn watch_register(&mut self, register: u16) {
-        let target = match block(register) {
-            Block::Memory => {
-                word_address(register).map(|at| RelocationTarget::Application(VariableLocation::Memory(at)))
-            }
-            Block::Table(part) => self.registers.table.at(part, register).map(|(target, _)| target),
-            _ => None,
-        };
-        match (target, &mut self.application) {
-            (Some(RelocationTarget::Application(VariableLocation::Memory(at))), _) => self.memory.watch(at),
-            (
-                Some(RelocationTarget::Application(VariableLocation::Variable(number, _))),
-                Some(application),
-            ) => {
-                application.watch(number);
-            }
-            _ => {}
-        }
-    }
-}
-
 /// One of the four words of an application's signature, which change together.
-fn signature_word(signature: u64, place: u8) -> u64 {
+pub(crate) fn signature_word(signature: u64, place: u8) -> u64 {
     if signature == 0 {
         return 0;
     }

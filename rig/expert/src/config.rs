@@ -1,7 +1,6 @@
 //! What expert functions a controller has.
 
 use crate::{AxisConfig, CounterConfig, WaveConfig};
-use signal::Span;
 
 /// The expert functions of a configuration, in the user's order. The place of a function, counted from 1, is the number
 /// by which function blocks refer to it; 0 is None (io:EXP-16).
@@ -31,13 +30,4 @@ pub enum FunctionKind {
     Pwm(WaveConfig),
     /// A frequency generator.
     Generator(WaveConfig),
-}
-
-/// What stands between the terminal of an input and the functions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct InputConditions {
-    /// The input's own delay in each direction (io:STD-IN-02).
-    pub delay: Span,
-    /// Its anti-bounce filter (io:EIO-12, io:STD-IN-03).
-    pub bounce: Span,
 }

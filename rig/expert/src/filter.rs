@@ -1,7 +1,15 @@
 //! An input as the functions see it: own delay and anti-bounce filter as a closed form.
 
-use crate::InputConditions;
 use signal::{Span, Time};
+
+/// What stands between the terminal of an input and the functions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InputConditions {
+    /// The input's own delay in each direction (io:STD-IN-02).
+    pub delay: Span,
+    /// Its anti-bounce filter (io:EIO-12, io:STD-IN-03).
+    pub bounce: Span,
+}
 
 /// The way from a terminal to the functions, the same as that to the image (io:EIO-12).
 ///

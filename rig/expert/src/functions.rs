@@ -4,7 +4,7 @@ use crate::axis::Axis;
 use crate::counter::Counter;
 use crate::filter::Filter;
 use crate::wave::Wave;
-use crate::{Effects, ExpertConfig, FunctionKind, FunctionProbe, InputConditions};
+use crate::{Effects, ExpertConfig, FunctionKind, FunctionProbe, InputConditions, Operation};
 use signal::{Time, Value};
 
 /// An edge at the terminal of an input.
@@ -16,17 +16,6 @@ pub struct InputEdge {
     pub input: u8,
     /// The level from then on.
     pub high: bool,
-}
-
-/// What the controller lets its functions do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Operation {
-    /// The application is RUNNING, at a breakpoint too (io:STD-PTO-13).
-    Running,
-    /// STOPPED or HALT: counters stop, pulses end (io:OUT-19, io:OUT-20).
-    Stopped,
-    /// No application, or no power.
-    Off,
 }
 
 /// One function.

@@ -19,6 +19,7 @@ mod filter;
 mod function_probe;
 mod functions;
 mod line_events;
+mod operation;
 mod wave;
 
 pub use assignment::{ChannelRole, ExpertError, ExpertFault, ExpertWarning, ReservedChannels, Terminal};
@@ -26,13 +27,15 @@ pub use axis::{
     AxisConfig, AxisFault, AxisParameterError, AxisRole, AxisState, DriveInput, PulseOutput, RampUnit,
 };
 pub use blocks::{BLOCKS, BlockCall, BlockType, PinKind, PinType, Pins, ValueType};
-pub use config::{ExpertConfig, FunctionConfig, FunctionKind, InputConditions};
+pub use config::{ExpertConfig, FunctionConfig, FunctionKind};
 pub use counter::{
     CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, LimitsMode,
     PeriodMeasurement, PhaseMode, Reflex, SyncInput, Threshold, ThresholdEvent,
 };
 pub use effect::{Effect, Effects};
+pub use filter::InputConditions;
 pub use function_probe::FunctionProbe;
-pub use functions::{ExpertFunctions, InputEdge, Operation};
+pub use functions::{ExpertFunctions, InputEdge};
 pub use line_events::{LineEvents, RECORD};
+pub use operation::Operation;
 pub use wave::{WaveConfig, WaveRole};

@@ -1,6 +1,7 @@
 //! Why a configuration is not accepted.
 
-use crate::{EventSource, InputFault, RunStopFault};
+use super::{InputFault, RunStopFault};
+use crate::event_source::EventSource;
 use expert::ExpertError;
 use profile::{MINIMUM_CYCLE, PRIORITIES};
 use signal::Span;

@@ -2,13 +2,19 @@
 
 mod choice;
 mod error;
+mod events;
+mod input;
+mod relocation;
 mod task;
+mod warnings;
 
 pub use choice::{AlwaysUpdate, BusCycle, HaltOutputs, OutputsInStop, Rearming, StartingMode, WatchdogBasis};
 pub use error::ConfigError;
+pub use input::{InputConfig, InputFault, RunStopFault};
+pub use relocation::{RelocationConfig, RelocationPart};
 pub use task::{TaskConfig, TaskKind, Watchdog};
+pub use warnings::Warning;
 
-use crate::{InputConfig, RelocationConfig, RunStopFault};
 use expert::{ExpertConfig, ExpertError, InputConditions, ReservedChannels};
 use profile::{MINIMUM_CYCLE, PRIORITIES, Profile, Reference};
 use signal::Span;

@@ -1,6 +1,6 @@
 //! How a task is configured (controller:TASK-02).
 
-use crate::EventSource;
+use crate::event_source::EventSource;
 use signal::Span;
 
 /// One task (controller:TASK-02).

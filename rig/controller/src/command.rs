@@ -1,0 +1,174 @@
+//! What can be commanded and written, and why it is refused (controller: section 14.4).
+
+use crate::application::LoadError;
+use crate::channel::Channel;
+use crate::state::State;
+use std::fmt;
+
+/// A command of a user or a tool.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Start the application (controller:RUN-01).
+    Run,
+    /// Stop the application (controller:STP-01). Cycles under way are finished first; no new one starts.
+    Stop,
+    /// Reset warm (controller:RW-01).
+    ResetWarm,
+    /// Reset cold (controller:RC-01).
+    ResetCold,
+    /// Reset origin (controller:RO-01).
+    ResetOrigin,
+    /// Reset origin device (controller:ROD-01).
+    ResetOriginDevice(DeviceReset),
+    /// Reboot by script (controller:RB-01).
+    Reboot,
+    /// Load an application and make it the boot application (controller:DL-02).
+    Download(Vec<u8>),
+    /// Load an application as one of several that are downloaded together (controller:TR-19, controller:TR-20).
+    MultipleDownload {
+        /// The application.
+        bundle: Vec<u8>,
+        /// Start all applications after download or online change.
+        start: bool,
+    },
+    /// Make the application in memory the boot application (controller:STATE-13).
+    CreateBootApplication,
+    /// Put a boot application into the non-volatile memory by SD card or FTP (controller:DL-03).
+    PlaceBootApplication(Vec<u8>),
+    /// Remove the application (controller:TR-27).
+    DeleteApplication,
+    /// Damage the firmware, or restore it from an SD card (controller:TR-02, controller:TR-25).
+    Firmware {
+        /// It is valid from then on.
+        valid: bool,
+    },
+    /// Force the value of an embedded input or output (controller:FRC-01).
+    Force {
+        /// What is forced.
+        channel: Channel,
+        /// Its value.
+        on: bool,
+    },
+    /// End the forcing of an embedded input or output.
+    Unforce(Channel),
+    /// Move the Run/Stop switch: TRUE to Run (controller:RS-01).
+    Switch(bool),
+    /// Go on with another application that keeps the values of its variables (controller:TR-17, controller:TR-18).
+    OnlineChange(Vec<u8>),
+    /// Hold the tasks where one comes to the first statement of a line (controller:TR-22).
+    Breakpoint {
+        /// Place of the source file in the application.
+        file: u16,
+        /// Line in that file, from 1.
+        line: u32,
+    },
+    /// Go on from a breakpoint.
+    Resume,
+    /// Go on from a breakpoint to the next statement of the task that came to it.
+    StepStatement,
+    /// Take every breakpoint away, and go on.
+    ClearBreakpoints,
+    /// A programming tool connects (controller:FRC-01).
+    LogIn,
+    /// The programming tool disconnects (controller:FRC-03).
+    LogOut {
+        /// Whether forcing stays.
+        keep_forcing: bool,
+    },
+    /// Show or no longer show which controller it is: every indicator flashes (controller:LED-03).
+    Identify(bool),
+}
+
+/// What reset origin device resets, each for itself (controller:ROD-01).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DeviceReset {
+    /// Users and groups return to their defaults.
+    pub user_management: bool,
+    /// Application, its files and the remanent variables.
+    pub plc_logic: bool,
+    /// Certificates of the Web and FTP servers.
+    pub certificates: bool,
+}
+
+/// Why a command was not obeyed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CommandError {
+    /// Not possible in this state (controller:TR-24, controller:TR-28, controller:WD-14).
+    State(State),
+    /// The Run/Stop switch is at Stop.
+    SwitchAtStop,
+    /// The Run/Stop input is 0.
+    RunStopInput,
+    /// A stop is under way: a cycle is being finished.
+    Stopping,
+    /// The reference has no such channel.
+    NoChannel(Channel),
+    /// An expert function drives the output (io:OUT-21).
+    ExpertOutput(usize),
+    /// No programming tool is connected (controller:FRC-01).
+    NotConnected,
+    /// The controller does not know this command.
+    NoSuchCommand,
+    /// The downloaded application is not valid. The old one is already erased: the state is EMPTY
+    /// (controller:DL-04).
+    Application(LoadError),
+    /// The application of an online change is not valid; the old one runs on.
+    Change(LoadError),
+    /// No statement stands in the line or behind it.
+    NoStatement {
+        /// The line.
+        line: u32,
+    },
+}
+
+impl fmt::Display for CommandError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            CommandError::State(state) => write!(f, "not possible in state {state}"),
+            CommandError::SwitchAtStop => f.write_str("the Run/Stop switch is at Stop"),
+            CommandError::RunStopInput => f.write_str("the Run/Stop input is 0"),
+            CommandError::Stopping => f.write_str("a stop is under way"),
+            CommandError::NoChannel(Channel::Input(n)) => write!(f, "the reference has no input I{n}"),
+            CommandError::NoChannel(Channel::Output(n)) => write!(f, "the reference has no output Q{n}"),
+            CommandError::ExpertOutput(n) => write!(f, "an expert function drives Q{n}"),
+            CommandError::Application(error) | CommandError::Change(error) => {
+                write!(f, "the application is not valid: {error}")
+            }
+            CommandError::NoStatement { line } => {
+                write!(f, "no statement stands in line {line} or behind it")
+            }
+            CommandError::NoSuchCommand => f.write_str("the controller has no such command"),
+            CommandError::NotConnected => f.write_str("no programming tool is connected"),
+        }
+    }
+}
+
+impl std::error::Error for CommandError {}
+
+/// Why a value was not written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WriteError {
+    /// No service answers in this state, or there is no application.
+    State(State),
+    /// The probe can only be read.
+    ReadOnly,
+    /// The value is no number.
+    NotANumber,
+    /// The register cannot be written (controller:MEM-07).
+    IllegalAddress,
+}
+
+impl fmt::Display for WriteError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            WriteError::State(state) => write!(f, "cannot be written in state {state}"),
+            WriteError::ReadOnly => {
+                f.write_str("can only be read: write a variable or a %M, %Q or %I address")
+            }
+            WriteError::NotANumber => f.write_str("the value is no number"),
+            WriteError::IllegalAddress => f.write_str("the register is closed to writing, exception 02"),
+        }
+    }
+}
+
+impl std::error::Error for WriteError {}

@@ -1,0 +1,102 @@
+//! Reset origin and reset origin device (controller: sections 14.6, 14.7).
+
+use crate::controller::Controller;
+use crate::store::{
+    APPLICATION_FOLDER, CERTIFICATES_FOLDER, CONFIGURATION_FOLDER, LOG_FOLDER, POST_CONFIGURATION_FILE,
+    RETAIN_MAP, RIGHTS_FILE, SYSTEM_LOG_FOLDER, USER_FOLDER, VISUALISATION_FOLDER,
+};
+use crate::{CommandError, DeviceReset};
+use crate::{Effects, RETAIN_FILES, State};
+use profile::{Family, Profile, StopCause};
+use signal::Time;
+
+impl Controller {
+    /// Reset origin (controller:RO-01): the application and the user's files are erased.
+    pub(in crate::controller) fn command_reset_origin(
+        &mut self,
+        now: Time,
+        fx: &mut Effects,
+    ) -> Result<(), CommandError> {
+        self.erase_application(now)?;
+        let profile = self.config.profile;
+        for folder in [APPLICATION_FOLDER, LOG_FOLDER] {
+            self.files.erase(folder, None);
+        }
+        self.files.store_mut().remove(POST_CONFIGURATION_FILE);
+        if profile != Profile::M241_2014 {
+            // controller:RO-02
+            self.files.erase(VISUALISATION_FOLDER, None);
+        }
+        if profile == Profile::M251_2024 {
+            self.files.erase(USER_FOLDER, Some(SYSTEM_LOG_FOLDER));
+            self.boot_file_changed();
+            self.boot(now, fx);
+        } else {
+            self.boot_file_changed();
+            if profile == Profile::M241_2014 {
+                // Initialization values, and no word of those of the hardware (io:OUT-28).
+                self.write_outputs(now, fx);
+            }
+            self.io.rest_at_defaults(now);
+            self.enter(State::Empty, now, fx);
+        }
+        Ok(())
+    }
+
+    /// Reset origin device (controller:ROD-01), which only the M251 has.
+    pub(in crate::controller) fn command_reset_origin_device(
+        &mut self,
+        reset: DeviceReset,
+        now: Time,
+        fx: &mut Effects,
+    ) -> Result<(), CommandError> {
+        if self.config.reference.family != Family::M251 {
+            return Err(CommandError::NoSuchCommand);
+        }
+        if reset.plc_logic {
+            self.erase_application(now)?;
+            // Recipes, data logs and the logs of the system stay (controller:ROD-03, controller:ROD-04).
+            for folder in [APPLICATION_FOLDER, VISUALISATION_FOLDER] {
+                self.files.erase(folder, None);
+            }
+            self.files.store_mut().remove(POST_CONFIGURATION_FILE);
+            self.boot_file_changed();
+        } else if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
+            return Err(CommandError::State(self.state));
+        }
+        if reset.user_management {
+            self.files.store_mut().remove(RIGHTS_FILE);
+        }
+        if reset.certificates {
+            self.files.erase(CERTIFICATES_FOLDER, None);
+        }
+        if reset.plc_logic {
+            self.enter(State::Empty, now, fx);
+        }
+        Ok(())
+    }
+
+    /// The application goes, and with it forcing, indications of errors, memory and the remanent variables.
+    fn erase_application(&mut self, now: Time) -> Result<(), CommandError> {
+        if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
+            return Err(CommandError::State(self.state));
+        }
+        let runs = matches!(self.state, State::Running | State::Breakpoint);
+        let cause = if runs { StopCause::Reset } else { StopCause::Unknown };
+        self.clear_diagnostics(cause);
+        self.unload(now);
+        for file in RETAIN_FILES {
+            self.files.store_mut().remove(file);
+        }
+        self.files.store_mut().remove(RETAIN_MAP);
+        Ok(())
+    }
+
+    /// What a firmware update deletes (controller:FW-02).
+    pub(in crate::controller) fn erase_for_firmware(&mut self) {
+        self.files.erase(APPLICATION_FOLDER, None);
+        if self.config.profile == Profile::M251_2024 {
+            self.files.erase(CONFIGURATION_FOLDER, None);
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Reset warm and reset cold (controller: section 14.5).
+
+use crate::CommandError;
+use crate::controller::Controller;
+use crate::controller::transition::ApplicationStart;
+use crate::first_cycle::FirstCycle;
+use crate::{Effects, State, VariableReset};
+use profile::{ApplicationError, StopCause};
+use signal::Time;
+
+impl Controller {
+    /// Reset warm and cold (controller:RW-01, controller:RC-01, controller:TR-13).
+    pub(in crate::controller) fn command_reset(
+        &mut self,
+        reset: VariableReset,
+        now: Time,
+        fx: &mut Effects,
+    ) -> Result<(), CommandError> {
+        if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
+            return Err(CommandError::State(self.state));
+        }
+        let Some(application) = &mut self.application else { return Err(CommandError::State(self.state)) };
+        let runs = matches!(self.state, State::Running | State::Breakpoint);
+        let cause = if runs { StopCause::Reset } else { StopCause::Unknown };
+        application.reset(reset);
+        self.system.first_cycle = FirstCycle::after(reset);
+        self.memory.reset(|word| !application.associates(word));
+        application.initialize(&mut self.memory);
+        if reset == VariableReset::COLD {
+            self.io.reset_functions(now);
+        }
+        self.clear_diagnostics(cause);
+        self.initial_outputs(ApplicationStart::Reset, State::Stopped, now, fx);
+        self.rest(State::Stopped, now, fx);
+        self.remanent.dirty = true;
+        self.save_if_dirty(now);
+        Ok(())
+    }
+
+    /// Forcing and the indications of errors are erased (controller:FRC-07, controller:WD-15).
+    pub(in crate::controller) fn clear_diagnostics(&mut self, cause: StopCause) {
+        self.io.clear_forcing();
+        self.io.reset_protection();
+        self.power.system_error = false;
+        self.system.error = ApplicationError::None;
+        self.system.stop_cause = cause;
+        self.clear_plc_w();
+    }
+}

@@ -1,0 +1,37 @@
+//! What a person before the controller sees and can move, and what is forced in it.
+
+use super::Controller;
+use crate::{Led, LedPattern, State};
+use signal::Time;
+
+/// The controller from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrontPanel {
+    /// What its indicators show, in the order of [`Led::ALL`].
+    pub leds: [LedPattern; Led::ALL.len()],
+    /// Since when those that flash do so; a flash begins lit.
+    pub since: Time,
+    /// The Run/Stop switch is at Run.
+    pub switch: bool,
+    /// It has its supply.
+    pub supply: bool,
+    /// The inputs that are forced, bit n for In, and their values.
+    pub forced_inputs: (u32, u32),
+    /// The outputs that are forced, bit n for Qn, and their values.
+    pub forced_outputs: (u32, u32),
+}
+
+impl Controller {
+    /// What it shows now.
+    pub fn front_panel(&self) -> FrontPanel {
+        let [forced_inputs, forced_outputs] = self.io.forced();
+        FrontPanel {
+            leds: Led::ALL.map(|led| self.pattern(led)),
+            since: self.leds.origin(),
+            switch: self.power.switch_at_run,
+            supply: self.state != State::Off && self.power.hold_up.is_none(),
+            forced_inputs,
+            forced_outputs,
+        }
+    }
+}

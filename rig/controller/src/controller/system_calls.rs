@@ -1,0 +1,34 @@
+//! What a program asks of the controller.
+
+use super::Controller;
+use crate::SystemCall;
+use signal::Span;
+
+impl Controller {
+    /// Answers the task of this rank at once.
+    pub(super) fn answer_call(&mut self, rank: usize, call: SystemCall, argument: i64) {
+        let (now, place) = (self.scheduler.now(), self.scheduler.place(rank));
+        let answer = match call {
+            SystemCall::WaitSleep => {
+                self.scheduler.sleep(rank, now.saturating_add(Span::from_millis(argument)));
+                0
+            }
+            SystemCall::GetTaskCycle => {
+                self.interval(place).map_or(0, |interval| interval.as_nanos() / 1_000)
+            }
+            SystemCall::SetTaskCycle => i64::from(!self.set_interval(place, Span::from_micros(argument))),
+            // The flags hold whatever task asks.
+            SystemCall::FirstMastCycle | SystemCall::FirstMastColdCycle | SystemCall::FirstMastWarmCycle => {
+                self.system.first_cycle.flag(call)
+            }
+            SystemCall::HasForcedIo => i64::from(self.io.has_forced()),
+            SystemCall::GetRtc => self.system.rtc.seconds(now),
+            SystemCall::SetRtcDrift => self.system.rtc.set_drift(argument, self.config.profile, now),
+            // The indicator of the battery is dark in any case: no battery of the model is ever empty.
+            SystemCall::InhibitBatteryLed => 0,
+        };
+        if let Some(application) = &mut self.application {
+            application.answer(place, answer);
+        }
+    }
+}

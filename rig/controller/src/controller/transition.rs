@@ -1,0 +1,295 @@
+//! States and the ways between them: power, boot, stop, errors.
+
+use super::Controller;
+use crate::last_state::{Dates, save_last_state};
+use crate::probes::class;
+use crate::{Application, Effect, Effects, HaltOutputs, LogEntry, OutputsInStop, State, TaskConfig};
+use profile::{ApplicationError, BOOT_STAGES, BootProjectStatus, OUTPUT_INITIALIZATION, Profile, StopCause};
+use signal::{Cause, Span, Time};
+
+/// What the outputs of an application begin with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ApplicationStart {
+    /// A boot: hardware initialization values have been there up to now.
+    Boot,
+    /// A download.
+    Download,
+    /// A reset of the application that is there already.
+    Reset,
+}
+
+impl Controller {
+    /// The supply comes on: BOOTING (controller:TR-01), or nothing where it was gone for less than the hold-up time.
+    pub fn power_on(&mut self, now: Time, fx: &mut Effects) {
+        self.scheduler.idle_until(now);
+        if self.power.hold_up.take().is_some() {
+            self.log_entry(now, LogEntry::SupplyBack, fx);
+            self.observe(class::STATE, now, Cause::Controller, fx);
+        } else if self.state == State::Off {
+            self.io.power_on(now, &self.config);
+            self.leds.power_on(now);
+            (self.power.system_error, self.power.script) = (false, false);
+            // A power cycle clears the diagnostics (controller:WD-15).
+            self.system.error = ApplicationError::None;
+            self.system.stop_cause = StopCause::Unknown;
+            self.boot(now, fx);
+        }
+    }
+
+    /// The supply goes: the controller lives on for its hold-up time (controller:HW-08, controller:HW-09).
+    pub fn power_off(&mut self, now: Time, fx: &mut Effects) {
+        self.scheduler.idle_until(now);
+        if self.state != State::Off && self.power.hold_up.is_none() {
+            self.power.hold_up = Some(now.saturating_add(self.config.profile.hold_up()));
+            self.log_entry(now, LogEntry::SupplyLost, fx);
+            self.observe(class::STATE, now, Cause::Controller, fx);
+        }
+    }
+
+    /// The end of the hold-up time: whatever is volatile is lost, a save under way is torn (controller:REM-07).
+    pub(super) fn go_off(&mut self, now: Time, fx: &mut Effects) {
+        self.remanent.tear(now, self.files.store_mut());
+        self.unload(now);
+        self.system.dates.off = self.system.rtc.date(now);
+        self.power.hold_up = None;
+        self.power.stage = None;
+        self.enter(State::Off, now, fx);
+    }
+
+    /// Begins BOOTING. Forcing waits for the boot application; after a power cycle there is none.
+    pub(super) fn boot(&mut self, now: Time, fx: &mut Effects) {
+        let forced = self.io.forced();
+        self.unload(now);
+        self.io.restore_forced(forced);
+        self.system.dates = Dates::load(self.files.store());
+        self.system.boot_project = BootProjectStatus::None;
+        self.power.stage = Some((0, now.saturating_add(BOOT_STAGES[0])));
+        self.enter(State::Booting, now, fx);
+    }
+
+    /// The application and everything volatile is gone; outputs in hardware initialization values, forcing deleted.
+    pub(super) fn unload(&mut self, now: Time) {
+        self.abort_cycles();
+        self.application = None;
+        self.relocate();
+        self.bundle.clear();
+        self.power.creating = None;
+        self.remanent.abandon();
+        self.memory.clear();
+        self.io.clear_forcing();
+        self.io.unload_functions(now);
+        self.leds.identify(false);
+        self.power.refresh = None;
+        self.io.abandon_initialization();
+        self.io.initialize_outputs(now);
+    }
+
+    /// Execution ends where it is.
+    fn abort_cycles(&mut self) {
+        self.pending = None;
+        self.scheduler.abort_cycles();
+    }
+
+    /// A step of BOOTING is over.
+    pub(super) fn next_stage(&mut self, stage: usize, now: Time, fx: &mut Effects) {
+        let next = stage + 1;
+        self.power.stage = BOOT_STAGES.get(next).map(|length| (next, now.saturating_add(*length)));
+        match self.power.stage {
+            Some(_) => self.observe(class::STATE, now, Cause::Controller, fx),
+            None => self.end_boot(now, fx),
+        }
+    }
+
+    /// An application that came in this bundle is the one in memory.
+    pub(super) fn install(&mut self, application: Box<dyn Application>, bundle: &[u8]) {
+        self.application = Some(application);
+        self.bundle = bundle.to_vec();
+        self.clear_plc_w();
+        self.scheduler.begin_application();
+        self.attach();
+    }
+
+    /// Learns of the application what is asked of it by paths and tasks.
+    pub(super) fn attach(&mut self) {
+        self.relocate();
+        self.watch_again();
+        self.link_system();
+        self.scheduler.find_triggers(self.application.as_deref());
+        self.share_channels();
+    }
+
+    /// Outputs after a boot, a download or a reset (controller:OUT-05, controller:OUT-06): software initialization
+    /// values where a variable defines one, else default values; in 2014 the default values wherever it stays STOPPED.
+    /// Before them a download shows hardware initialization values for a while, and the controller of 2014 shows the
+    /// initial values of the image.
+    pub(super) fn initial_outputs(
+        &mut self,
+        beginning: ApplicationStart,
+        state: State,
+        now: Time,
+        fx: &mut Effects,
+    ) {
+        if state == State::Stopped {
+            // In RUNNING forcing waits for the outputs' tasks (controller:FRC-05).
+            self.io.act_forcing(None);
+        }
+        let mask = self.io.output_mask();
+        let old = self.config.profile == Profile::M241_2014;
+        let defaults = match (old, state) {
+            (true, State::Stopped) => mask,
+            (true, _) => 0,
+            (false, _) => mask & !self.memory.written_outputs(),
+        };
+        let first = if old { state == State::Stopped } else { beginning == ApplicationStart::Download };
+        self.io.begin_initialization(now.saturating_add(OUTPUT_INITIALIZATION), defaults);
+        match (first, old) {
+            (false, _) => self.end_initialization(now, fx),
+            (true, true) => self.write_outputs(now, fx),
+            (true, false) => self.io.initialize_outputs(now),
+        }
+        self.io.rest_at_defaults(now);
+    }
+
+    /// Initialization values are over: outputs without a value of their own take their defaults.
+    pub(super) fn end_initialization(&mut self, now: Time, fx: &mut Effects) {
+        let ended = self.io.end_initialization(self.config.outputs_in_stop, &mut self.memory);
+        let Some(changed) = ended else { return };
+        if changed {
+            self.observe(class::MEMORY, now, Cause::Controller, fx);
+        }
+        if self.state == State::Stopped {
+            self.io.act_forcing(None);
+        }
+        self.write_outputs(now, fx);
+    }
+
+    /// Enters RUNNING: the tasks start again (controller:TR-06, controller:TR-08).
+    pub(super) fn enter_running(&mut self, now: Time, fx: &mut Effects) {
+        self.abort_cycles();
+        self.end_initialization(now, fx);
+        self.power.refresh = None;
+        self.system.first_cycle.enter_running();
+        self.begin_tasks(now);
+        self.enter(State::Running, now, fx);
+    }
+
+    /// RUNNING -> STOPPED (controller:TR-09).
+    pub(super) fn enter_stopped(&mut self, now: Time, cause: StopCause, fx: &mut Effects) {
+        self.system.stop_cause = cause;
+        self.log_entry(now, LogEntry::Stopped(cause), fx);
+        self.fall_back(self.config.outputs_in_stop, now, fx);
+        self.rest(State::Stopped, now, fx);
+    }
+
+    /// RUNNING -> HALT (controller:TR-10): the fallback is applied at once.
+    pub(super) fn enter_halt(&mut self, now: Time, error: ApplicationError, fx: &mut Effects) {
+        self.system.stop_cause = StopCause::Exception;
+        self.system.error = error;
+        self.log_entry(now, LogEntry::Stopped(StopCause::Exception), fx);
+        let outputs = match self.config.halt_outputs {
+            HaltOutputs::Configured => self.config.outputs_in_stop,
+            HaltOutputs::Default => OutputsInStop::Default,
+        };
+        self.fall_back(outputs, now, fx);
+        self.rest(State::Halt, now, fx);
+    }
+
+    /// A system error: reboot into EMPTY (controller:TR-12, controller:WD-15).
+    pub(super) fn system_error(
+        &mut self,
+        now: Time,
+        cause: StopCause,
+        error: ApplicationError,
+        fx: &mut Effects,
+    ) {
+        self.system.stop_cause = cause;
+        self.system.error = error;
+        (self.power.system_error, self.power.script) = (true, false);
+        self.record_crash();
+        self.log_entry(now, LogEntry::Stopped(cause), fx);
+        save_last_state(self.files.store_mut(), State::Empty, 0);
+        self.boot(now, fx);
+    }
+
+    /// Outputs when RUNNING is left (controller:STOP-03): the configured state or the forced value.
+    fn fall_back(&mut self, outputs: OutputsInStop, now: Time, fx: &mut Effects) {
+        self.io.fall_back(outputs);
+        self.write_stop_image(now, fx);
+    }
+
+    fn write_stop_image(&mut self, now: Time, fx: &mut Effects) {
+        if self.io.set_stop_image(&mut self.memory) {
+            self.observe(class::MEMORY, now, Cause::Controller, fx);
+        }
+        self.io.act_forcing(None);
+        self.write_outputs(now, fx);
+    }
+
+    /// Enters STOPPED or HALT; inputs and outputs go on being updated in the bus cycle where configured.
+    pub(super) fn rest(&mut self, state: State, now: Time, fx: &mut Effects) {
+        self.abort_cycles();
+        self.power.refresh = self.config.update_io_in_stop.then(|| now.saturating_add(self.bus_cycle()));
+        self.enter(state, now, fx);
+    }
+
+    /// Interval of the bus cycle task (controller:DEV-10), and where it has none the interval of MAST where that is
+    /// not said.
+    fn bus_cycle(&self) -> Span {
+        let task = self.config.bus_cycle().and_then(|place| self.config.tasks.get(place));
+        task.and_then(TaskConfig::interval).unwrap_or(Span::from_millis(20))
+    }
+
+    /// Update of inputs and outputs in STOPPED and HALT (controller:STOP-04, controller:FRC-04).
+    pub(super) fn refresh(&mut self, now: Time, fx: &mut Effects) {
+        self.power.refresh = Some(now.saturating_add(self.bus_cycle()));
+        self.exchange_inputs(None, now, fx);
+        if !self.io.is_initializing() {
+            self.write_stop_image(now, fx);
+        }
+        if self.state == State::Stopped {
+            self.save_if_dirty(now);
+        }
+    }
+
+    pub(super) fn enter(&mut self, state: State, now: Time, fx: &mut Effects) {
+        let from = std::mem::replace(&mut self.state, state);
+        self.leave(from, now);
+        self.io.enter(now, state);
+        self.scheduler.restart_at(now);
+        self.operate_functions(now, fx);
+        self.io.drive_alarm(now, &self.memory);
+        if matches!(state, State::Empty | State::Stopped | State::Running | State::Halt) {
+            let signature = self.application.as_ref().map_or(0, |application| application.signature());
+            save_last_state(self.files.store_mut(), state, signature);
+        }
+        fx.push(Effect::State { at: now, state });
+        self.log_entry(now, LogEntry::State { from, to: state }, fx);
+        self.observe(class::ALL, now, Cause::Controller, fx);
+    }
+
+    /// Whatever a state that is left takes with it: instants of the last stop and of power off.
+    fn leave(&mut self, from: State, now: Time) {
+        if from == State::Booting && self.state.status().is_some() {
+            self.system.clocks.begin(now);
+        }
+        // A breakpoint is a stop too, and what comes after it is none again (controller:SYS-02).
+        if from == State::Running || self.state == State::Off {
+            if from == State::Running {
+                self.system.dates.stop = self.system.rtc.date(now);
+            }
+            self.system.dates.save(self.files.store_mut());
+        }
+    }
+
+    /// Puts what is accepted with a warning into the log, as the application comes into memory.
+    pub(super) fn log_warnings(&mut self, now: Time, fx: &mut Effects) {
+        for warning in self.config.warnings() {
+            self.log_entry(now, LogEntry::Warning(warning), fx);
+        }
+    }
+
+    /// Puts an entry into the log.
+    pub(super) fn log_entry(&mut self, at: Time, entry: LogEntry, fx: &mut Effects) {
+        fx.push(Effect::Log { at, entry });
+    }
+}

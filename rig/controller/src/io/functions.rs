@@ -1,0 +1,194 @@
+//! The expert functions beside the embedded inputs and outputs (io: sections 6 and 7).
+//!
+//! Images, forcing and defaults have no say in the outputs of expert functions (io:OUT-21, io:HSC-05): those follow the
+//! functions in RUNNING, rest at 0 or at their defaults in STOPPED and HALT (io:OUT-19), and are as all others
+//! without an application.
+
+use crate::config::{Config, OutputsInStop};
+use crate::state::State;
+use expert::{Effect, ExpertFunctions, FunctionKind, FunctionProbe, Operation};
+use signal::{Time, Value};
+
+/// The functions, and what the controller lets them do.
+#[derive(Clone, Debug)]
+pub(super) struct Functions {
+    expert: ExpertFunctions,
+    pub(super) operation: Operation,
+    /// Outputs of pulse trains, which have no defaults (io:PLS-04).
+    pulses: u32,
+    /// What the outputs show while the functions rest, bit n for Qn.
+    pub(super) rest: u32,
+    /// Something happened with an edge and nobody looked at it yet.
+    due: Time,
+    /// The place of the next effect.
+    place: usize,
+    observed: bool,
+    /// Outputs whose square waves hardware makes, bit n for Qn.
+    offloaded: u32,
+    /// Outputs that protection has switched off, as the functions know it, bit n for Qn.
+    cut: u32,
+}
+
+impl Functions {
+    /// The functions of a configuration that was checked, without power.
+    pub(super) fn new(config: &Config) -> Functions {
+        let is_axis = |kind: &FunctionKind| matches!(kind, FunctionKind::Axis(_));
+        let axes = config.expert.functions.iter().filter(|function| is_axis(&function.kind));
+        Functions {
+            expert: ExpertFunctions::new(&config.expert, &config.input_conditions()).counted(config.counted),
+            operation: Operation::Off,
+            pulses: axes.fold(0, |mask, axis| mask | axis.kind.outputs()),
+            rest: 0,
+            due: Time::MAX,
+            place: 0,
+            observed: false,
+            offloaded: 0,
+            cut: 0,
+        }
+    }
+
+    /// hardware makes the square waves on these outputs.
+    pub(super) fn offload_pulses(&mut self, outputs: u32) {
+        self.offloaded = outputs;
+        self.expert.offload_pulses(outputs);
+    }
+
+    /// The outputs that functions drive, bit n for Qn.
+    #[inline]
+    pub(super) const fn outputs(&self) -> u32 {
+        self.expert.outputs()
+    }
+
+    /// Whether a function drives Q`output`.
+    pub(super) fn drives(&self, output: usize) -> bool {
+        u32::try_from(output)
+            .ok()
+            .and_then(|n| self.outputs().checked_shr(n))
+            .is_some_and(|bits| bits & 1 == 1)
+    }
+
+    /// The functions as blocks reach them.
+    #[inline]
+    pub(super) fn expert_mut(&mut self) -> &mut ExpertFunctions {
+        &mut self.expert
+    }
+
+    /// The level at terminal I`input` from `now` on.
+    #[inline]
+    pub(super) fn edge(&mut self, now: Time, input: usize, high: bool) {
+        let before = self.expert.next() <= now;
+        self.expert.edge(now, input, high);
+        if before || self.expert.next() <= now {
+            self.due = now;
+        }
+    }
+
+    /// So many edges at terminal I`input` are known to be missing before `now`.
+    pub(super) fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
+        self.expert.report_missed_edges(now, input, edges);
+        self.due = now;
+    }
+
+    /// Hardware behind terminal I`input` has counted so far, by `now`.
+    pub(super) fn count(&mut self, now: Time, input: usize, steps: i64) {
+        self.expert.count(now, input, steps);
+        self.due = now;
+    }
+
+    /// When something here happens by itself; [`Time::MAX`] for never.
+    #[inline]
+    pub(super) fn next(&self) -> Time {
+        self.expert.next().min(self.due)
+    }
+
+    /// What a function shows.
+    pub(super) fn read(&self, function: usize, fact: FunctionProbe) -> Value {
+        self.expert.read(function, fact)
+    }
+
+    /// Facts are observed from now on: calls of blocks may change them.
+    pub(super) fn observe(&mut self) {
+        self.observed = true;
+        self.expert.observe();
+    }
+
+    /// The next effect that nobody took yet.
+    pub(super) fn take(&mut self) -> Option<(Time, Effect)> {
+        let effect = self.expert.take(self.place);
+        self.place = if effect.is_some() { self.place + 1 } else { 0 };
+        effect
+    }
+
+    /// Protection has the stages of these outputs switched off from `now` on (io:STD-PTO-14).
+    pub(super) fn protect(&mut self, now: Time, cut: u32) {
+        let cut = cut & self.outputs();
+        // That it let go is to be known, too: an axis can be reset then.
+        if cut | self.cut != 0 {
+            self.expert.protect(now, cut);
+        }
+        self.cut = cut;
+    }
+
+    /// A cold reset or a download (io:STD-HSC-15).
+    pub(super) fn reset(&mut self, now: Time) {
+        self.expert.reset(now);
+    }
+}
+
+impl Functions {
+    /// The electronics of the inputs come up: everything after the terminals starts again, with the levels there.
+    pub(super) fn power_on(&mut self, now: Time, config: &Config, high: impl Fn(usize) -> bool) {
+        let (observed, offloaded) = (self.observed, self.offloaded);
+        *self = Functions::new(config);
+        self.offload_pulses(offloaded);
+        if observed {
+            self.observe();
+        }
+        for input in (0..config.reference.input_count()).filter(|input| high(*input)) {
+            self.edge(now, input, true);
+        }
+    }
+
+    /// Lets them do what is due at `now`; whether anything was.
+    #[inline]
+    pub(super) fn fire(&mut self, now: Time) -> bool {
+        let due = self.next() <= now;
+        if due {
+            self.due = Time::MAX;
+            self.expert.fire(now);
+        }
+        due
+    }
+
+    /// They do what the controller lets them from `now` on.
+    pub(super) fn operate(&mut self, now: Time, operation: Operation) {
+        self.operation = operation;
+        self.expert.operate(now, operation);
+    }
+
+    /// What their outputs will show while they rest (io:OUT-19).
+    pub(super) fn prepare_rest(&mut self, outputs: OutputsInStop, defaults: u32) {
+        self.rest = match outputs {
+            OutputsInStop::Keep => 0,
+            OutputsInStop::Default => defaults & self.outputs() & !self.pulses,
+        };
+    }
+
+    /// The application is gone, and with it all that the functions know.
+    pub(super) fn unload(&mut self, now: Time) {
+        self.rest = 0;
+        self.operate(now, Operation::Off);
+        self.expert.reset(now);
+        while self.take().is_some() {}
+    }
+}
+
+/// What a state lets the functions do.
+pub(super) const fn operation_in(state: State) -> Operation {
+    match state {
+        // At a breakpoint only the tasks stand still (io:STD-PTO-13).
+        State::Running | State::Breakpoint => Operation::Running,
+        State::Stopped | State::Halt => Operation::Stopped,
+        State::Off | State::Booting | State::InvalidOs | State::Empty => Operation::Off,
+    }
+}

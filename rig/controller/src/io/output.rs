@@ -1,0 +1,314 @@
+//! Output terminals: what the drivers command and when the edge comes out.
+
+use crate::effect::{Effect, Effects};
+use crate::memory::Memory;
+use profile::{EmbeddedOutput, OutputKind};
+use signal::{Cause, Level, Span, Time};
+
+/// What a terminal does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shown {
+    /// It keeps a level.
+    Level(Level),
+    /// It pulses, and hardware makes the edges.
+    Wave { period: Span, high: Span },
+}
+
+/// One terminal. Its delays are inertial: a command that is taken back before its edge came out leaves none.
+#[derive(Clone, Debug)]
+struct Terminal {
+    on_delay: Span,
+    off_delay: Span,
+    shown: Shown,
+    /// What is to come and when, while they differ.
+    next: Shown,
+    at: Time,
+    cause: Cause,
+    /// The pulses that are commanded, where they are.
+    wave: Shown,
+}
+
+/// All embedded outputs.
+#[derive(Clone, Debug)]
+pub(super) struct Outputs {
+    terminals: Vec<Terminal>,
+    /// Outputs that are not driven under hardware initialization values (controller:OUT-02).
+    floating: u32,
+    /// What the drivers are commanded: 1, and not driven at all.
+    on: u32,
+    undriven: u32,
+    /// What of it pulses.
+    pulsing: u32,
+    /// Outputs whose stages are switched off whatever they are commanded, by protection or for want of a supply.
+    cut: u32,
+    /// Terminals with an edge to come, and the first of these edges.
+    pending: u32,
+    first: Time,
+}
+
+impl Outputs {
+    /// Outputs in hardware initialization values.
+    pub(super) fn new(outputs: impl Iterator<Item = EmbeddedOutput>) -> Outputs {
+        let mut floating = 0;
+        let terminals = outputs
+            .map(|output| {
+                let floats = output.kind == OutputKind::Fast;
+                floating |= u32::from(floats) << output.index;
+                let shown = Shown::Level(if floats { Level::HighZ } else { Level::Low });
+                Terminal {
+                    on_delay: output.on_delay,
+                    off_delay: output.off_delay,
+                    shown,
+                    next: shown,
+                    at: Time::MAX,
+                    cause: Cause::Controller,
+                    wave: shown,
+                }
+            })
+            .collect();
+        Outputs {
+            terminals,
+            floating,
+            on: 0,
+            undriven: floating,
+            pulsing: 0,
+            cut: 0,
+            pending: 0,
+            first: Time::MAX,
+        }
+    }
+
+    /// A 1 for every output.
+    pub(super) fn mask(&self) -> u32 {
+        ((1u64 << self.terminals.len()) - 1) as u32
+    }
+
+    /// The level at a terminal; none beyond the reference's outputs, and while hardware makes its pulses.
+    pub(super) fn level(&self, output: usize) -> Option<Level> {
+        match self.terminals.get(output)?.shown {
+            Shown::Level(level) => Some(level),
+            Shown::Wave { .. } => None,
+        }
+    }
+
+    /// What the drivers are commanded, a 1 for on; 0 for outputs that are not driven.
+    #[inline]
+    pub(super) fn commanded(&self) -> u32 {
+        self.on
+    }
+
+    /// Whether the outputs are in hardware initialization values.
+    pub(super) fn initialized(&self) -> bool {
+        self.undriven != 0
+    }
+
+    /// Commands every output at `now`: bit n drives Qn. The cause of an edge is the last writer of its %Q bit.
+    #[inline]
+    pub(super) fn drive(&mut self, now: Time, bits: u32, which: u32, memory: &Memory) {
+        self.command_by(now, bits, which, |n| memory.writer(n));
+    }
+
+    /// Commands these outputs at `now`, for an expert function: no bit of %Q has a part in it.
+    #[inline]
+    pub(super) fn command(&mut self, now: Time, bits: u32, which: u32) {
+        self.command_by(now, bits, which, |_| Cause::Controller);
+    }
+
+    /// Has an output pulse at `now`, for an expert function whose pulses hardware makes.
+    pub(super) fn pulse(&mut self, now: Time, output: u8, period: Span, high: Span) {
+        let bit = 1 << output & self.mask();
+        let Some(terminal) = self.terminals.get_mut(usize::from(output)) else { return };
+        terminal.wave = Shown::Wave { period, high };
+        (self.on, self.undriven, self.pulsing) = (self.on | bit, self.undriven & !bit, self.pulsing | bit);
+        self.aim(now, bit, |_| Cause::Controller);
+    }
+
+    #[inline]
+    fn command_by(&mut self, now: Time, bits: u32, which: u32, cause: impl Fn(u32) -> Cause) {
+        let changed = (bits ^ self.on | self.undriven | self.pulsing) & self.mask() & which;
+        if changed != 0 {
+            self.pulsing &= !changed;
+            (self.on, self.undriven) = (self.on ^ (bits ^ self.on) & changed, self.undriven & !changed);
+            self.aim(now, changed, cause);
+        }
+    }
+
+    /// Commands hardware initialization values at `now` (controller:OUT-02).
+    pub(super) fn initialize(&mut self, now: Time) {
+        (self.on, self.undriven, self.pulsing) = (0, self.floating, 0);
+        self.aim(now, self.mask(), |_| Cause::Controller);
+    }
+
+    /// Switches the stages of these outputs off at once, without delay, and lets the others follow their commands.
+    pub(super) fn cut(&mut self, now: Time, cut: u32) {
+        let changed = cut ^ std::mem::replace(&mut self.cut, cut);
+        if changed != 0 {
+            self.aim(now, changed & self.mask(), |_| Cause::Controller);
+        }
+    }
+
+    fn aim(&mut self, now: Time, mut which: u32, cause: impl Fn(u32) -> Cause) {
+        while which != 0 {
+            let n = which.trailing_zeros();
+            which &= which - 1;
+            let has = |mask: u32| mask >> n & 1 == 1;
+            let cut = has(self.cut);
+            let terminal = &mut self.terminals[n as usize];
+            let shown = match cut || has(self.undriven) {
+                true if has(self.floating) => Shown::Level(Level::HighZ),
+                true => Shown::Level(Level::Low),
+                false if has(self.pulsing) => terminal.wave,
+                false => Shown::Level(Level::from_bool(has(self.on))),
+            };
+            if shown == terminal.shown {
+                terminal.next = shown;
+                self.pending &= !(1 << n);
+            } else if shown != terminal.next || cut {
+                let delay = match (cut, shown) {
+                    (true, _) => Span::ZERO,
+                    (false, Shown::Level(Level::High) | Shown::Wave { .. }) => terminal.on_delay,
+                    (false, _) => terminal.off_delay,
+                };
+                (terminal.next, terminal.at, terminal.cause) = (shown, now.saturating_add(delay), cause(n));
+                self.pending |= 1 << n;
+            }
+        }
+        self.find_first();
+    }
+
+    fn find_first(&mut self) {
+        self.first = Time::MAX;
+        let mut left = self.pending;
+        while left != 0 {
+            self.first = self.first.min(self.terminals[left.trailing_zeros() as usize].at);
+            left &= left - 1;
+        }
+    }
+
+    /// When the next edge comes out; [`Time::MAX`] for none.
+    #[inline]
+    pub(super) fn next(&self) -> Time {
+        self.first
+    }
+
+    /// The edges due at `now` come out; whether there were any.
+    pub(super) fn fire(&mut self, now: Time, fx: &mut Effects) -> bool {
+        if self.first > now {
+            return false;
+        }
+        let mut left = self.pending;
+        while left != 0 {
+            let n = left.trailing_zeros();
+            left &= left - 1;
+            let terminal = &mut self.terminals[n as usize];
+            if terminal.at <= now {
+                terminal.shown = terminal.next;
+                self.pending &= !(1 << n);
+                let (output, at, cause) = (n as usize, terminal.at, terminal.cause);
+                fx.push(match terminal.shown {
+                    Shown::Level(level) => Effect::Terminal { at, output, level, cause },
+                    Shown::Wave { period, high } => Effect::Wave { at, output, period, high, cause },
+                });
+            }
+        }
+        self.find_first();
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profile::{Profile, Reference};
+
+    fn outputs(name: &str) -> Outputs {
+        Outputs::new(profile::outputs(Reference::find(name).unwrap()))
+    }
+
+    fn us(n: i64) -> Time {
+        Time::from_nanos(n * 1_000)
+    }
+
+    // io:STD-OUT-01
+    #[test]
+    fn delays_by_kind_and_direction() {
+        let (mut out, mut fx, memory) =
+            (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        out.drive(us(0), 0b1_0001, !0, &memory);
+        assert_eq!(out.next(), us(2));
+        out.fire(us(2), &mut fx);
+        assert_eq!(
+            (out.level(0), out.level(1), out.level(4)),
+            (Some(Level::High), Some(Level::Low), Some(Level::Low))
+        );
+        assert_eq!(out.next(), us(34));
+        out.fire(us(34), &mut fx);
+        assert_eq!(out.level(4), Some(Level::High));
+        out.drive(us(100), 0, !0, &memory);
+        out.fire(us(102), &mut fx);
+        assert_eq!(out.next(), us(350));
+        let mut relay = outputs("TM241CEC24R");
+        relay.drive(us(0), 0b1_0000, !0, &memory);
+        relay.fire(us(2), &mut fx);
+        assert_eq!(relay.next(), us(10_000));
+    }
+
+    // controller:OUT-02
+    #[test]
+    fn hardware_initialization_values() {
+        let (mut out, mut fx, memory) =
+            (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        assert_eq!((out.level(3), out.level(4)), (Some(Level::HighZ), Some(Level::Low)));
+        out.drive(us(0), 0x3FF, !0, &memory);
+        out.fire(us(1_000), &mut fx);
+        out.initialize(us(2_000));
+        out.initialize(us(2_100));
+        assert_eq!(out.next(), us(2_002), "the same command again starts no delay again");
+        out.fire(us(2_250), &mut fx);
+        assert_eq!(
+            (out.level(3), out.level(4), out.next()),
+            (Some(Level::HighZ), Some(Level::Low), Time::MAX)
+        );
+    }
+
+    // io:OUT-06, io:OUT-09
+    #[test]
+    fn a_stage_that_is_cut_is_off_at_once() {
+        let (mut out, mut fx, memory) =
+            (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        out.drive(us(0), 0b11_0001, !0, &memory);
+        out.fire(us(34), &mut fx);
+        out.drive(us(100), 0b10_0001, !0, &memory);
+        out.cut(us(110), 0xFF);
+        assert_eq!(out.next(), us(110), "sooner than the off delay under way");
+        out.fire(us(110), &mut fx);
+        assert_eq!(
+            [0, 1, 4, 5, 8].map(|n| out.level(n).unwrap()),
+            [Level::HighZ, Level::HighZ, Level::Low, Level::Low, Level::Low]
+        );
+        out.drive(us(200), 0b11_0001, !0, &memory);
+        assert_eq!(out.next(), Time::MAX, "a command changes nothing");
+        out.cut(us(300), 0);
+        out.fire(us(302), &mut fx);
+        out.fire(us(334), &mut fx);
+        assert_eq!(
+            [0, 1, 4, 5].map(|n| out.level(n).unwrap()),
+            [Level::High, Level::Low, Level::High, Level::High]
+        );
+    }
+
+    #[test]
+    fn a_command_taken_back_in_time_leaves_no_edge() {
+        let (mut out, mut fx, memory) =
+            (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
+        out.drive(us(0), 0, !0, &memory);
+        out.fire(us(2), &mut fx);
+        fx.list.clear();
+        out.drive(us(10), 0b1_0000, !0, &memory);
+        out.drive(us(40), 0, !0, &memory);
+        assert_eq!(out.next(), Time::MAX);
+        out.drive(us(50), 0b1_0000, !0, &memory);
+        assert_eq!(out.next(), us(84), "the delay starts again");
+        assert!(fx.list.is_empty());
+    }
+}

@@ -1,0 +1,109 @@
+//! The system variables: a table of their names and types.
+
+/// Type of a system variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SystemType {
+    /// BOOL.
+    Bool,
+    /// WORD.
+    Word,
+    /// UINT.
+    Uint,
+    /// DWORD.
+    Dword,
+    /// LWORD.
+    Lword,
+}
+
+impl SystemType {
+    /// The name in Structured Text.
+    pub const fn name(self) -> &'static str {
+        match self {
+            SystemType::Bool => "BOOL",
+            SystemType::Word => "WORD",
+            SystemType::Uint => "UINT",
+            SystemType::Dword => "DWORD",
+            SystemType::Lword => "LWORD",
+        }
+    }
+}
+
+/// The table: in the order of the structures, with what a plan and a program call them.
+macro_rules! system_variables {
+    ($($(#[$doc:meta])+ $variant:ident = $name:literal: $ty:ident,)+) => {
+        /// A system variable. What begins with `PLC_R.` is read, what begins with `PLC_W.` is written
+        /// (controller:STATE-02, controller:SYS-01...06, controller:CMD-01).
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum SystemVariable {
+            $($(#[$doc])+ $variant,)+
+        }
+
+        impl SystemVariable {
+            /// Every system variable, those of a structure in its order.
+            pub const ALL: &[SystemVariable] = &[$(SystemVariable::$variant,)+];
+
+            /// The name, as in `PLC_R.i_wStatus`.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(SystemVariable::$variant => $name,)+
+                }
+            }
+
+            /// Its type.
+            pub const fn ty(self) -> SystemType {
+                match self {
+                    $(SystemVariable::$variant => SystemType::$ty,)+
+                }
+            }
+        }
+    };
+}
+
+system_variables! {
+    /// The vendor: 101A hex (controller:SYS-06).
+    VendorId = "PLC_R.i_wVendorID": Word,
+    /// The state (controller:STATE-02).
+    Status = "PLC_R.i_wStatus": Word,
+    /// How the boot application stands to the one in memory (controller:SYS-01).
+    BootProjectStatus = "PLC_R.i_wBootProjectStatus": Word,
+    /// Why RUNNING was left last (controller:SYS-02).
+    LastStopCause = "PLC_R.i_wLastStopCause": Word,
+    /// The last error of the application (controller:SYS-03).
+    LastApplicationError = "PLC_R.i_wLastApplicationError": Word,
+    /// A 0 for every error (controller:SYS-04).
+    SystemFault1 = "PLC_R.i_lwSystemFault_1": Lword,
+    /// Status of the embedded inputs and outputs (controller:SYS-06).
+    IoStatus1 = "PLC_R.i_wIOStatus1": Word,
+    /// Status of the expansion modules (controller:SYS-06).
+    IoStatus2 = "PLC_R.i_wIOStatus2": Word,
+    /// Another name of the status of the embedded inputs and outputs.
+    LocalIoStatus = "PLC_R.i_wLocalIOStatus": Word,
+    /// The battery of the clock in per cent: 100 is full (controller:SYS-06).
+    ClockBatteryStatus = "PLC_R.i_wClockBatterystatus": Word,
+    /// When RUNNING was left last, in seconds since 1970 (controller:RB-06).
+    LastStopTime = "PLC_R.i_dwLastStopTime": Dword,
+    /// When the power went last, in seconds since 1970 (controller:RB-06).
+    LastPowerOffDate = "PLC_R.i_dwLastPowerOffDate": Dword,
+    /// A clock of 10 ms (controller:SYS-05).
+    Clock10Ms = "PLC_R.i_x10msClk": Bool,
+    /// A clock of 100 ms.
+    Clock100Ms = "PLC_R.i_x100msClk": Bool,
+    /// A clock of 1 s.
+    Clock1S = "PLC_R.i_x1sClk": Bool,
+    /// The key that has the command executed (controller:CMD-01).
+    OpenPlcControl = "PLC_W.q_uiOpenPLCControl": Uint,
+    /// The command (controller:CMD-01).
+    PlcControl = "PLC_W.q_wPLCControl": Word,
+}
+
+impl SystemVariable {
+    /// The system variable of this name, in any case of letters.
+    pub fn find(name: &str) -> Option<SystemVariable> {
+        SystemVariable::ALL.iter().copied().find(|variable| variable.name().eq_ignore_ascii_case(name))
+    }
+
+    /// Whether programs and plans write it.
+    pub fn is_written(self) -> bool {
+        self.name().starts_with("PLC_W.")
+    }
+}
