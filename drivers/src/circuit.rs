@@ -75,7 +75,7 @@ impl ChannelSpec {
 /// How the further edges of a bouncing contact lie in their time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Spacing {
-    /// Drawn anew from the board's seed at every change.
+    /// Drawn again from the board's seed at every change.
     #[default]
     Random,
     /// At equal distances, the last at the end of the time.

@@ -14,7 +14,7 @@ pub(crate) const START: Span = Span::from_secs(2);
 pub(crate) struct RunState {
     started: bool,
     latched: bool,
-    /// The start, until it was told what there was then.
+    /// The start, until what there was then was reported.
     fresh: Option<Time>,
     last: Time,
     ahead: Option<Time>,
@@ -32,7 +32,7 @@ impl RunState {
         *self = RunState { started: true, last: now, ..RunState::default() };
     }
 
-    /// What there is at the start is still to be told.
+    /// What there is at the start is still to be reported.
     pub(crate) fn owes_start(&mut self) {
         self.fresh = Some(self.last);
     }
@@ -71,7 +71,7 @@ impl RunState {
         self.latched
     }
 
-    /// The start, once: what there was then is to be told.
+    /// The start, once: what there was then is to be reported.
     pub(crate) fn take_fresh(&mut self) -> Option<Time> {
         self.fresh.take()
     }

@@ -202,7 +202,7 @@ impl DeviceThread {
     }
 
     /// Tells whether a device of these channels still answers, which owes an answer until this stamp; 0 for none. TRUE where
-    /// it does again: then what is there now is to be told.
+    /// it does again: then what is there now is to be reported.
     pub(crate) fn report_presence(
         &mut self,
         due: i64,
@@ -224,7 +224,7 @@ impl DeviceThread {
         reason.is_none()
     }
 
-    /// Tells that a device of these channels is there again, even where it was not told that it was gone.
+    /// Tells that a device of these channels is there again, even where it was not reported that it was gone.
     pub(crate) fn report_return(
         &mut self,
         at: Time,

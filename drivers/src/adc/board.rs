@@ -21,7 +21,7 @@ pub fn describe(table: &ChannelTable, spec: &AdcsSpec, channels: &mut [Channel])
         let (Some(channel), Some(known)) = (channels.get_mut(at), table.channels.get(at)) else {
             continue;
         };
-        // What comes later than this is told as a loss.
+        // What comes later than this is reported as a loss.
         let apart = spec.converters.get(sample.converter).map_or(Span::ZERO, AdcSpec::longest);
         *channel = Channel {
             name: known.name.clone(),

@@ -54,7 +54,7 @@ impl Shared {
 #[derive(Debug)]
 pub(super) struct Known {
     pub(super) scale: Scale,
-    /// What was told last; `None` before the first.
+    /// What was reported last; `None` before the first.
     told: Option<Shown>,
     /// When its last reading began.
     last: Option<i64>,
@@ -77,21 +77,21 @@ pub(super) struct Device {
     pub(super) found: Vec<Reading>,
     /// The longest time between two readings of an input that its channel allows for.
     pub(super) apart: i64,
-    /// A device that was gone is taken back.
+    /// A device that was gone is opened again.
     pub(super) reconnect: bool,
     pub(super) started: u64,
     /// Whether the start has been answered.
     pub(super) complete: bool,
     /// When the next reading is due.
     pub(super) due: i64,
-    /// Readings that the device lost, as it told last.
+    /// Readings that the device lost, as it reported last.
     pub(super) lost: u64,
 }
 
 impl Device {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
-        // A refusal is told once for all threads, by whoever set up the run.
+        // A refusal is reported once for all threads, by whoever set up the run.
         let _ = realtime.enter(Role::Devices);
         while !self.reporter.is_stopped() {
             let until = self.turn();

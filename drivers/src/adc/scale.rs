@@ -30,7 +30,7 @@ pub struct Scale {
     /// Points of the calibration, in rising order of what was shown and of what it was. One point shifts, several are
     /// joined by lines, of which the outer ones go on.
     pub calibration: Vec<Point>,
-    /// By how much more than this the quantity has to differ from what was told last.
+    /// By how much more than this the quantity has to differ from what was reported last.
     pub deadband: f64,
     /// What is known of its errors, its steps and its noise aside.
     pub accuracy: Accuracy,
@@ -104,7 +104,7 @@ impl Scale {
         self.change(value, self.shown(value), noise.deviation)
     }
 
-    /// Whether what a channel shows has to be told where the other one was told last.
+    /// Whether what a channel shows has to be reported where the other one was reported last.
     pub fn differs(&self, last: Shown, now: Shown) -> bool {
         match (last, now) {
             // What lies within the band around the last one needs no telling, with all that it may be.

@@ -35,7 +35,7 @@ pub struct AdcSpec {
 }
 
 impl AdcSpec {
-    /// The longest time between the beginning of one sample of an input and the end of the next that is not told as a
+    /// The longest time between the beginning of one sample of an input and the end of the next that is not reported as a
     /// loss.
     pub fn longest(&self) -> Span {
         let spread = match &self.kind {

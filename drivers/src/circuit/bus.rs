@@ -11,6 +11,6 @@ pub struct BusSpec {
     pub bitrate: u32,
     /// Bit rate of the data of CAN FD frames; `None`: the bus takes classic frames only.
     pub data_bitrate: Option<u32>,
-    /// A bus before it in the list whose wire it hangs on.
+    /// A bus before it in the list whose wire it is on.
     pub joins: Option<BusId>,
 }

@@ -36,7 +36,7 @@ impl Circuit {
                 }
             }
         }
-        // What has no rank hangs on a ring; going back from there along wires without rank ends in the ring.
+        // What has no rank is part of a ring, or depends on one; going back from there along wires without rank ends in the ring.
         let counts = |channel: usize| self.channels[channel].kind == ChannelKind::Count;
         let Some(mut at) = (0..ranks.len()).find(|&channel| ranks[channel] == u16::MAX && !counts(channel))
         else {

@@ -54,7 +54,7 @@ pub(super) struct Device {
     pub(super) steps: Vec<Step>,
     /// Time between two readings.
     pub(super) period: i64,
-    /// A device that was gone is taken back.
+    /// A device that was gone is opened again.
     pub(super) reconnect: bool,
     pub(super) started: u64,
     /// Whether the start has been answered.
@@ -66,7 +66,7 @@ pub(super) struct Device {
 impl Device {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
-        // A refusal is told once for all threads, by whoever set up the run.
+        // A refusal is reported once for all threads, by whoever set up the run.
         let _ = realtime.enter(Role::Devices);
         while !self.reporter.is_stopped() {
             let until = self.turn();

@@ -101,7 +101,7 @@ pub fn find(root: &Path, find: &FindCounter) -> Result<CounterDevice, Refusal> {
     }
 }
 
-/// Whether a path is a device's node, a link to it, its place in `/sys`, or that of what it hangs on.
+/// Whether a path is a device's node, a link to it, its place in `/sys`, or that of its parent.
 fn is_at(root: &Path, device: &CounterDevice, path: &Path) -> bool {
     let Ok(meant) = root.join(path.strip_prefix("/").unwrap_or(path)).canonicalize() else { return false };
     let place = device.folder.canonicalize().ok();

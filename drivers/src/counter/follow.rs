@@ -1,4 +1,4 @@
-//! From what a count shows now and then, and what its device told meanwhile, to a count that never wraps.
+//! From what a count shows now and then, and what its device reported meanwhile, to a count that never wraps.
 
 use std::collections::VecDeque;
 
@@ -75,7 +75,7 @@ pub struct Follower {
     first: u64,
     since: i64,
     last: Option<Last>,
-    /// The next wrap to be told has been seen in a reading.
+    /// The next wrap to be reported has been seen in a reading.
     foreseen: bool,
     held: Option<Reading>,
     waiting: VecDeque<CounterEvent>,
@@ -110,7 +110,7 @@ impl Follower {
         }
     }
 
-    /// Begins anew, from what comes next.
+    /// Begins again, from what comes next.
     pub fn begin(&mut self) {
         (self.last, self.held) = (None, None);
         self.waiting.clear();
@@ -144,7 +144,7 @@ impl Follower {
         self.read(held, tell);
     }
 
-    /// Finds where to begin: at the first reading, but behind a wrap that was told meanwhile, since nobody knows whether that
+    /// Finds where to begin: at the first reading, but behind a wrap that was reported meanwhile, since nobody knows whether that
     /// reading had seen it.
     fn start(&mut self, reading: Reading, events: &[CounterEvent]) {
         if !self.told {

@@ -61,7 +61,7 @@ impl CounterSpec {
         self.counts_hz.unwrap_or(FASTEST)
     }
 
-    /// The longest time between two readings that is not told as a loss, where a call on the device may last so long.
+    /// The longest time between two readings that is not reported as a loss, where a call on the device may last so long.
     pub fn longest(&self, unresponsive_after: Span) -> Span {
         let periods = self.period.as_nanos().saturating_mul(2);
         Span::from_nanos(unresponsive_after.as_nanos().saturating_add(periods))

@@ -42,12 +42,12 @@ pub(super) fn looped(board: &Fields, bench: &Bench, out: &mut Findings) -> Optio
         from,
         bench.file.bind.iter().all(|binding| binding.channel != found.out),
         format!("`{}` is bound to a terminal of the controller", driven.name),
-        "take a line that nothing hangs on: the rig drives it before each run",
+        "take a line that nothing depends on: the rig drives it before each run",
     ) && suits(
         from,
         !bench.relays.contains(&found.out),
         format!("`{}` is a fault relay", driven.name),
-        "take a line that nothing hangs on: the rig drives it before each run",
+        "take a line that nothing depends on: the rig drives it before each run",
     );
     sound.then_some(found)
 }

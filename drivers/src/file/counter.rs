@@ -48,7 +48,7 @@ pub(super) const KEYS: &[KeySpec] = &[
     KeySpec::optional(
         "counts-up-to",
         KeyType::Quantity,
-        "The most counts a second, as in \"2 MHz\": a count that moves faster is told as a loss",
+        "The most counts a second, as in \"2 MHz\": a count that moves faster is reported as a loss",
     ),
     KeySpec::optional(
         "events",
@@ -116,7 +116,7 @@ pub(super) fn counters(fields: &Fields, bench: &mut Bench, out: &mut Findings) -
             );
         }
         if fields.boolean("drives") == Some(true) || fields.boolean("senses") == Some(false) {
-            let help = "remove `drives` and `senses`: a count is told, and nothing drives it";
+            let help = "remove `drives` and `senses`: a count is reported, and nothing drives it";
             out.error(codes::CHANNEL_PROPERTY, entry.key_span.clone(), "a count cannot be driven", help);
         }
         let of = &mut bench.file.circuit.channels[usize::from(channel.0)];

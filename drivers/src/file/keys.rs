@@ -112,7 +112,7 @@ pub(super) const SUBJECT: &[KeySpec] = &[
 ];
 
 pub(super) const CHECK: &[KeySpec] = &[
-    KeySpec::required("out", NAME, "The channel that the rig drives; nothing else hangs on it"),
+    KeySpec::required("out", NAME, "The channel that the rig drives; nothing else depends on it"),
     KeySpec::required("in", NAME, "The channel that follows; the same where it has a `readback`"),
 ];
 
@@ -140,7 +140,7 @@ pub(super) const BOARD: &[KeySpec] = &[
     KeySpec::optional(
         "retake",
         KeyType::Bool,
-        "Whether a device that went away is taken back when it is there again; false if left out",
+        "Whether a device that went away is opened again when it is there again; false if left out",
     ),
     KeySpec::optional(
         "on-loss",
@@ -281,7 +281,7 @@ pub(super) const BUS: &[KeySpec] = &[
         KeyType::Bool,
         "Whether the rig sets up the interface of a CAN bus, and back as it was at the end; false if left out",
     ),
-    KeySpec::optional("joins", NAME, "A simulated bus before this one whose wire it hangs on"),
+    KeySpec::optional("joins", NAME, "A simulated bus before this one whose wire it is on"),
     KeySpec::optional("interface", KeyType::Text, "The interface of a CAN bus, as in \"can0\""),
     KeySpec::optional("path", KeyType::Text, "The device of a serial line, as in \"/dev/serial/by-id/...\""),
     KeySpec::optional(

@@ -133,7 +133,7 @@ fn line(
     })
 }
 
-/// What the file promises of the line: the fastest pulses that are told without a loss, and the fastest that are emitted;
+/// What the file promises of the line: the fastest pulses that are reported without a loss, and the fastest that are emitted;
 /// none where it does not say.
 fn promises(fields: &Fields, debounce_us: u32, out: &mut Findings) -> Option<(Option<u64>, u64)> {
     let counts = fields.get("counts-up-to").map(|node| hertz(node, out));

@@ -166,7 +166,7 @@ impl BoardFile {
         self.kind != BoardKind::Simulated
     }
 
-    /// Whether a device that went away is taken back when it is there again.
+    /// Whether a device that went away is opened again when it is there again.
     pub fn reconnects(&self) -> bool {
         matches!(&self.kind, BoardKind::Real(spec) if spec.limits.reconnect)
     }

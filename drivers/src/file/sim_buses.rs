@@ -60,7 +60,7 @@ pub(super) fn read(fields: &Fields, out: &mut Findings) -> Vec<BusSpec> {
     specs
 }
 
-/// The bus whose wire this one hangs on.
+/// The bus whose wire this one is on.
 fn joined(fields: &Fields, before: &[BusSpec], out: &mut Findings) -> Option<BusId> {
     let node = fields.get("joins")?;
     let name = node.as_text()?;

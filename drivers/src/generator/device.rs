@@ -77,7 +77,7 @@ pub(super) struct Device {
     pub(super) asked: Consumer<Asked>,
     /// Its limit is beside what a call emits, and for how long the device may go without being looked at.
     pub(super) reporter: Reporter<Report>,
-    /// A device that was gone is taken back.
+    /// A device that was gone is opened again.
     pub(super) reconnect: bool,
     /// The request for rest that was carried out.
     pub(super) rested: u64,
@@ -88,7 +88,7 @@ pub(super) struct Device {
 impl Device {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
-        // A refusal is told once for all threads, by whoever set up the run.
+        // A refusal is reported once for all threads, by whoever set up the run.
         let _ = realtime.enter(Role::Devices);
         loop {
             // What is asked before the stop is seen after it.

@@ -31,7 +31,7 @@ const ORDERS: usize = 256;
 pub(super) struct Known {
     pub(super) channel: ChannelId,
     pub(super) safe: bool,
-    /// Its changes are told.
+    /// Its changes are reported.
     senses: bool,
     /// How its pulses become bits; `None` for one that emits waves and keeps levels.
     stream: Option<(BitClock, Layout)>,
@@ -52,7 +52,7 @@ pub struct GeneratorHandle {
     number: u64,
     /// Pulses that were ordered and not reported yet, by the numbers of their orders.
     waiting: VecDeque<(u64, Arc<[Span]>)>,
-    /// Those that were sent and are still to be told.
+    /// Those that were sent and are still to be reported.
     sent: VecDeque<Stream>,
     thread: DeviceThread,
 }

@@ -12,7 +12,7 @@ use crate::{ChannelId, Origin};
 /// Edges that one poll tells at most.
 pub(super) const AT_ONCE: usize = 256;
 
-/// A stream whose edges are being told.
+/// A stream whose edges are being reported.
 #[derive(Debug)]
 pub(super) struct Stream {
     edges: Arc<[Span]>,
@@ -25,12 +25,12 @@ impl Stream {
         Stream { edges, next: 0, sent }
     }
 
-    /// Whether all was told.
+    /// Whether all was reported.
     pub(super) fn is_over(&self) -> bool {
         self.next >= self.edges.len()
     }
 
-    /// Tells the next edges, as many as that. Gives how many it told.
+    /// Tells the next edges, as many as that. Gives how many it reported.
     ///
     /// A bit cannot have come before those in front of it had their time since the call began, nor so late that those
     /// behind it had not theirs until it ended: the clock is not faster than it was set to, whatever else it is.

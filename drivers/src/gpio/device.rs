@@ -29,7 +29,7 @@ pub(super) enum Report {
     Set { before: i64, after: i64, bits: u64 },
     /// Changes of an output that were asked for and taken back before the device came to them.
     Swallowed { output: u8, count: u32, at: i64 },
-    /// An input has had this level for a while, and no edge told of it.
+    /// An input has had this level for a while, and no edge reported it.
     Strayed { input: u8, high: bool, at: i64 },
     /// It was driven safe and all its inputs were read, for this start.
     Started { start: u64, before: i64, after: i64, bits: u64, levels: Levels },
@@ -65,7 +65,7 @@ pub(super) struct Device {
 impl Device {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
-        // A refusal is told once for all threads, by whoever set up the run.
+        // A refusal is reported once for all threads, by whoever set up the run.
         let _ = realtime.enter(Role::Devices);
         loop {
             // What is asked before the stop is seen after it.
@@ -192,7 +192,7 @@ impl Device {
         }
     }
 
-    /// What the inputs read must be what their edges told, or an edge never came.
+    /// What the inputs read must be what their edges reported, or an edge never came.
     fn compare(&mut self, levels: Levels) {
         let mut touched = 0;
         if self.shared.touched.load(Ordering::Relaxed) != 0 {

@@ -371,7 +371,7 @@ fn denied(search: &Search<'_>, error: &GpioError, place: std::ops::Range<usize>)
     Diagnostic::error(code, error.to_string()).at(search.file.to_owned(), place, "").help(help)
 }
 
-/// The code of a failed call, and what mends it.
+/// The code of a failed call, and what fixes it.
 pub(super) fn why(error: &GpioError) -> (&'static str, String) {
     use rustix::io::Errno;
     let device: &PathBuf = &error.device;

@@ -105,7 +105,7 @@ impl Inputs {
         }
     }
 
-    /// An input has had this level for a while, and no edge told of it.
+    /// An input has had this level for a while, and no edge reported it.
     pub(super) fn stray(&mut self, input: u8, high: bool, stamp: i64, collector: &mut EventCollector<'_>) {
         let (place, bit) = (usize::from(input), 1u64 << input);
         let Some(known) = self.lines.get_mut(place).filter(|_| (self.levels & bit != 0) != high) else {

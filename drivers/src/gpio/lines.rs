@@ -1,4 +1,4 @@
-//! One chip as the board follows it: what its lines were driven to, what their edges told, whether it still answers.
+//! One chip as the board follows it: what its lines were driven to, what their edges reported, whether it still answers.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -86,7 +86,7 @@ impl Lines {
         }
     }
 
-    /// Asks the device to begin anew. The number of this beginning.
+    /// Asks the device to begin again. The number of this beginning.
     pub(super) fn ask_start(&mut self) -> u64 {
         self.shared.latched.store(true, Ordering::Release);
         let start = self.shared.starts.fetch_add(1, Ordering::AcqRel) + 1;
@@ -94,7 +94,7 @@ impl Lines {
         start
     }
 
-    /// Waits until the device has begun anew. FALSE where it does not in time.
+    /// Waits until the device has begun again. FALSE where it does not in time.
     pub(super) fn await_start(&mut self, start: u64, due: i64) -> bool {
         loop {
             while let Ok(report) = self.running.reports.pop() {

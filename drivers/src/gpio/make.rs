@@ -77,7 +77,7 @@ impl Maker {
         Maker { file: table.file.clone(), spec: spec.clone(), limits, context: context.clone(), channels }
     }
 
-    /// Claims a chip's lines and starts its threads. On failure the code, the words and what mends it.
+    /// Claims a chip's lines and starts its threads. On failure the code, the words and what fixes it.
     pub(super) fn claim(&mut self, found: FoundChip) -> Result<Chip, (&'static str, String, String)> {
         let path = &found.info.path;
         let claimed: Result<Arc<dyn Port>, GpioError> = match found.backend {

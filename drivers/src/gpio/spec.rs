@@ -88,7 +88,7 @@ pub struct LineSpec {
     pub safe: bool,
     /// The line of the same chip that is wired to an output and tells what it really does.
     pub readback: Option<NamedLine>,
-    /// The fastest pulses of which every one is told, in Hz; `None` where nobody said.
+    /// The fastest pulses of which every one is reported, in Hz; `None` where nobody said.
     pub counts_hz: Option<u64>,
     /// The fastest pulses that are emitted on it, in Hz; 0 for none.
     pub pulses_hz: u64,

@@ -1,4 +1,4 @@
-//! What hangs on the lines of a simulated board.
+//! What is connected to the lines of a simulated board.
 
 use signal::Value;
 
@@ -14,7 +14,7 @@ pub(super) struct PlantAt {
     pub(super) driving: Vec<Value>,
 }
 
-/// What hangs on a line.
+/// What is connected to a line.
 #[derive(Debug, Default)]
 pub(super) struct Links {
     pub(super) wires_in: Vec<usize>,

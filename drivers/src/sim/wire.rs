@@ -68,7 +68,7 @@ impl Wire {
         }
         let before = std::mem::replace(&mut self.settles_at, value);
         let at = now.saturating_add(self.spec.delay);
-        // The contact moves anew: what is left of its last bounce does not come any more.
+        // The contact moves again: what is left of its last bounce does not come any more.
         if self.spec.bounce.is_some() {
             while self.pending.back().is_some_and(|(due, _)| *due >= at) {
                 self.pending.pop_back();

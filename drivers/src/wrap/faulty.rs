@@ -119,7 +119,7 @@ impl<B: Board> Faulty<B> {
         Ok(())
     }
 
-    /// Puts an event where it belongs, its knowledge not older than the instant at which it may be told; equal
+    /// Puts an event where it belongs, its knowledge not older than the instant at which it may be reported; equal
     /// instants keep their order.
     fn hold(&mut self, from: Time, mut event: BoardEvent) {
         let state = &mut self.state[usize::from(event.channel().0)];

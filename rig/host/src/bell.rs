@@ -36,7 +36,7 @@ impl Bell {
         }
     }
 
-    /// Whether somebody rang since a wait or this last told so. Never waits.
+    /// Whether somebody rang since a wait or this last reported so. Never waits.
     pub fn has_rung(&self) -> bool {
         self.rung.load(Ordering::Relaxed) != 0 && self.rung.swap(0, Ordering::Acquire) != 0
     }

@@ -1,4 +1,4 @@
-//! Events of the kernel's counter subsystem: what a device tells by itself, with the instants at which it told so.
+//! Events of the kernel's counter subsystem: what a device tells by itself, with the instants at which it reported so.
 //! Everything else of a counter stands in files of `/sys`.
 
 use std::io;
@@ -43,7 +43,7 @@ impl CounterEventKind {
     ];
 }
 
-/// An event that a counter told.
+/// An event that a counter reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CounterEvent {
     /// The stamp of the monotonic clock in nanoseconds.

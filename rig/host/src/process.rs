@@ -25,7 +25,7 @@ pub struct Punctual {
 
 impl Punctual {
     /// Locks the memory of the process, what it will take later included, and keeps its processors out of deep sleep.
-    /// What the kernel refuses is left out and told.
+    /// What the kernel refuses is left out and reported.
     pub fn begin() -> Punctual {
         let mut refused = Vec::new();
         let locked =

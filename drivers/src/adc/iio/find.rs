@@ -43,7 +43,7 @@ pub fn find(root: &Path, spec: &IioSpec) -> Result<IioDevice, Refusal> {
     }
 }
 
-/// Whether a path is a device's node, a link to it, its place in `/sys`, or that of what it hangs on.
+/// Whether a path is a device's node, a link to it, its place in `/sys`, or that of its parent.
 fn is_at(root: &Path, device: &IioDevice, path: &Path) -> bool {
     let below = |path: &Path| root.join(path.strip_prefix("/").unwrap_or(path));
     let Ok(meant) = below(path).canonicalize() else { return false };
