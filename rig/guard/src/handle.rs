@@ -2,7 +2,7 @@
 
 use crate::page::Page;
 use crate::wire::{Message, PWM, Tag};
-use crate::{GuardError, Lacks, Reason};
+use crate::{GuardError, MissingPrivileges, Reason};
 use drivers::{Bite, GuardSettings, LineApi, OutputClaim, OutputGuard};
 use host::{Unstoppable, monotonic, never_stops};
 use rustix::event::{PollFd, PollFlags, poll};
@@ -25,7 +25,7 @@ const BEATS: i64 = 4;
 
 /// What became of a sign of life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Beat {
+pub enum HeartbeatState {
     /// The guard watches.
     Kept,
     /// The guard latched the outputs: nothing that the rig writes counts any more.
@@ -89,7 +89,7 @@ impl Guard {
             let path = path.into_owned().into();
             return Err(GuardError::Watchdog { path, error: std::io::Error::from_raw_os_error(number) });
         }
-        let lacks = Lacks::from_number(answer.numbers[0]);
+        let lacks = MissingPrivileges::from_number(answer.numbers[0]);
         let last = AtomicI64::new(monotonic());
         Ok(GuardHandle { page, limit: settings.limit, lacks, last, inner: Mutex::new(inner) })
     }
@@ -106,7 +106,7 @@ impl OutputGuard for GuardHandle {
 pub struct GuardHandle {
     page: Page,
     limit: Span,
-    lacks: Lacks,
+    lacks: MissingPrivileges,
     /// When the rig gave its last sign of life.
     last: AtomicI64,
     inner: Mutex<Inner>,
@@ -183,16 +183,16 @@ impl GuardHandle {
 
     /// A sign of life. Never waits and makes no call but to the clock: for the executor's loop, and for nothing that
     /// lives on when that loop does not.
-    pub fn beat(&self) -> Beat {
+    pub fn beat(&self) -> HeartbeatState {
         let now = monotonic();
         self.page.rig_lives(now);
         // A machine that stood still kept the guard from its sign of life, too: that time does not count.
         let stood = now - self.last.swap(now, Ordering::Relaxed) - self.beat_every().as_nanos();
         let silent = now - self.page.guard() - stood.max(0);
         match self.page.latched() {
-            Some(reason) => Beat::Latched(reason),
-            None if silent > self.limit.as_nanos() => Beat::Unguarded,
-            None => Beat::Kept,
+            Some(reason) => HeartbeatState::Latched(reason),
+            None if silent > self.limit.as_nanos() => HeartbeatState::Unguarded,
+            None => HeartbeatState::Kept,
         }
     }
 
@@ -207,7 +207,7 @@ impl GuardHandle {
     }
 
     /// What the guard asked of the machine and did not get.
-    pub fn lacks(&self) -> Lacks {
+    pub fn lacks(&self) -> MissingPrivileges {
         self.lacks
     }
 

@@ -25,9 +25,9 @@ mod wire;
 
 pub use drivers::{Bite, GuardSettings, WatchdogSettings};
 pub use error::{CODES, GuardError};
-pub use handle::{Beat, Guard, GuardHandle};
+pub use handle::{Guard, GuardHandle, HeartbeatState};
 pub use lines::{KernelLines, Lines};
 pub use reason::Reason;
 pub use serve::{serve, serve_with};
-pub use setup::Lacks;
+pub use setup::MissingPrivileges;
 pub use takeover::take_over;

@@ -139,11 +139,11 @@ mod tests {
         let guard = Page::map(&memory).unwrap();
         rig.rig_lives(7);
         assert_eq!((guard.rig(), guard.latched()), (7, None));
-        guard.latch(Reason::Silent, 9);
+        guard.latch(Reason::Unresponsive, 9);
         rig.latch(Reason::Exited, 11);
         guard.is_safe(13);
         guard.is_safe(15);
-        assert_eq!((rig.latched(), rig.times()), (Some(Reason::Silent), (9, 13)));
+        assert_eq!((rig.latched(), rig.times()), (Some(Reason::Unresponsive), (9, 13)));
     }
 
     #[test]

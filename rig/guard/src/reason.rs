@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     /// The rig gave no sign of life within the limit: it hangs, or it was stopped.
-    Silent,
+    Unresponsive,
     /// The rig's process ended without a goodbye, or is about to: it has let go of its guard.
     Exited,
     /// The rig said something that no rig says.
@@ -20,7 +20,7 @@ pub enum Reason {
 impl Reason {
     /// All of them; their places are their numbers less 1.
     const ALL: [Reason; 5] =
-        [Reason::Silent, Reason::Exited, Reason::Nonsense, Reason::Asked, Reason::Unsafe];
+        [Reason::Unresponsive, Reason::Exited, Reason::Nonsense, Reason::Asked, Reason::Unsafe];
 
     /// Its number in the shared page, above 0.
     pub(crate) fn number(self) -> u32 {
@@ -35,14 +35,14 @@ impl Reason {
 
     /// Whether the rig is lost: it is killed, since nothing else keeps it from writing.
     pub(crate) fn loses_rig(self) -> bool {
-        matches!(self, Reason::Silent | Reason::Exited | Reason::Nonsense)
+        matches!(self, Reason::Unresponsive | Reason::Exited | Reason::Nonsense)
     }
 }
 
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Reason::Silent => "the rig gave no sign of life within the guard's limit and was killed",
+            Reason::Unresponsive => "the rig gave no sign of life within the guard's limit and was killed",
             Reason::Exited => "the rig ended without a goodbye",
             Reason::Nonsense => "the rig sent its guard what no rig sends and was killed",
             Reason::Asked => "the rig could not make its outputs safe by itself",

@@ -3,7 +3,7 @@
 use crate::lines::{KernelLines, Lines};
 use crate::page::Page;
 use crate::setup::set_up;
-use crate::watch::{Dog, Ending, Open, Post, Watch};
+use crate::watch::{Ending, FedWatchdog, GuardSetup, Open, Watch};
 use crate::wire::{Message, Tag};
 use drivers::{Bite, OutputClaim};
 use host::{Watchdog, monotonic};
@@ -57,10 +57,12 @@ fn introduced(open: Open<'_>) -> Result<Option<Watch<'_>>, Errno> {
     let page = Page::map(page)?;
     let finished = Arc::new(eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?);
     let [limit, hold, after, bite] = hello.numbers;
-    let dog = match hello.text() {
+    let watchdog = match hello.text() {
         "" => None,
         path => match Watchdog::open(Path::new(path), Span::from_nanos(after)) {
-            Ok(dog) => Some(Dog::new(dog, if bite == 0 { Bite::GuardLost } else { Bite::RigLost })),
+            Ok(watchdog) => {
+                Some(FedWatchdog::new(watchdog, if bite == 0 { Bite::GuardLost } else { Bite::RigLost }))
+            }
             Err(error) => {
                 let number = error.raw_os_error().unwrap_or_default();
                 Message::new(Tag::Refused, [i64::from(number), 0, 0, 0]).send(&link, &[])?;
@@ -70,5 +72,5 @@ fn introduced(open: Open<'_>) -> Result<Option<Watch<'_>>, Errno> {
     };
     page.guard_lives(monotonic());
     Message::new(Tag::Done, [lacks.to_number(), 0, 0, 0]).send(&link, &[])?;
-    Ok(Some(Watch::new(Post { link, rig, page, ends, finished, dog, limit, hold }, open)))
+    Ok(Some(Watch::new(GuardSetup { link, rig, page, ends, finished, watchdog, limit, hold }, open)))
 }

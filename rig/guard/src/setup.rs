@@ -7,7 +7,7 @@ use rustix::io::Errno;
 
 /// Privileges that the guard asked for and did not get.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Lacks {
+pub struct MissingPrivileges {
     /// Real-time priority: a busy machine can delay it.
     pub priority: bool,
     /// Its memory locked: a machine short of memory can delay it.
@@ -16,15 +16,15 @@ pub struct Lacks {
     pub sparing: bool,
 }
 
-impl Lacks {
+impl MissingPrivileges {
     /// As a number in a message.
     pub(crate) fn to_number(self) -> i64 {
         i64::from(self.priority) | i64::from(self.memory) << 1 | i64::from(self.sparing) << 2
     }
 
     /// Back from a message.
-    pub(crate) fn from_number(number: i64) -> Lacks {
-        Lacks { priority: number & 1 != 0, memory: number & 2 != 0, sparing: number & 4 != 0 }
+    pub(crate) fn from_number(number: i64) -> MissingPrivileges {
+        MissingPrivileges { priority: number & 1 != 0, memory: number & 2 != 0, sparing: number & 4 != 0 }
     }
 }
 
@@ -32,7 +32,7 @@ impl Lacks {
 ///
 /// # Errors
 /// Where even signals cannot be held off.
-pub(crate) fn set_up() -> Result<(Lacks, SignalFd), Errno> {
+pub(crate) fn set_up() -> Result<(MissingPrivileges, SignalFd), Errno> {
     let mut deaf = SigSet::empty();
     for signal in [
         Signal::SIGHUP,
@@ -58,7 +58,7 @@ pub(crate) fn set_up() -> Result<(Lacks, SignalFd), Errno> {
     let _ = rustix::process::setsid();
     // A folder that it stays in could not be unmounted.
     let _ = rustix::process::chdir("/");
-    let lacks = Lacks {
+    let lacks = MissingPrivileges {
         priority: host::go_before_all().is_err(),
         memory: host::lock_memory().is_err(),
         sparing: std::fs::write("/proc/self/oom_score_adj", "-1000").is_err(),

@@ -46,9 +46,9 @@ impl Listener {
     }
 
     /// Somebody who asks.
-    pub fn accept(&self) -> Option<Guest> {
-        let guest = accept_with(&self.0, SocketFlags::CLOEXEC | SocketFlags::NONBLOCK).ok()?;
-        is_one_of_us(&guest).then_some(Guest(guest))
+    pub fn accept(&self) -> Option<TakeoverRequest> {
+        let takeover = accept_with(&self.0, SocketFlags::CLOEXEC | SocketFlags::NONBLOCK).ok()?;
+        is_one_of_us(&takeover).then_some(TakeoverRequest(takeover))
     }
 }
 
@@ -60,9 +60,9 @@ impl AsFd for Listener {
 
 /// Somebody who asks for lines.
 #[derive(Debug)]
-pub(crate) struct Guest(OwnedFd);
+pub(crate) struct TakeoverRequest(OwnedFd);
 
-impl Guest {
+impl TakeoverRequest {
     /// Whether it asks for one of these devices; `None` where it asks for nothing.
     pub fn asks_for<'a>(&self, mut devices: impl Iterator<Item = &'a str>) -> Option<bool> {
         let (message, _) = Message::receive(&self.0).ok()??;
@@ -76,7 +76,7 @@ impl Guest {
     }
 }
 
-impl AsFd for Guest {
+impl AsFd for TakeoverRequest {
     fn as_fd(&self) -> BorrowedFd<'_> {
         self.0.as_fd()
     }

@@ -8,7 +8,7 @@ use crate::Reason;
 use crate::driver::Driver;
 use crate::lines::Lines;
 use crate::page::Page;
-use crate::takeover::{Guest, Listener};
+use crate::takeover::{Listener, TakeoverRequest};
 use crate::wire::{Descriptors, Message, PWM, Tag};
 use drivers::{Bite, LineApi, OutputClaim};
 use host::{Watchdog, monotonic};
@@ -43,7 +43,7 @@ pub(crate) enum Ending {
 
 /// Where things stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
+enum WatchState {
     /// The rig does not drive: nothing is expected of it but to live.
     Idle,
     /// The rig drives and gives signs of life.
@@ -56,25 +56,25 @@ enum Course {
 
 /// The watchdog behind the guard.
 #[derive(Debug)]
-pub(crate) struct Dog {
-    dog: Watchdog,
+pub(crate) struct FedWatchdog {
+    watchdog: Watchdog,
     bite: Bite,
     /// When it is fed next.
     due: i64,
 }
 
-impl Dog {
+impl FedWatchdog {
     /// It is fed from now on.
-    pub fn new(dog: Watchdog, bite: Bite) -> Dog {
-        Dog { dog, bite, due: 0 }
+    pub fn new(watchdog: Watchdog, bite: Bite) -> FedWatchdog {
+        FedWatchdog { watchdog, bite, due: 0 }
     }
 
     /// Feeds it if it is due.
     fn feed(&mut self, now: i64) {
         if now >= self.due {
             // A device that refuses bites: that is what it is there for.
-            let _ = self.dog.feed();
-            self.due = now + self.dog.timeout().as_nanos() / 4;
+            let _ = self.watchdog.feed();
+            self.due = now + self.watchdog.timeout().as_nanos() / 4;
         }
     }
 }
@@ -87,11 +87,11 @@ enum Source {
     Lines,
     End,
     Listener,
-    Guest,
+    TakeoverRequest,
 }
 
 /// What the guard gets at its start.
-pub(crate) struct Post {
+pub(crate) struct GuardSetup {
     /// To the rig.
     pub link: OwnedFd,
     /// The rig's process.
@@ -103,7 +103,7 @@ pub(crate) struct Post {
     /// A counter that lines report to.
     pub finished: Arc<OwnedFd>,
     /// The watchdog, if it has one.
-    pub dog: Option<Dog>,
+    pub watchdog: Option<FedWatchdog>,
     /// The longest that the rig may give no sign of life, in nanoseconds.
     pub limit: i64,
     /// How long lines are held behind the death of the rig, in nanoseconds.
@@ -121,11 +121,11 @@ pub(crate) struct Watch<'a> {
     ends: SignalFd,
     finished: Arc<OwnedFd>,
     open: Open<'a>,
-    dog: Option<Dog>,
+    watchdog: Option<FedWatchdog>,
     limit: i64,
     hold: i64,
     drivers: Vec<Driver>,
-    course: Course,
+    state: WatchState,
     pending: Option<Pending>,
     /// When lines are driven again.
     again: i64,
@@ -139,24 +139,24 @@ pub(crate) struct Watch<'a> {
     /// What became of the outputs was said.
     said: bool,
     listener: Option<Listener>,
-    guest: Option<Guest>,
+    takeover: Option<TakeoverRequest>,
 }
 
 impl<'a> Watch<'a> {
     /// A guard that has been introduced to its rig.
-    pub fn new(post: Post, open: Open<'a>) -> Watch<'a> {
+    pub fn new(setup: GuardSetup, open: Open<'a>) -> Watch<'a> {
         Watch {
-            link: Some(post.link),
-            rig: post.rig,
-            page: post.page,
-            ends: post.ends,
-            finished: post.finished,
+            link: Some(setup.link),
+            rig: setup.rig,
+            page: setup.page,
+            ends: setup.ends,
+            finished: setup.finished,
             open,
-            dog: post.dog,
-            limit: post.limit.max(1),
-            hold: post.hold.max(0),
+            watchdog: setup.watchdog,
+            limit: setup.limit.max(1),
+            hold: setup.hold.max(0),
             drivers: Vec::new(),
-            course: Course::Idle,
+            state: WatchState::Idle,
             pending: None,
             again: i64::MAX,
             wakes_at: i64::MAX,
@@ -165,7 +165,7 @@ impl<'a> Watch<'a> {
             release: false,
             said: false,
             listener: None,
-            guest: None,
+            takeover: None,
         }
     }
 
@@ -183,8 +183,8 @@ impl<'a> Watch<'a> {
 
     /// What the time demands.
     fn look(&mut self, now: i64) -> Option<Ending> {
-        if self.course == Course::Armed && self.is_silent(now) {
-            self.latch(Reason::Silent, now);
+        if self.state == WatchState::Armed && self.is_unresponsive(now) {
+            self.latch(Reason::Unresponsive, now);
         }
         // First, or lines that are safe by now would be driven once more, and the answer would have to wait for that.
         if self.answer(now) {
@@ -193,22 +193,22 @@ impl<'a> Watch<'a> {
         if now >= self.again {
             self.drive_again(now);
         }
-        if let Course::Latched(since) | Course::Alone(since) = self.course
+        if let WatchState::Latched(since) | WatchState::Alone(since) = self.state
             && self.are_safe(since)
         {
             self.page.is_safe(now);
         }
         let starved = self.starves(now);
-        if let Some(dog) = self.dog.as_mut().filter(|_| !starved) {
-            dog.feed(now);
+        if let Some(watchdog) = self.watchdog.as_mut().filter(|_| !starved) {
+            watchdog.feed(now);
         }
-        let Course::Alone(since) = self.course else { return None };
+        let WatchState::Alone(since) = self.state else { return None };
         self.alone(since, now)
     }
 
     /// Whether the rig has given no sign of life for too long. A guard that wakes late itself has seen the machine stand
     /// still, and the rig with it: then the rig has one more chance, once for each sign of life.
-    fn is_silent(&mut self, now: i64) -> bool {
+    fn is_unresponsive(&mut self, now: i64) -> bool {
         let last = self.page.rig();
         if now < last.saturating_add(self.limit) || self.excused == last && now < self.chance {
             return false;
@@ -223,23 +223,25 @@ impl<'a> Watch<'a> {
 
     /// Whether the watchdog is left to bite.
     fn starves(&self, now: i64) -> bool {
-        let (Some(dog), Course::Latched(since) | Course::Alone(since)) = (&self.dog, self.course) else {
+        let (Some(watchdog), WatchState::Latched(since) | WatchState::Alone(since)) =
+            (&self.watchdog, self.state)
+        else {
             return false;
         };
         let lost = self.page.latched().is_some_and(Reason::loses_rig);
-        let rig_lost = dog.bite == Bite::RigLost && lost;
+        let rig_lost = watchdog.bite == Bite::RigLost && lost;
         rig_lost || now >= since.saturating_add(self.limit) && !self.are_safe(since)
     }
 
     /// Waits for whatever comes first.
     fn wait(&mut self, now: i64) {
         let mut until = now + self.limit / SIGNS;
-        if self.course == Course::Armed {
+        if self.state == WatchState::Armed {
             let chance = if self.excused == self.page.rig() { self.chance } else { i64::MIN };
             until = until.min(self.page.rig().saturating_add(self.limit).max(chance));
         }
-        if let Some(dog) = self.dog.as_ref().filter(|_| !self.starves(now)) {
-            until = until.min(dog.due);
+        if let Some(watchdog) = self.watchdog.as_ref().filter(|_| !self.starves(now)) {
+            until = until.min(watchdog.due);
         }
         if let Some(pending) = &self.pending {
             until = until.min(pending.until);
@@ -262,14 +264,14 @@ impl<'a> Watch<'a> {
             if let Some(link) = &self.link {
                 add(Source::Link, link.as_fd());
             }
-            if !matches!(self.course, Course::Alone(_)) {
+            if !matches!(self.state, WatchState::Alone(_)) {
                 add(Source::Rig, self.rig.as_fd());
             }
             if let Some(listener) = &self.listener {
                 add(Source::Listener, listener.as_fd());
             }
-            if let Some(guest) = &self.guest {
-                add(Source::Guest, guest.as_fd());
+            if let Some(takeover) = &self.takeover {
+                add(Source::TakeoverRequest, takeover.as_fd());
             }
             // Interrupted or refused: the next turn looks at the time and comes back.
             if poll(&mut set[..count], Some(&patience)).is_ok() {
@@ -294,13 +296,13 @@ impl<'a> Watch<'a> {
             Source::End => {
                 // While the rig lives only the rig can dismiss its guard.
                 while let Ok(Some(_)) = self.ends.read_signal() {
-                    self.release |= matches!(self.course, Course::Alone(_));
+                    self.release |= matches!(self.state, WatchState::Alone(_));
                 }
             }
             Source::Listener => {
-                self.guest = self.listener.as_ref().and_then(Listener::accept);
+                self.takeover = self.listener.as_ref().and_then(Listener::accept);
             }
-            Source::Guest => self.ask_of_guest(),
+            Source::TakeoverRequest => self.answer_takeover(),
         }
     }
 
@@ -321,39 +323,39 @@ impl<'a> Watch<'a> {
 
     fn obey(&mut self, message: &Message, descriptors: Descriptors) {
         let now = monotonic();
-        let latched = matches!(self.course, Course::Latched(_));
-        match (message.tag, self.course) {
-            (Tag::Forget, Course::Idle) => {
+        let latched = matches!(self.state, WatchState::Latched(_));
+        match (message.tag, self.state) {
+            (Tag::Forget, WatchState::Idle) => {
                 for driver in self.drivers.drain(..) {
                     driver.let_go();
                 }
                 self.reply(Tag::Done, "");
             }
-            (Tag::Release, Course::Idle | Course::Armed) => {
+            (Tag::Release, WatchState::Idle | WatchState::Armed) => {
                 let gone = self.drivers.extract_if(.., |driver| driver.device == message.text());
                 gone.for_each(Driver::let_go);
                 self.reply(Tag::Done, "");
             }
-            (Tag::Hold, Course::Idle | Course::Armed) => match self.hold(message, descriptors) {
+            (Tag::Hold, WatchState::Idle | WatchState::Armed) => match self.hold(message, descriptors) {
                 Ok(()) => self.expect(Tag::Hold, now),
                 Err(why) => self.reply(Tag::Refused, &why),
             },
-            (Tag::Arm, Course::Idle) => {
-                self.course = Course::Armed;
+            (Tag::Arm, WatchState::Idle) => {
+                self.state = WatchState::Armed;
                 self.again = i64::MAX;
                 self.reply(Tag::Done, "");
             }
-            (Tag::Disarm, Course::Armed | Course::Idle) => {
-                self.course = Course::Idle;
+            (Tag::Disarm, WatchState::Armed | WatchState::Idle) => {
+                self.state = WatchState::Idle;
                 self.expect(Tag::Disarm, now);
             }
-            (Tag::Trip, Course::Armed | Course::Idle) => {
+            (Tag::Trip, WatchState::Armed | WatchState::Idle) => {
                 self.latch(Reason::Asked, now);
                 self.expect(Tag::Trip, now);
             }
             (Tag::Close, _) => {
                 if !latched {
-                    self.course = Course::Idle;
+                    self.state = WatchState::Idle;
                 }
                 self.expect(Tag::Close, now);
             }
@@ -384,11 +386,11 @@ impl<'a> Watch<'a> {
 
     /// Closes the latch: from now on the lines are safe and stay so.
     fn latch(&mut self, reason: Reason, now: i64) {
-        if matches!(self.course, Course::Latched(_) | Course::Alone(_)) {
+        if matches!(self.state, WatchState::Latched(_) | WatchState::Alone(_)) {
             return;
         }
         self.page.latch(reason, now);
-        self.course = Course::Latched(now);
+        self.state = WatchState::Latched(now);
         self.pending = None;
         if reason.loses_rig() {
             // A process that is gone already needs no signal.
@@ -406,7 +408,7 @@ impl<'a> Watch<'a> {
     /// The same for those that are not at it still.
     fn drive_again(&mut self, now: i64) {
         self.drivers.iter().filter(|driver| driver.is_idle()).for_each(Driver::order);
-        let hopeless = self.said && matches!(self.course, Course::Alone(_));
+        let hopeless = self.said && matches!(self.state, WatchState::Alone(_));
         self.again = now + if hopeless { RETRY } else { AGAIN };
     }
 
@@ -417,12 +419,12 @@ impl<'a> Watch<'a> {
 
     /// The rig's process has ended: nothing of it can write any more. Nothing is allocated before the lines were driven.
     fn rig_is_gone(&mut self) {
-        if matches!(self.course, Course::Alone(_)) {
+        if matches!(self.state, WatchState::Alone(_)) {
             return;
         }
         let now = monotonic();
         self.latch(Reason::Exited, now);
-        self.course = Course::Alone(now);
+        self.state = WatchState::Alone(now);
         self.pending = None;
         self.link = None;
         self.drive(now);

@@ -43,7 +43,7 @@ pub struct Refused {
 
 impl Refused {
     /// What to do about it.
-    pub fn mend(&self) -> &'static str {
+    pub fn fix(&self) -> &'static str {
         match (self.what, self.error) {
             (Privilege::Priority, _) => {
                 "allow it: a line `@realtime - rtprio 98` in /etc/security/limits.d/rig.conf and the user in \
@@ -89,7 +89,7 @@ mod tests {
         let words = refused.to_string();
         assert!(words.contains("real-time priority") && words.contains("not permitted"), "{words}");
         for what in Privilege::ALL {
-            assert!(!Refused { what, error: Errno::PERM }.mend().is_empty());
+            assert!(!Refused { what, error: Errno::PERM }.fix().is_empty());
         }
     }
 }

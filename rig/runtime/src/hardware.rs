@@ -12,7 +12,7 @@ use drivers::{
     Board, BoardContext, BoardError, BoardEvent, BoardFile, BoardKind, Channel, ChannelId, Health,
     LoopbackPair, RealtimeSettings,
 };
-use guard::{Guard, GuardError, GuardHandle, Lacks};
+use guard::{Guard, GuardError, GuardHandle, MissingPrivileges};
 use host::{Entered, Privilege, Punctual, Refused, Role};
 use signal::{Span, Time, Value};
 use std::sync::atomic::AtomicBool;
@@ -32,7 +32,7 @@ pub struct Hardware {
     /// What was measured of this machine and these devices.
     standing: MachineFigures,
     /// What the guard could not get for itself.
-    lacks: Option<Lacks>,
+    lacks: Option<MissingPrivileges>,
     /// Keeps other users off, until the lines were made safe.
     lock: Option<BenchLock>,
 }
@@ -224,7 +224,7 @@ impl Hardware {
                 Privilege::Memory => "R0183",
                 Privilege::Awake => "R0184",
             };
-            Diagnostic::warning(code, refused.to_string()).help(refused.mend())
+            Diagnostic::warning(code, refused.to_string()).help(refused.fix())
         };
         self.refused.iter().map(warning).chain(self.standing.warnings.iter().cloned()).collect()
     }
@@ -282,7 +282,7 @@ fn took_over(file: &BoardFile, found: &[Diagnostic]) -> bool {
 }
 
 /// How far the guard can do what it is for, in words.
-fn guarded(lacks: Lacks) -> String {
+fn guarded(lacks: MissingPrivileges) -> String {
     let without = [
         (lacks.priority, "real-time priority"),
         (lacks.memory, "locked memory"),

@@ -1,6 +1,6 @@
 //! The sign of life that an executor gives to whoever guards its outputs.
 
-use guard::{Beat, GuardError, GuardHandle};
+use guard::{GuardError, GuardHandle, HeartbeatState};
 use signal::Span;
 
 /// Shows that the executor goes on turning: whoever misses it makes the outputs safe.
@@ -42,9 +42,9 @@ impl Heartbeat for GuardHandle {
 
     fn beat(&self) -> Result<(), GuardError> {
         match GuardHandle::beat(self) {
-            Beat::Kept => Ok(()),
-            Beat::Latched(reason) => Err(GuardError::Latched(reason)),
-            Beat::Unguarded => Err(GuardError::Gone),
+            HeartbeatState::Kept => Ok(()),
+            HeartbeatState::Latched(reason) => Err(GuardError::Latched(reason)),
+            HeartbeatState::Unguarded => Err(GuardError::Gone),
         }
     }
 

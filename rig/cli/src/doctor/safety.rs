@@ -3,7 +3,7 @@
 use super::check::Check;
 use super::devices::{grant, version};
 use drivers::file::GuardSettings;
-use guard::{Guard, GuardError, Lacks};
+use guard::{Guard, GuardError, MissingPrivileges};
 use host::Machine;
 
 const GROUP: &str = "safety";
@@ -38,7 +38,7 @@ fn guard(machine: &Machine) -> Check {
 /// Starts a guard and ends it: what it would have to do without, which other entries here fix.
 fn tried() -> Result<String, GuardError> {
     let guard = Guard::spawn(&GuardSettings::default())?;
-    let Lacks { priority, memory, sparing } = guard.lacks();
+    let MissingPrivileges { priority, memory, sparing } = guard.lacks();
     guard.close()?;
     let lacks = [(priority, "priority"), (memory, "locked memory"), (sparing, "being spared")];
     let lacks: Vec<&str> = lacks.into_iter().filter(|(lacks, _)| *lacks).map(|(_, what)| what).collect();

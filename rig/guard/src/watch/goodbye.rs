@@ -1,9 +1,9 @@
 //! The guard alone, behind the death of its rig, and its end.
 
-use super::{Course, Ending, Watch, say};
+use super::{Ending, Watch, WatchState, say};
 use crate::Reason;
 use crate::driver::Trouble;
-use crate::takeover::{Guest, Listener};
+use crate::takeover::{Listener, TakeoverRequest};
 
 impl Watch<'_> {
     /// The rig is gone since then: the lines are held, and let go when it is time.
@@ -21,7 +21,7 @@ impl Watch<'_> {
         // A call that has not come back may still come to a good end, however long it takes.
         let hangs = self.drivers.iter().any(|driver| driver.trouble(since) == Some(Trouble::Hangs));
         // Left to bite, the watchdog ends this process with the machine; until then the lines are held.
-        let bites = self.dog.is_some() && self.starves(now);
+        let bites = self.watchdog.is_some() && self.starves(now);
         (over && !hangs && !bites && self.said).then_some(if safe { Ending::LetGo } else { Ending::Unsafe })
     }
 
@@ -30,7 +30,7 @@ impl Watch<'_> {
         let Some(reason) = self.page.latched() else { return };
         if self.drivers.is_empty() {
             // A rig that the guard has killed cannot say so itself.
-            if reason == Reason::Silent {
+            if reason == Reason::Unresponsive {
                 say::tell(&say::no_outputs(reason));
             }
             return;
@@ -40,39 +40,39 @@ impl Watch<'_> {
         say::tell(&if safe {
             say::safe(reason, &devices, found - latched)
         } else {
-            say::not_safe(reason, &self.troubles(since), self.dog.is_some())
+            say::not_safe(reason, &self.troubles(since), self.watchdog.is_some())
         });
     }
 
     /// A request of another rig, or of somebody who is none.
-    pub(super) fn ask_of_guest(&mut self) {
-        let Some(guest) = self.guest.take() else { return };
-        let Course::Alone(since) = self.course else { return };
+    pub(super) fn answer_takeover(&mut self) {
+        let Some(takeover) = self.takeover.take() else { return };
+        let WatchState::Alone(since) = self.state else { return };
         let devices = || self.drivers.iter().map(|driver| driver.device.as_str());
-        match guest.asks_for(devices()) {
+        match takeover.asks_for(devices()) {
             Some(true) if self.are_safe(since) => {
                 for driver in self.drivers.drain(..) {
                     driver.let_go();
                 }
                 self.release = true;
-                guest.answer(true);
+                takeover.answer(true);
             }
-            Some(_) => guest.answer(false),
-            None => drop::<Guest>(guest),
+            Some(_) => takeover.answer(false),
+            None => drop::<TakeoverRequest>(takeover),
         }
     }
 
     /// Stops the watchdog: nobody has to be there any more.
-    pub(super) fn stop_dog(&mut self) {
-        if let Some(dog) = self.dog.take() {
+    pub(super) fn stop_watchdog(&mut self) {
+        if let Some(watchdog) = self.watchdog.take() {
             // One that cannot be stopped was refused at the start; one that breaks now bites.
-            let _ = dog.dog.stop();
+            let _ = watchdog.watchdog.stop();
         }
     }
 
     /// Ends.
     pub(super) fn end(mut self, ending: Ending) -> Ending {
-        self.stop_dog();
+        self.stop_watchdog();
         for driver in self.drivers.drain(..) {
             driver.let_go();
         }

@@ -1,6 +1,6 @@
 //! Requests of the rig that are answered when the lines are safe, or not in time.
 
-use super::{Course, Watch};
+use super::{Watch, WatchState};
 use crate::Reason;
 use crate::driver::{Driver, Trouble};
 use crate::wire::{Message, Tag};
@@ -24,7 +24,7 @@ impl Watch<'_> {
     pub(super) fn expect(&mut self, what: Tag, now: i64) {
         let until = now.saturating_add(self.limit.max(PATIENCE));
         self.pending = Some(Pending { what, since: now, until });
-        match self.drivers.last().filter(|_| self.course == Course::Armed) {
+        match self.drivers.last().filter(|_| self.state == WatchState::Armed) {
             Some(new) => new.order(),
             None => self.drive(now),
         }
@@ -51,13 +51,13 @@ impl Watch<'_> {
             return false;
         }
         self.pending = None;
-        if !matches!(self.course, Course::Latched(_)) {
+        if !matches!(self.state, WatchState::Latched(_)) {
             self.again = i64::MAX;
         }
         if safe {
             // The watchdog is stopped before the rig hears that the guard is done.
             if pending.what == Tag::Close {
-                self.stop_dog();
+                self.stop_watchdog();
             }
             self.reply(Tag::Done, "");
             return pending.what == Tag::Close;

@@ -26,9 +26,9 @@ pub(super) fn no_outputs(reason: Reason) -> String {
 }
 
 /// Some are not.
-pub(super) fn not_safe(reason: Reason, why: &str, dog: bool) -> String {
+pub(super) fn not_safe(reason: Reason, why: &str, watchdog: bool) -> String {
     let error = GuardError::Unsafe { why: why.to_owned() };
-    let bites = if dog { "\n  = the watchdog resets the machine" } else { "" };
+    let bites = if watchdog { "\n  = the watchdog resets the machine" } else { "" };
     format!("error[{}]: {reason}; {error}{bites}\n  = help: {}\n", error.code(), error.help())
 }
 

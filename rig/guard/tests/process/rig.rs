@@ -2,7 +2,7 @@
 
 use crate::files::{MASK, held, levels, write};
 use drivers::GuardSettings;
-use scanrig_guard::{Beat, Guard, GuardError, GuardHandle};
+use scanrig_guard::{Guard, GuardError, GuardHandle, HeartbeatState};
 use signal::Span;
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
@@ -104,9 +104,9 @@ fn live(guard: &GuardHandle) -> String {
     let every = Duration::from_nanos(guard.beat_every().as_nanos().unsigned_abs());
     while !over.load(Ordering::Acquire) {
         match guard.beat() {
-            Beat::Kept => std::thread::sleep(every),
-            Beat::Unguarded => return "unguarded".into(),
-            Beat::Latched(reason) => return format!("{reason:?}"),
+            HeartbeatState::Kept => std::thread::sleep(every),
+            HeartbeatState::Unguarded => return "unguarded".into(),
+            HeartbeatState::Latched(reason) => return format!("{reason:?}"),
         }
     }
     "lived".into()

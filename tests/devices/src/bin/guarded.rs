@@ -6,7 +6,7 @@
 use devices::{AUX, Chip, MAIN, program};
 use drivers::{Bite, GuardSettings, LineApi, OutputClaim, WatchdogSettings};
 use gpiocdev_uapi::{v1, v2};
-use guard::{Beat, Guard, GuardError, GuardHandle};
+use guard::{Guard, GuardError, GuardHandle, HeartbeatState};
 use signal::Span;
 use std::fs::File;
 use std::io::{Read, Write};
@@ -195,9 +195,9 @@ fn live(guard: &GuardHandle) -> String {
     let every = Duration::from_nanos(guard.beat_every().as_nanos().unsigned_abs());
     while !over.load(Ordering::Acquire) {
         match guard.beat() {
-            Beat::Kept => std::thread::sleep(every),
-            Beat::Unguarded => return "unguarded".into(),
-            Beat::Latched(reason) => return format!("{reason:?}"),
+            HeartbeatState::Kept => std::thread::sleep(every),
+            HeartbeatState::Unguarded => return "unguarded".into(),
+            HeartbeatState::Latched(reason) => return format!("{reason:?}"),
         }
     }
     "lived".into()
