@@ -4,7 +4,7 @@ use std::fmt;
 
 use document::Diagnostic;
 use record::{Origin, Verdict, Window};
-use signal::{Event, SignalInfo, Span, When};
+use signal::{Event, SignalInfo, Span, TraceError, When};
 
 use super::claim_record::{claim_record, writer};
 use super::live::LiveReading;
@@ -96,20 +96,16 @@ impl Scenario {
     }
 }
 
-/// Why the trace could not be read to its end.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct JudgeError {
-    /// What the trace reported.
-    pub fault: String,
+/// Why a trace could not be judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum JudgeError {
+    /// It could not be read to its end.
+    #[error("the trace cannot be read: {0}")]
+    Unreadable(#[from] TraceError),
+    /// It lacks a signal that the claims look at.
+    #[error("the trace cannot be read: it lacks a signal of the plan")]
+    MissingSignal,
 }
-
-impl fmt::Display for JudgeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the trace cannot be read: {}", self.fault)
-    }
-}
-
-impl std::error::Error for JudgeError {}
 
 /// The judge of one case: fed with the trace as it grows, then asked for the verdicts.
 pub struct CaseJudge {
@@ -208,8 +204,7 @@ impl CaseJudge {
     /// # Errors
     /// [`JudgeError`] if the trace cannot be read.
     pub fn finish(self, end: When, trace: &signal::Trace) -> Result<JudgedCase, JudgeError> {
-        let events =
-            trace.events().map(|event| event.map_err(|error| JudgeError { fault: error.to_string() }));
+        let events = trace.events().map(|event| event.map_err(JudgeError::from));
         self.finish_over(end, events, &|key| trace.note(key).map(str::to_owned))
     }
 
@@ -220,7 +215,7 @@ impl CaseJudge {
     pub fn replay(mut self, end: When, trace: &signal::Trace) -> Result<JudgedCase, JudgeError> {
         self.live.rest();
         for event in trace.events() {
-            self.feed(&event.map_err(|error| JudgeError { fault: error.to_string() })?);
+            self.feed(&event?);
         }
         self.finish(end, trace)
     }

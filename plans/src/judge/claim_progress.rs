@@ -16,15 +16,15 @@ pub struct ClaimProgress {
 }
 
 impl ClaimProgress {
-    /// The claims by what the trace tells up to `now`. Reads the whole trace.
+    /// The claims by what the trace has up to `now`. Reads the whole trace.
     ///
     /// # Errors
     /// [`JudgeError`] if the trace cannot be read, or lacks a signal that the claims look at.
     pub fn of(scenario: &Scenario, trace: &Trace, now: Time) -> Result<Vec<ClaimProgress>, JudgeError> {
-        let unfit = |_| JudgeError { fault: String::from("it lacks a signal of the plan") };
+        let unfit = |_| JudgeError::MissingSignal;
         let mut judge = CaseJudge::new(scenario.clone(), trace.signals()).map_err(unfit)?;
         for event in trace.events() {
-            judge.feed(&event.map_err(|error| JudgeError { fault: error.to_string() })?);
+            judge.feed(&event?);
         }
         let lost = judge.lost();
         // What is awaited stands after the claims of the plan; its window is that of its wait.
