@@ -1,4 +1,4 @@
-//! What a bench tells of claims before anything moves: which values its signals can have, and how exactly they are
+//! What a bench says of claims before anything moves: which values its signals can have, and how exactly they are
 //! known there.
 
 use signal::{Kind, Policy, Sampling, SignalInfo, Span, Value};
@@ -49,7 +49,7 @@ pub enum Doubt {
     Blind(String),
 }
 
-/// What is wrong with a claim on a bench with these signals. `bounds` tells which values one can have, where that is
+/// What is wrong with a claim on a bench with these signals. `bounds` says which values one can have, where that is
 /// known.
 pub fn doubt(
     claim: &dyn Claim,

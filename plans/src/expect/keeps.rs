@@ -395,9 +395,9 @@ struct SingleSignalMonitor {
 struct Run {
     /// Whether the value is forbidden or not known at the moment, and since when.
     piece: (Truth, TimedValue),
-    /// The beginning of the pieces before that were not told yet.
-    untold: Option<TimedValue>,
-    /// A piece that was told is longer than what does not matter.
+    /// The beginning of the pieces before that were not reported yet.
+    unreported: Option<TimedValue>,
+    /// A piece that was reported is longer than what does not matter.
     long: bool,
 }
 
@@ -414,16 +414,16 @@ impl SingleSignalMonitor {
         }
     }
 
-    /// The value is no longer what it was: a forbidden piece that is long enough by itself is told.
+    /// The value is no longer what it was: a forbidden piece that is long enough by itself is reported.
     fn end_piece(&mut self, end: (i64, i64)) {
         let Some(run) = &mut self.run else { return };
         let (class, start) = run.piece;
         if class == Truth::Unknown || self.common.weigh(class, &start, end) != Truth::False {
-            run.untold.get_or_insert(start);
+            run.unreported.get_or_insert(start);
             return;
         }
-        if let Some(untold) = run.untold.take() {
-            self.common.segments.segment(Truth::Unknown, &untold, (start.a, start.b));
+        if let Some(unreported) = run.unreported.take() {
+            self.common.segments.segment(Truth::Unknown, &unreported, (start.a, start.b));
         }
         self.common.segments.segment(Truth::False, &start, end);
         run.long = true;
@@ -431,9 +431,9 @@ impl SingleSignalMonitor {
 
     fn end_run(&mut self, end: (i64, i64)) {
         self.end_piece(end);
-        let Some(Run { untold: Some(untold), long, .. }) = self.run.take() else { return };
-        if long || self.common.weigh(Truth::Unknown, &untold, end) != Truth::True {
-            self.common.segments.segment(Truth::Unknown, &untold, end);
+        let Some(Run { unreported: Some(unreported), long, .. }) = self.run.take() else { return };
+        if long || self.common.weigh(Truth::Unknown, &unreported, end) != Truth::True {
+            self.common.segments.segment(Truth::Unknown, &unreported, end);
         }
     }
 }
@@ -460,7 +460,7 @@ impl Monitor for SingleSignalMonitor {
             self.end_piece((seen.a, seen.b));
             match &mut self.run {
                 Some(run) => run.piece = (class, *seen),
-                None => self.run = Some(Run { piece: (class, *seen), untold: None, long: false }),
+                None => self.run = Some(Run { piece: (class, *seen), unreported: None, long: false }),
             }
         }
     }

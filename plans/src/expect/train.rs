@@ -46,7 +46,7 @@ pub(crate) const QUADRATURE: KeySpec = KeySpec::optional(
 pub struct TrainLines {
     /// The pulses, phase A, or the number.
     pub(crate) signal: String,
-    /// The line that tells or shares the direction, and how.
+    /// The line that gives or shares the direction, and how.
     pub(crate) second: Option<(PulseEncoding, String)>,
     /// What a sampled channel may miss.
     longer_than: Option<Span>,

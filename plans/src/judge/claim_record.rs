@@ -1,4 +1,4 @@
-//! What a claim came to, as the record tells it.
+//! What a claim came to, as it stands in the record.
 
 use record::{ClaimRecord, Verdict};
 use signal::Cause;

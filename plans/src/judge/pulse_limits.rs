@@ -1,4 +1,4 @@
-//! Lines of which a board tells every pulse only up to a frequency: what is counted of faster pulses is open.
+//! Lines of which a board reports every pulse only up to a frequency: what is counted of faster pulses is open.
 //!
 //! A trace says so in a note for each such signal, so that a recorded trace is judged as the run was. What the board
 //! did not tell nobody sees, so two things are looked at: how fast the pulses of the trace are, and how fast a claim wants
@@ -15,7 +15,7 @@ const MOST: usize = 64;
 /// used up to what is promised of it.
 const PART: (i64, i64) = (9, 10);
 
-/// The note by which a trace says up to how many Hz every pulse of a signal is told.
+/// The note by which a trace says up to how many Hz every pulse of a signal is reported.
 pub fn note_of(signal: &str) -> String {
     format!("{NOTE}{signal}")
 }
@@ -29,7 +29,7 @@ struct FastStretch {
     period: i64,
 }
 
-/// A signal of which a board tells every pulse up to a frequency.
+/// A signal of which a board reports every pulse up to a frequency.
 #[derive(Clone, Debug)]
 struct CountedSignal {
     hz: u64,

@@ -90,7 +90,7 @@ pub struct UncertainInstant {
 impl UncertainInstant {
     /// The point `offset` from an event of the trace at `at`, with number `base`, recorded at `place`.
     ///
-    /// With no offset the order of the trace tells what comes before it, the event itself included. With one,
+    /// With no offset the order of the trace says what comes before it, the event itself included. With one,
     /// changes at the very instant count as coming at or after it.
     pub fn new(at: When, place: u64, base: u32, offset: Span) -> UncertainInstant {
         let offset = offset.as_nanos();

@@ -164,7 +164,7 @@ struct LastCount {
 }
 
 impl LastCount {
-    /// Follows the last count of a direction; tells it where this one may be the next of all, and of its direction.
+    /// Follows the last count of a direction; and gives it where this one may be the next of all, and of its direction.
     fn next(last: &mut Option<LastCount>, own: (u64, u64), seen: &TimedValue) -> Option<TimedValue> {
         let before = |one: &TimedValue, other: &TimedValue| {
             one.b < other.a || one.b == other.a && one.place < other.place

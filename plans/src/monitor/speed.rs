@@ -98,7 +98,7 @@ mod tests {
     }
 
     proptest! {
-        /// Wherever events and ends lie within their intervals, the speed lies within what is told; where all of them are
+        /// Wherever events and ends lie within their intervals, the speed lies within what is found; where all of them are
         /// exact it is that.
         #[test]
         fn no_placement_has_a_speed_beyond_what_is_told(

@@ -119,7 +119,7 @@ impl PositionTrack {
     pub fn finish(&mut self, mut out: impl FnMut(TrackStep)) {
         self.advance(true, &mut out);
         for line in &self.lines {
-            // A line without events at all says nothing: the case has none, and somebody else tells that.
+            // A line without events at all says nothing: the case has none, which is reported elsewhere.
             if let Some(rest) = line.finder.rest().filter(|_| line.taken.is_some()) {
                 out(TrackStep::Unknown(TimedValue { place: LAST, ..rest.seen }));
             }

@@ -253,7 +253,7 @@ fn is_halt(condition: &ValueCondition) -> bool {
     matches!(list.as_slice(), [Literal::Label(label)] if label.eq_ignore_ascii_case("HALT"))
 }
 
-/// The names that no case speaks of, once every case told which ones it does not.
+/// The names that no case speaks of, once every case said which ones it does not.
 #[derive(Debug, Default)]
 pub(super) struct Unspoken {
     names: Option<BTreeSet<String>>,

@@ -42,7 +42,7 @@ pub struct PlanText {
     pub(super) databases: Databases,
 }
 
-/// A path beside another file, without `.` and `..` where they can be told away.
+/// A path beside another file, without `.` and `..` where they can be resolved.
 fn beside(file: &str, path: &str) -> String {
     let whole = match file.rfind('/') {
         Some(at) if !path.starts_with('/') => format!("{}/{path}", &file[..at]),

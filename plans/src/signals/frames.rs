@@ -99,7 +99,7 @@ pub(crate) struct PlanFrames {
     pub(crate) named: BTreeMap<String, NamedFrame>,
 }
 
-/// Reads the frames of a plan; `taken` tells which names its signals have.
+/// Reads the frames of a plan; `taken` says which names its signals have.
 pub(crate) fn read(
     table: &Table,
     databases: &Databases,

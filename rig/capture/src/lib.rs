@@ -81,7 +81,7 @@ pub struct Capture {
     pub changes: Vec<CapturedChange>,
     /// How they came to be known.
     pub knowledge: Knowledge,
-    /// The first and the last instant that the capture tells of.
+    /// The first and the last instant that the capture has.
     pub span: [signal::Time; 2],
     /// What a file of the rig's own says of the trace.
     pub notes: Vec<(String, String)>,

@@ -197,7 +197,7 @@ impl Default for Limits {
     }
 }
 
-/// What a compilation is told.
+/// The settings of a compilation.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Modelled time of the operations.

@@ -81,7 +81,7 @@ impl Lane {
         }
     }
 
-    /// The last instant of which the lane tells, nanoseconds; nothing when it tells of all to the case's end.
+    /// The last instant that the lane covers, nanoseconds; nothing when it covers all to the case's end.
     pub fn known_until_ns(&self) -> Option<i64> {
         let cut = self.points.last().filter(|_| self.truncated).map(|point| point.at[1]);
         cut.into_iter().chain(self.until_ns).min()
@@ -98,7 +98,7 @@ impl Lane {
         true
     }
 
-    /// Appends the change that an event of this signal tells of; as [`Lane::push`].
+    /// Appends the change that an event of this signal is; as [`Lane::push`].
     pub fn push_event(&mut self, event: &Event) -> bool {
         self.push(event.at, event.value)
     }

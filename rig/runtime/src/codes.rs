@@ -98,7 +98,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0307", "An input of the model on a line that makes pulses by itself"),
     ("R0308", "A function whose pulses a device cannot make"),
     ("R0309", "A function that may pulse faster than its line"),
-    ("R0310", "A period that a device cannot begin anew"),
+    ("R0310", "A period that a device cannot restart"),
     ("R0315", "Pulses that the board does not promise"),
     ("R0316", "A promise to count that was not kept when it was measured"),
     ("R0340", "A service manager that cannot be notified"),

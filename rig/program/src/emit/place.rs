@@ -90,7 +90,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// The slot of the frame that holds an address, and what reading it costs. A variable of the frame serves as it
-    /// stands: what a call is told by reference. Otherwise `own` becomes the slot, which may be used again.
+    /// stands: what a call gets by reference. Otherwise `own` becomes the slot, which may be used again.
     fn address_slot(&mut self, address: &Expr, own: &mut Option<Operand>) -> (Operand, u32) {
         if let ExprKind::Load(place) = &address.kind
             && let (TreeRoot::Frame, []) = (&place.root, place.indices.as_slice())

@@ -20,7 +20,7 @@ type Entries<'a> = BTreeMap<(bool, &'a str, usize), ClaimEntry<'a>>;
 /// Adds what changed in a case that is in both runs.
 pub(super) fn compare(was: &CaseRecord, is: &CaseRecord, thresholds: &Thresholds, found: &mut Comparison) {
     if !was.is_judged() || !is.is_judged() {
-        // Without a verdict nothing was claimed; the case itself tells.
+        // Without a verdict nothing was claimed; the case itself says it.
         return;
     }
     let (before, after) = (entries(was), entries(is));
@@ -75,7 +75,7 @@ fn entries(case: &CaseRecord) -> Entries<'_> {
 }
 
 /// A margin that lost more than the threshold, and more than what is not known of it. Where the verdict changed, that
-/// tells more.
+/// says more.
 fn eroded(
     case: &CaseRecord,
     name: &str,

@@ -25,7 +25,7 @@ pub(super) fn pair(program: &Program, first: &FastStep, second: &FastStep) -> Op
     }
 }
 
-/// What timers are told: a BOOL, then a constant.
+/// What timers get: a BOOL, then a constant.
 fn inputs(program: &Program, first: &FastStep, second: &FastStep) -> Option<StepPair> {
     let (second, Op::Set32) = with_constant(program, second)? else { return None };
     let from = [first.from[0], first.from[1], second.from[0], OperandBase::Zero];
