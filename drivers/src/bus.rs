@@ -1,6 +1,6 @@
 //! Communication lines of a board: CAN buses and serial lines, what passes on them, and how they fare.
 
-use signal::{Span, Time, When};
+use signal::{CanFrame, Span, Time, When};
 
 use crate::{LossReason, TimestampSource};
 
@@ -46,64 +46,6 @@ impl Bus {
     }
 }
 
-/// The most data bytes of a CAN frame: 8 on classic CAN, 64 with CAN FD (ISO 11898-1).
-pub const MAX_DATA: usize = 64;
-
-/// A CAN frame.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Frame {
-    /// Identifier: 11 bits, or 29 of an extended one.
-    pub id: u32,
-    /// The identifier has 29 bits.
-    pub extended: bool,
-    /// A remote frame: it asks for data and has none. Never with `fd`.
-    pub remote: bool,
-    /// A CAN FD frame.
-    pub fd: bool,
-    /// Its data came at the data bit rate (CAN FD).
-    pub brs: bool,
-    /// Its sender is error-passive (CAN FD).
-    pub esi: bool,
-    /// Number of data bytes; of a remote frame the number that is asked for.
-    pub len: u8,
-    /// The data; 0 behind `len`.
-    pub data: [u8; MAX_DATA],
-}
-
-impl Frame {
-    /// A classic data frame. `None` where the identifier does not fit, or the data have more than 8 bytes.
-    pub fn classic(id: u32, extended: bool, data: &[u8]) -> Option<Frame> {
-        let most = if extended { 0x1FFF_FFFF } else { 0x7FF };
-        if id > most || data.len() > 8 {
-            return None;
-        }
-        let mut bytes = [0; MAX_DATA];
-        bytes[..data.len()].copy_from_slice(data);
-        let len = data.len() as u8;
-        Some(Frame { id, extended, remote: false, fd: false, brs: false, esi: false, len, data: bytes })
-    }
-
-    /// Its data.
-    pub fn data(&self) -> &[u8] {
-        let len = if self.remote { 0 } else { usize::from(self.len).min(MAX_DATA) };
-        &self.data[..len]
-    }
-}
-
-impl std::fmt::Debug for Frame {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let width = if self.extended { 8 } else { 3 };
-        write!(f, "{:0width$X}#", self.id)?;
-        if self.remote {
-            return write!(f, "R{}", self.len);
-        }
-        if self.fd {
-            write!(f, "#{:X}", u8::from(self.brs) | u8::from(self.esi) << 1)?;
-        }
-        self.data().iter().try_for_each(|byte| write!(f, "{byte:02X}"))
-    }
-}
-
 /// How a CAN controller takes part in its bus (ISO 11898-1, fault confinement).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum BusState {
@@ -144,13 +86,13 @@ pub enum BusError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BusEvent {
     /// A frame was on the bus.
-    Frame {
+    CanFrame {
         /// Which bus.
         bus: BusId,
         /// When its end was seen.
         at: When,
         /// The frame.
-        frame: Frame,
+        frame: CanFrame,
         /// It was sent by [`crate::Board::send`], and is on the bus now.
         own: bool,
     },
@@ -203,7 +145,7 @@ impl BusEvent {
     /// The bus that it concerns.
     pub fn bus(&self) -> BusId {
         match *self {
-            BusEvent::Frame { bus, .. }
+            BusEvent::CanFrame { bus, .. }
             | BusEvent::State { bus, .. }
             | BusEvent::Error { bus, .. }
             | BusEvent::Dropped { bus, .. }
@@ -215,7 +157,7 @@ impl BusEvent {
     /// The latest instant at which it can have happened: what a poll orders by.
     pub fn latest(&self) -> Time {
         match *self {
-            BusEvent::Frame { at, .. } => at.latest,
+            BusEvent::CanFrame { at, .. } => at.latest,
             BusEvent::State { at, .. }
             | BusEvent::Error { at, .. }
             | BusEvent::Dropped { at, .. }

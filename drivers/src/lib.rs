@@ -38,7 +38,7 @@ mod thread;
 pub mod wrap;
 
 pub use board::{Board, BoardError, BoardExt, Buses, Call, Descriptions, FaultInjection, PulseOutputs};
-pub use bus::{Bus, BusError, BusEvent, BusId, BusKind, BusState, Frame, MAX_DATA};
+pub use bus::{Bus, BusError, BusEvent, BusId, BusKind, BusState};
 pub use channel::{
     Channel, ChannelId, ChannelKind, Emission, Fault, FaultKind, FaultSet, NotEmitted, PulseCapability,
     TimestampSource,

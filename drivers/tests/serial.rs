@@ -13,7 +13,7 @@ use scanrig_drivers::serial::{
     Frames, Framing, LineSettings, OpenError, Parity, PortSpec, Received, SerialPort, Symbol,
 };
 use scanrig_drivers::{
-    BoardContext, BoardError, BoardExt, BoardFile, BoardKind, BusEvent, BusId, BusKind, Frame, LossReason,
+    BoardContext, BoardError, BoardExt, BoardFile, BoardKind, BusEvent, BusId, BusKind, CanFrame, LossReason,
     Terminals, build, open, read,
 };
 use signal::Span;
@@ -241,7 +241,7 @@ fn a_line_that_goes_away_is_lost_until_the_next_run() {
     assert_eq!(board.bus_list()[0].name, "modbus");
     board.start(at.time.now()).unwrap();
     assert_eq!(
-        board.send(at.time.now(), bus, &Frame::classic(1, false, &[]).unwrap()),
+        board.send(at.time.now(), bus, &CanFrame::classic(1, false, &[]).unwrap()),
         Err(BoardError::BadFrame(bus))
     );
     let mut events = Vec::new();

@@ -4,8 +4,8 @@ use crate::common::*;
 use proptest::prelude::*;
 use scanrig_drivers::real::{FaultRelays, OfflineBoard};
 use scanrig_drivers::{
-    Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, BusSpec, Buses, Channel, ChannelId,
-    Descriptions, Disturbance, Emission, Faulty, Frame, Health, LineApi, OutputClaim, PulseOutputs,
+    Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, BusSpec, Buses, CanFrame, Channel,
+    ChannelId, Descriptions, Disturbance, Emission, Faulty, Health, LineApi, OutputClaim, PulseOutputs,
     SimulatedBoard,
 };
 use signal::{Span, Time, Value};
@@ -206,7 +206,7 @@ impl Buses for Capable {
         Some("can0")
     }
 
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+    fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError> {
         Buses::send(&mut self.0, now, bus, frame)
     }
 

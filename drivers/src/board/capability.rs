@@ -4,10 +4,10 @@
 
 use std::fmt;
 
-use signal::{Span, Time, When};
+use signal::{CanFrame, Span, Time, When};
 
 use super::BoardError;
-use crate::bus::{Bus, BusEvent, BusId, Frame};
+use crate::bus::{Bus, BusEvent, BusId};
 use crate::channel::{ChannelId, Emission, Fault};
 
 /// The buses of a board.
@@ -23,7 +23,7 @@ pub trait Buses: fmt::Debug {
     /// # Errors
     /// [`BoardError::NoBus`], [`BoardError::BadFrame`], [`BoardError::BusFull`], [`BoardError::Latched`],
     /// [`BoardError::NotStarted`], [`BoardError::Backwards`], [`BoardError::Os`].
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError>;
+    fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError>;
 
     /// As [`Board::poll`](super::Board::poll), of what happened on the buses.
     ///

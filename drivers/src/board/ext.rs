@@ -1,9 +1,9 @@
 //! The capabilities of a board for callers who do not care whether it has them.
 
-use signal::{Span, Time, When};
+use signal::{CanFrame, Span, Time, When};
 
 use super::{Board, BoardError};
-use crate::bus::{Bus, BusEvent, BusId, Frame};
+use crate::bus::{Bus, BusEvent, BusId};
 use crate::channel::{ChannelId, Emission, Fault, NotEmitted};
 
 /// The capabilities of any board: what it lacks it refuses, or has nothing of. Nobody implements this but the board itself,
@@ -29,7 +29,7 @@ pub trait BoardExt: Board {
     ///
     /// # Errors
     /// [`BoardError::NoBus`] without buses.
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+    fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError> {
         self.buses_mut().map_or(Err(BoardError::NoBus(bus)), |buses| buses.send(now, bus, frame))
     }
 

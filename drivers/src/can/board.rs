@@ -3,7 +3,7 @@
 use document::Diagnostic;
 use host::monotonic;
 use rustix::io::Errno;
-use signal::{Span, Time, Value};
+use signal::{CanFrame, Span, Time, Value};
 
 use super::adapter::{Adapter, Interface};
 use super::configure::NotSetUp;
@@ -16,7 +16,7 @@ use crate::codes;
 use crate::run_state::{RunState, START, drives_none};
 use crate::{
     Board, BoardContext, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Call, Channel, ChannelId,
-    DeviceLimits, Frame, Health,
+    DeviceLimits, Health,
 };
 
 /// How long an interface may take to be put back as it was.
@@ -227,7 +227,7 @@ impl Buses for CanBoard {
         self.nodes.iter().find(|node| node.spec.bus == bus).map(|node| node.spec.interface.as_str())
     }
 
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+    fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError> {
         self.run.drive_at(now)?;
         let stamp = self.context.time.stamp(now);
         let node = self.nodes.iter_mut().find(|node| node.spec.bus == bus).ok_or(BoardError::NoBus(bus))?;

@@ -1,5 +1,6 @@
 //! The thread that talks to a CAN interface: the only one whose calls may last.
 
+use signal::CanFrame;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -14,7 +15,7 @@ use super::report::Reported;
 use super::running::{REPORTS, ThreadConfig};
 use super::shared::{Report, Shared};
 use super::wire::{FD, Told, decode, encode};
-use crate::{BusError, BusState, Frame};
+use crate::{BusError, BusState};
 
 /// How long the kernel's full queue is left alone, and how long the thread is without a look at the clocks.
 const AGAIN: i64 = 1_000_000;
@@ -26,7 +27,7 @@ pub(super) struct Device {
     adapter: Box<dyn Adapter>,
     port: Option<Box<dyn Port>>,
     shared: Arc<Shared>,
-    frames: Consumer<Frame>,
+    frames: Consumer<CanFrame>,
     reports: Producer<Report>,
     /// Is rung when there is something to report.
     bell: Arc<Bell>,
@@ -46,7 +47,7 @@ pub(super) struct Device {
     /// Frames that the socket has lost since it was opened.
     dropped: u32,
     /// The frame that the kernel did not take yet.
-    pending: Option<Frame>,
+    pending: Option<CanFrame>,
     /// Own frames that the kernel has and the bus had not, and since when none of them came.
     waiting: u32,
     since: i64,
@@ -66,7 +67,7 @@ impl Device {
         adapter: Box<dyn Adapter>,
         port: Box<dyn Port>,
         shared: Arc<Shared>,
-        (frames, reports): (Consumer<Frame>, Producer<Report>),
+        (frames, reports): (Consumer<CanFrame>, Producer<Report>),
         bell: Arc<Bell>,
         config: ThreadConfig,
     ) -> Device {

@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use host::{TimeBase, monotonic};
-use signal::{Span, Time, When};
+use signal::{CanFrame, Span, Time, When};
 
 use super::running::Running;
 use super::shared::{Report, Shared};
 use super::spec::CanBusSpec;
 use super::wire::encode;
-use crate::{BoardError, BusEvent, BusId, BusState, Frame, LossReason};
+use crate::{BoardError, BusEvent, BusId, BusState, LossReason};
 
 /// The rig's part in a bus.
 #[derive(Debug)]
@@ -131,7 +131,7 @@ impl Node {
     }
 
     /// Puts a frame into the queue.
-    pub(super) fn send(&mut self, now: i64, frame: &Frame) -> Result<(), BoardError> {
+    pub(super) fn send(&mut self, now: i64, frame: &CanFrame) -> Result<(), BoardError> {
         let fits = encode(frame).is_some() && (!frame.fd || self.spec.data_bitrate.is_some());
         // The kernel filters what the rig sends as well, and then nobody would see it on the bus.
         if !fits || self.spec.listen_only || !self.spec.takes(frame) {
@@ -198,7 +198,7 @@ impl Node {
             match report {
                 Report::Frame { earliest, frame, own, .. } => {
                     let at = When::within(time.at(earliest), at);
-                    out.push(BusEvent::Frame { bus, at, frame, own });
+                    out.push(BusEvent::CanFrame { bus, at, frame, own });
                 }
                 Report::State { state, .. } => out.push(BusEvent::State { bus, at, state }),
                 Report::Error { error, .. } => out.push(BusEvent::Error { bus, at, error }),

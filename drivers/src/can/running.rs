@@ -1,5 +1,6 @@
 //! The thread of a CAN interface as its board has it.
 
+use signal::CanFrame;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -10,7 +11,6 @@ use super::adapter::Adapter;
 use super::device::Device;
 use super::port::Port;
 use super::shared::{Report, Shared};
-use crate::Frame;
 
 /// Frames on their way to the bus.
 const TO_SEND: usize = 1_024;
@@ -21,7 +21,7 @@ pub(super) const REPORTS: usize = 8_192;
 #[derive(Debug)]
 pub(super) struct Running {
     pub(super) shared: Arc<Shared>,
-    pub(super) frames: Producer<Frame>,
+    pub(super) frames: Producer<CanFrame>,
     pub(super) reports: Consumer<Report>,
     patience: i64,
     thread: Option<std::thread::JoinHandle<()>>,

@@ -1,18 +1,19 @@
 //! What the board of a CAN interface and its thread have in common.
 
+use signal::CanFrame;
 use std::os::fd::OwnedFd;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 
 use host::Bell;
 use rustix::event::{EventfdFlags, eventfd};
 
-use crate::{BusError, BusState, Frame};
+use crate::{BusError, BusState};
 
 /// What the interface told; stamps are of the monotonic clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Report {
     /// A frame was on the bus between these stamps.
-    Frame { earliest: i64, latest: i64, frame: Frame, own: bool },
+    Frame { earliest: i64, latest: i64, frame: CanFrame, own: bool },
     /// The controller takes part in another way.
     State { at: i64, state: BusState },
     /// Something went wrong on the bus.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use signal::Span;
+use signal::{CanFrame, Span};
 
-use crate::{Bus, BusId, BusKind, Frame, TimestampSource};
+use crate::{Bus, BusId, BusKind, TimestampSource};
 
 /// The CAN buses of a board.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -76,14 +76,14 @@ impl Filter {
     }
 
     /// Whether it takes this frame.
-    pub fn takes(&self, frame: &Frame) -> bool {
+    pub fn takes(&self, frame: &CanFrame) -> bool {
         frame.extended == self.extended && (frame.id ^ self.id) & self.mask == 0
     }
 }
 
 impl CanBusSpec {
     /// Whether a frame of this identifier reaches the rig, its own as well.
-    pub fn takes(&self, frame: &Frame) -> bool {
+    pub fn takes(&self, frame: &CanFrame) -> bool {
         self.accept.is_empty() || self.accept.iter().any(|filter| filter.takes(frame))
     }
 
@@ -106,9 +106,9 @@ mod tests {
     #[test]
     fn filters_take_what_they_say() {
         let filter = Filter::parse("700/780").unwrap();
-        assert!(filter.takes(&Frame::classic(0x77F, false, &[]).unwrap()));
-        assert!(!filter.takes(&Frame::classic(0x780, false, &[]).unwrap()));
-        assert!(!filter.takes(&Frame::classic(0x700, true, &[]).unwrap()));
+        assert!(filter.takes(&CanFrame::classic(0x77F, false, &[]).unwrap()));
+        assert!(!filter.takes(&CanFrame::classic(0x780, false, &[]).unwrap()));
+        assert!(!filter.takes(&CanFrame::classic(0x700, true, &[]).unwrap()));
         assert_eq!(Filter::parse("00000123"), Some(Filter { id: 0x123, mask: 0x1FFF_FFFF, extended: true }));
         for wrong in ["", "800", "1234", "12g", "123/", "123/800", "+12", "20000000", "123/1/1"] {
             assert_eq!(Filter::parse(wrong), None, "{wrong}");

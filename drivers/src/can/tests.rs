@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use host::{Bell, Errno, Realtime, Received, TimeBase};
 use rustix::event::{EventfdFlags, eventfd};
-use signal::Span;
+use signal::{CanFrame, Span};
 
 use super::adapter::{Adapter, Change};
 use super::node::Node;
@@ -15,7 +15,7 @@ use super::port::Port;
 use super::running::{Running, ThreadConfig};
 use super::spec::CanBusSpec;
 use super::wire::{FD, encode};
-use crate::{BoardError, BusError, BusEvent, BusId, BusState, Frame, LossReason};
+use crate::{BoardError, BusError, BusEvent, BusId, BusState, LossReason};
 
 /// How long a condition is waited for.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -181,8 +181,8 @@ impl Bench {
     }
 }
 
-fn frame(id: u32) -> Frame {
-    Frame::classic(id, false, &[]).unwrap()
+fn frame(id: u32) -> CanFrame {
+    CanFrame::classic(id, false, &[]).unwrap()
 }
 
 fn bytes(id: u32) -> Vec<u8> {
@@ -243,8 +243,9 @@ fn frames_that_were_lost_on_their_way_are_counted() {
     bench.arrives(&bytes(2), Received { dropped: 5, ..Received::default() });
     // Nothing that a kernel writes.
     bench.arrives(&[0; 7], Received { dropped: 5, ..Received::default() });
-    let frames =
-        |bench: &Bench| bench.events.iter().filter(|event| matches!(event, BusEvent::Frame { .. })).count();
+    let frames = |bench: &Bench| {
+        bench.events.iter().filter(|event| matches!(event, BusEvent::CanFrame { .. })).count()
+    };
     bench.until("both frames and the loss", |bench| frames(bench) == 2 && bench.node.dropped == 6);
     assert!(bench.told(|event| matches!(event, BusEvent::Dropped { count: 5, .. })));
 }
@@ -261,7 +262,7 @@ fn frames_come_in_the_order_of_their_stamps() {
     bench.node.shared.ask();
     let ids = |bench: &Bench| -> Vec<u32> {
         let id = |event: &BusEvent| match event {
-            BusEvent::Frame { frame, .. } => Some(frame.id),
+            BusEvent::CanFrame { frame, .. } => Some(frame.id),
             _ => None,
         };
         bench.events.iter().filter_map(id).collect()
@@ -287,7 +288,7 @@ fn a_run_begins_whatever_was_left_unread_before() {
     bench.change(|script| script.arrive.clear());
     bench.arrives(&bytes(0x7FF), Received { own: true, ..Received::default() });
     bench.until("the frame of the run", |bench| {
-        bench.told(|event| matches!(event, BusEvent::Frame { frame, own: true, .. } if frame.id == 0x7FF))
+        bench.told(|event| matches!(event, BusEvent::CanFrame { frame, own: true, .. } if frame.id == 0x7FF))
     });
     // How the controller took part is told first.
     let first = bench.events.first();
@@ -302,7 +303,7 @@ fn a_frame_that_waits_for_the_bus_for_too_long_is_told_once() {
     bench.until("the error", |bench| bench.told(late));
     bench.arrives(&bytes(1), Received { own: true, ..Received::default() });
     bench.until("the own frame", |bench| {
-        bench.told(|event| matches!(event, BusEvent::Frame { own: true, .. }))
+        bench.told(|event| matches!(event, BusEvent::CanFrame { own: true, .. }))
     });
     assert_eq!(bench.events.iter().filter(|event| late(event)).count(), 1);
 }
@@ -319,7 +320,7 @@ fn a_run_is_told_of_frames_of_the_one_before_that_still_wait_for_the_bus() {
     bench.until("the error", |bench| bench.told(late));
     bench.arrives(&bytes(1), Received { own: true, ..Received::default() });
     bench.until("the frame on the bus", |bench| {
-        bench.told(|event| matches!(event, BusEvent::Frame { own: true, .. }))
+        bench.told(|event| matches!(event, BusEvent::CanFrame { own: true, .. }))
     });
     bench.start();
     assert!(!bench.node.is_behind());

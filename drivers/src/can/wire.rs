@@ -1,7 +1,5 @@
 //! CAN frames as the kernel passes them (`struct can_frame` and `struct canfd_frame` of `linux/can.h`).
 
-use crate::{Frame, MAX_DATA};
-
 /// Length of a classic frame, and of one of CAN FD.
 pub const CLASSIC: usize = 16;
 /// See [`CLASSIC`].
@@ -24,7 +22,7 @@ const FD_LENGTHS: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48,
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Told {
     /// A frame of the bus.
-    Frame(Frame),
+    Frame(CanFrame),
     /// A report of the controller: its classes, and its details.
     Report(u32, [u8; 8]),
 }
@@ -43,15 +41,15 @@ pub fn decode(bytes: &[u8]) -> Option<Told> {
     }
     let extended = word & EXTENDED != 0;
     let remote = word & REMOTE != 0;
-    let fits = if fd { usize::from(len) <= MAX_DATA && !remote } else { len <= 8 };
+    let fits = if fd { usize::from(len) <= MAX_CAN_DATA && !remote } else { len <= 8 };
     if !fits || word & ERROR != 0 {
         return None;
     }
-    let mut data = [0; MAX_DATA];
+    let mut data = [0; MAX_CAN_DATA];
     if !remote {
         data[..usize::from(len)].copy_from_slice(&bytes[8..8 + usize::from(len)]);
     }
-    Some(Told::Frame(Frame {
+    Some(Told::Frame(CanFrame {
         id: word & if extended { BITS_29 } else { BITS_11 },
         extended,
         remote,
@@ -64,7 +62,7 @@ pub fn decode(bytes: &[u8]) -> Option<Told> {
 }
 
 /// A frame as the kernel takes it, and its length. `None` where no frame can be like that.
-pub fn encode(frame: &Frame) -> Option<([u8; FD], usize)> {
+pub fn encode(frame: &CanFrame) -> Option<([u8; FD], usize)> {
     let most = if frame.extended { BITS_29 } else { BITS_11 };
     let fits = match frame.fd {
         true => !frame.remote && FD_LENGTHS.contains(&frame.len),
@@ -91,10 +89,11 @@ pub fn encode(frame: &Frame) -> Option<([u8; FD], usize)> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use signal::{CanFrame, MAX_CAN_DATA};
 
     #[test]
     fn a_classic_frame_is_laid_out_as_the_kernel_has_it() {
-        let frame = Frame::classic(0x1ABC_DEF0, true, &[1, 2, 3]).unwrap();
+        let frame = CanFrame::classic(0x1ABC_DEF0, true, &[1, 2, 3]).unwrap();
         let (bytes, len) = encode(&frame).unwrap();
         assert_eq!(len, 16);
         assert_eq!(bytes[..4], 0x9ABC_DEF0u32.to_ne_bytes());
@@ -103,18 +102,18 @@ mod tests {
 
     #[test]
     fn frames_that_cannot_be_are_not_made() {
-        let sound = Frame::classic(0x7FF, false, &[0; 8]).unwrap();
+        let sound = CanFrame::classic(0x7FF, false, &[0; 8]).unwrap();
         assert!(encode(&sound).is_some());
         for wrong in [
-            Frame { id: 0x800, ..sound },
-            Frame { len: 9, ..sound },
-            Frame { brs: true, ..sound },
-            Frame { fd: true, len: 9, ..sound },
-            Frame { fd: true, remote: true, ..sound },
+            CanFrame { id: 0x800, ..sound },
+            CanFrame { len: 9, ..sound },
+            CanFrame { brs: true, ..sound },
+            CanFrame { fd: true, len: 9, ..sound },
+            CanFrame { fd: true, remote: true, ..sound },
         ] {
             assert_eq!(encode(&wrong), None, "{wrong:?}");
         }
-        assert!(encode(&Frame { fd: true, len: 64, ..sound }).is_some());
+        assert!(encode(&CanFrame { fd: true, len: 64, ..sound }).is_some());
     }
 
     proptest! {

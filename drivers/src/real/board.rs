@@ -1,7 +1,7 @@
 //! The board of several devices.
 
 use document::Diagnostic;
-use signal::{Time, Value};
+use signal::{CanFrame, Time, Value};
 
 use super::driver::DRIVERS;
 use super::{RealSpec, channels, relays};
@@ -9,7 +9,7 @@ use crate::channel_table::ChannelTable;
 use crate::event_collector::sort_by;
 use crate::{
     Board, BoardContext, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, Buses, Channel, ChannelId,
-    Descriptions, Emission, Frame, Health, OutputClaim, PulseOutputs,
+    Descriptions, Emission, Health, OutputClaim, PulseOutputs,
 };
 
 /// Finds and claims the devices of a file, outputs at their safe values.
@@ -208,7 +208,7 @@ impl Buses for RealBoard {
         self.parts[usize::from(part)].bus_device(bus)
     }
 
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+    fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError> {
         let part = self.carries.get(usize::from(bus.0)).copied().flatten().ok_or(BoardError::NoBus(bus))?;
         self.parts[usize::from(part)].send(now, bus, frame)
     }

@@ -5,9 +5,9 @@ use super::{RealSpec, WireRelays, wire};
 use crate::channel_table::ChannelTable;
 use crate::{
     Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Fault, FaultInjection,
-    Frame, Health,
+    Health,
 };
-use signal::{Span, Time, Value, When};
+use signal::{CanFrame, Span, Time, Value, When};
 
 /// The channels and buses of real devices that nobody opened: what a plan is checked against on any machine. It never starts.
 /// The default one has none.
@@ -121,7 +121,7 @@ impl Buses for OfflineBoard {
         None
     }
 
-    fn send(&mut self, _now: Time, _bus: BusId, _frame: &Frame) -> Result<(), BoardError> {
+    fn send(&mut self, _now: Time, _bus: BusId, _frame: &CanFrame) -> Result<(), BoardError> {
         Err(BoardError::NotStarted)
     }
 

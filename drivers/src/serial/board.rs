@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use document::Diagnostic;
 use host::monotonic;
 use rustix::io::Errno;
-use signal::{Span, Time, Value};
+use signal::{CanFrame, Span, Time, Value};
 use tokio::runtime::Builder;
 
 use super::find::Identity;
@@ -18,7 +18,7 @@ use crate::holder::{all_holders, words};
 use crate::run_state::{RunState, START, drives_none};
 use crate::{
     Board, BoardContext, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId,
-    DeviceLimits, Frame, Health, LossReason,
+    DeviceLimits, Health, LossReason,
 };
 
 /// The serial lines of a board: held for the rig alone while it lives, each by a thread of its own. Their bytes are the
@@ -268,7 +268,7 @@ impl Buses for SerialBoard {
         self.lines.iter().find(|line| line.bus == bus).map(|line| line.device.as_str())
     }
 
-    fn send(&mut self, now: Time, bus: BusId, _frame: &Frame) -> Result<(), BoardError> {
+    fn send(&mut self, now: Time, bus: BusId, _frame: &CanFrame) -> Result<(), BoardError> {
         self.run.come_to(now)?;
         let known = self.lines.iter().any(|line| line.bus == bus);
         Err(if known { BoardError::BadFrame(bus) } else { BoardError::NoBus(bus) })

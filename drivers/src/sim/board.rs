@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use signal::{Span, Time, Value, When};
+use signal::{CanFrame, Span, Time, Value, When};
 
 use super::bus::Buses;
 use super::checks;
@@ -12,7 +12,7 @@ use super::links::{Links, PlantAt};
 use super::tally::Tallies;
 use super::wire::Wire;
 use crate::board::{self, Board, BoardError, FaultInjection};
-use crate::bus::{Bus, BusEvent, BusId, Frame};
+use crate::bus::{Bus, BusEvent, BusId};
 use crate::channel::{Channel, ChannelId, Fault};
 use crate::circuit::{Circuit, CircuitError, CircuitFault, Part, PlantSpec, fit};
 use crate::event::{BoardEvent, Health, LossReason, Origin};
@@ -517,7 +517,7 @@ impl board::Buses for SimulatedBoard {
         self.buses.list()
     }
 
-    fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+    fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError> {
         if !self.started {
             return Err(BoardError::NotStarted);
         }

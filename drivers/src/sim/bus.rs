@@ -6,11 +6,11 @@
 
 use std::collections::VecDeque;
 
-use signal::{Span, Time, When};
+use signal::{CanFrame, Span, Time, When};
 
 use super::wire_time::{bits, intermission, priority};
 use crate::circuit::BusSpec;
-use crate::{BoardError, Bus, BusEvent, BusId, BusKind, Frame, TimestampSource};
+use crate::{BoardError, Bus, BusEvent, BusId, BusKind, TimestampSource};
 
 /// Frames that wait in the queue of one bus.
 pub const MAX_QUEUED: usize = 1024;
@@ -19,7 +19,7 @@ pub const MAX_QUEUED: usize = 1024;
 #[derive(Clone, Copy, Debug)]
 struct Queued {
     since: Time,
-    frame: Frame,
+    frame: CanFrame,
 }
 
 /// One node on a wire.
@@ -37,7 +37,7 @@ struct Wire {
     /// From here on a frame may start.
     free: Time,
     /// Its sender, when it ends, and what it is.
-    under_way: Option<(usize, Time, Frame)>,
+    under_way: Option<(usize, Time, CanFrame)>,
 }
 
 /// The buses of a simulated board.
@@ -93,7 +93,7 @@ impl Buses {
     ///
     /// # Errors
     /// [`BoardError::NoBus`], [`BoardError::BadFrame`], [`BoardError::BusFull`], [`BoardError::Latched`].
-    pub fn send(&mut self, now: Time, bus: BusId, frame: &Frame) -> Result<(), BoardError> {
+    pub fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError> {
         let node = self.nodes.get_mut(usize::from(bus.0)).ok_or(BoardError::NoBus(bus))?;
         if self.latched {
             return Err(BoardError::Latched);
@@ -168,13 +168,13 @@ impl Buses {
         self.wires[wire].free = end.saturating_add(intermission(self.wires[wire].bitrate));
         for (place, _) in self.nodes.iter().enumerate().filter(|(_, node)| node.wire == wire) {
             let (bus, own) = (BusId(place as u16), place == sender);
-            out.push(BusEvent::Frame { bus, at: When::exactly(end), frame, own });
+            out.push(BusEvent::CanFrame { bus, at: When::exactly(end), frame, own });
         }
     }
 }
 
 /// Whether a bus can carry a frame.
-fn fits(frame: &Frame, data_bitrate: Option<u32>) -> bool {
+fn fits(frame: &CanFrame, data_bitrate: Option<u32>) -> bool {
     let most_id = if frame.extended { 0x1FFF_FFFF } else { 0x7FF };
     let length = match frame.fd {
         true => data_bitrate.is_some() && matches!(frame.len, 0..=8 | 12 | 16 | 20 | 24 | 32 | 48 | 64),
@@ -197,8 +197,8 @@ mod tests {
         Buses::new(&[spec("machine", None), spec("drive", Some(BusId(0))), spec("other", None)])
     }
 
-    fn frame(id: u32) -> Frame {
-        Frame::classic(id, false, &[1, 2]).unwrap()
+    fn frame(id: u32) -> CanFrame {
+        CanFrame::classic(id, false, &[1, 2]).unwrap()
     }
 
     /// What is told up to `now`: bus, identifier, own, microseconds.
@@ -206,7 +206,9 @@ mod tests {
         let mut out = Vec::new();
         buses.poll(now, &mut out);
         let tell = |event: &BusEvent| match event {
-            BusEvent::Frame { bus, at, frame, own } => (bus.0, frame.id, *own, at.latest.as_nanos() / 1_000),
+            BusEvent::CanFrame { bus, at, frame, own } => {
+                (bus.0, frame.id, *own, at.latest.as_nanos() / 1_000)
+            }
             other => panic!("{other:?}"),
         };
         out.iter().map(tell).collect()
@@ -272,8 +274,8 @@ mod tests {
     #[test]
     fn what_a_bus_cannot_carry_is_refused() {
         let mut buses = pair();
-        let fd = Frame { fd: true, ..frame(1) };
-        let long = Frame { id: 0x800, ..frame(1) };
+        let fd = CanFrame { fd: true, ..frame(1) };
+        let long = CanFrame { id: 0x800, ..frame(1) };
         assert_eq!(buses.send(Time::ZERO, BusId(0), &fd), Err(BoardError::BadFrame(BusId(0))));
         assert_eq!(buses.send(Time::ZERO, BusId(0), &long), Err(BoardError::BadFrame(BusId(0))));
         assert_eq!(buses.send(Time::ZERO, BusId(9), &frame(1)), Err(BoardError::NoBus(BusId(9))));

@@ -4,9 +4,7 @@
 //! frame has stuff bits by its contents up to the end of the data; those of its CRC stand at fixed places. Where the bit
 //! rate switches, the bits from ESI up to the delimiter of the CRC count as fast ones.
 
-use signal::Span;
-
-use crate::Frame;
+use signal::{CanFrame, Span};
 
 /// Bits behind the CRC: its delimiter (of a classic frame), the acknowledgement with its delimiter, the end of frame.
 const CLASSIC_TAIL: u64 = 1 + 2 + 7;
@@ -83,7 +81,7 @@ impl Stuffing {
 }
 
 /// The bits of a frame from its start to its end, without the pause behind it.
-pub fn bits(frame: &Frame) -> Bits {
+pub fn bits(frame: &CanFrame) -> Bits {
     let mut stuffing = Stuffing::default();
     stuffing.push(false);
     if frame.extended {
@@ -99,7 +97,7 @@ pub fn bits(frame: &Frame) -> Bits {
 }
 
 /// The rest of a classic frame.
-fn classic(frame: &Frame, mut stuffing: Stuffing) -> Bits {
+fn classic(frame: &CanFrame, mut stuffing: Stuffing) -> Bits {
     // Both kinds have two more dominant bits here, one of them the mark of the base identifier or reserved.
     stuffing.number(0, 2);
     stuffing.number(u32::from(frame.len.min(8)), 4);
@@ -111,7 +109,7 @@ fn classic(frame: &Frame, mut stuffing: Stuffing) -> Bits {
 }
 
 /// The rest of a CAN FD frame.
-fn fd(frame: &Frame, mut stuffing: Stuffing) -> Bits {
+fn fd(frame: &CanFrame, mut stuffing: Stuffing) -> Bits {
     if !frame.extended {
         // The mark of the base identifier.
         stuffing.push(false);
@@ -150,7 +148,7 @@ fn length_code(len: u8) -> u32 {
 }
 
 /// What decides an arbitration: the frame with the least wins, as a dominant bit, 0, beats a recessive one.
-pub fn priority(frame: &Frame) -> u64 {
+pub fn priority(frame: &CanFrame) -> u64 {
     let remote = u64::from(frame.remote && !frame.fd);
     let id = u64::from(frame.id);
     match frame.extended {
@@ -162,17 +160,27 @@ pub fn priority(frame: &Frame) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::MAX_DATA;
+    use signal::MAX_CAN_DATA;
+
     use proptest::prelude::*;
 
-    fn classic(id: u32, extended: bool, data: &[u8]) -> Frame {
-        Frame::classic(id, extended, data).unwrap()
+    fn classic(id: u32, extended: bool, data: &[u8]) -> CanFrame {
+        CanFrame::classic(id, extended, data).unwrap()
     }
 
-    fn fd(id: u32, extended: bool, brs: bool, data: &[u8]) -> Frame {
-        let mut bytes = [0; MAX_DATA];
+    fn fd(id: u32, extended: bool, brs: bool, data: &[u8]) -> CanFrame {
+        let mut bytes = [0; MAX_CAN_DATA];
         bytes[..data.len()].copy_from_slice(data);
-        Frame { id, extended, remote: false, fd: true, brs, esi: false, len: data.len() as u8, data: bytes }
+        CanFrame {
+            id,
+            extended,
+            remote: false,
+            fd: true,
+            brs,
+            esi: false,
+            len: data.len() as u8,
+            data: bytes,
+        }
     }
 
     #[test]
@@ -232,7 +240,7 @@ mod tests {
 
     #[test]
     fn arbitration_is_by_identifier_and_kind() {
-        let remote = Frame { remote: true, ..classic(0x100, false, &[]) };
+        let remote = CanFrame { remote: true, ..classic(0x100, false, &[]) };
         let order = [
             classic(0x0FF, false, &[]),
             classic(0x100, false, &[]),

@@ -1,7 +1,7 @@
 //! The CAN frames of a case, as `candump -L` writes them: what other tools replay and look at.
 
-use drivers::{Bus, BusId, BusKind, Frame};
-use signal::Time;
+use drivers::{Bus, BusId, BusKind};
+use signal::{CanFrame, Time};
 use std::fmt::Write;
 
 /// The most frames that are kept: a busy bus of 500 kbit/s for about 16 s.
@@ -12,7 +12,7 @@ const MOST: usize = 65_536;
 struct Heard {
     at: Time,
     bus: BusId,
-    frame: Frame,
+    frame: CanFrame,
 }
 
 /// The first frames of a case. It has its memory from the start.
@@ -30,7 +30,7 @@ impl FrameLog {
     }
 
     /// Keeps a frame that was on the bus by this instant, if there is room.
-    pub fn hear(&mut self, at: Time, bus: BusId, frame: &Frame) {
+    pub fn hear(&mut self, at: Time, bus: BusId, frame: &CanFrame) {
         if self.heard.len() < self.heard.capacity().min(MOST) {
             self.heard.push(Heard { at, bus, frame: *frame });
         } else {
@@ -97,11 +97,11 @@ mod tests {
         let buses = buses();
         let mut log = FrameLog::of(&buses);
         let at = |nanos: i64| Time::ZERO + Span::from_nanos(nanos);
-        let classic = Frame::classic(0x44, false, &[0x2A, 0x36]).unwrap();
+        let classic = CanFrame::classic(0x44, false, &[0x2A, 0x36]).unwrap();
         log.hear(at(1_249_713_999), BusId(0), &classic);
-        log.hear(at(2_000_000_000), BusId(1), &Frame { id: 0x123, extended: true, ..classic });
-        log.hear(at(2_000_000_000), BusId(1), &Frame { remote: true, len: 8, data: [0; 64], ..classic });
-        log.hear(at(12_000_000_000), BusId(0), &Frame { fd: true, brs: true, esi: true, ..classic });
+        log.hear(at(2_000_000_000), BusId(1), &CanFrame { id: 0x123, extended: true, ..classic });
+        log.hear(at(2_000_000_000), BusId(1), &CanFrame { remote: true, len: 8, data: [0; 64], ..classic });
+        log.hear(at(12_000_000_000), BusId(0), &CanFrame { fd: true, brs: true, esi: true, ..classic });
         assert_eq!(
             log.text(&buses),
             "(0000000001.249713) machine 044#2A36\n(0000000002.000000) drive 00000123#2A36\n\
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn what_finds_no_room_is_counted_and_a_board_without_can_takes_none() {
         let mut log = FrameLog::of(&buses());
-        let frame = Frame::classic(1, false, &[]).unwrap();
+        let frame = CanFrame::classic(1, false, &[]).unwrap();
         for _ in 0..MOST + 3 {
             log.hear(Time::ZERO, BusId(0), &frame);
         }

@@ -1,9 +1,9 @@
 //! Frames of buses between plan and board: who counts them, what they carry, what is sent.
 
-use drivers::{Board, BoardExt, Bus, BusId, BusKind, Frame, MAX_DATA};
+use drivers::{Board, BoardExt, Bus, BusId, BusKind};
 use plans::frames::can::{FramePattern, FrameSignal, FrameView};
 use plans::steps::OutFrame;
-use signal::{Kind, SignalId, SignalInfo, Value};
+use signal::{CanFrame, Kind, MAX_CAN_DATA, SignalId, SignalInfo, Value};
 use std::sync::Arc;
 
 /// What a signal shows of the frames that it stands for.
@@ -51,9 +51,9 @@ impl Watch {
 
     /// A frame was on the bus: what the signal is from then on, where it stands for it. Nothing is allocated.
     #[inline]
-    pub fn see(&mut self, frame: &Frame, own: bool) -> Option<Value> {
+    pub fn see(&mut self, frame: &CanFrame, own: bool) -> Option<Value> {
         let data = frame.data();
-        let Frame { id, extended, remote, fd, .. } = *frame;
+        let CanFrame { id, extended, remote, fd, .. } = *frame;
         if !self.pattern.matches(&FrameView { id, extended, remote, fd, data, own }) {
             return None;
         }
@@ -123,17 +123,17 @@ pub fn lacks(board: &dyn Board, name: &str) -> Option<String> {
 ///
 /// # Errors
 /// One sentence.
-pub fn outgoing(frame: &OutFrame, bus: &Bus) -> Result<Frame, String> {
+pub fn outgoing(frame: &OutFrame, bus: &Bus) -> Result<CanFrame, String> {
     let BusKind::Can { data_bitrate, .. } = bus.kind else {
         return Err(format!("bus `{}` carries no frames", bus.name));
     };
     if frame.fd && data_bitrate.is_none() {
         return Err(format!("bus `{}` carries classic frames only", bus.name));
     }
-    let mut data = [0; MAX_DATA];
-    let length = frame.data.len().min(MAX_DATA);
+    let mut data = [0; MAX_CAN_DATA];
+    let length = frame.data.len().min(MAX_CAN_DATA);
     data[..length].copy_from_slice(&frame.data[..length]);
-    Ok(Frame {
+    Ok(CanFrame {
         id: frame.id,
         extended: frame.extended,
         remote: frame.remote,

@@ -17,7 +17,7 @@ impl Traffic {
     /// Takes an event of the bus: what is shown of it.
     pub fn take(&mut self, event: &BusEvent) -> String {
         match *event {
-            BusEvent::Frame { frame, .. } => {
+            BusEvent::CanFrame { frame, .. } => {
                 self.frames += 1;
                 format!("{frame:?}")
             }
@@ -93,16 +93,16 @@ fn wrong(error: BusError) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use drivers::{BusId, Frame, TimestampSource};
-    use signal::{Span, Time, When};
+    use drivers::{BusId, TimestampSource};
+    use signal::{CanFrame, Span, Time, When};
 
     #[test]
     fn frames_errors_and_states_are_counted_and_told() {
         let (bus, at) = (BusId(0), Time::ZERO);
         let mut traffic = Traffic::default();
-        let frame = Frame::classic(0x701, false, &[5]).unwrap();
+        let frame = CanFrame::classic(0x701, false, &[5]).unwrap();
         let told = [
-            BusEvent::Frame { bus, at: When::exactly(at), frame, own: false },
+            BusEvent::CanFrame { bus, at: When::exactly(at), frame, own: false },
             BusEvent::Error { bus, at, error: BusError::NoAck },
             BusEvent::State { bus, at, state: BusState::ErrorPassive },
             BusEvent::Dropped { bus, at, count: 3 },

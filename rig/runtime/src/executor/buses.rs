@@ -2,8 +2,8 @@
 
 use super::Executor;
 use crate::rig_fault::RigFault;
-use drivers::{BoardExt, BusError, BusEvent, BusId, Frame, LossReason};
-use signal::{Cause, Time, When};
+use drivers::{BoardExt, BusError, BusEvent, BusId, LossReason};
+use signal::{CanFrame, Cause, Time, When};
 
 impl Executor<'_> {
     /// What the buses told up to now.
@@ -38,13 +38,13 @@ impl Executor<'_> {
                 let bus = name();
                 self.report.fault.get_or_insert(RigFault::FramesDropped { at, bus, count });
             }
-            BusEvent::Frame { bus, at, frame, own } => self.see_frame(bus, at, &frame, own),
+            BusEvent::CanFrame { bus, at, frame, own } => self.see_frame(bus, at, &frame, own),
             _ => {}
         }
     }
 
     /// A frame was on a bus: the signals that stand for it learn of it.
-    fn see_frame(&mut self, bus: BusId, at: When, frame: &Frame, own: bool) {
+    fn see_frame(&mut self, bus: BusId, at: When, frame: &CanFrame, own: bool) {
         let at = match self.modelled && !self.clock.is_exact() {
             true => When::within(at.earliest, at.latest.max(self.actual)),
             false => at,
@@ -74,7 +74,7 @@ impl Executor<'_> {
     }
 
     /// A step puts a frame on a bus.
-    pub(super) fn send(&mut self, step: usize, bus: BusId, frame: &Frame) -> Result<(), RigFault> {
+    pub(super) fn send(&mut self, step: usize, bus: BusId, frame: &CanFrame) -> Result<(), RigFault> {
         let sent = self.board.send(self.board_time(), bus, frame);
         if let Err(error) = sent {
             let step = self.schedule.steps()[step].id.clone();

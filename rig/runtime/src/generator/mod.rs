@@ -14,9 +14,9 @@ pub use emission::{EmissionError, EmittedPulses};
 pub use sequence::{Rows, TableValue};
 pub use wave::{Curve, Form, Shape};
 
-use drivers::{BusId, ChannelId, Emission, Frame};
+use drivers::{BusId, ChannelId, Emission};
 use plans::steps::{Encoder, SendFrames, TrainStimulus};
-use signal::{Random, Span, Value};
+use signal::{CanFrame, Random, Span, Value};
 
 /// A stimulus under way.
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ pub enum Generator {
         /// The bus.
         bus: BusId,
         /// Each of them.
-        frame: Frame,
+        frame: CanFrame,
         /// When they come.
         send: Box<SendFrames>,
         /// What their jitter is drawn from.
@@ -65,7 +65,7 @@ pub enum Generator {
 #[derive(Clone, Debug)]
 pub enum BoardOrder {
     /// To send a frame.
-    Send(BusId, Frame),
+    Send(BusId, CanFrame),
     /// To emit pulses.
     Emit(ChannelId, Emission),
 }

@@ -5,10 +5,10 @@ use control::{
     BusInfo, Channel as OnBoard, DeviceInfo, Direction, FrameSeen, FunctionInfo, Point, SignalKind, TaskInfo,
 };
 use controller::{TaskConfig, TaskKind};
-use drivers::{Board, BoardExt, BoardFile, BusId, BusKind, ChannelId, ChannelKind, Frame};
+use drivers::{Board, BoardExt, BoardFile, BusId, BusKind, ChannelId, ChannelKind};
 use expert::{CounterKind, CounterMode, FunctionKind, Terminal};
 use program::Storage;
-use signal::{Address, Area, Time};
+use signal::{Address, Area, CanFrame, Time};
 
 /// The devices behind a board's channels and buses, each once.
 #[derive(Debug)]
@@ -211,7 +211,7 @@ pub fn buses(board: &dyn Board) -> Vec<BusInfo> {
 }
 
 /// A frame as clients are told of it.
-pub fn frame(bus: Option<&BusInfo>, at: Time, frame: &Frame, own: bool) -> FrameSeen {
+pub fn frame(bus: Option<&BusInfo>, at: Time, frame: &CanFrame, own: bool) -> FrameSeen {
     let serial = bus.is_some_and(|bus| bus.kind == "serial");
     let flags = [(frame.remote, "remote"), (frame.fd, "fd"), (frame.brs, "brs"), (frame.esi, "esi")];
     let flags = flags.into_iter().filter(|(set, _)| *set).map(|(_, flag)| flag.to_owned());

@@ -217,7 +217,7 @@ impl LiveRig {
         told(RigEvent::Plan(event));
     }
 
-    fn frame(&self, bus: drivers::BusId, at: signal::Time, frame: &drivers::Frame, own: bool) -> FrameSeen {
+    fn frame(&self, bus: drivers::BusId, at: signal::Time, frame: &signal::CanFrame, own: bool) -> FrameSeen {
         let info = self.description.buses.get(usize::from(bus.0));
         describe::frame(info, at, frame, own)
     }

@@ -377,7 +377,7 @@ impl ScanPort {
     pub(crate) fn bus(&mut self, event: &BusEvent) {
         let Some(traffic) = self.now.buses.get_mut(usize::from(event.bus().0)) else { return };
         match *event {
-            BusEvent::Frame { bus, at, frame, own } => {
+            BusEvent::CanFrame { bus, at, frame, own } => {
                 *(if own { &mut traffic.sent } else { &mut traffic.received }) += 1;
                 let at = self.own(at.latest);
                 self.push(ScanEvent::Frame(bus, at, frame, own));

@@ -4,9 +4,9 @@
 use super::snapshot::Snapshot;
 use control::{Action, PlanEvent};
 use controller::{Channel, CommandError, Probe, WriteError};
-use drivers::{BoardError, BusId, ChannelId, Frame};
+use drivers::{BoardError, BusId, ChannelId};
 use rtrb::{Consumer, Producer, RingBuffer};
-use signal::{Span, Time, Value, When};
+use signal::{CanFrame, Span, Time, Value, When};
 
 /// Requests that wait for the scan: all orders under way, and as many changes of what is watched.
 const REQUESTS: usize = 1_024;
@@ -90,7 +90,7 @@ pub enum ScanEvent {
     /// A line of the log.
     Log(Time, String),
     /// A frame was on a bus; the rig's own where the last says so.
-    Frame(BusId, Time, Frame, bool),
+    Frame(BusId, Time, CanFrame, bool),
     /// A step of the case that runs began, or is done: its place, the instant in the case.
     Step(u32, Span, bool),
     /// Something else of a plan.

@@ -12,10 +12,10 @@ use std::time::Duration;
 use bench::{Bench, Start};
 use devices::{ADC, Adc, Call, Lab, MAIN, MCP3008, PATIENCE, SERIAL_A, bind_spi, wait_for};
 use drivers::serial::{LineSettings, PortSpec, SerialPort};
-use drivers::{BoardContext, BoardExt, BusId, Frame};
+use drivers::{BoardContext, BoardExt, BusId};
 use host::{Realtime, Role, monotonic};
 use memory::{LOOKING, look};
-use signal::{Span, Time};
+use signal::{CanFrame, Span, Time};
 
 #[global_allocator]
 static COUNTING: counting::Counting = counting::Counting;
@@ -133,7 +133,7 @@ buses = { bus = { kind = \"can\", interface = \"rcan0\", bitrate = 500_000 } }
     let board = std::sync::Mutex::new(board);
     let begin = || {
         std::fs::write("/sys/class/net/rcan0/trouble/hang_ms", HANG.as_millis().to_string()).unwrap();
-        let frame = Frame::classic(1, false, &[0x55; 8]).unwrap();
+        let frame = CanFrame::classic(1, false, &[0x55; 8]).unwrap();
         board.lock().unwrap().send(at.time.now(), BusId(0), &frame).unwrap();
     };
     let inside = || std::fs::read_to_string("/sys/class/net/rcan0/trouble/inside").unwrap();

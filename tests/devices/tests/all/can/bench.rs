@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use devices::PATIENCE;
 use document::{Diagnostic, SourceFile};
-use drivers::{Board, BoardContext, BoardExt, BusEvent, BusId, Frame, Subject, Terminals, UnknownSubject};
+use drivers::{Board, BoardContext, BoardExt, BusEvent, BusId, Subject, Terminals, UnknownSubject};
 use host::Realtime;
-use signal::{Span, Time};
+use signal::{CanFrame, Span, Time};
 
 /// A board at work, with the clock that a run would have.
 pub struct Bench {
@@ -64,7 +64,7 @@ impl Bench {
         self.at.time.now()
     }
 
-    pub fn send(&mut self, bus: BusId, frame: &Frame) {
+    pub fn send(&mut self, bus: BusId, frame: &CanFrame) {
         let now = self.now();
         self.board.send(now, bus, frame).unwrap();
     }
@@ -87,9 +87,9 @@ impl Bench {
     }
 
     /// Frames that a bus told: when, what, whether its own.
-    pub fn frames(&self, of: BusId) -> Vec<(signal::When, Frame, bool)> {
+    pub fn frames(&self, of: BusId) -> Vec<(signal::When, CanFrame, bool)> {
         let frame = |event: &BusEvent| match *event {
-            BusEvent::Frame { bus, at, frame, own } if bus == of => Some((at, frame, own)),
+            BusEvent::CanFrame { bus, at, frame, own } if bus == of => Some((at, frame, own)),
             _ => None,
         };
         self.events.iter().filter_map(frame).collect()

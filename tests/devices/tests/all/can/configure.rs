@@ -2,14 +2,14 @@
 
 use devices::Lab;
 use drivers::can::{Link, Modes, ask};
-use drivers::{BusEvent, BusState, Frame, LossReason};
+use drivers::{BusEvent, BusState, LossReason};
 use rustix::thread::{CapabilitySet, capabilities, set_capabilities};
-use signal::{Span, Time};
+use signal::{CanFrame, Span, Time};
 
 use super::bench::{Bench, FAR, NEAR, TROUBLED, Trouble, fresh, run};
 
-fn frame(id: u32) -> Frame {
-    Frame::classic(id, false, &[0x55; 8]).unwrap()
+fn frame(id: u32) -> CanFrame {
+    CanFrame::classic(id, false, &[0x55; 8]).unwrap()
 }
 
 /// An interface but for what changes with the traffic.

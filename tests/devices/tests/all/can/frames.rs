@@ -3,13 +3,13 @@
 use std::process::{Command, Stdio};
 
 use devices::Lab;
-use drivers::{BoardError, BoardExt, BusEvent, Frame};
-use signal::Span;
+use drivers::{BoardError, BoardExt, BusEvent};
+use signal::{CanFrame, Span};
 
 use super::bench::{Bench, CLASSIC, FAR, NEAR, TROUBLED, fresh};
 
-fn frame(id: u32, data: &[u8]) -> Frame {
-    Frame::classic(id, id > 0x7FF, data).unwrap()
+fn frame(id: u32, data: &[u8]) -> CanFrame {
+    CanFrame::classic(id, id > 0x7FF, data).unwrap()
 }
 
 #[test]
@@ -39,12 +39,12 @@ fn a_remote_frame_passes_with_the_length_that_it_asks_for() {
     let _lab = Lab::enter();
     fresh("restart-ms 0");
     let mut bench = Bench::of(TROUBLED);
-    let all = [Frame { remote: true, len: 4, ..frame(0x700, &[]) }, frame(0x701, &[1])];
+    let all = [CanFrame { remote: true, len: 4, ..frame(0x700, &[]) }, frame(0x701, &[1])];
     for each in &all {
         bench.send(NEAR, each);
     }
     bench.until("both", |bench| bench.frames(FAR).len() == 2);
-    let got: Vec<Frame> = bench.frames(FAR).iter().map(|(_, frame, _)| *frame).collect();
+    let got: Vec<CanFrame> = bench.frames(FAR).iter().map(|(_, frame, _)| *frame).collect();
     assert_eq!(got, all);
 }
 
@@ -96,19 +96,19 @@ fn frames_of_can_fd_pass_with_their_flags() {
     let buses = "near = { kind = \"can\", interface = \"can2\", bitrate = 500_000, data-bitrate = 2_000_000 }\n\
                  far = { kind = \"can\", interface = \"can3\", bitrate = 500_000, data-bitrate = 2_000_000 }";
     let mut bench = Bench::of(buses);
-    let mut long = Frame { fd: true, brs: true, len: 64, ..frame(0x321, &[]) };
+    let mut long = CanFrame { fd: true, brs: true, len: 64, ..frame(0x321, &[]) };
     for (place, byte) in long.data.iter_mut().enumerate() {
         *byte = place as u8;
     }
-    let slow = Frame { fd: true, len: 12, ..frame(0x18FE_F100, &[]) };
+    let slow = CanFrame { fd: true, len: 12, ..frame(0x18FE_F100, &[]) };
     let all = [long, slow, frame(5, &[1])];
     for each in &all {
         bench.send(NEAR, each);
     }
     bench.until("three frames", |bench| bench.frames(FAR).len() == 3);
-    let got: Vec<Frame> = bench.frames(FAR).iter().map(|(_, frame, _)| *frame).collect();
+    let got: Vec<CanFrame> = bench.frames(FAR).iter().map(|(_, frame, _)| *frame).collect();
     assert_eq!(got, all);
-    let wrong = Frame { len: 9, ..long };
+    let wrong = CanFrame { len: 9, ..long };
     let now = bench.now();
     assert_eq!(bench.board.send(now, NEAR, &wrong), Err(BoardError::BadFrame(NEAR)));
 }
@@ -119,7 +119,7 @@ fn what_a_bus_cannot_carry_is_refused_at_once() {
     let _lab = Lab::enter();
     let mut bench = Bench::of(CLASSIC);
     let now = bench.now();
-    let fd = Frame { fd: true, len: 12, ..frame(1, &[]) };
+    let fd = CanFrame { fd: true, len: 12, ..frame(1, &[]) };
     assert_eq!(bench.board.send(now, NEAR, &fd), Err(BoardError::BadFrame(NEAR)));
     let other = drivers::BusId(7);
     assert_eq!(bench.board.send(now, other, &frame(1, &[])), Err(BoardError::NoBus(other)));

@@ -49,7 +49,7 @@ fn a_virtual_bus_agrees_with_any_bit_rate() {
     let _lab = Lab::enter();
     let buses = "bus = { kind = \"can\", interface = \"vcan0\", bitrate = 1, data-bitrate = 8_000_000 }";
     let mut bench = Bench::of(buses);
-    let frame = drivers::Frame::classic(1, false, &[7]).unwrap();
+    let frame = signal::CanFrame::classic(1, false, &[7]).unwrap();
     bench.send(super::bench::NEAR, &frame);
     bench.until("the own frame", |bench| {
         bench.frames(super::bench::NEAR).iter().any(|(_, got, own)| *got == frame && *own)

@@ -1,14 +1,14 @@
 //! Buses in trouble: what controllers report, queues that fill up, interfaces that go away.
 
 use devices::Lab;
-use drivers::{BoardError, BoardExt, BusError, BusEvent, BusState, Frame, LossReason};
+use drivers::{BoardError, BoardExt, BusError, BusEvent, BusState, LossReason};
 use host::{Realtime, Role};
-use signal::Span;
+use signal::{CanFrame, Span};
 
 use super::bench::{Bench, FAR, NEAR, TROUBLED, Trouble, fresh, run};
 
-fn frame(id: u32) -> Frame {
-    Frame::classic(id, false, &[0x55; 8]).unwrap()
+fn frame(id: u32) -> CanFrame {
+    CanFrame::classic(id, false, &[0x55; 8]).unwrap()
 }
 
 fn state(state: BusState) -> impl Fn(&BusEvent) -> bool {
