@@ -1,6 +1,6 @@
 //! Communication lines of a board: CAN buses and serial lines, what passes on them, and how they fare.
 
-use signal::{CanFrame, Span, Time, When};
+use signal::{CanFrame, SerialMessage, Span, Time, When};
 
 use crate::{LossReason, TimestampSource};
 
@@ -84,6 +84,7 @@ pub enum BusError {
 
 /// What a bus has to tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::large_enum_variant, reason = "copied between queues that never allocate")]
 pub enum BusEvent {
     /// A frame was on the bus.
     CanFrame {
@@ -94,6 +95,15 @@ pub enum BusEvent {
         /// The frame.
         frame: CanFrame,
         /// It was sent by [`crate::Board::send`], and is on the bus now.
+        own: bool,
+    },
+    /// Characters were on a serial line: a message, or a part of one.
+    SerialMessage {
+        /// Which line.
+        bus: BusId,
+        /// The characters, and when they came.
+        message: SerialMessage,
+        /// They were sent by [`crate::Buses::send_serial`], and are over now.
         own: bool,
     },
     /// The controller takes part in another way from now on.
@@ -146,6 +156,7 @@ impl BusEvent {
     pub fn bus(&self) -> BusId {
         match *self {
             BusEvent::CanFrame { bus, .. }
+            | BusEvent::SerialMessage { bus, .. }
             | BusEvent::State { bus, .. }
             | BusEvent::Error { bus, .. }
             | BusEvent::Dropped { bus, .. }
@@ -158,6 +169,7 @@ impl BusEvent {
     pub fn latest(&self) -> Time {
         match *self {
             BusEvent::CanFrame { at, .. } => at.latest,
+            BusEvent::SerialMessage { message, .. } => message.last.latest,
             BusEvent::State { at, .. }
             | BusEvent::Error { at, .. }
             | BusEvent::Dropped { at, .. }

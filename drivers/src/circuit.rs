@@ -10,7 +10,7 @@ use signal::{Span, Value};
 
 use crate::channel::{ChannelId, ChannelKind};
 
-pub use bus::BusSpec;
+pub use bus::{BusSpec, BusSpecKind, CanRates, SerialEnd, SerialMedium};
 pub use tally::TallySpec;
 
 /// What an undriven digital line reads.

@@ -22,7 +22,6 @@ document::codes! {
     BUS_KEY = "B0110", "A key of a bus is missing, or does not suit its kind";
     BUS_RATE = "B0111", "A bit rate that a bus cannot have";
     BUS_JOIN = "B0112", "A bus that cannot be joined";
-    BUS_KIND = "B0113", "The kind of bus is not available here";
     FIND_CONVERTER = "B0120", "It is not clear which converter is meant";
     INPUT = "B0121", "A channel has no input, or one that its converter lacks";
     RANGE = "B0122", "A range that the converter does not have";

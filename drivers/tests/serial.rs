@@ -9,14 +9,14 @@ use std::time::{Duration, Instant};
 use document::SourceFile;
 use host::{Realtime, monotonic};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use scanrig_drivers::serial::{
-    Frames, Framing, LineSettings, OpenError, Parity, PortSpec, Received, SerialPort, Symbol,
-};
+use scanrig_drivers::serial::{Frames, Framing, OpenError, PortSpec, Received, SerialPort, Symbol};
 use scanrig_drivers::{
-    BoardContext, BoardError, BoardExt, BoardFile, BoardKind, BusEvent, BusId, BusKind, CanFrame, LossReason,
+    BoardContext, BoardError, BoardExt, BoardFile, BoardKind, BusEvent, BusId, BusKind, LossReason,
     Terminals, build, open, read,
 };
-use signal::Span;
+use signal::{
+    CanFrame, Parity, SerialErrors, SerialFlaw, SerialMessage, SerialOutput, SerialSettings, Span, Time,
+};
 use tokio::runtime::{Builder, Runtime};
 
 const PATIENCE: i64 = 20_000_000_000;
@@ -35,7 +35,7 @@ fn runtime() -> Runtime {
 }
 
 fn spec(path: PathBuf) -> PortSpec {
-    PortSpec { path, line: LineSettings::default(), rs485: None, low_latency: None, exclusive: true }
+    PortSpec { path, line: SerialSettings::default(), rs485: None, low_latency: None, exclusive: true }
 }
 
 fn until() -> i64 {
@@ -66,10 +66,10 @@ fn a_serial_line_is_what_its_board_file_says() {
     .unwrap();
     let BoardKind::Real(spec) = &board.kind else { panic!("{:?}", board.kind) };
     let [plain, modbus] = spec.serial.as_slice() else { panic!("{:?}", spec.serial) };
-    assert_eq!((plain.port.line, plain.port.exclusive), (LineSettings::default(), true));
+    assert_eq!((plain.port.line, plain.port.exclusive), (SerialSettings::default(), true));
     assert_eq!(plain.port.line.to_string(), "19200 Bd 8E1");
     assert_eq!((plain.port.rs485, plain.port.low_latency), (None, None));
-    let line = LineSettings { baud: 250_000, data_bits: 7, parity: Parity::Odd, stop_bits: 2 };
+    let line = SerialSettings { baud: 250_000, data_bits: 7, parity: Parity::Odd, stop_bits: 2 };
     assert_eq!((modbus.port.line, modbus.port.exclusive, modbus.bus), (line, false, BusId(1)));
     assert_eq!(modbus.port.low_latency, Some(true));
     let rs485 = modbus.port.rs485.unwrap();
@@ -269,4 +269,95 @@ fn what_nobody_reads_does_not_pile_up() {
         far.write_all(&[b'x'; 1024]).unwrap();
     }
     board.safe(at.time.now() + Span::from_nanos(1)).unwrap();
+}
+
+#[test]
+fn what_comes_over_a_line_is_reported_and_what_is_sent_goes_out() {
+    let (mut far, near) = pair();
+    let at = BoardContext::new(Realtime::default());
+    let mut board = open(&board_on(&near, ""), &at).unwrap().unwrap();
+    let bus = BusId(0);
+    board.start(at.time.now()).unwrap();
+    far.write_all(b"hello").unwrap();
+    let events = told(&mut *board, &at);
+    let [BusEvent::SerialMessage { bus: BusId(0), message, own: false }] = events[..] else {
+        panic!("{events:?}")
+    };
+    assert_eq!((message.data(), message.errors), (&b"hello"[..], SerialErrors::NONE));
+    assert!(message.first.earliest <= message.last.latest && message.last.latest <= at.time.now());
+
+    // Only a simulated line shapes single characters.
+    let flaw = Some((0, SerialFlaw::Parity));
+    let flawed = SerialOutput::Characters { data: vec![1], gap: Span::ZERO, flaw };
+    assert_eq!(board.send_serial(at.time.now(), bus, &flawed), Err(BoardError::BadFrame(bus)));
+    assert_eq!(
+        board.send_serial(at.time.now(), BusId(7), &SerialOutput::plain(b"x")),
+        Err(BoardError::NoBus(BusId(7)))
+    );
+    board.send_serial(at.time.now(), bus, &SerialOutput::plain(b"answer")).unwrap();
+    let events = told(&mut *board, &at);
+    assert!(
+        matches!(events[..], [BusEvent::SerialMessage { message, own: true, .. }] if message.data() == b"answer"),
+        "{events:?}"
+    );
+    let mut got = [0; 6];
+    far.read_exact(&mut got).unwrap();
+    assert_eq!(&got, b"answer");
+
+    // Nothing goes out of a board that was made safe; what came meanwhile is not of the next run.
+    board.safe(at.time.now()).unwrap();
+    assert_eq!(board.send_serial(at.time.now(), bus, &SerialOutput::plain(b"x")), Err(BoardError::Latched));
+}
+
+fn simulated(keys_of_b: &str) -> Box<dyn scanrig_drivers::Board> {
+    let text = format!(
+        "format = 1\n[board]\nkind = \"simulated\"\n[buses]\na = {{ kind = \"serial\", baud = 9600, rs485 = {{}} }}\n\
+         b = {{ kind = \"serial\", joins = \"a\"{keys_of_b} }}\n"
+    );
+    build(&file(&text).unwrap(), 0).unwrap()
+}
+
+/// What `b` hears of two bytes that `a` sends at 1 ms.
+fn heard(board: &mut dyn scanrig_drivers::Board) -> SerialMessage {
+    board.start(Time::ZERO).unwrap();
+    let at = Time::ZERO + Span::from_millis(1);
+    board.send_serial(at, BusId(0), &SerialOutput::plain(&[0x11, 0x07])).unwrap();
+    let mut events = Vec::new();
+    while let Some(next) = board.next_event() {
+        board.poll_buses(next, &mut events).unwrap();
+    }
+    let mut received = events.iter().filter_map(|event| match event {
+        BusEvent::SerialMessage { bus: BusId(1), message, own: false } => Some(*message),
+        _ => None,
+    });
+    received.next_back().expect("nothing was heard")
+}
+
+#[test]
+fn ends_of_a_simulated_line_hear_each_other_as_their_settings_allow() {
+    let message = heard(&mut *simulated(", rs485 = {}"));
+    // The other end has the settings of the first where it says none: 11 bits of 1/9600 s each.
+    assert_eq!((message.data(), message.is_sound()), (&[0x11, 0x07][..], true));
+    assert_eq!((message.last.latest - message.first.latest).as_nanos(), 22 * 1_000_000_000 / 9_600);
+
+    let message = heard(&mut *simulated(", rs485 = {}, parity = \"odd\""));
+    assert_eq!((message.data(), message.errors.parity), (&[0x11, 0x07][..], 2));
+    let message = heard(&mut *simulated(", rs485 = {}, baud = 19_200"));
+    assert!(message.errors.any() || message.data() != [0x11, 0x07]);
+}
+
+#[test]
+fn a_simulated_line_needs_joined_ends_of_its_kind() {
+    let codes = |buses: &str| -> Vec<&str> {
+        let text = format!("format = 1\n[board]\nkind = \"simulated\"\n[buses]\n{buses}");
+        file(&text).err().into_iter().flatten().map(|found| found.code).collect()
+    };
+    let a = "a = { kind = \"serial\" }\n";
+    assert!(codes(&format!("{a}b = {{ kind = \"serial\", joins = \"a\" }}\n")).is_empty());
+    let third = format!(
+        "{a}b = {{ kind = \"serial\", joins = \"a\" }}\nc = {{ kind = \"serial\", joins = \"b\" }}\n"
+    );
+    assert_eq!(codes(&third), ["B0112"]);
+    assert_eq!(codes(&format!("{a}b = {{ kind = \"serial\", joins = \"a\", rs485 = {{}} }}\n")), ["B0112"]);
+    assert_eq!(codes(&format!("{a}b = {{ kind = \"can\", joins = \"a\" }}\n")), ["B0112"]);
 }

@@ -2,13 +2,13 @@
 
 use crate::common::*;
 use proptest::prelude::*;
+use scanrig_drivers::circuit::{BusSpecKind, CanRates};
 use scanrig_drivers::real::{FaultRelays, OfflineBoard};
 use scanrig_drivers::{
-    Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, BusSpec, Buses, CanFrame, Channel,
-    ChannelId, Descriptions, Disturbance, Emission, Faulty, Health, LineApi, OutputClaim, PulseOutputs,
-    SimulatedBoard,
+    Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, BusSpec, Buses, Channel, ChannelId,
+    Descriptions, Disturbance, Emission, Faulty, Health, LineApi, OutputClaim, PulseOutputs, SimulatedBoard,
 };
-use signal::{Span, Time, Value};
+use signal::{CanFrame, SerialOutput, Span, Time, Value};
 use std::fs::File;
 
 fn board() -> SimulatedBoard {
@@ -210,6 +210,10 @@ impl Buses for Capable {
         Buses::send(&mut self.0, now, bus, frame)
     }
 
+    fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError> {
+        Buses::send_serial(&mut self.0, now, bus, output)
+    }
+
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
         Buses::poll_buses(&mut self.0, now, out)
     }
@@ -248,8 +252,8 @@ fn hides_nothing(mut board: impl Board) {
 fn a_wrapper_hides_no_capability_of_the_board_within() {
     let capable = || {
         let mut circuit = digital(1, 1);
-        let (name, bitrate) = ("can".into(), 500_000);
-        circuit.buses.push(BusSpec { name, bitrate, data_bitrate: None, joins: None });
+        let kind = BusSpecKind::Can(CanRates { bitrate: 500_000, data_bitrate: None });
+        circuit.buses.push(BusSpec { name: "can".into(), kind, joins: None });
         Capable(SimulatedBoard::new(&circuit, 0).unwrap())
     };
     hides_nothing(capable());

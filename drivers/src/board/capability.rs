@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use signal::{CanFrame, Span, Time, When};
+use signal::{CanFrame, SerialOutput, Span, Time, When};
 
 use super::BoardError;
 use crate::bus::{Bus, BusEvent, BusId};
@@ -18,12 +18,19 @@ pub trait Buses: fmt::Debug {
     /// The device of a bus in words, as in `can0`. `None` where there is none.
     fn bus_device(&self, bus: BusId) -> Option<&str>;
 
-    /// Puts a frame into the queue of a bus. It is on the bus when [`Buses::poll_buses`] reports it as its own.
+    /// Puts a frame into the queue of a CAN bus. It is on the bus when [`Buses::poll_buses`] reports it as its own.
     ///
     /// # Errors
     /// [`BoardError::NoBus`], [`BoardError::BadFrame`], [`BoardError::BusFull`], [`BoardError::Latched`],
     /// [`BoardError::NotStarted`], [`BoardError::Backwards`], [`BoardError::Os`].
     fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError>;
+
+    /// Sends on a serial line, after what it sends already. It is over when [`Buses::poll_buses`] reports it as its own.
+    ///
+    /// # Errors
+    /// As [`Buses::send`]; [`BoardError::BadFrame`] also for gaps between characters and flaws on lines that cannot make
+    /// them, which are all real ones.
+    fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError>;
 
     /// As [`Board::poll`](super::Board::poll), of what happened on the buses.
     ///

@@ -1,6 +1,6 @@
 //! The capabilities of a board for callers who do not care whether it has them.
 
-use signal::{CanFrame, Span, Time, When};
+use signal::{CanFrame, SerialOutput, Span, Time, When};
 
 use super::{Board, BoardError};
 use crate::bus::{Bus, BusEvent, BusId};
@@ -31,6 +31,14 @@ pub trait BoardExt: Board {
     /// [`BoardError::NoBus`] without buses.
     fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError> {
         self.buses_mut().map_or(Err(BoardError::NoBus(bus)), |buses| buses.send(now, bus, frame))
+    }
+
+    /// As [`Buses::send_serial`](super::Buses::send_serial).
+    ///
+    /// # Errors
+    /// [`BoardError::NoBus`] without buses.
+    fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError> {
+        self.buses_mut().map_or(Err(BoardError::NoBus(bus)), |buses| buses.send_serial(now, bus, output))
     }
 
     /// As [`Buses::poll_buses`](super::Buses::poll_buses); nothing happens without buses.

@@ -3,7 +3,7 @@
 use document::Diagnostic;
 use host::monotonic;
 use rustix::io::Errno;
-use signal::{CanFrame, Span, Time, Value};
+use signal::{CanFrame, SerialOutput, Span, Time, Value};
 
 use super::adapter::{Adapter, Interface};
 use super::configure::NotSetUp;
@@ -232,6 +232,12 @@ impl Buses for CanBoard {
         let stamp = self.context.time.stamp(now);
         let node = self.nodes.iter_mut().find(|node| node.spec.bus == bus).ok_or(BoardError::NoBus(bus))?;
         node.send(stamp, frame)
+    }
+
+    fn send_serial(&mut self, now: Time, bus: BusId, _output: &SerialOutput) -> Result<(), BoardError> {
+        self.run.drive_at(now)?;
+        let known = self.nodes.iter().any(|node| node.spec.bus == bus);
+        Err(if known { BoardError::BadFrame(bus) } else { BoardError::NoBus(bus) })
     }
 
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {

@@ -1,5 +1,7 @@
 //! CAN frames as the kernel passes them (`struct can_frame` and `struct canfd_frame` of `linux/can.h`).
 
+use signal::{CanFrame, MAX_CAN_DATA};
+
 /// Length of a classic frame, and of one of CAN FD.
 pub const CLASSIC: usize = 16;
 /// See [`CLASSIC`].
@@ -89,7 +91,6 @@ pub fn encode(frame: &CanFrame) -> Option<([u8; FD], usize)> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use signal::{CanFrame, MAX_CAN_DATA};
 
     #[test]
     fn a_classic_frame_is_laid_out_as_the_kernel_has_it() {

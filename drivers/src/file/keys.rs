@@ -281,7 +281,17 @@ pub(super) const BUS: &[KeySpec] = &[
         KeyType::Bool,
         "Whether the rig sets up the interface of a CAN bus, and back as it was at the end; false if left out",
     ),
-    KeySpec::optional("joins", NAME, "A simulated bus before this one whose wire it is on"),
+    KeySpec::optional("joins", NAME, "A simulated bus of the same kind before this one, whose wire it is on"),
+    KeySpec::optional(
+        "delay",
+        KeyType::Duration,
+        "How long what a simulated serial line sends takes to the other ends; 0 if left out",
+    ),
+    KeySpec::optional(
+        "message-gap",
+        KeyType::Duration,
+        "How long a serial line is silent between two messages; as Modbus RTU has it if left out",
+    ),
     KeySpec::optional("interface", KeyType::Text, "The interface of a CAN bus, as in \"can0\""),
     KeySpec::optional("path", KeyType::Text, "The device of a serial line, as in \"/dev/serial/by-id/...\""),
     KeySpec::optional(
@@ -296,7 +306,11 @@ pub(super) const BUS: &[KeySpec] = &[
         "Parity bit of a byte; \"even\" if left out",
     ),
     KeySpec::optional("stop-bits", KeyType::Integer(1, 2), "Stop bits of a byte; 1 if left out"),
-    KeySpec::optional("rs485", KeyType::Table(RS485), "How the kernel drives the direction of a transceiver"),
+    KeySpec::optional(
+        "rs485",
+        KeyType::Table(RS485),
+        "How the kernel drives the direction of a transceiver; a simulated line with it is one pair of wires",
+    ),
     KeySpec::optional(
         "low-latency",
         KeyType::Bool,

@@ -4,19 +4,32 @@ use std::path::{Path, PathBuf};
 
 use document::{Diagnostic, Entry, Fields, Findings};
 use host::Rs485;
-use signal::Span;
+use signal::{Parity, SerialSettings, Span};
 
 use super::codes;
 use crate::BusId;
-use crate::serial::{LineSettings, Parity, PortSpec, SerialSpec};
+use crate::serial::{PortSpec, SerialSpec};
 
 /// The longest delay of a transceiver's direction that the kernel takes.
 const LONGEST_DELAY: Span = Span::from_millis(100);
 const MILLISECOND: i64 = 1_000_000;
 
 /// The keys of a serial line.
-const KEYS: &[&str] =
-    &["kind", "path", "baud", "data-bits", "parity", "stop-bits", "rs485", "low-latency", "exclusive"];
+const KEYS: &[&str] = &[
+    "kind",
+    "path",
+    "baud",
+    "data-bits",
+    "parity",
+    "stop-bits",
+    "message-gap",
+    "rs485",
+    "low-latency",
+    "exclusive",
+];
+
+/// The longest silence between two messages of a line.
+const LONGEST_GAP: Span = Span::from_secs(60);
 
 /// A serial line, `bus` its place among the buses. `None` where something is wrong with it.
 pub(super) fn serial(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings) -> Option<SerialSpec> {
@@ -29,20 +42,8 @@ pub(super) fn serial(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findi
         }
     }
     let path = path(entry, fields, out)?;
-    let default = LineSettings::default();
-    let number = |key, default: u32| {
-        fields.integer(key).and_then(|number| u32::try_from(number).ok()).unwrap_or(default)
-    };
-    let line = LineSettings {
-        baud: number("baud", default.baud),
-        data_bits: number("data-bits", u32::from(default.data_bits)) as u8,
-        parity: match fields.text("parity") {
-            Some("none") => Parity::None,
-            Some("odd") => Parity::Odd,
-            _ => Parity::Even,
-        },
-        stop_bits: number("stop-bits", u32::from(default.stop_bits)) as u8,
-    };
+    let line = settings(fields, SerialSettings::default());
+    let message_gap = message_gap(fields, &line, out)?;
     let rs485 = match fields.inner("rs485") {
         Some(fields) => Some(rs485(&fields, out)?),
         None => None,
@@ -54,7 +55,38 @@ pub(super) fn serial(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findi
         low_latency: fields.boolean("low-latency"),
         exclusive: fields.boolean("exclusive").unwrap_or(true),
     };
-    Some(SerialSpec { bus, name: entry.key.clone(), port, place: entry.key_span.clone() })
+    Some(SerialSpec { bus, name: entry.key.clone(), port, message_gap, place: entry.key_span.clone() })
+}
+
+/// How a line makes characters of bits; what the file leaves out is as in `default`.
+pub(super) fn settings(fields: &Fields, default: SerialSettings) -> SerialSettings {
+    let number = |key, default: u32| {
+        fields.integer(key).and_then(|number| u32::try_from(number).ok()).unwrap_or(default)
+    };
+    SerialSettings {
+        baud: number("baud", default.baud).max(1),
+        data_bits: number("data-bits", u32::from(default.data_bits)).clamp(5, 8) as u8,
+        parity: match fields.text("parity") {
+            Some("none") => Parity::None,
+            Some("even") => Parity::Even,
+            Some("odd") => Parity::Odd,
+            _ => default.parity,
+        },
+        stop_bits: number("stop-bits", u32::from(default.stop_bits)).clamp(1, 2) as u8,
+    }
+}
+
+/// The silence between two messages: that of Modbus RTU where the file says none.
+pub(super) fn message_gap(fields: &Fields, line: &SerialSettings, out: &mut Findings) -> Option<Span> {
+    let Some(gap) = fields.duration("message-gap") else {
+        return (!fields.has("message-gap")).then(|| Span::from_nanos(line.frame_gap()));
+    };
+    if gap <= Span::ZERO || gap > LONGEST_GAP {
+        let help = "write a duration above 0, up to 60 s";
+        out.bad(codes::SERIAL_VALUE, fields.get("message-gap")?, "this is no silence between messages", help);
+        return None;
+    }
+    Some(gap)
 }
 
 fn path(entry: &Entry, fields: &Fields, out: &mut Findings) -> Option<PathBuf> {

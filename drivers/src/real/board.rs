@@ -1,7 +1,7 @@
 //! The board of several devices.
 
 use document::Diagnostic;
-use signal::{CanFrame, Time, Value};
+use signal::{CanFrame, SerialOutput, Time, Value};
 
 use super::driver::DRIVERS;
 use super::{RealSpec, channels, relays};
@@ -211,6 +211,11 @@ impl Buses for RealBoard {
     fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError> {
         let part = self.carries.get(usize::from(bus.0)).copied().flatten().ok_or(BoardError::NoBus(bus))?;
         self.parts[usize::from(part)].send(now, bus, frame)
+    }
+
+    fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError> {
+        let part = self.carries.get(usize::from(bus.0)).copied().flatten().ok_or(BoardError::NoBus(bus))?;
+        self.parts[usize::from(part)].send_serial(now, bus, output)
     }
 
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {

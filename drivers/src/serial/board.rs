@@ -4,25 +4,26 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use document::Diagnostic;
-use host::monotonic;
+use host::{TimeBase, monotonic};
 use rustix::io::Errno;
-use signal::{CanFrame, Span, Time, Value};
+use signal::{CanFrame, SerialOutput, Span, Time, Value, When};
 use tokio::runtime::Builder;
 
 use super::find::Identity;
-use super::work::{Running, Shared, Worker};
+use super::frames::Framing;
+use super::work::{Order, Passed, Running, Shared, Worker};
 use super::{OpenError, SerialPort, SerialSpec};
 use crate::channel_table::ChannelTable;
 use crate::codes;
 use crate::holder::{all_holders, words};
 use crate::run_state::{RunState, START, drives_none};
 use crate::{
-    Board, BoardContext, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId,
+    Board, BoardContext, BoardError, BoardEvent, Bus, BusError, BusEvent, BusId, Buses, Channel, ChannelId,
     DeviceLimits, Health, LossReason,
 };
 
-/// The serial lines of a board: held for the rig alone while it lives, each by a thread of its own. Their bytes are the
-/// business of who speaks a protocol on them.
+/// The serial lines of a board: held for the rig alone while it lives, each by a thread of its own, which receives and
+/// sends.
 #[derive(Debug)]
 pub struct SerialBoard {
     channels: Vec<Channel>,
@@ -40,6 +41,10 @@ struct Line {
     device: String,
     running: Running,
     lost: Option<LossReason>,
+    /// What lies ahead of the last poll.
+    ahead: Option<Time>,
+    /// Messages that were lost on their way since the start.
+    dropped: u64,
     /// Losses that were told, and failed calls before the run.
     losses: u32,
     failed: u64,
@@ -94,6 +99,7 @@ impl SerialBoard {
         let worker = Worker {
             spec: spec.port.clone(),
             identity: Identity::of(&spec.port.path),
+            framing: Framing::of(&spec.port.line, spec.message_gap),
             shared,
             bell: self.context.bell.clone(),
             reconnect: self.limits.reconnect,
@@ -102,7 +108,7 @@ impl SerialBoard {
         let patience = self.limits.unresponsive_after.as_nanos();
         let running = Running::start(worker, runtime, port, patience).map_err(cannot)?;
         let device = spec.port.path.display().to_string();
-        Ok(Line { bus: spec.bus, device, running, lost: None, losses: 0, failed: 0 })
+        Ok(Line { bus: spec.bus, device, running, lost: None, ahead: None, dropped: 0, losses: 0, failed: 0 })
     }
 }
 
@@ -111,6 +117,44 @@ impl Line {
     fn overdue(&self, limit: Span) -> Option<i64> {
         let since = self.running.shared.in_call.load(Ordering::Acquire);
         (since != 0).then(|| since.saturating_add(limit.as_nanos()))
+    }
+
+    /// Forgets what was on the line before now.
+    fn restart(&mut self) {
+        while self.running.reports.pop().is_ok() {}
+        self.running.shared.overflowed.store(0, Ordering::Release);
+        self.running.shared.latched.store(false, Ordering::Release);
+        (self.lost, self.ahead, self.dropped) = (None, None, 0);
+    }
+
+    /// What passed on the line up to now.
+    fn take(&mut self, time: &TimeBase, now: Time, out: &mut Vec<BusEvent>) {
+        let (bus, stamp) = (self.bus, time.stamp(now));
+        self.ahead = None;
+        while let Ok(report) = self.running.reports.peek() {
+            let (known, passed) = (report.last.1, report.passed);
+            if known > stamp {
+                self.ahead = Some(time.at(known));
+                break;
+            }
+            let when = |(earliest, latest)| When::within(time.at(earliest), time.at(latest));
+            let mut message = report.message;
+            (message.first, message.last) = (when(report.first), when(report.last));
+            // It is the one that was looked at.
+            let _ = self.running.reports.pop();
+            out.push(match passed {
+                Passed::Received => BusEvent::SerialMessage { bus, message, own: false },
+                Passed::Sent => BusEvent::SerialMessage { bus, message, own: true },
+                Passed::NotSent => {
+                    BusEvent::Error { bus, at: message.last.latest, error: BusError::SendTimeout }
+                }
+            });
+        }
+        let count = self.running.shared.overflowed.swap(0, Ordering::AcqRel);
+        if count > 0 {
+            self.dropped += u64::from(count);
+            out.push(BusEvent::Dropped { bus, at: now, count });
+        }
     }
 
     fn poll(&mut self, now: Time, stamp: i64, limit: Span, out: &mut Vec<BusEvent>) {
@@ -201,7 +245,7 @@ impl Board for SerialBoard {
         self.run.end();
         let due = monotonic().saturating_add(self.limits.unresponsive_after.max(START).as_nanos());
         for line in &mut self.lines {
-            let shared = &line.running.shared;
+            let shared = Arc::clone(&line.running.shared);
             while shared.gone.load(Ordering::Acquire) {
                 let stamp = monotonic();
                 if !self.limits.reconnect || stamp >= due {
@@ -210,7 +254,7 @@ impl Board for SerialBoard {
                 }
                 shared.answer.wait_until(due);
             }
-            line.lost = None;
+            line.restart();
             line.losses = shared.losses.load(Ordering::Acquire);
             line.failed = shared.failed.load(Ordering::Acquire);
         }
@@ -234,8 +278,11 @@ impl Board for SerialBoard {
         self.run.next_event(&self.context.time, owed)
     }
 
-    /// Nothing is driven: a line that nobody sends on is idle.
+    /// What waits is not sent: a line that nobody sends on is idle.
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
+        for line in &self.lines {
+            line.running.shared.latched.store(true, Ordering::Release);
+        }
         self.run.latch(now);
         Ok(())
     }
@@ -244,6 +291,7 @@ impl Board for SerialBoard {
         let failed = |line: &Line| line.running.shared.failed.load(Ordering::Acquire) - line.failed;
         Health {
             lost: self.lines.iter().filter(|line| line.lost.is_some()).count() as u32,
+            dropped: self.lines.iter().map(|line| line.dropped).sum(),
             failed_calls: self.lines.iter().map(failed).sum(),
             latched_safe: self.run.is_latched(),
             ..Health::default()
@@ -274,12 +322,23 @@ impl Buses for SerialBoard {
         Err(if known { BoardError::BadFrame(bus) } else { BoardError::NoBus(bus) })
     }
 
+    fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError> {
+        self.run.drive_at(now)?;
+        let line = self.lines.iter_mut().find(|line| line.bus == bus).ok_or(BoardError::NoBus(bus))?;
+        let order = Order::of(output).ok_or(BoardError::BadFrame(bus))?;
+        if line.running.order(order) { Ok(()) } else { Err(BoardError::BusFull(bus)) }
+    }
+
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
         self.run.come_to(now)?;
         let stamp = self.context.time.stamp(now);
+        let first = out.len();
         for line in &mut self.lines {
+            line.take(&self.context.time, now, out);
             line.poll(now, stamp, self.limits.unresponsive_after, out);
         }
+        crate::event_collector::sort_by(&mut out[first..], BusEvent::latest);
+        self.run.lies_ahead(self.lines.iter().filter_map(|line| line.ahead).min());
         Ok(())
     }
 }
@@ -292,7 +351,16 @@ mod tests {
 
     fn line(shared: Arc<Shared>) -> Line {
         let running = Running::ended(shared);
-        Line { bus: BusId(3), device: String::new(), running, lost: None, losses: 0, failed: 0 }
+        Line {
+            bus: BusId(3),
+            device: String::new(),
+            running,
+            lost: None,
+            ahead: None,
+            dropped: 0,
+            losses: 0,
+            failed: 0,
+        }
     }
 
     fn poll(line: &mut Line, stamp: i64) -> Vec<BusEvent> {

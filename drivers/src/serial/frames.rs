@@ -6,7 +6,8 @@
 //! Whether the bytes *inside* a frame came close enough together cannot be seen: they wait in the hardware's buffer and
 //! come in packets. A frame into which a silence may have slipped unseen is [`LineFrame::doubtful`].
 
-use super::{LineSettings, Received, Symbol};
+use super::{Received, Symbol};
+use signal::{MAX_SERIAL_DATA, SerialSettings, Span};
 
 /// How frames end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +26,13 @@ pub struct Framing {
 const HELD_CHARACTERS: u64 = 4;
 
 impl Framing {
+    /// Of messages with this silence between them, of at most [`MAX_SERIAL_DATA`] bytes.
+    pub fn of(line: &SerialSettings, gap: Span) -> Framing {
+        Framing { gap: gap.as_nanos(), most: MAX_SERIAL_DATA, ..Framing::modbus_rtu(line) }
+    }
+
     /// Of Modbus RTU: frames of at most 256 bytes.
-    pub fn modbus_rtu(line: &LineSettings) -> Framing {
+    pub fn modbus_rtu(line: &SerialSettings) -> Framing {
         Framing {
             gap: line.frame_gap(),
             character: line.lasts(1),
@@ -199,7 +205,7 @@ mod tests {
 
     #[test]
     fn the_silence_of_modbus_follows_the_speed() {
-        let framing = Framing::modbus_rtu(&LineSettings::default());
+        let framing = Framing::modbus_rtu(&SerialSettings::default());
         assert_eq!((framing.gap, framing.character, framing.most), (2_005_209, 572_917, 256));
     }
 

@@ -1,5 +1,6 @@
 //! Opening a serial port and setting it up as asked, or saying in words why not.
 
+use signal::{Parity, SerialSettings};
 use std::fmt;
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -12,7 +13,7 @@ use rustix::io::Errno;
 use rustix::termios::{ControlModes, InputModes, OptionalActions, Termios, tcgetattr, tcsetattr};
 use tokio_serial::SerialStream;
 
-use super::{LineSettings, Parity, PortSpec, SerialCall, SerialError};
+use super::{PortSpec, SerialCall, SerialError};
 use crate::holders;
 
 /// How far the speed of a port may be from what was asked, in parts of a thousand: a receiver samples the last bit of a
@@ -159,7 +160,7 @@ fn mark_harm(port: &File) -> io::Result<()> {
 }
 
 /// Whether the driver took the settings; else which it did not take, and what it does instead.
-fn granted(settings: &Termios, line: &LineSettings, pseudo: bool) -> Result<(), (&'static str, String)> {
+fn granted(settings: &Termios, line: &SerialSettings, pseudo: bool) -> Result<(), (&'static str, String)> {
     let (speed, asked) = (u64::from(settings.output_speed()), u64::from(line.baud));
     if speed.abs_diff(asked) * 1_000 > asked * SPEED_TOLERANCE {
         return Err(("baud", format!("cannot do {asked} Bd: it would do {speed} Bd")));

@@ -10,7 +10,7 @@ use std::task::{Context, Poll};
 use host::{LineCounters, line_counters, monotonic, transmitter_is_empty};
 use rustix::io::Errno;
 use rustix::termios::{QueueSelector, tcflush};
-use signal::Span;
+use signal::{SerialSettings, Span};
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio_serial::{SerialPort as _, SerialStream};
 
@@ -18,7 +18,7 @@ use super::frames::{Frames, LineFrame};
 use super::marks::{Marks, Symbol};
 use super::open::{OpenError, open};
 use super::timer::Timer;
-use super::{LineSettings, PortSpec, SerialCall, SerialError};
+use super::{PortSpec, SerialCall, SerialError};
 
 /// Bytes of one read: as many as the kernel keeps of a port.
 const READ: usize = 4_096;
@@ -103,7 +103,7 @@ impl SerialPort {
     }
 
     /// How it carries bytes.
-    pub fn line(&self) -> &LineSettings {
+    pub fn line(&self) -> &SerialSettings {
         &self.spec.line
     }
 

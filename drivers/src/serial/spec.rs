@@ -4,8 +4,8 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use host::Rs485;
+use signal::{SerialSettings, Span};
 
-use super::LineSettings;
 use crate::BusId;
 
 /// A serial line of the board.
@@ -17,6 +17,8 @@ pub struct SerialSpec {
     pub name: String,
     /// How its port is set up.
     pub port: PortSpec,
+    /// How long the line is at rest between two messages, above 0.
+    pub message_gap: Span,
     /// Where the file says so.
     pub place: Range<usize>,
 }
@@ -27,7 +29,7 @@ pub struct PortSpec {
     /// Its device, or a link to it.
     pub path: PathBuf,
     /// How bytes are made of bits.
-    pub line: LineSettings,
+    pub line: SerialSettings,
     /// How the kernel drives the direction of a transceiver; `None` leaves it as it is.
     pub rs485: Option<Rs485>,
     /// Whether each byte is handed on at once; `None` leaves it as it is.

@@ -1,4 +1,4 @@
-//! The thread that holds a port, and what it shares with the board.
+//! The thread that holds a port: it receives messages, sends outputs, and opens a port again that went away.
 
 use std::future::{Future, poll_fn};
 use std::pin::pin;
@@ -10,12 +10,90 @@ use host::{Bell, Realtime, Role, monotonic};
 use tokio::runtime::Runtime;
 use tokio::sync::Notify;
 
+use rtrb::{Consumer, Producer, RingBuffer};
+use rustix::io::Errno;
+use signal::{MAX_SERIAL_DATA, SerialErrors, SerialMessage, SerialOutput, Span, Time, When};
+
 use super::find::Identity;
+use super::frames::{Frames, Framing, LineFrame};
 use super::timer::Timer;
-use super::{PortSpec, Received, SerialPort};
+use super::{PortSpec, Received, SerialError, SerialPort};
 
 /// How often a port that is away is looked for, in nanoseconds.
 const EVERY: i64 = 100_000_000;
+
+/// Messages that nobody took yet: some seconds of a busy line.
+const REPORTS: usize = 1_024;
+
+/// Outputs that wait for the thread.
+const ORDERS: usize = 64;
+
+/// The instants of a message whose stamps the board turns into its time.
+const NOWHERE: When = When { earliest: Time::ZERO, latest: Time::ZERO };
+
+/// How much longer than on the line an output may take to be sent, in nanoseconds.
+const PATIENCE: i64 = 1_000_000_000;
+
+/// What became of characters on the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Passed {
+    /// They were received.
+    Received,
+    /// They were sent.
+    Sent,
+    /// They were not sent in time.
+    NotSent,
+}
+
+/// Characters on the line; stamps are of the monotonic clock.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Report {
+    /// What became of them.
+    pub(super) passed: Passed,
+    /// When the first of them began: not before, and by then.
+    pub(super) first: (i64, i64),
+    /// When the last of them ended, or when that was given up: not before, and by then.
+    pub(super) last: (i64, i64),
+    /// They.
+    pub(super) message: SerialMessage,
+}
+
+/// What the thread is asked to send: characters, or a break.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Order {
+    data: [u8; MAX_SERIAL_DATA],
+    /// 0 for a break.
+    len: u16,
+    /// How long a break lasts.
+    lasts: Span,
+}
+
+impl Order {
+    /// `None` for what a port cannot do: gaps between characters, and characters that are wrong on purpose.
+    pub(super) fn of(output: &SerialOutput) -> Option<Order> {
+        let mut bytes = [0; MAX_SERIAL_DATA];
+        match output {
+            SerialOutput::Characters { data, gap: Span::ZERO, flaw: None } if !data.is_empty() => {
+                bytes.get_mut(..data.len())?.copy_from_slice(data);
+                Some(Order { data: bytes, len: u16::try_from(data.len()).ok()?, lasts: Span::ZERO })
+            }
+            SerialOutput::Break(lasts) if *lasts > Span::ZERO => {
+                Some(Order { data: bytes, len: 0, lasts: *lasts })
+            }
+            SerialOutput::Characters { .. } | SerialOutput::Break(_) => None,
+        }
+    }
+
+    fn data(&self) -> &[u8] {
+        &self.data[..usize::from(self.len)]
+    }
+}
+
+/// The ends of the queues between board and thread.
+pub(super) struct Queues {
+    pub(super) reports: Producer<Report>,
+    pub(super) orders: Consumer<Order>,
+}
 
 /// What the board and the thread of a port share.
 #[derive(Debug, Default)]
@@ -30,6 +108,10 @@ pub(super) struct Shared {
     pub(super) in_call: Arc<AtomicI64>,
     /// Calls that failed.
     pub(super) failed: AtomicU64,
+    /// Messages that found no room on their way to the board.
+    pub(super) overflowed: AtomicU32,
+    /// Nothing is sent, whatever is asked.
+    pub(super) latched: AtomicBool,
     stop: AtomicBool,
     ended: AtomicBool,
     wake: Notify,
@@ -46,6 +128,8 @@ pub(super) struct Worker {
     pub(super) shared: Arc<Shared>,
     /// Is rung when there is something to tell.
     pub(super) bell: Arc<Bell>,
+    /// How messages are told apart.
+    pub(super) framing: Framing,
     /// It is taken back when it is there again.
     pub(super) reconnect: bool,
     /// How the thread runs while it has a port.
@@ -61,20 +145,20 @@ enum Over {
 
 impl Worker {
     /// The thread.
-    pub(super) fn run(self, runtime: &Runtime, port: SerialPort) {
-        runtime.block_on(self.serve(port));
+    pub(super) fn run(self, runtime: &Runtime, port: SerialPort, mut queues: Queues) {
+        runtime.block_on(self.serve(port, &mut queues));
         self.shared.ended.store(true, Ordering::Release);
         self.shared.answer.ring();
     }
 
-    async fn serve(&self, port: SerialPort) {
+    async fn serve(&self, port: SerialPort, queues: &mut Queues) {
         let mut received = Received::with_room();
         let mut held = Some(port);
         while let Some(mut port) = held.take() {
             // A refusal is told once for all threads, by whoever set up the run. Looking for a port that is away reads
             // many files, and can wait for everybody else.
             let entered = self.realtime.enter_for_now(Role::Devices);
-            let over = self.hold(&mut port, &mut received).await;
+            let over = self.hold(&mut port, &mut received, queues).await;
             drop(entered);
             if over == Over::Stopped {
                 return;
@@ -108,20 +192,81 @@ impl Worker {
         outcome
     }
 
-    /// Empties the port until it goes away: nobody listens yet, and what nobody reads would be told as lost later.
-    async fn hold(&self, port: &mut SerialPort, received: &mut Received) -> Over {
+    /// Receives and sends until the port goes away.
+    async fn hold(&self, port: &mut SerialPort, received: &mut Received, queues: &mut Queues) -> Over {
+        let mut frames = Frames::new(self.framing);
         loop {
-            let mut woken = pin!(self.shared.wake.notified());
-            let outcome = poll_fn(|cx| match woken.as_mut().poll(cx) {
-                Poll::Ready(()) => Poll::Ready(None),
-                Poll::Pending => port.poll_receive(cx, received).map(Some),
-            });
-            match outcome.await {
+            while let Ok(order) = queues.orders.pop() {
+                if !self.shared.latched.load(Ordering::Acquire)
+                    && self.send(port, order, queues).await.is_err()
+                {
+                    return Over::Gone;
+                }
+            }
+            let outcome = {
+                let mut woken = pin!(self.shared.wake.notified());
+                let mut frame = pin!(port.frame(&mut frames, i64::MAX, received));
+                poll_fn(|cx| match woken.as_mut().poll(cx) {
+                    Poll::Ready(()) => Poll::Ready(None),
+                    Poll::Pending => frame.as_mut().poll(cx).map(Some),
+                })
+                .await
+            };
+            match outcome {
                 None if self.stopped() => return Over::Stopped,
-                None | Some(Ok(())) => {}
+                None | Some(Ok(None)) => {}
+                Some(Ok(Some(frame))) => {
+                    let shortest = port.line().lasts(frame.bytes.len() as u64);
+                    self.report(queues, received_report(&frame, shortest));
+                }
                 Some(Err(_)) => return Over::Gone,
             }
         }
+    }
+
+    /// Sends, and reports when it was sent. What comes meanwhile waits in the kernel.
+    async fn send(
+        &self,
+        port: &mut SerialPort,
+        order: Order,
+        queues: &mut Queues,
+    ) -> Result<(), SerialError> {
+        let begun = monotonic();
+        let is_break = order.data().is_empty();
+        let lasts = match is_break {
+            true => order.lasts.as_nanos(),
+            false => port.line().lasts(u64::from(order.len)),
+        };
+        let until = begun.saturating_add(lasts.saturating_mul(2)).saturating_add(PATIENCE);
+        let sent = if is_break {
+            let sent = port.send_break(order.lasts, until).await;
+            sent.map(|()| (begun.saturating_add(lasts), monotonic()))
+        } else {
+            match port.send(order.data()).await {
+                Ok(sending) => port.drain(sending, until).await,
+                Err(error) => Err(error),
+            }
+        };
+        let (passed, last) = match sent {
+            Ok(last) => (Passed::Sent, last),
+            Err(error) if error.code == Errno::TIMEDOUT.raw_os_error() => {
+                self.shared.failed.fetch_add(1, Ordering::Relaxed);
+                (Passed::NotSent, (begun, monotonic()))
+            }
+            Err(error) => return Err(error),
+        };
+        let first = (begun, last.1.saturating_sub(lasts).max(begun));
+        let mut message = SerialMessage::of(NOWHERE, NOWHERE, order.data());
+        message.errors.breaks = u16::from(is_break);
+        self.report(queues, Report { passed, first, last, message });
+        Ok(())
+    }
+
+    fn report(&self, queues: &mut Queues, report: Report) {
+        if queues.reports.push(report).is_err() {
+            self.shared.overflowed.fetch_add(1, Ordering::AcqRel);
+        }
+        self.bell.ring();
     }
 
     /// Looks for the port until it is there again: the same one, and as it was. `None` when the board is gone first.
@@ -153,10 +298,28 @@ impl Worker {
     }
 }
 
+/// What was received, of characters that take at least so long.
+fn received_report(frame: &LineFrame, shortest: i64) -> Report {
+    let mut message = SerialMessage::of(NOWHERE, NOWHERE, &frame.bytes);
+    message.doubtful = frame.doubtful;
+    message.errors = SerialErrors {
+        damaged: u16::try_from(frame.damaged).unwrap_or(u16::MAX),
+        breaks: u16::try_from(frame.breaks).unwrap_or(u16::MAX),
+        // What was too long was cut off.
+        overruns: u16::from(frame.overlong),
+        ..SerialErrors::NONE
+    };
+    let last = (frame.first.0.saturating_add(shortest).min(frame.last), frame.last);
+    Report { passed: Passed::Received, first: frame.first, last, message }
+}
+
 /// The board's side of a port at work. Dropping it ends the thread and closes the port.
 #[derive(Debug)]
 pub(super) struct Running {
     pub(super) shared: Arc<Shared>,
+    /// What passed on the line and was not taken yet.
+    pub(super) reports: Consumer<Report>,
+    orders: Producer<Order>,
     /// How long the end of a call is waited for, in nanoseconds.
     patience: i64,
     thread: Option<std::thread::JoinHandle<()>>,
@@ -171,11 +334,21 @@ impl Running {
         patience: i64,
     ) -> std::io::Result<Running> {
         let shared = worker.shared.clone();
+        let (reports, to_take) = RingBuffer::new(REPORTS);
+        let (to_give, orders) = RingBuffer::new(ORDERS);
+        let queues = Queues { reports, orders };
         let name = worker.spec.path.file_name().map_or_else(String::new, |name| name.display().to_string());
         let thread = std::thread::Builder::new()
             .name(format!("serial {name}"))
-            .spawn(move || worker.run(&runtime, port))?;
-        Ok(Running { shared, patience, thread: Some(thread) })
+            .spawn(move || worker.run(&runtime, port, queues))?;
+        Ok(Running { shared, reports: to_take, orders: to_give, patience, thread: Some(thread) })
+    }
+
+    /// Hands an output to the thread; FALSE where there is no room.
+    pub(super) fn order(&mut self, order: Order) -> bool {
+        let room = self.orders.push(order).is_ok();
+        self.shared.wake.notify_one();
+        room
     }
 }
 
@@ -184,7 +357,8 @@ impl Running {
     /// A port whose thread is at its end.
     pub(super) fn ended(shared: Arc<Shared>) -> Running {
         shared.ended.store(true, Ordering::Release);
-        Running { shared, patience: 0, thread: None }
+        let (orders, _) = RingBuffer::new(1);
+        Running { shared, reports: RingBuffer::new(1).1, orders, patience: 0, thread: None }
     }
 }
 

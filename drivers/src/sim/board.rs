@@ -3,9 +3,9 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use signal::{CanFrame, Span, Time, Value, When};
+use signal::{CanFrame, SerialOutput, Span, Time, Value, When};
 
-use super::bus::Buses;
+use super::buses::SimulatedBuses;
 use super::checks;
 use super::line::{Line, MAX_FAULTS};
 use super::links::{Links, PlantAt};
@@ -51,7 +51,7 @@ pub struct SimulatedBoard {
     started: bool,
     health: Health,
     seed: u64,
-    buses: Buses,
+    buses: SimulatedBuses,
 }
 
 impl SimulatedBoard {
@@ -88,7 +88,7 @@ impl SimulatedBoard {
             started: false,
             health: Health::default(),
             seed,
-            buses: Buses::new(&circuit.buses),
+            buses: SimulatedBuses::new(&circuit.buses),
         };
         for spec in &circuit.wires {
             board.add_wire(Wire::new(*spec, seed, board.wires.len() as u64));
@@ -433,7 +433,7 @@ impl Board for SimulatedBoard {
 
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.health.latched_safe = true;
-        self.buses.safe();
+        self.buses.safe(now.max(self.now));
         if !self.started {
             return Ok(());
         }
@@ -522,6 +522,13 @@ impl board::Buses for SimulatedBoard {
             return Err(BoardError::NotStarted);
         }
         self.buses.send(now, bus, frame)
+    }
+
+    fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError> {
+        if !self.started {
+            return Err(BoardError::NotStarted);
+        }
+        self.buses.send_serial(now, bus, output)
     }
 
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {

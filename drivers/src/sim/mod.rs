@@ -1,14 +1,17 @@
 //! The simulated board: lines, wires, plants and faults in virtual time.
 
 mod board;
-mod bus;
+mod buses;
+mod can;
+mod can_bits;
 mod checks;
 mod line;
 mod links;
+mod serial;
 mod tally;
 mod wire;
-mod wire_time;
 
 pub use board::{MAX_PENDING, SimulatedBoard};
-pub use bus::MAX_QUEUED;
+pub use can::MAX_QUEUED;
 pub use line::MAX_FAULTS;
+pub use serial::MAX_SERIAL_QUEUED;

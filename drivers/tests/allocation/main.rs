@@ -13,6 +13,7 @@ mod gpio;
 mod scripted;
 #[path = "../scripted_counter/mod.rs"]
 mod scripted_counter;
+mod sim_serial;
 
 #[global_allocator]
 static COUNTING: counting::Counting = counting::Counting;
@@ -22,5 +23,8 @@ fn main() {
     convert::readings_allocate_nothing();
     counter::counts_allocate_nothing();
     emit::pulses_allocate_nothing();
-    println!("boards of GPIO lines, converters, counters and generators allocate nothing");
+    sim_serial::messages_allocate_nothing();
+    println!(
+        "boards of GPIO lines, converters, counters, generators and simulated serial lines allocate nothing"
+    );
 }

@@ -10,6 +10,7 @@ mod event;
 mod image;
 mod quantity;
 mod random;
+mod serial;
 mod time;
 pub mod trace;
 mod value;
@@ -20,6 +21,9 @@ pub use event::{Cause, ClockDomain, Event, Gap, Kind, Policy, Sampling, SignalId
 pub use image::Image;
 pub use quantity::{Decimal, Quantity, QuantityError, QuantityFault, QuantityRange, Unit, is_range};
 pub use random::Random;
+pub use serial::{
+    MAX_SERIAL_DATA, Parity, SerialErrors, SerialFlaw, SerialMessage, SerialOutput, SerialSettings,
+};
 pub use time::{Span, Time};
 pub use trace::{Cursor, Events, EventsBetween, LoadLimits, Spill, Trace, TraceError};
 pub use value::{Level, Value};

@@ -21,6 +21,11 @@ impl Traffic {
                 self.frames += 1;
                 format!("{frame:?}")
             }
+            BusEvent::SerialMessage { message, .. } => {
+                self.frames += 1;
+                self.errors += u64::from(message.errors.any());
+                format!("{message:?}")
+            }
             BusEvent::State { state, .. } => {
                 self.state = Some(state);
                 words(state).to_owned()
@@ -61,7 +66,7 @@ impl Traffic {
 pub fn row(bus: &Bus, traffic: &Traffic, wide: usize) -> String {
     let counts = match bus.kind {
         BusKind::Can { .. } => format!("{:>6} frames {:>6} errors", traffic.frames, traffic.errors),
-        BusKind::Serial { .. } => String::from("serial line"),
+        BusKind::Serial { .. } => format!("{:>4} messages {:>6} errors", traffic.frames, traffic.errors),
     };
     format!("{:<wide$}  {counts}  {}", bus.name, traffic.fares(bus))
 }

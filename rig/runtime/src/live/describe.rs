@@ -8,7 +8,7 @@ use controller::{TaskConfig, TaskKind};
 use drivers::{Board, BoardExt, BoardFile, BusId, BusKind, ChannelId, ChannelKind};
 use expert::{CounterKind, CounterMode, FunctionKind, Terminal};
 use program::Storage;
-use signal::{Address, Area, CanFrame, Time};
+use signal::{Address, Area, CanFrame, SerialErrors, SerialMessage, Time};
 
 /// The devices behind a board's channels and buses, each once.
 #[derive(Debug)]
@@ -210,21 +210,59 @@ pub fn buses(board: &dyn Board) -> Vec<BusInfo> {
     board.bus_list().iter().map(bus).collect()
 }
 
-/// A frame as clients are told of it.
+/// A frame as clients see it.
 pub fn frame(bus: Option<&BusInfo>, at: Time, frame: &CanFrame, own: bool) -> FrameSeen {
-    let serial = bus.is_some_and(|bus| bus.kind == "serial");
     let flags = [(frame.remote, "remote"), (frame.fd, "fd"), (frame.brs, "brs"), (frame.esi, "esi")];
     let flags = flags.into_iter().filter(|(set, _)| *set).map(|(_, flag)| flag.to_owned());
     FrameSeen {
         bus: bus.map_or_else(String::new, |bus| bus.name.clone()),
         at: at.as_nanos(),
         sent: own,
-        id: match (serial, frame.extended) {
-            (true, _) => String::new(),
-            (false, true) => format!("{:08X}", frame.id),
-            (false, false) => format!("{:03X}", frame.id),
-        },
+        id: if frame.extended { format!("{:08X}", frame.id) } else { format!("{:03X}", frame.id) },
         flags: flags.collect(),
-        data: frame.data().iter().map(|byte| format!("{byte:02X}")).collect(),
+        data: hexadecimal(frame.data()),
+    }
+}
+
+/// Characters of a serial line as clients see them.
+pub fn serial_message(bus: Option<&BusInfo>, message: &SerialMessage, own: bool) -> FrameSeen {
+    let SerialErrors { parity, framing, damaged, breaks, overruns } = message.errors;
+    let flags = [
+        (parity > 0, "parity"),
+        (framing > 0, "framing"),
+        (damaged > 0, "damaged"),
+        (breaks > 0, "break"),
+        (overruns > 0, "overrun"),
+    ];
+    let flags = flags.into_iter().filter(|(set, _)| *set).map(|(_, flag)| flag.to_owned());
+    FrameSeen {
+        bus: bus.map_or_else(String::new, |bus| bus.name.clone()),
+        at: message.last.latest.as_nanos(),
+        sent: own,
+        id: String::new(),
+        flags: flags.collect(),
+        data: hexadecimal(message.data()),
+    }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02X}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use signal::When;
+
+    #[test]
+    fn serial_bytes_have_no_identifier_and_say_what_was_wrong_with_them() {
+        let bus = BusInfo { name: "modbus".into(), kind: "serial".into(), settings: "19200 baud".into() };
+        let at = When::exactly(Time::from_nanos(7));
+        let mut message = SerialMessage::of(at, at, &[0x01, 0xAF]);
+        message.errors = SerialErrors { parity: 2, breaks: 1, ..SerialErrors::NONE };
+        let seen = serial_message(Some(&bus), &message, false);
+        assert_eq!((seen.bus.as_str(), seen.at, seen.sent), ("modbus", 7, false));
+        assert_eq!((seen.id.as_str(), seen.data.as_str()), ("", "01AF"));
+        assert_eq!(seen.flags, ["parity", "break"]);
     }
 }

@@ -221,6 +221,11 @@ impl LiveRig {
         let info = self.description.buses.get(usize::from(bus.0));
         describe::frame(info, at, frame, own)
     }
+
+    fn serial(&self, bus: drivers::BusId, message: &signal::SerialMessage, own: bool) -> FrameSeen {
+        let info = self.description.buses.get(usize::from(bus.0));
+        describe::serial_message(info, message, own)
+    }
 }
 
 impl Rig for LiveRig {
@@ -343,6 +348,9 @@ impl Rig for LiveRig {
                 ScanEvent::Log(at, text) => told(RigEvent::Log(at, text)),
                 ScanEvent::Frame(bus, at, frame, own) => {
                     told(RigEvent::Frame(self.frame(bus, at, &frame, own)))
+                }
+                ScanEvent::SerialMessage(bus, message, own) => {
+                    told(RigEvent::Frame(self.serial(bus, &message, own)))
                 }
                 ScanEvent::Step(step, at, done) => {
                     told(RigEvent::Plan(PlanEvent::Step { step, at: at.as_nanos(), done }));

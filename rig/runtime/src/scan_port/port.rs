@@ -8,7 +8,7 @@ use control::PlanEvent;
 use controller::{JITTER_BORDERS, ProbeId};
 use drivers::{BoardContext, BusEvent, ChannelId, LossReason};
 use host::Bell;
-use signal::{Span, Time, Value, When};
+use signal::{SerialErrors, Span, Time, Value, When};
 use std::sync::Arc;
 
 /// From one snapshot to the next.
@@ -381,6 +381,18 @@ impl ScanPort {
                 *(if own { &mut traffic.sent } else { &mut traffic.received }) += 1;
                 let at = self.own(at.latest);
                 self.push(ScanEvent::Frame(bus, at, frame, own));
+            }
+            BusEvent::SerialMessage { bus, mut message, own } => {
+                let SerialErrors { parity, framing, damaged, breaks, overruns } = message.errors;
+                let errors = [parity, framing, damaged, breaks, overruns].map(u64::from);
+                if own {
+                    traffic.sent += message.data().len() as u64;
+                } else {
+                    traffic.received += message.data().len() as u64;
+                    traffic.errors += errors.iter().sum::<u64>();
+                }
+                message.last = When::exactly(self.own(message.last.latest));
+                self.push(ScanEvent::SerialMessage(bus, message, own));
             }
             BusEvent::State { state, .. } => traffic.state = state,
             BusEvent::Error { .. } => traffic.errors += 1,

@@ -6,7 +6,7 @@ use control::{Action, PlanEvent};
 use controller::{Channel, CommandError, Probe, WriteError};
 use drivers::{BoardError, BusId, ChannelId};
 use rtrb::{Consumer, Producer, RingBuffer};
-use signal::{CanFrame, Span, Time, Value, When};
+use signal::{CanFrame, SerialMessage, Span, Time, Value, When};
 
 /// Requests that wait for the scan: all orders under way, and as many changes of what is watched.
 const REQUESTS: usize = 1_024;
@@ -84,6 +84,7 @@ pub enum ScanCommandError {
 
 /// What happened.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "copied between queues that never allocate")]
 pub enum ScanEvent {
     /// Something that is watched changed.
     Change(u32, When, Value),
@@ -91,6 +92,8 @@ pub enum ScanEvent {
     Log(Time, String),
     /// A frame was on a bus; the rig's own where the last says so.
     Frame(BusId, Time, CanFrame, bool),
+    /// Characters were on a serial line; the rig's own where the last says so.
+    SerialMessage(BusId, SerialMessage, bool),
     /// A step of the case that runs began, or is done: its place, the instant in the case.
     Step(u32, Span, bool),
     /// Something else of a plan.

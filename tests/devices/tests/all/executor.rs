@@ -11,11 +11,11 @@ use std::time::Duration;
 
 use bench::{Bench, Start};
 use devices::{ADC, Adc, Call, Lab, MAIN, MCP3008, PATIENCE, SERIAL_A, bind_spi, wait_for};
-use drivers::serial::{LineSettings, PortSpec, SerialPort};
+use drivers::serial::{PortSpec, SerialPort};
 use drivers::{BoardContext, BoardExt, BusId};
 use host::{Realtime, Role, monotonic};
 use memory::{LOOKING, look};
-use signal::{CanFrame, Span, Time};
+use signal::{CanFrame, SerialSettings, Span, Time};
 
 #[global_allocator]
 static COUNTING: counting::Counting = counting::Counting;
@@ -68,7 +68,7 @@ adc = {{ kind = \"iio\", name = \"{ADC}\", period = \"100 ms\" }}
 fn scans_start_as_punctually_while_a_serial_port_hangs() {
     let _lab = Lab::enter();
     let (ask, asked) = std::sync::mpsc::channel();
-    let line = LineSettings::default();
+    let line = SerialSettings::default();
     let spec = PortSpec { path: SERIAL_A.path(), line, rs485: None, low_latency: None, exclusive: true };
     // A thread of the role that ports have on a board.
     let port = std::thread::spawn(move || {

@@ -7,17 +7,15 @@ use std::time::Duration;
 
 use devices::{Lab, PATIENCE, SERIAL_A, SERIAL_B, Serial, wait_for};
 use drivers::holders;
-use drivers::serial::{
-    Frames, Framing, LineFrame, LineSettings, OpenError, Parity, PortSpec, Received, SerialPort, Symbol,
-};
+use drivers::serial::{Frames, Framing, LineFrame, OpenError, PortSpec, Received, SerialPort, Symbol};
 use host::{Rs485, monotonic};
 use rustix::termios::{ControlModes, tcgetattr};
-use signal::Span;
+use signal::{Parity, SerialSettings, Span};
 
 fn spec(port: Serial) -> PortSpec {
     PortSpec {
         path: port.path(),
-        line: LineSettings::default(),
+        line: SerialSettings::default(),
         rs485: None,
         low_latency: None,
         exclusive: true,
@@ -48,7 +46,7 @@ fn every_byte_goes_over_the_line_as_it_is_at_any_speed() {
     let _lab = Lab::enter();
     run(async {
         for (baud, parity) in [(9_600, Parity::None), (19_200, Parity::Even), (12_345, Parity::Odd)] {
-            let line = LineSettings { baud, parity, ..LineSettings::default() };
+            let line = SerialSettings { baud, parity, ..SerialSettings::default() };
             let mut a = SerialPort::open(&PortSpec { line, ..spec(SERIAL_A) }).unwrap();
             let mut b = SerialPort::open(&PortSpec { line, ..spec(SERIAL_B) }).unwrap();
             let settings = tcgetattr(File::open(SERIAL_A.path()).unwrap()).unwrap();
@@ -118,7 +116,7 @@ fn breaks_and_damaged_bytes_are_told_from_sound_ones_and_counted() {
     let _lab = Lab::enter();
     run(async {
         for parity in [Parity::None, Parity::Even] {
-            let line = LineSettings { parity, ..LineSettings::default() };
+            let line = SerialSettings { parity, ..SerialSettings::default() };
             let mut a = SerialPort::open(&PortSpec { line, ..spec(SERIAL_A) }).unwrap();
             let before = a.counters().unwrap().unwrap();
             for harm in ["byte ff", "parity 41", "break", "frame ff", "byte 0"] {

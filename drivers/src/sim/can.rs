@@ -8,9 +8,9 @@ use std::collections::VecDeque;
 
 use signal::{CanFrame, Span, Time, When};
 
-use super::wire_time::{bits, intermission, priority};
-use crate::circuit::BusSpec;
-use crate::{BoardError, Bus, BusEvent, BusId, BusKind, TimestampSource};
+use super::can_bits::{bits, intermission, priority};
+use crate::circuit::CanRates;
+use crate::{BoardError, BusEvent, BusId};
 
 /// Frames that wait in the queue of one bus.
 pub const MAX_QUEUED: usize = 1024;
@@ -23,57 +23,40 @@ struct Queued {
 }
 
 /// One node on a wire.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct Node {
+    bus: BusId,
     wire: usize,
     queue: VecDeque<Queued>,
 }
 
 /// A wire and the frame on it.
 #[derive(Clone, Copy, Debug)]
-struct Wire {
-    bitrate: u32,
-    data_bitrate: Option<u32>,
+struct CanWire {
+    rates: CanRates,
     /// From here on a frame may start.
     free: Time,
     /// Its sender, when it ends, and what it is.
     under_way: Option<(usize, Time, CanFrame)>,
 }
 
-/// The buses of a simulated board.
+/// The CAN buses of a simulated board.
 #[derive(Clone, Debug, Default)]
-pub struct Buses {
-    buses: Vec<Bus>,
+pub struct CanWires {
     nodes: Vec<Node>,
-    wires: Vec<Wire>,
+    wires: Vec<CanWire>,
     latched: bool,
 }
 
-impl Buses {
-    /// The buses of a board.
-    pub fn new(specs: &[BusSpec]) -> Buses {
-        let mut made = Buses::default();
-        for spec in specs {
-            let joined = spec.joins.and_then(|bus| made.nodes.get(usize::from(bus.0))).map(|node| node.wire);
-            let wire = joined.unwrap_or(made.wires.len());
-            if joined.is_none() {
-                let (bitrate, data_bitrate) = (spec.bitrate, spec.data_bitrate);
-                made.wires.push(Wire { bitrate, data_bitrate, free: Time::MIN, under_way: None });
-            }
-            made.buses.push(Bus {
-                name: spec.name.clone(),
-                kind: BusKind::Can { bitrate: spec.bitrate, data_bitrate: spec.data_bitrate },
-                timestamp: TimestampSource::Virtual,
-                resolution: Span::ZERO,
-            });
-            made.nodes.push(Node { wire, queue: VecDeque::with_capacity(MAX_QUEUED) });
+impl CanWires {
+    /// Appends a bus; it joins one that is there, or has a wire of its own.
+    pub fn push(&mut self, bus: BusId, rates: CanRates, joins: Option<BusId>) {
+        let joined = joins.and_then(|other| self.nodes.iter().find(|node| node.bus == other));
+        let wire = joined.map_or(self.wires.len(), |node| node.wire);
+        if wire == self.wires.len() {
+            self.wires.push(CanWire { rates, free: Time::MIN, under_way: None });
         }
-        made
-    }
-
-    /// The buses.
-    pub fn list(&self) -> &[Bus] {
-        &self.buses
+        self.nodes.push(Node { bus, wire, queue: VecDeque::with_capacity(MAX_QUEUED) });
     }
 
     /// Forgets what was before.
@@ -94,11 +77,11 @@ impl Buses {
     /// # Errors
     /// [`BoardError::NoBus`], [`BoardError::BadFrame`], [`BoardError::BusFull`], [`BoardError::Latched`].
     pub fn send(&mut self, now: Time, bus: BusId, frame: &CanFrame) -> Result<(), BoardError> {
-        let node = self.nodes.get_mut(usize::from(bus.0)).ok_or(BoardError::NoBus(bus))?;
+        let node = self.nodes.iter_mut().find(|node| node.bus == bus).ok_or(BoardError::NoBus(bus))?;
         if self.latched {
             return Err(BoardError::Latched);
         }
-        if !fits(frame, self.wires[node.wire].data_bitrate) {
+        if !fits(frame, self.wires[node.wire].rates.data_bitrate) {
             return Err(BoardError::BadFrame(bus));
         }
         if node.queue.len() >= MAX_QUEUED {
@@ -123,7 +106,7 @@ impl Buses {
             for wire in 0..self.wires.len() {
                 self.begin(wire, now);
             }
-            let ending = |wire: &Wire| wire.under_way.map(|(_, end, _)| end).filter(|end| *end <= now);
+            let ending = |wire: &CanWire| wire.under_way.map(|(_, end, _)| end).filter(|end| *end <= now);
             let first = (0..self.wires.len()).filter_map(|wire| Some((ending(&self.wires[wire])?, wire)));
             let Some((end, wire)) = first.min() else { return };
             self.arrive(wire, end, out);
@@ -156,7 +139,7 @@ impl Buses {
     /// When the frame ends that wins the wire and starts now.
     fn end(&self, wire: usize, start: Time) -> Time {
         let head = self.winner(wire).and_then(|(node, _)| self.nodes[node].queue.front());
-        let Wire { bitrate, data_bitrate, .. } = self.wires[wire];
+        let CanRates { bitrate, data_bitrate } = self.wires[wire].rates;
         let lasts = head
             .map_or(Span::ZERO, |queued| bits(&queued.frame).lasts(bitrate, data_bitrate.unwrap_or(bitrate)));
         start.saturating_add(lasts)
@@ -165,9 +148,9 @@ impl Buses {
     /// The frame on a wire is at its end: everybody on it sees it.
     fn arrive(&mut self, wire: usize, end: Time, out: &mut Vec<BusEvent>) {
         let Some((sender, _, frame)) = self.wires[wire].under_way.take() else { return };
-        self.wires[wire].free = end.saturating_add(intermission(self.wires[wire].bitrate));
-        for (place, _) in self.nodes.iter().enumerate().filter(|(_, node)| node.wire == wire) {
-            let (bus, own) = (BusId(place as u16), place == sender);
+        self.wires[wire].free = end.saturating_add(intermission(self.wires[wire].rates.bitrate));
+        for (place, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.wire == wire) {
+            let (bus, own) = (node.bus, place == sender);
             out.push(BusEvent::CanFrame { bus, at: When::exactly(end), frame, own });
         }
     }
@@ -187,14 +170,13 @@ fn fits(frame: &CanFrame, data_bitrate: Option<u32>) -> bool {
 mod tests {
     use super::*;
 
-    fn pair() -> Buses {
-        let spec = |name: &str, joins| BusSpec {
-            name: String::from(name),
-            bitrate: 500_000,
-            data_bitrate: None,
-            joins,
-        };
-        Buses::new(&[spec("machine", None), spec("drive", Some(BusId(0))), spec("other", None)])
+    fn pair() -> CanWires {
+        let rates = CanRates { bitrate: 500_000, data_bitrate: None };
+        let mut wires = CanWires::default();
+        for (bus, joins) in [(0, None), (1, Some(BusId(0))), (2, None)] {
+            wires.push(BusId(bus), rates, joins);
+        }
+        wires
     }
 
     fn frame(id: u32) -> CanFrame {
@@ -202,7 +184,7 @@ mod tests {
     }
 
     /// What is told up to `now`: bus, identifier, own, microseconds.
-    fn told(buses: &mut Buses, now: Time) -> Vec<(u16, u32, bool, i64)> {
+    fn told(buses: &mut CanWires, now: Time) -> Vec<(u16, u32, bool, i64)> {
         let mut out = Vec::new();
         buses.poll(now, &mut out);
         let tell = |event: &BusEvent| match event {
