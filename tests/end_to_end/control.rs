@@ -23,11 +23,11 @@ fn words(line: &str) -> Vec<String> {
 }
 
 /// Runs the commands of a block and gives the block as it is then.
-fn console(led: &SteppedRig, block: &str) -> String {
+fn console(stepped: &SteppedRig, block: &str) -> String {
     let mut text = String::new();
     for command in block.lines().filter_map(|line| line.strip_prefix("$ rig ")) {
         let words = words(command);
-        let ran = led.ctl(&words.iter().skip(1).map(String::as_str).collect::<Vec<_>>());
+        let ran = stepped.ctl(&words.iter().skip(1).map(String::as_str).collect::<Vec<_>>());
         let _ = write!(text, "$ rig {command}\n{}{}", ran.out, ran.err);
         if ran.code != Some(0) {
             let _ = writeln!(text, "(exit code {})", ran.code.unwrap());
@@ -43,8 +43,8 @@ fn unversioned(line: &str) -> String {
 
 /// Sends the client's lines of a block over a connection of their own, each when the one before is answered, and gives the
 /// block as it is then.
-fn exchange(led: &SteppedRig, block: &str) -> String {
-    let mut stream = UnixStream::connect(led.socket()).unwrap();
+fn exchange(stepped: &SteppedRig, block: &str) -> String {
+    let mut stream = UnixStream::connect(stepped.socket()).unwrap();
     let mut lines = BufReader::new(stream.try_clone().unwrap()).lines();
     let mut text = String::new();
     let greeting = lines.next().unwrap().unwrap();
@@ -70,7 +70,7 @@ fn the_examples_of_the_page_are_true() {
     let path = root().join("docs/control.md");
     let page = std::fs::read_to_string(&path).unwrap();
     let bench = TestProject::new();
-    let mut led: Option<SteppedRig> = None;
+    let mut stepped: Option<SteppedRig> = None;
     let (mut now, mut fence, mut block) = (String::new(), None::<String>, String::new());
     for line in page.lines() {
         match (&fence, line.strip_prefix("```")) {
@@ -81,10 +81,10 @@ fn the_examples_of_the_page_are_true() {
             }
             (Some(_), None) => block += &format!("{line}\n"),
             (Some(language), Some(_)) => {
-                if led.is_none() && matches!(language.as_str(), "console" | "jsonl") {
-                    led = Some(SteppedRig::start(&bench, "tank.toml", "lamp.st"));
+                if stepped.is_none() && matches!(language.as_str(), "console" | "jsonl") {
+                    stepped = Some(SteppedRig::start(&bench, "tank.toml", "lamp.st"));
                 }
-                let rig = led.as_ref();
+                let rig = stepped.as_ref();
                 now += &match language.as_str() {
                     "console" => console(rig.unwrap(), &block),
                     "jsonl" => exchange(rig.unwrap(), &block),

@@ -29,45 +29,45 @@ fn rig() -> (TestProject, SteppedRig) {
     // What a client that is lost leaves ends here, so that what stays was meant to.
     bench.write("bench.toml", &format!("{BOARD}[control]\non-disconnect = \"release\"\n"));
     bench.write("count.st", PROGRAM);
-    let led = SteppedRig::start(&bench, "bench.toml", "count.st");
-    led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
-    (bench, led)
+    let stepped = SteppedRig::start(&bench, "bench.toml", "count.st");
+    stepped.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
+    (bench, stepped)
 }
 
 #[test]
 fn forces_outlast_the_command_that_set_them() {
-    let (_bench, led) = rig();
-    led.expect(0, &["force", "%IX0.0=1", "Q3=TRUE"]);
-    led.expect(0, &["await", "%IX0.0=1", "%QX0.0=1", "%QX0.3=1", "--advance", "1s"]);
-    led.expect(0, &["release", "%IX0.0"]);
-    led.expect(0, &["await", "%QX0.0=0", "--advance", "1s"]);
-    let status = led.expect(0, &["status"]).out;
+    let (_bench, stepped) = rig();
+    stepped.expect(0, &["force", "%IX0.0=1", "Q3=TRUE"]);
+    stepped.expect(0, &["await", "%IX0.0=1", "%QX0.0=1", "%QX0.3=1", "--advance", "1s"]);
+    stepped.expect(0, &["release", "%IX0.0"]);
+    stepped.expect(0, &["await", "%QX0.0=0", "--advance", "1s"]);
+    let status = stepped.expect(0, &["status"]).out;
     assert!(status.contains("%QX0.3 = TRUE") && !status.contains("%IX0.0 ="), "{status}");
-    led.expect(0, &["release", "--all"]);
-    assert!(!led.expect(0, &["status"]).out.contains("forced"));
+    stepped.expect(0, &["release", "--all"]);
+    assert!(!stepped.expect(0, &["status"]).out.contains("forced"));
 }
 
 #[test]
 fn a_force_for_a_while_ends_with_the_command_however_that_ends() {
-    let (_bench, led) = rig();
-    led.expect(0, &["force", "Q3=1", "--for", "10ms"]);
-    assert!(!led.expect(0, &["status"]).out.contains("forced"));
-    let mut child = led.command(&["force", "Q3=1", "--for", "1h"]).spawn().unwrap();
+    let (_bench, stepped) = rig();
+    stepped.expect(0, &["force", "Q3=1", "--for", "10ms"]);
+    assert!(!stepped.expect(0, &["status"]).out.contains("forced"));
+    let mut child = stepped.command(&["force", "Q3=1", "--for", "1h"]).spawn().unwrap();
     let began = Instant::now();
-    while !led.expect(0, &["status"]).out.contains("forced") {
+    while !stepped.expect(0, &["status"]).out.contains("forced") {
         assert!(began.elapsed() < PATIENCE, "nothing is forced");
     }
     nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT)
         .unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(!led.expect(0, &["status"]).out.contains("forced"));
+    assert!(!stepped.expect(0, &["status"]).out.contains("forced"));
 }
 
 #[test]
 fn what_cannot_be_is_refused_before_anything_moves() {
-    let (_bench, led) = rig();
+    let (_bench, stepped) = rig();
     let refused = |args: &[&str], words: &[&str]| {
-        let ran = led.expect(2, args);
+        let ran = stepped.expect(2, args);
         assert_eq!(ran.out, "");
         for word in words {
             assert!(ran.err.contains(word), "{args:?}: {word} is missing in {}", ran.err);
@@ -83,23 +83,23 @@ fn what_cannot_be_is_refused_before_anything_moves() {
     refused(&["await", "state"], &["R0649", "state=RUNNING"]);
     refused(&["watch", "nothing"], &["R0601"]);
     refused(&["release"], &["required"]);
-    assert!(!led.expect(0, &["status"]).out.contains("forced"));
+    assert!(!stepped.expect(0, &["status"]).out.contains("forced"));
 }
 
 #[test]
 fn what_is_awaited_and_does_not_come_is_a_failure() {
-    let (_bench, led) = rig();
-    let late = led.expect(1, &["await", "state=HALT", "MAIN.part>0.1", "--advance", "100ms"]);
+    let (_bench, stepped) = rig();
+    let late = stepped.expect(1, &["await", "state=HALT", "MAIN.part>0.1", "--advance", "100ms"]);
     assert_eq!((&*late.out, &*late.err), ("", "state=HALT was not reached: it is RUNNING\n"));
-    led.expect(1, &["await", "state!=RUNNING", "--within", "10ms"]);
-    led.expect(0, &["await", "state=running", "MAIN.part<=0.5"]);
+    stepped.expect(1, &["await", "state!=RUNNING", "--within", "10ms"]);
+    stepped.expect(0, &["await", "state=running", "MAIN.part<=0.5"]);
 }
 
 #[test]
 fn every_change_is_told_in_led_time() {
-    let (_bench, led) = rig();
-    let before: i64 = led.expect(0, &["read", "--plain", "MAIN.count"]).out.trim().parse().unwrap();
-    let told = led.expect(0, &["watch", "MAIN.count", "--csv", "--all", "--advance", "10s"]);
+    let (_bench, stepped) = rig();
+    let before: i64 = stepped.expect(0, &["read", "--plain", "MAIN.count"]).out.trim().parse().unwrap();
+    let told = stepped.expect(0, &["watch", "MAIN.count", "--csv", "--all", "--advance", "10s"]);
     assert_eq!(told.err, "");
     let counts: Vec<i64> =
         told.out.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
@@ -107,37 +107,43 @@ fn every_change_is_told_in_led_time() {
     assert_eq!(counts, all);
     // The task runs each 20 ms; which of its cycles end within is up to the phase.
     assert!((500..=502).contains(&counts.len()), "{}", counts.len());
-    let some = led.expect(0, &["watch", "MAIN.count", "--csv", "--advance", "10s", "--every", "1s"]);
+    let some = stepped.expect(0, &["watch", "MAIN.count", "--csv", "--advance", "10s", "--every", "1s"]);
     assert!((10..=22).contains(&some.out.lines().count()), "{}", some.out);
-    let few = led.expect(0, &["watch", "MAIN.count", "--json", "--all", "--count", "3", "--advance", "10s"]);
+    let few =
+        stepped.expect(0, &["watch", "MAIN.count", "--json", "--all", "--count", "3", "--advance", "10s"]);
     assert_eq!(few.out.lines().count(), 4);
 }
 
 #[test]
 fn a_reader_that_goes_away_ends_the_watch() {
-    let (_bench, led) = rig();
-    let mut child = led.command(&["watch", "MAIN.count", "--all"]).stdout(Stdio::piped()).spawn().unwrap();
+    let (_bench, stepped) = rig();
+    let mut child =
+        stepped.command(&["watch", "MAIN.count", "--all"]).stdout(Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
     lines.next().unwrap().unwrap();
     drop(lines);
     let began = Instant::now();
     while child.try_wait().unwrap().is_none() {
         assert!(began.elapsed() < PATIENCE, "it goes on");
-        led.expect(0, &["advance", "100ms"]);
+        stepped.expect(0, &["advance", "100ms"]);
     }
     assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 
 #[test]
 fn a_rig_that_is_gone_is_an_error_of_the_rig() {
-    let (_bench, led) = rig();
-    let mut child =
-        led.command(&["watch", "MAIN.count"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let (_bench, stepped) = rig();
+    let mut child = stepped
+        .command(&["watch", "MAIN.count"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
     lines.next().unwrap().unwrap();
     let err = drain(child.stderr.take().unwrap());
     nix::sys::signal::kill(
-        nix::unistd::Pid::from_raw(led.process() as i32),
+        nix::unistd::Pid::from_raw(stepped.process() as i32),
         nix::sys::signal::Signal::SIGTERM,
     )
     .unwrap();
@@ -148,8 +154,8 @@ fn a_rig_that_is_gone_is_an_error_of_the_rig() {
 
 #[test]
 fn raw_lines_are_answered_one_by_one() {
-    let (_bench, led) = rig();
-    let mut child = led.command(&["raw"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let (_bench, stepped) = rig();
+    let mut child = stepped.command(&["raw"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let mut stdin = child.stdin.take().unwrap();
     for id in 0..500 {
         writeln!(stdin, "{{\"id\":{id},\"do\":\"read\",\"names\":[\"MAIN.count\"]}}").unwrap();
@@ -165,8 +171,9 @@ fn raw_lines_are_answered_one_by_one() {
 
 #[test]
 fn json_is_what_the_rig_tells() {
-    let (_bench, led) = rig();
-    let json = |args: &[&str]| serde_json::from_str::<serde_json::Value>(&led.expect(0, args).out).unwrap();
+    let (_bench, stepped) = rig();
+    let json =
+        |args: &[&str]| serde_json::from_str::<serde_json::Value>(&stepped.expect(0, args).out).unwrap();
     assert_eq!(json(&["status", "--json"])["state"], "RUNNING");
     assert_eq!(json(&["describe", "--json"])["clock"], "stepped");
     assert_eq!(
@@ -182,10 +189,10 @@ fn json_is_what_the_rig_tells() {
 
 #[test]
 fn who_sits_at_a_terminal_is_asked_before_outputs_move() {
-    let (bench, led) = rig();
+    let (bench, stepped) = rig();
     let state = || {
-        led.expect(0, &["advance", "100ms"]);
-        led.expect(0, &["state"]).out
+        stepped.expect(0, &["advance", "100ms"]);
+        stepped.expect(0, &["state"]).out
     };
     let stop = ["ctl", "--socket", SOCKET, "stop"];
     for answer in ["no", "", "what"] {
@@ -195,7 +202,7 @@ fn who_sits_at_a_terminal_is_asked_before_outputs_move() {
     }
     assert_eq!(talk(terminal(&bench, &stop), &["yes"]).0, Some(0));
     assert_eq!(state(), "STOPPED\n");
-    led.expect(0, &["run"]);
+    stepped.expect(0, &["run"]);
     assert_eq!(state(), "RUNNING\n");
     let (code, screen) = talk(terminal(&bench, &[&stop[..], &["--yes"]].concat()), &[]);
     assert!(code == Some(0) && !screen.contains("yes or no"), "{screen}");
@@ -243,25 +250,25 @@ fn a_rig_is_found_by_its_board() {
 
 #[test]
 fn a_plan_has_the_course_and_the_exit_of_a_test() {
-    let (bench, led) = rig();
+    let (bench, stepped) = rig();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 499 ms");
-    assert_eq!(led.expect(0, &["plans", "lamp.toml"]).out, "lamp\n");
-    let told = led.expect(0, &["plan", "lamp"]).out;
+    assert_eq!(stepped.expect(0, &["plans", "lamp.toml"]).out, "lamp\n");
+    let told = stepped.expect(0, &["plan", "lamp"]).out;
     assert_eq!(told, "lamp (1 of 1)\n      1.000000 s  press  button := TRUE\npass: lamp\nall: pass\n");
-    let told = led.expect(1, &["plan", "slow"]).out;
+    let told = stepped.expect(1, &["plan", "slow"]).out;
     assert!(
         told.contains("  fail: `lamp` rises 490 ms .. 499 ms after press") && told.ends_with("all: fail\n"),
         "{told}"
     );
-    let json = led.expect(0, &["plan", "lamp", "--json"]).out;
+    let json = stepped.expect(0, &["plan", "lamp", "--json"]).out;
     let events: Vec<serde_json::Value> =
         json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let kinds: Vec<&str> = events.iter().map(|event| event["plan"].as_str().unwrap()).collect();
     assert_eq!(kinds, ["case", "step", "step", "verdict", "over"]);
-    let missing = led.expect(2, &["plan", "lapm"]);
+    let missing = stepped.expect(2, &["plan", "lapm"]);
     assert!(missing.err.contains("R061"), "{}", missing.err);
     // The controller restarts after it.
-    led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
+    stepped.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
 }
 
 /// A process that is ended when this is dropped.

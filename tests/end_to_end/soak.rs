@@ -64,8 +64,8 @@ struct ProcessUsage {
     threads: usize,
 }
 
-fn size(led: &SteppedRig) -> ProcessUsage {
-    let process = format!("/proc/{}", led.process());
+fn size(stepped: &SteppedRig) -> ProcessUsage {
+    let process = format!("/proc/{}", stepped.process());
     let status = std::fs::read_to_string(format!("{process}/status")).unwrap();
     let line = status.lines().find(|line| line.starts_with("VmRSS:")).unwrap();
     let kib: u64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
@@ -73,8 +73,8 @@ fn size(led: &SteppedRig) -> ProcessUsage {
     ProcessUsage { bytes: kib * 1024, files: count("fd"), threads: count("task") }
 }
 
-fn connect(led: &SteppedRig, name: &str) -> Client {
-    Client::connect(&led.socket(), name).unwrap()
+fn connect(stepped: &SteppedRig, name: &str) -> Client {
+    Client::connect(&stepped.socket(), name).unwrap()
 }
 
 fn signals(names: &[&str], all: bool) -> Operation {
@@ -83,8 +83,8 @@ fn signals(names: &[&str], all: bool) -> Operation {
 }
 
 /// Somebody who looks at a trend for a second, and sees all of it.
-fn trend(led: &SteppedRig) {
-    let mut client = connect(led, "trend");
+fn trend(stepped: &SteppedRig) {
+    let mut client = connect(stepped, "trend");
     client.ask::<Subscribed>(signals(&["MAIN.count", "pressure", "Q0", "Q1", "%IX0.0"], true)).unwrap();
     client.ask::<Advanced>(Operation::Advance { by: SECOND }).unwrap();
     let mut seen = 0;
@@ -98,8 +98,8 @@ fn trend(led: &SteppedRig) {
 }
 
 /// Somebody who asks for everything and reads nothing.
-fn deaf(led: &SteppedRig) -> UnixStream {
-    let mut stream = UnixStream::connect(led.socket()).unwrap();
+fn deaf(stepped: &SteppedRig) -> UnixStream {
+    let mut stream = UnixStream::connect(stepped.socket()).unwrap();
     let topic = r#"{"of":"signals","names":["MAIN.count","pressure"],"every_ms":5,"all":true}"#;
     for (id, topic) in (1..).zip([topic, r#"{"of":"status","every_ms":5}"#, r#"{"of":"log"}"#]) {
         writeln!(stream, "{{\"id\":{id},\"do\":\"subscribe\",\"topic\":{topic}}}").unwrap();
@@ -108,8 +108,8 @@ fn deaf(led: &SteppedRig) -> UnixStream {
 }
 
 /// Somebody who runs a plan, and waits until the program runs again.
-fn plan(led: &SteppedRig) {
-    let mut client = connect(led, "plan");
+fn plan(stepped: &SteppedRig) {
+    let mut client = connect(stepped, "plan");
     client.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Plan }).unwrap();
     client.ask::<Done>(Operation::Plan { name: "lamp".to_owned() }).unwrap();
     let began = Instant::now();
@@ -122,16 +122,16 @@ fn plan(led: &SteppedRig) {
         }
     };
     assert_eq!(verdict, "pass");
-    led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
+    stepped.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
 }
 
 /// A round: what several people do in a second.
-fn round(led: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>, round: u32) {
+fn round(stepped: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>, round: u32) {
     let name = "%IX0.0".to_owned();
     let on = WireValue(Value::Bool(round.is_multiple_of(2)));
     if round.is_multiple_of(60) {
         // The program restarts after it.
-        plan(led);
+        plan(stepped);
     }
     leader
         .ask::<Done>(Operation::Write {
@@ -141,7 +141,7 @@ fn round(led: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>,
         .unwrap();
     if round.is_multiple_of(3) {
         // One who forces and goes, one who forces and is lost, one who takes it back.
-        let mut hand = connect(led, "hand");
+        let mut hand = connect(stepped, "hand");
         hand.ask::<Done>(Operation::Force { name: name.clone(), value: on }).unwrap();
         match round % 9 {
             0 => drop(hand.ask::<Done>(Operation::Leave { forces: Forces::Keep }).unwrap()),
@@ -151,13 +151,13 @@ fn round(led: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>,
     }
     if round.is_multiple_of(10) {
         leader.ask::<Done>(Operation::ReleaseAll).unwrap();
-        deaf_ones.push(deaf(led));
+        deaf_ones.push(deaf(stepped));
         if deaf_ones.len() > 3 {
             deaf_ones.remove(0);
         }
     }
     if round.is_multiple_of(5) {
-        trend(led);
+        trend(stepped);
     } else {
         leader.ask::<Advanced>(Operation::Advance { by: SECOND }).unwrap();
     }
@@ -182,15 +182,15 @@ fn ten_minutes_of_commissioning_leave_the_rig_as_large_as_it_was() {
     let bench = TestProject::new();
     bench.write("soak.toml", BOARD);
     bench.write("soak.st", PROGRAM);
-    let led = SteppedRig::start(&bench, "soak.toml", "soak.st");
-    led.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
-    let mut leader = connect(&led, "leader");
+    let stepped = SteppedRig::start(&bench, "soak.toml", "soak.st");
+    stepped.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
+    let mut leader = connect(&stepped, "leader");
     leader.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Status { every_ms: 100 } }).unwrap();
     let mut deaf_ones = Vec::new();
-    (1..=WARM).for_each(|place| round(&led, &mut leader, &mut deaf_ones, place));
-    let warm = size(&led);
-    (WARM + 1..=ROUNDS).for_each(|place| round(&led, &mut leader, &mut deaf_ones, place));
-    let end = size(&led);
+    (1..=WARM).for_each(|place| round(&stepped, &mut leader, &mut deaf_ones, place));
+    let warm = size(&stepped);
+    (WARM + 1..=ROUNDS).for_each(|place| round(&stepped, &mut leader, &mut deaf_ones, place));
+    let end = size(&stepped);
     assert!(end.bytes <= warm.bytes + SLACK, "{warm:?} became {end:?}");
     assert_eq!((end.files, end.threads), (warm.files, warm.threads));
     let status: Status = leader.ask(Operation::Status).unwrap();

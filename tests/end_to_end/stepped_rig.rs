@@ -17,10 +17,10 @@ impl SteppedRig {
         let mut command =
             bench.command(&["run", "--board", board, "--program", program, "--stepped", "--control"]);
         command.arg(folder.join(SOCKET)).stdout(Stdio::null()).stderr(Stdio::null());
-        let led = SteppedRig { child: command.spawn().unwrap(), folder };
-        let ran = led.ctl(&["state", "--wait", "60s"]);
+        let stepped = SteppedRig { child: command.spawn().unwrap(), folder };
+        let ran = stepped.ctl(&["state", "--wait", "60s"]);
         assert_eq!(ran.code, Some(0), "{}", ran.err);
-        led
+        stepped
     }
 
     pub fn socket(&self) -> PathBuf {

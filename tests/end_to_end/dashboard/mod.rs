@@ -1,4 +1,4 @@
-//! The dashboard before a rig whose time clients lead, over its socket: what it shows is the same with every run.
+//! The dashboard before a rig in stepped time, over its socket: what it shows is the same with every run.
 //!
 //! `SCANRIG_BLESS=1 cargo test -p scanrig-cli --test end_to_end dashboard` writes the goldens again.
 

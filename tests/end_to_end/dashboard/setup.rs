@@ -1,4 +1,4 @@
-//! A rig whose time clients lead, and a dashboard before it.
+//! A rig in stepped time, and a dashboard before it.
 
 use crate::project_folder::{TestProject, root};
 use control::client::{Client, Receiver, Sender};

@@ -52,8 +52,8 @@ pub fn counts(file: &BoardFile) -> Option<Check> {
 
 fn latency(machine: &Machine) -> Check {
     const NAME: &str = "wake-up latency";
-    const MEND: &str = "rig bench latency --count 100000";
-    let open = |found: String| Check::open(GROUP, NAME, found).fix(MEND);
+    const FIX: &str = "rig bench latency --count 100000";
+    let open = |found: String| Check::open(GROUP, NAME, found).fix(FIX);
     let Some(folder) = figures::folder() else {
         return open(String::from("nothing can be kept: neither XDG_STATE_HOME nor HOME names a folder"));
     };

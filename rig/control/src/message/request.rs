@@ -98,7 +98,7 @@ pub enum Operation {
         /// What becomes of them.
         forces: Forces,
     },
-    /// Lets time pass, where clients lead it; answered when it has.
+    /// Lets time pass, where clients step it; answered when it has.
     Advance {
         /// How much, nanoseconds.
         by: i64,

@@ -25,7 +25,7 @@ pub enum Order {
     ReleaseAll,
     /// Command the controller.
     Command(Action),
-    /// Let time pass, where clients lead it.
+    /// Let time pass, where clients step it.
     Advance(Span),
     /// Run a plan.
     Plan(String),

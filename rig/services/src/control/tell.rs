@@ -35,7 +35,7 @@ impl Hub {
                     let room = client.has_room(self.settings.limits.queue);
                     let Some(one) = client.subscriptions.get_mut(number) else { continue };
                     let Of::Signals { waiting, .. } = &mut one.of else { continue };
-                    // Where clients lead time, messages are cut by the rig's own time: the same each time. And rather
+                    // In stepped time messages are cut by the rig's own time: the same each time. And rather
                     // than that something is missed, a message comes early.
                     let due = stepped && at.latest >= one.due;
                     if room && one.due != Time::MAX && (due || waiting.is_full()) {

@@ -1,5 +1,5 @@
 //! A rig that does what it is told: signals `m0` to `m999`, orders that are carried out at the next turn, and a clock
-//! that clients lead where the test wants it.
+//! that clients step where the test wants it.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard};

@@ -49,7 +49,7 @@ fn a_scan_names_chips_lines_holders_and_other_devices() {
         "can3 = { kind = \"can\", interface = \"can3\", bitrate = 500000, data-bitrate = 2000000 } # ",
         "# vcan0 = { kind = \"can\", interface = \"vcan0\", bitrate = 500000 } # ",
         "# ttyS",
-        "# spidev0-4-out = { kind = \"spi\", path = \"/dev/spidev0.4\" } # if nothing hangs there",
+        "# spidev0-4-out = { kind = \"spi\", path = \"/dev/spidev0.4\" } # if nothing is connected",
         "# rig-pwm = { kind = \"pwm\", path = \"/sys/devices/platform/rig-pwm\" } # 4 outputs",
     ] {
         assert!(ran.out.lines().any(|found| found.starts_with(line)), "`{line}` is missing in\n{}", ran.out);
