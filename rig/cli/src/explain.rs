@@ -70,7 +70,8 @@ fn show(page: &CodePage<'_>) -> String {
     text
 }
 
-/// Links of Markdown as words with the file after them: `[needs](plans.md#needs)` is `needs (docs/plans.md#needs)`.
+/// Links of Markdown as words with the file after them: `[needs](plans/cases.md#needs)` is `needs
+/// (docs/plans/cases.md#needs)`.
 fn plain(text: &str) -> String {
     let mut plain = String::new();
     let mut rest = text;
@@ -116,8 +117,8 @@ mod tests {
     #[test]
     fn links_name_their_file() {
         assert_eq!(
-            plain("Use [needs](plans.md#needs); `a[1]` stays."),
-            "Use needs (docs/plans.md#needs); `a[1]` stays."
+            plain("Use [needs](plans/cases.md#needs); `a[1]` stays."),
+            "Use needs (docs/plans/cases.md#needs); `a[1]` stays."
         );
         assert_eq!(plain("an `x](` alone"), "an `x](` alone");
     }

@@ -1,4 +1,4 @@
-//! How cases come through setup, steps and teardown: every row of the table in `docs/plans.md`. Each verdict is the same
+//! How cases come through setup, steps and teardown: every row of the table in `docs/plans/steps.md`. Each verdict is the same
 //! when the trace is judged again.
 
 use crate::texts::Texts;
