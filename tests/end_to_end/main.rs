@@ -22,6 +22,7 @@ mod interrupt;
 mod judge;
 mod latency;
 mod listed;
+mod manual;
 mod plan_folder;
 mod program;
 mod project;
