@@ -4,8 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use crate::bench::{list, root};
 use crate::manual::markdown::{code, manual, page};
+use crate::project_folder::{list, root};
 
 /// The crates of the page's table with their folders.
 fn crates() -> BTreeMap<String, PathBuf> {
@@ -152,4 +152,18 @@ fn the_stations_of_a_bit_are_where_the_page_says() {
         let mut words = text.split(|char: char| !char.is_alphanumeric() && char != '_');
         assert!(words.any(|word| word == name), "docs/{}: no `{name}` in {file}", row.place);
     }
+}
+
+#[test]
+fn the_methods_of_a_board_are_on_its_page() {
+    let source = std::fs::read_to_string(root().join("drivers/src/board/mod.rs")).unwrap();
+    let body = source.split_once("\npub trait Board").unwrap().1.split_once("\n}\n").unwrap().0;
+    let lines = body.lines().filter_map(|line| line.trim_start().strip_prefix("fn "));
+    let names: Vec<&str> = lines.filter_map(|line| line.split(['(', '<']).next()).collect();
+    assert!(names.len() > 8, "{names:?}");
+    let page = page("boards/drivers").text;
+    let stands = |name: &str| page.contains(&format!("{name}("));
+    // What can be changed is reached by the same word as what can be looked at.
+    let missing: Vec<_> = names.iter().filter(|name| !stands(name.trim_end_matches("_mut"))).collect();
+    assert!(missing.is_empty(), "docs/boards/drivers.md lacks {missing:?}");
 }

@@ -1,7 +1,7 @@
 //! Every example of the manual is one that `rig check` takes.
 
-use crate::bench::{Bench, LAMP_ST, root};
 use crate::manual::markdown::{Block, manual};
+use crate::project_folder::{LAMP_ST, TestProject, root};
 
 /// What stands in front of a list of steps or of expectations.
 const KEYS: &str = r#"format = 1
@@ -60,8 +60,8 @@ const STEPS: &str = r#"
 "#;
 
 /// A board with the channels and buses that the examples name, and the files that they name.
-fn bench() -> Bench {
-    let bench = Bench::new();
+fn bench() -> TestProject {
+    let bench = TestProject::new();
     let folder = root().join("tests/end_to_end/manual/bench");
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     for name in ["bench.st", "other.st", "tasks.st", "counter.st", "machine.dbc", "bench.toml"] {

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::bench::{Bench, root};
 use crate::manual::markdown::{Table, code, manual, page};
-use plans::{expect, lang, plan, steps};
+use crate::project_folder::{TestProject, root};
+use plans::signals::TaskFigure;
+use plans::{expect, lang, steps};
 use signal::Quantity;
 
 fn table(name: &str, heading: &str, header: &str) -> Table {
@@ -87,7 +88,7 @@ fn every_power_has_a_row() {
 #[test]
 fn every_figure_of_a_task_is_named() {
     let page = page("plans/signals").text;
-    let missing = plan::TaskFigure::NAMES.iter().filter(|name| !code(&page).any(|code| code == **name));
+    let missing = TaskFigure::NAMES.iter().filter(|name| !code(&page).any(|code| code == **name));
     assert_eq!(missing.collect::<Vec<_>>(), Vec::<&&str>::new());
 }
 
@@ -119,7 +120,7 @@ fn units_of_one_kind_are_converted() {
 
 #[test]
 fn every_code_of_the_manual_exists() {
-    let listed = Bench::new().expect(0, &["explain"]).out;
+    let listed = TestProject::new().expect(0, &["explain"]).out;
     let known: BTreeSet<&str> = listed.lines().filter_map(|line| line.get(..5)).collect();
     let is_code = |word: &str| {
         word.len() == 5
@@ -140,7 +141,7 @@ fn every_code_of_the_manual_exists() {
 // An option that was renamed or that never was: the completions of the shell have all that there are.
 #[test]
 fn every_option_of_the_manual_exists() {
-    let completions = Bench::new().expect(0, &["completions", "bash"]).out;
+    let completions = TestProject::new().expect(0, &["completions", "bash"]).out;
     let options = |text: &str| -> Vec<String> {
         let words = text.split([' ', '"', '=', '`', '|', ',', ')', '[', ']']);
         words.filter(|word| word.starts_with("--") && word.len() > 3).map(str::to_owned).collect()

@@ -1,8 +1,8 @@
 //! Limits that the manual states: what lies at one is taken, what lies beyond it is refused, and the page says so in the
 //! words that stand here. Whoever moves a limit finds the sentence, and whoever changes the sentence the limit.
 
-use crate::bench::{Bench, root};
 use crate::manual::markdown::page;
+use crate::project_folder::{TestProject, root};
 
 /// A limit: the page, its words there, the file around the value (`@`), values that are taken and values that are refused.
 type Limit = (&'static str, &'static str, &'static str, &'static [&'static str], &'static [&'static str]);
@@ -186,7 +186,7 @@ const LIMITS: &[Limit] = &[
 
 #[test]
 fn limits_are_those_of_the_manual() {
-    let bench = Bench::new();
+    let bench = TestProject::new();
     for name in ["bench.st", "bench.toml"] {
         let path = root().join("tests/end_to_end/manual/bench").join(name);
         bench.write(name, &std::fs::read_to_string(path).unwrap());

@@ -1,7 +1,7 @@
 //! Links of the documents: each leads to a file that is there, and to a heading that it has; every page can be reached
 //! from the map of the documents.
 
-use crate::bench::root;
+use crate::project_folder::root;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! What the tests read out of a page: its tables and its blocks of code.
 
-use crate::bench::{list, root};
+use crate::project_folder::{list, root};
 
 /// A page of the manual.
 pub struct Page {
