@@ -8,7 +8,7 @@ impl Executor<'_> {
     /// The case begins: from now on alarms count.
     pub(super) fn arm(&mut self) {
         let now = self.now;
-        for alarm in self.alarms.iter_mut() {
+        for alarm in self.parts.alarms.iter_mut() {
             alarm.watch.start(now);
         }
     }
@@ -16,14 +16,14 @@ impl Executor<'_> {
     /// When the next alarm will be raised if nothing changes.
     #[inline]
     pub(super) fn next_alarm(&self) -> Option<Time> {
-        self.alarms.iter().filter_map(|alarm| alarm.watch.due()).min()
+        self.parts.alarms.iter().filter_map(|alarm| alarm.watch.due()).min()
     }
 
     /// A signal has a value that was recorded.
     #[inline]
     pub(super) fn alarmed(&mut self, signal: SignalId, at: When, value: Value) {
-        for place in 0..self.alarms.len() {
-            let alarm = &mut self.alarms[place];
+        for place in 0..self.parts.alarms.len() {
+            let alarm = &mut self.parts.alarms[place];
             // One without a delay is raised by the change itself.
             let raised = alarm.signal == signal && (alarm.watch.see(at, value) | alarm.watch.pass(at.latest));
             if raised {
@@ -34,8 +34,8 @@ impl Executor<'_> {
 
     /// Raises the alarms whose conditions have lasted long enough by now.
     pub(super) fn raise_due(&mut self) {
-        for place in 0..self.alarms.len() {
-            if self.alarms[place].watch.pass(self.now) {
+        for place in 0..self.parts.alarms.len() {
+            if self.parts.alarms[place].watch.pass(self.now) {
                 self.raise(place);
             }
         }
@@ -44,10 +44,10 @@ impl Executor<'_> {
     /// An alarm is raised: it is marked in the trace, and the case ends by it if it says so. What the alarm comes to
     /// is judged from the trace.
     fn raise(&mut self, place: usize) {
-        let mark = self.alarms[place].mark;
-        self.recorder.mark(mark, self.seen(self.now));
-        if self.alarms[place].ends {
-            self.schedule.end_early(EndReason::Alarm, self.now);
+        let mark = self.parts.alarms[place].mark;
+        self.parts.recorder.mark(mark, self.seen(self.now));
+        if self.parts.alarms[place].ends {
+            self.parts.schedule.end_early(EndReason::Alarm, self.now);
         }
     }
 }

@@ -9,15 +9,15 @@ use signal::{Cause, Level, Value, When};
 impl Executor<'_> {
     /// What the board saw up to now goes to the trace and to the subject's inputs.
     pub(super) fn poll(&mut self) -> Result<(), RigFault> {
-        let mut events = std::mem::take(&mut self.polled);
+        let mut events = std::mem::take(&mut self.buffers.polled);
         events.clear();
         let now = self.board_time();
-        let polled = self.board.poll(now, &mut events);
+        let polled = self.parts.board.poll(now, &mut events);
         self.mark_faults_seen();
         for event in &events {
             self.see(event);
         }
-        self.polled = events;
+        self.buffers.polled = events;
         polled.map_err(|error| RigFault::Board { at: now, error })?;
         self.poll_buses(now)?;
         // A line may have told the subject's state.
@@ -31,12 +31,12 @@ impl Executor<'_> {
         let (at, value, cause, origin) = match *event {
             BoardEvent::Changed { at, value, origin, .. } => {
                 let cause = match origin {
-                    Origin::Write => self.wiring.writers[place],
+                    Origin::Write => self.parts.wiring.writers[place],
                     Origin::Gap(gap) => Cause::Gap(gap),
                     _ => Cause::Board,
                 };
-                self.pending_writes.seen(channel);
-                self.edges.seen(channel);
+                self.awaited.writes.seen(channel);
+                self.awaited.edges.seen(channel);
                 self.lines.reached(channel, at.latest, origin);
                 self.see_pulse(channel, at, value, origin);
                 (at, value, cause, origin)
@@ -61,11 +61,11 @@ impl Executor<'_> {
         if self.live.is_some() {
             self.report_channel(channel, self.seen_by_board(at, channel, origin), value, lost);
         }
-        for index in 0..self.wiring.channels[place].len() {
-            let signal = self.wiring.channels[place][index];
+        for index in 0..self.parts.wiring.channels[place].len() {
+            let signal = self.parts.wiring.channels[place][index];
             self.record(signal, self.seen_by_board(at, channel, origin), value, cause);
         }
-        if !self.wiring.inputs[place].is_empty() {
+        if !self.parts.wiring.inputs[place].is_empty() {
             let what = match value {
                 Value::Bool(high) => InputChange::Level(Level::from_bool(high)),
                 Value::Int(count) => InputChange::Steps(self.counted_on(channel, count)),
@@ -74,11 +74,11 @@ impl Executor<'_> {
                     Some(high) => InputChange::Level(Level::from_bool(high)),
                     None => return,
                 },
-                _ if self.board.channels()[place].kind == ChannelKind::Count => return,
+                _ if self.parts.board.channels()[place].kind == ChannelKind::Count => return,
                 _ => InputChange::Level(Level::HighZ),
             };
-            for index in 0..self.wiring.inputs[place].len() {
-                let input = self.wiring.inputs[place][index];
+            for index in 0..self.parts.wiring.inputs[place].len() {
+                let input = self.parts.wiring.inputs[place][index];
                 self.input(channel, at, input, what);
             }
         }

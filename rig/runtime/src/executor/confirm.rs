@@ -37,7 +37,7 @@ impl PendingWrites {
 impl Executor<'_> {
     /// Whether what is driven is waited for: a controller that the rig plays is computed meanwhile.
     fn awaits_lines(&self) -> bool {
-        !self.modelled && !self.subject.is_model()
+        self.pacing.has_wires() && !self.parts.subject.is_model()
     }
 
     /// These writes are about to be made.
@@ -45,15 +45,15 @@ impl Executor<'_> {
         if !self.awaits_lines() {
             return;
         }
-        for (channel, value) in &self.writes {
+        for (channel, value) in &self.buffers.writes {
             let place = usize::from(channel.0);
-            let Some(last) = self.pending_writes.last.get_mut(place) else { continue };
-            let seen = self.board.channels().get(place).is_some_and(|channel| channel.senses);
+            let Some(last) = self.awaited.writes.last.get_mut(place) else { continue };
+            let seen = self.parts.board.channels().get(place).is_some_and(|channel| channel.senses);
             if std::mem::replace(last, *value) != *value
                 && seen
-                && !self.pending_writes.channels.contains(channel)
+                && !self.awaited.writes.channels.contains(channel)
             {
-                self.pending_writes.channels.push(*channel);
+                self.awaited.writes.channels.push(*channel);
             }
         }
     }
@@ -64,20 +64,20 @@ impl Executor<'_> {
             *after == Span::ZERO
                 && matches!(act, Act::Drive(..) | Act::Power(_) | Act::Command(Command::Switch(_), _))
         };
-        self.pending_writes.channels.clear();
+        self.awaited.writes.channels.clear();
         if self.waits_for_relay(step) {
             return;
         }
-        if self.awaits_lines() && self.schedule.steps()[step].acts.iter().any(drives) {
-            self.pending_writes.step = Some(step);
+        if self.awaits_lines() && self.parts.schedule.steps()[step].acts.iter().any(drives) {
+            self.awaited.writes.step = Some(step);
         } else {
             self.mark_step(step);
         }
     }
 
     fn mark_step(&mut self, step: usize) {
-        let mark = self.schedule.steps()[step].mark;
-        self.recorder.mark(mark, self.seen(self.now));
+        let mark = self.parts.schedule.steps()[step].mark;
+        self.parts.recorder.mark(mark, self.seen(self.now));
     }
 
     /// An act of a step is done: waits until its lines were driven.
@@ -87,18 +87,18 @@ impl Executor<'_> {
         }
         let began = self.actual;
         let limit = began.saturating_add(self.limits.late);
-        while !self.pending_writes.channels.is_empty() && self.report.fault.is_none() {
-            self.actual = self.clock.wait(limit).max(self.actual);
+        while !self.awaited.writes.channels.is_empty() && self.report.fault.is_none() {
+            self.actual = self.parts.clock.wait(limit).max(self.actual);
             self.poll()?;
-            if self.actual >= limit && !self.pending_writes.channels.is_empty() {
+            if self.actual >= limit && !self.awaited.writes.channels.is_empty() {
                 let late = self.actual - began;
                 self.report.fault.get_or_insert(RigFault::Late { at: began, late, limit: self.limits.late });
             }
         }
-        let acts = &self.schedule.steps()[step].acts;
+        let acts = &self.parts.schedule.steps()[step].acts;
         let last = acts.get(place + 1).is_none_or(|(after, _)| *after > Span::ZERO);
-        if self.pending_writes.step == Some(step) && last {
-            self.pending_writes.step = None;
+        if self.awaited.writes.step == Some(step) && last {
+            self.awaited.writes.step = None;
             self.mark_step(step);
         }
         Ok(())

@@ -77,8 +77,8 @@ impl Executor<'_> {
     /// planned.
     pub(super) fn note_late_edge(&mut self, step: usize) {
         let of_edges = |generator: &Generator| generator.is_of_edges();
-        let generator = self.schedule.steps()[step].generator.as_ref();
-        let Some(at) = self.schedule.planned(step).filter(|_| generator.is_some_and(of_edges)) else {
+        let generator = self.parts.schedule.steps()[step].generator.as_ref();
+        let Some(at) = self.parts.schedule.planned(step).filter(|_| generator.is_some_and(of_edges)) else {
             return;
         };
         let late = self.actual - at;
@@ -89,70 +89,74 @@ impl Executor<'_> {
 
     /// These writes of a generator are about to be made: the edges among them are to be seen.
     pub(super) fn expect_edges(&mut self) {
-        if self.modelled {
+        if !self.pacing.has_wires() {
             return;
         }
-        for (channel, value) in &self.writes {
+        for (channel, value) in &self.buffers.writes {
             let place = usize::from(channel.0);
-            let sensed = self.board.channels().get(place).is_some_and(|channel| channel.senses);
-            if sensed && matches!(value, Value::Bool(_)) && self.driven.get(place) != Some(value) {
-                self.edges.ask(*channel);
+            let sensed = self.parts.board.channels().get(place).is_some_and(|channel| channel.senses);
+            if sensed && matches!(value, Value::Bool(_)) && self.driven.values.get(place) != Some(value) {
+                self.awaited.edges.ask(*channel);
             }
         }
     }
 
     /// Whether the end of a step waits for edges that it asked for.
     pub(super) fn awaits_edges(&mut self, step: usize) -> bool {
-        if self.modelled || self.report.fault.is_some() {
+        if !self.pacing.has_wires() || self.report.fault.is_some() {
             return false;
         }
-        let planned = &self.schedule.steps()[step];
+        let planned = &self.parts.schedule.steps()[step];
         let Some(generator) = &planned.generator else { return false };
-        if let Some(begun) = self.schedule.begun(step).filter(|_| planned.repeat.is_none()) {
+        if let Some(begun) = self.parts.schedule.begun(step).filter(|_| planned.repeat.is_none()) {
             // What follows from late pulses has as much time as it was to have.
-            self.edges.late = self.edges.late.max(self.now - begun.saturating_add(planned.lasts));
+            self.awaited.edges.late =
+                self.awaited.edges.late.max(self.now - begun.saturating_add(planned.lasts));
         }
-        if !generator.channels().any(|channel| self.edges.owes(channel)) {
+        if !generator.channels().any(|channel| self.awaited.edges.owes(channel)) {
             return false;
         }
         let until = self.actual.saturating_add(self.limits.late);
-        self.edges.ending.push((step, until));
+        self.awaited.edges.ending.push((step, until));
         true
     }
 
     /// The end of the case; not before pulses that the rig is late with have come that were to come before it.
     pub(super) fn end(&self) -> Time {
-        match self.schedule.end() {
-            Some(end) if self.edges.put_off && self.is_behind(end) => Time::MAX,
-            Some(end) => end.saturating_add(self.edges.late),
+        match self.parts.schedule.end() {
+            Some(end) if self.awaited.edges.put_off && self.is_behind(end) => Time::MAX,
+            Some(end) => end.saturating_add(self.awaited.edges.late),
             None => Time::MAX,
         }
     }
 
     /// Whether the case, whose end has come, goes on for what the rig is late with.
     pub(super) fn puts_off_end(&mut self) -> bool {
-        let early = self.over || self.schedule.ended().is_some() || self.report.fault.is_some();
-        self.edges.put_off = !early && self.schedule.end().is_some_and(|end| self.is_behind(end));
-        self.edges.put_off
+        let early = self.over || self.parts.schedule.ended().is_some() || self.report.fault.is_some();
+        self.awaited.edges.put_off =
+            !early && self.parts.schedule.end().is_some_and(|end| self.is_behind(end));
+        self.awaited.edges.put_off
     }
 
     fn is_behind(&self, end: Time) -> bool {
-        self.holds_end() || !self.modelled && (!self.edges.ending.is_empty() || self.schedule.is_behind(end))
+        self.holds_end()
+            || self.pacing.has_wires()
+                && (!self.awaited.edges.ending.is_empty() || self.parts.schedule.is_behind(end))
     }
 
     /// Ends the steps whose last edges were seen, or are not waited for any longer.
     pub(super) fn end_pulses(&mut self) {
-        for place in (0..self.edges.ending.len()).rev() {
-            let (step, until) = self.edges.ending[place];
-            let Some(generator) = &self.schedule.steps()[step].generator else { continue };
-            let owed = generator.channels().any(|channel| self.edges.owes(channel));
+        for place in (0..self.awaited.edges.ending.len()).rev() {
+            let (step, until) = self.awaited.edges.ending[place];
+            let Some(generator) = &self.parts.schedule.steps()[step].generator else { continue };
+            let owed = generator.channels().any(|channel| self.awaited.edges.owes(channel));
             let over = self.actual >= until || self.report.fault.is_some();
             if owed && !over {
                 continue;
             }
             let mut late = false;
             for channel in generator.channels() {
-                late |= self.edges.forget(channel);
+                late |= self.awaited.edges.forget(channel);
             }
             // A line that never followed is cut, or held: what that means is for the claims to say.
             if late && self.report.fault.is_none() {
@@ -160,8 +164,8 @@ impl Executor<'_> {
                 self.report.fault =
                     Some(RigFault::Late { at: until.saturating_add(-limit), late: limit, limit });
             }
-            self.edges.ending.remove(place);
-            self.schedule.done_at(step, self.now);
+            self.awaited.edges.ending.remove(place);
+            self.parts.schedule.done_at(step, self.now);
         }
     }
 
@@ -170,26 +174,26 @@ impl Executor<'_> {
     pub(super) fn report_missed_edges(&mut self, at: Time, channel: ChannelId, count: u32) {
         let fault = RigFault::Dropped { at, channel, count };
         let place = usize::from(channel.0);
-        if !std::mem::replace(&mut self.edges.missed[place], true) {
-            self.notice(at, fault.show(self.board.channels()).to_string());
+        if !std::mem::replace(&mut self.awaited.edges.missed[place], true) {
+            self.notice(at, fault.show(self.parts.board.channels()).to_string());
         }
         self.report.fault.get_or_insert(fault);
-        for index in 0..self.wiring.inputs[place].len() {
-            let input = self.wiring.inputs[place][index];
-            self.subject.report_missed_edges(self.now, input, count);
+        for index in 0..self.parts.wiring.inputs[place].len() {
+            let input = self.parts.wiring.inputs[place][index];
+            self.parts.subject.report_missed_edges(self.now, input, count);
         }
     }
 
     /// The subject turns an output that it has turned already since the board was told: both are edges.
     pub(super) fn keep_edge(&mut self, channel: ChannelId, level: Level) -> Result<(), RigFault> {
         let turns = |(known, value): &(ChannelId, Value)| *known == channel && *value != Value::from(level);
-        if self.modelled || !self.writes.iter().any(turns) {
+        if !self.pacing.has_wires() || !self.buffers.writes.iter().any(turns) {
             return Ok(());
         }
         let at = self.board_time();
         self.expect_writes();
-        let written = self.board.write(at, &self.writes);
-        self.writes.clear();
+        let written = self.parts.board.write(at, &self.buffers.writes);
+        self.buffers.writes.clear();
         written.map_err(|error| RigFault::Board { at, error })
     }
 }

@@ -62,8 +62,8 @@ impl Executor<'_> {
     /// A step drives a channel: whatever the board made there is over.
     #[inline]
     pub(super) fn stop_pulses(&mut self, channel: ChannelId) {
-        if let Some(step) = self.emissions.stop(channel) {
-            self.schedule.done_at(step, self.now);
+        if let Some(step) = self.awaited.emissions.stop(channel) {
+            self.parts.schedule.done_at(step, self.now);
         }
     }
 
@@ -75,16 +75,16 @@ impl Executor<'_> {
         emission: &Emission,
     ) -> Result<(), RigFault> {
         let place = usize::from(channel.0);
-        self.wiring.writers[place] = Cause::Step(step as u16);
-        self.restore[place] = self.driven[place];
-        self.driven[place] = Value::Bool(false);
+        self.parts.wiring.writers[place] = Cause::Step(step as u16);
+        self.driven.restore[place] = self.driven.values[place];
+        self.driven.values[place] = Value::Bool(false);
         self.stop_pulses(channel);
         let at = self.board_time();
-        self.board.emit(at, channel, emission).map_err(|error| RigFault::Board { at, error })?;
-        let senses = self.board.channels().get(place).is_some_and(|channel| channel.senses);
+        self.parts.board.emit(at, channel, emission).map_err(|error| RigFault::Board { at, error })?;
+        let senses = self.parts.board.channels().get(place).is_some_and(|channel| channel.senses);
         if let (Emission::Pulses(edges), true) = (emission, senses) {
             let (left, last, until) = (edges.len(), When::exactly(at), None);
-            self.emissions.0.push(ActiveEmission { step, channel, left, last, until });
+            self.awaited.emissions.0.push(ActiveEmission { step, channel, left, last, until });
         }
         self.poll()
     }
@@ -97,16 +97,16 @@ impl Executor<'_> {
         emission: &Emission,
         cause: Cause,
     ) -> Result<(), RigFault> {
-        let Some(channel) = self.wiring.output(output) else { return Ok(()) };
-        self.wiring.writers[usize::from(channel.0)] = cause;
+        let Some(channel) = self.parts.wiring.output(output) else { return Ok(()) };
+        self.parts.wiring.writers[usize::from(channel.0)] = cause;
         self.lines.wrote(channel, at, self.actual);
         let at = self.board_time();
-        self.board.emit(at, channel, emission).map_err(|error| RigFault::Board { at, error })
+        self.parts.board.emit(at, channel, emission).map_err(|error| RigFault::Board { at, error })
     }
 
     /// The program has the period of such a wave begin anew, which no device does.
     pub(super) fn cannot_restart_period(&mut self, at: Time, output: usize) {
-        if let Some(channel) = self.wiring.output(output) {
+        if let Some(channel) = self.parts.wiring.output(output) {
             self.report.fault.get_or_insert(RigFault::PeriodNotRestarted { at, channel });
         }
     }
@@ -114,7 +114,7 @@ impl Executor<'_> {
     /// A line moved: one of the pulses that the board makes may be told by that.
     #[inline]
     pub(super) fn see_pulse(&mut self, channel: ChannelId, at: When, value: Value, origin: Origin) {
-        if self.emissions.0.is_empty() || origin != Origin::Write {
+        if self.awaited.emissions.0.is_empty() || origin != Origin::Write {
             return;
         }
         let told = |emitting: &&mut ActiveEmission| {
@@ -122,31 +122,31 @@ impl Executor<'_> {
             let rises = emitting.left.is_multiple_of(2);
             emitting.channel == channel && emitting.left > 0 && value == Value::Bool(rises)
         };
-        let Some(emitting) = self.emissions.0.iter_mut().find(told) else { return };
+        let Some(emitting) = self.awaited.emissions.0.iter_mut().find(told) else { return };
         emitting.left -= 1;
         if emitting.left > 0 {
             return;
         }
         let (step, waited) = (emitting.step, emitting.until.is_some());
         let at = self.seen_by_board(at, channel, origin);
-        for emitting in self.emissions.0.iter_mut().filter(|emitting| emitting.step == step) {
+        for emitting in self.awaited.emissions.0.iter_mut().filter(|emitting| emitting.step == step) {
             emitting.last = at;
         }
         if waited {
-            self.schedule.done_at(step, self.now);
+            self.parts.schedule.done_at(step, self.now);
         }
     }
 
     /// Whether edges of a step that should be over were not told yet. They have as long as the rig may be late.
     pub(super) fn emits_yet(&mut self, step: usize) -> bool {
         let of = |emitting: &&mut ActiveEmission| emitting.step == step && emitting.left > 0;
-        let Some(emitting) = self.emissions.0.iter_mut().find(of) else { return false };
+        let Some(emitting) = self.awaited.emissions.0.iter_mut().find(of) else { return false };
         let (now, limit) = (self.now, self.limits.late);
         match emitting.until {
             None => {
                 let until = now.saturating_add(limit);
                 emitting.until = Some(until);
-                self.schedule.done_at(step, until);
+                self.parts.schedule.done_at(step, until);
                 true
             }
             Some(until) if now < until => true,
@@ -164,25 +164,27 @@ impl Executor<'_> {
     /// for all of them. Not where something ended it early.
     #[inline]
     pub(super) fn holds_end(&self) -> bool {
-        self.emissions.0.iter().any(|emitting| emitting.left > 0) && self.schedule.ended().is_none()
+        self.awaited.emissions.0.iter().any(|emitting| emitting.left > 0)
+            && self.parts.schedule.ended().is_none()
     }
 
     /// Whether the end of the case has come, and only waits for pulses: no step comes behind it.
     pub(super) fn is_past_end(&self, now: Time) -> bool {
-        self.schedule.phase() == CasePart::Main && self.schedule.end().is_some_and(|end| now > end)
+        self.parts.schedule.phase() == CasePart::Main
+            && self.parts.schedule.end().is_some_and(|end| now > end)
     }
 
     /// The case is over: waves without an end of their own end, as they would if the rig drove them.
     pub(super) fn end_waves(&mut self) {
-        self.writes.clear();
-        while let Some(write) = self.schedule.end_emission(self.now) {
-            self.writes.push(write);
+        self.buffers.writes.clear();
+        while let Some(write) = self.parts.schedule.end_emission(self.now) {
+            self.buffers.writes.push(write);
         }
-        if self.writes.is_empty() {
+        if self.buffers.writes.is_empty() {
             return;
         }
         let at = self.board_time();
-        if let Err(error) = self.board.write(at, &self.writes) {
+        if let Err(error) = self.parts.board.write(at, &self.buffers.writes) {
             self.report.fault.get_or_insert(RigFault::Board { at, error });
         }
     }

@@ -1,6 +1,7 @@
 //! Between two turns: what clients of a rig that is kept running ask for, and what is left for them.
 
 use super::Executor;
+use super::event_source::EventSource;
 use crate::rig_fault::RigFault;
 use crate::scan_port::{Role, ScanCommand, ScanCommandError, ScanPort, ScanRequest, Source};
 use control::Action;
@@ -28,9 +29,9 @@ impl<'a> Executor<'a> {
     pub fn serving(mut self, port: Option<&'a mut ScanPort>, role: Role) -> Executor<'a> {
         self.live = port;
         if let Some(live) = &mut self.live {
-            self.subject.reserve(live.watches());
+            self.parts.subject.reserve(live.watches());
             live.begin(role, |of| match of {
-                Source::Inside(probe) if is_there(probe, role) => self.subject.watch(probe),
+                Source::Inside(probe) if is_there(probe, role) => self.parts.subject.watch(probe),
                 _ => NO_PROBE,
             });
         }
@@ -65,14 +66,8 @@ impl<'a> Executor<'a> {
 
     /// Whether something is due by now.
     fn has_more(&self) -> bool {
-        let due = [
-            self.subject.next_timer(),
-            self.board.next_event(),
-            self.schedule.next_due(),
-            self.next_alarm(),
-            self.edges.next(),
-        ];
-        due.into_iter().flatten().any(|due| due <= self.now)
+        let now = self.now;
+        EventSource::BY_THEMSELVES.into_iter().filter_map(|source| source.next(self)).any(|due| due <= now)
     }
 
     fn stand_still(&mut self) -> Result<bool, RigFault> {
@@ -83,14 +78,14 @@ impl<'a> Executor<'a> {
             live.arrive();
             live.wait();
         }
-        if self.interrupt.load(Ordering::Relaxed) { Err(RigFault::Interrupted) } else { Ok(false) }
+        if self.parts.interrupt.load(Ordering::Relaxed) { Err(RigFault::Interrupted) } else { Ok(false) }
     }
 
     /// Leaves a snapshot.
     fn publish_snapshot(&mut self) {
         let Some(live) = &mut self.live else { return };
-        let (subject, board) = (&*self.subject, &*self.board);
-        let (late, late_outputs) = (self.recorder.late(), self.lines.late_outputs());
+        let (subject, board) = (&*self.parts.subject, &*self.parts.board);
+        let (late, late_outputs) = (self.parts.recorder.late(), self.lines.late_outputs());
         let tasks = live.tasks();
         live.publish(self.now, |snapshot| {
             snapshot.state = subject.state();
@@ -111,7 +106,7 @@ impl<'a> Executor<'a> {
             ScanRequest::Watch(source, of) => {
                 let role = self.live.as_ref().map_or(Role::Rig, |live| live.role());
                 let probe = match of {
-                    Source::Inside(probe) if is_there(probe, role) => self.subject.watch(probe),
+                    Source::Inside(probe) if is_there(probe, role) => self.parts.subject.watch(probe),
                     _ => NO_PROBE,
                 };
                 let (at, value) = self.look(of);
@@ -122,7 +117,7 @@ impl<'a> Executor<'a> {
             }
             ScanRequest::Unwatch(source) => {
                 if let Some(probe) = self.live.as_mut().and_then(|live| live.unfollow(source)) {
-                    self.subject.unwatch(probe);
+                    self.parts.subject.unwatch(probe);
                 }
             }
             ScanRequest::Command(ticket, command) if self.is_case() => {
@@ -194,7 +189,7 @@ impl<'a> Executor<'a> {
             Source::Inside(probe) if self.is_case() && !is_there(probe, Role::Case) => {
                 (self.seen(self.now), Value::Unknown)
             }
-            Source::Inside(probe) => (self.seen(self.now), self.subject.read(&probe)),
+            Source::Inside(probe) => (self.seen(self.now), self.parts.subject.read(&probe)),
             Source::Channel(channel) => {
                 let unseen = (When::exactly(self.now), Value::Unknown);
                 self.live.as_ref().map_or(unseen, |live| live.seen(channel))
@@ -206,7 +201,13 @@ impl<'a> Executor<'a> {
         match command {
             ScanCommand::Read(of) => Ok(Some(self.look(of).1)),
             ScanCommand::Write(Source::Inside(probe), value) => {
-                let written = self.subject.write(self.now, &probe, value, Cause::Unknown, &mut self.effects);
+                let written = self.parts.subject.write(
+                    self.now,
+                    &probe,
+                    value,
+                    Cause::Unknown,
+                    &mut self.buffers.effects,
+                );
                 written.map(|()| None).map_err(ScanCommandError::Write)
             }
             ScanCommand::Write(Source::Channel(channel), value) => self.write_channel(channel, value),
@@ -222,27 +223,27 @@ impl<'a> Executor<'a> {
 
     /// Puts a value on a line that nothing else of the rig drives.
     fn write_channel(&mut self, channel: ChannelId, value: Value) -> CommandOutcome {
-        self.writes.clear();
-        self.writes.push((channel, value));
-        if let Some(writer) = self.wiring.writers.get_mut(usize::from(channel.0)) {
+        self.buffers.writes.clear();
+        self.buffers.writes.push((channel, value));
+        if let Some(writer) = self.parts.wiring.writers.get_mut(usize::from(channel.0)) {
             *writer = Cause::Unknown;
         }
-        let written = self.board.write(self.board_time(), &self.writes);
-        self.writes.clear();
+        let written = self.parts.board.write(self.board_time(), &self.buffers.writes);
+        self.buffers.writes.clear();
         written.map_err(ScanCommandError::Board)?;
-        if let Some(driven) = self.driven.get_mut(usize::from(channel.0)) {
+        if let Some(driven) = self.driven.values.get_mut(usize::from(channel.0)) {
             *driven = value;
         }
         Ok(None)
     }
 
     fn command(&mut self, command: &Command) -> CommandOutcome {
-        let obeyed = self.subject.command(self.now, command, &mut self.effects);
+        let obeyed = self.parts.subject.command(self.now, command, &mut self.buffers.effects);
         obeyed.map(|()| None).map_err(ScanCommandError::Command)
     }
 
     fn release_all(&mut self) -> CommandOutcome {
-        let Some(front) = self.subject.front() else { return Err(ScanCommandError::NoModel) };
+        let Some(front) = self.parts.subject.front() else { return Err(ScanCommandError::NoModel) };
         for (mask, channel) in [
             (front.forced_inputs.0, Channel::Input as fn(usize) -> Channel),
             (front.forced_outputs.0, Channel::Output),
@@ -265,7 +266,7 @@ impl<'a> Executor<'a> {
             Action::SwitchRun => Command::Switch(true),
             Action::SwitchStop => Command::Switch(false),
             Action::PowerOn | Action::PowerOff => {
-                self.subject.power(self.now, action == Action::PowerOn, &mut self.effects);
+                self.parts.subject.power(self.now, action == Action::PowerOn, &mut self.buffers.effects);
                 return Ok(None);
             }
         };

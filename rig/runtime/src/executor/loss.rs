@@ -9,19 +9,19 @@ use signal::Time;
 impl Executor<'_> {
     /// The device behind a channel is lost. A device of many channels tells so of each; the first says it all.
     pub(super) fn channel_lost(&mut self, at: Time, channel: ChannelId, reason: LossReason) {
-        let device = self.board.device(channel).unwrap_or_default().to_owned();
+        let device = self.parts.board.device(channel).unwrap_or_default().to_owned();
         self.device_lost(at, RigFault::Lost { at, channel, device, reason });
     }
 
     /// The device of a bus is lost.
     pub(super) fn bus_lost(&mut self, at: Time, bus: BusId, reason: LossReason) {
-        let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
+        let device = self.parts.board.bus_device(bus).unwrap_or_default().to_owned();
         self.device_lost(at, RigFault::BusLost { at, bus: self.bus_name(bus), device, reason });
     }
 
     /// The controller of a bus takes no part in it any more: what passes there is not seen, what is sent does not come.
     pub(super) fn bus_off(&mut self, at: Time, bus: BusId) {
-        let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
+        let device = self.parts.board.bus_device(bus).unwrap_or_default().to_owned();
         self.device_lost(at, RigFault::BusOff { at, bus: self.bus_name(bus), device });
     }
 
@@ -31,29 +31,29 @@ impl Executor<'_> {
         | RigFault::BusOff { device, .. } = &fault
             && self.is_first_report(at, device.clone())
         {
-            self.notice(at, fault.show(self.board.channels()).to_string());
+            self.notice(at, fault.show(self.parts.board.channels()).to_string());
         }
         self.report.fault.get_or_insert(fault);
         if self.limits.on_loss == OnLoss::End {
-            self.schedule.end_early(EndReason::Lost, self.now);
+            self.parts.schedule.end_early(EndReason::Lost, self.now);
         }
     }
 
     /// The device behind a channel is back. Its values come next.
     pub(super) fn channel_returned(&mut self, at: Time, channel: ChannelId) {
-        let device = self.board.device(channel).unwrap_or_default().to_owned();
+        let device = self.parts.board.device(channel).unwrap_or_default().to_owned();
         if self.is_first_report(at, device.clone()) {
-            let name = &self.board.channels()[usize::from(channel.0)].name;
+            let name = &self.parts.board.channels()[usize::from(channel.0)].name;
             self.notice(at, format!("channel {name} is back at {at}: its device {device} answers"));
         }
     }
 
     /// The device of a bus is back.
     pub(super) fn bus_returned(&mut self, at: Time, bus: BusId) {
-        if let Some(known) = self.nodes.get_mut(usize::from(bus.0)) {
+        if let Some(known) = self.devices.nodes.get_mut(usize::from(bus.0)) {
             *known = BusState::ErrorActive;
         }
-        let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
+        let device = self.parts.board.bus_device(bus).unwrap_or_default().to_owned();
         if self.is_first_report(at, device.clone()) {
             let name = self.bus_name(bus);
             self.notice(at, format!("bus {name} is back at {at}: its device {device} answers"));
@@ -62,7 +62,7 @@ impl Executor<'_> {
 
     /// A controller takes part in its bus in another way.
     pub(super) fn bus_state_changed(&mut self, at: Time, bus: BusId, state: BusState) {
-        let Some(known) = self.nodes.get_mut(usize::from(bus.0)) else { return };
+        let Some(known) = self.devices.nodes.get_mut(usize::from(bus.0)) else { return };
         let before = std::mem::replace(known, state);
         let how = match (before, state) {
             (before, state) if before == state => return,
@@ -72,7 +72,7 @@ impl Executor<'_> {
             (BusState::ErrorPassive, _) => "is no longer error-passive",
             _ => return,
         };
-        let (name, device) = (self.bus_name(bus), self.board.bus_device(bus).unwrap_or_default());
+        let (name, device) = (self.bus_name(bus), self.parts.board.bus_device(bus).unwrap_or_default());
         let text = match before {
             BusState::BusOff => format!("bus {name} is back at {at}: its controller {device} {how}"),
             _ => format!("bus {name} at {at}: its controller {device} {how}"),
@@ -82,20 +82,20 @@ impl Executor<'_> {
 
     /// A frame did not come to its bus: what the plan wanted to be sent was not.
     pub(super) fn frame_not_sent(&mut self, at: Time, bus: BusId) {
-        let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
-        let state = self.nodes.get(usize::from(bus.0)).copied().unwrap_or(BusState::ErrorActive);
+        let device = self.parts.board.bus_device(bus).unwrap_or_default().to_owned();
+        let state = self.devices.nodes.get(usize::from(bus.0)).copied().unwrap_or(BusState::ErrorActive);
         let fault = RigFault::NotOnBus { at, bus: self.bus_name(bus), device, state };
-        self.notice(at, fault.show(self.board.channels()).to_string());
+        self.notice(at, fault.show(self.parts.board.channels()).to_string());
         self.report.fault.get_or_insert(fault);
     }
 
     /// What whoever watches has to know of the devices, and whoever reads the record later.
     pub(super) fn notice(&mut self, at: Time, text: String) {
-        self.subject.notice(at, &text);
+        self.parts.subject.notice(at, &text);
         if let Some(live) = &mut self.live {
             live.log(at, &text);
         }
-        if !self.modelled && self.report.log.len() < LOG_LINES {
+        if self.pacing.has_wires() && self.report.log.len() < LOG_LINES {
             self.report.log.push((at, text));
         }
     }
@@ -103,7 +103,7 @@ impl Executor<'_> {
     /// Whether this is the first of its channels that tells of a device at this instant.
     fn is_first_report(&mut self, at: Time, device: String) -> bool {
         let told = Some((at, device));
-        std::mem::replace(&mut self.noticed, told.clone()) != told
+        std::mem::replace(&mut self.devices.noticed, told.clone()) != told
     }
 
     /// Why the board did not start.
@@ -111,13 +111,13 @@ impl Executor<'_> {
         let reconnect = self.limits.reconnect;
         match error {
             BoardError::Lost { channel, reason, since } => {
-                let known = self.board.channels().get(usize::from(channel.0));
+                let known = self.parts.board.channels().get(usize::from(channel.0));
                 let what = known.map_or_else(String::new, |known| format!("channel {}", known.name));
-                let device = self.board.device(channel).unwrap_or_default().to_owned();
+                let device = self.parts.board.device(channel).unwrap_or_default().to_owned();
                 RigFault::StillLost { what, device, reason, since, reconnect }
             }
             BoardError::BusLost { bus, reason, since } => {
-                let device = self.board.bus_device(bus).unwrap_or_default().to_owned();
+                let device = self.parts.board.bus_device(bus).unwrap_or_default().to_owned();
                 let what = format!("bus {}", self.bus_name(bus));
                 RigFault::StillLost { what, device, reason, since, reconnect }
             }
@@ -126,7 +126,7 @@ impl Executor<'_> {
     }
 
     fn bus_name(&self, bus: BusId) -> String {
-        let known = self.board.bus_list().get(usize::from(bus.0));
+        let known = self.parts.board.bus_list().get(usize::from(bus.0));
         known.map_or_else(|| bus.0.to_string(), |known| known.name.clone())
     }
 }

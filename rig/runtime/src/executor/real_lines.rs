@@ -4,6 +4,7 @@
 //! released at their modelled instants. While it does not, one wait lasts until the next thing is due, or until the
 //! board rings.
 
+use super::pacing::Pacing;
 use super::{Executor, MOST_SIMULTANEOUS};
 use crate::rig_fault::RigFault;
 use drivers::{ChannelId, Origin};
@@ -99,22 +100,30 @@ impl RealLines {
 }
 
 impl Executor<'_> {
-    /// Waits for real time to bring what is due, where nothing is to be computed before; hands back up to where the
-    /// modelled time may go now.
-    pub(super) fn wait_for(&mut self, due: Time) -> Result<Time, RigFault> {
+    /// Up to where the modelled time may go now on its way to what is due. On real lines it waits for time to bring that,
+    /// where nothing is to be computed before.
+    #[inline]
+    pub(super) fn approach(&mut self, due: Time) -> Result<Time, RigFault> {
+        match self.pacing {
+            Pacing::EventDriven => Ok(due),
+            Pacing::WallClock => self.wait_for(due),
+        }
+    }
+
+    fn wait_for(&mut self, due: Time) -> Result<Time, RigFault> {
         let silent = self.beat()?;
-        if self.subject.is_computing() {
-            return Ok(due.min(self.clock.now().max(self.now).saturating_add(self.limits.horizon)));
+        if self.parts.subject.is_computing() {
+            return Ok(due.min(self.parts.clock.now().max(self.now).saturating_add(self.limits.horizon)));
         }
         let due = due.min(self.actual.max(self.now).saturating_add(silent));
-        let woke = self.clock.wait(due);
+        let woke = self.parts.clock.wait(due);
         self.lines.woke = Some(woke);
         Ok(due.min(woke).max(self.now))
     }
 
     /// A sign of life; hands back how long the executor may wait until the next.
     pub(super) fn beat(&mut self) -> Result<Span, RigFault> {
-        let Some(heartbeat) = self.heartbeat else { return Ok(LONGEST_WAIT) };
+        let Some(heartbeat) = self.parts.heartbeat else { return Ok(LONGEST_WAIT) };
         heartbeat.beat().map_err(|error| self.unguarded(&error))?;
         Ok(heartbeat.every().min(LONGEST_WAIT))
     }
@@ -127,8 +136,9 @@ impl Executor<'_> {
     /// Whether the application is through before anything is due, with nothing to be released: the next wait is for
     /// what comes then, and not for the instant that it ran ahead to.
     pub(super) fn has_computed(&mut self, reached: Time) -> bool {
-        let through =
-            self.lines.woke.is_none() && self.effects.list.is_empty() && !self.subject.is_computing();
+        let through = self.lines.woke.is_none()
+            && self.buffers.effects.list.is_empty()
+            && !self.parts.subject.is_computing();
         if through && reached > self.now {
             (self.now, self.same) = (reached, 0);
             return true;
@@ -154,11 +164,11 @@ impl Executor<'_> {
         if future && let Some(live) = &mut self.live {
             live.woke(late);
         }
-        if future && let Some(punctuality) = &mut self.punctuality {
-            punctuality.note(to, late);
+        if future && let Some(wakes) = &mut self.wakes {
+            wakes.note(to, late);
         }
         if late > Span::ZERO {
-            self.recorder.note_late(late);
+            self.parts.recorder.note_late(late);
             if late > self.limits.late {
                 self.report.overruns += 1;
                 self.report.fault.get_or_insert(RigFault::Late { at: to, late, limit: self.limits.late });
@@ -171,13 +181,13 @@ impl Executor<'_> {
     fn reach(&mut self, to: Time) -> Time {
         match self.lines.woke.take() {
             Some(woke) if woke >= to => woke,
-            _ => self.clock.wait_until(to),
+            _ => self.parts.clock.wait_until(to),
         }
     }
 
     /// An input terminal changes at `at`, which the modelled time may not have reached.
     pub(super) fn input(&mut self, channel: ChannelId, at: When, input: usize, what: InputChange) {
-        if self.modelled || at.latest <= self.now {
+        if self.pacing == Pacing::EventDriven || at.latest <= self.now {
             self.arrive(self.now.max(at.latest), at, input, what);
             return;
         }
@@ -201,8 +211,10 @@ impl Executor<'_> {
 
     fn arrive(&mut self, now: Time, at: When, input: usize, what: InputChange) {
         match what {
-            InputChange::Level(level) => self.subject.input(now, at, input, level, &mut self.effects),
-            InputChange::Steps(steps) => self.subject.count(now, input, steps),
+            InputChange::Level(level) => {
+                self.parts.subject.input(now, at, input, level, &mut self.buffers.effects)
+            }
+            InputChange::Steps(steps) => self.parts.subject.count(now, input, steps),
         }
     }
 
@@ -215,16 +227,16 @@ impl Executor<'_> {
     /// When something that the board saw happened. What a late rig did to a wire, it should have done earlier; what a
     /// controller does on a wire may be late as well.
     pub(super) fn seen_by_board(&self, at: When, channel: ChannelId, origin: Origin) -> When {
-        let early = self.wiring.early.get(usize::from(channel.0)).copied().unwrap_or(Span::ZERO);
+        let early = self.parts.wiring.early.get(usize::from(channel.0)).copied().unwrap_or(Span::ZERO);
         let at = When { earliest: at.earliest.saturating_add(-early), ..at };
-        if self.clock.is_exact() {
+        if self.parts.clock.is_exact() {
             return at;
         }
-        if self.modelled {
+        if self.pacing == Pacing::EventDriven {
             return When::within(at.earliest, at.latest.max(self.actual));
         }
         // A controller that is not played by the rig was never late because of it.
-        if !self.subject.is_model() {
+        if !self.parts.subject.is_model() {
             return at;
         }
         let late = match origin {

@@ -9,11 +9,11 @@ use signal::{Cause, Span, Time, Value, When};
 impl Executor<'_> {
     /// Brings the subject into the state in which the case begins.
     pub(super) fn prelude(&mut self) -> Result<(), RigFault> {
-        self.clock.begin();
-        self.board.start(Time::ZERO).map_err(|error| self.not_started(error))?;
-        if !self.modelled {
+        self.parts.clock.begin();
+        self.parts.board.start(Time::ZERO).map_err(|error| self.not_started(error))?;
+        if self.pacing.has_wires() {
             // Devices take the time that they take.
-            self.actual = self.clock.now();
+            self.actual = self.parts.clock.now();
             self.now = self.actual;
         }
         let power_on = self.now;
@@ -21,22 +21,22 @@ impl Executor<'_> {
         self.show_initial()?;
         let initial = self.limits.initial;
         if initial != State::Off {
-            self.subject.power(power_on, true, &mut self.effects);
+            self.parts.subject.power(power_on, true, &mut self.buffers.effects);
             self.apply()?;
         }
-        if self.subject.is_model() {
+        if self.parts.subject.is_model() {
             // A controller that loads its program takes the host's time, and none of its own.
-            self.clock.stood_still(self.actual);
+            self.parts.clock.stood_still(self.actual);
         }
         self.load()?;
-        if let Some(heartbeat) = self.heartbeat {
+        if let Some(heartbeat) = self.parts.heartbeat {
             heartbeat.begin().map_err(|error| self.unguarded(&error))?;
             self.beating = true;
         }
-        let limit = self.loaded + self.subject.startup_limit();
+        let limit = self.loaded + self.parts.subject.startup_limit();
         let mut commanded = false;
         loop {
-            let state = self.subject.state();
+            let state = self.parts.subject.state();
             if state == initial {
                 break;
             }
@@ -45,8 +45,9 @@ impl Executor<'_> {
                 commanded = true;
                 let command = if initial == State::Running { Command::Run } else { Command::Stop };
                 let at = self.now;
-                self.subject
-                    .command(at, &command, &mut self.effects)
+                self.parts
+                    .subject
+                    .command(at, &command, &mut self.buffers.effects)
                     .map_err(|refusal| RigFault::Startup { state, refusal: Some(refusal) })?;
                 self.apply()?;
                 continue;
@@ -57,48 +58,48 @@ impl Executor<'_> {
         }
         self.report.start = Some(self.now);
         let mut at = self.seen(self.now);
-        if let Some((earliest, state)) = self.subject.begin() {
+        if let Some((earliest, state)) = self.parts.subject.begin() {
             // However uncertain the start is, the subject has this state by then.
             at.earliest = earliest.min(at.earliest);
-            if let Some(signal) = self.wiring.state {
+            if let Some(signal) = self.parts.wiring.state {
                 let before = When::exactly(at.earliest.saturating_add(Span::from_nanos(-1)));
-                self.recorder.record(signal, before, state, Cause::Controller);
+                self.parts.recorder.record(signal, before, state, Cause::Controller);
             }
         }
-        if let Some(mark) = self.wiring.start {
-            self.recorder.mark(mark, at);
+        if let Some(mark) = self.parts.wiring.start {
+            self.parts.recorder.mark(mark, at);
         }
-        self.schedule.start(self.now);
+        self.parts.schedule.start(self.now);
         self.arm();
         Ok(())
     }
 
     /// The subject gets its program: on the host's clock time passes meanwhile, and it is not the case's.
     fn load(&mut self) -> Result<(), RigFault> {
-        self.subject.load(self.interrupt).map_err(RigFault::Hook)?;
-        self.now = self.now.max(self.clock.now());
+        self.parts.subject.load(self.parts.interrupt).map_err(RigFault::Hook)?;
+        self.now = self.now.max(self.parts.clock.now());
         self.actual = self.actual.max(self.now);
         self.loaded = self.now;
         self.poll()?;
-        self.subject.loaded(self.now, &mut self.effects);
+        self.parts.subject.loaded(self.now, &mut self.buffers.effects);
         self.apply()
     }
 
     /// What every observed probe shows before anything happens.
     fn show_initial(&mut self) -> Result<(), RigFault> {
-        if let Some(signal) = self.wiring.state {
-            let state = Value::Int(self.subject.state().number());
-            self.recorder.record(signal, When::exactly(self.now), state, Cause::Controller);
+        if let Some(signal) = self.parts.wiring.state {
+            let state = Value::Int(self.parts.subject.state().number());
+            self.parts.recorder.record(signal, When::exactly(self.now), state, Cause::Controller);
         }
-        self.writes.clear();
-        for (output, channel) in self.wiring.outputs.iter().enumerate() {
+        self.buffers.writes.clear();
+        for (output, channel) in self.parts.wiring.outputs.iter().enumerate() {
             if let Some(channel) = channel {
-                self.writes.push((*channel, self.subject.read(&Probe::Terminal(output))));
-                self.wiring.writers[usize::from(channel.0)] = Cause::Controller;
+                self.buffers.writes.push((*channel, self.parts.subject.read(&Probe::Terminal(output))));
+                self.parts.wiring.writers[usize::from(channel.0)] = Cause::Controller;
             }
         }
         let at = self.board_time();
-        let written = self.board.write(at, &self.writes);
+        let written = self.parts.board.write(at, &self.buffers.writes);
         written.map_err(|error| RigFault::Board { at, error })?;
         self.poll()
     }

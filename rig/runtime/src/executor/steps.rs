@@ -14,47 +14,51 @@ use signal::{Cause, SignalId, Time, Value};
 impl Executor<'_> {
     /// The steps that are due.
     pub(super) fn steps(&mut self, now: Time) -> Result<(), RigFault> {
-        while let Some((_, step, due)) = self.schedule.take(now) {
+        while let Some((_, step, due)) = self.parts.schedule.take(now) {
             match due {
                 Due::Arm | Due::Begin if self.is_past_end(now) => {}
-                Due::Arm => self.schedule.arm(step, now),
-                Due::Begin if !self.schedule.begins(step, now) => {}
+                Due::Arm => self.parts.schedule.arm(step, now),
+                Due::Begin if !self.parts.schedule.begins(step, now) => {}
                 Due::Begin => {
                     self.pause(Some(step))?;
                     self.begin_mark(step);
                     self.report_step(step, false);
-                    self.schedule.begin(step, now, &self.driven);
+                    self.parts.schedule.begin(step, now, &self.driven.values);
                 }
                 Due::Act(act) => self.act(step, act as usize)?,
                 Due::Emit(n) => self.emit(step, n)?,
                 Due::Done if self.awaits_edges(step) => {}
-                Due::Done if self.emits_yet(step) || !self.schedule.is_done(step) => {}
+                Due::Done if self.emits_yet(step) || !self.parts.schedule.is_done(step) => {}
                 Due::Done => {
                     self.await_relay(step)?;
-                    let done = self.schedule.steps()[step].done;
-                    let at = self.emissions.end(step).unwrap_or_else(|| self.seen(self.now));
-                    self.recorder.mark(done, at);
+                    let done = self.parts.schedule.steps()[step].done;
+                    let at = self.awaited.emissions.end(step).unwrap_or_else(|| self.seen(self.now));
+                    self.parts.recorder.mark(done, at);
                     self.report_step(step, true);
-                    self.schedule.finish(step, now);
+                    self.parts.schedule.finish(step, now);
                 }
                 // The step's own claim fails with what was waited for. The case goes on without the step, unless
                 // its end hangs on it.
                 Due::Missed => {
-                    let missed = self.schedule.miss(step, now);
-                    match self.schedule.steps()[step].phase {
+                    let missed = self.parts.schedule.miss(step, now);
+                    match self.parts.schedule.steps()[step].phase {
                         // What the setup prepares is not there: nothing of the steps proper would mean anything.
-                        CasePart::Setup if missed => self.schedule.end_early(EndReason::Missed(step), now),
-                        CasePart::Main => self.over |= missed && self.schedule.is_exhausted(),
+                        CasePart::Setup if missed => {
+                            self.parts.schedule.end_early(EndReason::Missed(step), now)
+                        }
+                        CasePart::Main => self.over |= missed && self.parts.schedule.is_exhausted(),
                         _ => {}
                     }
                 }
-                Due::Stop => self.schedule.stop(step, now),
-                Due::Main if self.report.fault.is_some() => self.schedule.end_early(EndReason::RigFault, now),
+                Due::Stop => self.parts.schedule.stop(step, now),
+                Due::Main if self.report.fault.is_some() => {
+                    self.parts.schedule.end_early(EndReason::RigFault, now)
+                }
                 Due::Main => {
-                    if let Some(mark) = self.wiring.main {
-                        self.recorder.mark(mark, self.seen(self.now));
+                    if let Some(mark) = self.parts.wiring.main {
+                        self.parts.recorder.mark(mark, self.seen(self.now));
                     }
-                    self.schedule.begin_main(now);
+                    self.parts.schedule.begin_main(now);
                 }
             }
         }
@@ -67,49 +71,49 @@ impl Executor<'_> {
         let pause = Pause {
             now: self.now,
             start: self.report.start.unwrap_or(self.now),
-            step: step.map(|step| self.schedule.steps()[step].id.as_str()),
-            trace: self.recorder.trace(),
+            step: step.map(|step| self.parts.schedule.steps()[step].id.as_str()),
+            trace: self.parts.recorder.trace(),
         };
         if stepping.ask(&pause) { Ok(()) } else { Err(RigFault::Interrupted) }
     }
 
     /// A step drives a line from now on: whatever went on there is over.
     fn drive(&mut self, channel: ChannelId, value: Value, step: usize) -> Result<(), RigFault> {
-        self.schedule.take_over(channel, None);
-        self.writes.clear();
-        self.writes.push((channel, value));
+        self.parts.schedule.take_over(channel, None);
+        self.buffers.writes.clear();
+        self.buffers.writes.push((channel, value));
         self.write(step)
     }
 
     /// The next act of a step's generator, all of its lines at once.
     fn emit(&mut self, step: usize, n: u64) -> Result<(), RigFault> {
-        self.writes.clear();
-        let reached = (!self.modelled).then_some(self.actual);
+        self.buffers.writes.clear();
+        let reached = self.pacing.has_wires().then_some(self.actual);
         if reached.is_some() {
             self.note_late_edge(step);
         }
-        match self.schedule.emitted(step, n, reached, &mut self.writes) {
+        match self.parts.schedule.emitted(step, n, reached, &mut self.buffers.writes) {
             Some(BoardOrder::Send(bus, frame)) => self.send(step, bus, &frame)?,
             Some(BoardOrder::Emit(channel, emission)) => self.emit_pulses(step, channel, &emission)?,
             None => {}
         }
         self.expect_edges();
-        if self.writes.is_empty() { Ok(()) } else { self.write(step) }
+        if self.buffers.writes.is_empty() { Ok(()) } else { self.write(step) }
     }
 
     /// Hands what a step drives to the board.
     fn write(&mut self, step: usize) -> Result<(), RigFault> {
-        for write in 0..self.writes.len() {
-            let (channel, value) = self.writes[write];
+        for write in 0..self.buffers.writes.len() {
+            let (channel, value) = self.buffers.writes[write];
             let place = usize::from(channel.0);
-            self.wiring.writers[place] = Cause::Step(step as u16);
-            self.restore[place] = self.driven[place];
-            self.driven[place] = value;
+            self.parts.wiring.writers[place] = Cause::Step(step as u16);
+            self.driven.restore[place] = self.driven.values[place];
+            self.driven.values[place] = value;
             self.stop_pulses(channel);
         }
         self.expect_writes();
         let at = self.board_time();
-        let written = self.board.write(at, &self.writes);
+        let written = self.parts.board.write(at, &self.buffers.writes);
         written.map_err(|error| RigFault::Board { at, error })?;
         self.poll()
     }
@@ -117,22 +121,22 @@ impl Executor<'_> {
     /// Notes what was not refused although the step expects it.
     fn answered(&mut self, done: bool, step: usize, expected: Expected, what: &str) {
         if done && expected == Expected::Refused {
-            let note = format!("refused:{}", self.schedule.steps()[step].id);
-            self.recorder.trace_mut().set_note(&note, what.into());
+            let note = format!("refused:{}", self.parts.schedule.steps()[step].id);
+            self.parts.recorder.trace_mut().set_note(&note, what.into());
         }
     }
 
     /// Asks a person. The modelled time stands still meanwhile, on the host's clock too.
     fn ask(&mut self, step: usize, question: &Question, signal: SignalId) -> Result<(), RigFault> {
-        let id = self.schedule.steps()[step].id.clone();
-        let answer = match (self.operator, self.heartbeat) {
+        let id = self.parts.schedule.steps()[step].id.clone();
+        let answer = match (self.parts.operator, self.parts.heartbeat) {
             (Some(operator), Some(_)) => self.ask_alive(operator, &id, question)?,
-            (Some(operator), None) => operator.ask(&id, question, self.interrupt),
+            (Some(operator), None) => operator.ask(&id, question, self.parts.interrupt),
             (None, _) => Err(AskError::Nobody),
         };
         // A real controller does not wait for the answer.
-        if self.modelled || self.subject.is_model() {
-            self.clock.stood_still(self.actual);
+        if !self.pacing.has_wires() || self.parts.subject.is_model() {
+            self.parts.clock.stood_still(self.actual);
         }
         let answer = match answer {
             Ok(answer) if answer < question.answers.len() => answer,
@@ -152,73 +156,80 @@ impl Executor<'_> {
         step: &str,
         question: &Question,
     ) -> Result<Result<usize, AskError>, RigFault> {
-        let interrupt = self.interrupt;
+        let interrupt = self.parts.interrupt;
         std::thread::scope(|scope| {
             let asked = scope.spawn(|| operator.ask(step, question, interrupt));
             while !asked.is_finished() {
                 let silent = self.beat().inspect_err(|_| {
                     // The person may take long.
-                    let _ = self.board.safe(self.board_time());
+                    let _ = self.parts.board.safe(self.board_time());
                 })?;
-                let next = self.clock.now().saturating_add(silent);
-                self.clock.wait_until(next);
+                let next = self.parts.clock.now().saturating_add(silent);
+                self.parts.clock.wait_until(next);
             }
             Ok(asked.join().unwrap_or(Err(AskError::Nobody)))
         })
     }
 
     fn act(&mut self, step: usize, place: usize) -> Result<(), RigFault> {
-        let act = self.schedule.steps()[step].acts[place].1.clone();
+        let act = self.parts.schedule.steps()[step].acts[place].1.clone();
         let (now, at) = (self.now, self.board_time());
         match act {
             Act::Drive(channel, value) => self.drive(channel, value, step)?,
             Act::Restore(channel) => {
-                let value = self.restore[usize::from(channel.0)];
+                let value = self.driven.restore[usize::from(channel.0)];
                 self.drive(channel, value, step)?;
             }
             Act::Command(command, expected) => {
-                let answer = self.subject.command(now, &command, &mut self.effects);
-                let id = || self.schedule.steps()[step].id.clone();
+                let answer = self.parts.subject.command(now, &command, &mut self.buffers.effects);
+                let id = || self.parts.schedule.steps()[step].id.clone();
                 match (answer, expected) {
                     (Err(refusal), Expected::Obeyed) => {
                         self.report.fault.get_or_insert(RigFault::Refused { step: id(), refusal });
                     }
                     (Ok(()), Expected::Refused) => {
                         let note = format!("refused:{}", id());
-                        self.recorder.trace_mut().set_note(&note, "the command was obeyed".into());
+                        self.parts.recorder.trace_mut().set_note(&note, "the command was obeyed".into());
                     }
                     _ => {}
                 }
             }
-            Act::Power(on) => self.subject.power(now, on, &mut self.effects),
-            Act::Overload { task, cycle, times } => self.subject.overload(task, cycle, times),
-            Act::Disturb(disturbance) => self.subject.disturb(now, disturbance, &mut self.effects),
-            Act::Suspend { task, lasts } => self.subject.suspend(task, now.saturating_add(lasts)),
+            Act::Power(on) => self.parts.subject.power(now, on, &mut self.buffers.effects),
+            Act::Overload { task, cycle, times } => self.parts.subject.overload(task, cycle, times),
+            Act::Disturb(disturbance) => {
+                self.parts.subject.disturb(now, disturbance, &mut self.buffers.effects)
+            }
+            Act::Suspend { task, lasts } => self.parts.subject.suspend(task, now.saturating_add(lasts)),
             Act::Fault(fault) => {
-                self.board.inject(at, fault).map_err(|error| RigFault::Board { at, error })?;
+                self.parts.board.inject(at, fault).map_err(|error| RigFault::Board { at, error })?;
                 self.relay_asked(fault.channel);
                 self.poll()?;
             }
             Act::Clear(channel) => {
-                self.board.clear_faults(at, channel).map_err(|error| RigFault::Board { at, error })?;
+                self.parts.board.clear_faults(at, channel).map_err(|error| RigFault::Board { at, error })?;
                 self.relay_asked(channel);
                 self.poll()?;
             }
             Act::Write(probe, value, expected) => {
-                let written =
-                    self.subject.write(now, &probe, value, Cause::Step(step as u16), &mut self.effects);
+                let written = self.parts.subject.write(
+                    now,
+                    &probe,
+                    value,
+                    Cause::Step(step as u16),
+                    &mut self.buffers.effects,
+                );
                 self.answered(written.is_ok(), step, expected, "the value was written");
                 if let (Err(error), Expected::Obeyed) = (written, expected) {
-                    let id = self.schedule.steps()[step].id.clone();
+                    let id = self.parts.schedule.steps()[step].id.clone();
                     self.report.fault.get_or_insert(RigFault::NotWritten { step: id, error });
                 }
             }
             Act::Ask(question, signal) => self.ask(step, &question, signal)?,
             Act::File(act, expected) => {
-                let done = self.subject.file(now, &act, &mut self.effects);
+                let done = self.parts.subject.file(now, &act, &mut self.buffers.effects);
                 self.answered(done.is_ok(), step, expected, "the file was reached");
                 if let (Err(error), Expected::Obeyed) = (done, expected) {
-                    let id = self.schedule.steps()[step].id.clone();
+                    let id = self.parts.schedule.steps()[step].id.clone();
                     self.report.fault.get_or_insert(RigFault::File { step: id, error });
                 }
             }

@@ -13,18 +13,18 @@ impl Executor<'_> {
         // Nothing of the case comes any more, an interrupt apart: that has been obeyed.
         (self.over, self.same) = (false, 0);
         self.end_waves();
-        if !self.schedule.begin_teardown(self.now) {
+        if !self.parts.schedule.begin_teardown(self.now) {
             return;
         }
-        if let Some(mark) = self.wiring.teardown {
-            self.recorder.mark(mark, self.seen(self.now));
+        if let Some(mark) = self.parts.wiring.teardown {
+            self.parts.recorder.mark(mark, self.seen(self.now));
         }
         let limit = self.now.saturating_add(self.limits.teardown);
         let (mut failures, mut since) = (0, self.now);
-        while !self.schedule.is_torn_down() {
+        while !self.parts.schedule.is_torn_down() {
             let fault = match self.turn(limit) {
                 Ok(true) => continue,
-                Ok(false) if self.schedule.is_torn_down() => break,
+                Ok(false) if self.parts.schedule.is_torn_down() => break,
                 Ok(false) => RigFault::Timeout { limit: self.limits.teardown },
                 Err(fault) => fault,
             };
@@ -40,8 +40,8 @@ impl Executor<'_> {
                 break;
             }
         }
-        if let Some(mark) = self.wiring.closed {
-            self.recorder.mark(mark, self.seen(self.now));
+        if let Some(mark) = self.parts.wiring.closed {
+            self.parts.recorder.mark(mark, self.seen(self.now));
         }
     }
 }
