@@ -4,6 +4,7 @@
 //! its signals. Its steps come when they are due, counted from the start that the user names, and where a step waits
 //! for something, when the capture has it. Behind the end of the capture nothing is known.
 
+use crate::case_ending::CaseEnding;
 use crate::case_files::CaseFiles;
 use crate::describe;
 use crate::look_up;
@@ -173,9 +174,7 @@ pub fn trace(
         emitted: Vec::new(),
     };
     replay.run(capture, wires, instants.map(|instants| instants.start))?;
-    if let Some(ended) = replay.schedule.ended_words() {
-        replay.trace.set_note("ended", ended);
-    }
+    CaseEnding { early: replay.schedule.early_end(), ..CaseEnding::default() }.write_to(&mut replay.trace);
     Ok(replay.trace)
 }
 

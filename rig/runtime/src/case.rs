@@ -1,5 +1,6 @@
 //! One case from its plan to its record.
 
+use crate::case_ending::CaseEnding;
 use crate::case_files::CaseFiles;
 use crate::check;
 use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
@@ -289,18 +290,20 @@ fn run_here(
     }
     let late = recorder.late();
     let (mut trace, judge) = recorder.into_parts();
-    if let Some(ended) = schedule.ended_words() {
-        trace.set_note("ended", ended);
-    }
-    if let Some(fault) = &ran.fault {
-        trace.set_note("trouble", fault.show(board.channels()).to_string());
-    }
     // How late the rig was shows only now. Steps that came later than the plan needs may have tested something else.
-    if let Some(Unmet::Instrument(reason)) = unmet(case, &*subject, &*board, late) {
-        trace.set_note("unmet", reason);
-    }
+    let unmet = match unmet(case, &*subject, &*board, late) {
+        Some(Unmet::Instrument(reason)) => Some(reason),
+        _ => None,
+    };
+    let ending = CaseEnding {
+        early: schedule.early_end(),
+        not_refused: std::mem::take(&mut ran.not_refused),
+        unmet,
+        fault: ran.fault.as_ref().map(|fault| fault.show(board.channels()).to_string()),
+    };
+    ending.write_to(&mut trace);
     let outcome = judge.finish(When::exactly(ran.end), &trace);
-    verdict(&mut record, outcome.map_err(|error| error.to_string()), &trace);
+    verdict(&mut record, outcome.map_err(|error| error.to_string()), &ending);
     finish(&mut record, &ran, late, &schedule, &*subject, &trace);
     record.host_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
     // The applications leave what of them ran when they go.
@@ -319,9 +322,9 @@ fn show(recorder: &mut Recorder, signal: SignalId, value: Value) {
     recorder.record(signal, When::exactly(Time::ZERO), value, signal::Cause::Controller);
 }
 
-/// Puts the judge's outcome and the notes of the trace into the record. The same for a run and for a trace that is
-/// judged again, so that both come to the same.
-pub fn verdict(record: &mut CaseRecord, outcome: Result<JudgedCase, String>, trace: &Trace) {
+/// Puts the judge's outcome and how the case ended into the record. The same for a run and for a trace that is judged
+/// again, so that both come to the same.
+pub fn verdict(record: &mut CaseRecord, outcome: Result<JudgedCase, String>, ending: &CaseEnding) {
     match outcome {
         Ok(outcome) => {
             record.claims = outcome.claims;
@@ -334,22 +337,7 @@ pub fn verdict(record: &mut CaseRecord, outcome: Result<JudgedCase, String>, tra
             record.reason = format!("the trace cannot be read: {fault}");
         }
     }
-    record.ended = trace.note("ended").unwrap_or_default().to_owned();
-    let obeyed = trace.notes().find_map(|(key, note)| Some((key.strip_prefix("refused:")?, note)));
-    if let Some((step, note)) = obeyed {
-        record.verdict = record.verdict.max(Verdict::Fail);
-        if record.reason.is_empty() {
-            record.reason = format!("step `{step}` expects a refusal: {note}");
-        }
-    }
-    if let Some(unmet) = trace.note("unmet") {
-        record.verdict = Verdict::Inconclusive;
-        record.reason = unmet.to_owned();
-    }
-    if let Some(fault) = trace.note("trouble") {
-        record.verdict = Verdict::Error;
-        record.reason = fault.to_owned();
-    }
+    ending.judge(record);
 }
 
 fn finish(

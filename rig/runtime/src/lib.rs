@@ -11,6 +11,7 @@ pub mod bundle;
 pub mod capability;
 pub mod capture_import;
 pub mod case;
+pub mod case_ending;
 mod case_export;
 pub mod case_files;
 pub mod catalogue;

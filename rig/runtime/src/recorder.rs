@@ -67,11 +67,6 @@ impl Recorder {
         &self.trace
     }
 
-    /// The trace, to add notes.
-    pub fn trace_mut(&mut self) -> &mut Trace {
-        &mut self.trace
-    }
-
     /// Whether some claim is lost already.
     pub fn failed_early(&mut self) -> bool {
         self.judge.failed_early()

@@ -100,3 +100,14 @@ impl EventSource {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::EventSource::{self, Alarms, Board, Edges, End, Inputs, Stepper, Steps, Timers};
+
+    /// Whoever changes it changes traces.
+    #[test]
+    fn the_order_at_one_instant_is_the_written_one() {
+        assert_eq!(EventSource::ORDER, [Board, Inputs, Edges, Steps, Alarms, End, Timers, Stepper]);
+    }
+}

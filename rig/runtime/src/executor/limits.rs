@@ -1,5 +1,6 @@
 //! What an executor is told of a case, and what it leaves.
 
+use crate::case_ending::NotRefused;
 use crate::frame_log::FrameLog;
 use crate::rig_fault::RigFault;
 use controller::State;
@@ -43,6 +44,8 @@ pub struct ExecutorReport {
     pub closed: Time,
     /// A fault of the rig: the verdict is then `error`.
     pub fault: Option<RigFault>,
+    /// Steps that expect a refusal and were obeyed.
+    pub not_refused: Vec<(String, NotRefused)>,
     /// Deadlines of the rig that it missed.
     pub overruns: u64,
     /// How far the application could run ahead of the clock: 0 where that changes nothing.

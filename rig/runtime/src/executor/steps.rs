@@ -1,6 +1,7 @@
 //! The steps that are due, and what they do to subject and board.
 
 use super::Executor;
+use crate::case_ending::NotRefused;
 use crate::generator::BoardOrder;
 use crate::operator::{AskError, Operator};
 use crate::rig_fault::RigFault;
@@ -119,10 +120,13 @@ impl Executor<'_> {
     }
 
     /// Notes what was not refused although the step expects it.
-    fn answered(&mut self, done: bool, step: usize, expected: Expected, what: &str) {
-        if done && expected == Expected::Refused {
-            let note = format!("refused:{}", self.parts.schedule.steps()[step].id);
-            self.parts.recorder.trace_mut().set_note(&note, what.into());
+    fn answered(&mut self, done: bool, step: usize, expected: Expected, what: NotRefused) {
+        let id = &self.parts.schedule.steps()[step].id;
+        if done
+            && expected == Expected::Refused
+            && self.report.not_refused.iter().all(|(known, _)| known != id)
+        {
+            self.report.not_refused.push((id.clone(), what));
         }
     }
 
@@ -182,16 +186,10 @@ impl Executor<'_> {
             }
             Act::Command(command, expected) => {
                 let answer = self.parts.subject.command(now, &command, &mut self.buffers.effects);
-                let id = || self.parts.schedule.steps()[step].id.clone();
-                match (answer, expected) {
-                    (Err(refusal), Expected::Obeyed) => {
-                        self.report.fault.get_or_insert(RigFault::Refused { step: id(), refusal });
-                    }
-                    (Ok(()), Expected::Refused) => {
-                        let note = format!("refused:{}", id());
-                        self.parts.recorder.trace_mut().set_note(&note, "the command was obeyed".into());
-                    }
-                    _ => {}
+                self.answered(answer.is_ok(), step, expected, NotRefused::Command);
+                if let (Err(refusal), Expected::Obeyed) = (answer, expected) {
+                    let id = self.parts.schedule.steps()[step].id.clone();
+                    self.report.fault.get_or_insert(RigFault::Refused { step: id, refusal });
                 }
             }
             Act::Power(on) => self.parts.subject.power(now, on, &mut self.buffers.effects),
@@ -218,7 +216,7 @@ impl Executor<'_> {
                     Cause::Step(step as u16),
                     &mut self.buffers.effects,
                 );
-                self.answered(written.is_ok(), step, expected, "the value was written");
+                self.answered(written.is_ok(), step, expected, NotRefused::Write);
                 if let (Err(error), Expected::Obeyed) = (written, expected) {
                     let id = self.parts.schedule.steps()[step].id.clone();
                     self.report.fault.get_or_insert(RigFault::NotWritten { step: id, error });
@@ -227,7 +225,7 @@ impl Executor<'_> {
             Act::Ask(question, signal) => self.ask(step, &question, signal)?,
             Act::File(act, expected) => {
                 let done = self.parts.subject.file(now, &act, &mut self.buffers.effects);
-                self.answered(done.is_ok(), step, expected, "the file was reached");
+                self.answered(done.is_ok(), step, expected, NotRefused::File);
                 if let (Err(error), Expected::Obeyed) = (done, expected) {
                     let id = self.parts.schedule.steps()[step].id.clone();
                     self.report.fault.get_or_insert(RigFault::File { step: id, error });

@@ -4,6 +4,7 @@
 //! came about. Steps of a group are steps like others; the one that runs the group is done when all of them are.
 
 use super::{Due, PlannedStep, Schedule, StepAnchor};
+use crate::case_ending::EarlyEnd;
 use crate::generator::Generator;
 use drivers::ChannelId;
 use plans::plan::StepRepeat;
@@ -94,14 +95,14 @@ impl Schedule {
         self.progress.ended
     }
 
-    /// The same in words, for the record.
-    pub fn ended_words(&self) -> Option<String> {
+    /// The same for the trace and the record.
+    pub fn early_end(&self) -> Option<EarlyEnd> {
         Some(match self.ended()? {
-            EndReason::Missed(step) => format!("step `{}` of the setup never came", self.steps[step].id),
-            EndReason::RigFault => String::from("the rig had trouble in the setup"),
-            EndReason::Claim => String::from("a claim was lost"),
-            EndReason::Alarm => String::from("an alarm was raised"),
-            EndReason::Lost => String::from("a device was lost"),
+            EndReason::Missed(step) => EarlyEnd::SetupStep(self.steps[step].id.clone()),
+            EndReason::RigFault => EarlyEnd::RigFault,
+            EndReason::Claim => EarlyEnd::Claim,
+            EndReason::Alarm => EarlyEnd::Alarm,
+            EndReason::Lost => EarlyEnd::DeviceLost,
         })
     }
 
