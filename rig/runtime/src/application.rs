@@ -3,6 +3,7 @@
 
 use crate::blocks;
 use crate::bundle::Bundle;
+use crate::codes;
 use crate::coverage::Collector;
 use crate::system_variables::with_system;
 use crate::variable_numbers::{ResolvedVariables, VariableNumbers};
@@ -71,7 +72,7 @@ pub fn notes(program: &Program, profile: Profile) -> Vec<Diagnostic> {
     let Some((file, span)) = program.lreal().filter(|_| missing) else { return Vec::new() };
     let name = program.files().get(usize::from(file)).cloned().unwrap_or_default();
     let message = format!("the documents of {} do not list the type LREAL", profile.name());
-    let note = Diagnostic::warning("R0117", message).at(name, span, "");
+    let note = Diagnostic::warning(codes::TYPE_NOT_DOCUMENTED, message).at(name, span, "");
     vec![note.help("its programming tool has the type, and the model runs it; REAL is in the table")]
 }
 

@@ -4,6 +4,7 @@
 //! has locked its piece and written into it who they are. The kernel takes the lock away when its holder ends, however it ends, so nothing is
 //! ever stale.
 
+use crate::codes;
 use document::Diagnostic;
 use drivers::real::{Used, uses};
 use drivers::{BoardFile, BoardKind};
@@ -242,13 +243,13 @@ fn in_use(taken: &Taken, wait: Option<Span>) -> Diagnostic {
         message += &format!(", and it did not come free within {wait}");
     }
     let help = "one user has a bench at a time: end that command, or wait for it, as by --wait '10 min'";
-    Diagnostic::error("R0280", message).help(help)
+    Diagnostic::error(codes::BENCH_IN_USE, message).help(help)
 }
 
 fn without(error: &io::Error) -> Diagnostic {
     let message = format!("there is no place for locks, so another user is not kept off the bench: {error}");
     let help = format!("give {FOLDER} a folder that every user of this machine may write to");
-    Diagnostic::warning("R0281", message).help(help)
+    Diagnostic::warning(codes::NO_PLACE_FOR_LOCKS, message).help(help)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! move, needs that it does not meet.
 
 use crate::case_files::CaseFiles;
+use crate::codes;
 use crate::generator::Generator;
 use crate::needs::{Unmet, unmet};
 use crate::prepare::Prepared;
@@ -37,15 +38,18 @@ pub(crate) fn claims(looked: &CaseOnBench<'_>) -> Vec<Diagnostic> {
         let one = match doubt(&*expectation.claim, signals, &bounds) {
             Some(Doubt::Never(why)) => {
                 let help = "claim a value that it can have";
-                Diagnostic::error("R0145", format!("the claim can never be met: {why}")).help(help)
+                Diagnostic::error(codes::CLAIM_WITHOUT_CHOICE, format!("the claim can never be met: {why}"))
+                    .help(help)
             }
             Some(Doubt::Always(why)) => {
                 let help = "narrow the limits, or remove the claim";
-                Diagnostic::error("R0145", format!("the claim can never fail: {why}")).help(help)
+                Diagnostic::error(codes::CLAIM_WITHOUT_CHOICE, format!("the claim can never fail: {why}"))
+                    .help(help)
             }
             Some(Doubt::Blind(why)) => {
                 let help = "widen the limits, or record the signal more finely";
-                Diagnostic::warning("R0148", format!("the claim can never pass: {why}")).help(help)
+                Diagnostic::warning(codes::LIMIT_TOO_CLOSE, format!("the claim can never pass: {why}"))
+                    .help(help)
             }
             None => match looked.unmoved(expectation, &moved) {
                 Some(found) => found,
@@ -59,7 +63,7 @@ pub(crate) fn claims(looked: &CaseOnBench<'_>) -> Vec<Diagnostic> {
         if let Some(channel) = looked.channel_of(*signal).filter(|channel| moved.is_still(*channel)) {
             let name = &looked.board.channels()[usize::from(channel.0)].name;
             let message = format!("the step `{}` waits for `{name}`, which nothing moves", step.id);
-            let found_one = Diagnostic::warning("R0146", message).help(STILL);
+            let found_one = Diagnostic::warning(codes::SIGNAL_NOT_MOVED, message).help(STILL);
             found.push(found_one.at(&looked.files.plan.name, step.span.clone(), ""));
         }
     }
@@ -78,7 +82,7 @@ pub(crate) fn needs(looked: &CaseOnBench<'_>) -> Option<Diagnostic> {
 /// What the bench lacks, in words.
 pub(crate) fn no_verdict(files: &CaseFiles, reason: &str) -> Diagnostic {
     let message = format!("the case gets no verdict here: {reason}");
-    let found = Diagnostic::warning("R0147", message).at(&files.plan.name, 0..0, "");
+    let found = Diagnostic::warning(codes::NEED_NOT_MET, message).at(&files.plan.name, 0..0, "");
     found.help("ask for less in `needs`, slow the train down, or name another board")
 }
 
@@ -94,7 +98,7 @@ pub(crate) fn profile(case: &Case, files: &CaseFiles) -> Option<Diagnostic> {
         only.join(", "),
         files.profile.name()
     );
-    let found = Diagnostic::warning("R0149", message).at(&files.plan.name, 0..0, "");
+    let found = Diagnostic::warning(codes::PLAN_NEVER_RUNS, message).at(&files.plan.name, 0..0, "");
     Some(found.help(format!("add \"{}\" to `profiles`, or name another board", files.profile.name())))
 }
 
@@ -163,7 +167,9 @@ impl CaseOnBench<'_> {
             let Some(channel) = self.channel(&name) else { continue };
             if !self.board.channels()[usize::from(channel.0)].senses {
                 let message = format!("the rig cannot see `{name}`: its channel has `senses = false`");
-                return Some(Diagnostic::warning("R0146", message).help("look at another signal"));
+                return Some(
+                    Diagnostic::warning(codes::SIGNAL_NOT_MOVED, message).help("look at another signal"),
+                );
             }
         }
         let still = expectation.claim.demands().into_iter().find_map(|demand| match demand {
@@ -174,7 +180,7 @@ impl CaseOnBench<'_> {
             _ => None,
         })?;
         let message = format!("the claim can never be met: nothing moves `{still}`");
-        Some(Diagnostic::warning("R0146", message).help(STILL))
+        Some(Diagnostic::warning(codes::SIGNAL_NOT_MOVED, message).help(STILL))
     }
 }
 

@@ -1,39 +1,193 @@
-//! The register of the runtime's codes: what is wrong with a plan on this bench, known only here.
+//! The register of the runtime's codes: what is wrong with a plan on this bench, known only here. Codes without a name are
+//! those of the command, which says them itself.
+
+/// A signal that cannot be recorded.
+pub const NOT_RECORDED: &str = "R0101";
+/// A line that the controller or the board does not have.
+pub const NO_TERMINAL: &str = "R0102";
+/// A channel that the board does not have.
+pub const NO_CHANNEL: &str = "R0103";
+/// A name that is unknown on this bench.
+pub const UNKNOWN_NAME: &str = "R0104";
+/// A task that the controller does not have.
+pub const NO_TASK: &str = "R0105";
+/// Something that cannot be written.
+pub const NOT_WRITABLE: &str = "R0106";
+/// A value that does not fit its signal.
+pub const VALUE_MISFIT: &str = "R0107";
+/// An application that cannot be downloaded.
+pub const NOT_DOWNLOADABLE: &str = "R0108";
+/// Not a line, or not an input or output.
+pub const NOT_A_LINE: &str = "R0109";
+/// A line that the plan cannot drive.
+pub const NOT_DRIVABLE: &str = "R0110";
+/// A fault that the board cannot make.
+pub const FAULT_NOT_AVAILABLE: &str = "R0111";
+/// An address beyond its area.
+pub const ADDRESS_OUT_OF_RANGE: &str = "R0112";
+/// A configuration that the controller refuses.
+pub const CONFIGURATION_REFUSED: &str = "R0113";
+/// A program that the tasks do not find.
+pub const PROGRAM_NOT_FOUND: &str = "R0114";
+/// A deadband that does not fit its signal.
+pub const DEADBAND_MISFIT: &str = "R0115";
+/// A task of the program that the controller refuses.
+pub const TASK_REFUSED: &str = "R0116";
+/// A type that the controller's documents do not list.
+pub const TYPE_NOT_DOCUMENTED: &str = "R0117";
+/// A case that is not refused as its plan says.
+pub const NOT_REFUSED_AS_PLANNED: &str = "R0118";
+/// A configuration that the controller accepts with a warning.
+pub const CONFIGURATION_WARNING: &str = "R0119";
+/// A program with other tasks than the controller.
+pub const OTHER_TASKS: &str = "R0121";
+/// A source that no program of the plan has.
+pub const NO_SOURCE: &str = "R0122";
+/// Parameters of an input that exclude each other.
+pub const INPUT_PARAMETERS_EXCLUSIVE: &str = "R0131";
+/// An input that cannot run and stop the controller.
+pub const NO_RUN_STOP_INPUT: &str = "R0132";
+/// A latched input in another task than MAST.
+pub const LATCH_OUTSIDE_MAST: &str = "R0133";
+/// A stimulus out of specification.
+pub const STIMULUS_OUT_OF_SPECIFICATION: &str = "R0134";
+/// A question where nobody can be asked.
+pub const NOBODY_TO_ASK: &str = "R0140";
+/// A picture that is not there.
+pub const NO_PICTURE: &str = "R0141";
+/// A claim on values that its signal cannot have, or always has.
+pub const CLAIM_WITHOUT_CHOICE: &str = "R0145";
+/// A signal that nothing moves, or that the rig cannot see.
+pub const SIGNAL_NOT_MOVED: &str = "R0146";
+/// A need that the bench does not meet.
+pub const NEED_NOT_MET: &str = "R0147";
+/// A limit that is closer than the signal is known.
+pub const LIMIT_TOO_CLOSE: &str = "R0148";
+/// A plan of which no case ever runs.
+pub const PLAN_NEVER_RUNS: &str = "R0149";
+/// Real lines in virtual time.
+pub const REAL_LINES_IN_VIRTUAL_TIME: &str = "R0180";
+/// Real-time priority that the kernel refuses.
+pub const NO_PRIORITY: &str = "R0181";
+/// Processors that the run cannot stay on.
+pub const NO_PROCESSORS: &str = "R0182";
+/// Memory that the kernel does not lock.
+pub const MEMORY_NOT_LOCKED: &str = "R0183";
+/// Processors that may sleep too deeply.
+pub const PROCESSORS_SLEEP: &str = "R0184";
+/// Several boards with real lines in one run.
+pub const SEVERAL_REAL_BOARDS: &str = "R0185";
+/// A file that cannot be read.
+pub const FILE_NOT_READ: &str = "R0201";
+/// A trace of another plan.
+pub const TRACE_OF_ANOTHER_PLAN: &str = "R0203";
+/// A program that cannot be handed to the command that loads it.
+pub const NOT_EXPORTED: &str = "R0220";
+/// A real controller that is to be played.
+pub const REAL_CONTROLLER: &str = "R0221";
+/// A real controller whose program the rig does not load.
+pub const PROGRAM_NOT_LOADED: &str = "R0224";
+/// Figures that are not of this machine.
+pub const FIGURES_OF_ANOTHER_MACHINE: &str = "R0252";
+/// A board that is no instrument.
+pub const NOT_AN_INSTRUMENT: &str = "R0255";
+/// A frame that its bus cannot carry.
+pub const FRAME_NOT_CARRIED: &str = "R0270";
+/// A bench that somebody else uses.
+pub const BENCH_IN_USE: &str = "R0280";
+/// A machine without a place for locks.
+pub const NO_PLACE_FOR_LOCKS: &str = "R0281";
+/// A parameter that an expert function lacks.
+pub const FUNCTION_PARAMETER_MISSING: &str = "R0290";
+/// An expert function that the controller cannot have.
+pub const FUNCTION_NOT_AVAILABLE: &str = "R0291";
+/// A parameter that an expert function cannot have.
+pub const FUNCTION_PARAMETER_INVALID: &str = "R0292";
+/// A bounce time that lets too few pulses pass.
+pub const BOUNCE_TIME_TOO_LONG: &str = "R0293";
+/// An input or output that an expert function cannot have.
+pub const FUNCTION_TERMINAL_INVALID: &str = "R0294";
+/// A function that cannot be given counts.
+pub const FUNCTION_WITHOUT_COUNTS: &str = "R0300";
+/// A level of an input that has none.
+pub const INPUT_WITHOUT_LEVEL: &str = "R0301";
+/// Pulses that a generator cannot emit.
+pub const PULSES_NOT_EMITTED: &str = "R0305";
+/// Lines of generators that cannot move together.
+pub const LINES_NOT_TOGETHER: &str = "R0306";
+/// An input of the model on a line that makes pulses by itself.
+pub const MODEL_INPUT_ON_GENERATOR: &str = "R0307";
+/// A function whose pulses a device cannot make.
+pub const FUNCTION_PULSES_NOT_MADE: &str = "R0308";
+/// A function that may pulse faster than its line.
+pub const FUNCTION_FASTER_THAN_LINE: &str = "R0309";
+/// A period that a device cannot restart.
+pub const PERIOD_NOT_RESTARTED: &str = "R0310";
+/// Pulses that the board does not promise.
+pub const PULSES_NOT_PROMISED: &str = "R0315";
+/// A promise to count that was not kept when it was measured.
+pub const PROMISE_NOT_KEPT: &str = "R0316";
+/// Stepped time on real lines.
+pub const REAL_LINES_NOT_STEPPED: &str = "R0600";
+/// A name that is unknown to a running rig.
+pub const UNKNOWN_TO_RIG: &str = "R0601";
+/// Something that a client cannot write.
+pub const CLIENT_CANNOT_WRITE: &str = "R0602";
+/// A value that does not fit what it is written to.
+pub const CLIENT_VALUE_MISFIT: &str = "R0603";
+/// More than a running rig has room for.
+pub const TOO_MANY: &str = "R0604";
+/// Something that cannot be forced.
+pub const NOT_FORCEABLE: &str = "R0605";
+/// A command that the controller does not obey.
+pub const COMMAND_REFUSED: &str = "R0606";
+/// Time that is not stepped.
+pub const NOT_STEPPED: &str = "R0607";
+/// A line that the board does not drive.
+pub const LINE_NOT_DRIVEN: &str = "R0608";
+/// Plans on a rig that runs none.
+pub const NO_PLANS: &str = "R0609";
+/// A plan that a running rig cannot run.
+pub const PLAN_NOT_RUN: &str = "R0610";
+/// A board that a plan has for itself.
+pub const PLAN_HAS_BOARD: &str = "R0611";
+/// No plan that runs.
+pub const NO_PLAN_RUNS: &str = "R0612";
 
 /// Every code with its title, in order.
 pub const CODES: &[(&str, &str)] = &[
-    ("R0101", "A signal that cannot be recorded"),
-    ("R0102", "A line that the controller or the board does not have"),
-    ("R0103", "A channel that the board does not have"),
-    ("R0104", "A name that is unknown on this bench"),
-    ("R0105", "A task that the controller does not have"),
-    ("R0106", "Something that cannot be written"),
-    ("R0107", "A value that does not fit its signal"),
-    ("R0108", "An application that cannot be downloaded"),
-    ("R0109", "Not a line, or not an input or output"),
-    ("R0110", "A line that the plan cannot drive"),
-    ("R0111", "A fault that the board cannot make"),
-    ("R0112", "An address beyond its area"),
-    ("R0113", "A configuration that the controller refuses"),
-    ("R0114", "A program that the tasks do not find"),
-    ("R0115", "A deadband that does not fit its signal"),
-    ("R0116", "A task of the program that the controller refuses"),
-    ("R0117", "A type that the controller's documents do not list"),
-    ("R0118", "A case that is not refused as its plan says"),
-    ("R0119", "A configuration that the controller accepts with a warning"),
-    ("R0121", "A program with other tasks than the controller"),
-    ("R0122", "A source that no program of the plan has"),
-    ("R0131", "Parameters of an input that exclude each other"),
-    ("R0132", "An input that cannot run and stop the controller"),
-    ("R0133", "A latched input in another task than MAST"),
-    ("R0134", "A stimulus out of specification"),
-    ("R0140", "A question where nobody can be asked"),
-    ("R0141", "A picture that is not there"),
-    ("R0145", "A claim on values that its signal cannot have, or always has"),
-    ("R0146", "A signal that nothing moves, or that the rig cannot see"),
-    ("R0147", "A need that the bench does not meet"),
-    ("R0148", "A limit that is closer than the signal is known"),
-    ("R0149", "A plan of which no case ever runs"),
+    (NOT_RECORDED, "A signal that cannot be recorded"),
+    (NO_TERMINAL, "A line that the controller or the board does not have"),
+    (NO_CHANNEL, "A channel that the board does not have"),
+    (UNKNOWN_NAME, "A name that is unknown on this bench"),
+    (NO_TASK, "A task that the controller does not have"),
+    (NOT_WRITABLE, "Something that cannot be written"),
+    (VALUE_MISFIT, "A value that does not fit its signal"),
+    (NOT_DOWNLOADABLE, "An application that cannot be downloaded"),
+    (NOT_A_LINE, "Not a line, or not an input or output"),
+    (NOT_DRIVABLE, "A line that the plan cannot drive"),
+    (FAULT_NOT_AVAILABLE, "A fault that the board cannot make"),
+    (ADDRESS_OUT_OF_RANGE, "An address beyond its area"),
+    (CONFIGURATION_REFUSED, "A configuration that the controller refuses"),
+    (PROGRAM_NOT_FOUND, "A program that the tasks do not find"),
+    (DEADBAND_MISFIT, "A deadband that does not fit its signal"),
+    (TASK_REFUSED, "A task of the program that the controller refuses"),
+    (TYPE_NOT_DOCUMENTED, "A type that the controller's documents do not list"),
+    (NOT_REFUSED_AS_PLANNED, "A case that is not refused as its plan says"),
+    (CONFIGURATION_WARNING, "A configuration that the controller accepts with a warning"),
+    (OTHER_TASKS, "A program with other tasks than the controller"),
+    (NO_SOURCE, "A source that no program of the plan has"),
+    (INPUT_PARAMETERS_EXCLUSIVE, "Parameters of an input that exclude each other"),
+    (NO_RUN_STOP_INPUT, "An input that cannot run and stop the controller"),
+    (LATCH_OUTSIDE_MAST, "A latched input in another task than MAST"),
+    (STIMULUS_OUT_OF_SPECIFICATION, "A stimulus out of specification"),
+    (NOBODY_TO_ASK, "A question where nobody can be asked"),
+    (NO_PICTURE, "A picture that is not there"),
+    (CLAIM_WITHOUT_CHOICE, "A claim on values that its signal cannot have, or always has"),
+    (SIGNAL_NOT_MOVED, "A signal that nothing moves, or that the rig cannot see"),
+    (NEED_NOT_MET, "A need that the bench does not meet"),
+    (LIMIT_TOO_CLOSE, "A limit that is closer than the signal is known"),
+    (PLAN_NEVER_RUNS, "A plan of which no case ever runs"),
     ("R0150", "A folder that is not empty"),
     ("R0151", "A file that cannot be written"),
     ("R0152", "A code that does not exist"),
@@ -56,19 +210,19 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0176", "A capture without a start"),
     ("R0177", "Words that are no instant of a capture"),
     ("R0178", "A mapping that is none"),
-    ("R0180", "Real lines in virtual time"),
-    ("R0181", "Real-time priority that the kernel refuses"),
-    ("R0182", "Processors that the run cannot stay on"),
-    ("R0183", "Memory that the kernel does not lock"),
-    ("R0184", "Processors that may sleep too deeply"),
-    ("R0185", "Several boards with real lines in one run"),
-    ("R0201", "A file that cannot be read"),
-    ("R0203", "A trace of another plan"),
-    ("R0220", "A program that cannot be handed to the command that loads it"),
-    ("R0221", "A real controller that is to be played"),
+    (REAL_LINES_IN_VIRTUAL_TIME, "Real lines in virtual time"),
+    (NO_PRIORITY, "Real-time priority that the kernel refuses"),
+    (NO_PROCESSORS, "Processors that the run cannot stay on"),
+    (MEMORY_NOT_LOCKED, "Memory that the kernel does not lock"),
+    (PROCESSORS_SLEEP, "Processors that may sleep too deeply"),
+    (SEVERAL_REAL_BOARDS, "Several boards with real lines in one run"),
+    (FILE_NOT_READ, "A file that cannot be read"),
+    (TRACE_OF_ANOTHER_PLAN, "A trace of another plan"),
+    (NOT_EXPORTED, "A program that cannot be handed to the command that loads it"),
+    (REAL_CONTROLLER, "A real controller that is to be played"),
     ("R0222", "A time to run that is none"),
     ("R0223", "A case that its plan does not have"),
-    ("R0224", "A real controller whose program the rig does not load"),
+    (PROGRAM_NOT_LOADED, "A real controller whose program the rig does not load"),
     ("R0225", "An option under its old name"),
     ("R0240", "A machine without GPIO lines"),
     ("R0241", "A chip that cannot be looked at"),
@@ -79,28 +233,28 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0246", "A channel that is no output"),
     ("R0250", "A measurement that cannot be"),
     ("R0251", "Figures that cannot be kept"),
-    ("R0252", "Figures that are not of this machine"),
+    (FIGURES_OF_ANOTHER_MACHINE, "Figures that are not of this machine"),
     ("R0253", "A measurement without real lines"),
     ("R0254", "A loop or output that the board does not have"),
-    ("R0255", "A board that is no instrument"),
-    ("R0270", "A frame that its bus cannot carry"),
-    ("R0280", "A bench that somebody else uses"),
-    ("R0281", "A machine without a place for locks"),
-    ("R0290", "A parameter that an expert function lacks"),
-    ("R0291", "An expert function that the controller cannot have"),
-    ("R0292", "A parameter that an expert function cannot have"),
-    ("R0293", "A bounce time that lets too few pulses pass"),
-    ("R0294", "An input or output that an expert function cannot have"),
-    ("R0300", "A function that cannot be given counts"),
-    ("R0301", "A level of an input that has none"),
-    ("R0305", "Pulses that a generator cannot emit"),
-    ("R0306", "Lines of generators that cannot move together"),
-    ("R0307", "An input of the model on a line that makes pulses by itself"),
-    ("R0308", "A function whose pulses a device cannot make"),
-    ("R0309", "A function that may pulse faster than its line"),
-    ("R0310", "A period that a device cannot restart"),
-    ("R0315", "Pulses that the board does not promise"),
-    ("R0316", "A promise to count that was not kept when it was measured"),
+    (NOT_AN_INSTRUMENT, "A board that is no instrument"),
+    (FRAME_NOT_CARRIED, "A frame that its bus cannot carry"),
+    (BENCH_IN_USE, "A bench that somebody else uses"),
+    (NO_PLACE_FOR_LOCKS, "A machine without a place for locks"),
+    (FUNCTION_PARAMETER_MISSING, "A parameter that an expert function lacks"),
+    (FUNCTION_NOT_AVAILABLE, "An expert function that the controller cannot have"),
+    (FUNCTION_PARAMETER_INVALID, "A parameter that an expert function cannot have"),
+    (BOUNCE_TIME_TOO_LONG, "A bounce time that lets too few pulses pass"),
+    (FUNCTION_TERMINAL_INVALID, "An input or output that an expert function cannot have"),
+    (FUNCTION_WITHOUT_COUNTS, "A function that cannot be given counts"),
+    (INPUT_WITHOUT_LEVEL, "A level of an input that has none"),
+    (PULSES_NOT_EMITTED, "Pulses that a generator cannot emit"),
+    (LINES_NOT_TOGETHER, "Lines of generators that cannot move together"),
+    (MODEL_INPUT_ON_GENERATOR, "An input of the model on a line that makes pulses by itself"),
+    (FUNCTION_PULSES_NOT_MADE, "A function whose pulses a device cannot make"),
+    (FUNCTION_FASTER_THAN_LINE, "A function that may pulse faster than its line"),
+    (PERIOD_NOT_RESTARTED, "A period that a device cannot restart"),
+    (PULSES_NOT_PROMISED, "Pulses that the board does not promise"),
+    (PROMISE_NOT_KEPT, "A promise to count that was not kept when it was measured"),
     ("R0340", "A service manager that cannot be notified"),
     ("R0341", "A setting of the service manager that is no number"),
     ("R0501", "A variable that the program does not have"),
@@ -108,19 +262,19 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0503", "An assignment that is none"),
     ("R0504", "A duration that cannot be"),
     ("R0505", "A number of cycles that cannot be"),
-    ("R0600", "Stepped time on real lines"),
-    ("R0601", "A name that is unknown to a running rig"),
-    ("R0602", "Something that a client cannot write"),
-    ("R0603", "A value that does not fit what it is written to"),
-    ("R0604", "More than a running rig has room for"),
-    ("R0605", "Something that cannot be forced"),
-    ("R0606", "A command that the controller does not obey"),
-    ("R0607", "Time that is not stepped"),
-    ("R0608", "A line that the board does not drive"),
-    ("R0609", "Plans on a rig that runs none"),
-    ("R0610", "A plan that a running rig cannot run"),
-    ("R0611", "A board that a plan has for itself"),
-    ("R0612", "No plan that runs"),
+    (REAL_LINES_NOT_STEPPED, "Stepped time on real lines"),
+    (UNKNOWN_TO_RIG, "A name that is unknown to a running rig"),
+    (CLIENT_CANNOT_WRITE, "Something that a client cannot write"),
+    (CLIENT_VALUE_MISFIT, "A value that does not fit what it is written to"),
+    (TOO_MANY, "More than a running rig has room for"),
+    (NOT_FORCEABLE, "Something that cannot be forced"),
+    (COMMAND_REFUSED, "A command that the controller does not obey"),
+    (NOT_STEPPED, "Time that is not stepped"),
+    (LINE_NOT_DRIVEN, "A line that the board does not drive"),
+    (NO_PLANS, "Plans on a rig that runs none"),
+    (PLAN_NOT_RUN, "A plan that a running rig cannot run"),
+    (PLAN_HAS_BOARD, "A board that a plan has for itself"),
+    (NO_PLAN_RUNS, "No plan that runs"),
     ("R0680", "A recording in a format that is not written"),
     ("R0681", "A recording that cannot be written"),
     ("R0682", "A recording that cannot be read"),

@@ -1,6 +1,7 @@
 //! The controller's configuration from what a plan sets.
 
 use crate::case_files::CaseFiles;
+use crate::codes;
 use crate::functions;
 use crate::inputs;
 use controller::{
@@ -88,7 +89,7 @@ pub fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, V
 }
 
 fn no_output(address: signal::Address, files: &CaseFiles) -> Diagnostic {
-    Diagnostic::error("R0102", format!("{} has no output {address}", files.reference.name)).at(
+    Diagnostic::error(codes::NO_TERMINAL, format!("{} has no output {address}", files.reference.name)).at(
         &files.plan.name,
         0..0,
         "",

@@ -1,5 +1,6 @@
 //! Figures of this machine that are kept from one run to the next.
 
+use crate::codes;
 use crate::describe::hex;
 use document::Diagnostic;
 use drivers::{BoardFile, BoardKind};
@@ -92,7 +93,7 @@ impl CountingLimit {
             ),
             false => String::from("measure with a faster output: a generator by --out, wired to the input"),
         };
-        Some(Diagnostic::warning("R0316", message).help(help))
+        Some(Diagnostic::warning(codes::PROMISE_NOT_KEPT, message).help(help))
     }
 }
 
@@ -219,7 +220,8 @@ fn standing_in(folder: Option<&Path>, file: &BoardFile, machine: &[(String, Stri
 }
 
 fn unused(message: String, kind: &str) -> Diagnostic {
-    Diagnostic::warning("R0252", message).help(format!("measure again: `rig bench {kind}`"))
+    Diagnostic::warning(codes::FIGURES_OF_ANOTHER_MACHINE, message)
+        .help(format!("measure again: `rig bench {kind}`"))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Where the user's files come from, and the folders that they are in.
 
+use crate::codes;
 use document::{Diagnostic, SourceFile};
 use std::path::Path;
 
@@ -81,7 +82,7 @@ pub fn beside(file: &str, path: &str) -> String {
 pub fn load(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic> {
     let text = files
         .read(path)
-        .map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
+        .map_err(|why| Diagnostic::error(codes::FILE_NOT_READ, format!("`{path}` cannot be read: {why}")))?;
     Ok(SourceFile::new(path, text))
 }
 
@@ -92,7 +93,7 @@ pub fn load(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic
 pub fn load_program(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic> {
     let bytes = files
         .bytes(path)
-        .map_err(|why| Diagnostic::error("R0201", format!("`{path}` cannot be read: {why}")))?;
+        .map_err(|why| Diagnostic::error(codes::FILE_NOT_READ, format!("`{path}` cannot be read: {why}")))?;
     program::source(path, &bytes)
 }
 

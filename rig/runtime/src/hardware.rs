@@ -3,6 +3,7 @@
 
 use crate::bench_lock::BenchLock;
 use crate::clock::HostClock;
+use crate::codes;
 use crate::figures::{self, MachineFigures};
 use crate::heartbeat::Heartbeat;
 use crate::instrument::{self, Instrument, LoopFault};
@@ -40,7 +41,7 @@ pub struct Hardware {
 /// Real lines where none were opened.
 pub fn in_virtual_time(board: &BoardFile) -> Diagnostic {
     let message = format!("`{}` has real lines, which have no virtual time", board.name);
-    Diagnostic::error("R0180", message)
+    Diagnostic::error(codes::REAL_LINES_IN_VIRTUAL_TIME, message)
         .at(&board.name, 0..0, "")
         .help("run its cases by `rig test`, without `--clock virtual`")
 }
@@ -219,10 +220,10 @@ impl Hardware {
     pub fn warnings(&self) -> Vec<Diagnostic> {
         let warning = |refused: &Refused| {
             let code = match refused.what {
-                Privilege::Priority => "R0181",
-                Privilege::Processors => "R0182",
-                Privilege::Memory => "R0183",
-                Privilege::Awake => "R0184",
+                Privilege::Priority => codes::NO_PRIORITY,
+                Privilege::Processors => codes::NO_PROCESSORS,
+                Privilege::Memory => codes::MEMORY_NOT_LOCKED,
+                Privilege::Awake => codes::PROCESSORS_SLEEP,
             };
             Diagnostic::warning(code, refused.to_string()).help(refused.fix())
         };

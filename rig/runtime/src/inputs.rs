@@ -1,6 +1,7 @@
 //! The embedded inputs of a case: what its settings say, what the controller's documents exclude, and how they are
 //! named in a plan.
 
+use crate::codes;
 use crate::observable::Observable;
 use controller::{Config, ConfigError, InputConfig, InputFault, InputProbe, Probe, RunStopFault};
 use document::Diagnostic;
@@ -23,7 +24,7 @@ pub fn configure(config: &mut Config, settings: &Settings, plan: &str) -> Result
             0 => String::from("it has no embedded inputs"),
             _ => format!("it has I0 to I{}", count - 1),
         };
-        vec![Diagnostic::error("R0102", message).at(plan, at, "").help(help)]
+        vec![Diagnostic::error(codes::NO_TERMINAL, message).at(plan, at, "").help(help)]
     };
     let place = |address: Address| address.bit_offset() as usize;
     for (address, filter) in &settings.filters {
@@ -63,7 +64,7 @@ fn refusal(error: &ConfigError, settings: &Settings, plan: &str) -> Diagnostic {
                 InputFault::NotFast => "take one of I0 to I7, or remove `latch` and `event`",
                 InputFault::BounceAlone => "remove `bounce`, or set `latch` or `event`",
             };
-            ("R0131", said.map(|said| said.span.clone()), help)
+            (codes::INPUT_PARAMETERS_EXCLUSIVE, said.map(|said| said.span.clone()), help)
         }
         ConfigError::RunStopInput { fault, .. } => {
             let help = match fault {
@@ -71,9 +72,9 @@ fn refusal(error: &ConfigError, settings: &Settings, plan: &str) -> Diagnostic {
                 RunStopFault::Beyond { .. } => "take one of those, or another profile",
                 RunStopFault::Expert => "take another input, or remove its `latch` and `event`",
             };
-            ("R0132", settings.run_stop_input.as_ref().map(|(_, at)| at.clone()), help)
+            (codes::NO_RUN_STOP_INPUT, settings.run_stop_input.as_ref().map(|(_, at)| at.clone()), help)
         }
-        _ => ("R0113", None, ""),
+        _ => (codes::CONFIGURATION_REFUSED, None, ""),
     };
     Diagnostic::error(code, error.to_string()).at(plan, at.unwrap_or(0..0), "").help(help)
 }
@@ -93,7 +94,7 @@ pub fn latched_for_mast<'a>(
         let mut latched = settings.inputs.iter().filter(|said| said.latch);
         if let Some(said) = latched.find(|said| read.iter().any(|read| read.overlaps(&said.address))) {
             let message = format!("the task {task} reads {}, which is latched", said.address);
-            let found = Diagnostic::error("R0133", message).at(plan, said.span.clone(), "");
+            let found = Diagnostic::error(codes::LATCH_OUTSIDE_MAST, message).at(plan, said.span.clone(), "");
             return Err(vec![
                 found.help("read it in MAST, which alone empties its latch, or remove `latch`"),
             ]);

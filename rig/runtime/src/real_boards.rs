@@ -1,5 +1,6 @@
 //! The real lines of a run, and the real controller on them.
 
+use crate::codes;
 use crate::file_source::beside;
 use crate::suite::{Job, LoadedPlan};
 use document::Diagnostic;
@@ -18,7 +19,7 @@ pub fn real_board<'p>(plans: &'p [LoadedPlan], jobs: &[Job]) -> Result<Option<&'
                 let message =
                     format!("one run cannot have the lines of `{}` and `{}`", first.name, board.name);
                 let help = "run their plans one after the other, or on one board by `--board`";
-                return Err(Diagnostic::error("R0185", message).help(help));
+                return Err(Diagnostic::error(codes::SEVERAL_REAL_BOARDS, message).help(help));
             }
             (None, Some(_)) => found = board,
             _ => {}
@@ -39,7 +40,7 @@ pub fn program_not_loaded(plans: &[LoadedPlan]) -> Option<Diagnostic> {
     let message =
         format!("the controller of `{}` is taken to have the program and settings of the plan", board.name);
     let help = "see that it has, or name the command that loads it under `load`";
-    Some(Diagnostic::warning("R0224", message).at(&board.name, 0..0, "").help(help))
+    Some(Diagnostic::warning(codes::PROGRAM_NOT_LOADED, message).at(&board.name, 0..0, "").help(help))
 }
 
 impl LoadedPlan {

@@ -2,6 +2,7 @@
 
 use crate::application::{compile, notes};
 use crate::case_files::CaseFiles;
+use crate::codes;
 use crate::look_up::look_up;
 use document::Diagnostic;
 use plans::Case;
@@ -35,7 +36,11 @@ pub(crate) fn check(case: &Case, files: &CaseFiles, refusal: &Refusal) -> Result
         Ok(_) => Ok(()),
         Err(why) => {
             let expected = refusal.expected();
-            let one = Diagnostic::error("R0118", why).at(&files.plan.name, refusal.span.clone(), expected);
+            let one = Diagnostic::error(codes::NOT_REFUSED_AS_PLANNED, why).at(
+                &files.plan.name,
+                refusal.span.clone(),
+                expected,
+            );
             found.insert(0, one);
             Err(found)
         }

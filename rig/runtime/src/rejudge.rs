@@ -2,6 +2,7 @@
 
 use crate::case::verdict;
 use crate::case_ending::CaseEnding;
+use crate::codes;
 use crate::describe;
 use document::{Diagnostic, SourceFile};
 use plans::judge::CaseJudge;
@@ -42,7 +43,8 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
     let Some(mut case) = read.cases().find(|case| case.name == name) else {
         let message = format!("the trace is of the case `{name}`, which {} does not have", plan.name);
         return Err(vec![
-            Diagnostic::error("R0203", message).help("judge it by the plan that it was recorded with"),
+            Diagnostic::error(codes::TRACE_OF_ANOTHER_PLAN, message)
+                .help("judge it by the plan that it was recorded with"),
         ]);
     };
     for guards in guards_of(trace)? {

@@ -2,6 +2,7 @@
 
 use crate::blocks;
 use crate::case_files::{CaseFiles, OtherProgram};
+use crate::codes;
 pub use crate::file_source::{Disk, FileSource, beside, load, load_program};
 use crate::suites;
 use document::{Diagnostic, SourceFile};
@@ -185,7 +186,7 @@ fn missing_photos(files: &dyn FileSource, plan: &str, case: &Case) -> Vec<Diagno
         let why = files.bytes(&beside(plan, photo)).err()?;
         let message = format!("the picture `{photo}` of the question cannot be read: {why}");
         Some(
-            Diagnostic::error("R0141", message)
+            Diagnostic::error(codes::NO_PICTURE, message)
                 .at(plan, step.span.clone(), "")
                 .help("it is relative to the plan"),
         )
@@ -207,7 +208,7 @@ pub(crate) fn nobody_to_ask(case: &Case, plan: &str) -> Option<Diagnostic> {
     let step = case.steps.iter().find(|step| matches!(step.stimulus, Stimulus::Ask(_)))?;
     let message = format!("the step `{}` asks a person, and nobody can be asked", step.id);
     let help = "run it on a terminal, or leave the case out with --only";
-    Some(Diagnostic::error("R0140", message).at(plan, step.span.clone(), "").help(help))
+    Some(Diagnostic::error(codes::NOBODY_TO_ASK, message).at(plan, step.span.clone(), "").help(help))
 }
 
 /// What a board claims of the cases that run on it, if anything.

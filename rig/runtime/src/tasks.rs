@@ -1,6 +1,7 @@
 //! The tasks of a controller: those that exist by themselves, those that the sources configure (CONFIGURATION), and
 //! what a plan says of either.
 
+use crate::codes;
 use controller::{BusCycle, Config, ConfigError, EventSource, TaskConfig, TaskKind, Warning, Watchdog};
 use document::{Diagnostic, SourceFile};
 use plans::plan::{Settings, TaskSettings, TaskType};
@@ -86,7 +87,11 @@ impl Tasks {
                 if let Some(kind) = said.kind {
                     configured.kind =
                         kind_of(kind, said, configured, program, profile).map_err(|message| {
-                            vec![Diagnostic::error("R0113", message).at(&plan.name, 0..0, "")]
+                            vec![Diagnostic::error(codes::CONFIGURATION_REFUSED, message).at(
+                                &plan.name,
+                                0..0,
+                                "",
+                            )]
                         })?;
                 }
             }
@@ -132,7 +137,7 @@ impl Tasks {
         let message = self.message(error);
         match written {
             Some(task) => refused(program, task, &message),
-            None => Diagnostic::error("R0113", message).at(&plan.name, 0..0, ""),
+            None => Diagnostic::error(codes::CONFIGURATION_REFUSED, message).at(&plan.name, 0..0, ""),
         }
     }
 
@@ -189,7 +194,11 @@ impl Tasks {
                 None if name == "<unspecified>" => BusCycle::Slowest,
                 None => {
                     let message = format!("there is no task `{name}` to be the bus cycle task");
-                    return Err(vec![Diagnostic::error("R0113", message).at(&plan.name, 0..0, "")]);
+                    return Err(vec![Diagnostic::error(codes::CONFIGURATION_REFUSED, message).at(
+                        &plan.name,
+                        0..0,
+                        "",
+                    )]);
                 }
             };
         }
@@ -285,7 +294,7 @@ fn find_trigger(program: Option<&Program>, trigger: &str) -> Result<String, Stri
 pub fn warnings(config: &Config, plan: &SourceFile) -> Vec<Diagnostic> {
     let name = |place: usize| config.tasks.get(place).map_or("?", |task| task.name.as_str());
     let show = |warning: &Warning| {
-        Diagnostic::warning("R0119", warning.show(name))
+        Diagnostic::warning(codes::CONFIGURATION_WARNING, warning.show(name))
             .at(&plan.name, 0..0, "")
             .help("it also stands in the log")
     };
@@ -296,7 +305,7 @@ pub fn warnings(config: &Config, plan: &SourceFile) -> Vec<Diagnostic> {
 fn refused(program: Option<&Program>, task: &TaskInfo, message: &str) -> Diagnostic {
     let file = program.and_then(|program| program.files().get(usize::from(task.file)));
     let file = file.map_or("", String::as_str);
-    Diagnostic::error("R0116", message).at(file, task.span.clone(), "")
+    Diagnostic::error(codes::TASK_REFUSED, message).at(file, task.span.clone(), "")
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use crate::bundle::Bundle;
 use crate::case_export;
 use crate::case_files::CaseFiles;
 use crate::check::CaseOnBench;
+use crate::codes;
 use crate::configure::{configuration, initial_state};
 use crate::coverage::Collector;
 use crate::external::External;
@@ -132,7 +133,7 @@ pub(crate) fn set_up(
 }
 
 fn refused(files: &CaseFiles, error: &dyn std::fmt::Display) -> Vec<Diagnostic> {
-    vec![Diagnostic::error("R0113", error.to_string()).at(&files.plan.name, 0..0, "")]
+    vec![Diagnostic::error(codes::CONFIGURATION_REFUSED, error.to_string()).at(&files.plan.name, 0..0, "")]
 }
 
 /// A real controller on the board. Its program is what is in it, or what the user's command brings; the rig does not
@@ -148,7 +149,7 @@ fn set_up_external(
     } else {
         case_export::export_case(case, files).map_err(|error| {
             let message = format!("what `load` is given cannot be written: {error}");
-            vec![Diagnostic::error("R0220", message).help("give the temporary folder room")]
+            vec![Diagnostic::error(codes::NOT_EXPORTED, message).help("give the temporary folder room")]
         })?
     };
     let (initial, run) = (initial_state(case.settings.initial), case.settings.switch_at_run != Some(false));
@@ -176,7 +177,7 @@ fn tasks_of_another(
     if tasks.configured != config.tasks {
         let name = program.files().first().map_or("", String::as_str);
         let message = format!("`{name}` configures other tasks than the case's own program");
-        let found = Diagnostic::error("R0121", message).at(name, 0..0, "");
+        let found = Diagnostic::error(codes::OTHER_TASKS, message).at(name, 0..0, "");
         return Err(vec![found.help("give it the same tasks: a controller of a case keeps its tasks")]);
     }
     if assign(program, &tasks.programs).is_none() {
@@ -190,7 +191,7 @@ fn beyond_table(part: RelocationPart, row: usize, case: &Case, files: &CaseFiles
     let name = case.settings.relocation[part as usize].get(row).map_or("?", String::as_str);
     let message = format!("`{name}` does not fit into the relocation table");
     let help = format!("row {}: each part has {} words", row + 1, profile::TABLE_WORDS);
-    Diagnostic::error("R0113", message).at(&files.plan.name, 0..0, "").help(help)
+    Diagnostic::error(codes::CONFIGURATION_REFUSED, message).at(&files.plan.name, 0..0, "").help(help)
 }
 
 fn no_such_program(
@@ -206,7 +207,7 @@ fn no_such_program(
         Some((task, name)) => format!("task {task} runs `{name}`, which the program does not have"),
         None => String::from("a task runs a PROGRAM that the program does not have"),
     };
-    Diagnostic::error("R0114", message)
+    Diagnostic::error(codes::PROGRAM_NOT_FOUND, message)
         .at(&plan.name, 0..0, "")
         .help(format!("the program has {}", known.join(", ")))
 }

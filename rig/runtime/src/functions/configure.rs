@@ -1,6 +1,7 @@
 //! Expert functions of a plan's settings as the controller takes them, and what it refuses of them.
 
 use super::axis;
+use crate::codes;
 use controller::Config;
 use document::Diagnostic;
 use expert::{
@@ -26,7 +27,11 @@ pub fn configure(settings: &Settings, plan: &str) -> Result<ExpertConfig, Vec<Di
             Ok(kind) => functions.push(FunctionConfig { name: said.name.clone(), kind }),
             Err(key) => {
                 let message = format!("`{}` lacks `{key}`", said.name);
-                let lacking = Diagnostic::error("R0290", message).at(plan, said.span.clone(), "");
+                let lacking = Diagnostic::error(codes::FUNCTION_PARAMETER_MISSING, message).at(
+                    plan,
+                    said.span.clone(),
+                    "",
+                );
                 found.push(lacking.help(format!("add `{key}`: a function of this kind and mode needs it")));
             }
         }
@@ -53,7 +58,11 @@ pub fn warnings(config: &Config, settings: &Settings, plan: &str) -> Vec<Diagnos
     let show = |warning: &expert::ExpertWarning| {
         let said = settings.expert.get(warning.function)?;
         let message = format!("`{}`: {warning}", said.name);
-        let found = Diagnostic::warning("R0293", message).at(plan, said.place(key_of(warning.role)), "");
+        let found = Diagnostic::warning(codes::BOUNCE_TIME_TOO_LONG, message).at(
+            plan,
+            said.place(key_of(warning.role)),
+            "",
+        );
         Some(found.help("shorten the `bounce` of the input in `settings.inputs`, or expect less"))
     };
     found.iter().filter_map(show).collect()
@@ -227,14 +236,16 @@ const fn key_of_fault(fault: CounterFault) -> &'static str {
 fn refusal(error: &ExpertError, said: &FunctionSettings, plan: &str) -> Diagnostic {
     let (code, help) = match error.fault {
         ExpertFault::Counter(_) | ExpertFault::Axis(_) => {
-            ("R0292", "take a value that the message allows, or leave the key out")
+            (codes::FUNCTION_PARAMETER_INVALID, "take a value that the message allows, or leave the key out")
         }
-        ExpertFault::Name | ExpertFault::SameName(_) => ("R0291", "take another name"),
+        ExpertFault::Name | ExpertFault::SameName(_) => (codes::FUNCTION_NOT_AVAILABLE, "take another name"),
         ExpertFault::NoEmbedded
         | ExpertFault::Shared { .. }
         | ExpertFault::Axes { .. }
-        | ExpertFault::Inputs { .. } => ("R0291", "remove functions or inputs, or take another reference"),
-        _ => ("R0294", "take another input or output, or free this one"),
+        | ExpertFault::Inputs { .. } => {
+            (codes::FUNCTION_NOT_AVAILABLE, "remove functions or inputs, or take another reference")
+        }
+        _ => (codes::FUNCTION_TERMINAL_INVALID, "take another input or output, or free this one"),
     };
     let at = match (error.role, error.fault) {
         (Some(role), _) => said.place(key_of(role)),

@@ -1,6 +1,7 @@
 //! Inputs at which hardware counts: fast counters take its counts in place of edges.
 
 use super::configure::key_of;
+use crate::codes;
 use document::Diagnostic;
 use drivers::{BoardFile, ChannelKind};
 use expert::{ChannelRole, CounterMode, CounterRole, ExpertConfig, FunctionKind, Terminal};
@@ -49,7 +50,7 @@ pub fn check(
                         CounterMode::EventCounting { .. }
                         | CounterMode::Frequency { .. }
                         | CounterMode::Period { .. } => (
-                            "R0300",
+                            codes::FUNCTION_WITHOUT_COUNTS,
                             format!(
                                 "`{}` measures when its pulses come, and I{input} tells how many came",
                                 said.name
@@ -59,7 +60,7 @@ pub fn check(
                     }
                 }
                 _ => (
-                    "R0301",
+                    codes::INPUT_WITHOUT_LEVEL,
                     format!("`{}` needs the level of I{input}, behind which the board counts", said.name),
                     "take an input that is bound to a line: a count has no level",
                 ),

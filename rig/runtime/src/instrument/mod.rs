@@ -14,6 +14,7 @@ pub use loopback::{Loopback, loopback};
 pub use scan::{Phases, ScanFault, phases};
 pub use square::{EDGES, PERIOD, Square, square};
 
+use crate::codes;
 use crate::heartbeat::Heartbeat;
 use document::Diagnostic;
 use drivers::{Board, BoardContext, BoardError, BoardEvent, ChannelId, LoopbackPair, LossReason, Origin};
@@ -163,7 +164,7 @@ impl LoopFault {
 impl LoopFault {
     /// As a finding of a run that it ends, for a loop of these names.
     pub fn finding(&self, names: &[String; 2]) -> Diagnostic {
-        Diagnostic::error("R0255", self.words(names)).help(self.fix())
+        Diagnostic::error(codes::NOT_AN_INSTRUMENT, self.words(names)).help(self.fix())
     }
 }
 

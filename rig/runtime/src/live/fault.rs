@@ -1,5 +1,6 @@
 //! What is said to a client whose order is not carried out.
 
+use crate::codes;
 use crate::scan_port::ScanCommandError;
 use control::Fault;
 use controller::{CommandError, State, WriteError};
@@ -14,61 +15,75 @@ pub fn unknown(name: &str, meant: Option<&str>) -> Fault {
         Some(meant) => format!("did you mean `{meant}`?"),
         None => String::from("`describe` lists the names; addresses such as %MW12 can be named besides"),
     };
-    fault("R0601", format!("unknown name `{name}`"), &help)
+    fault(codes::UNKNOWN_TO_RIG, format!("unknown name `{name}`"), &help)
 }
 
 /// An address that the controller does not have.
 pub fn unknown_address(name: &str, why: &str) -> Fault {
-    fault("R0601", format!("unknown name `{name}`: {why}"), "name an address of this controller")
+    fault(
+        codes::UNKNOWN_TO_RIG,
+        format!("unknown name `{name}`: {why}"),
+        "name an address of this controller",
+    )
 }
 
 /// Something that is only looked at.
 pub fn not_written(name: &str) -> Fault {
     let help = "write a variable, a %M address, or a line of the board that nothing of the rig drives; force an output";
-    fault("R0602", format!("`{name}` cannot be written"), help)
+    fault(codes::CLIENT_CANNOT_WRITE, format!("`{name}` cannot be written"), help)
 }
 
 /// A value that does not fit.
 pub fn bad_value(name: &str, wanted: &str) -> Fault {
-    fault("R0603", format!("the value does not fit `{name}`"), &format!("it takes {wanted}"))
+    fault(
+        codes::CLIENT_VALUE_MISFIT,
+        format!("the value does not fit `{name}`"),
+        &format!("it takes {wanted}"),
+    )
 }
 
 /// More than there is room for.
 pub fn too_many(what: &str) -> Fault {
-    fault("R0604", format!("too much at once: {what}"), "end what is not needed, or ask again later")
+    fault(codes::TOO_MANY, format!("too much at once: {what}"), "end what is not needed, or ask again later")
 }
 
 /// Something that is no embedded input or output.
 pub fn not_forced(name: &str) -> Fault {
     let help = "force an embedded input or output, as in %IX0.2 or Q3; write anything else";
-    fault("R0605", format!("`{name}` cannot be forced"), help)
+    fault(codes::NOT_FORCEABLE, format!("`{name}` cannot be forced"), help)
 }
 
 /// Why the scan did not carry out an order.
 pub fn refused(why: ScanCommandError) -> Fault {
     match why {
         ScanCommandError::Command(refusal) => {
-            fault("R0606", format!("the controller does not obey: {refusal}"), fix(refusal))
+            fault(codes::COMMAND_REFUSED, format!("the controller does not obey: {refusal}"), fix(refusal))
         }
         ScanCommandError::Write(WriteError::State(state)) => fault(
-            "R0606",
+            codes::COMMAND_REFUSED,
             format!("nothing is written in state {state}"),
             "switch it on, and wait until it has booted",
         ),
-        ScanCommandError::Write(error) => {
-            fault("R0602", error.to_string(), "write a variable, or an address of %M, %Q or %I")
+        ScanCommandError::Write(error) => fault(
+            codes::CLIENT_CANNOT_WRITE,
+            error.to_string(),
+            "write a variable, or an address of %M, %Q or %I",
+        ),
+        ScanCommandError::Board(error) => {
+            fault(codes::LINE_NOT_DRIVEN, format!("the board does not do it: {error}"), "")
         }
-        ScanCommandError::Board(error) => fault("R0608", format!("the board does not do it: {error}"), ""),
         ScanCommandError::NotStepped => fault(
-            "R0607",
+            codes::NOT_STEPPED,
             "the time of this rig is not stepped".into(),
             "start the rig with `rig run --stepped` to advance it",
         ),
         ScanCommandError::PlanRuns => plan_runs(),
-        ScanCommandError::NoPlan => fault("R0612", "no plan runs".into(), ""),
-        ScanCommandError::NoModel => {
-            fault("R0606", "the controller is a real one: its memory is out of reach".into(), "")
-        }
+        ScanCommandError::NoPlan => fault(codes::NO_PLAN_RUNS, "no plan runs".into(), ""),
+        ScanCommandError::NoModel => fault(
+            codes::COMMAND_REFUSED,
+            "the controller is a real one: its memory is out of reach".into(),
+            "",
+        ),
     }
 }
 
@@ -87,24 +102,24 @@ const fn fix(refusal: CommandError) -> &'static str {
 }
 
 /// Clients lead the time of modelled lines alone.
-pub const LED: &str = "R0600";
+pub const LED: &str = codes::REAL_LINES_NOT_STEPPED;
 
 /// A plan that cannot be run.
 pub fn plan(why: &str) -> Fault {
-    fault("R0610", format!("the plan cannot be run: {why}"), "`rig check` says more of it")
+    fault(codes::PLAN_NOT_RUN, format!("the plan cannot be run: {why}"), "`rig check` says more of it")
 }
 
 /// A case that a plan does not have.
 pub fn no_case(name: &str, meant: Option<&str>) -> Fault {
     let help = meant
         .map_or_else(|| String::from("`plans` lists the cases"), |meant| format!("did you mean `{meant}`?"));
-    fault("R0610", format!("there is no case `{name}`"), &help)
+    fault(codes::PLAN_NOT_RUN, format!("there is no case `{name}`"), &help)
 }
 
 /// A plan has the board.
 pub fn plan_runs() -> Fault {
     fault(
-        "R0611",
+        codes::PLAN_HAS_BOARD,
         "a plan runs: the board is its own until it ends".into(),
         "wait until it is over, or abort it",
     )
@@ -112,5 +127,5 @@ pub fn plan_runs() -> Fault {
 
 /// A rig that runs no plans.
 pub fn no_plans() -> Fault {
-    fault("R0609", "this rig runs no plans".into(), "run them with `rig test`")
+    fault(codes::NO_PLANS, "this rig runs no plans".into(), "run them with `rig test`")
 }

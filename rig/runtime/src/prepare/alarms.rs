@@ -1,6 +1,7 @@
 //! The alarms of a case with their signals.
 
 use super::meaning::SignalMeanings;
+use crate::codes;
 use document::Diagnostic;
 use plans::Case;
 use plans::alarm::AlarmWatch;
@@ -40,7 +41,7 @@ pub(super) fn alarms(
         let watch = match alarm.watch(info) {
             Ok(watch) => watch,
             Err(why) => {
-                wrong("R0107", why, "write a value of the signal");
+                wrong(codes::VALUE_MISFIT, why, "write a value of the signal");
                 continue;
             }
         };
@@ -48,7 +49,9 @@ pub(super) fn alarms(
             Ok(mark) => {
                 armed.push(ArmedAlarm { name: alarm.name.clone(), signal, mark, watch, ends: alarm.ends });
             }
-            Err(error) => wrong("R0101", format!("`{}` cannot be recorded: {error}", alarm.name), ""),
+            Err(error) => {
+                wrong(codes::NOT_RECORDED, format!("`{}` cannot be recorded: {error}", alarm.name), "")
+            }
         }
     }
     armed

@@ -3,6 +3,7 @@
 use super::TestBench;
 use super::lines::of_controller;
 use super::meaning::{Meaning, SignalMeanings};
+use crate::codes;
 use crate::generator::{EmissionError, EmittedPulses, Generator, Shape};
 use document::Findings;
 use drivers::{ChannelId, Emission, NotEmitted, PulseCapability};
@@ -43,7 +44,7 @@ pub(super) fn by_itself(
             let message = format!("`{name}` cannot move together with other lines");
             let help = "its pulses begin when its device comes to them: drive the others with steps of their own, or \
                 take lines that the rig drives";
-            out.error("R0306", step.span.clone(), message, help);
+            out.error(codes::LINES_NOT_TOGETHER, step.span.clone(), message, help);
             return None;
         }
     }
@@ -51,14 +52,14 @@ pub(super) fn by_itself(
         let message = format!("`{name}` is an input of the model on a line that makes pulses by itself");
         let help = "bind the input to the line or counter that the generator is wired to, and name the generator's \
             channel in the step";
-        out.error("R0307", step.span.clone(), message, help);
+        out.error(codes::MODEL_INPUT_ON_GENERATOR, step.span.clone(), message, help);
         return None;
     }
     match made(&generator, channel, &emits, step) {
         Ok(emitted) => Some(Generator::Emitted(emitted)),
         Err(why) => {
             let message = format!("`{name}` cannot emit this: {}", words(why));
-            out.error("R0305", step.span.clone(), message, fix(why, &emits, step));
+            out.error(codes::PULSES_NOT_EMITTED, step.span.clone(), message, fix(why, &emits, step));
             None
         }
     }

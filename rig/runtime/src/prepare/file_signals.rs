@@ -1,6 +1,7 @@
 //! Signals that stand for files, the log, registers and rows of the relocation table.
 
 use super::TestBench;
+use crate::codes;
 use crate::observable::Observable;
 use controller::{FileProbe, Probe, RegisterProbe, RelocationPart};
 use document::Findings;
@@ -43,7 +44,12 @@ pub(super) fn observable(
             });
             let Some((part, place)) = places.next() else {
                 let message = format!("the relocation table has no row `{row}`");
-                out.error("R0104", binding.span.clone(), message, "its rows stand in `settings.relocation`");
+                out.error(
+                    codes::UNKNOWN_NAME,
+                    binding.span.clone(),
+                    message,
+                    "its rows stand in `settings.relocation`",
+                );
                 return Some(None);
             };
             match figure {

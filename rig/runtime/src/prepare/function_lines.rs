@@ -1,6 +1,7 @@
 //! Expert functions on the lines of a board: who makes their pulses, and how fast.
 
 use super::TestBench;
+use crate::codes;
 use crate::functions::configure;
 use controller::Channel as Terminal;
 use document::Diagnostic;
@@ -40,7 +41,8 @@ fn wave_on_line(
         Some(_) if wave.sync.is_some() => {
             let message =
                 format!("`{}`: the device behind `{}` cannot begin its period anew", said.name, channel.name);
-            let found = Diagnostic::error("R0310", message).at(plan, said.place("sync"), "");
+            let found =
+                Diagnostic::error(codes::PERIOD_NOT_RESTARTED, message).at(plan, said.place("sync"), "");
             Some(found.help("leave out `sync`, or bind the output to a line that the rig drives"))
         }
         Some(_) => None,
@@ -76,7 +78,7 @@ fn behind<'b>(output: u8, bench: &'b TestBench<'_>) -> Option<&'b Channel> {
 fn not_made(said: &FunctionSettings, key: &str, channel: &Channel, plan: &str) -> Diagnostic {
     let name = &channel.name;
     let message = format!("`{}`: the device behind `{name}` cannot make these pulses", said.name);
-    let found = Diagnostic::error("R0308", message).at(plan, said.place(key), "");
+    let found = Diagnostic::error(codes::FUNCTION_PULSES_NOT_MADE, message).at(plan, said.place(key), "");
     found.help("bind the output to a line that the rig drives: each pulse of this function is its own")
 }
 
@@ -99,7 +101,7 @@ fn unpromised(
             "`{function}`: the board promises pulses up to {promised} Hz on `{name}`, not {fastest} Hz"
         ),
     };
-    let found = Diagnostic::warning("R0309", message).at(plan, said.place(key), "");
+    let found = Diagnostic::warning(codes::FUNCTION_FASTER_THAN_LINE, message).at(plan, said.place(key), "");
     Some(found.help(
         "a pulse that the rig comes too late for is an error of the case: lower the highest velocity, bind the output to \
          a generator, or say with `pulses-up-to` what the line was measured to follow",

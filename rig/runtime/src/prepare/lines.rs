@@ -3,6 +3,7 @@
 use super::TestBench;
 use super::meaning::{Meaning, SignalMeanings};
 use super::signals::channel_info;
+use crate::codes;
 use crate::observable::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
@@ -13,7 +14,7 @@ use plans::steps::LineFault;
 use signal::{Area, Level, Span, Value};
 
 /// The code of pulses that the board does not promise: a case with such a step gets no verdict.
-pub(crate) const NOT_PROMISED: &str = "R0315";
+pub(crate) const NOT_PROMISED: &str = codes::PULSES_NOT_PROMISED;
 
 /// The channel of a line.
 pub(super) fn line(
@@ -28,7 +29,7 @@ pub(super) fn line(
     // A name that means nothing at all was reported where it is bound.
     if names.meaning(name).is_some() {
         let help = "bind it to a terminal such as \"%IX0.0\", or to a channel of the board";
-        out.error("R0109", step.span.clone(), format!("`{name}` is no line"), help);
+        out.error(codes::NOT_A_LINE, step.span.clone(), format!("`{name}` is no line"), help);
     }
     None
 }
@@ -49,7 +50,12 @@ pub(super) fn driven(
     let channel = line(name, names, step, out)?;
     if of_controller(channel, bench) {
         let help = "an output is the controller's own: force it, or put a fault on it";
-        out.error("R0110", step.span.clone(), format!("`{name}` is driven by the controller"), help);
+        out.error(
+            codes::NOT_DRIVABLE,
+            step.span.clone(),
+            format!("`{name}` is driven by the controller"),
+            help,
+        );
         return None;
     }
     let known = &bench.board.channels()[usize::from(channel.0)];
@@ -63,7 +69,7 @@ pub(super) fn driven(
             }
             BoardKind::Simulated => "",
         };
-        out.error("R0110", step.span.clone(), format!("the board cannot drive `{name}`"), help);
+        out.error(codes::NOT_DRIVABLE, step.span.clone(), format!("the board cannot drive `{name}`"), help);
         return None;
     }
     Some(channel)
@@ -88,7 +94,7 @@ pub(super) fn terminal(
     let terminal = address.and_then(|address| Terminal::at(address, bench.reference));
     if terminal.is_none() {
         let help = "only inputs and outputs of the controller are forced; a variable is written with `write`";
-        out.error("R0109", step.span.clone(), format!("`{name}` is no input or output"), help);
+        out.error(codes::NOT_A_LINE, step.span.clone(), format!("`{name}` is no input or output"), help);
     }
     terminal
 }
@@ -140,7 +146,12 @@ pub(super) fn value_for(
                 if channel.unit().is_empty() { "no unit" } else { channel.unit() }
             )
         };
-        out.error("R0107", step.span.clone(), format!("the value does not fit `{}`", channel.name), help);
+        out.error(
+            codes::VALUE_MISFIT,
+            step.span.clone(),
+            format!("the value does not fit `{}`", channel.name),
+            help,
+        );
     }
     value
 }
@@ -159,7 +170,7 @@ pub(super) fn fault_kind(
     let kind = fault_on(kind, channel)?;
     if !channel.faults.contains(kind) {
         out.error(
-            "R0111",
+            codes::FAULT_NOT_AVAILABLE,
             step.span.clone(),
             format!("the board cannot put this fault on `{}`", channel.name),
             "",
@@ -186,7 +197,7 @@ pub(super) fn warn_if_too_fast(
     if let Some(binding) = regular.filter(|_| millihertz > u64::from(hertz) * 1_000) {
         let message = format!("the step is out of specification for the regular input {}", binding.address);
         let help = format!("{} allows it up to {hertz} Hz", bench.profile.name());
-        out.warn("R0134", step.span.clone(), message, help);
+        out.warn(codes::STIMULUS_OUT_OF_SPECIFICATION, step.span.clone(), message, help);
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a bound name is on a bench.
 
 use super::TestBench;
+use crate::codes;
 use crate::observable::Observable;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
@@ -31,14 +32,14 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
                     None => format!("{} has no such terminal", bench.reference.name),
                     Some(_) => format!("bind it to a channel in {}", bench.file.name),
                 };
-                out.error("R0102", at.clone(), format!("no line is at {address}"), help);
+                out.error(codes::NO_TERMINAL, at.clone(), format!("no line is at {address}"), help);
                 None
             })?
         }
         SignalSource::Memory(address) | SignalSource::Image(address) => {
             let limits = bench.profile.address_limits();
             if let Err(error) = address.check(&limits) {
-                out.error("R0112", at, error.to_string(), "");
+                out.error(codes::ADDRESS_OUT_OF_RANGE, at, error.to_string(), "");
                 return None;
             }
             inside(&address.to_string())?
@@ -48,7 +49,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
             None => {
                 let channels = bench.board.channels().iter().map(|channel| channel.name.as_str());
                 let help = suggestion(name, channels);
-                out.error("R0103", at, format!("the board has no channel `{name}`"), help);
+                out.error(codes::NO_CHANNEL, at, format!("the board has no channel `{name}`"), help);
                 return None;
             }
         },
@@ -56,7 +57,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
             let channel = || bench.board.find(path).map(|channel| Meaning::Channel(channel, None));
             let Some(found) = inside(path).or_else(channel) else {
                 if let Some((message, help)) = element(path, bench) {
-                    out.error("R0104", at, message, help);
+                    out.error(codes::UNKNOWN_NAME, at, message, help);
                     return None;
                 }
                 let mut known = bench.subject.names();
@@ -64,14 +65,14 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
                 let help = suggestion(path, known.iter().map(String::as_str));
                 let message =
                     format!("`{path}` is no variable, no system variable and no channel of the board");
-                out.error("R0104", at, message, help);
+                out.error(codes::UNKNOWN_NAME, at, message, help);
                 return None;
             };
             found
         }
         SignalSource::Task { task, figure } => {
             let Some(place) = bench.subject.task(task) else {
-                out.error("R0105", at, format!("there is no task `{task}`"), known_tasks(task, bench));
+                out.error(codes::NO_TASK, at, format!("there is no task `{task}`"), known_tasks(task, bench));
                 return None;
             };
             let probe = Probe::TaskFigure { task: place, figure: figure_of(*figure) };

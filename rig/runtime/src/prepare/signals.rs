@@ -1,5 +1,6 @@
 //! How the trace records a bound name.
 
+use crate::codes;
 use document::Findings;
 use drivers::{Channel, ChannelKind, TimestampSource};
 use plans::signals::{RecordingPolicy, SignalBinding};
@@ -18,7 +19,12 @@ pub(super) fn policy(
         _ if own > 0.0 => {
             let message =
                 format!("`{}` has a deadband of {own} {} on its board already", info.name, info.unit);
-            out.error("R0115", binding.span.clone(), message, "keep one: the board file's or the plan's");
+            out.error(
+                codes::DEADBAND_MISFIT,
+                binding.span.clone(),
+                message,
+                "keep one: the board file's or the plan's",
+            );
             return None;
         }
         RecordingPolicy::Changes => return Some(Policy::Changes),
@@ -40,7 +46,7 @@ pub(super) fn policy(
         }
         _ => (format!("`{}` is no number and has no deadband", info.name), String::from("remove `deadband`")),
     };
-    out.error("R0115", binding.span.clone(), message, help);
+    out.error(codes::DEADBAND_MISFIT, binding.span.clone(), message, help);
     None
 }
 
@@ -49,11 +55,21 @@ pub(super) fn define(trace: &mut Trace, info: SignalInfo, out: &mut Findings) ->
     match trace.define(info) {
         Ok(signal) => Some(signal),
         Err(TraceError::DuplicateName(_)) => {
-            out.error("R0101", 0..0, format!("the trace has two signals `{name}`"), "rename one of them");
+            out.error(
+                codes::NOT_RECORDED,
+                0..0,
+                format!("the trace has two signals `{name}`"),
+                "rename one of them",
+            );
             None
         }
         Err(error) => {
-            out.error("R0101", 0..0, format!("the signal `{name}` cannot be recorded: {error}"), "");
+            out.error(
+                codes::NOT_RECORDED,
+                0..0,
+                format!("the signal `{name}` cannot be recorded: {error}"),
+                "",
+            );
             None
         }
     }

@@ -4,6 +4,7 @@ use super::TestBench;
 use super::lines::{driven, fault_kind, line, of_controller, terminal, value_for};
 use super::meaning::{Meaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
+use crate::codes;
 use crate::schedule::{Act, AwaitedChange, Expected, FileAction, PlannedStep, Timing};
 use controller::{Channel as Terminal, Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
 use document::Findings;
@@ -61,7 +62,12 @@ pub(super) fn plan_step(
         Stimulus::Force { signal, value } => {
             let channel = terminal(signal, names, bench, step, out)?;
             let Some(on) = boolean(value) else {
-                out.error("R0107", step.span.clone(), "a terminal is forced to TRUE or FALSE", "");
+                out.error(
+                    codes::VALUE_MISFIT,
+                    step.span.clone(),
+                    "a terminal is forced to TRUE or FALSE",
+                    "",
+                );
                 return None;
             };
             vec![(Span::ZERO, Act::Command(Command::Force { channel, on }, expected(step)))]
@@ -75,7 +81,7 @@ pub(super) fn plan_step(
                 Meaning::Inside(observable) => observable,
                 Meaning::OfBus => {
                     let help = "a value in a frame is put on its bus with `send`";
-                    out.error("R0106", step.span.clone(), format!("`{of}` is no variable"), help);
+                    out.error(codes::NOT_WRITABLE, step.span.clone(), format!("`{of}` is no variable"), help);
                     return None;
                 }
                 Meaning::Channel(channel, _) => {
@@ -91,17 +97,22 @@ pub(super) fn plan_step(
                         ),
                         false => String::from(help),
                     };
-                    out.error("R0106", step.span.clone(), message, help);
+                    out.error(codes::NOT_WRITABLE, step.span.clone(), message, help);
                     return None;
                 }
             };
             let Literal::Value(value) = value else {
-                out.error("R0107", step.span.clone(), format!("`{of}` takes a plain number"), "");
+                out.error(codes::VALUE_MISFIT, step.span.clone(), format!("`{of}` takes a plain number"), "");
                 return None;
             };
             if matches!(value, Value::Real(_)) && observable.kind != Kind::Real {
                 let help = "only a REAL or LREAL has a value with a part behind the point";
-                out.error("R0107", step.span.clone(), format!("`{of}` takes a whole number"), help);
+                out.error(
+                    codes::VALUE_MISFIT,
+                    step.span.clone(),
+                    format!("`{of}` takes a whole number"),
+                    help,
+                );
                 return None;
             }
             vec![(Span::ZERO, Act::Write(observable.probe, *value, expected(step)))]
@@ -168,7 +179,7 @@ pub(super) fn plan_step(
         Stimulus::Overload { task, cycle, times } => {
             let Some(task) = bench.subject.task(task) else {
                 let help = known_tasks(task, bench);
-                out.error("R0105", step.span.clone(), format!("there is no task `{task}`"), help);
+                out.error(codes::NO_TASK, step.span.clone(), format!("there is no task `{task}`"), help);
                 return None;
             };
             vec![(Span::ZERO, Act::Overload { task, cycle: *cycle, times: *times })]
@@ -176,7 +187,7 @@ pub(super) fn plan_step(
         Stimulus::Suspend { task, lasts } => {
             let Some(task) = bench.subject.task(task) else {
                 let help = known_tasks(task, bench);
-                out.error("R0105", step.span.clone(), format!("there is no task `{task}`"), help);
+                out.error(codes::NO_TASK, step.span.clone(), format!("there is no task `{task}`"), help);
                 return None;
             };
             vec![(Span::ZERO, Act::Suspend { task, lasts: *lasts })]
@@ -227,7 +238,7 @@ fn source_file(
     if found.is_none() {
         let help = suggestion(name, known.iter().map(|(_, known)| known.as_str()));
         out.error(
-            "R0122",
+            codes::NO_SOURCE,
             step.span.clone(),
             format!("no program of the plan has the source `{name}`"),
             help,
@@ -249,7 +260,7 @@ fn disturbance(
         Some(Terminal::Output(output)) => Some(output),
         _ => {
             let help = format!("{} has no such terminal", bench.reference.name);
-            out.error("R0102", step.span.clone(), format!("no output is at {address}"), help);
+            out.error(codes::NO_TERMINAL, step.span.clone(), format!("no output is at {address}"), help);
             None
         }
     };
@@ -263,7 +274,7 @@ fn disturbance(
         DisturbanceKind::External(bit) => {
             let bits: Vec<String> = FAULT_BITS.iter().map(u8::to_string).collect();
             let help = format!("the others are {}", bits.join(", "));
-            out.error("R0107", step.span.clone(), format!("bit {bit} is reserved"), help);
+            out.error(codes::VALUE_MISFIT, step.span.clone(), format!("bit {bit} is reserved"), help);
             return None;
         }
     })
@@ -284,7 +295,7 @@ fn bundle(
     };
     if bundle.is_none() {
         let help = "give the plan a `program`, or the step: it is what is transferred";
-        out.error("R0108", step.span.clone(), "there is no application to transfer", help);
+        out.error(codes::NOT_DOWNLOADABLE, step.span.clone(), "there is no application to transfer", help);
     }
     bundle.map(<[u8]>::to_vec)
 }
@@ -306,7 +317,7 @@ fn awaited(
             let labels: Vec<&str> = info.labels.iter().map(|(_, label)| label.as_str()).collect();
             let help =
                 if labels.is_empty() { String::new() } else { format!("it can be {}", labels.join(", ")) };
-            out.error("R0107", step.span.clone(), message, help);
+            out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
         }
         value
     };

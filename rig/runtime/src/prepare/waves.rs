@@ -4,6 +4,7 @@ use super::TestBench;
 use super::emission::{by_itself, emitting};
 use super::lines::{driven, warn_if_not_promised, warn_if_too_fast};
 use super::meaning::SignalMeanings;
+use crate::codes;
 use crate::frames;
 use crate::generator::{Band, Curve, Form, Generator, Rows, Shape, TableValue};
 use document::Findings;
@@ -68,7 +69,7 @@ fn by_rig(
             let frame = frames::outgoing(&send.frame, known);
             let frame = frame.map_err(|why| {
                 let help = "send a frame that it carries, or give the bus a `data-bitrate`";
-                out.error("R0270", step.span.clone(), why, help);
+                out.error(codes::FRAME_NOT_CARRIED, step.span.clone(), why, help);
             });
             let seed = seed_of(bench.seed, &step.id);
             Some(Generator::Frames { bus, frame: frame.ok()?, send: send.clone(), seed })
@@ -106,7 +107,12 @@ fn values(
     if level && !head.unit.is_none() {
         let name = &bench.board.channels()[usize::from(channel.0)].name;
         let message = format!("column `{}` has a unit, and `{name}` has levels", head.name);
-        out.error("R0107", step.span.clone(), message, "leave the unit out, or let it drive another signal");
+        out.error(
+            codes::VALUE_MISFIT,
+            step.span.clone(),
+            message,
+            "leave the unit out, or let it drive another signal",
+        );
         return None;
     }
     // The unit is that of the whole column: one answer for all rows.
@@ -135,7 +141,7 @@ fn values(
             _ => {
                 let message = format!("line {line} of {} does not fit `{}`", table.path, head.name);
                 let help = if level { "a level is TRUE or FALSE, 1 or 0" } else { "a number is expected" };
-                out.error("R0107", step.span.clone(), message, help);
+                out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
                 return None;
             }
         };
@@ -156,7 +162,7 @@ fn encoder_lines(
         let channel = pulsed(name, names, bench, step, out)?;
         if !is_level(channel, bench) {
             let message = format!("`{name}` is no line: it has {}", carries(channel, bench));
-            out.error("R0107", step.span.clone(), message, "an encoder drives levels");
+            out.error(codes::VALUE_MISFIT, step.span.clone(), message, "an encoder drives levels");
             return None;
         }
         warn_if_too_fast(channel, encoder.millihertz(), bench, step, out);
@@ -198,7 +204,7 @@ fn curve(
             (false, WaveShape::Square { .. }) => "leave out the `range`: the wave is FALSE and TRUE then",
             _ => "a level is driven with `square`, `train`, `pulse` or `set`",
         };
-        out.error("R0107", step.span.clone(), message, help);
+        out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
         return None;
     }
     let mut number = |quantity: &Quantity| in_unit(quantity, channel, bench, step, out);
@@ -265,7 +271,12 @@ fn in_unit(
     if number.is_none() {
         let name = &bench.board.channels()[usize::from(channel.0)].name;
         let message = format!("{quantity} does not fit `{name}`, which has {}", carries(channel, bench));
-        out.error("R0107", step.span.clone(), message, "write it in a unit of this kind, or as a number");
+        out.error(
+            codes::VALUE_MISFIT,
+            step.span.clone(),
+            message,
+            "write it in a unit of this kind, or as a number",
+        );
     }
     number
 }

@@ -6,6 +6,7 @@ mod subject;
 
 use crate::case::{RunOptions, clock};
 use crate::case_files::CaseFiles;
+use crate::codes;
 use crate::configure::initial_state;
 use crate::executor::{Executor, ExecutorReport, Limits, Parts};
 use crate::hardware::Hardware;
@@ -142,7 +143,7 @@ pub fn run(
 pub fn real_controller(board: &BoardFile) -> Diagnostic {
     let message = format!("the subject of `{}` is a real controller, which runs by itself", board.name);
     let help = "run plans on it with `rig test`, or name a board with kind = \"model\"";
-    Diagnostic::error("R0221", message).at(&board.name, 0..0, "").help(help)
+    Diagnostic::error(codes::REAL_CONTROLLER, message).at(&board.name, 0..0, "").help(help)
 }
 
 /// A case without all that is done and claimed in it.
