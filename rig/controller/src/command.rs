@@ -1,8 +1,8 @@
 //! What can be commanded and written, and why it is refused (controller: section 14.4).
 
 use crate::application::LoadError;
-use crate::channel::Channel;
 use crate::state::State;
+use crate::terminal::Channel;
 use std::fmt;
 
 /// A command of a user or a tool.

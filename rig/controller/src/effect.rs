@@ -3,19 +3,21 @@
 use crate::log::LogEntry;
 use crate::probe::ProbeId;
 use crate::state::State;
-use signal::{Cause, Level, Span, Time, Value};
+use crate::terminal::Terminal;
+use signal::{Cause, Span, Time, Value};
 
 /// Something that happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effect {
-    /// An output terminal changed.
+    /// The terminal of an output changed.
     Terminal {
         /// When.
         at: Time,
-        /// The output: n for Qn.
-        output: usize,
-        /// What it is from then on. High is the conducting state, also of sink outputs and relays.
-        level: Level,
+        /// Which one.
+        terminal: Terminal,
+        /// What it shows from then on: a level, high being the conducting state, also of sink outputs and relays; or a
+        /// number in the unit of an analogue channel.
+        value: Value,
         /// Who wrote it.
         cause: Cause,
     },

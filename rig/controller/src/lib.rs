@@ -10,7 +10,6 @@
 
 mod application;
 mod boot;
-mod channel;
 mod clocks;
 mod command;
 mod config;
@@ -26,6 +25,7 @@ mod led;
 mod location;
 mod log;
 mod memory;
+mod module;
 mod power;
 mod probe;
 mod probes;
@@ -39,11 +39,11 @@ mod store;
 mod system;
 mod system_log;
 mod system_variable;
+mod terminal;
 
 pub use application::{
     Application, ApplicationFault, FaultClass, LoadError, Loader, Slice, SliceEnd, SystemCall, VariableReset,
 };
-pub use channel::Channel;
 pub use command::{Command, CommandError, DeviceReset, WriteError};
 pub use config::{
     AlwaysUpdate, BusCycle, Config, ConfigError, HaltOutputs, InputConfig, InputFault, OutputsInStop,
@@ -59,6 +59,7 @@ pub use led::{Led, LedPattern};
 pub use location::{RegisterFormat, VariableLocation};
 pub use log::LogEntry;
 pub use memory::Memory;
+pub use module::{Cycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
 pub use probe::{InputProbe, OutputState, Probe, ProbeId, RegisterProbe};
 pub use registers::RegisterError;
 pub use relocation::RelocationRow;
@@ -70,3 +71,4 @@ pub use store::{
     RETAIN_MAP, RIGHTS_FILE, STATE_FILE,
 };
 pub use system_variable::{SystemType, SystemVariable};
+pub use terminal::{Channel, Terminal};

@@ -4,6 +4,7 @@ use crate::config::RelocationPart;
 use crate::led::Led;
 use crate::scheduler::TaskFigure;
 use crate::system_variable::SystemVariable;
+use crate::terminal::Terminal;
 use signal::{Address, Level};
 
 /// Something observable inside the controller.
@@ -31,8 +32,8 @@ pub enum Probe {
         /// What of it.
         part: InputProbe,
     },
-    /// An output terminal.
-    Terminal(usize),
+    /// The terminal of an output.
+    Terminal(Terminal),
     /// A fact of files or of the log, by its number: [`crate::Controller::file_probe`].
     File(u16),
     /// A fact of the registers that the network sees, or of the relocation table.

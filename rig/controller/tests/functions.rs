@@ -38,7 +38,11 @@ fn with(change: impl FnOnce(&mut Config)) -> Rig {
 /// The edges at Q`output` from `from` on.
 fn edges(rig: &Rig, wanted: usize, from: Time) -> Vec<(Time, Level)> {
     let edge = |effect: &Effect| match *effect {
-        Effect::Terminal { at, output, level, .. } if output == wanted && at >= from => Some((at, level)),
+        Effect::Terminal { at, terminal, value, .. }
+            if terminal == Terminal::output(wanted) && at >= from =>
+        {
+            Some((at, level_of(value)))
+        }
         _ => None,
     };
     rig.seen.iter().filter_map(edge).collect()
@@ -139,7 +143,7 @@ fn inputs_of_functions_have_the_anti_bounce_filter_and_an_image() {
         let filtered = rig.plc.watch(Probe::Input { input: 0, part: InputProbe::Filtered });
         rig.after(ms(3));
         let rise = rig.now;
-        rig.plc.input(rise, 0, Level::High);
+        rig.plc.input(rise, Terminal::input(0), Value::from(Level::High));
         rig.after(ms(50));
         let at = rig.seen.iter().find_map(|effect| match effect {
             Effect::Changed { at, probe, value: Value::Bool(true), .. } if *probe == filtered => Some(*at),
@@ -188,7 +192,7 @@ fn levels_at_power_on_reach_the_functions() {
     let enabled = Act::Block("PWM_M241", &[(0, 1), (5, 1), (2, 10_000), (3, 50)]);
     let mut rig = Rig::off(config, Script::new(vec![vec![(1_000, enabled)]]));
     rig.plc.commission(b"app", State::Running).unwrap();
-    rig.plc.input(rig.now, 0, Level::High);
+    rig.plc.input(rig.now, Terminal::input(0), Value::from(Level::High));
     rig.power_on();
     rig.after(BOOT);
     rig.settle();
@@ -198,7 +202,7 @@ fn levels_at_power_on_reach_the_functions() {
     rig.power_off();
     rig.after(Span::from_secs(1));
     assert_eq!(rig.plc.state(), State::Off);
-    rig.plc.input(rig.now, 0, Level::Low);
+    rig.plc.input(rig.now, Terminal::input(0), Value::from(Level::Low));
     rig.power_on();
     rig.after(BOOT);
     rig.settle();
@@ -210,14 +214,16 @@ fn levels_at_power_on_reach_the_functions() {
 /// What Q0 was commanded, waves and levels.
 fn told(rig: &Rig, from: Time) -> Vec<(Time, &'static str)> {
     let what = |effect: &Effect| match *effect {
-        Effect::Terminal { at, output: 0, level, .. } if at >= from => Some((
-            at,
-            match level {
-                Level::Low => "0",
-                Level::High => "1",
-                Level::HighZ => "Z",
-            },
-        )),
+        Effect::Terminal { at, terminal, value, .. } if terminal == Terminal::output(0) && at >= from => {
+            Some((
+                at,
+                match level_of(value) {
+                    Level::Low => "0",
+                    Level::High => "1",
+                    Level::HighZ => "Z",
+                },
+            ))
+        }
         Effect::Wave { at, output: 0, period, high, .. } if at >= from => {
             assert_eq!((period, high), (ms(1), us(500)));
             Some((at, "pulses"))
@@ -239,7 +245,7 @@ fn an_output_whose_pulses_somebody_else_makes_follows_state_protection_and_suppl
     let begin = run_at(Span::ZERO);
     rig.to(begin + ms(50));
     assert_eq!(told(&rig, begin), [(begin + us(3), "pulses")]);
-    assert_eq!(rig.plc.read(&Probe::Terminal(0)), Value::Unknown);
+    assert_eq!(rig.plc.read(&Probe::Terminal(Terminal::output(0))), Value::Unknown);
     let mut at = rig.now;
     rig.plc.disturb(at, Disturbance::IoSupply(false), &mut rig.fx);
     rig.after(ms(10));

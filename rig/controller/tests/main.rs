@@ -2,6 +2,7 @@
 
 mod functions;
 mod kinds;
+mod modules;
 mod outputs;
 mod retain;
 mod schedule;

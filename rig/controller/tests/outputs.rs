@@ -60,7 +60,7 @@ fn outputs_in_stop() {
         }
         // A network write to %Q, and an input that changes.
         write(&mut rig, "%QX0.7", 1);
-        rig.plc.input(rig.now, 0, Level::High);
+        rig.plc.input(rig.now, Terminal::input(0), Value::from(Level::High));
         rig.after(ms(40));
         assert_eq!(rig.terminal(7) == Level::High, follows, "{option:?} update {update}");
         assert_eq!(rig.memory("%IX0.0") == 1, update);
@@ -162,15 +162,15 @@ fn inputs_are_read_at_the_start_of_cycles() {
     let mut rig = with(|config| config.inputs = vec![InputConfig::filtered(InputFilter::Ms4)]);
     let probe = rig.plc.watch(Probe::Address(signal::Address::bit(signal::Area::Input, 0)));
     rig.to(run_at(ms(61)));
-    rig.plc.input(rig.now, 0, Level::High);
+    rig.plc.input(rig.now, Terminal::input(0), Value::from(Level::High));
     rig.to(run_at(ms(90)));
     let changed =
         Effect::Changed { at: run_at(ms(80)), probe, value: Value::Bool(true), cause: Cause::Board };
     assert!(rig.seen.contains(&changed));
     let edge = Effect::Terminal {
         at: run_at(us(80_037)),
-        output: 5,
-        level: Level::High,
+        terminal: Terminal::output(5),
+        value: Value::Bool(true),
         cause: Cause::Program { task: 0, file: 0, line: 2 },
     };
     assert!(rig.seen.contains(&edge));
@@ -191,7 +191,7 @@ fn an_image_changes_during_a_cycle_of_lower_priority() {
         let script = Script::new(vec![slow.clone(), vec![(10_000, fast)]]);
         let mut rig = Rig::running(config.clone(), script);
         rig.to(run_at(us(100)));
-        rig.plc.input(rig.now, 0, Level::High);
+        rig.plc.input(rig.now, Terminal::input(0), Value::from(Level::High));
         rig.to(run_at(ms(5)));
         (rig.memory("%MX4.0"), rig.memory("%MX6.0"))
     };

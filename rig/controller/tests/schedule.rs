@@ -3,7 +3,7 @@
 use crate::support::*;
 use proptest::prelude::*;
 use scanrig_controller::*;
-use signal::{Level, Span, Time};
+use signal::{Level, Span, Time, Value};
 
 /// A task of the oracle: priority is its place, costs in microseconds.
 #[derive(Clone, Debug)]
@@ -138,7 +138,7 @@ proptest! {
                 rig.plc.watch(Probe::TaskFigure { task: 0, figure: TaskFigure::Last });
             }
             rig.to(run_at(us(edge)));
-            rig.plc.input(rig.now, 0, Level::High);
+            rig.plc.input(rig.now, Terminal::input(0), Value::from(Level::High));
             rig.to(run_at(us(4_000)));
             let trail = rig.trail.lock().unwrap().clone();
             (rig.seen, trail)

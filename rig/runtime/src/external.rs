@@ -8,7 +8,7 @@ use crate::schedule::FileAction;
 use crate::subject::Subject;
 use controller::{
     Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, Probe, ProbeId, State,
-    TaskFigures, WriteError,
+    TaskFigures, Terminal, WriteError,
 };
 use drivers::{Board, BoardFile, ChannelId, External as Settings};
 use signal::{Cause, Level, Span, Time, Value, When};
@@ -130,8 +130,8 @@ impl External {
 
     /// Puts one of its lines to a level.
     fn put(at: Time, output: usize, on: bool, effects: &mut Effects) {
-        let (level, cause) = (Level::from_bool(on), Cause::Controller);
-        effects.list.push(Effect::Terminal { at, output, level, cause });
+        let (terminal, cause) = (Terminal::output(output), Cause::Controller);
+        effects.list.push(Effect::Terminal { at, terminal, value: Value::Bool(on), cause });
     }
 
     fn switch_supply(&mut self, now: Time, on: bool, effects: &mut Effects) {
@@ -307,8 +307,8 @@ impl Subject for External {
 
     fn read(&self, probe: &Probe) -> Value {
         match *probe {
-            Probe::Terminal(POWER) => Value::Bool(self.supply),
-            Probe::Terminal(RUN_STOP) => Value::Bool(self.run),
+            Probe::Terminal(terminal) if terminal == Terminal::output(POWER) => Value::Bool(self.supply),
+            Probe::Terminal(terminal) if terminal == Terminal::output(RUN_STOP) => Value::Bool(self.run),
             _ => Value::Unknown,
         }
     }

@@ -11,7 +11,7 @@ use crate::variable_numbers::VariableNumbers;
 use controller::{
     Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError,
     FileProbe, FrontPanel, JitterCounts, LoadError, NonVolatile, Probe, ProbeId, State, TaskFigures,
-    WriteError,
+    Terminal, WriteError,
 };
 use plans::steps::FileOperation;
 use program::Program;
@@ -122,7 +122,7 @@ impl Subject for Model {
     }
 
     fn input(&mut self, now: Time, _at: When, input: usize, level: Level, _effects: &mut Effects) {
-        self.controller.input(now, input, level);
+        self.controller.input(now, Terminal::input(input), Value::from(level));
     }
 
     fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {

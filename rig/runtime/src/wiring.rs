@@ -96,6 +96,14 @@ impl Wiring {
         self.buses[place].push(watch);
     }
 
+    /// The channel behind the terminal of an output. Of the modules only the embedded I/O is bound to channels.
+    pub fn channel_of(&self, terminal: controller::Terminal) -> Option<ChannelId> {
+        match (terminal.module, terminal.channel) {
+            (0, Terminal::Output(output)) => self.output(output),
+            _ => None,
+        }
+    }
+
     /// The channel behind an output terminal.
     pub fn output(&self, output: usize) -> Option<ChannelId> {
         self.outputs.get(output).copied().flatten()

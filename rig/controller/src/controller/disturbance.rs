@@ -1,6 +1,7 @@
 //! What goes wrong around the controller. None of it changes the state by itself (controller:TR-23).
 
 use super::Controller;
+use crate::module::IoModule;
 use crate::probes::class;
 use crate::{Disturbance, Effects, State};
 use profile::IoStatus;
@@ -31,9 +32,7 @@ impl Controller {
         (self.config.reference.output_count() > 0).then(|| match self.state {
             // Nothing is configured without an application.
             State::Empty => IoStatus::NotInitialised,
-            _ if !self.io.is_supplied() => IoStatus::PowerSupply,
-            _ if self.io.has_fault() => IoStatus::ShortCircuit,
-            _ => IoStatus::Ok,
+            _ => self.io.status(),
         })
     }
 }

@@ -1,66 +1,106 @@
-//! Which task exchanges which embedded inputs and outputs with the terminals.
+//! Which task exchanges which inputs and outputs with the terminals.
 //!
 //! Each task exchanges the channels that its own programs use: inputs at the start of its cycle, outputs at the end
 //! (controller:PRIO-04, controller:TASK-10). What no task uses is exchanged by the bus cycle task, depending on
 //! "Always update variables" (controller:DEV-10, controller:DEV-12; docs/decisions/0011-exchange-of-inputs-and-outputs.md).
 
 use super::Controller;
-use crate::io::{TaskChannels, Written};
+use crate::module::{Cycle, Sharing, Written, fire};
 use crate::probes::class;
-use crate::{AlwaysUpdate, Application, Effects};
-use signal::{Cause, Time};
+use crate::{Effects, ModuleChannel, Terminal};
+use signal::{Address, Cause, Time, Value};
 
 impl Controller {
+    /// What is at the terminal of an input from `now` on: a level, or a number in the unit of an analogue channel.
+    /// Terminals that there are not are ignored.
+    pub fn input(&mut self, now: Time, terminal: Terminal, value: Value) {
+        let crate::Channel::Input(input) = terminal.channel else { return };
+        if let Some(module) = self.modules.with(&mut self.io).nth(terminal.module) {
+            module.set_input(now, input, value);
+        }
+    }
+
+    /// The terminal at a place of %I or %Q: a bit of a digital channel, a word of an analogue one.
+    pub fn terminal(&self, address: Address) -> Option<Terminal> {
+        let modules = (0..).map_while(|module| Some((module, self.modules.get(&self.io, module)?)));
+        let mut all =
+            modules.flat_map(|(module, it)| it.channels().iter().map(move |channel| (module, channel)));
+        let at = |channel: &ModuleChannel| channel.address == address;
+        all.find(|(_, channel)| at(channel))
+            .map(|(module, channel)| Terminal { module, channel: channel.channel })
+    }
+
+    /// What the terminal of an output shows.
+    pub(super) fn read_terminal(&self, terminal: Terminal) -> Value {
+        let module = self.modules.get(&self.io, terminal.module);
+        match (module, terminal.channel) {
+            (Some(module), crate::Channel::Output(output)) => module.output(output),
+            _ => Value::Unknown,
+        }
+    }
+
     /// Shares out the channels among the tasks of a new application.
     pub(super) fn share_channels(&mut self) {
         let Some(application) = self.application.as_deref() else { return };
-        let mut tasks: Vec<_> = self
-            .scheduler
-            .places()
-            .map(|place| TaskChannels {
-                inputs: inputs_of(application, place),
-                outputs: outputs_of(application, place),
-                forced_with: application.written_outputs(place),
-            })
-            .collect();
-        let used = tasks.iter().fold(TaskChannels::default(), |used, task| TaskChannels {
-            inputs: used.inputs | task.inputs,
-            outputs: used.outputs | task.outputs,
-            forced_with: used.forced_with | task.forced_with,
-        });
-        let (inputs, outputs) = match self.config.always_update {
-            AlwaysUpdate::Disabled => (0, 0),
-            AlwaysUpdate::Unused => (!used.inputs, !used.outputs),
-            AlwaysUpdate::Always => (!0, !0),
-        };
+        let places: Vec<_> = self.scheduler.places().collect();
         let bus = self.config.bus_cycle();
-        if let Some(rank) = self.scheduler.places().position(|place| Some(place) == bus) {
-            tasks[rank].inputs |= inputs;
-            tasks[rank].outputs |= outputs;
+        let bus = places.iter().position(|place| Some(*place) == bus);
+        let sharing = Sharing::new(application, &places, bus, self.config.always_update);
+        for module in self.modules.with(&mut self.io) {
+            module.share(&sharing);
         }
-        // Forcing comes to an output with the task that writes it, else with that which exchanges it.
-        for task in &mut tasks {
-            task.forced_with |= task.outputs & !used.forced_with;
+    }
+
+    /// The electronics of inputs and outputs come up.
+    pub(super) fn power_modules(&mut self, now: Time) {
+        for module in self.modules.with(&mut self.io) {
+            module.power_on(now);
         }
-        self.io.share(tasks.into_iter());
+    }
+
+    /// Outputs show hardware initialization values (controller:OUT-02).
+    pub(super) fn initialize_outputs(&mut self, now: Time) {
+        for module in self.modules.with(&mut self.io) {
+            module.initialize(now);
+        }
     }
 
     /// The inputs of the task of this rank, or without one all of them, with forcing -> %I.
     #[inline]
     pub(super) fn exchange_inputs(&mut self, rank: Option<usize>, at: Time, fx: &mut Effects) {
         let mast = rank.is_none_or(|rank| self.scheduler.is_mast(self.scheduler.place(rank)));
-        if self.io.sample(at, rank, mast, &mut self.memory) {
+        let mut changed = false;
+        for module in self.modules.with(&mut self.io) {
+            changed |= module.sample(at, Cycle { rank, mast }, &mut self.memory);
+        }
+        if changed {
             self.observe(class::MEMORY, at, Cause::Board, fx);
         }
         self.observe(class::INPUT, at, Cause::Controller, fx);
     }
 
-    /// %Q of the outputs of a task, changed by forcing -> drivers: at once, or where the bus cycle task reads its inputs
-    /// next (controller:PRIO-08).
+    /// %Q of the outputs of the task of this rank, or without one of all of them, changed by the forcing that acts
+    /// (controller:FRC-02, controller:FRC-05) -> drivers.
     #[inline]
-    pub(super) fn exchange_outputs(&mut self, rank: usize, at: Time, fx: &mut Effects) {
-        let written = self.io.end_cycle(at, rank, self.config.minimize_jitter, &mut self.memory);
+    pub(super) fn exchange_outputs(&mut self, rank: Option<usize>, at: Time, fx: &mut Effects) {
+        let mut written = Written::default();
+        for module in self.modules.with(&mut self.io) {
+            let it = module.drive(at, Cycle { rank, mast: false }, &mut self.memory);
+            written.image_changed |= it.image_changed;
+            written.stages_changed |= it.stages_changed;
+        }
         self.observe_written(written, at, fx);
+    }
+
+    /// The changes of outputs that are due at `now` come out.
+    pub(super) fn fire_outputs(&mut self, now: Time, fx: &mut Effects) {
+        let mut any = false;
+        for (number, module) in self.modules.with(&mut self.io).enumerate() {
+            any |= fire(number, module, now, fx);
+        }
+        if any {
+            self.observe(class::TERMINAL, now, Cause::Unknown, fx);
+        }
     }
 
     /// What cycles left for the beginning of this one (controller:PRIO-08).
@@ -70,12 +110,6 @@ impl Controller {
             let stages_changed = self.io.write_late(at, &self.memory);
             self.observe_written(Written { image_changed: false, stages_changed }, at, fx);
         }
-    }
-
-    /// %Q, changed by the forcing that acts (controller:FRC-02, controller:FRC-05), -> drivers of every output.
-    pub(super) fn write_outputs(&mut self, at: Time, fx: &mut Effects) {
-        let written = self.io.write_all(at, &mut self.memory);
-        self.observe_written(written, at, fx);
     }
 
     #[inline]
@@ -93,16 +127,4 @@ impl Controller {
         self.io.protect(now, &self.memory);
         self.observe(class::STATE | class::TERMINAL, now, Cause::Controller, fx);
     }
-}
-
-/// The embedded inputs that a task's programs read, bit n for In.
-fn inputs_of(application: &dyn Application, task: usize) -> u32 {
-    (0..32).filter(|bit| application.reads_input(task, *bit)).fold(0, |mask, bit| mask | 1 << bit)
-}
-
-/// The outputs whose bytes a task's programs write, bit n for Qn.
-fn outputs_of(application: &dyn Application, task: usize) -> u32 {
-    (0..4)
-        .filter(|byte| application.writes_output(task, *byte))
-        .fold(0, |mask, byte| mask | 0xFF << (8 * byte))
 }

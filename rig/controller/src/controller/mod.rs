@@ -29,6 +29,7 @@ use crate::external::ExternalErrors;
 use crate::files::Files;
 use crate::io::EmbeddedIo;
 use crate::led::Leds;
+use crate::module::Modules;
 use crate::power::Power;
 use crate::probes::ObservedProbes;
 use crate::registers::Registers;
@@ -36,11 +37,11 @@ use crate::remanent::RemanentContext;
 use crate::scheduler::{Scheduler, Trigger};
 use crate::system::System;
 use crate::{
-    Application, Config, ConfigError, Effects, LoadError, Loader, Memory, NonVolatile, Probe, RegisterProbe,
-    State, TaskConfig, TaskKind, VariableReset, WriteError,
+    Application, Config, ConfigError, Effects, IoModule, LoadError, Loader, Memory, NonVolatile, Probe,
+    RegisterProbe, State, TaskConfig, TaskKind, VariableReset, WriteError,
 };
 use online_change::Pending;
-use signal::{Cause, Level, Time, Value};
+use signal::{Cause, Time, Value};
 use std::fmt;
 
 /// A logic controller, without power when it is made.
@@ -55,6 +56,7 @@ pub struct Controller {
     pending: Option<Pending>,
     memory: Memory,
     io: EmbeddedIo,
+    modules: Modules,
     scheduler: Scheduler,
     power: Power,
     remanent: RemanentContext,
@@ -88,10 +90,24 @@ impl Controller {
         loader: Box<dyn Loader>,
         store: Box<dyn NonVolatile>,
     ) -> Result<Controller, ConfigError> {
+        Controller::with_modules(config, loader, store, Vec::new())
+    }
+
+    /// The same with modules after the embedded I/O, which is module 0, in the order of their numbers.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where no controller of the profile accepts the configuration.
+    pub fn with_modules(
+        config: Config,
+        loader: Box<dyn Loader>,
+        store: Box<dyn NonVolatile>,
+        modules: Vec<Box<dyn IoModule>>,
+    ) -> Result<Controller, ConfigError> {
         config.check()?;
         Ok(Controller {
             memory: Memory::new(config.profile),
             io: EmbeddedIo::new(&config),
+            modules: Modules::new(modules),
             scheduler: Scheduler::new(&config),
             power: Power::new(config.tool_connected),
             files: Files::new(config.profile, config.reference, store),
@@ -138,11 +154,6 @@ impl Controller {
         self.config.reference
     }
 
-    /// The physical level at terminal I`input` from `now` on. Numbers beyond the reference's inputs are ignored.
-    pub fn input(&mut self, now: Time, input: usize, level: Level) {
-        self.io.set_input(now, input, level, self.state != State::Off);
-    }
-
     /// What a probe shows now.
     pub fn read(&self, probe: &Probe) -> Value {
         match *probe {
@@ -156,7 +167,7 @@ impl Controller {
                 self.task_figures(task).map_or(Value::Unknown, |figures| figures.get(figure))
             }
             Probe::Input { input, part } => self.io.read_input(input, part),
-            Probe::Terminal(output) => self.io.level(output).map_or(Value::Unknown, Value::from),
+            Probe::Terminal(terminal) => self.read_terminal(terminal),
             Probe::File(fact) => self.files.read_probe(fact),
             Probe::Register(fact) => self.read_register_probe(fact),
             Probe::Output(output) => {

@@ -143,7 +143,7 @@ impl Controller {
     fn end_cycle(&mut self, rank: usize, fx: &mut Effects) {
         let at = self.scheduler.now();
         let end = self.scheduler.end_cycle(rank);
-        self.exchange_outputs(rank, at, fx);
+        self.exchange_outputs(Some(rank), at, fx);
         if end.overran {
             self.log_entry(at, LogEntry::Overrun { task: end.place, elapsed: end.elapsed }, fx);
         }

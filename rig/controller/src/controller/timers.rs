@@ -1,6 +1,7 @@
 //! Everything that is due at an instant, and the order in which it happens.
 
 use super::Controller;
+use crate::module::IoModule;
 use crate::probes::class;
 use crate::{Effects, State};
 use signal::{Cause, Time};
@@ -10,7 +11,8 @@ impl Controller {
     /// the end of a save, protection, something of an expert function, an edge at a terminal or behind the filter of an input that is acted on at once,
     /// a release, default values, an update in STOPPED, a flash. It changes with every call of another method.
     pub fn next_timer(&self) -> Option<Time> {
-        let mut next = self.io.next().min(self.remanent.next()).min(self.clock_due());
+        let mut next =
+            self.io.next().min(self.modules.next()).min(self.remanent.next()).min(self.clock_due());
         next = next.min(self.power.next()).min(self.leds.next());
         if self.state == State::Running {
             if self.scheduler.stopping().is_none() {
@@ -54,9 +56,7 @@ impl Controller {
         if self.io.is_protection_due(now) {
             self.protect(now, fx);
         }
-        if self.io.fire_outputs(now, fx) {
-            self.observe(class::TERMINAL, now, Cause::Unknown, fx);
-        }
+        self.fire_outputs(now, fx);
         if self.state == State::Running {
             self.scheduler.wake(now);
         }

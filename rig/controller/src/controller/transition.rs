@@ -26,7 +26,7 @@ impl Controller {
             self.log_entry(now, LogEntry::SupplyBack, fx);
             self.observe(class::STATE, now, Cause::Controller, fx);
         } else if self.state == State::Off {
-            self.io.power_on(now, &self.config);
+            self.power_modules(now);
             self.leds.power_on(now);
             (self.power.system_error, self.power.script) = (false, false);
             // A power cycle clears the diagnostics (controller:WD-15).
@@ -81,7 +81,7 @@ impl Controller {
         self.leds.identify(false);
         self.power.refresh = None;
         self.io.abandon_initialization();
-        self.io.initialize_outputs(now);
+        self.initialize_outputs(now);
     }
 
     /// Execution ends where it is.
@@ -144,8 +144,8 @@ impl Controller {
         self.io.begin_initialization(now.saturating_add(OUTPUT_INITIALIZATION), defaults);
         match (first, old) {
             (false, _) => self.end_initialization(now, fx),
-            (true, true) => self.write_outputs(now, fx),
-            (true, false) => self.io.initialize_outputs(now),
+            (true, true) => self.exchange_outputs(None, now, fx),
+            (true, false) => self.initialize_outputs(now),
         }
         self.io.rest_at_defaults(now);
     }
@@ -160,7 +160,7 @@ impl Controller {
         if self.state == State::Stopped {
             self.io.act_forcing(None);
         }
-        self.write_outputs(now, fx);
+        self.exchange_outputs(None, now, fx);
     }
 
     /// Enters RUNNING: the tasks start again (controller:TR-06, controller:TR-08).
@@ -222,7 +222,7 @@ impl Controller {
             self.observe(class::MEMORY, now, Cause::Controller, fx);
         }
         self.io.act_forcing(None);
-        self.write_outputs(now, fx);
+        self.exchange_outputs(None, now, fx);
     }
 
     /// Enters STOPPED or HALT; inputs and outputs go on being updated in the bus cycle where configured.

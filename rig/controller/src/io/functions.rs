@@ -13,6 +13,8 @@ use signal::{Time, Value};
 #[derive(Clone, Debug)]
 pub(super) struct Functions {
     expert: ExpertFunctions,
+    /// The functions as they are when the electronics come up.
+    initial: ExpertFunctions,
     pub(super) operation: Operation,
     /// Outputs of pulse trains, which have no defaults (io:PLS-04).
     pulses: u32,
@@ -34,8 +36,10 @@ impl Functions {
     pub(super) fn new(config: &Config) -> Functions {
         let is_axis = |kind: &FunctionKind| matches!(kind, FunctionKind::Axis(_));
         let axes = config.expert.functions.iter().filter(|function| is_axis(&function.kind));
+        let expert = ExpertFunctions::new(&config.expert, &config.input_conditions()).counted(config.counted);
         Functions {
-            expert: ExpertFunctions::new(&config.expert, &config.input_conditions()).counted(config.counted),
+            initial: expert.clone(),
+            expert,
             operation: Operation::Off,
             pulses: axes.fold(0, |mask, axis| mask | axis.kind.outputs()),
             rest: 0,
@@ -137,14 +141,14 @@ impl Functions {
 
 impl Functions {
     /// The electronics of the inputs come up: everything after the terminals starts again, with the levels there.
-    pub(super) fn power_on(&mut self, now: Time, config: &Config, high: impl Fn(usize) -> bool) {
-        let (observed, offloaded) = (self.observed, self.offloaded);
-        *self = Functions::new(config);
-        self.offload_pulses(offloaded);
-        if observed {
+    pub(super) fn power_on(&mut self, now: Time, inputs: usize, high: impl Fn(usize) -> bool) {
+        self.expert.clone_from(&self.initial);
+        (self.operation, self.rest, self.due, self.place, self.cut) = (Operation::Off, 0, Time::MAX, 0, 0);
+        self.offload_pulses(self.offloaded);
+        if self.observed {
             self.observe();
         }
-        for input in (0..config.reference.input_count()).filter(|input| high(*input)) {
+        for input in (0..inputs).filter(|input| high(*input)) {
             self.edge(now, input, true);
         }
     }

@@ -1,6 +1,7 @@
 //! The embedded inputs and outputs with what stands around them: filters, latches, expert functions, forcing, protection,
 //! the alarm output.
 
+mod embedded;
 mod forced;
 mod functions;
 mod input;
@@ -10,8 +11,8 @@ mod protection;
 pub(crate) use input::InputEvent;
 
 use crate::config::{Config, OutputsInStop};
-use crate::effect::Effects;
 use crate::memory::Memory;
+use crate::module::{ModuleChannel, Written};
 use crate::probe::{InputProbe, OutputState};
 use crate::state::State;
 use expert::{Effect, ExpertFunctions, FunctionProbe, Operation};
@@ -21,11 +22,12 @@ use input::Inputs;
 use output::Outputs;
 use profile::Profile;
 use protection::Protection;
-use signal::{Cause, Level, Span, Time, Value};
+use signal::{Cause, Span, Time, Value};
 
 /// The embedded inputs and outputs. In the masks bit n stands for In or Qn, of which there are at most 24.
 #[derive(Clone, Debug)]
 pub(crate) struct EmbeddedIo {
+    channels: Vec<ModuleChannel>,
     inputs: Inputs,
     outputs: Outputs,
     functions: Functions,
@@ -51,19 +53,23 @@ pub(crate) struct EmbeddedIo {
     status_bit: u32,
     /// The bit of %Q that rearms the outputs; 0 without outputs.
     rearming_bit: u32,
+    /// Outputs are written where the bus cycle task reads its inputs next.
+    writes_late: bool,
     /// The controller is RUNNING.
     running: bool,
+    /// It has its supply.
+    powered: bool,
 }
 
 /// The channels that a task exchanges.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct TaskChannels {
+struct TaskChannels {
     /// The inputs that it reads.
-    pub inputs: u32,
+    inputs: u32,
     /// The outputs that it writes, by whole bytes.
-    pub outputs: u32,
+    outputs: u32,
     /// The outputs that forcing comes to with it (controller:FRC-05).
-    pub forced_with: u32,
+    forced_with: u32,
 }
 
 /// Something that an expert function did.
@@ -84,6 +90,7 @@ impl EmbeddedIo {
     /// Those of a configuration that was checked, without power.
     pub(crate) fn new(config: &Config) -> EmbeddedIo {
         EmbeddedIo {
+            channels: embedded::channels(config.reference),
             inputs: Inputs::new(config),
             outputs: Outputs::new(profile::outputs(config.reference)),
             functions: Functions::new(config),
@@ -100,47 +107,21 @@ impl EmbeddedIo {
             alarm_shows_faults: config.profile != Profile::M241_2014,
             status_bit: profile::short_circuit_status(config.reference).map_or(0, low_bit),
             rearming_bit: profile::rearming_command(config.reference).map_or(0, low_bit),
+            writes_late: config.minimize_jitter,
             running: false,
+            powered: false,
         }
-    }
-
-    /// When something here happens by itself; [`Time::MAX`] for never.
-    pub(crate) fn next(&self) -> Time {
-        let next = self.outputs.next().min(self.inputs.next()).min(self.functions.next());
-        next.min(self.protection.next()).min(self.initialization.map_or(Time::MAX, |(end, _)| end))
-    }
-
-    /// The electronics come up at `now`.
-    pub(crate) fn power_on(&mut self, now: Time, config: &Config) {
-        self.inputs.power_on(now);
-        let inputs = &self.inputs;
-        self.functions.power_on(now, config, |input| inputs.terminal(input));
     }
 
     /// The controller is in this state from `now` on.
     pub(crate) fn enter(&mut self, now: Time, state: State) {
-        self.running = state == State::Running;
+        (self.running, self.powered) = (state == State::Running, state != State::Off);
         self.inputs.operate(now, matches!(state, State::Running | State::Breakpoint));
-    }
-
-    /// What each task exchanges, by rank.
-    pub(crate) fn share(&mut self, tasks: impl Iterator<Item = TaskChannels>) {
-        for (own, task) in self.tasks.iter_mut().zip(tasks) {
-            *own = task;
-        }
     }
 }
 
 /// Inputs.
 impl EmbeddedIo {
-    /// The level at terminal I`input` from `now` on. Numbers beyond the reference's inputs are ignored.
-    pub(crate) fn set_input(&mut self, now: Time, input: usize, level: Level, powered: bool) {
-        self.inputs.set(now, input, level);
-        if powered {
-            self.functions.edge(now, input, level.is_high());
-        }
-    }
-
     /// Lets the inputs act that turn at `now`; whether any is due.
     pub(crate) fn fire_inputs(&mut self, now: Time) -> bool {
         let due = self.inputs.next() <= now;
@@ -169,18 +150,6 @@ impl EmbeddedIo {
     pub(crate) fn read_input(&self, input: usize, probe: InputProbe) -> Value {
         self.inputs.show(input, probe)
     }
-
-    /// The inputs of the task of this rank, or without one all of them, with forcing -> %I; for MAST with what the
-    /// latches hold; and the status of the outputs' protection (io:ADR-01). Whether %I changed.
-    #[inline]
-    pub(crate) fn sample(&mut self, now: Time, rank: Option<usize>, mast: bool, memory: &mut Memory) -> bool {
-        let which = rank.map_or(!0, |rank| self.tasks[rank].inputs);
-        let (levels, mask) = self.inputs.read(now, mast);
-        let bits = self.forced_inputs.apply(levels);
-        let status = self.status_bit;
-        let bits = if self.protection.reported() { bits | status } else { bits & !status };
-        memory.set_input_bits(bits, (mask | status) & which)
-    }
 }
 
 /// Outputs.
@@ -190,32 +159,11 @@ impl EmbeddedIo {
         self.outputs.mask()
     }
 
-    /// The level at an output terminal; none beyond the reference's outputs, and while hardware makes its pulses.
-    pub(crate) fn level(&self, output: usize) -> Option<Level> {
-        self.outputs.level(output)
-    }
-
     /// What the stage of an output does.
     pub(crate) fn output_state(&self, output: usize) -> Option<OutputState> {
         let level = self.outputs.level(output)?;
         let protected = self.protection.off() >> output & 1 == 1;
         Some(if protected { OutputState::Protected } else { OutputState::from(level) })
-    }
-
-    /// %Q of the outputs of a task, changed by forcing -> drivers at the end of its cycle: at once, or `late`, where the
-    /// bus cycle task reads its inputs next (controller:PRIO-08).
-    #[inline]
-    pub(crate) fn end_cycle(&mut self, now: Time, rank: usize, late: bool, memory: &mut Memory) -> Written {
-        self.act_forcing(Some(rank));
-        let which = self.tasks[rank].outputs;
-        if !late {
-            return self.write(now, which, memory);
-        }
-        let image_changed = self.force_image(which, memory);
-        let (bits, waiting) = self.late_write.unwrap_or_default();
-        let image = memory.output_bits();
-        self.late_write = Some((bits & !which | image & which, waiting | which));
-        Written { image_changed, stages_changed: false }
     }
 
     /// What cycles left for the beginning of one of the bus cycle task (controller:PRIO-08); whether stages changed.
@@ -230,11 +178,7 @@ impl EmbeddedIo {
         self.late_write.is_some()
     }
 
-    /// %Q, changed by the forcing that acts (controller:FRC-02, controller:FRC-05), -> drivers of every output.
-    pub(crate) fn write_all(&mut self, now: Time, memory: &mut Memory) -> Written {
-        self.write(now, !0, memory)
-    }
-
+    /// %Q, changed by the forcing that acts (controller:FRC-02, controller:FRC-05), -> drivers.
     #[inline]
     fn write(&mut self, now: Time, which: u32, memory: &mut Memory) -> Written {
         let image_changed = self.force_image(which, memory);
@@ -271,17 +215,6 @@ impl EmbeddedIo {
         self.outputs.drive(now, self.with_alarm(image), which, memory);
         self.drive_alarm(now, memory);
         true
-    }
-
-    /// The edges due at `now` come out; whether there were any.
-    pub(crate) fn fire_outputs(&mut self, now: Time, fx: &mut Effects) -> bool {
-        self.outputs.fire(now, fx)
-    }
-
-    /// Hardware initialization values (controller:OUT-02).
-    pub(crate) fn initialize_outputs(&mut self, now: Time) {
-        self.protection.reset();
-        self.outputs.initialize(now);
     }
 
     /// Nothing waits for the end of initialization values.
@@ -330,15 +263,6 @@ impl EmbeddedIo {
         let mask = self.outputs.mask();
         self.stop_image.is_some_and(|bits| memory.set_output_bits(bits, mask, Cause::Controller))
     }
-}
-
-/// What a write of outputs did.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Written {
-    /// Forcing changed %Q.
-    pub image_changed: bool,
-    /// Protection had a part in it.
-    pub stages_changed: bool,
 }
 
 /// Protection, supply and alarm.

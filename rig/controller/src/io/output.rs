@@ -1,9 +1,10 @@
 //! Output terminals: what the drivers command and when the edge comes out.
 
-use crate::effect::{Effect, Effects};
+use crate::effect::Effect;
 use crate::memory::Memory;
+use crate::terminal;
 use profile::{EmbeddedOutput, OutputKind};
-use signal::{Cause, Level, Span, Time};
+use signal::{Cause, Level, Span, Time, Value};
 
 /// What a terminal does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -191,10 +192,10 @@ impl Outputs {
         self.first
     }
 
-    /// The edges due at `now` come out; whether there were any.
-    pub(super) fn fire(&mut self, now: Time, fx: &mut Effects) -> bool {
+    /// The edges due at `now` come out.
+    pub(super) fn fire(&mut self, now: Time, mut report: impl FnMut(Effect)) {
         if self.first > now {
-            return false;
+            return;
         }
         let mut left = self.pending;
         while left != 0 {
@@ -205,20 +206,23 @@ impl Outputs {
                 terminal.shown = terminal.next;
                 self.pending &= !(1 << n);
                 let (output, at, cause) = (n as usize, terminal.at, terminal.cause);
-                fx.push(match terminal.shown {
-                    Shown::Level(level) => Effect::Terminal { at, output, level, cause },
+                report(match terminal.shown {
+                    Shown::Level(level) => {
+                        let (terminal, value) = (terminal::Terminal::output(output), Value::from(level));
+                        Effect::Terminal { at, terminal, value, cause }
+                    }
                     Shown::Wave { period, high } => Effect::Wave { at, output, period, high, cause },
                 });
             }
         }
         self.find_first();
-        true
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effect::Effects;
     use profile::{Profile, Reference};
 
     fn outputs(name: &str) -> Outputs {
@@ -236,20 +240,20 @@ mod tests {
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
         out.drive(us(0), 0b1_0001, !0, &memory);
         assert_eq!(out.next(), us(2));
-        out.fire(us(2), &mut fx);
+        out.fire(us(2), |effect| fx.push(effect));
         assert_eq!(
             (out.level(0), out.level(1), out.level(4)),
             (Some(Level::High), Some(Level::Low), Some(Level::Low))
         );
         assert_eq!(out.next(), us(34));
-        out.fire(us(34), &mut fx);
+        out.fire(us(34), |effect| fx.push(effect));
         assert_eq!(out.level(4), Some(Level::High));
         out.drive(us(100), 0, !0, &memory);
-        out.fire(us(102), &mut fx);
+        out.fire(us(102), |effect| fx.push(effect));
         assert_eq!(out.next(), us(350));
         let mut relay = outputs("TM241CEC24R");
         relay.drive(us(0), 0b1_0000, !0, &memory);
-        relay.fire(us(2), &mut fx);
+        relay.fire(us(2), |effect| fx.push(effect));
         assert_eq!(relay.next(), us(10_000));
     }
 
@@ -260,11 +264,11 @@ mod tests {
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
         assert_eq!((out.level(3), out.level(4)), (Some(Level::HighZ), Some(Level::Low)));
         out.drive(us(0), 0x3FF, !0, &memory);
-        out.fire(us(1_000), &mut fx);
+        out.fire(us(1_000), |effect| fx.push(effect));
         out.initialize(us(2_000));
         out.initialize(us(2_100));
         assert_eq!(out.next(), us(2_002), "the same command again starts no delay again");
-        out.fire(us(2_250), &mut fx);
+        out.fire(us(2_250), |effect| fx.push(effect));
         assert_eq!(
             (out.level(3), out.level(4), out.next()),
             (Some(Level::HighZ), Some(Level::Low), Time::MAX)
@@ -277,11 +281,11 @@ mod tests {
         let (mut out, mut fx, memory) =
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
         out.drive(us(0), 0b11_0001, !0, &memory);
-        out.fire(us(34), &mut fx);
+        out.fire(us(34), |effect| fx.push(effect));
         out.drive(us(100), 0b10_0001, !0, &memory);
         out.cut(us(110), 0xFF);
         assert_eq!(out.next(), us(110), "sooner than the off delay under way");
-        out.fire(us(110), &mut fx);
+        out.fire(us(110), |effect| fx.push(effect));
         assert_eq!(
             [0, 1, 4, 5, 8].map(|n| out.level(n).unwrap()),
             [Level::HighZ, Level::HighZ, Level::Low, Level::Low, Level::Low]
@@ -289,8 +293,8 @@ mod tests {
         out.drive(us(200), 0b11_0001, !0, &memory);
         assert_eq!(out.next(), Time::MAX, "a command changes nothing");
         out.cut(us(300), 0);
-        out.fire(us(302), &mut fx);
-        out.fire(us(334), &mut fx);
+        out.fire(us(302), |effect| fx.push(effect));
+        out.fire(us(334), |effect| fx.push(effect));
         assert_eq!(
             [0, 1, 4, 5].map(|n| out.level(n).unwrap()),
             [Level::High, Level::Low, Level::High, Level::High]
@@ -302,7 +306,7 @@ mod tests {
         let (mut out, mut fx, memory) =
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
         out.drive(us(0), 0, !0, &memory);
-        out.fire(us(2), &mut fx);
+        out.fire(us(2), |effect| fx.push(effect));
         fx.list.clear();
         out.drive(us(10), 0b1_0000, !0, &memory);
         out.drive(us(40), 0, !0, &memory);

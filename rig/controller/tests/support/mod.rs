@@ -349,13 +349,18 @@ pub struct Rig {
 impl Rig {
     /// A controller of this configuration, off; `app` and `other` can be downloaded.
     pub fn off(config: Config, app: Script) -> Rig {
+        Rig::off_with(config, app, Vec::new())
+    }
+
+    /// The same with modules after the embedded I/O.
+    pub fn off_with(config: Config, app: Script, modules: Vec<Box<dyn IoModule>>) -> Rig {
         let trail = Trail::default();
         let mut other = app.clone();
         other.signature += 1;
         let scripts = BTreeMap::from([(b"app".to_vec(), app), (b"other".to_vec(), other)]);
         let files = Files::default();
         let loader = Box::new(Scripts(scripts, trail.clone()));
-        let plc = Controller::new(config, loader, Box::new(files.clone()));
+        let plc = Controller::with_modules(config, loader, Box::new(files.clone()), modules);
         Rig {
             plc: plc.unwrap(),
             files,
@@ -370,12 +375,22 @@ impl Rig {
 
     /// The same, booted at 1.5 s into the state that `left` leads to.
     pub fn booted(config: Config, app: Script, left: State) -> Rig {
-        let mut rig = Rig::off(config, app);
-        rig.plc.commission(b"app", left).unwrap();
-        rig.power_on();
-        rig.after(BOOT);
+        Rig::off(config, app).boot(left)
+    }
+
+    fn boot(mut self, left: State) -> Rig {
+        self.plc.commission(b"app", left).unwrap();
+        self.power_on();
+        self.after(BOOT);
         // The timers of the instant: the end of the boot.
-        rig.settle();
+        self.settle();
+        self
+    }
+
+    /// Running since 1.5 s, with modules after the embedded I/O.
+    pub fn running_with(config: Config, app: Script, modules: Vec<Box<dyn IoModule>>) -> Rig {
+        let rig = Rig::off_with(config, app, modules).boot(State::Running);
+        assert_eq!(rig.plc.state(), State::Running);
         rig
     }
 
@@ -464,7 +479,7 @@ impl Rig {
     }
 
     pub fn terminal(&self, n: usize) -> Level {
-        match self.plc.read(&Probe::Terminal(n)) {
+        match self.plc.read(&Probe::Terminal(Terminal::output(n))) {
             Value::Bool(on) => Level::from_bool(on),
             Value::HighZ => Level::HighZ,
             other => panic!("terminal {n} is {other:?}"),
@@ -474,7 +489,9 @@ impl Rig {
     /// Edges of a terminal: when, and to what.
     pub fn edges(&self, terminal: usize) -> Vec<(Time, Level)> {
         let edge = |effect: &Effect| match *effect {
-            Effect::Terminal { at, output, level, .. } if output == terminal => Some((at, level)),
+            Effect::Terminal { at, terminal: it, value, .. } if it == Terminal::output(terminal) => {
+                Some((at, level_of(value)))
+            }
             _ => None,
         };
         self.seen.iter().filter_map(edge).collect()
@@ -501,6 +518,15 @@ impl Rig {
 
 /// The three steps of BOOTING.
 pub const BOOT: Span = Span::from_millis(1_500);
+
+/// The level that an output shows.
+pub fn level_of(value: Value) -> Level {
+    match value {
+        Value::Bool(on) => Level::from_bool(on),
+        Value::HighZ => Level::HighZ,
+        other => panic!("{other:?} is no level"),
+    }
+}
 
 pub fn at(text: &str) -> Address {
     Address::parse(text).unwrap()

@@ -5,7 +5,7 @@ use super::Executor;
 use crate::generator::Generator;
 use crate::rig_fault::RigFault;
 use drivers::ChannelId;
-use signal::{Level, Span, Time, Value};
+use signal::{Span, Time, Value};
 
 /// The edges that steps asked for and nobody has seen yet.
 #[derive(Debug, Default)]
@@ -185,8 +185,8 @@ impl Executor<'_> {
     }
 
     /// The subject turns an output that it has turned already since the board was told: both are edges.
-    pub(super) fn keep_edge(&mut self, channel: ChannelId, level: Level) -> Result<(), RigFault> {
-        let turns = |(known, value): &(ChannelId, Value)| *known == channel && *value != Value::from(level);
+    pub(super) fn keep_edge(&mut self, channel: ChannelId, value: Value) -> Result<(), RigFault> {
+        let turns = |(known, before): &(ChannelId, Value)| *known == channel && *before != value;
         if !self.pacing.has_wires() || !self.buffers.writes.iter().any(turns) {
             return Ok(());
         }

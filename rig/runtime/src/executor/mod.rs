@@ -350,12 +350,12 @@ impl<'a> Executor<'a> {
         for index in 0..self.buffers.spare.len() {
             let effect = self.buffers.spare[index];
             match effect {
-                Effect::Terminal { at, output, level, cause } => {
-                    let Some(channel) = self.parts.wiring.output(output) else { continue };
+                Effect::Terminal { at, terminal, value, cause } => {
+                    let Some(channel) = self.parts.wiring.channel_of(terminal) else { continue };
                     self.parts.wiring.writers[usize::from(channel.0)] = cause;
                     self.lines.wrote(channel, at, self.actual);
-                    self.keep_edge(channel, level)?;
-                    self.buffers.writes.push((channel, Value::from(level)));
+                    self.keep_edge(channel, value)?;
+                    self.buffers.writes.push((channel, value));
                 }
                 Effect::Wave { at, output, period, high, cause } => {
                     let emission = Emission::Square { period, high };

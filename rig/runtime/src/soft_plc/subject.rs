@@ -9,7 +9,7 @@ use crate::schedule::FileAction;
 use crate::subject::Subject;
 use controller::{
     Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, FrontPanel, JitterCounts,
-    LogEntry, Probe, ProbeId, State, TaskFigures, WriteError,
+    LogEntry, Probe, ProbeId, State, TaskFigures, Terminal, WriteError,
 };
 use drivers::SubjectLines;
 use signal::{Cause, Level, Span, Time, Value, When};
@@ -142,9 +142,9 @@ impl SoftPlc {
                     let alarm = state == State::Running;
                     if self.alarm != alarm {
                         self.alarm = alarm;
-                        let (output, level) = (self.places.alarm(), Level::from_bool(alarm));
+                        let (terminal, value) = (Terminal::output(self.places.alarm()), Value::Bool(alarm));
                         let (at, cause) = (self.own(at), Cause::Controller);
-                        effects.list.push(Effect::Terminal { at, output, level, cause });
+                        effects.list.push(Effect::Terminal { at, terminal, value, cause });
                     }
                     self.settle(now.max(at), state, effects);
                 }
@@ -375,7 +375,9 @@ impl Subject for SoftPlc {
 
     fn read(&self, probe: &Probe) -> Value {
         match *probe {
-            Probe::Terminal(output) if output == self.places.alarm() => Value::Bool(self.alarm),
+            Probe::Terminal(terminal) if terminal == Terminal::output(self.places.alarm()) => {
+                Value::Bool(self.alarm)
+            }
             ref probe => self.model.read(probe),
         }
     }

@@ -35,7 +35,7 @@ impl Controller {
             self.boot_file_changed();
             if profile == Profile::M241_2014 {
                 // Initialization values, and no word of those of the hardware (io:OUT-28).
-                self.write_outputs(now, fx);
+                self.exchange_outputs(None, now, fx);
             }
             self.io.rest_at_defaults(now);
             self.enter(State::Empty, now, fx);
