@@ -129,7 +129,7 @@ fn what_is_said_wrongly_is_refused_with_a_code() {
         (&["--map", "1=lapm"][..], &["R0172", "there is `lamp`"][..]),
         (&["--map", "7=lamp"], &["R0171", "there is `0`"]),
         (&["--map", "lamp"], &["R0178", "CHANNEL=SIGNAL"]),
-        (&["--map", "1=lamp@high"], &["R0178", "no number"]),
+        (&["--map", "1=lamp@high"], &["R0178", "not a number"]),
         (&["--map", "1=lamp", "--map", "0=lamp"], &["R0178", "twice"]),
         (&["--start", "soon"], &["R0177", "soon"]),
         (&["--start", "button climbs"], &["R0177"]),

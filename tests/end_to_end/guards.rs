@@ -29,7 +29,7 @@ fn an_alarm_of_a_suite_ends_the_case_and_says_so() {
     for text in [
         "why  lit for long: the alarm was raised 1.8",
         "expected      `lamp` is not TRUE for 300 ms",
-        "to the end of the case",
+        "until the end",
         "in            plans/suite.toml:7",
     ] {
         assert!(ran.out.contains(text), "{text}: {}", ran.out);

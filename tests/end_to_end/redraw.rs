@@ -65,7 +65,10 @@ fn traces_that_are_lost_are_said() {
     // Nothing outside the folder is read, whatever a record says.
     bench.write("secret.trace", "x");
     bench.write("out/record.json", &record.replace("traces/lamp.trace", "../secret.trace"));
-    bench.refused(&["report", "out", "--format", "vcd"], &["error[R0166]", "no place in the run's folder"]);
+    bench.refused(
+        &["report", "out", "--format", "vcd"],
+        &["error[R0166]", "not a path within the run's folder"],
+    );
 }
 
 #[test]

@@ -48,7 +48,7 @@ impl StepCommand {
                     time.strip_prefix("start").map_or(time, |after| after.trim_start_matches([' ', '+']));
                 return match Span::parse(time) {
                     Ok(span) => Ok(StepCommand::Until(span)),
-                    Err(_) => Err(format!("`{rest}` is no time: write until 1.5 s, counted from start")),
+                    Err(_) => Err(format!("`{rest}` is not a time: write until 1.5 s, counted from start")),
                 };
             }
             "r" | "run" => StepCommand::Run,
@@ -216,8 +216,8 @@ mod tests {
             assert_eq!(StepCommand::parse(line), Ok(command), "{line}");
         }
         assert!(StepCommand::parse("vlaues").unwrap_err().contains("did you mean `values`?"));
-        assert!(StepCommand::parse("next 2").unwrap_err().contains("takes nothing"));
-        assert!(StepCommand::parse("until noon").unwrap_err().contains("no time"));
+        assert!(StepCommand::parse("next 2").unwrap_err().contains("takes no argument"));
+        assert!(StepCommand::parse("until noon").unwrap_err().contains("not a time"));
     }
 
     #[test]
