@@ -94,7 +94,7 @@ pub enum BusEvent {
         at: When,
         /// The frame.
         frame: CanFrame,
-        /// It was sent by [`crate::Board::send`], and is on the bus now.
+        /// It was sent by [`crate::Buses::send`], and is on the bus now.
         own: bool,
     },
     /// Characters were on a serial line: a message, or a part of one.

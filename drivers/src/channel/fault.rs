@@ -50,7 +50,7 @@ pub struct Fault {
     pub channel: ChannelId,
     /// What.
     pub kind: FaultKind,
-    /// How long it stays; `None`: until [`Board::clear`](crate::Board::clear). A glitch ends after its width in any case.
+    /// How long it stays; `None`: until [`clear_faults`](crate::FaultInjection::clear_faults). A glitch ends after its width in any case.
     pub lasts: Option<Span>,
 }
 

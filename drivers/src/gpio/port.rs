@@ -55,7 +55,7 @@ pub struct Edge {
     pub numbers: Option<(u32, u32)>,
 }
 
-/// Claimed lines of a chip. Calls may come from several threads at once; none allocates but [`Port::held`].
+/// Claimed lines of a chip. Calls may come from several threads at once; none allocates but [`Port::output_claims`].
 pub trait Port: Send + Sync + fmt::Debug {
     /// The interface behind it.
     fn backend(&self) -> Backend;

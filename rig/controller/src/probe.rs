@@ -10,7 +10,7 @@ use signal::{Address, Level};
 /// Something observable inside the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Probe {
-    /// The state: [`State::number`].
+    /// The state: [`crate::State::number`].
     State,
     /// A place in memory: a Boolean for bits, else a bit string.
     Address(Address),

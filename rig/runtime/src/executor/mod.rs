@@ -1,6 +1,6 @@
 //! The executor: one loop that brings subject, board and steps together on a clock, virtual or not.
 //!
-//! At one instant the order is: operations of the program that complete, then the [event sources](EventSource) in theirs
+//! At one instant the order is: operations of the program that complete, then the event sources (`event_source.rs`) in theirs
 //! (docs/decisions/0003-time-of-an-operation.md, docs/decisions/0056-event-sources-and-pacing.md).
 
 mod alarms;
