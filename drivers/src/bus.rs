@@ -4,7 +4,7 @@ use signal::{CanFrame, SerialMessage, Span, Time, When};
 
 use crate::{LossReason, TimestampSource};
 
-/// The place of a bus in [`crate::Board::buses`].
+/// The place of a bus in [`crate::Buses::bus_list`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BusId(pub u16);
 

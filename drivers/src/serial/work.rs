@@ -11,7 +11,6 @@ use tokio::runtime::Runtime;
 use tokio::sync::Notify;
 
 use rtrb::{Consumer, Producer, RingBuffer};
-use rustix::io::Errno;
 use signal::{MAX_SERIAL_DATA, SerialErrors, SerialMessage, SerialOutput, Span, Time, When};
 
 use super::find::Identity;
@@ -249,7 +248,8 @@ impl Worker {
         };
         let (passed, last) = match sent {
             Ok(last) => (Passed::Sent, last),
-            Err(error) if error.code == Errno::TIMEDOUT.raw_os_error() => {
+            // What the port refuses, such as a break that its driver does not know, does not take the port away.
+            Err(error) if !error.is_gone() => {
                 self.shared.failed.fetch_add(1, Ordering::Relaxed);
                 (Passed::NotSent, (begun, monotonic()))
             }

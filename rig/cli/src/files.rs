@@ -66,8 +66,8 @@ pub fn write_whole(
     file.commit().map_err(fail)
 }
 
-/// Writes a file whole or not at all, as [`write_whole`] does, but does not wait until the disk has it: for the thousands
-/// of files beside a record. What a power cut takes of them is noticed: the record has the digest of every trace.
+/// Writes a file as [`write_whole`] does, but does not wait until the disk has it: for the thousands of files beside a
+/// record. A power cut may leave one of them empty; of a trace it is noticed, since the record has its digest.
 ///
 /// # Errors
 /// Why it cannot be written.

@@ -303,11 +303,11 @@ fn on_a_terminal_lines_are_a_table_and_outputs_are_asked_for() {
     let (code, screen) = on_terminal(&["board", "watch", &file, "--for", "1 s"], &[]);
     // A row of the table is drawn while it lasts, and the whole table stands there at the end.
     assert!(
-        code == Some(0) && screen.contains("\u{1b}[2Kdoor          0         0         0  -"),
+        code == Some(0) && screen.contains("\u{1b}[2Kdoor                0         0         0  -"),
         "{screen:?}"
     );
     assert!(
-        screen.contains("channel   level     rises     falls  last change\r\ndoor          0"),
+        screen.contains("channel         level     rises     falls  last change\r\ndoor                0"),
         "{screen:?}"
     );
     let (code, screen) = on_terminal(&["board", "exercise", &file, "--hold", "100 ms"], &["yes", "no"]);
