@@ -59,6 +59,8 @@ pub(super) struct Device {
     pub(super) started: u64,
     /// Whether the start has been answered.
     pub(super) complete: bool,
+    /// It is open again, and was not read since.
+    pub(super) returning: bool,
     /// When the next reading is due.
     pub(super) due: i64,
 }
@@ -137,6 +139,11 @@ impl Device {
             self.reporter.report(Report::Counted(Step { total: self.total, ..step }));
         }
         self.steps.clear();
+        // Not before it was read: what it counts from the instant of its return on is counted.
+        if self.returning && self.follower.since().is_some() {
+            self.returning = false;
+            self.reporter.returned(Report::Returned { at: monotonic() });
+        }
         if !whole {
             self.reporter.report(Report::Missed { at: reading.after });
         }
@@ -165,7 +172,7 @@ impl Device {
             // What it counted meanwhile, and from where it counts now, nobody knows.
             self.before = self.total;
             self.follower.begin();
-            self.reporter.returned(Report::Returned { at: monotonic() });
+            self.returning = true;
             self.due = monotonic();
         }
     }

@@ -63,6 +63,7 @@ impl CounterHandle {
             reconnect: limits.reconnect,
             started: 0,
             complete: true,
+            returning: false,
             due: 0,
         };
         let realtime = context.realtime;
