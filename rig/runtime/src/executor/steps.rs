@@ -122,11 +122,12 @@ impl Executor<'_> {
     /// Notes what was not refused although the step expects it.
     fn answered(&mut self, done: bool, step: usize, expected: Expected, what: NotRefused) {
         let id = &self.parts.schedule.steps()[step].id;
-        if done
-            && expected == Expected::Refused
-            && self.report.not_refused.iter().all(|(known, _)| known != id)
-        {
-            self.report.not_refused.push((id.clone(), what));
+        if !done || expected != Expected::Refused {
+            return;
+        }
+        match self.report.not_refused.iter_mut().find(|(known, _)| known == id) {
+            Some((_, last)) => *last = what,
+            None => self.report.not_refused.push((id.clone(), what)),
         }
     }
 

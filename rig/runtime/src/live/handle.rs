@@ -20,7 +20,7 @@ pub(super) const MOST_WATCHED: usize = 1_024;
 /// How a source is watched.
 #[derive(Clone, Copy, Debug, Default)]
 struct Watched {
-    /// As often as clients command it.
+    /// As often as clients want it.
     wanted: u32,
     /// The scan knows of it.
     known: bool,
@@ -50,7 +50,7 @@ pub struct LiveRig {
     watching: usize,
     /// Sources of which the scan does not know yet how they are wanted.
     stale: BTreeSet<u32>,
-    /// PlanOrders that found no room.
+    /// Requests that found no room.
     waiting: VecDeque<ScanRequest>,
     /// What is told with the next call although the scan does not tell it.
     own: Vec<RigEvent>,

@@ -29,7 +29,7 @@ pub struct Snapshot {
     pub wakes: JitterCounts,
     /// Waits that ended later than the rig may be.
     pub overruns: u64,
-    /// ScanEvent that found no room.
+    /// Events that found no room.
     pub untold: u64,
 }
 
