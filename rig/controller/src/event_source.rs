@@ -56,7 +56,7 @@ impl EventSource {
                 reference.family == Family::M241 && input < inputs && input < reference.input_count()
             }
             EventSource::Threshold { .. } | EventSource::CounterStop(_) => reference.family == Family::M241,
-            EventSource::CanSync => reference.canopen,
+            EventSource::CanSync => reference.has_can(),
         }
     }
 }

@@ -10,6 +10,7 @@ mod expert;
 mod figures;
 mod input;
 mod limits;
+mod port;
 mod reference;
 mod system;
 mod tree;
@@ -34,6 +35,7 @@ pub use limits::{
     APPLICATION_BYTES, BounceFilter, DEFAULT_PRIORITY, FOREGROUND_PRIORITIES, IMAGE_BITS, InputFilter,
     MEMORY_WORDS, PRIORITIES, REMANENT_BYTES, REMANENT_WORDS, TaskLimits,
 };
+pub use port::{Port, PortKind, SerialMedia};
 pub use reference::{Family, REFERENCES, Reference, RegularOutputs};
 pub use system::{
     FILE_HANDLES, FIRMWARE_VERSION, READ_TABLE, RESERVED_REGISTERS, SERIAL_NUMBER, SYSTEM_REGISTERS,

@@ -49,7 +49,7 @@ pub struct TaskLimits {
 impl TaskLimits {
     pub(crate) fn of(profile: Profile, reference: &Reference) -> TaskLimits {
         let (total, cyclic, beside) = if profile == Profile::M241_2014 { (20, 4, 3) } else { (19, 5, 5) };
-        let external_event = match (reference.family, reference.canopen) {
+        let external_event = match (reference.family, reference.has_can()) {
             (Family::M241, _) => 8,
             (Family::M251, true) => 1,
             (Family::M251, false) => 0,

@@ -1,5 +1,7 @@
 //! The references: which controller has which channels and ports.
 
+use crate::port::{self, Port, PortKind};
+
 /// A controller family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Family {
@@ -40,12 +42,8 @@ pub struct Reference {
     /// What the regular outputs are. The fast ones are transistors on every M241: sink where the regular outputs
     /// are sink, else source (io:REF-05).
     pub outputs: RegularOutputs,
-    /// Number of serial lines.
-    pub serial: usize,
-    /// Number of Ethernet networks.
-    pub ethernet: usize,
-    /// Whether it has a CANopen master port.
-    pub canopen: bool,
+    /// Its ports: serial lines, CAN, Ethernet networks, the programming port. A port's number is its place.
+    pub ports: &'static [Port],
 }
 
 impl Reference {
@@ -63,6 +61,21 @@ impl Reference {
     pub const fn output_count(&self) -> usize {
         self.fast_outputs + self.regular_outputs
     }
+
+    /// The number of the port of this name, in any case.
+    pub fn find_port(&self, name: &str) -> Option<usize> {
+        self.ports.iter().position(|port| port.is_named(name))
+    }
+
+    /// Number of Ethernet networks.
+    pub fn ethernet_count(&self) -> usize {
+        self.ports.iter().filter(|port| port.kind == PortKind::Ethernet).count()
+    }
+
+    /// Whether it has a port for CANopen (serial-can:SER-03).
+    pub fn has_can(&self) -> bool {
+        self.ports.iter().any(|port| port.kind == PortKind::Can)
+    }
 }
 
 /// An M241: 24 or 40 embedded channels.
@@ -70,8 +83,7 @@ const fn m241(
     name: &'static str,
     channels: usize,
     outputs: RegularOutputs,
-    ethernet: usize,
-    canopen: bool,
+    ports: &'static [Port],
 ) -> Reference {
     let large = channels == 40;
     Reference {
@@ -82,14 +94,12 @@ const fn m241(
         fast_outputs: 4,
         regular_outputs: if large { 12 } else { 6 },
         outputs,
-        serial: 2,
-        ethernet,
-        canopen,
+        ports,
     }
 }
 
 /// An M251: no embedded channels.
-const fn m251(name: &'static str, ethernet: usize, canopen: bool) -> Reference {
+const fn m251(name: &'static str, ports: &'static [Port]) -> Reference {
     Reference {
         name,
         family: Family::M251,
@@ -98,31 +108,29 @@ const fn m251(name: &'static str, ethernet: usize, canopen: bool) -> Reference {
         fast_outputs: 0,
         regular_outputs: 0,
         outputs: RegularOutputs::None,
-        serial: 1,
-        ethernet,
-        canopen,
+        ports,
     }
 }
 
 /// Every reference (io: section 1, controller:HW-02, controller:HW-04). There is no TM241CEC40.
 pub const REFERENCES: &[Reference] = &[
-    m241("TM241C24R", 24, RegularOutputs::Relay, 0, false),
-    m241("TM241CE24R", 24, RegularOutputs::Relay, 1, false),
-    m241("TM241CEC24R", 24, RegularOutputs::Relay, 1, true),
-    m241("TM241C24T", 24, RegularOutputs::Source, 0, false),
-    m241("TM241CE24T", 24, RegularOutputs::Source, 1, false),
-    m241("TM241CEC24T", 24, RegularOutputs::Source, 1, true),
-    m241("TM241C24U", 24, RegularOutputs::Sink, 0, false),
-    m241("TM241CE24U", 24, RegularOutputs::Sink, 1, false),
-    m241("TM241CEC24U", 24, RegularOutputs::Sink, 1, true),
-    m241("TM241C40R", 40, RegularOutputs::Relay, 0, false),
-    m241("TM241CE40R", 40, RegularOutputs::Relay, 1, false),
-    m241("TM241C40T", 40, RegularOutputs::Source, 0, false),
-    m241("TM241CE40T", 40, RegularOutputs::Source, 1, false),
-    m241("TM241C40U", 40, RegularOutputs::Sink, 0, false),
-    m241("TM241CE40U", 40, RegularOutputs::Sink, 1, false),
-    m251("TM251MESC", 1, true),
-    m251("TM251MESE", 2, false),
+    m241("TM241C24R", 24, RegularOutputs::Relay, port::M241_C),
+    m241("TM241CE24R", 24, RegularOutputs::Relay, port::M241_CE),
+    m241("TM241CEC24R", 24, RegularOutputs::Relay, port::M241_CEC),
+    m241("TM241C24T", 24, RegularOutputs::Source, port::M241_C),
+    m241("TM241CE24T", 24, RegularOutputs::Source, port::M241_CE),
+    m241("TM241CEC24T", 24, RegularOutputs::Source, port::M241_CEC),
+    m241("TM241C24U", 24, RegularOutputs::Sink, port::M241_C),
+    m241("TM241CE24U", 24, RegularOutputs::Sink, port::M241_CE),
+    m241("TM241CEC24U", 24, RegularOutputs::Sink, port::M241_CEC),
+    m241("TM241C40R", 40, RegularOutputs::Relay, port::M241_C),
+    m241("TM241CE40R", 40, RegularOutputs::Relay, port::M241_CE),
+    m241("TM241C40T", 40, RegularOutputs::Source, port::M241_C),
+    m241("TM241CE40T", 40, RegularOutputs::Source, port::M241_CE),
+    m241("TM241C40U", 40, RegularOutputs::Sink, port::M241_C),
+    m241("TM241CE40U", 40, RegularOutputs::Sink, port::M241_CE),
+    m251("TM251MESC", port::M251_MESC),
+    m251("TM251MESE", port::M251_MESE),
 ];
 
 #[cfg(test)]
@@ -155,8 +163,6 @@ mod tests {
                 _ => RegularOutputs::Sink,
             };
             assert_eq!(reference.outputs, outputs, "{}", reference.name);
-            assert_eq!(reference.ethernet > 0, reference.name.starts_with("TM241CE"), "{}", reference.name);
-            assert_eq!(reference.canopen, reference.name.starts_with("TM241CEC"), "{}", reference.name);
         }
     }
 }

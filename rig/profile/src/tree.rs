@@ -111,8 +111,8 @@ impl Profile {
     /// is on references with Ethernet alone, of an M251 on TM251MESE alone.
     pub fn file_tree(self, reference: &Reference) -> impl Iterator<Item = &'static TreeEntry> {
         let serves = match reference.family {
-            Family::M241 => reference.ethernet > 0,
-            Family::M251 => reference.ethernet > 1,
+            Family::M241 => reference.ethernet_count() > 0,
+            Family::M251 => reference.ethernet_count() > 1,
         };
         TREE.iter().filter(move |entry| entry.profiles[self.place()] && (serves || !entry.ethernet))
     }
