@@ -116,6 +116,11 @@ document::codes! {
     UNKNOWN_CHANNEL = "B0304", "A channel is not known";
     BINDING = "B0305", "A channel does not suit its terminal";
     OUTPUTS_MEET = "B0306", "Two outputs are bound to one channel";
+    PORT = "B0307", "The controller has no such port";
+    PORT_BUS = "B0308", "A port is bound to a bus that is not known";
+    PORT_KIND = "B0309", "A bus does not suit its port";
+    PORT_TWICE = "B0310", "A port or a bus is bound twice";
+    PORT_NOT_BOUND = "B0311", "A port of this kind cannot be bound";
     KINDS_DIFFER = "B0401", "A wire joins channels of different kinds";
     NOT_FOR_ANALOG = "B0402", "An analog wire can neither invert nor bounce";
     BOUNCE = "B0403", "A bounce is impossible";

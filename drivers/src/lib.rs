@@ -50,7 +50,8 @@ pub use device_limits::DeviceLimits;
 pub use event::{BoardEvent, Health, LossReason, Origin};
 pub use file::{
     Binding, Bite, BoardFile, BoardKind, CODES, ControlSettings, External, GuardSettings, OnDisconnect,
-    OnLoss, Subject, SubjectLines, Terminals, UnknownSubject, WatchdogSettings, build, open, read,
+    OnLoss, PortBinding, Subject, SubjectLines, SubjectPort, SubjectPortKind, Terminals, UnknownSubject,
+    WatchdogSettings, build, open, read,
 };
 pub use gpio::GpioBoard;
 pub use holder::{Holder, holders};

@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use scanrig_drivers::circuit::{Bounce, LagTarget, PlantSpec, Pull, Spacing};
 use scanrig_drivers::file::KEYS;
 use scanrig_drivers::{
-    Bite, Board, BoardFile, CODES, ControlSettings, Disturbance, GuardSettings, OnDisconnect, Subject,
-    Terminals, UnknownSubject, WatchdogSettings, build, read,
+    Bite, Board, BoardFile, BusId, CODES, ControlSettings, Disturbance, GuardSettings, OnDisconnect, Subject,
+    SubjectPort, SubjectPortKind, Terminals, UnknownSubject, WatchdogSettings, build, read,
 };
 use signal::{Address, Area, Span, Value};
 
@@ -26,7 +26,14 @@ fn terminals(subject: &Subject) -> Result<Terminals, UnknownSubject> {
     let inputs = (0..14).map(|bit| Address::bit(Area::Input, bit)).collect();
     let mut outputs: Vec<Address> = (0..10).map(|bit| Address::bit(Area::Output, bit)).collect();
     outputs.extend(Address::parse("%QW4"));
-    Ok(Terminals { inputs, outputs })
+    let port = |name: &str, node: &str, kind| SubjectPort { names: [name.into(), node.into()], kind };
+    let ports = vec![
+        port("SL1", "Serial_Line_1", SubjectPortKind::Serial { rs232: true }),
+        port("SL2", "Serial_Line_2", SubjectPortKind::Serial { rs232: false }),
+        port("CAN_1", "CAN_1", SubjectPortKind::Can),
+        port("Ethernet_1", "Ethernet_1", SubjectPortKind::Other("an Ethernet network".into())),
+    ];
+    Ok(Terminals { inputs, outputs, ports })
 }
 
 /// As [`terminals`] but with levels alone, as the controllers have them.
@@ -116,7 +123,7 @@ fn numbers_are_converted_to_the_unit_of_their_channel() {
 #[test]
 fn the_smallest_file_is_the_default_board() {
     let file = read(&SourceFile::new("b.toml", "format = 1\n"), &levels).unwrap();
-    let Terminals { inputs, outputs } = levels(&Subject::default()).unwrap();
+    let Terminals { inputs, outputs, .. } = levels(&Subject::default()).unwrap();
     let default = BoardFile::default_for(&inputs, &outputs);
     assert_eq!((&file.circuit, &file.bind), (&default.circuit, &default.bind));
     assert_eq!(file.circuit.channels.len(), 24);
@@ -161,6 +168,24 @@ fn broken_files_are_refused_where_they_are_broken() {
     for (code, title) in CODES.iter().filter(|(code, _)| !elsewhere(code)) {
         assert!(seen.contains(code), "no broken file shows {code}: {title}");
     }
+}
+
+/// On real and on simulated boards, and for a real controller too; a bus has the number of its place.
+#[test]
+fn ports_are_bound_to_buses() {
+    let can = "[buses]\nfirst = { kind = \"can\" }\nsecond = { kind = \"can\", joins = \"first\" }\n[ports]\ncan_1 = \"second\"\n";
+    for subject in ["", "[subject]\nkind = \"external\"\n"] {
+        let text = format!("format = 1\n{subject}{can}");
+        let file =
+            read(&SourceFile::new("board.toml", text), &levels).unwrap_or_else(|found| panic!("{found:#?}"));
+        let bound: Vec<_> = file.ports.iter().map(|port| (port.port.as_str(), port.bus)).collect();
+        assert_eq!(bound, [("CAN_1", BusId(1))]);
+    }
+    // What a real serial port is on the wire, its adapter says.
+    let text = "format = 1\n[board]\nkind = \"real\"\n[buses]\nline = { kind = \"serial\", path = \"/dev/ttyS0\" }\n[ports]\nSL2 = \"line\"\n";
+    let file =
+        read(&SourceFile::new("board.toml", text), &levels).unwrap_or_else(|found| panic!("{found:#?}"));
+    assert_eq!(file.ports[0].bus, BusId(0));
 }
 
 #[test]

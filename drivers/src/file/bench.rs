@@ -66,7 +66,7 @@ impl<'t> Bench<'t> {
 
     /// Binds the terminals whose default channel the file describes: `I0` is the first input.
     pub(super) fn bind_by_name(&mut self) {
-        let Terminals { inputs, outputs } = self.terminals;
+        let Terminals { inputs, outputs, .. } = self.terminals;
         for (letter, addresses) in [('I', inputs), ('Q', outputs)] {
             for (number, address) in addresses.iter().enumerate() {
                 if let Some(channel) = self.file.find(&format!("{letter}{number}")) {
@@ -123,7 +123,7 @@ impl<'t> Bench<'t> {
                 return None;
             }
         };
-        let Terminals { inputs, outputs } = self.terminals;
+        let Terminals { inputs, outputs, .. } = self.terminals;
         if inputs.contains(&address) || outputs.contains(&address) {
             return Some(address);
         }

@@ -49,6 +49,7 @@ pub const KEYS: &[KeySpec] = &[
         "Relays that open and short the wires of real channels, by channel",
     ),
     KeySpec::optional("bind", KeyType::Map(&NAME), "Terminals of the controller and their channels"),
+    KeySpec::optional("ports", KeyType::Map(&NAME), "Ports of the controller and the buses that they are on"),
     KeySpec::optional("wires", KeyType::List(&KeyType::Table(WIRE)), "Wires between channels"),
     KeySpec::optional("plants", KeyType::List(&KeyType::Table(PLANT)), "Processes between channels"),
     KeySpec::optional(

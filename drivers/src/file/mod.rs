@@ -14,6 +14,7 @@ mod keys;
 mod lines;
 mod number;
 mod parts;
+mod ports;
 mod read;
 mod real;
 mod realtime;
@@ -39,16 +40,19 @@ pub use crate::codes::CODES;
 pub use control::{ControlSettings, OnDisconnect};
 pub use guard::{Bite, GuardSettings, WatchdogSettings};
 pub use keys::KEYS;
+pub use ports::{PortBinding, SubjectPort, SubjectPortKind};
 pub use read::read;
 pub use subject::{External, Subject, SubjectLines};
 
-/// The terminals of a controller that a board can be bound to, in the order of their numbers.
+/// The terminals of a controller that a board can be bound to, in the order of their numbers, and its ports.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Terminals {
     /// Its inputs: `I0` is the first.
     pub inputs: Vec<Address>,
     /// Its outputs: `Q0` is the first.
     pub outputs: Vec<Address>,
+    /// Its ports.
+    pub ports: Vec<SubjectPort>,
 }
 
 /// A subject that does not exist, with the names that do.
@@ -114,6 +118,8 @@ pub struct BoardFile {
     pub circuit: Circuit,
     /// Terminals and channels, by address; inputs first. Each address once.
     pub bind: Vec<Binding>,
+    /// Ports of the controller and their buses, in the order of the file. Each port and each bus once.
+    pub ports: Vec<PortBinding>,
     /// Trouble that the board is to make by itself, if any.
     pub disturbance: Option<Disturbance>,
     /// How the outputs of a real board are guarded.
@@ -153,6 +159,7 @@ impl BoardFile {
             check: None,
             circuit,
             bind,
+            ports: Vec::new(),
             disturbance: None,
             guard: GuardSettings::default(),
             realtime: RealtimeSettings::default(),

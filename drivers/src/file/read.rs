@@ -7,7 +7,7 @@ use super::realtime::realtime;
 use super::subject::{subject, subject_lines};
 use super::{
     BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, codes, control, counter, guard,
-    keys, parts, real, sim_buses,
+    keys, parts, ports, real, sim_buses,
 };
 
 /// Reads a board file. `terminals` tells which terminals a subject has.
@@ -61,6 +61,7 @@ pub fn read(
         bench.bind_by_name();
     }
     bench.bind(entries("bind"), &mut out);
+    bench.file.ports = ports::read(&fields, &terminals.ports, !real, &mut out);
     if let Some(fields) = fields.inner("subject") {
         bench.file.lines = subject_lines(&fields, &bench, &mut out);
     }

@@ -93,6 +93,8 @@ pub const FIGURES_OF_ANOTHER_MACHINE: &str = "R0252";
 pub const NOT_AN_INSTRUMENT: &str = "R0255";
 /// A frame that its bus cannot carry.
 pub const FRAME_NOT_CARRIED: &str = "R0270";
+/// A port that the controller of a case lacks.
+pub const PORT_MISSING: &str = "R0271";
 /// A bench that somebody else uses.
 pub const BENCH_IN_USE: &str = "R0280";
 /// A machine without a place for locks.
@@ -238,6 +240,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0254", "A loop or output that the board does not have"),
     (NOT_AN_INSTRUMENT, "A board that is no instrument"),
     (FRAME_NOT_CARRIED, "A frame that its bus cannot carry"),
+    (PORT_MISSING, "A port that the controller of a case lacks"),
     (BENCH_IN_USE, "A bench that somebody else uses"),
     (NO_PLACE_FOR_LOCKS, "A machine without a place for locks"),
     (FUNCTION_PARAMETER_MISSING, "A parameter that an expert function lacks"),

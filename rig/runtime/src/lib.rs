@@ -44,6 +44,7 @@ pub mod model;
 mod needs;
 pub mod observable;
 pub mod operator;
+mod ports;
 pub mod prepare;
 pub mod real_boards;
 pub mod recorder;

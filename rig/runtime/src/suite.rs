@@ -6,12 +6,15 @@ use crate::codes;
 pub use crate::file_source::{Disk, FileSource, beside, load, load_program};
 use crate::suites;
 use document::{Diagnostic, SourceFile};
-use drivers::file::{BoardFile, Subject as BoardSubject, Terminals, UnknownSubject, read as read_board};
+use drivers::file::{
+    BoardFile, Subject as BoardSubject, SubjectPort, SubjectPortKind, Terminals, UnknownSubject,
+    read as read_board,
+};
 use plans::plan::{GlobalChecks, PlanText};
 use plans::steps::ProgramRef;
 use plans::steps::Stimulus;
 use plans::{Case, Plan};
-use profile::{Profile, Reference};
+use profile::{PortKind, Profile, Reference, SerialMedia};
 use signal::{Address, Area};
 use std::sync::Arc;
 
@@ -29,7 +32,15 @@ fn terminals_of(reference: &'static Reference) -> Terminals {
         profile::inputs(reference).map(|input| Address::bit(Area::Input, input.byte * 8 + input.bit));
     let outputs =
         profile::outputs(reference).map(|output| Address::bit(Area::Output, output.byte * 8 + output.bit));
-    Terminals { inputs: inputs.collect(), outputs: outputs.collect() }
+    let ports = reference.ports.iter().map(|port| SubjectPort {
+        names: [port.name, port.node].map(str::to_owned),
+        kind: match port.kind {
+            PortKind::Serial(media) => SubjectPortKind::Serial { rs232: media == SerialMedia::Both },
+            PortKind::Can => SubjectPortKind::Can,
+            other => SubjectPortKind::Other(other.to_string()),
+        },
+    });
+    Terminals { inputs: inputs.collect(), outputs: outputs.collect(), ports: ports.collect() }
 }
 
 fn subject_of(subject: &BoardSubject) -> Result<(Profile, &'static Reference), UnknownSubject> {

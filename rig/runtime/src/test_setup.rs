@@ -13,6 +13,7 @@ use crate::functions;
 use crate::hook::Hook;
 use crate::inputs;
 use crate::model::Model;
+use crate::ports;
 use crate::prepare::{Prepared, TestBench, prepare};
 use crate::store::MemoryStore;
 use crate::subject::Subject;
@@ -79,6 +80,7 @@ pub(crate) fn set_up(
     files: &CaseFiles,
     collector: Option<Collector>,
 ) -> Result<TestSetup, Vec<Diagnostic>> {
+    ports::bound_buses(files)?;
     if let Some(settings) = &files.board.subject.external {
         return set_up_external(case, files, settings);
     }

@@ -110,3 +110,24 @@ fn a_plan_that_needs_exact_instants_is_inconclusive_on_a_late_rig() {
     crate::texts::expect(&result, Verdict::Inconclusive);
     assert!(result.record.reason.contains("the plan needs edges to within 1 us"), "{}", result.record.reason);
 }
+
+/// The plan's reference goes before the board's: what the board binds has to be there.
+#[test]
+fn a_port_that_the_plans_reference_lacks_is_a_finding() {
+    let interrupt = AtomicBool::new(false);
+    let options = RunOptions::new(ClockKind::Virtual, &interrupt);
+    let board = board("[buses]\ncan = { kind = \"can\" }\n[ports]\ncan_1 = \"can\"");
+    let run = |rest: &str| {
+        let plan = plan(rest);
+        let texts = [("plan.toml", plan.as_str()), ("toggle.st", TOGGLE), ("board.toml", board.as_str())];
+        Texts(&texts).done(1, &options)
+    };
+    assert!(!matches!(run("settings = { reference = \"TM241CEC24R\" }"), JobResult::Findings(_)));
+    let JobResult::Findings(found) = run("settings = { reference = \"TM241CE24T\" }") else {
+        panic!("it has no CAN port");
+    };
+    assert_eq!(
+        (found[0].code, found[0].help.as_str()),
+        ("R0271", "it has SL1, SL2, Ethernet_1, USB; or leave `reference` to the board")
+    );
+}
