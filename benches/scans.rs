@@ -10,7 +10,7 @@ mod texts;
 use controller::TaskKind;
 use counting::Counting;
 use scanrig_runtime::clock::Clock;
-use scanrig_runtime::subject::Subject;
+use scanrig_runtime::subject::{Subject, SubjectExt};
 use signal::{Span, Time, Value};
 use std::process::ExitCode;
 use std::time::Instant;

@@ -19,7 +19,7 @@ use crate::loop_counter::LoopCounter;
 use crate::rig_fault::RigFault;
 use crate::schedule::Schedule;
 use crate::stepping::Stepper;
-use crate::subject::Subject;
+use crate::subject::{Subject, SubjectExt};
 use crate::suite::nobody_to_ask;
 use crate::test_setup::{TestSetup, set_up};
 use crate::{applicability, describe, lanes, refusal, spill};

@@ -66,6 +66,31 @@ impl Catalogue {
         &self.tasks
     }
 
+    /// The place of a task by its name.
+    pub fn task(&self, name: &str) -> Option<usize> {
+        self.tasks.iter().position(|task| task.name.eq_ignore_ascii_case(name))
+    }
+
+    /// Name of a task by its place.
+    pub fn task_name(&self, task: usize) -> Option<&str> {
+        self.tasks.get(task).map(|task| task.name.as_str())
+    }
+
+    /// Name of an expert function by its place.
+    pub fn function_name(&self, function: usize) -> Option<&str> {
+        self.functions.functions.get(function).map(|function| function.name.as_str())
+    }
+
+    /// Name of a source file of the first program by its place.
+    pub fn file_name(&self, file: u16) -> Option<&str> {
+        self.programs.first()?.files().get(usize::from(file)).map(String::as_str)
+    }
+
+    /// The source files of the programs, with their places in their programs.
+    pub fn source_files(&self) -> impl Iterator<Item = (u16, &str)> {
+        self.programs.iter().flat_map(|program| (0..).zip(program.files().iter().map(String::as_str)))
+    }
+
     /// VariableNumbers that mean something, for suggestions.
     pub fn names(&self) -> Vec<String> {
         let variables = self.programs.iter().flat_map(|program| program.variables());

@@ -126,7 +126,7 @@ impl CaseOnBench<'_> {
                 SignalBounds::bits(address.size().bits())
             }
             // A name inside the subject goes before a channel of the same name, as where it is looked up.
-            SignalSource::Path(path) => match self.subject.bounds(path) {
+            SignalSource::Path(path) => match self.subject.catalogue().and_then(|names| names.bounds(path)) {
                 Some((least, most)) => SignalBounds::new(least, most),
                 None if self
                     .channel(name)

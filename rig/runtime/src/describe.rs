@@ -1,7 +1,7 @@
 //! What a record and a trace say of where they come from.
 
 use crate::case_files::CaseFiles;
-use crate::subject::Subject;
+use crate::subject::{Subject, SubjectExt};
 use crate::wiring::Wiring;
 use document::Joined;
 use drivers::Channel;

@@ -3,13 +3,8 @@
 
 use crate::capability::Capability;
 use crate::hook::{Hook, HookError};
-use crate::observable::Observable;
-use crate::schedule::FileAction;
-use crate::subject::Subject;
-use controller::{
-    Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, Probe, ProbeId, State,
-    TaskFigures, Terminal, WriteError,
-};
+use crate::subject::{Startup, Subject};
+use controller::{Command, CommandError, Effect, Effects, ProbeId, State, Terminal};
 use drivers::{Board, BoardFile, ChannelId, External as Settings};
 use signal::{Cause, Level, Span, Time, Value, When};
 use std::sync::atomic::AtomicBool;
@@ -174,12 +169,32 @@ impl External {
 }
 
 impl Subject for External {
+    fn inner(&self) -> Option<&dyn Subject> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Subject> {
+        None
+    }
+
     fn capabilities(&self) -> &'static [Capability] {
         match (self.has_power, self.has_switch) {
             (true, true) => &[Capability::Power, Capability::RunStop],
             (true, false) => &[Capability::Power],
             (false, true) => &[Capability::RunStop],
             (false, false) => &[],
+        }
+    }
+
+    fn is_model(&self) -> bool {
+        false
+    }
+
+    fn state(&self) -> State {
+        match self.way {
+            Way::Off | Way::Cut(_) => State::Off,
+            Way::Boots(..) => State::Booting,
+            Way::There(_) => self.initial,
         }
     }
 
@@ -201,44 +216,12 @@ impl Subject for External {
         self.tell(now, effects);
     }
 
-    fn load(&mut self, interrupt: &AtomicBool) -> Result<(), HookError> {
-        if self.settings.load.is_empty() {
-            return Ok(());
-        }
-        self.loaded = true;
-        self.hook.run("load", &self.settings.load, self.settings.load_within, interrupt)
-    }
-
-    fn loaded(&mut self, now: Time, effects: &mut Effects) {
-        if self.settings.load.is_empty() {
-            return;
-        }
-        self.set_out(now, effects);
-        self.tell(now, effects);
-    }
-
-    fn unload(&mut self, interrupt: &AtomicBool) -> Result<(), HookError> {
-        if self.settings.unload.is_empty() || !self.loaded && !self.settings.load.is_empty() {
-            return Ok(());
-        }
-        self.loaded = false;
-        self.hook.run("unload", &self.settings.unload, self.settings.load_within, interrupt)
-    }
-
-    fn startup_limit(&self) -> Span {
-        let (boot, off) = (self.settings.boot, self.settings.off);
-        Span::from_nanos(boot.as_nanos().saturating_add(off.as_nanos())) + Span::from_secs(1)
-    }
-
-    fn begin(&mut self) -> Option<(Time, Value)> {
-        let Way::There(earliest) = self.way else { return None };
-        self.begun = true;
-        self.told = self.shown();
-        Some((earliest, self.told))
-    }
-
     fn run(&mut self, limit: Time, _effects: &mut Effects) -> Time {
         limit
+    }
+
+    fn is_computing(&self) -> bool {
+        false
     }
 
     fn next_timer(&self) -> Option<Time> {
@@ -282,6 +265,14 @@ impl Subject for External {
         self.tell(earliest, effects);
     }
 
+    fn output(&self, terminal: Terminal) -> Value {
+        match terminal {
+            terminal if terminal == Terminal::output(POWER) => Value::Bool(self.supply),
+            terminal if terminal == Terminal::output(RUN_STOP) => Value::Bool(self.run),
+            _ => Value::Unknown,
+        }
+    }
+
     fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError> {
         match command {
             Command::Switch(run) if self.has_switch => {
@@ -293,76 +284,52 @@ impl Subject for External {
         }
     }
 
-    fn state(&self) -> State {
-        match self.way {
-            Way::Off | Way::Cut(_) => State::Off,
-            Way::Boots(..) => State::Booting,
-            Way::There(_) => self.initial,
+    fn notice(&mut self, _: Time, _: &str) {}
+
+    fn startup(&mut self) -> Option<&mut dyn Startup> {
+        Some(self)
+    }
+}
+
+impl Startup for External {
+    fn load(&mut self, interrupt: &AtomicBool) -> Result<(), HookError> {
+        if self.settings.load.is_empty() {
+            return Ok(());
         }
+        self.loaded = true;
+        self.hook.run("load", &self.settings.load, self.settings.load_within, interrupt)
+    }
+
+    fn loaded(&mut self, now: Time, effects: &mut Effects) {
+        if self.settings.load.is_empty() {
+            return;
+        }
+        self.set_out(now, effects);
+        self.tell(now, effects);
+    }
+
+    fn unload(&mut self, interrupt: &AtomicBool) -> Result<(), HookError> {
+        if self.settings.unload.is_empty() || !self.loaded && !self.settings.load.is_empty() {
+            return Ok(());
+        }
+        self.loaded = false;
+        self.hook.run("unload", &self.settings.unload, self.settings.load_within, interrupt)
+    }
+
+    fn limit(&self) -> Span {
+        let (boot, off) = (self.settings.boot, self.settings.off);
+        Span::from_nanos(boot.as_nanos().saturating_add(off.as_nanos())) + Span::from_secs(1)
+    }
+
+    fn begin(&mut self) -> Option<(Time, Value)> {
+        let Way::There(earliest) = self.way else { return None };
+        self.begun = true;
+        self.told = self.shown();
+        Some((earliest, self.told))
     }
 
     fn state_probe(&self) -> Option<ProbeId> {
         Some(STATE)
-    }
-
-    fn read(&self, probe: &Probe) -> Value {
-        match *probe {
-            Probe::Terminal(terminal) if terminal == Terminal::output(POWER) => Value::Bool(self.supply),
-            Probe::Terminal(terminal) if terminal == Terminal::output(RUN_STOP) => Value::Bool(self.run),
-            _ => Value::Unknown,
-        }
-    }
-
-    // What follows cannot be done from outside. A case that needs it does not run.
-
-    fn file(&mut self, _: Time, _: &FileAction, _: &mut Effects) -> Result<(), FileError> {
-        Err(FileError::State(self.state()))
-    }
-
-    fn file_probe(&mut self, _: FileProbe) -> Probe {
-        Probe::State
-    }
-
-    fn disturb(&mut self, _: Time, _: Disturbance, _: &mut Effects) {}
-
-    fn overload(&mut self, _: usize, _: Span, _: u32) {}
-
-    fn suspend(&mut self, _: usize, _: Time) {}
-
-    fn task(&self, _: &str) -> Option<usize> {
-        None
-    }
-
-    fn task_name(&self, _: usize) -> Option<&str> {
-        None
-    }
-
-    fn file_name(&self, _: u16) -> Option<&str> {
-        None
-    }
-
-    fn source_files(&self) -> Vec<(u16, String)> {
-        Vec::new()
-    }
-
-    fn names(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    fn observable(&self, _: &str) -> Option<Observable> {
-        None
-    }
-
-    fn watch(&mut self, _: Probe) -> ProbeId {
-        STATE
-    }
-
-    fn write(&mut self, _: Time, _: &Probe, _: Value, _: Cause, _: &mut Effects) -> Result<(), WriteError> {
-        Err(WriteError::State(self.state()))
-    }
-
-    fn figures(&self) -> Vec<(String, Span, TaskFigures)> {
-        Vec::new()
     }
 }
 

@@ -1,11 +1,12 @@
 //! The controller's log in words.
 
-use crate::subject::Subject;
+use crate::catalogue::Catalogue;
 use controller::{FaultClass, LogEntry, Overload};
 
-/// A log entry with the names of the tasks.
-pub fn show(entry: &LogEntry, subject: &dyn Subject) -> String {
-    let task = |place: usize| subject.task_name(place).unwrap_or("?").to_owned();
+/// A log entry with the names of tasks, functions and sources, as far as they are known.
+pub fn show(entry: &LogEntry, names: Option<&Catalogue>) -> String {
+    let known = |place: usize| names.and_then(|names| names.task_name(place)).unwrap_or("?");
+    let task = |place: usize| known(place).to_owned();
     match *entry {
         LogEntry::State { from, to } => format!("{from} -> {to}"),
         LogEntry::Stopped(cause) => format!("RUNNING left, stop cause {:02X} hex ({cause:?})", cause.code()),
@@ -33,13 +34,13 @@ pub fn show(entry: &LogEntry, subject: &dyn Subject) -> String {
         }
         // The text of the documents (controller:TASK-31).
         LogEntry::TooManyEvents => String::from("ISR Count Exceeded"),
-        LogEntry::Warning(warning) => warning.show(|place| subject.task_name(place).unwrap_or("?")),
+        LogEntry::Warning(warning) => warning.show(known),
         LogEntry::Fault { task: place, fault } => {
             let class = match fault.class {
                 FaultClass::Application => "application error",
                 FaultClass::System => "system error",
             };
-            let (code, file) = (fault.error.code(), subject.file_name(fault.file));
+            let (code, file) = (fault.error.code(), names.and_then(|names| names.file_name(fault.file)));
             format!("{class} {code:04X} hex in {} at {}:{}", task(place), file.unwrap_or("?"), fault.line)
         }
         LogEntry::Load(error) => format!("application refused: {error}"),
@@ -53,7 +54,7 @@ pub fn show(entry: &LogEntry, subject: &dyn Subject) -> String {
             format!("out of specification: I{input} is driven faster than a regular input can follow")
         }
         LogEntry::FunctionOverdriven { function } => {
-            let name = subject.function_name(function).unwrap_or("?");
+            let name = names.and_then(|names| names.function_name(function)).unwrap_or("?");
             format!("out of specification: {name} is driven faster than it can count")
         }
         LogEntry::SupplyLost => String::from("the supply was interrupted"),

@@ -4,9 +4,8 @@ use crate::application::BundleLoader;
 use crate::capability::Capability;
 use crate::catalogue::Catalogue;
 use crate::coverage::Collector;
-use crate::observable::Observable;
 use crate::schedule::FileAction;
-use crate::subject::Subject;
+use crate::subject::{Disturbances, ExpertFunctions, FileAccess, Observation, Subject};
 use crate::variable_numbers::VariableNumbers;
 use controller::{
     Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError,
@@ -60,7 +59,7 @@ impl Model {
     fn log(&mut self, before: usize, effects: &mut Effects) {
         for place in before..effects.list.len() {
             if let Effect::Log { at, entry } = effects.list[place] {
-                let text = crate::log::show(&entry, self);
+                let text = crate::log::show(&entry, Some(&self.catalogue));
                 self.controller.log_line(at, &text, effects);
             }
         }
@@ -78,8 +77,24 @@ impl Model {
 }
 
 impl Subject for Model {
+    fn inner(&self) -> Option<&dyn Subject> {
+        None
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Subject> {
+        None
+    }
+
     fn capabilities(&self) -> &'static [Capability] {
         &Capability::ALL
+    }
+
+    fn is_model(&self) -> bool {
+        true
+    }
+
+    fn state(&self) -> State {
+        self.controller.state()
     }
 
     fn power(&mut self, now: Time, on: bool, effects: &mut Effects) {
@@ -103,14 +118,6 @@ impl Subject for Model {
         self.controller.is_computing()
     }
 
-    fn is_model(&self) -> bool {
-        true
-    }
-
-    fn offload_pulses(&mut self, outputs: u32) {
-        self.controller.offload_pulses(outputs);
-    }
-
     fn next_timer(&self) -> Option<Time> {
         self.controller.next_timer()
     }
@@ -125,12 +132,8 @@ impl Subject for Model {
         self.controller.input(now, Terminal::input(input), Value::from(level));
     }
 
-    fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
-        self.controller.report_missed_edges(now, input, edges);
-    }
-
-    fn count(&mut self, now: Time, input: usize, steps: i64) {
-        self.controller.count(now, input, steps);
+    fn output(&self, terminal: Terminal) -> Value {
+        self.controller.read(&Probe::Terminal(terminal))
     }
 
     fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError> {
@@ -140,71 +143,35 @@ impl Subject for Model {
         answer
     }
 
-    fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
-        let (path, user) = (act.path.as_str(), act.user);
-        match &act.deed {
-            FileOperation::Put(bytes) => self.controller.put_file(now, path, bytes, user, effects),
-            FileOperation::Fill(bytes) => {
-                self.controller.put_file(now, path, &vec![0; *bytes], user, effects)
-            }
-            FileOperation::Log(entry) => self.controller.log_data(now, path, entry, effects),
-            FileOperation::Remove => self.controller.remove_file(now, path, user, effects),
-        }
-    }
-
-    fn file_probe(&mut self, fact: FileProbe) -> Probe {
-        self.controller.file_probe(fact)
-    }
-
-    fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects) {
-        self.controller.disturb(now, disturbance, effects);
-    }
-
-    fn overload(&mut self, task: usize, cycle: Span, times: u32) {
-        self.controller.overload(task, cycle, times);
-    }
-
-    fn suspend(&mut self, task: usize, until: Time) {
-        self.controller.suspend(task, until);
-    }
-
-    fn task(&self, name: &str) -> Option<usize> {
-        self.catalogue.tasks().iter().position(|task| task.name.eq_ignore_ascii_case(name))
-    }
-
-    fn task_name(&self, task: usize) -> Option<&str> {
-        self.catalogue.tasks().get(task).map(|task| task.name.as_str())
-    }
-
-    fn function_name(&self, function: usize) -> Option<&str> {
-        self.catalogue.functions().functions.get(function).map(|function| function.name.as_str())
-    }
-
-    fn file_name(&self, file: u16) -> Option<&str> {
-        self.catalogue.programs().first()?.files().get(usize::from(file)).map(String::as_str)
-    }
-
-    fn source_files(&self) -> Vec<(u16, String)> {
-        let files = |program: &Arc<Program>| program.files().to_vec();
-        self.catalogue.programs().iter().flat_map(|program| (0..).zip(files(program))).collect()
-    }
-
-    fn names(&self) -> Vec<String> {
-        self.catalogue.names()
-    }
-
-    fn observable(&self, name: &str) -> Option<Observable> {
-        self.catalogue.observable(name)
-    }
-
-    fn bounds(&self, name: &str) -> Option<(i128, i128)> {
-        self.catalogue.bounds(name)
-    }
+    // Who reads its log has that of the rig too.
+    fn notice(&mut self, _at: Time, _text: &str) {}
 
     fn catalogue(&self) -> Option<&Catalogue> {
         Some(&self.catalogue)
     }
 
+    fn observation(&self) -> Option<&dyn Observation> {
+        Some(self)
+    }
+
+    fn observation_mut(&mut self) -> Option<&mut dyn Observation> {
+        Some(self)
+    }
+
+    fn files(&mut self) -> Option<&mut dyn FileAccess> {
+        Some(self)
+    }
+
+    fn disturbances(&mut self) -> Option<&mut dyn Disturbances> {
+        Some(self)
+    }
+
+    fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctions> {
+        Some(self)
+    }
+}
+
+impl Observation for Model {
     fn watch(&mut self, probe: Probe) -> ProbeId {
         self.controller.watch(probe)
     }
@@ -215,14 +182,6 @@ impl Subject for Model {
 
     fn unwatch(&mut self, probe: ProbeId) {
         self.controller.unwatch(probe);
-    }
-
-    fn front(&self) -> Option<FrontPanel> {
-        Some(self.controller.front_panel())
-    }
-
-    fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {
-        Some((self.controller.task_figures(task)?, *self.controller.task_jitter(task)?))
     }
 
     fn read(&self, probe: &Probe) -> Value {
@@ -240,17 +199,57 @@ impl Subject for Model {
         self.controller.write(now, probe, value, cause, effects)
     }
 
-    fn state(&self) -> State {
-        self.controller.state()
+    fn front(&self) -> Option<FrontPanel> {
+        Some(self.controller.front_panel())
     }
 
-    fn figures(&self) -> Vec<(String, Span, TaskFigures)> {
-        let named = self.catalogue.tasks().iter().enumerate();
-        named
-            .filter_map(|(place, task)| {
-                let interval = task.interval().unwrap_or(Span::ZERO);
-                Some((task.name.clone(), interval, self.controller.task_figures(place)?))
-            })
-            .collect()
+    fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {
+        Some((self.controller.task_figures(task)?, *self.controller.task_jitter(task)?))
+    }
+}
+
+impl FileAccess for Model {
+    fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
+        let (path, user) = (act.path.as_str(), act.user);
+        match &act.deed {
+            FileOperation::Put(bytes) => self.controller.put_file(now, path, bytes, user, effects),
+            FileOperation::Fill(bytes) => {
+                self.controller.put_file(now, path, &vec![0; *bytes], user, effects)
+            }
+            FileOperation::Log(entry) => self.controller.log_data(now, path, entry, effects),
+            FileOperation::Remove => self.controller.remove_file(now, path, user, effects),
+        }
+    }
+
+    fn file_probe(&mut self, fact: FileProbe) -> Probe {
+        self.controller.file_probe(fact)
+    }
+}
+
+impl Disturbances for Model {
+    fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects) {
+        self.controller.disturb(now, disturbance, effects);
+    }
+
+    fn overload(&mut self, task: usize, cycle: Span, times: u32) {
+        self.controller.overload(task, cycle, times);
+    }
+
+    fn suspend(&mut self, task: usize, until: Time) {
+        self.controller.suspend(task, until);
+    }
+}
+
+impl ExpertFunctions for Model {
+    fn offload_pulses(&mut self, outputs: u32) {
+        self.controller.offload_pulses(outputs);
+    }
+
+    fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
+        self.controller.report_missed_edges(now, input, edges);
+    }
+
+    fn count(&mut self, now: Time, input: usize, steps: i64) {
+        self.controller.count(now, input, steps);
     }
 }

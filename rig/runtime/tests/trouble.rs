@@ -1,19 +1,14 @@
 //! Faults of the rig: the verdict is `error` with the reason, and nothing stays driven, whatever ended the case.
 
 use crate::texts::Texts;
-use controller::{
-    Command, CommandError, Disturbance, Effects, FileError, FileProbe, Probe, ProbeId, State, TaskFigures,
-    WriteError,
-};
+use controller::{Command, CommandError, Effects, State, Terminal};
 use record::Verdict;
 use scanrig_runtime::capability::Capability;
 use scanrig_runtime::clock::VirtualClock;
 use scanrig_runtime::model::Model;
-use scanrig_runtime::observable::Observable;
-use scanrig_runtime::schedule::FileAction;
 use scanrig_runtime::subject::Subject;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
-use signal::{Cause, Level, Span, Time, Value, When};
+use signal::{Level, Span, Time, Value, When};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::AtomicBool;
 
@@ -145,18 +140,38 @@ struct Panics {
 }
 
 impl Subject for Panics {
-    fn run(&mut self, limit: Time, effects: &mut Effects) -> Time {
-        self.calls -= 1;
-        assert!(self.calls > 0, "out of calls");
-        self.model.run(limit, effects)
+    fn inner(&self) -> Option<&dyn Subject> {
+        Some(&self.model)
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Subject> {
+        Some(&mut self.model)
     }
 
     fn capabilities(&self) -> &'static [Capability] {
         self.model.capabilities()
     }
 
+    fn is_model(&self) -> bool {
+        self.model.is_model()
+    }
+
+    fn state(&self) -> State {
+        self.model.state()
+    }
+
     fn power(&mut self, now: Time, on: bool, effects: &mut Effects) {
         self.model.power(now, on, effects);
+    }
+
+    fn run(&mut self, limit: Time, effects: &mut Effects) -> Time {
+        self.calls -= 1;
+        assert!(self.calls > 0, "out of calls");
+        self.model.run(limit, effects)
+    }
+
+    fn is_computing(&self) -> bool {
+        self.model.is_computing()
     }
 
     fn next_timer(&self) -> Option<Time> {
@@ -171,76 +186,31 @@ impl Subject for Panics {
         self.model.input(now, at, input, level, effects);
     }
 
+    fn output(&self, terminal: Terminal) -> Value {
+        self.model.output(terminal)
+    }
+
     fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError> {
         self.model.command(now, command, effects)
     }
 
-    fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
-        self.model.file(now, act, effects)
+    fn notice(&mut self, at: Time, text: &str) {
+        self.model.notice(at, text);
     }
+}
 
-    fn file_probe(&mut self, fact: FileProbe) -> Probe {
-        self.model.file_probe(fact)
-    }
-
-    fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects) {
-        self.model.disturb(now, disturbance, effects);
-    }
-
-    fn suspend(&mut self, _: usize, _: Time) {}
-    fn overload(&mut self, task: usize, cycle: Span, times: u32) {
-        self.model.overload(task, cycle, times);
-    }
-
-    fn task(&self, name: &str) -> Option<usize> {
-        self.model.task(name)
-    }
-
-    fn task_name(&self, task: usize) -> Option<&str> {
-        self.model.task_name(task)
-    }
-
-    fn file_name(&self, file: u16) -> Option<&str> {
-        self.model.file_name(file)
-    }
-
-    fn source_files(&self) -> Vec<(u16, String)> {
-        self.model.source_files()
-    }
-    fn names(&self) -> Vec<String> {
-        self.model.names()
-    }
-
-    fn observable(&self, name: &str) -> Option<Observable> {
-        self.model.observable(name)
-    }
-
-    fn watch(&mut self, probe: Probe) -> ProbeId {
-        self.model.watch(probe)
-    }
-
-    fn read(&self, probe: &Probe) -> Value {
-        self.model.read(probe)
-    }
-
-    fn write(
-        &mut self,
-        now: Time,
-        probe: &Probe,
-        value: Value,
-        cause: Cause,
-        effects: &mut Effects,
-    ) -> Result<(), WriteError> {
-        self.model.write(now, probe, value, cause, effects)
-    }
-
-    fn state(&self) -> State {
-        self.model.state()
-    }
-
-    fn figures(&self) -> Vec<(String, Span, TaskFigures)> {
-        self.model.figures()
-    }
+#[test]
+fn a_subject_around_another_hides_nothing_of_it() {
+    let (plan, board) = (plan(""), board(""));
+    let texts = [("plan.toml", plan.as_str()), ("toggle.st", TOGGLE), ("board.toml", board.as_str())];
+    let (model, _) = Texts(&texts).parts(5);
+    let mut subject = Panics { model, calls: 1 };
+    assert!(subject.catalogue().is_some_and(|names| names.task_name(0).is_some()));
+    assert!(subject.observation().is_some() && subject.observation_mut().is_some());
+    assert!(subject.files().is_some());
+    assert!(subject.disturbances().is_some());
+    assert!(subject.expert_functions().is_some());
+    assert!(subject.startup().is_none(), "a model has nothing of it");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use super::Executor;
 use crate::generator::Generator;
 use crate::rig_fault::RigFault;
+use crate::subject::SubjectExt;
 use drivers::ChannelId;
 use signal::{Span, Time, Value};
 

@@ -4,14 +4,12 @@ use super::Executor;
 use super::event_source::EventSource;
 use crate::rig_fault::RigFault;
 use crate::scan_port::{Role, ScanCommand, ScanCommandError, ScanPort, ScanRequest, Source};
+use crate::subject::{NO_PROBE, SubjectExt};
 use control::Action;
-use controller::{Channel, Command, Probe, ProbeId};
+use controller::{Channel, Command, Probe};
 use drivers::{BusEvent, ChannelId, LossReason};
 use signal::{Cause, Time, Value, When};
 use std::sync::atomic::Ordering;
-
-/// What is no probe of the controller.
-const NO_PROBE: ProbeId = ProbeId(u32::MAX);
 
 /// Whether a probe of the rig's own controller means the same in the one that an executor has: the program and the functions
 /// of a case are others.

@@ -31,7 +31,7 @@ use crate::rig_fault::RigFault;
 use crate::scan_port::ScanPort;
 use crate::schedule::{EndReason, Schedule};
 use crate::stepping::{Stepper, Stepping};
-use crate::subject::Subject;
+use crate::subject::{Subject, SubjectExt};
 use crate::wake_statistics::WakeStatistics;
 use crate::wiring::Wiring;
 use confirm::PendingWrites;
@@ -382,10 +382,10 @@ impl<'a> Executor<'a> {
                 }
                 Effect::Log { at, entry } => {
                     if let Some(live) = &mut self.live {
-                        live.log(at, &crate::log::show(&entry, &*self.parts.subject));
+                        live.log(at, &crate::log::show(&entry, self.parts.subject.catalogue()));
                     }
                     if self.report.log.len() < LOG_LINES {
-                        self.report.log.push((at, crate::log::show(&entry, &*self.parts.subject)));
+                        self.report.log.push((at, crate::log::show(&entry, self.parts.subject.catalogue())));
                     } else {
                         self.report.log_dropped += 1;
                     }

@@ -7,6 +7,7 @@
 use super::pacing::Pacing;
 use super::{Executor, MOST_SIMULTANEOUS};
 use crate::rig_fault::RigFault;
+use crate::subject::SubjectExt;
 use drivers::{ChannelId, Origin};
 use guard::GuardError;
 use signal::{Level, Span, Time, When};

@@ -3,7 +3,8 @@
 
 use super::Executor;
 use crate::rig_fault::RigFault;
-use controller::{Command, Probe, State, Terminal};
+use crate::subject::SubjectExt;
+use controller::{Command, State, Terminal};
 use signal::{Cause, Span, Time, Value, When};
 
 impl Executor<'_> {
@@ -94,9 +95,7 @@ impl Executor<'_> {
         self.buffers.writes.clear();
         for (output, channel) in self.parts.wiring.outputs.iter().enumerate() {
             if let Some(channel) = channel {
-                self.buffers
-                    .writes
-                    .push((*channel, self.parts.subject.read(&Probe::Terminal(Terminal::output(output)))));
+                self.buffers.writes.push((*channel, self.parts.subject.output(Terminal::output(output))));
                 self.parts.wiring.writers[usize::from(channel.0)] = Cause::Controller;
             }
         }

@@ -7,6 +7,7 @@ use crate::operator::{AskError, Operator};
 use crate::rig_fault::RigFault;
 use crate::schedule::{Act, Due, EndReason, Expected};
 use crate::stepping::Pause;
+use crate::subject::SubjectExt;
 use drivers::{BoardExt, ChannelId};
 use plans::steps::CasePart;
 use plans::steps::Question;

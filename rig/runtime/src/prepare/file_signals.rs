@@ -3,6 +3,7 @@
 use super::TestBench;
 use crate::codes;
 use crate::observable::Observable;
+use crate::subject::SubjectExt;
 use controller::{FileProbe, Probe, RegisterProbe, RelocationPart};
 use document::Findings;
 use plans::Case;

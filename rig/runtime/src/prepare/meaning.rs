@@ -1,8 +1,10 @@
 //! What a bound name is on a bench.
 
 use super::TestBench;
+use crate::catalogue::Catalogue;
 use crate::codes;
 use crate::observable::Observable;
+use crate::subject::SubjectExt;
 use controller::{Channel as Terminal, Probe};
 use document::Findings;
 use drivers::{BoardExt, ChannelId};
@@ -60,7 +62,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
                     out.error(codes::UNKNOWN_NAME, at, message, help);
                     return None;
                 }
-                let mut known = bench.subject.names();
+                let mut known = bench.subject.catalogue().map_or_else(Vec::new, Catalogue::names);
                 known.extend(bench.board.channels().iter().map(|channel| channel.name.clone()));
                 let help = suggestion(path, known.iter().map(String::as_str));
                 let message =
@@ -111,7 +113,8 @@ pub(super) fn suggestion<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
 
 /// What mends the name of a task that there is none of.
 pub(super) fn known_tasks(task: &str, bench: &TestBench<'_>) -> String {
-    let known: Vec<&str> = (0..).map_while(|place| bench.subject.task_name(place)).collect();
+    let tasks = bench.subject.catalogue().map_or(&[][..], Catalogue::tasks);
+    let known: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
     match document::suggest(task, known.iter().copied()) {
         Some(meant) => format!("did you mean `{meant}`?"),
         None => {

@@ -14,7 +14,7 @@ use crate::external::NOT_RUNNING;
 use crate::file_source::beside;
 use crate::frames::{self, Watch};
 use crate::schedule::{Act, PlannedStep};
-use crate::subject::Subject;
+use crate::subject::{Subject, SubjectExt};
 use crate::wiring::Wiring;
 use controller::{Probe, State};
 use document::{Diagnostic, Findings};

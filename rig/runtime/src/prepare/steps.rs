@@ -4,8 +4,10 @@ use super::TestBench;
 use super::lines::{driven, fault_kind, line, of_controller, terminal, value_for};
 use super::meaning::{Meaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
+use crate::catalogue::Catalogue;
 use crate::codes;
 use crate::schedule::{Act, AwaitedChange, Expected, FileAction, PlannedStep, Timing};
+use crate::subject::SubjectExt;
 use controller::{Channel as Terminal, Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
 use document::Findings;
 use drivers::{BoardExt, Fault};
@@ -233,10 +235,10 @@ fn source_file(
     out: &mut Findings,
 ) -> Option<u16> {
     let Some(name) = name else { return Some(0) };
-    let known = bench.subject.source_files();
-    let found = known.iter().find(|(_, known)| known == name || known.ends_with(&format!("/{name}")));
+    let files = || bench.subject.catalogue().into_iter().flat_map(Catalogue::source_files);
+    let found = files().find(|(_, known)| *known == name || known.ends_with(&format!("/{name}")));
     if found.is_none() {
-        let help = suggestion(name, known.iter().map(|(_, known)| known.as_str()));
+        let help = suggestion(name, files().map(|(_, known)| known));
         out.error(
             codes::NO_SOURCE,
             step.span.clone(),
@@ -244,7 +246,7 @@ fn source_file(
             help,
         );
     }
-    found.map(|(place, _)| *place)
+    found.map(|(place, _)| place)
 }
 
 /// What goes wrong, with its output found on the bench.

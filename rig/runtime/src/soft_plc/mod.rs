@@ -16,7 +16,7 @@ use crate::rig_fault::RigFault;
 use crate::scan_port;
 use crate::schedule::Schedule;
 use crate::spill;
-use crate::subject::Subject;
+use crate::subject::SubjectExt;
 use crate::test_setup::{TestSetup, set_up};
 use controller::{State, TaskFigures};
 use document::Diagnostic;

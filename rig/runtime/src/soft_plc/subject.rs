@@ -2,14 +2,11 @@
 
 use super::SoftPlcEvent;
 use crate::capability::Capability;
-use crate::catalogue::Catalogue;
 use crate::hook::HookError;
-use crate::observable::Observable;
-use crate::schedule::FileAction;
-use crate::subject::Subject;
+use crate::subject::{Disturbances, ExpertFunctions, FileAccess, Observation, Startup, Subject, SubjectExt};
 use controller::{
-    Command, CommandError, Disturbance, Effect, Effects, FileError, FileProbe, FrontPanel, JitterCounts,
-    LogEntry, Probe, ProbeId, State, TaskFigures, Terminal, WriteError,
+    Command, CommandError, Effect, Effects, FrontPanel, JitterCounts, LogEntry, Probe, ProbeId, State,
+    TaskFigures, Terminal, WriteError,
 };
 use drivers::SubjectLines;
 use signal::{Cause, Level, Span, Time, Value, When};
@@ -151,7 +148,7 @@ impl SoftPlc {
                 // Changes of the state are told already.
                 Effect::Log { entry: LogEntry::State { .. }, .. } => {}
                 Effect::Log { at, entry } => {
-                    self.report(SoftPlcEvent::Log(at, crate::log::show(&entry, &*self.model)))
+                    self.report(SoftPlcEvent::Log(at, crate::log::show(&entry, self.model.catalogue())))
                 }
                 _ => {}
             }
@@ -187,53 +184,29 @@ fn instant(effect: &mut Effect) -> &mut Time {
 }
 
 impl Subject for SoftPlc {
+    fn inner(&self) -> Option<&dyn Subject> {
+        Some(&*self.model)
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut dyn Subject> {
+        Some(&mut *self.model)
+    }
+
     fn capabilities(&self) -> &'static [Capability] {
         self.model.capabilities()
     }
 
-    fn offload_pulses(&mut self, outputs: u32) {
-        self.model.offload_pulses(outputs);
+    fn is_model(&self) -> bool {
+        true
+    }
+
+    fn state(&self) -> State {
+        // Whatever comes of its supply comes when its time has begun.
+        if self.begun { self.model.state() } else { State::Off }
     }
 
     fn power(&mut self, now: Time, on: bool, effects: &mut Effects) {
         self.switch(now, on, effects);
-    }
-
-    fn load(&mut self, _interrupt: &AtomicBool) -> Result<(), HookError> {
-        // Its program is loaded now where it can be: that takes the host's time, and none of its own.
-        if self.quick && std::mem::take(&mut self.power_pending) {
-            self.quick = false;
-            self.supply = true;
-            let mut effects = Effects::new();
-            self.model.power(Time::ZERO, true, &mut effects);
-            self.boot(Time::ZERO, 0, &mut effects);
-            self.booted = effects.list;
-        }
-        self.report(SoftPlcEvent::Ready);
-        Ok(())
-    }
-
-    fn notice(&mut self, at: Time, text: &str) {
-        self.report(SoftPlcEvent::Log(at, text.to_owned()));
-    }
-
-    fn loaded(&mut self, now: Time, effects: &mut Effects) {
-        if self.booted.is_empty() {
-            return;
-        }
-        // Its time goes on where the boot ended.
-        self.ahead = self.ahead + -(now - Time::ZERO);
-        let before = effects.list.len();
-        effects.list.append(&mut self.booted);
-        for effect in effects.list.iter_mut().skip(before) {
-            *instant(effect) = self.own(now);
-        }
-        self.follow(now, before, effects);
-    }
-
-    fn begin(&mut self) -> Option<(Time, Value)> {
-        self.begun = true;
-        None
     }
 
     fn run(&mut self, limit: Time, effects: &mut Effects) -> Time {
@@ -245,10 +218,6 @@ impl Subject for SoftPlc {
 
     fn is_computing(&self) -> bool {
         self.model.is_computing()
-    }
-
-    fn is_model(&self) -> bool {
-        true
     }
 
     fn next_timer(&self) -> Option<Time> {
@@ -286,15 +255,11 @@ impl Subject for SoftPlc {
         }
     }
 
-    fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
-        if input != self.places.power() && input != self.places.run_stop() {
-            self.model.report_missed_edges(self.own(now), input, edges);
+    fn output(&self, terminal: Terminal) -> Value {
+        match terminal == Terminal::output(self.places.alarm()) {
+            true => Value::Bool(self.alarm),
+            false => self.model.output(terminal),
         }
-    }
-
-    fn count(&mut self, now: Time, input: usize, steps: i64) {
-        let now = self.own(now);
-        self.model.count(now, input, steps);
     }
 
     fn command(&mut self, now: Time, command: &Command, effects: &mut Effects) -> Result<(), CommandError> {
@@ -304,54 +269,87 @@ impl Subject for SoftPlc {
         obeyed
     }
 
-    fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
-        self.model.file(now, act, effects)
+    fn notice(&mut self, at: Time, text: &str) {
+        self.report(SoftPlcEvent::Log(at, text.to_owned()));
     }
 
-    fn file_probe(&mut self, fact: FileProbe) -> Probe {
-        self.model.file_probe(fact)
+    fn startup(&mut self) -> Option<&mut dyn Startup> {
+        Some(self)
     }
 
-    fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects) {
-        self.model.disturb(now, disturbance, effects);
+    // Instants that are given and taken are not those of the model.
+
+    fn observation(&self) -> Option<&dyn Observation> {
+        Some(self)
     }
 
-    fn overload(&mut self, task: usize, cycle: Span, times: u32) {
-        self.model.overload(task, cycle, times);
+    fn observation_mut(&mut self) -> Option<&mut dyn Observation> {
+        Some(self)
     }
 
-    fn suspend(&mut self, task: usize, until: Time) {
-        self.model.suspend(task, until);
+    fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctions> {
+        Some(self)
     }
 
-    fn task(&self, name: &str) -> Option<usize> {
-        self.model.task(name)
+    // These are for the steps of a plan, and it has none.
+
+    fn files(&mut self) -> Option<&mut dyn FileAccess> {
+        None
     }
 
-    fn task_name(&self, task: usize) -> Option<&str> {
-        self.model.task_name(task)
+    fn disturbances(&mut self) -> Option<&mut dyn Disturbances> {
+        None
+    }
+}
+
+impl Startup for SoftPlc {
+    fn load(&mut self, _interrupt: &AtomicBool) -> Result<(), HookError> {
+        // Its program is loaded now where it can be: that takes the host's time, and none of its own.
+        if self.quick && std::mem::take(&mut self.power_pending) {
+            self.quick = false;
+            self.supply = true;
+            let mut effects = Effects::new();
+            self.model.power(Time::ZERO, true, &mut effects);
+            self.boot(Time::ZERO, 0, &mut effects);
+            self.booted = effects.list;
+        }
+        self.report(SoftPlcEvent::Ready);
+        Ok(())
     }
 
-    fn file_name(&self, file: u16) -> Option<&str> {
-        self.model.file_name(file)
+    fn loaded(&mut self, now: Time, effects: &mut Effects) {
+        if self.booted.is_empty() {
+            return;
+        }
+        // Its time goes on where the boot ended.
+        self.ahead = self.ahead + -(now - Time::ZERO);
+        let before = effects.list.len();
+        effects.list.append(&mut self.booted);
+        for effect in effects.list.iter_mut().skip(before) {
+            *instant(effect) = self.own(now);
+        }
+        self.follow(now, before, effects);
     }
 
-    fn source_files(&self) -> Vec<(u16, String)> {
-        self.model.source_files()
+    fn unload(&mut self, _interrupt: &AtomicBool) -> Result<(), HookError> {
+        Ok(())
     }
 
-    fn names(&self) -> Vec<String> {
-        self.model.names()
+    fn limit(&self) -> Span {
+        LONGEST_BOOT
     }
 
-    fn observable(&self, name: &str) -> Option<Observable> {
-        self.model.observable(name)
+    fn begin(&mut self) -> Option<(Time, Value)> {
+        self.begun = true;
+        None
     }
 
-    fn catalogue(&self) -> Option<&Catalogue> {
-        self.model.catalogue()
+    fn state_probe(&self) -> Option<ProbeId> {
+        None
     }
+}
 
+impl Observation for SoftPlc {
     fn watch(&mut self, probe: Probe) -> ProbeId {
         self.model.watch(probe)
     }
@@ -364,20 +362,9 @@ impl Subject for SoftPlc {
         self.model.unwatch(probe);
     }
 
-    fn front(&self) -> Option<FrontPanel> {
-        let front = self.model.front()?;
-        Some(FrontPanel { since: front.since.saturating_add(-self.ahead), ..front })
-    }
-
-    fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {
-        self.model.task_status(task)
-    }
-
     fn read(&self, probe: &Probe) -> Value {
         match *probe {
-            Probe::Terminal(terminal) if terminal == Terminal::output(self.places.alarm()) => {
-                Value::Bool(self.alarm)
-            }
+            Probe::Terminal(terminal) => self.output(terminal),
             ref probe => self.model.read(probe),
         }
     }
@@ -396,12 +383,29 @@ impl Subject for SoftPlc {
         written
     }
 
-    fn state(&self) -> State {
-        // Whatever comes of its supply comes when its time has begun.
-        if self.begun { self.model.state() } else { State::Off }
+    fn front(&self) -> Option<FrontPanel> {
+        let front = self.model.front()?;
+        Some(FrontPanel { since: front.since.saturating_add(-self.ahead), ..front })
     }
 
-    fn figures(&self) -> Vec<(String, Span, TaskFigures)> {
-        self.model.figures()
+    fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {
+        self.model.task_status(task)
+    }
+}
+
+impl ExpertFunctions for SoftPlc {
+    fn offload_pulses(&mut self, outputs: u32) {
+        self.model.offload_pulses(outputs);
+    }
+
+    fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
+        if input != self.places.power() && input != self.places.run_stop() {
+            self.model.report_missed_edges(self.own(now), input, edges);
+        }
+    }
+
+    fn count(&mut self, now: Time, input: usize, steps: i64) {
+        let now = self.own(now);
+        self.model.count(now, input, steps);
     }
 }

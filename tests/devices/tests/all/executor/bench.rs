@@ -8,7 +8,7 @@ use drivers::{Board, BoardContext, BoardError, BoardEvent, BoardExt, Channel, Ch
 use host::{Punctual, Realtime, Role};
 use scanrig_runtime::clock::{Clock, HostClock};
 use scanrig_runtime::model::Model;
-use scanrig_runtime::subject::Subject;
+use scanrig_runtime::subject::SubjectExt;
 use signal::{Span, Time, Value};
 
 use super::texts::{Parted, Texts};
