@@ -64,6 +64,14 @@ impl Heard<'_> {
             SerialMedium::Rs485 { hears_itself: true } | SerialMedium::Rs232 => None,
         }
     }
+
+    /// The first cell from this one on in which it hears nothing because it sends.
+    fn next_deaf(&self, cell: i64) -> Option<i64> {
+        match self.at.spec.medium {
+            SerialMedium::Rs485 { hears_itself: false } => self.at.output.next_busy(cell),
+            SerialMedium::Rs485 { hears_itself: true } | SerialMedium::Rs232 => None,
+        }
+    }
 }
 
 impl Levels for Heard<'_> {
@@ -82,8 +90,9 @@ impl Levels for Heard<'_> {
     }
 
     fn next_one(&self, cell: i64) -> i64 {
+        let deaf = self.next_deaf(cell).unwrap_or(i64::MAX);
         let mut cell = cell;
-        while self.deaf(cell).is_none() {
+        while cell < deaf {
             let ones = self
                 .outputs()
                 .map(|(output, delay)| output.next_one(cell.saturating_sub(delay)).saturating_add(delay));
@@ -92,7 +101,7 @@ impl Levels for Heard<'_> {
                 _ => break,
             }
         }
-        cell
+        cell.min(deaf)
     }
 }
 
@@ -205,8 +214,13 @@ impl SerialLines {
     fn forget(&mut self, now: Time) {
         for place in 0..self.ends.len() {
             let mut receiver = self.ends[place].receiver;
-            receiver.rest(&Heard { ends: &self.ends, at: &self.ends[place] }, now);
-            self.ends[place].receiver = receiver;
+            let heard = Heard { ends: &self.ends, at: &self.ends[place] };
+            // What it took for no character is looked at only once: else a receiver that hears nothing in a line that is
+            // too fast for it would need all of it for ever. A message that was not polled yet stays.
+            if receiver.run(&heard, now).is_none() {
+                receiver.rest(&heard, now);
+                self.ends[place].receiver = receiver;
+            }
         }
         for place in 0..self.ends.len() {
             let line = self.ends[place].line;

@@ -199,6 +199,12 @@ impl Output {
         self.queue.iter().find(|one| one.covers(cell)).map(|one| one.end().as_nanos())
     }
 
+    /// The first cell from this one on in which a transmission has the line.
+    pub(super) fn next_busy(&self, cell: i64) -> Option<i64> {
+        let next = self.queue.iter().find(|one| one.end().as_nanos() > cell)?;
+        Some(next.start().as_nanos().max(cell))
+    }
+
     /// The first cell from this one on in which it holds the line at 0.
     pub(super) fn next_zero(&self, cell: i64) -> Option<i64> {
         self.queue.iter().find_map(|one| one.next(cell, true))

@@ -246,6 +246,52 @@ fn what_cannot_be_sent_is_refused() {
     assert_eq!(polled(&mut lines, Time::from_nanos(2_000_000_000)).len(), 1);
 }
 
+#[test]
+fn a_receiver_too_slow_to_hear_anything_does_not_fill_the_queue_of_the_sender() {
+    let at_speed = |baud| SerialEnd { settings: SerialSettings { baud, ..SETTINGS }, ..end(RS485) };
+    let mut lines = line(&[at_speed(115_200), at_speed(300)]);
+    // Its start bit is over long before the slow end looks at it again, half a bit of its own later.
+    for turn in 0..4 * MAX_SERIAL_QUEUED as i64 {
+        let now = at(turn * 2_000_000);
+        lines.send(now, BusId(0), &SerialOutput::plain(&[0xFF])).unwrap();
+        let sent: Vec<bool> = polled(&mut lines, at(turn * 2_000_000 + 1_999_999))
+            .into_iter()
+            .map(|(_, own, ..)| own)
+            .collect();
+        assert_eq!(sent, [true], "turn {turn}");
+    }
+}
+
+#[test]
+fn who_sends_into_a_line_held_at_0_takes_it_for_released_from_then_on() {
+    let mut lines = line(&[end(RS485), end(RS485)]);
+    lines.send(Time::ZERO, BusId(0), &SerialOutput::Break(Span::from_nanos(55_000))).unwrap();
+    assert_eq!(polled(&mut lines, at(50_000)), []);
+    // It hears nothing while it sends, and the line is free again before that is over.
+    lines.send(at(50_000), BusId(1), &SerialOutput::plain(&[1])).unwrap();
+    let over = 50_000 + GAP.as_nanos();
+    let before: Vec<Line> =
+        polled(&mut lines, at(over - 1)).into_iter().filter(|(bus, own, ..)| *bus == 1 && !own).collect();
+    assert_eq!(before, []);
+    let errors = SerialErrors { breaks: 1, ..SerialErrors::NONE };
+    let at_last: Vec<Line> = polled(&mut lines, at(over)).into_iter().filter(|(bus, ..)| *bus == 1).collect();
+    assert_eq!(at_last, [(1, false, 0, CHARACTER, vec![], errors)]);
+}
+
+#[test]
+fn a_message_that_nobody_asked_for_yet_is_not_lost_by_sending_again() {
+    let mut lines = line(&[end(RS485), end(RS485)]);
+    lines.send(Time::ZERO, BusId(0), &SerialOutput::plain(&[1])).unwrap();
+    let over = CHARACTER + GAP.as_nanos();
+    lines.send(at(10 * over), BusId(0), &SerialOutput::plain(&[2])).unwrap();
+    let heard: Vec<(i64, Vec<u8>)> = polled(&mut lines, FAR)
+        .into_iter()
+        .filter(|(bus, ..)| *bus == 1)
+        .map(|(_, _, first, _, bytes, _)| (first, bytes))
+        .collect();
+    assert_eq!(heard, [(0, vec![1]), (10 * over, vec![2])]);
+}
+
 /// A reader that looks at each nanosecond of a line that is painted bit by bit.
 mod naive {
     use super::*;
