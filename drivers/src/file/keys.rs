@@ -134,15 +134,17 @@ pub(super) const BOARD: &[KeySpec] = &[
         "What `gpioinfo` shows as the holder of GPIO lines; \"rig\"",
     ),
     KeySpec::optional(
-        "silent-after",
+        "unresponsive-after",
         KeyType::Duration,
         "How long a call on a device may last before the device counts as lost; 100 ms",
-    ),
+    )
+    .was("silent-after"),
     KeySpec::optional(
-        "retake",
+        "reconnect",
         KeyType::Bool,
         "Whether a device that went away is opened again when it is there again; false if left out",
-    ),
+    )
+    .was("retake"),
     KeySpec::optional(
         "on-loss",
         KeyType::Choice(&["end", "go-on"]),

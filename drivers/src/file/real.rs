@@ -12,7 +12,7 @@ use crate::real::RealSpec;
 
 /// What only a board of real devices has: tables of the file, keys of its board.
 const TABLES: &[&str] = &["chips", "converters", "counters", "fault-relays", "generators"];
-const OF_BOARD: &[&str] = &["backend", "check", "consumer", "retake", "silent-after"];
+const OF_BOARD: &[&str] = &["backend", "check", "consumer", "reconnect", "unresponsive-after"];
 /// Of a channel with a GPIO line.
 pub(super) const OF_LINE: &[&str] =
     &["chip", "line", "bias", "active-low", "debounce", "drive", "readback", "counts-up-to", "pulses-up-to"];
@@ -46,8 +46,8 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
         out.error(codes::OTHER_BOARD, entry.key_span.clone(), message, help);
     }
     let board = fields.inner("board")?;
-    let unresponsive_after = board.duration("silent-after").unwrap_or(DeviceLimits::UNRESPONSIVE_AFTER);
-    if let Some(node) = board.get("silent-after").filter(|_| unresponsive_after.as_nanos() == 0) {
+    let unresponsive_after = board.duration("unresponsive-after").unwrap_or(DeviceLimits::UNRESPONSIVE_AFTER);
+    if let Some(node) = board.get("unresponsive-after").filter(|_| unresponsive_after.as_nanos() == 0) {
         out.bad(codes::TIME, node, "every call on a device lasts longer than 0", "write a duration above 0");
     }
     let relays = relays::relays(fields, bench, out);
@@ -74,7 +74,7 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
     serial::twice(&ports, out);
     let gpio = gpio.filter(|_| !out.has_errors())?;
     Some(RealSpec {
-        limits: DeviceLimits { unresponsive_after, reconnect: board.boolean("retake").unwrap_or(false) },
+        limits: DeviceLimits { unresponsive_after, reconnect: board.boolean("reconnect").unwrap_or(false) },
         gpio,
         converters,
         counters,

@@ -11,7 +11,7 @@ const BOARD: &str = r#"
 format = 1
 [board]
 kind = "real"
-silent-after = "3 s"
+unresponsive-after = "3 s"
 check = { out = "there", in = "back" }
 [chips]
 main = { label = "rig-gpio" }
@@ -226,7 +226,7 @@ fn what_was_measured_widens_what_is_known_and_is_left_out_on_another_kernel() {
     lab.wire(MAIN.line(3), MAIN.line(7));
     let folder = Folder::new("widened");
     let looped = folder.json(&["bench", "loopback", "--board", "board.toml", "--count", "20"]);
-    let board = "format = 1\nboard = { kind = \"real\", silent-after = \"3 s\" }\n\
+    let board = "format = 1\nboard = { kind = \"real\", unresponsive-after = \"3 s\" }\n\
                  chips = { main = { label = \"rig-gpio\" } }\n\
                  channels = { Q4 = { kind = \"digital\", line = 3, readback = 7 } }\n\
                  realtime = { late = \"2 s\" }\nguard = { limit = \"5 s\" }\n";

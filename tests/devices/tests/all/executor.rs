@@ -122,7 +122,7 @@ bus = { kind = \"can\", interface = \"rcan0\", bitrate = 500_000, restart = \"10
 fn scans_start_as_punctually_while_sending_a_can_frame_hangs() {
     let _lab = Lab::enter();
     let text = "format = 1
-board = { kind = \"real\", silent-after = \"5 s\" }
+board = { kind = \"real\", unresponsive-after = \"5 s\" }
 buses = { bus = { kind = \"can\", interface = \"rcan0\", bitrate = 500_000 } }
 ";
     let terminals = |_: &drivers::Subject| Ok(drivers::Terminals::default());

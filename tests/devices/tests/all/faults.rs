@@ -10,7 +10,7 @@ const BOARD: &str = r#"
 format = 1
 [board]
 kind = "real"
-silent-after = "3 s"
+unresponsive-after = "3 s"
 [chips]
 main = { label = "rig-gpio" }
 [channels]
@@ -201,7 +201,7 @@ fn board_of(buses: &str, channels: &str, converters: &str) -> String {
         "format = 1
 [board]
 kind = \"real\"
-silent-after = \"5 s\"
+unresponsive-after = \"5 s\"
 [buses]
 {buses}
 [channels]

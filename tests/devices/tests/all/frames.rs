@@ -10,7 +10,7 @@ use devices::rig;
 const BOARD: &str = r#"format = 1
 [board]
 kind = "real"
-silent-after = "5 s"
+unresponsive-after = "5 s"
 [buses]
 machine = { kind = "can", interface = "can0", bitrate = 500_000 }
 drive = { kind = "can", interface = "can1", bitrate = 500_000 }

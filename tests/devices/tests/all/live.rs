@@ -11,7 +11,7 @@ const BOARD: &str = r#"
 format = 1
 [board]
 kind = "real"
-silent-after = "5 s"
+unresponsive-after = "5 s"
 [control]
 socket = "/tmp/trouble/live/rig.sock"
 on-disconnect = "release"

@@ -12,7 +12,7 @@ const BOARD: &str = r#"
 format = 1
 [board]
 kind = "real"
-silent-after = "5 s"
+unresponsive-after = "5 s"
 [chips]
 main = { label = "rig-gpio" }
 [channels]

@@ -10,7 +10,7 @@ const BOARD: &str = r#"format = 1
 title = "Pulses with a direction"
 [board]
 kind = "real"
-silent-after = "5 s"
+unresponsive-after = "5 s"
 [chips]
 main = { label = "rig-gpio" }
 [channels]

@@ -78,7 +78,7 @@ fn a_chip_that_vanishes_or_hangs_ends_its_case_and_the_next_is_sound() {
     let lab = Lab::enter();
     let chip = far();
     let plan = plan(&[("first", "60 s"), ("second", "60 s"), ("third", "1 s")]);
-    let mut rig = Rig::start("vanish", &files(board("retake = true"), plan), &TEST);
+    let mut rig = Rig::start("vanish", &files(board("reconnect = true"), plan), &TEST);
     rig.until("both lamps are on", || MAIN.line(8).value() && chip.value(0));
     chip.vanish();
     rig.until("the other output is safe", || !MAIN.line(8).value());
@@ -117,7 +117,7 @@ fn a_chip_that_is_not_to_be_taken_back_stays_lost_and_the_next_case_says_since_w
     let [first, second] = &rig.cases()[..] else { panic!("{}", rig.said()) };
     assert!(first[1].contains("was lost at"), "{first:?}");
     assert_eq!(second[0], "error");
-    let words = ["channel I1 is lost for", "(rig-gpio-far), is gone; `retake = true`"];
+    let words = ["channel I1 is lost for", "(rig-gpio-far), is gone; `reconnect = true`"];
     assert!(words.iter().all(|words| second[1].contains(words)), "{second:?}");
 }
 
@@ -128,7 +128,7 @@ fn a_loss_ends_a_run_that_is_to_fail_fast() {
     let chip = far();
     let plan = plan(&[("first", "60 s"), ("second", "60 s")]);
     let words = [&TEST[..], &["--fail-fast"]].concat();
-    let mut rig = Rig::start("fast", &files(board("retake = true"), plan), &words);
+    let mut rig = Rig::start("fast", &files(board("reconnect = true"), plan), &words);
     rig.until("both lamps are on", || MAIN.line(8).value() && chip.value(0));
     chip.vanish();
     assert_eq!(rig.exit_code(), Some(4), "{}", rig.said());
@@ -145,7 +145,7 @@ fn a_loss_ends_a_run_that_is_to_fail_fast() {
 fn a_controller_that_is_kept_running_drives_a_chip_that_is_back() {
     let _lab = Lab::enter();
     let chip = far();
-    let rest = "retake = true\non-loss = \"go-on\"";
+    let rest = "reconnect = true\non-loss = \"go-on\"";
     let rig = Rig::start("run", &files(board(rest), plan(&[("only", "1 s")])), &RUN);
     rig.until("both lamps are on", || MAIN.line(8).value() && chip.value(0));
     chip.vanish();

@@ -8,7 +8,7 @@ use signal::{Span, Time, Value, When};
 use std::time::Instant;
 
 /// Where nothing is to be lost or missed however the machine stands still.
-pub const PATIENT: &str = "silent-after = \"30 s\"";
+pub const PATIENT: &str = "unresponsive-after = \"30 s\"";
 
 /// A board file of real devices.
 pub fn file(board: &str, converter: &str, channels: &str) -> BoardFile {

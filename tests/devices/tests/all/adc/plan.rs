@@ -29,7 +29,7 @@ const REAL: &str = r#"format = 1
 title = "An oven behind a converter"
 [board]
 kind = "real"
-silent-after = "10 s"
+unresponsive-after = "10 s"
 [chips]
 main = { label = "rig-gpio" }
 [converters]

@@ -9,7 +9,7 @@ use std::time::Duration;
 const MCP: &str = "path = \"/dev/spidev0.0\", part = \"mcp3008\", reference = \"3.3 V\", period = \"5 ms\"";
 const ADS: &str = "path = \"/dev/spidev0.1\", part = \"ads8688\", period = \"5 ms\"";
 /// Long enough that an emulated machine is not taken for a device that hangs, short enough for a test.
-const SOON: &str = "silent-after = \"400 ms\"";
+const SOON: &str = "unresponsive-after = \"400 ms\"";
 
 fn gone(bench: &Bench, names: [&str; 2]) -> bool {
     names.iter().all(|name| bench.fate(name).last() == Some(&Some(LossReason::Gone)))
@@ -45,7 +45,7 @@ fn wires_that_are_stuck_and_bits_that_slip_are_no_voltages() {
 fn a_transfer_that_hangs_is_told_and_survived() {
     bind_spi();
     let adc = MCP3008.reset();
-    let mut bench = Bench::started(&file("silent-after = \"300 ms\"", MCP, &volts(0..2)));
+    let mut bench = Bench::started(&file("unresponsive-after = \"300 ms\"", MCP, &volts(0..2)));
     adc.stall(Duration::from_millis(1_500), 1);
     bench.until("the loss", |bench| bench.fate("a0").contains(&Some(LossReason::Unresponsive)));
     assert_eq!(adc.inside(), 1, "the call hangs");
@@ -63,7 +63,7 @@ fn a_bus_that_goes_away_is_taken_back_with_its_parts_set_up_again() {
     adc.volts(0, 3.0);
     let channels = "a0 = { kind = \"analog\", unit = \"V\", input = 0, range = \"0 V .. 5.12 V\" }\n\
                     a1 = { kind = \"analog\", unit = \"V\", input = 1 }";
-    let mut bench = Bench::started(&file("retake = true\nsilent-after = \"400 ms\"", ADS, channels));
+    let mut bench = Bench::started(&file("reconnect = true\nsilent-after = \"400 ms\"", ADS, channels));
     bench.shows("a0", 3.0, 0.001);
     unbind_spi();
     bench.until("the loss", |bench| gone(bench, ["a0", "a1"]));

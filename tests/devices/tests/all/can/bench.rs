@@ -35,7 +35,7 @@ fn terminals(_: &Subject) -> Result<Terminals, UnknownSubject> {
 impl Bench {
     /// A board of these buses (lines of TOML), started. The lab is patient: beside compilers it may stand still.
     pub fn of(buses: &str) -> Bench {
-        Bench::with("silent-after = \"5 s\"", buses)
+        Bench::with("unresponsive-after = \"5 s\"", buses)
     }
 
     /// As [`Bench::of`], with other words about the board.

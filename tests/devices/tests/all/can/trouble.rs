@@ -92,7 +92,7 @@ fn lost_arbitration_and_an_overflow_are_told() {
 fn a_bus_that_is_never_free_fills_the_queue_and_drains_it_later() {
     let _lab = Lab::enter();
     fresh("restart-ms 0");
-    let mut bench = Bench::with("silent-after = \"300 ms\"", TROUBLED);
+    let mut bench = Bench::with("unresponsive-after = \"300 ms\"", TROUBLED);
     let stalled = Trouble::on("rcan0", "fault", "stall");
     let mut sent = 0;
     loop {
@@ -135,7 +135,7 @@ fn an_interface_that_goes_down_is_lost_until_the_next_run() {
 fn an_interface_that_comes_back_is_taken_back_where_the_board_file_says_so() {
     let _lab = Lab::enter();
     fresh("restart-ms 0");
-    let mut bench = Bench::with("silent-after = \"5 s\"\nretake = true", TROUBLED);
+    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nretake = true", TROUBLED);
     run("ip link set rcan0 down");
     bench.until("the loss", |bench| bench.told(NEAR, lost(LossReason::Gone)));
     run("ip link set rcan0 up");
@@ -155,7 +155,7 @@ fn an_interface_that_is_removed_is_lost_and_a_new_one_of_its_name_taken_back() {
     let _lab = Lab::enter();
     run("ip link del vcan9 2>/dev/null; ip link add dev vcan9 type vcan && ip link set vcan9 up");
     let bus = "near = { kind = \"can\", interface = \"vcan9\", bitrate = 500_000 }";
-    let mut bench = Bench::with("silent-after = \"5 s\"\nretake = true", bus);
+    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nretake = true", bus);
     bench.send(NEAR, &frame(1));
     bench.until("a frame", |bench| bench.frames(NEAR).len() == 1);
     run("ip link del vcan9");
@@ -172,7 +172,7 @@ fn an_interface_that_is_removed_is_lost_and_a_new_one_of_its_name_taken_back() {
 fn an_interface_that_comes_back_set_up_otherwise_stays_lost() {
     let _lab = Lab::enter();
     fresh("restart-ms 0");
-    let mut bench = Bench::with("silent-after = \"5 s\"\nretake = true", TROUBLED);
+    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nretake = true", TROUBLED);
     run("ip link set rcan0 down");
     bench.until("the loss", |bench| bench.told(NEAR, lost(LossReason::Gone)));
     run("ip link set rcan0 type can bitrate 250000 && ip link set rcan0 up && ip link set rcan0 down");
@@ -190,7 +190,7 @@ fn a_call_that_hangs_makes_its_bus_silent_and_holds_up_nobody() {
     let _lab = Lab::enter();
     fresh("restart-ms 0");
     let buses = format!("{TROUBLED}\nother = {{ kind = \"can\", interface = \"vcan0\", bitrate = 1 }}");
-    let mut bench = Bench::with("silent-after = \"300 ms\"", &buses);
+    let mut bench = Bench::with("unresponsive-after = \"300 ms\"", &buses);
     // The call keeps its processor busy: who is to go on meanwhile has to have the priority of a scan.
     Realtime::with_priority(80).enter(Role::Scan).expect("real-time priority");
     let _hangs = Trouble::on("rcan0", "hang_ms", "1500");

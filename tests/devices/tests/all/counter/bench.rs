@@ -8,7 +8,7 @@ use signal::{Span, Time, Value, When};
 use std::time::Instant;
 
 /// Where nothing is to be lost however the machine stands still.
-pub const PATIENT: &str = "silent-after = \"30 s\"";
+pub const PATIENT: &str = "unresponsive-after = \"30 s\"";
 
 /// A board file with a count `shaft`.
 pub fn file(board: &str, counter: &str) -> BoardFile {

@@ -22,7 +22,7 @@ const REAL: &str = r#"format = 1
 title = "A shaft on a counter of the kernel"
 [board]
 kind = "real"
-silent-after = "10 s"
+unresponsive-after = "10 s"
 [chips]
 main = { label = "rig-gpio" }
 [counters]

@@ -6,12 +6,12 @@ use signal::Time;
 use std::time::Duration;
 
 /// Long enough that an emulated machine is not taken for a device that hangs, short enough for a test.
-const SOON: &str = "silent-after = \"400 ms\"";
+const SOON: &str = "unresponsive-after = \"400 ms\"";
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_reading_that_hangs_is_told_and_nothing_is_miscounted() {
-    let mut bench = Bench::started(&file("silent-after = \"300 ms\"", "period = \"5 ms\""));
+    let mut bench = Bench::started(&file("unresponsive-after = \"300 ms\"", "period = \"5 ms\""));
     let wheel = bench.counter.count(0);
     wheel.stall(Duration::from_millis(1_500), 1);
     bench.until("the loss", |bench| bench.fate().contains(&Some(LossReason::Unresponsive)));
@@ -24,7 +24,7 @@ fn a_reading_that_hangs_is_told_and_nothing_is_miscounted() {
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_counter_that_goes_away_is_taken_back_and_counts_on() {
-    let mut bench = Bench::started(&file(&format!("retake = true\n{SOON}"), "period = \"5 ms\""));
+    let mut bench = Bench::started(&file(&format!("reconnect = true\n{SOON}"), "period = \"5 ms\""));
     let wheel = bench.counter.count(0);
     wheel.steps(100);
     bench.counts(100);

@@ -8,7 +8,7 @@ const BOARD: &str = r#"format = 1
 title = "A stream of bits, and outputs of a PWM chip"
 [board]
 kind = "real"
-silent-after = "30 s"
+unresponsive-after = "30 s"
 [generators]
 bits = { kind = "spi", path = "/dev/spidev0.4", clock = "1 MHz" }
 chip = { kind = "pwm", path = "/sys/class/pwm/pwmchip0", clock = "100 MHz" }

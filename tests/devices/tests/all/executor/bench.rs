@@ -64,7 +64,7 @@ pub struct Bench {
 const BOARD: &str = "format = 1
 [board]
 kind = \"real\"
-silent-after = \"5 s\"
+unresponsive-after = \"5 s\"
 on-loss = \"go-on\"
 [chips]
 main = { label = \"rig-gpio\" }

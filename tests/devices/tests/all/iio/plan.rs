@@ -7,7 +7,7 @@ const BOARD: &str = r#"format = 1
 title = "A tank behind a converter of the kernel"
 [board]
 kind = "real"
-silent-after = "10 s"
+unresponsive-after = "10 s"
 [chips]
 main = { label = "rig-gpio" }
 [converters]

@@ -50,7 +50,7 @@ impl Bench {
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_line_without_its_driver_is_lost_and_comes_back_as_it_was() {
     let _lab = Lab::enter();
-    let mut bench = Bench::open("retake = true", "");
+    let mut bench = Bench::open("reconnect = true", "");
     bench.start().unwrap();
     let unplugged = SERIAL_A.unplug();
     let events = bench.told();
@@ -75,7 +75,7 @@ fn a_line_without_its_driver_is_lost_and_comes_back_as_it_was() {
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_line_that_is_not_to_be_taken_back_is_refused_to_the_next_case() {
     let _lab = Lab::enter();
-    let mut bench = Bench::open("retake = false", "");
+    let mut bench = Bench::open("reconnect = false", "");
     bench.start().unwrap();
     drop(SERIAL_A.unplug());
     let events = bench.told();
@@ -83,14 +83,14 @@ fn a_line_that_is_not_to_be_taken_back_is_refused_to_the_next_case() {
     assert!(matches!(bench.start(), Err(BoardError::BusLost { bus: BusId(0), .. })));
     // The next run finds it.
     drop(bench);
-    Bench::open("retake = false", "").start().unwrap();
+    Bench::open("reconnect = false", "").start().unwrap();
 }
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_start_waits_for_a_line_that_is_coming_back() {
     let _lab = Lab::enter();
-    let mut bench = Bench::open("retake = true", "");
+    let mut bench = Bench::open("reconnect = true", "");
     bench.start().unwrap();
     let unplugged = SERIAL_A.unplug();
     bench.told();

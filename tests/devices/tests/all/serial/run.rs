@@ -8,7 +8,7 @@ const BOARD: &str = r#"format = 1
 title = "A lamp, and a line"
 [board]
 kind = "real"
-retake = true
+reconnect = true
 [chips]
 main = { label = "rig-gpio" }
 [channels]

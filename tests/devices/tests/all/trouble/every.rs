@@ -27,7 +27,7 @@ expect = [{{ stays = {{ signal = "lamp", is = true, from = "start + 300 ms", unt
 fn a_device_of_any_kind_that_is_lost_ends_its_case_and_is_there_for_the_next() {
     let lab = Lab::enter();
     let mut world = World::enter(&lab);
-    let mut rig = Rig::start("every", &files(board("retake = true"), plan()), &TEST);
+    let mut rig = Rig::start("every", &files(board("reconnect = true"), plan()), &TEST);
     for loss in Loss::ALL {
         rig.until(&format!("both lamps are on: {loss:?}"), || MAIN.line(8).value() && world.far_is_on());
         world.lose(loss);
@@ -60,7 +60,7 @@ fn a_device_of_any_kind_that_is_lost_ends_its_case_and_is_there_for_the_next() {
 fn a_controller_that_is_kept_running_goes_on_without_any_device_and_has_it_again() {
     let lab = Lab::enter();
     let mut world = World::enter(&lab);
-    let rest = "retake = true\non-loss = \"go-on\"";
+    let rest = "reconnect = true\non-loss = \"go-on\"";
     let mut rig = Rig::start("goes-on", &files(board(rest), plan()), &[&RUN[..], &["--booted"]].concat());
     let mut told = 0;
     for loss in Loss::ALL {

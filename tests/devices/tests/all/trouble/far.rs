@@ -11,7 +11,7 @@ const NEAR: &str = r#"format = 1
 title = "A controller that somebody plays"
 [board]
 kind = "real"
-silent-after = "5 s"
+unresponsive-after = "5 s"
 [chips]
 main = { label = "rig-gpio" }
 [subject]
@@ -33,7 +33,7 @@ const FAR: &str = r#"format = 1
 title = "The controller"
 [board]
 kind = "real"
-silent-after = "5 s"
+unresponsive-after = "5 s"
 [chips]
 main = { label = "rig-gpio" }
 [subject]
@@ -91,7 +91,7 @@ const BUS: &str = r#"format = 1
 title = "A bus"
 [board]
 kind = "real"
-silent-after = "500 ms"
+unresponsive-after = "500 ms"
 [buses]
 machine = { kind = "can", interface = "rcan0", bitrate = 500_000 }
 [guard]

@@ -12,7 +12,7 @@ pub fn board(rest: &str) -> String {
 title = "A device of each kind"
 [board]
 kind = "real"
-silent-after = "1 s"
+unresponsive-after = "1 s"
 {rest}
 [chips]
 main = {{ label = "rig-gpio" }}
