@@ -125,7 +125,7 @@ impl fmt::Display for BoardError {
                 write!(f, "more than {limit} changes at once at {at}: look for wires that oscillate")
             }
             Self::NoBus(id) => write!(f, "the board has no bus {}", id.0),
-            Self::BadFrame(id) => write!(f, "the frame does not fit bus {}", id.0),
+            Self::BadFrame(id) => write!(f, "bus {} cannot send this", id.0),
             Self::BusFull(id) => write!(f, "the queue of bus {} is full", id.0),
             Self::Lost { channel, reason, since } => {
                 write!(f, "channel {} is lost for {since}: its device {reason}", channel.0)

@@ -3,7 +3,7 @@
 use crate::hook::HookError;
 use crate::operator::AskError;
 use controller::{CommandError, FileError, State, WriteError};
-use drivers::{BoardError, BusState, Channel, ChannelId, Health, LossReason};
+use drivers::{BoardError, BusKind, BusState, Channel, ChannelId, Health, LossReason};
 use signal::{Span, Time, TraceError};
 use std::fmt;
 
@@ -77,23 +77,27 @@ pub enum RigFault {
         /// It is looked for.
         reconnect: bool,
     },
-    /// A frame that was sent did not come to its bus.
+    /// What was sent did not come to its bus.
     NotOnBus {
         /// When that was noticed.
         at: Time,
         /// The bus.
         bus: String,
+        /// What kind of bus it is.
+        kind: BusKind,
         /// The device in words; empty where the board has none.
         device: String,
         /// How its controller takes part.
         state: BusState,
     },
-    /// Frames were lost.
-    FramesDropped {
+    /// Frames or messages of a bus were lost.
+    BusDropped {
         /// When.
         at: Time,
         /// The bus.
         bus: String,
+        /// What kind of bus it is.
+        kind: BusKind,
         /// How many, at least.
         count: u32,
     },
@@ -276,7 +280,7 @@ impl fmt::Display for RigFaultText<'_> {
                 lost(f, device, *reason)?;
                 f.write_str(match (reason, reconnect) {
                     (LossReason::Gone, false) => {
-                        "; `retake = true` below [board] takes back a device that is there again"
+                        "; `reconnect = true` below [board] takes back a device that is there again"
                     }
                     (LossReason::Gone, true) => {
                         "; it was looked for, and is not there as the board file has it"
@@ -285,7 +289,14 @@ impl fmt::Display for RigFaultText<'_> {
                     _ => "",
                 })
             }
-            RigFault::NotOnBus { at, bus, device, state } => {
+            RigFault::NotOnBus { at, bus, kind: BusKind::Serial { .. }, device, .. } => {
+                write!(f, "what was to be sent on serial line {bus} had not left by {at}: its port")?;
+                if !device.is_empty() {
+                    write!(f, ", {device},")?;
+                }
+                f.write_str(" refuses it or stands still")
+            }
+            RigFault::NotOnBus { at, bus, kind: BusKind::Can { .. }, device, state } => {
                 write!(f, "a frame that was sent on bus {bus} was not on it by {at}: its controller")?;
                 if !device.is_empty() {
                     write!(f, ", {device},")?;
@@ -303,8 +314,11 @@ impl fmt::Display for RigFaultText<'_> {
                     error => write!(f, "{error}"),
                 }
             }
-            RigFault::FramesDropped { at, bus, count } => {
+            RigFault::BusDropped { at, bus, kind: BusKind::Can { .. }, count } => {
                 write!(f, "at least {count} frames of bus {bus} were lost by {at}")
+            }
+            RigFault::BusDropped { at, bus, kind: BusKind::Serial { .. }, count } => {
+                write!(f, "at least {count} messages of serial line {bus} were lost by {at}")
             }
             RigFault::Dropped { at, channel, count } => {
                 write!(f, "at least {count} events of channel {} were lost by {at}", self.name(*channel))
@@ -364,7 +378,34 @@ impl fmt::Display for RigFaultText<'_> {
 mod tests {
     use super::*;
 
-    /// Who reads it is told of `retake` where that would have helped, and only there.
+    /// A serial line carries messages, and no frames.
+    #[test]
+    fn a_fault_of_a_bus_says_what_the_bus_carries() {
+        let (at, bus) = (Time::from_nanos(1_000_000_000), String::from("b"));
+        let said = |kind| {
+            let device = String::from("/dev/x");
+            let state = BusState::ErrorActive;
+            let lost = RigFault::BusDropped { at, bus: bus.clone(), kind, count: 2 };
+            let kept = RigFault::NotOnBus { at, bus: bus.clone(), kind, device, state };
+            [lost, kept].map(|fault| fault.show(&[]).to_string())
+        };
+        assert_eq!(
+            said(BusKind::Serial { baud: 9_600 }),
+            [
+                "at least 2 messages of serial line b were lost by 1.000000000 s",
+                "what was to be sent on serial line b had not left by 1.000000000 s: its port, /dev/x, refuses it or stands still",
+            ]
+        );
+        assert_eq!(
+            said(BusKind::Can { bitrate: 250_000, data_bitrate: None }),
+            [
+                "at least 2 frames of bus b were lost by 1.000000000 s",
+                "a frame that was sent on bus b was not on it by 1.000000000 s: its controller, /dev/x, waits for the bus",
+            ]
+        );
+    }
+
+    /// Who reads it is told of `reconnect` where that would have helped, and only there.
     #[test]
     fn a_device_that_is_still_lost_is_told_with_what_mends_it() {
         let said = |reason, reconnect| {
@@ -372,7 +413,7 @@ mod tests {
             RigFault::StillLost { what, device, reason, since, reconnect }.show(&[]).to_string()
         };
         assert!(said(LossReason::Gone, false).ends_with(
-            "can0, is gone; `retake = true` below [board] takes back a device that is there again"
+            "can0, is gone; `reconnect = true` below [board] takes back a device that is there again"
         ));
         assert!(
             said(LossReason::Gone, true)

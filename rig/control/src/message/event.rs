@@ -139,7 +139,9 @@ pub struct FrameSeen {
     pub sent: bool,
     /// The identifier in hexadecimal, as in `18F` or `18FF50E5`; empty for serial bytes.
     pub id: String,
-    /// `remote`, `fd`, `brs`, `error`, `parity` and such words.
+    /// Of a CAN frame `remote`, `fd`, `brs`, `esi`; of serial bytes what was wrong with them (`parity`, `framing`, `damaged`,
+    /// `break`, `overrun`), `doubtful` where they may be two messages, `continues` where they are the next part of a long
+    /// one, and `goes-on` where another part follows.
     pub flags: Vec<String>,
     /// The bytes in hexadecimal.
     pub data: String,

@@ -348,7 +348,7 @@ struct IdentifierFrames<'a> {
 }
 
 fn style_of(canvas: &Canvas<'_>, frame: &FrameSeen) -> Style {
-    let wrong = ["error", "parity", "framing", "overrun", "break", "bus-off"];
+    let wrong = ["error", "parity", "framing", "damaged", "overrun", "break", "bus-off"];
     let wrong = frame.flags.iter().any(|flag| wrong.contains(&flag.as_str()));
     if wrong { canvas.alarm() } else { Style::new() }
 }

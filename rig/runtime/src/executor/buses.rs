@@ -23,7 +23,6 @@ impl Executor<'_> {
     }
 
     fn see_bus(&mut self, event: &BusEvent) {
-        let name = || self.parts.board.bus_list()[usize::from(event.bus().0)].name.clone();
         match *event {
             BusEvent::Lost { at, reason, .. } if reason != LossReason::Injected => {
                 self.bus_lost(at, event.bus(), reason);
@@ -33,12 +32,13 @@ impl Executor<'_> {
                 self.bus_state_changed(at, bus, state)
             }
             BusEvent::Error { at, bus, error: BusError::SendTimeout } if self.pacing.has_wires() => {
-                self.frame_not_sent(at, bus)
+                self.not_on_bus(at, bus)
             }
             BusEvent::Returned { at, bus } => self.bus_returned(at, bus),
-            BusEvent::Dropped { at, count, .. } => {
-                let bus = name();
-                self.report.fault.get_or_insert(RigFault::FramesDropped { at, bus, count });
+            BusEvent::Dropped { at, bus, count } => {
+                let known = &self.parts.board.bus_list()[usize::from(bus.0)];
+                let (bus, kind) = (known.name.clone(), known.kind);
+                self.report.fault.get_or_insert(RigFault::BusDropped { at, bus, kind, count });
             }
             BusEvent::CanFrame { bus, at, frame, own } => self.see_frame(bus, at, &frame, own),
             _ => {}

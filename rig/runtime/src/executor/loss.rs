@@ -80,11 +80,12 @@ impl Executor<'_> {
         self.notice(at, text);
     }
 
-    /// A frame did not come to its bus: what the plan wanted to be sent was not.
-    pub(super) fn frame_not_sent(&mut self, at: Time, bus: BusId) {
+    /// What the plan wanted to be sent did not come to its bus.
+    pub(super) fn not_on_bus(&mut self, at: Time, bus: BusId) {
         let device = self.parts.board.bus_device(bus).unwrap_or_default().to_owned();
         let state = self.devices.nodes.get(usize::from(bus.0)).copied().unwrap_or(BusState::ErrorActive);
-        let fault = RigFault::NotOnBus { at, bus: self.bus_name(bus), device, state };
+        let kind = self.parts.board.bus_list()[usize::from(bus.0)].kind;
+        let fault = RigFault::NotOnBus { at, bus: self.bus_name(bus), kind, device, state };
         self.notice(at, fault.show(self.parts.board.channels()).to_string());
         self.report.fault.get_or_insert(fault);
     }

@@ -233,6 +233,9 @@ pub fn serial_message(bus: Option<&BusInfo>, message: &SerialMessage, own: bool)
         (damaged > 0, "damaged"),
         (breaks > 0, "break"),
         (overruns > 0, "overrun"),
+        (message.doubtful, "doubtful"),
+        (message.continues, "continues"),
+        (!message.ends, "goes-on"),
     ];
     let flags = flags.into_iter().filter(|(set, _)| *set).map(|(_, flag)| flag.to_owned());
     FrameSeen {
@@ -264,5 +267,9 @@ mod tests {
         assert_eq!((seen.bus.as_str(), seen.at, seen.sent), ("modbus", 7, false));
         assert_eq!((seen.id.as_str(), seen.data.as_str()), ("", "01AF"));
         assert_eq!(seen.flags, ["parity", "break"]);
+        // The middle of a long message, into which a silence may have slipped.
+        message = SerialMessage::begin(at, true);
+        message.doubtful = true;
+        assert_eq!(serial_message(None, &message, false).flags, ["doubtful", "continues", "goes-on"]);
     }
 }

@@ -162,6 +162,12 @@ impl ScanPort {
         at.saturating_add(self.base)
     }
 
+    /// The same of an uncertain instant.
+    #[inline]
+    fn own_when(&self, at: When) -> When {
+        When { earliest: self.own(at.earliest), latest: self.own(at.latest) }
+    }
+
     /// The controller is to make room for a plan.
     pub(crate) fn make_room(&mut self) {
         self.leaves = true;
@@ -339,8 +345,7 @@ impl ScanPort {
     /// Tells the value of a source.
     #[inline]
     pub(crate) fn change(&mut self, source: u32, at: When, value: Value) {
-        let at = When { earliest: self.own(at.earliest), latest: self.own(at.latest) };
-        self.push(ScanEvent::Change(source, at, value));
+        self.push(ScanEvent::Change(source, self.own_when(at), value));
     }
 
     /// An observed probe changed.
@@ -391,7 +396,7 @@ impl ScanPort {
                     traffic.received += message.data().len() as u64;
                     traffic.errors += errors.iter().sum::<u64>();
                 }
-                message.last = When::exactly(self.own(message.last.latest));
+                (message.first, message.last) = (self.own_when(message.first), self.own_when(message.last));
                 self.push(ScanEvent::SerialMessage(bus, message, own));
             }
             BusEvent::State { state, .. } => traffic.state = state,
@@ -484,6 +489,22 @@ impl ScanPort {
 mod tests {
     use super::super::queues::queues;
     use super::*;
+    use signal::SerialMessage;
+
+    /// A client reads one time, however many cases ran before.
+    #[test]
+    fn both_instants_of_a_message_are_in_the_time_of_the_rig() {
+        let snapshot = Snapshot::new(0, 0, 1);
+        let (inside, mut outside) = queues(&snapshot);
+        let room = PortLimits { sources: 1, watches: 1, led: false, late: Span::ZERO };
+        let mut port = ScanPort::new(inside, Arc::default(), snapshot, room);
+        port.base = Span::from_nanos(1_000);
+        let when = |from, to| When::within(Time::from_nanos(from), Time::from_nanos(to));
+        let message = SerialMessage::of(when(1, 3), when(5, 8), &[7]);
+        port.bus(&BusEvent::SerialMessage { bus: drivers::BusId(0), message, own: false });
+        let Ok(ScanEvent::SerialMessage(_, seen, false)) = outside.events.pop() else { panic!("no message") };
+        assert_eq!((seen.first, seen.last), (when(1_001, 1_003), when(1_005, 1_008)));
+    }
 
     /// A client that asks faster than it is served takes turns with the scan, and is not forgotten.
     #[test]
