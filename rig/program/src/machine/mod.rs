@@ -115,7 +115,7 @@ impl Machine {
     /// Operations are indivisible and take effect when they complete: an operation that does not fit waits for a
     /// later slice. So results and times do not depend on how a cycle is cut into slices. A task without a cycle
     /// under way is [`Stop::Done`] at once.
-    pub fn resume<H: Host>(&mut self, task: usize, now: Time, budget: Span, host: &mut H) -> Slice {
+    pub fn resume(&mut self, task: usize, now: Time, budget: Span, host: &mut dyn Host) -> Slice {
         let Some(task) = self.tasks.get_mut(task) else {
             return Slice { used: Span::ZERO, stop: Stop::Done };
         };
@@ -145,9 +145,9 @@ impl Machine {
             changed: &mut changed,
         };
         let slice = if debugged {
-            run::<H, true>(parts, task, now, budget, host)
+            run::<true>(parts, task, now, budget, host)
         } else {
-            run::<H, false>(parts, task, now, budget, host)
+            run::<false>(parts, task, now, budget, host)
         };
         self.dirty |= changed & RETAINED != 0;
         if slice.stop == Stop::Done && !idle {

@@ -3,7 +3,7 @@
 use super::text::TextSpan;
 use super::world::{By, ProgramMemory, Stored};
 use crate::code::{LibraryArgument, LibraryCall, LibraryCode, Operand, TextAt};
-use crate::host::{FaultKind, Host};
+use crate::host::FaultKind;
 use crate::library::{Body, Service, Text, TextCall, TextOut, from_text, to_text};
 use crate::native::{BlockBody, Native, Pins};
 use crate::state::{PinOffsets, READ_ONLY, Scratch, WATCHED};
@@ -27,7 +27,7 @@ fn cell(ty: Elementary, raw: u64) -> i64 {
     ty.wrap(raw as i64)
 }
 
-impl<H: Host> ProgramMemory<'_, H> {
+impl ProgramMemory<'_> {
     /// A scalar as its cell.
     pub fn cell(&mut self, memory: &[u8], at: u32, ty: Elementary) -> Option<i64> {
         self.load(memory, at, ty.bytes() as u32).map(|raw| cell(ty, raw))

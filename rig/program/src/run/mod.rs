@@ -54,12 +54,12 @@ pub(crate) struct MachineParts<'a> {
 ///
 /// Everything that an operation touches often is a local variable here; what happens seldom is in functions that are
 /// kept out of line. Operands are read and written with one check of bounds each, whose failure is the slow path.
-pub(crate) fn run<H: Host, const DEBUG: bool>(
+pub(crate) fn run<const DEBUG: bool>(
     parts: MachineParts<'_>,
     task: &mut Task,
     now: Time,
     budget: Span,
-    host: &mut H,
+    host: &mut dyn Host,
 ) -> Slice {
     let MachineParts { program, prepared, natives, memory, flags, scratch, debug, changed } = parts;
     let budget = budget.as_nanos().max(0);

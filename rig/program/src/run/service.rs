@@ -9,12 +9,12 @@ use crate::state::Task;
 
 /// Stores the answer to the service that a task waits for; the operation was complete when it was asked. Gives why
 /// the task does not go on at once, and the flags of the bytes that changed.
-pub(crate) fn finish_service<H: Host>(
+pub(crate) fn finish_service(
     program: &Program,
     memory: &mut [u8],
     flags: &[u8],
     task: &mut Task,
-    host: &mut H,
+    host: &mut dyn Host,
     (call, answer): (u32, i64),
 ) -> (Option<Stop>, u8) {
     let registers = task.registers;

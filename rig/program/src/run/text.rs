@@ -2,7 +2,6 @@
 
 use super::world::{By, ProgramMemory, Stored};
 use crate::code::TextAt;
-use crate::host::Host;
 use std::cmp::Ordering;
 
 /// What stands for a character that a STRING cannot hold.
@@ -43,7 +42,7 @@ pub(super) struct TextOperands {
     pub of: TextSpan,
 }
 
-impl<H: Host> ProgramMemory<'_, H> {
+impl ProgramMemory<'_> {
     /// A unit; 0 after the storage.
     fn unit(&mut self, memory: &[u8], text: TextSpan, nth: u32) -> Option<u32> {
         if nth >= text.units() {

@@ -39,10 +39,10 @@ pub(super) struct By {
 }
 
 /// What all operations of a slice share.
-pub(super) struct ProgramMemory<'a, H> {
+pub(super) struct ProgramMemory<'a> {
     pub program: &'a Program,
     pub flags: &'a [u8],
-    pub host: &'a mut H,
+    pub host: &'a mut dyn Host,
     /// Flags of the bytes that changed.
     pub changed: u8,
 }
@@ -62,7 +62,7 @@ fn foreign(at: u32) -> bool {
     (map::INPUTS..map::END).contains(&at)
 }
 
-impl<H: Host> ProgramMemory<'_, H> {
+impl ProgramMemory<'_> {
     /// The place of `width` bytes that are aligned so; or of one of several bytes.
     fn natural(&self, at: u32, width: u32) -> Option<Address> {
         let (area, offset) = area(at)?;
