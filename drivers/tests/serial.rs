@@ -49,7 +49,7 @@ fn file(text: &str) -> Result<BoardFile, Vec<document::Diagnostic>> {
 fn board_on(path: &std::path::Path, keys: &str) -> BoardFile {
     let path = path.display();
     file(&format!(
-        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"1 s\"\n{keys}\n[buses]\n\
+        "format = 1\n[board]\nkind = \"real\"\nunresponsive-after = \"1 s\"\n{keys}\n[buses]\n\
          modbus = {{ kind = \"serial\", path = \"{path}\" }}\n"
     ))
     .unwrap()

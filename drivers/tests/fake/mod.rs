@@ -154,7 +154,7 @@ pub const PULSED: [usize; 2] = [12, 13];
 /// The board file of the chip: outputs `o0` ..., inputs `i0` ..., a chip that is lost after so long.
 pub fn file(unresponsive_after: &str) -> BoardFile {
     let mut text = format!(
-        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{unresponsive_after}\"\n[chips]\nmain = {{ label = \"fake\" }}\n\
+        "format = 1\n[board]\nkind = \"real\"\nunresponsive-after = \"{unresponsive_after}\"\n[chips]\nmain = {{ label = \"fake\" }}\n\
          [channels]\n",
     );
     for line in 0..LINES {

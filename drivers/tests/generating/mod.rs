@@ -132,7 +132,7 @@ impl Generator for Scripted {
 /// The board file.
 pub fn file(unresponsive_after: &str, reconnect: bool) -> BoardFile {
     let text = format!(
-        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{unresponsive_after}\"\nretake = {reconnect}\n[generators]\n\
+        "format = 1\n[board]\nkind = \"real\"\nunresponsive-after = \"{unresponsive_after}\"\nreconnect = {reconnect}\n[generators]\n\
          stream = {{ kind = \"spi\", path = \"/dev/none\" }}\nchip = {{ kind = \"pwm\", name = \"none\" }}\n[channels]\n\
          S = {{ kind = \"digital\", generator = \"stream\" }}\nP0 = {{ kind = \"digital\", generator = \"chip\" }}\n\
          P1 = {{ kind = \"digital\", generator = \"chip\", output = 1, safe = true }}\n",

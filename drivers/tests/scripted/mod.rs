@@ -90,7 +90,7 @@ impl Adc for Scripted {
 /// The board file: channels `a0` ... of the converter's inputs, read so often, and what else is said of `a1`.
 pub fn file(unresponsive_after: &str, period: &str, reconnect: bool, more: &str) -> BoardFile {
     let mut text = format!(
-        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{unresponsive_after}\"\nretake = {reconnect}\n[converters]\n\
+        "format = 1\n[board]\nkind = \"real\"\nunresponsive-after = \"{unresponsive_after}\"\nreconnect = {reconnect}\n[converters]\n\
          adc = {{ kind = \"spi\", path = \"/dev/none\", part = \"ads8684\", period = \"{period}\", speed = \"17 MHz\" }}\n\
          [channels]\n",
     );

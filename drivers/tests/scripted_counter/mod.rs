@@ -78,7 +78,7 @@ impl Counter for Scripted {
 /// The board file: a channel `shaft` of a counter that is read so often.
 pub fn file(unresponsive_after: &str, period: &str, reconnect: bool) -> BoardFile {
     let text = format!(
-        "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"{unresponsive_after}\"\nretake = {reconnect}\n[counters]\n\
+        "format = 1\n[board]\nkind = \"real\"\nunresponsive-after = \"{unresponsive_after}\"\nreconnect = {reconnect}\n[counters]\n\
          wheel = {{ path = \"/dev/none\", period = \"{period}\" }}\n[channels]\nshaft = {{ kind = \"count\" }}\n",
     );
     read(&SourceFile::new("counter.toml", text), &|_| Ok(Terminals::default()))

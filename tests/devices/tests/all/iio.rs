@@ -26,7 +26,7 @@ const TRIGGER: &str = ", trigger = \"rig-trigger\", buffer = 64";
 /// TOML.
 fn text(keys: &str, channels: &str) -> String {
     format!(
-        "format = 1\n[board]\nkind = \"real\"\nretake = true\nsilent-after = \"200 ms\"\n[converters]\n\
+        "format = 1\n[board]\nkind = \"real\"\nreconnect = true\nunresponsive-after = \"200 ms\"\n[converters]\n\
          adc = {{ kind = \"iio\", name = \"{ADC}\", period = \"20 ms\"{keys} }}\n[channels]\n{channels}"
     )
 }

@@ -63,7 +63,7 @@ fn a_bus_that_goes_away_is_taken_back_with_its_parts_set_up_again() {
     adc.volts(0, 3.0);
     let channels = "a0 = { kind = \"analog\", unit = \"V\", input = 0, range = \"0 V .. 5.12 V\" }\n\
                     a1 = { kind = \"analog\", unit = \"V\", input = 1 }";
-    let mut bench = Bench::started(&file("reconnect = true\nsilent-after = \"400 ms\"", ADS, channels));
+    let mut bench = Bench::started(&file("reconnect = true\nunresponsive-after = \"400 ms\"", ADS, channels));
     bench.shows("a0", 3.0, 0.001);
     unbind_spi();
     bench.until("the loss", |bench| gone(bench, ["a0", "a1"]));

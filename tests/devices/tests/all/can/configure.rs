@@ -135,7 +135,7 @@ fn a_new_interface_is_set_up_again_and_one_that_somebody_takes_down_is_left() {
     let _lab = Lab::enter();
     run("ip link del vcan9 2>/dev/null; ip link add dev vcan9 type vcan");
     let bus = "near = { kind = \"can\", interface = \"vcan9\", bitrate = 500_000, configure = true }";
-    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nretake = true", bus);
+    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nreconnect = true", bus);
     bench.send(NEAR, &frame(1));
     bench.until("a frame", |bench| bench.frames(NEAR).len() == 1);
     let count = |bench: &Bench, lost: bool| {

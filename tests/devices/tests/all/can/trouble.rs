@@ -135,7 +135,7 @@ fn an_interface_that_goes_down_is_lost_until_the_next_run() {
 fn an_interface_that_comes_back_is_taken_back_where_the_board_file_says_so() {
     let _lab = Lab::enter();
     fresh("restart-ms 0");
-    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nretake = true", TROUBLED);
+    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nreconnect = true", TROUBLED);
     run("ip link set rcan0 down");
     bench.until("the loss", |bench| bench.told(NEAR, lost(LossReason::Gone)));
     run("ip link set rcan0 up");
@@ -155,7 +155,7 @@ fn an_interface_that_is_removed_is_lost_and_a_new_one_of_its_name_taken_back() {
     let _lab = Lab::enter();
     run("ip link del vcan9 2>/dev/null; ip link add dev vcan9 type vcan && ip link set vcan9 up");
     let bus = "near = { kind = \"can\", interface = \"vcan9\", bitrate = 500_000 }";
-    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nretake = true", bus);
+    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nreconnect = true", bus);
     bench.send(NEAR, &frame(1));
     bench.until("a frame", |bench| bench.frames(NEAR).len() == 1);
     run("ip link del vcan9");
@@ -172,7 +172,7 @@ fn an_interface_that_is_removed_is_lost_and_a_new_one_of_its_name_taken_back() {
 fn an_interface_that_comes_back_set_up_otherwise_stays_lost() {
     let _lab = Lab::enter();
     fresh("restart-ms 0");
-    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nretake = true", TROUBLED);
+    let mut bench = Bench::with("unresponsive-after = \"5 s\"\nreconnect = true", TROUBLED);
     run("ip link set rcan0 down");
     bench.until("the loss", |bench| bench.told(NEAR, lost(LossReason::Gone)));
     run("ip link set rcan0 type can bitrate 250000 && ip link set rcan0 up && ip link set rcan0 down");

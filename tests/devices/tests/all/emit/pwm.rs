@@ -67,7 +67,7 @@ fn a_wave_is_put_out_changed_and_ended_as_asked() {
 fn a_chip_that_fails_or_goes_away_is_told_and_goes_on_where_it_was() {
     let chip = PwmChip::enter();
     let channels = "Q0 = { kind = \"digital\", generator = \"it\", output = 1 }";
-    let board = "unresponsive-after = \"400 ms\"\nretake = true";
+    let board = "unresponsive-after = \"400 ms\"\nreconnect = true";
     let mut bench = Bench::started(&file(board, CHIP, channels));
     chip.fault(1, "io-error");
     bench.emit("Q0", &square(3 * MS as i64, MS as i64));

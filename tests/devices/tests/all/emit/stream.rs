@@ -107,7 +107,7 @@ fn order_of_bits_mode_and_a_line_that_is_turned_over_are_as_the_file_has_them() 
 fn a_bus_that_fails_hangs_or_goes_away_is_told_and_taken_back_at_rest() {
     let sink = Sink::enter();
     let channels = "I0 = { kind = \"digital\", generator = \"it\" }";
-    let board = "unresponsive-after = \"400 ms\"\nretake = true";
+    let board = "unresponsive-after = \"400 ms\"\nreconnect = true";
     let mut bench = Bench::started(&file(board, &of_sink(&sink, ""), channels));
     let train = pulses([0, 5_000, 10_000, 15_000]);
     sink.part().fault("io-error");

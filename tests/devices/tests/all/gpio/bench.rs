@@ -57,7 +57,7 @@ impl Bench {
     /// The board file of such a board. The lab is patient: beside compilers it may stand still for a while.
     pub fn main(backend: &str, channels: &str) -> String {
         format!(
-            "format = 1\n[board]\nkind = \"real\"\nbackend = \"{backend}\"\nsilent-after = \"5 s\"\n[chips]\nmain = {{ label = \"rig-gpio\" }}\n\
+            "format = 1\n[board]\nkind = \"real\"\nbackend = \"{backend}\"\nunresponsive-after = \"5 s\"\n[chips]\nmain = {{ label = \"rig-gpio\" }}\n\
              [channels]\n{channels}\n"
         )
     }

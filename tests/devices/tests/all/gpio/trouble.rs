@@ -112,7 +112,7 @@ fn a_chip_that_vanishes_is_lost_and_can_come_back() {
     for backend in BOTH {
         let chip = SimChip::add("rig-gpio-gone", &["", "", "", ""]);
         let text = format!(
-            "format = 1\n[board]\nkind = \"real\"\nretake = true\nbackend = \"{backend}\"\n[chips]\ngone = {{ label = \"rig-gpio-gone\" }}\n\
+            "format = 1\n[board]\nkind = \"real\"\nreconnect = true\nbackend = \"{backend}\"\n[chips]\ngone = {{ label = \"rig-gpio-gone\" }}\n\
              main = {{ label = \"rig-gpio\" }}\n[channels]\n\
              out = {{ kind = \"digital\", chip = \"gone\", line = 0, drives = true }}\n\
              in = {{ kind = \"digital\", chip = \"gone\", line = 1 }}\n\
@@ -204,7 +204,7 @@ fn a_call_that_hangs_holds_up_nobody_and_its_chip_is_lost_until_it_ends() {
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_change_that_a_slow_call_swallows_is_told() {
     let lab = Lab::enter();
-    let text = TWO_CHIPS.replace("\"real\"\n", "\"real\"\nsilent-after = \"10 s\"\n");
+    let text = TWO_CHIPS.replace("\"real\"\n", "\"real\"\nunresponsive-after = \"10 s\"\n");
     let mut bench = Bench::open(&text);
     bench.start();
     lab.stall(MAIN, Call::Set, Duration::from_millis(500), 1);

@@ -18,7 +18,7 @@ struct Bench {
 impl Bench {
     fn open(keys: &str, more: &str) -> Bench {
         let text = format!(
-            "format = 1\n[board]\nkind = \"real\"\nsilent-after = \"1 s\"\n{keys}\n[buses]\n\
+            "format = 1\n[board]\nkind = \"real\"\nunresponsive-after = \"1 s\"\n{keys}\n[buses]\n\
              modbus = {{ kind = \"serial\", path = \"/dev/rig/serial-a\", rs485 = {{}}, low-latency = true }}\n\
              scales = {{ kind = \"serial\", path = \"/dev/rig/serial-b\", parity = \"none\" }}\n{more}"
         );
