@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use host::monotonic;
+use host::HostInstant;
 use rustix::io::Errno;
 use signal::{Time, Value};
 
@@ -30,8 +30,8 @@ pub trait DeviceHandle: Debug + Send {
     /// Asks for a new run. The number of this request.
     fn ask_start(&mut self) -> u64;
 
-    /// Waits until the run has begun. FALSE where it has not by this stamp, or the device is gone and is not opened again.
-    fn await_start(&mut self, request: u64, due: i64, reconnect: bool) -> bool;
+    /// Waits until the run has begun. FALSE where it has not by then, or the device is gone and is not opened again.
+    fn await_start(&mut self, request: u64, due: HostInstant, reconnect: bool) -> bool;
 
     /// What a start says that could not begin.
     fn loss(&self) -> BoardError;
@@ -42,17 +42,17 @@ pub trait DeviceHandle: Debug + Send {
     /// Reports what happened up to now; `latched`: nothing is driven any more. TRUE where there is more than one poll reports.
     fn poll(&mut self, latched: bool, collector: &mut EventCollector<'_>) -> bool;
 
-    /// The stamp at which the device counts as unresponsive if it does not answer by then.
-    fn overdue(&self) -> Option<i64>;
+    /// When the device counts as unresponsive if it does not answer by then.
+    fn overdue(&self) -> Option<HostInstant>;
 
     /// Asks for the end of a run, outputs safe. The number of this request.
     fn ask_safe(&mut self) -> u64;
 
-    /// Waits for that, at most until this stamp.
+    /// Waits for that, at most until then.
     ///
     /// # Errors
     /// Its outputs are not safe.
-    fn await_safe(&self, request: u64, due: i64) -> Result<(), Errno>;
+    fn await_safe(&self, request: u64, due: HostInstant) -> Result<(), Errno>;
 
     /// Channels that are lost with the device.
     fn lost_channels(&self) -> u32;
@@ -155,7 +155,7 @@ impl<H: DeviceHandle> Board for DeviceBoard<H> {
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
         self.run.end();
         let requests: Vec<u64> = self.devices.iter_mut().map(H::ask_start).collect();
-        let due = monotonic().saturating_add(self.limits.unresponsive_after.max(START).as_nanos());
+        let due = HostInstant::now() + self.limits.unresponsive_after.max(START);
         for (device, request) in self.devices.iter_mut().zip(requests) {
             if !device.await_start(request, due, self.limits.reconnect) {
                 return Err(device.loss());
@@ -211,7 +211,7 @@ impl<H: DeviceHandle> Board for DeviceBoard<H> {
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.run.latch(now);
         let requests: Vec<u64> = self.devices.iter_mut().map(H::ask_safe).collect();
-        let due = monotonic().saturating_add(self.limits.unresponsive_after.as_nanos());
+        let due = HostInstant::now() + self.limits.unresponsive_after;
         let mut outcome = Ok(());
         for (device, request) in self.devices.iter().zip(requests) {
             let safe = device.await_safe(request, due);
@@ -305,7 +305,7 @@ mod tests {
             self.asked
         }
 
-        fn await_start(&mut self, request: u64, _due: i64, _reconnect: bool) -> bool {
+        fn await_start(&mut self, request: u64, _due: HostInstant, _reconnect: bool) -> bool {
             assert_eq!(request, self.asked);
             self.starts
         }
@@ -321,7 +321,7 @@ mod tests {
             false
         }
 
-        fn overdue(&self) -> Option<i64> {
+        fn overdue(&self) -> Option<HostInstant> {
             None
         }
 
@@ -330,7 +330,7 @@ mod tests {
             self.asked
         }
 
-        fn await_safe(&self, _request: u64, _due: i64) -> Result<(), Errno> {
+        fn await_safe(&self, _request: u64, _due: HostInstant) -> Result<(), Errno> {
             if self.safe { Ok(()) } else { Err(Errno::TIMEDOUT) }
         }
 

@@ -1,6 +1,6 @@
 //! What a poll of a board has to say, and in which order.
 
-use host::TimeBase;
+use host::{HostInstant, TimeBase};
 use rtrb::Consumer;
 use signal::{Time, Value, When};
 
@@ -49,7 +49,7 @@ impl<'a> EventCollector<'a> {
     }
 
     /// Something with this stamp waits; it may lie ahead of this poll.
-    pub(crate) fn ahead(&mut self, stamp: i64) {
+    pub(crate) fn ahead(&mut self, stamp: HostInstant) {
         let at = self.time.at(stamp);
         if at > self.now {
             self.ahead = Some(self.ahead.map_or(at, |other| other.min(at)));
@@ -60,7 +60,7 @@ impl<'a> EventCollector<'a> {
     pub(crate) fn next<R: Copy>(
         &mut self,
         reports: &mut Consumer<R>,
-        stamp: impl Fn(&R) -> i64,
+        stamp: impl Fn(&R) -> HostInstant,
     ) -> Option<R> {
         let report = *reports.peek().ok()?;
         let stamp = stamp(&report);

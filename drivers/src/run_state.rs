@@ -1,6 +1,6 @@
 //! How far a run of a board of real devices has come, and what such a board answers for channels that it does not drive.
 
-use host::TimeBase;
+use host::{HostInstant, TimeBase};
 use signal::{Span, Time, Value};
 
 use crate::event_collector::EventCollector;
@@ -89,12 +89,16 @@ impl RunState {
     }
 
     /// What lies ahead of the last poll, and when the first device counts as lost that owes an answer until one of these
-    /// stamps.
-    pub(crate) fn next_event(&self, time: &TimeBase, owed: impl Iterator<Item = i64>) -> Option<Time> {
+    /// instants.
+    pub(crate) fn next_event(
+        &self,
+        time: &TimeBase,
+        owed: impl Iterator<Item = HostInstant>,
+    ) -> Option<Time> {
         if !self.started {
             return None;
         }
-        let silent = owed.min().map(|stamp| time.at(stamp.saturating_add(1)));
+        let silent = owed.min().map(|stamp| time.at(stamp + Span::from_nanos(1)));
         [self.fresh, self.ahead, silent].into_iter().flatten().min()
     }
 

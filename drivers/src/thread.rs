@@ -5,11 +5,11 @@
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI32, AtomicI64, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 
 use document::Diagnostic;
-use host::{Bell, monotonic};
+use host::{AtomicInstant, Bell, HostInstant};
 use rtrb::{Consumer, Producer, RingBuffer};
 use rustix::io::Errno;
 use signal::{Span, Time};
@@ -24,8 +24,8 @@ use crate::{BoardError, BoardEvent, ChannelId, LossReason};
 struct Presence {
     /// The error that ended the work with the device; 0 for none.
     gone: AtomicI32,
-    /// The stamp of that.
-    gone_at: AtomicI64,
+    /// When that was.
+    gone_at: AtomicInstant,
     /// Calls that failed.
     failed: AtomicU64,
     /// Reports that found no room.
@@ -45,7 +45,6 @@ pub(crate) fn ends<R>(
 ) -> (Reporter<R>, DeviceThread, Consumer<R>) {
     let presence = Arc::<Presence>::default();
     let (reports, reported) = RingBuffer::new(room);
-    let limit = limit.as_nanos();
     let reporter = Reporter {
         presence: presence.clone(),
         reports,
@@ -64,14 +63,14 @@ pub(crate) struct Reporter<R> {
     bell: Arc<Bell>,
     /// There is something that the bell was not rung for.
     told: bool,
-    limit: i64,
+    limit: Span,
     /// Since when calls fail.
-    failing: Option<i64>,
+    failing: Option<HostInstant>,
 }
 
 impl<R> Reporter<R> {
-    /// How long a call may last: nanoseconds.
-    pub(crate) const fn limit(&self) -> i64 {
+    /// How long a call may last.
+    pub(crate) const fn limit(&self) -> Span {
         self.limit
     }
 
@@ -115,7 +114,7 @@ impl<R> Reporter<R> {
 
     /// A call failed. TRUE where the device is to be given up: it is not there any more, or has failed for too long.
     pub(crate) fn refused(&mut self, error: &io::Error) -> bool {
-        let now = monotonic();
+        let now = HostInstant::now();
         self.presence.failed.fetch_add(1, Ordering::AcqRel);
         self.told = true;
         let code = error.raw_os_error().unwrap_or(Errno::IO.raw_os_error());
@@ -123,7 +122,7 @@ impl<R> Reporter<R> {
         let gives_up = is_gone(code, &[]) || now - since > self.limit;
         if gives_up {
             self.failing = None;
-            self.presence.gone_at.store(now, Ordering::Release);
+            self.presence.gone_at.set(now);
             self.presence.gone.store(code, Ordering::Release);
             self.presence.answer.ring();
         }
@@ -141,7 +140,7 @@ impl<R> Reporter<R> {
 #[derive(Debug)]
 pub(crate) struct DeviceThread {
     presence: Arc<Presence>,
-    limit: i64,
+    limit: Span,
     lost: Option<LossReason>,
     /// Calls that had failed when the run began.
     failed: u64,
@@ -158,8 +157,8 @@ impl DeviceThread {
         Ok(())
     }
 
-    /// How long a call may last: nanoseconds.
-    pub(crate) const fn limit(&self) -> i64 {
+    /// How long a call may last.
+    pub(crate) const fn limit(&self) -> Span {
         self.limit
     }
 
@@ -170,8 +169,8 @@ impl DeviceThread {
         self.presence.unreported.store(0, Ordering::Release);
     }
 
-    /// Waits until the thread answers something, at most until this stamp.
-    pub(crate) fn wait(&self, until: i64) {
+    /// Waits until the thread answers something, at most until then.
+    pub(crate) fn wait(&self, until: HostInstant) {
         self.presence.answer.wait_until(until);
     }
 
@@ -185,27 +184,26 @@ impl DeviceThread {
         self.lost.is_some()
     }
 
-    /// What a start says that gets nothing of the device, which owes an answer until this stamp; 0 for none.
-    pub(crate) fn loss(&self, channel: ChannelId, due: i64) -> BoardError {
+    /// What a start says that gets nothing of the device, which owes an answer until `due`.
+    pub(crate) fn loss(&self, channel: ChannelId, due: Option<HostInstant>) -> BoardError {
         let (reason, since) = match self.is_gone() {
-            true => (LossReason::Gone, self.presence.gone_at.load(Ordering::Acquire)),
+            true => (LossReason::Gone, self.presence.gone_at.get()),
             // Its call began so long before it counts as one that hangs.
-            false => (LossReason::Unresponsive, if due == 0 { 0 } else { due.saturating_sub(self.limit) }),
+            false => (LossReason::Unresponsive, due.map(|due| due - self.limit)),
         };
-        let since = if since == 0 { 0 } else { monotonic().saturating_sub(since).max(0) };
-        BoardError::Lost { channel, reason, since: Span::from_nanos(since) }
+        BoardError::Lost { channel, reason, since: since.map_or(Span::ZERO, HostInstant::elapsed) }
     }
 
-    /// When the device counts as silent that owes an answer until this stamp; 0 for none.
-    pub(crate) fn overdue(&self, due: i64) -> Option<i64> {
-        (self.lost.is_none() && due != 0).then_some(due)
+    /// When the device counts as silent that owes an answer until `due`.
+    pub(crate) fn overdue(&self, due: Option<HostInstant>) -> Option<HostInstant> {
+        due.filter(|_| self.lost.is_none())
     }
 
-    /// Tells whether a device of these channels still answers, which owes an answer until this stamp; 0 for none. TRUE where
+    /// Tells whether a device of these channels still answers, which owes an answer until `due`. TRUE where
     /// it does again: then what is there now is to be reported.
     pub(crate) fn report_presence(
         &mut self,
-        due: i64,
+        due: Option<HostInstant>,
         channels: impl Iterator<Item = ChannelId>,
         collector: &mut EventCollector<'_>,
     ) -> bool {
@@ -214,7 +212,7 @@ impl DeviceThread {
             _ if self.is_gone() => Some(LossReason::Gone),
             // It says itself when it is there again.
             Some(LossReason::Gone) => return false,
-            _ => (due != 0 && due < now).then_some(LossReason::Unresponsive),
+            _ => due.is_some_and(|due| due < now).then_some(LossReason::Unresponsive),
         };
         if reason == self.lost {
             return false;
@@ -256,14 +254,14 @@ impl DeviceThread {
     }
 
     /// Ends the thread, which `wake` wakes. One that is inside a call that hangs is left to it: it is waited for as long as
-    /// a call may last, and until the stamp that `due` tells.
-    pub(crate) fn end(&mut self, wake: impl FnOnce(), due: impl Fn() -> i64) {
+    /// a call may last, and until the instant that `due` gives.
+    pub(crate) fn end(&mut self, wake: impl FnOnce(), due: impl Fn() -> Option<HostInstant>) {
         self.presence.stop.store(true, Ordering::Release);
         wake();
-        let least = monotonic().saturating_add(self.limit);
+        let least = HostInstant::now() + self.limit;
         while !self.presence.ended.load(Ordering::Acquire) {
-            let due = least.max(due());
-            if monotonic() >= due {
+            let due = due().map_or(least, |due| due.max(least));
+            if HostInstant::now() >= due {
                 return;
             }
             self.presence.answer.wait_until(due);

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::fake::Fake;
-use host::monotonic;
+use host::HostInstant;
 use scanrig_drivers::gpio::Edge;
 use scanrig_drivers::{
     Board, BoardContext, BoardError, BoardEvent, BoardExt, ChannelId, GpioBoard, LossReason, Origin, build,
@@ -145,7 +145,7 @@ fn what_finds_no_room_on_its_way_is_told_as_lost() {
     let mut bench = Bench::patient(PATIENT);
     let made = 20_000;
     for edge in 0..made {
-        bench.chip.edge(edge % 2 == 0, monotonic());
+        bench.chip.edge(edge % 2 == 0, HostInstant::now());
     }
     // Nobody looks before all of them were on their way.
     while !bench.chip.is_drained() {
@@ -164,7 +164,7 @@ fn what_finds_no_room_on_its_way_is_told_as_lost() {
 #[test]
 fn edges_that_the_numbers_miss_are_told_as_lost() {
     let mut bench = Bench::patient(PATIENT);
-    let now = monotonic();
+    let now = HostInstant::now();
     for (high, numbers) in [(true, (1, 1)), (false, (4, 2)), (true, (5, 6))] {
         bench.chip.tell(Edge { input: 0, high, stamp: now, numbers: Some(numbers) });
     }
@@ -178,7 +178,7 @@ fn edges_that_the_numbers_miss_are_told_as_lost() {
 fn an_edge_to_the_level_that_a_line_has_is_a_lost_one() {
     let mut bench = Bench::patient(PATIENT);
     for high in [true, true, false] {
-        bench.chip.edge(high, monotonic());
+        bench.chip.edge(high, HostInstant::now());
     }
     bench.until("all is told", |bench| bench.count("i0") == (2, 1));
     assert!(!bench.board.health().is_sound());
@@ -187,7 +187,7 @@ fn an_edge_to_the_level_that_a_line_has_is_a_lost_one() {
 #[test]
 fn a_level_that_no_edge_told_of_is_found_by_reading() {
     let mut bench = Bench::started();
-    bench.chip.edge(true, monotonic());
+    bench.chip.edge(true, HostInstant::now());
     bench.until("the edge is told", |bench| bench.count("i0") == (1, 0));
     bench.chip.level(false);
     bench.until("the level is told", |bench| bench.count("i0") == (2, 1));
@@ -198,7 +198,7 @@ fn a_level_that_no_edge_told_of_is_found_by_reading() {
     assert!(at.latest - at.earliest >= Span::from_millis(50), "{at:?}");
     // The edge comes after all.
     bench.chip.edge(false, bench.at.time.stamp(at.earliest));
-    bench.chip.edge(true, monotonic());
+    bench.chip.edge(true, HostInstant::now());
     bench.until("the next edge is told", |bench| bench.count("i0").0 == 3);
     assert_eq!(bench.count("i0"), (3, 1));
 }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use document::SourceFile;
-use host::{Realtime, monotonic};
+use host::{HostInstant, Realtime};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use scanrig_drivers::serial::{Frames, Framing, OpenError, PortSpec, Received, SerialPort, Symbol};
 use scanrig_drivers::{
@@ -19,7 +19,7 @@ use signal::{
 };
 use tokio::runtime::{Builder, Runtime};
 
-const PATIENCE: i64 = 20_000_000_000;
+const PATIENCE: Span = Span::from_secs(20);
 
 /// The far end of a pseudo-terminal, and the path of the near one.
 fn pair() -> (File, PathBuf) {
@@ -38,8 +38,8 @@ fn spec(path: PathBuf) -> PortSpec {
     PortSpec { path, line: SerialSettings::default(), rs485: None, low_latency: None, exclusive: true }
 }
 
-fn until() -> i64 {
-    monotonic() + PATIENCE
+fn until() -> HostInstant {
+    HostInstant::now() + PATIENCE
 }
 
 fn file(text: &str) -> Result<BoardFile, Vec<document::Diagnostic>> {
@@ -94,7 +94,7 @@ fn bytes_go_both_ways_as_they_are() {
         far.write_all(&all).unwrap();
         let (mut got, mut received) = (Vec::new(), Received::with_room());
         while got.len() < all.len() {
-            let before = monotonic();
+            let before = HostInstant::now();
             assert!(port.receive(until(), &mut received).await.unwrap());
             assert!(received.empty <= received.read && before <= received.read);
             got.extend_from_slice(&received.symbols);
@@ -105,7 +105,7 @@ fn bytes_go_both_ways_as_they_are() {
         far.read_exact(&mut back).unwrap();
         assert_eq!(back, all);
         let (earliest, latest) = port.drain(sending, until()).await.unwrap();
-        assert!(sending.begun <= earliest && earliest <= latest && latest <= monotonic());
+        assert!(sending.begun <= earliest && earliest <= latest && latest <= HostInstant::now());
         assert_eq!(port.counters().unwrap(), None);
     });
 }
@@ -115,9 +115,9 @@ fn a_wait_for_bytes_ends_when_it_is_due_and_says_since_when_nothing_came() {
     let (_far, near) = pair();
     runtime().block_on(async {
         let mut port = SerialPort::open(&spec(near)).unwrap();
-        let due = monotonic() + 3_000_000;
+        let due = HostInstant::now() + Span::from_millis(3);
         assert!(!port.receive(due, &mut Received::with_room()).await.unwrap());
-        assert!(monotonic() >= due);
+        assert!(HostInstant::now() >= due);
     });
 }
 
@@ -130,13 +130,13 @@ fn the_last_look_that_found_nothing_lies_before_the_bytes_were_there() {
         let due = until();
         let other = File::open(near).unwrap();
         while rustix::io::ioctl_fionread(&other).unwrap() == 0 {
-            assert!(monotonic() < due, "the byte does not come");
+            assert!(HostInstant::now() < due, "the byte does not come");
             std::thread::yield_now();
         }
-        let there = monotonic();
+        let there = HostInstant::now();
         let mut received = Received::with_room();
         assert!(port.receive(until(), &mut received).await.unwrap());
-        assert!(received.empty < there && there <= received.read, "{received:?}, there at {there}");
+        assert!(received.empty < there && there <= received.read, "{received:?}, there at {there:?}");
     });
 }
 
@@ -149,12 +149,12 @@ fn silence_ends_a_frame() {
         let mut room = Received::with_room();
         for request in [&b"\x01\x03\x00\x00\x00\x0A\xC5\xCD"[..], b"second", b"\xFF"] {
             far.write_all(request).unwrap();
-            let sent = monotonic();
+            let sent = HostInstant::now();
             let frame = port.frame(&mut frames, until(), &mut room).await.unwrap().unwrap();
             assert_eq!((frame.bytes.as_slice(), frame.is_sound()), (request, true));
-            assert!(monotonic() - sent >= port.line().frame_gap());
+            assert!(HostInstant::now() - sent >= port.line().frame_gap());
         }
-        assert_eq!(port.frame(&mut frames, monotonic(), &mut room).await.unwrap(), None);
+        assert_eq!(port.frame(&mut frames, HostInstant::now(), &mut room).await.unwrap(), None);
     });
 }
 
@@ -226,7 +226,7 @@ fn told(board: &mut dyn scanrig_drivers::Board, at: &BoardContext) -> Vec<BusEve
     let deadline = Instant::now() + Duration::from_secs(20);
     while events.is_empty() {
         assert!(Instant::now() < deadline, "the buses have nothing to tell");
-        at.bell.wait_until(monotonic() + 20_000_000);
+        at.bell.wait_until(HostInstant::now() + Span::from_millis(20));
         board.poll_buses(at.time.now(), &mut events).unwrap();
     }
     events

@@ -16,7 +16,7 @@ use expert::{
     FunctionConfig, FunctionKind, FunctionProbe, InputConditions, LimitsMode, LineEvents, Operation,
     PhaseMode, Pins, RECORD,
 };
-use host::{COUNTER_RECORD, CounterEvent, CounterEventKind};
+use host::{COUNTER_RECORD, CounterEvent, CounterEventKind, HostInstant};
 use plans::frames::DataPattern;
 use plans::frames::can::Database;
 use plans::lang::{Need, SignalAt};
@@ -134,7 +134,7 @@ pub fn iio(data: &[u8]) {
     let mut scans = Scans::new(inputs, stamp, Span::from_micros(100), bytes.len() % 2 == 0);
     let mut readings = Vec::new();
     for (at, part) in bytes.chunks(scans.size() * 3 + 1).enumerate() {
-        scans.take(part, at as i64, &mut readings);
+        scans.take(part, HostInstant::from_nanos(at as i64), &mut readings);
     }
     assert!(readings.iter().all(|reading| reading.before <= reading.after && reading.value.is_finite()));
     assert!(readings.len() <= bytes.len() * elements.len());
@@ -349,13 +349,15 @@ pub fn words(data: &[u8]) {
 /// Bytes off a serial line, in pieces of any size at any time: none is lost, moved or made of nothing. The first byte of
 /// a piece says how long it is, how much later it comes and how late it is read.
 pub fn serial(data: &[u8]) {
+    let nanos = Span::from_nanos;
     let mut marks = Marks::default();
-    let mut frames = Frames::new(Framing { gap: 4, character: 1, hold: 2, most: data.len().max(1) });
-    let (mut now, mut sent, mut told, mut left) = (0, Vec::new(), Vec::new(), data);
+    let mut frames =
+        Frames::new(Framing { gap: nanos(4), character: nanos(1), hold: nanos(2), most: data.len().max(1) });
+    let (mut now, mut sent, mut told, mut left) = (HostInstant::BOOT, Vec::new(), Vec::new(), data);
     while let Some((head, rest)) = left.split_first() {
         let (piece, behind) = rest.split_at(rest.len().min(usize::from(head & 15)));
-        let empty = now + i64::from(head >> 6) * 4;
-        now = empty + i64::from(head >> 4 & 3) * 3;
+        let empty = now + nanos(i64::from(head >> 6) * 4);
+        now = empty + nanos(i64::from(head >> 4 & 3) * 3);
         let mut received = Received { symbols: Vec::new(), empty, read: now };
         piece.iter().for_each(|byte| marks.take(*byte, |symbol| received.symbols.push(symbol)));
         sent.extend(received.symbols.iter().filter_map(|symbol| match *symbol {
@@ -365,7 +367,7 @@ pub fn serial(data: &[u8]) {
         told.extend(frames.take(&received));
         left = behind;
     }
-    told.extend(frames.quiet(i64::MAX));
+    told.extend(frames.quiet(HostInstant::NEVER));
     assert!(told.iter().all(|frame| !frame.overlong && (!frame.bytes.is_empty() || frame.breaks > 0)));
     assert!(frames.due().is_none());
     let back: Vec<u8> = told.into_iter().flat_map(|frame| frame.bytes).collect();
@@ -411,7 +413,12 @@ pub fn spi(data: &[u8]) {
     for (at, piece) in answers.chunks(FRAME).enumerate().filter(|_| frames > 0) {
         let mut answer = [0; FRAME];
         answer[..piece.len()].copy_from_slice(piece);
-        let _ = sweep.take(at % frames, &answer, at as i64, at as i64 + 1);
+        let _ = sweep.take(
+            at % frames,
+            &answer,
+            HostInstant::from_nanos(at as i64),
+            HostInstant::from_nanos(at as i64 + 1),
+        );
     }
     let mut readings = Vec::new();
     sweep.readings(&mut readings);
@@ -444,13 +451,14 @@ pub fn counter(data: &[u8]) {
         counts_hz: Some(1_000_000),
     };
     let ceiling = if listens & 0x80 == 0 { u64::from(*counts) } else { u64::MAX };
-    let mut follower = Follower::new(&spec, ceiling, 100_000_000, 50_000);
+    let mut follower = Follower::new(&spec, ceiling, Span::from_millis(100), Span::from_micros(50));
     let mut told = 0;
     for record in records.as_chunks::<COUNTER_RECORD>().0 {
         let event = CounterEvent::read(record);
-        let stamp = i64::from_ne_bytes(record.first_chunk().copied().unwrap_or_default());
+        let stamp =
+            HostInstant::from_nanos(i64::from_ne_bytes(record.first_chunk().copied().unwrap_or_default()));
         let value = u64::from(record[8]);
-        let reading = Reading { before: stamp.saturating_sub(100), after: stamp, value };
+        let reading = Reading { before: stamp - Span::from_nanos(100), after: stamp, value };
         follower.take(reading, event.as_slice(), &mut |step| {
             assert!(step.from <= step.to, "{step:?}");
             told += 1;

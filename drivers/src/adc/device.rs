@@ -2,10 +2,11 @@
 
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use host::{Realtime, Role, monotonic};
+use host::{AtomicInstant, HostInstant, Realtime, Role};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use signal::Span;
 
 use super::{Adc, Pace, Reading, Resolution, Scale, Shown};
 use crate::thread::Reporter;
@@ -17,13 +18,13 @@ pub(super) type Opener = Box<dyn FnMut() -> Option<Box<dyn Adc>> + Send>;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Report {
     /// An input shows another quantity, or one that is not known: it came between these stamps.
-    Sample { input: u16, from: i64, to: i64, shown: Shown },
+    Sample { input: u16, from: HostInstant, to: HostInstant, shown: Shown },
     /// So many readings of an input were lost, or came too late for what the channel promises.
-    Missed { input: u16, count: u32, at: i64 },
+    Missed { input: u16, count: u32, at: HostInstant },
     /// Every input was read since this start.
     Started { start: u64 },
     /// It was gone and is there again; what its inputs show follows.
-    Returned { at: i64 },
+    Returned { at: HostInstant },
 }
 
 /// What board and thread share.
@@ -33,8 +34,8 @@ pub(super) struct Shared {
     pub(super) active: AtomicBool,
     /// Number of starts asked for.
     pub(super) starts: AtomicU64,
-    /// The stamp since when readings are owed; 0 for none.
-    pub(super) owes: AtomicI64,
+    /// Since when readings are owed.
+    pub(super) owes: AtomicInstant,
     /// The noise of each input in its last reading, in the unit of its channel: bits of a number, which is none while
     /// there is no reading of several samples.
     pub(super) noise: Vec<AtomicU64>,
@@ -57,7 +58,7 @@ pub(super) struct Known {
     /// What was reported last; `None` before the first.
     told: Option<Shown>,
     /// When its last reading began.
-    last: Option<i64>,
+    last: Option<HostInstant>,
 }
 
 impl Known {
@@ -76,14 +77,14 @@ pub(super) struct Device {
     /// The readings of one call.
     pub(super) found: Vec<Reading>,
     /// The longest time between two readings of an input that its channel allows for.
-    pub(super) apart: i64,
+    pub(super) apart: Span,
     /// A device that was gone is opened again.
     pub(super) reconnect: bool,
     pub(super) started: u64,
     /// Whether the start has been answered.
     pub(super) complete: bool,
     /// When the next reading is due.
-    pub(super) due: i64,
+    pub(super) due: HostInstant,
     /// Readings that the device lost, as it reported last.
     pub(super) lost: u64,
 }
@@ -103,16 +104,16 @@ impl Device {
     }
 
     /// One look at what is asked, and at most one call. Says until when there is nothing to do.
-    fn turn(&mut self) -> i64 {
+    fn turn(&mut self) -> HostInstant {
         let starts = self.shared.starts.load(Ordering::Acquire);
         if starts != self.started {
             self.begin(starts);
         }
         if !self.shared.active.load(Ordering::Acquire) {
-            self.shared.owes.store(0, Ordering::Release);
-            return i64::MAX;
+            self.shared.owes.clear();
+            return HostInstant::NEVER;
         }
-        let now = monotonic();
+        let now = HostInstant::now();
         if now >= self.due {
             match self.converter.is_some() {
                 true => self.read(now),
@@ -134,7 +135,7 @@ impl Device {
             self.refused(&error);
         }
         self.lost = self.converter.as_ref().map_or(0, |converter| converter.lost());
-        self.due = monotonic();
+        self.due = HostInstant::now();
     }
 
     fn forget(&mut self) {
@@ -144,11 +145,11 @@ impl Device {
     }
 
     /// Asks the device. What it says lies in `found`.
-    fn call(&mut self, now: i64) -> bool {
+    fn call(&mut self, now: HostInstant) -> bool {
         self.found.clear();
         let Some(converter) = &mut self.converter else { return false };
-        if self.shared.owes.load(Ordering::Relaxed) == 0 {
-            self.shared.owes.store(now, Ordering::Release);
+        if self.shared.owes.get().is_none() {
+            self.shared.owes.set(now);
         }
         match converter.read(&mut self.found) {
             Err(error) if error.kind() != std::io::ErrorKind::WouldBlock => {
@@ -162,24 +163,22 @@ impl Device {
         }
     }
 
-    fn read(&mut self, now: i64) {
+    fn read(&mut self, now: HostInstant) {
         let answered = self.call(now);
-        let after = monotonic();
+        let after = HostInstant::now();
         let Some(converter) = &self.converter else { return };
         let (period, owes) = match converter.pace() {
-            Pace::Asked(period) => (period.as_nanos(), 0),
+            Pace::Asked(period) => (period, None),
             // The next readings are owed from now on.
-            Pace::Ready(_, period) if self.found.is_empty() => {
-                (period.as_nanos(), self.shared.owes.load(Ordering::Relaxed))
-            }
-            Pace::Ready(_, period) => (period.as_nanos(), after.saturating_add(period.as_nanos())),
+            Pace::Ready(_, period) if self.found.is_empty() => (period, self.shared.owes.get()),
+            Pace::Ready(_, period) => (period, Some(after + period)),
         };
         let lost = converter.lost();
-        self.shared.owes.store(owes, Ordering::Release);
+        self.shared.owes.set(owes);
         // As often as asked for on the whole; what was slept through is not made up for.
-        self.due = self.due.saturating_add(period);
+        self.due += period;
         if self.due <= after {
-            self.due = after.saturating_add(period);
+            self.due = after + period;
         }
         if answered {
             self.take();
@@ -215,7 +214,7 @@ impl Device {
             }
             let apart = reading.after - from;
             if apart > self.apart {
-                let count = apart / self.apart.max(1);
+                let count = apart.as_nanos() / self.apart.as_nanos().max(1);
                 self.missed(input, u32::try_from(count).unwrap_or(u32::MAX), reading.after);
             }
             let sample = Report::Sample { input: reading.input, from, to: reading.after, shown };
@@ -225,21 +224,21 @@ impl Device {
         }
     }
 
-    fn missed(&mut self, input: usize, count: u32, at: i64) {
+    fn missed(&mut self, input: usize, count: u32, at: HostInstant) {
         self.reporter.report(Report::Missed { input: input as u16, count, at });
     }
 
     fn refused(&mut self, error: &std::io::Error) {
         if self.reporter.refused(error) {
             self.converter = None;
-            self.shared.owes.store(0, Ordering::Release);
-            self.due = monotonic().saturating_add(self.reporter.limit());
+            self.shared.owes.clear();
+            self.due = HostInstant::now() + self.reporter.limit();
         }
     }
 
     /// Whether a device that was gone is there again.
-    fn look_again(&mut self, now: i64) {
-        self.due = if self.reconnect { now.saturating_add(self.reporter.limit()) } else { i64::MAX };
+    fn look_again(&mut self, now: HostInstant) {
+        self.due = if self.reconnect { now + self.reporter.limit() } else { HostInstant::NEVER };
         if !self.reconnect {
             return;
         }
@@ -247,15 +246,15 @@ impl Device {
         if let Some(converter) = &self.converter {
             self.lost = converter.lost();
             self.forget();
-            self.reporter.returned(Report::Returned { at: monotonic() });
-            self.due = monotonic();
+            self.reporter.returned(Report::Returned { at: HostInstant::now() });
+            self.due = HostInstant::now();
         }
     }
 
     /// Until somebody wakes the thread, until the device has something, or until then.
-    fn wait(&self, until: i64) {
-        let left = until.saturating_sub(monotonic());
-        if left <= 0 {
+    fn wait(&self, until: HostInstant) {
+        let left = until.remaining().as_nanos();
+        if left == 0 {
             return;
         }
         let timeout = Timespec { tv_sec: left / 1_000_000_000, tv_nsec: left % 1_000_000_000 };

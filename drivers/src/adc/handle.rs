@@ -1,9 +1,9 @@
 //! One converter as the board follows it: what its inputs showed last, whether it still answers.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use host::monotonic;
+use host::{AtomicInstant, HostInstant};
 use rtrb::Consumer;
 use rustix::event::{EventfdFlags, eventfd};
 use rustix::io::Errno;
@@ -50,7 +50,7 @@ impl AdcHandle {
         let shared = Arc::new(Shared {
             active: AtomicBool::new(false),
             starts: AtomicU64::new(0),
-            owes: AtomicI64::new(0),
+            owes: AtomicInstant::none(),
             noise: samples.iter().map(|_| AtomicU64::new(f64::NAN.to_bits())).collect(),
             wake: eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?,
         });
@@ -58,7 +58,7 @@ impl AdcHandle {
             ends(REPORTS.max(samples.len() * 4), &context.bell, limits.unresponsive_after);
         let of = converter.device().to_owned();
         let name = format!("adc {of}");
-        let apart = longest(period, converter.spread()).as_nanos();
+        let apart = longest(period, converter.spread());
         let device = Device {
             found: Vec::with_capacity(samples.len() * AT_ONCE),
             inputs: samples.iter().map(|sample| Known::new(sample.scale.clone())).collect(),
@@ -70,7 +70,7 @@ impl AdcHandle {
             reconnect: limits.reconnect,
             started: 0,
             complete: true,
-            due: 0,
+            due: HostInstant::BOOT,
             lost: 0,
         };
         let realtime = context.realtime;
@@ -85,12 +85,9 @@ impl AdcHandle {
         })
     }
 
-    /// Until when an answer is owed; 0 for none.
-    fn due(&self) -> i64 {
-        match self.shared.owes.load(Ordering::Acquire) {
-            0 => 0,
-            owes => owes.saturating_add(self.thread.limit()),
-        }
+    /// Until when an answer is owed.
+    fn due(&self) -> Option<HostInstant> {
+        Some(self.shared.owes.get()? + self.thread.limit())
     }
 
     fn report(&mut self, report: Report, collector: &mut EventCollector<'_>) {
@@ -139,7 +136,7 @@ impl DeviceHandle for AdcHandle {
     }
 
     /// It has when every input was read.
-    fn await_start(&mut self, request: u64, due: i64, reconnect: bool) -> bool {
+    fn await_start(&mut self, request: u64, due: HostInstant, reconnect: bool) -> bool {
         loop {
             while let Ok(report) = self.reports.pop() {
                 match report {
@@ -155,7 +152,7 @@ impl DeviceHandle for AdcHandle {
                     _ => {}
                 }
             }
-            if self.thread.is_gone() && !reconnect || monotonic() >= due {
+            if self.thread.is_gone() && !reconnect || HostInstant::now() >= due {
                 return false;
             }
             self.thread.wait(due);
@@ -185,7 +182,7 @@ impl DeviceHandle for AdcHandle {
         false
     }
 
-    fn overdue(&self) -> Option<i64> {
+    fn overdue(&self) -> Option<HostInstant> {
         self.thread.overdue(self.due())
     }
 
@@ -196,7 +193,7 @@ impl DeviceHandle for AdcHandle {
         0
     }
 
-    fn await_safe(&self, _request: u64, _due: i64) -> Result<(), Errno> {
+    fn await_safe(&self, _request: u64, _due: HostInstant) -> Result<(), Errno> {
         Ok(())
     }
 
@@ -217,7 +214,7 @@ impl DeviceHandle for AdcHandle {
 impl Drop for AdcHandle {
     fn drop(&mut self) {
         let shared = &self.shared;
-        self.thread.end(|| shared.wake(), || 0);
+        self.thread.end(|| shared.wake(), || None);
     }
 }
 
@@ -230,9 +227,9 @@ fn changed(channel: ChannelId, at: When, shown: Option<Shown>, collector: &mut E
     collector.tell(BoardEvent::Changed { channel, at, value, origin });
 }
 
-fn stamp_of(report: &Report) -> i64 {
+fn stamp_of(report: &Report) -> HostInstant {
     match *report {
         Report::Sample { to: at, .. } | Report::Missed { at, .. } | Report::Returned { at } => at,
-        Report::Started { .. } => i64::MIN,
+        Report::Started { .. } => HostInstant::BOOT,
     }
 }

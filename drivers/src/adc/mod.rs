@@ -22,6 +22,7 @@ pub use certificate::{Certificate, today};
 pub use scale::{Point, Scale, Shown};
 pub use spec::{AdcKind, AdcSpec, AdcsSpec, FindInput, SPREAD, SampleSpec};
 
+use host::HostInstant;
 use signal::Span;
 use std::fmt::Debug;
 use std::io;
@@ -35,10 +36,10 @@ pub const AT_ONCE: usize = 64;
 pub struct Reading {
     /// Place of the input among those that the converter was opened for.
     pub input: u16,
-    /// Stamps of the monotonic clock, in ns, between which the input was sampled.
-    pub before: i64,
+    /// The instants between which the input was sampled: the earlier one.
+    pub before: HostInstant,
     /// The later one.
-    pub after: i64,
+    pub after: HostInstant,
     /// The quantity at the input, in volts, or in the unit of its driver.
     pub value: f64,
     /// Whether the input was within what the converter can tell apart.

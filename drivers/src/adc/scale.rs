@@ -141,10 +141,11 @@ impl Scale {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use host::HostInstant;
     use proptest::prelude::*;
 
     fn reading(value: f64) -> Reading {
-        Reading { input: 0, before: 0, after: 0, value, range: InRange::Yes }
+        Reading { input: 0, before: HostInstant::BOOT, after: HostInstant::BOOT, value, range: InRange::Yes }
     }
 
     /// What is shown by a converter that is exact.

@@ -52,7 +52,7 @@ pub trait Adapter: Send + fmt::Debug {
 
     /// How long after bus-off the controller is started again by [`Adapter::restart`], in nanoseconds; `None`: the
     /// kernel does so, or nobody.
-    fn restarts_after(&self) -> Option<i64>;
+    fn restarts_after(&self) -> Option<Span>;
 
     /// Starts the controller again.
     ///
@@ -161,8 +161,8 @@ impl Adapter for Interface {
         Some(self.watch.as_fd())
     }
 
-    fn restarts_after(&self) -> Option<i64> {
-        self.restarts.and(self.spec.restart).map(Span::as_nanos)
+    fn restarts_after(&self) -> Option<Span> {
+        self.restarts.and(self.spec.restart)
     }
 
     fn restart(&mut self) -> io::Result<()> {

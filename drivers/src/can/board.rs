@@ -1,7 +1,7 @@
 //! The CAN buses of a board.
 
 use document::Diagnostic;
-use host::monotonic;
+use host::HostInstant;
 use rustix::io::Errno;
 use signal::{CanFrame, SerialOutput, Span, Time, Value};
 
@@ -114,9 +114,9 @@ impl CanBoard {
             self.limits.unresponsive_after
         };
         let config = ThreadConfig {
-            resolution: self.context.resolution.as_nanos(),
-            limit: self.limits.unresponsive_after.as_nanos(),
-            patience: end.as_nanos(),
+            resolution: self.context.resolution,
+            limit: self.limits.unresponsive_after,
+            patience: end,
             reconnect: self.limits.reconnect,
             realtime: self.context.realtime,
         };
@@ -145,7 +145,7 @@ impl Board for CanBoard {
         self.run.end();
         let starts: Vec<u64> = self.nodes.iter_mut().map(Node::ask_start).collect();
         let unresponsive_after = self.limits.unresponsive_after.max(START);
-        let patience = || monotonic().saturating_add(unresponsive_after.as_nanos());
+        let patience = || HostInstant::now() + unresponsive_after;
         let due = patience();
         for (node, start) in self.nodes.iter_mut().zip(starts) {
             let mut begun = node.await_start(start, due);
@@ -155,8 +155,8 @@ impl Board for CanBoard {
                 true => node.is_behind(),
                 false => self.limits.reconnect && node.gone(),
             };
-            while wanted(node, begun) && monotonic() < due {
-                node.shared.answer.wait_until(due.min(monotonic().saturating_add(LOOK.as_nanos())));
+            while wanted(node, begun) && HostInstant::now() < due {
+                node.shared.answer.wait_until(due.min(HostInstant::now() + LOOK));
                 let start = node.ask_start();
                 // What is asked last gets as long for its answer as what was asked first.
                 begun = node.await_start(start, patience());
@@ -188,7 +188,7 @@ impl Board for CanBoard {
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.run.latch(now);
         let asked: Vec<u64> = self.nodes.iter_mut().map(Node::ask_safe).collect();
-        let due = monotonic().saturating_add(self.limits.unresponsive_after.as_nanos());
+        let due = HostInstant::now() + self.limits.unresponsive_after;
         let mut outcome = Ok(());
         for (node, asked) in self.nodes.iter().zip(asked) {
             if !node.await_safe(asked, due) {

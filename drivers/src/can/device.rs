@@ -1,10 +1,10 @@
 //! The thread that talks to a CAN interface: the only one whose calls may last.
 
-use signal::CanFrame;
+use signal::{CanFrame, Span};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bell, Bracket, Errno, Realtime, Received, Role, monotonic};
+use host::{Bell, Bracket, Errno, HostInstant, Realtime, Received, Role};
 use rtrb::{Consumer, Producer};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
@@ -18,8 +18,8 @@ use super::wire::{FD, Told, decode, encode};
 use crate::{BusError, BusState};
 
 /// How long the kernel's full queue is left alone, and how long the thread is without a look at the clocks.
-const AGAIN: i64 = 1_000_000;
-const IDLE: i64 = 100_000_000;
+const AGAIN: Span = Span::from_millis(1);
+const IDLE: Span = Span::from_millis(100);
 
 /// The thread's side.
 #[derive(Debug)]
@@ -32,14 +32,14 @@ pub(super) struct Device {
     /// Is rung when there is something to report.
     bell: Arc<Bell>,
     /// How long before its stamp a frame may have ended, and how long one may wait for the bus.
-    resolution: i64,
-    limit: i64,
+    resolution: Span,
+    limit: Span,
     /// An interface that went away is taken back.
     reconnect: bool,
     started: u64,
     state: BusState,
     /// When it left the bus, or the rig tried in vain to bring it back.
-    off_since: Option<i64>,
+    off_since: Option<HostInstant>,
     /// The kernel lets frames pass.
     running: bool,
     /// From the wall clock to the monotonic one, as measured last.
@@ -50,11 +50,11 @@ pub(super) struct Device {
     pending: Option<CanFrame>,
     /// Own frames that the kernel has and the bus had not, and since when none of them came.
     waiting: u32,
-    since: i64,
+    since: HostInstant,
     late: bool,
     arrivals: Arrivals,
     /// The newest instant that was told.
-    newest: i64,
+    newest: HostInstant,
     /// The answer to a start, until there is room for it.
     begun: Option<Report>,
     told_lost: bool,
@@ -89,10 +89,10 @@ impl Device {
             dropped: 0,
             pending: None,
             waiting: 0,
-            since: 0,
+            since: HostInstant::BOOT,
             late: false,
             arrivals: Arrivals::new(),
-            newest: i64::MIN,
+            newest: HostInstant::BOOT,
             begun: None,
             told_lost: false,
             told: false,
@@ -130,7 +130,7 @@ impl Device {
         self.restart();
         self.send();
         self.overdue();
-        self.shared.in_call.store(0, Ordering::Release);
+        self.shared.in_call.clear();
         self.tell_lost();
         if self.shared.heard.swap(asked, Ordering::AcqRel) != asked {
             self.shared.answer.ring();
@@ -143,11 +143,11 @@ impl Device {
     /// Waits until there is something to do.
     fn wait(&mut self) {
         let soon = self.pending.is_some() || self.begun.is_some();
-        let mut nanos = if soon { AGAIN } else { IDLE.min(self.limit) };
+        let mut left = if soon { AGAIN } else { IDLE.min(self.limit) };
         if let Some(due) = self.restarts_at() {
-            nanos = nanos.min(due.saturating_sub(monotonic()).max(0));
+            left = left.min(due.remaining());
         }
-        let due = Timespec { tv_sec: 0, tv_nsec: nanos };
+        let due = Timespec { tv_sec: 0, tv_nsec: left.as_nanos() };
         let wake = || PollFd::new(&self.shared.wake, PollFlags::IN);
         let source = self.port.as_ref().map(|port| port.source());
         let mut all = [
@@ -191,7 +191,7 @@ impl Device {
     fn tell_lost(&mut self) {
         let lost = self.port.is_none();
         if lost != self.told_lost {
-            let at = monotonic();
+            let at = HostInstant::now();
             let report = if lost { Report::Lost { at } } else { Report::Returned { at } };
             if self.reports.push(report).is_ok() {
                 (self.told_lost, self.told) = (lost, true);
@@ -201,7 +201,7 @@ impl Device {
 
     /// A call begins.
     fn called(&self) {
-        self.shared.in_call.store(monotonic(), Ordering::Release);
+        self.shared.in_call.set(HostInstant::now());
     }
 
     fn open(&mut self) {
@@ -209,7 +209,7 @@ impl Device {
             self.port = Some(port);
             (self.dropped, self.waiting, self.pending, self.running) = (0, 0, None, true);
             self.shared.gone.store(false, Ordering::Release);
-            self.is(monotonic(), state);
+            self.is(HostInstant::now(), state);
         }
     }
 
@@ -224,7 +224,7 @@ impl Device {
             }
         }
         (self.waiting, self.pending) = (0, None);
-        self.shared.gone_since.store(monotonic(), Ordering::Release);
+        self.shared.gone_since.set(HostInstant::now());
         self.shared.gone.store(true, Ordering::Release);
     }
 
@@ -299,12 +299,13 @@ impl Device {
 
     /// One datagram.
     fn take(&mut self, bytes: &[u8; FD], received: Received, clocks: Bracket) {
-        let now = monotonic();
+        let now = HostInstant::now();
         let (mut earliest, mut latest) = (now, now);
         if let Some(wall) = received.wall {
             // Clocks are known a little better or worse from time to time; frames stay in order.
-            latest = wall.saturating_add(clocks.high).max(self.newest).min(now);
-            earliest = wall.saturating_add(clocks.low).saturating_sub(self.resolution).min(latest);
+            let (low, high) = clocks.instants(wall);
+            latest = high.max(self.newest).min(now);
+            earliest = (low - self.resolution).min(latest);
         }
         self.newest = latest;
         let lost = received.dropped.wrapping_sub(self.dropped);
@@ -339,7 +340,7 @@ impl Device {
     }
 
     /// How the controller takes part.
-    fn is(&mut self, at: i64, state: BusState) {
+    fn is(&mut self, at: HostInstant, state: BusState) {
         if state == BusState::BusOff {
             // The controller forgets what it had.
             self.waiting = 0;
@@ -353,18 +354,18 @@ impl Device {
 
     /// Notes since when the controller is off the bus, if it is.
     fn off(&mut self) {
-        self.off_since = Some(monotonic()).filter(|_| self.state == BusState::BusOff);
+        self.off_since = Some(HostInstant::now()).filter(|_| self.state == BusState::BusOff);
     }
 
     /// When the rig starts the controller again, if it is to.
-    fn restarts_at(&self) -> Option<i64> {
+    fn restarts_at(&self) -> Option<HostInstant> {
         let (since, after) = (self.off_since?, self.adapter.restarts_after()?);
-        self.port.as_ref().map(|_| since.saturating_add(after))
+        self.port.as_ref().map(|_| since + after)
     }
 
     /// Starts a controller again that has been off the bus for so long.
     fn restart(&mut self) {
-        if self.restarts_at().is_none_or(|due| monotonic() < due) {
+        if self.restarts_at().is_none_or(|due| HostInstant::now() < due) {
             return;
         }
         self.called();
@@ -372,7 +373,7 @@ impl Device {
             self.shared.failed.fetch_add(1, Ordering::Relaxed);
         }
         // It tells by a report that it is back, else it is tried again.
-        self.off_since = Some(monotonic());
+        self.off_since = Some(HostInstant::now());
     }
 
     fn send(&mut self) {
@@ -396,7 +397,7 @@ impl Device {
             match port.send(&bytes[..len]) {
                 Ok(()) => {
                     if self.waiting == 0 {
-                        self.since = monotonic();
+                        self.since = HostInstant::now();
                     }
                     self.waiting += 1;
                 }
@@ -415,9 +416,9 @@ impl Device {
 
     /// Frames that wait for the bus for too long.
     fn overdue(&mut self) {
-        if self.waiting > 0 && !self.late && monotonic() - self.since > self.limit {
+        if self.waiting > 0 && !self.late && HostInstant::now() - self.since > self.limit {
             self.late = true;
-            self.report(Report::Error { at: monotonic(), error: BusError::SendTimeout });
+            self.report(Report::Error { at: HostInstant::now(), error: BusError::SendTimeout });
         }
     }
 

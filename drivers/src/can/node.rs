@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{TimeBase, monotonic};
+use host::{HostInstant, TimeBase};
 use signal::{CanFrame, Span, Time, When};
 
 use super::running::Running;
@@ -19,10 +19,10 @@ pub(super) struct Node {
     pub(super) shared: Arc<Shared>,
     running: Running,
     /// How long a call may last.
-    limit: i64,
+    limit: Span,
     /// What the thread had seen to when it was looked at last, and since when it owes the rest.
     heard: u64,
-    owes: i64,
+    owes: HostInstant,
     pub(super) lost: Option<LossReason>,
     /// How the controller took part at the start, until it is told.
     fresh: Option<BusState>,
@@ -36,14 +36,14 @@ pub(super) struct Node {
 }
 
 impl Node {
-    pub(super) fn new(spec: CanBusSpec, running: Running, limit: i64) -> Node {
+    pub(super) fn new(spec: CanBusSpec, running: Running, limit: Span) -> Node {
         Node {
             spec,
             shared: running.shared.clone(),
             running,
             limit,
             heard: 0,
-            owes: 0,
+            owes: HostInstant::BOOT,
             lost: None,
             fresh: None,
             waiting: false,
@@ -55,12 +55,12 @@ impl Node {
 
     /// What a start says of an interface that is lost.
     pub(super) fn is_lost(&self) -> BoardError {
-        let now = monotonic();
+        let now = HostInstant::now();
         let (reason, since) = match self.gone() {
-            true => (LossReason::Gone, self.shared.gone_since.load(Ordering::Acquire)),
+            true => (LossReason::Gone, self.shared.gone_since.get().unwrap_or(now)),
             false => (LossReason::Unresponsive, self.overdue().map_or(now, |due| due - self.limit)),
         };
-        BoardError::BusLost { bus: self.id(), reason, since: Span::from_nanos((now - since).max(0)) }
+        BoardError::BusLost { bus: self.id(), reason, since: (now - since).max(Span::ZERO) }
     }
 
     /// Whether the start found the controller off its bus, or with frames of before.
@@ -81,7 +81,7 @@ impl Node {
     }
 
     /// Waits until the thread has begun anew and the interface is there. FALSE where it is not in time.
-    pub(super) fn await_start(&mut self, start: u64, due: i64) -> bool {
+    pub(super) fn await_start(&mut self, start: u64, due: HostInstant) -> bool {
         loop {
             while let Ok(report) = self.running.reports.pop() {
                 let Report::Started { start: done, state, waiting } = report else { continue };
@@ -92,7 +92,7 @@ impl Node {
                     return false;
                 }
                 (self.lost, self.ahead, self.dropped) = (None, None, 0);
-                self.owes = monotonic();
+                self.owes = HostInstant::now();
                 self.waiting = waiting;
                 self.fresh = Some(state).filter(|state| *state != BusState::ErrorActive);
                 self.failed = self.shared.failed.load(Ordering::Acquire);
@@ -100,7 +100,7 @@ impl Node {
                 self.shared.latched.store(false, Ordering::Release);
                 return true;
             }
-            if monotonic() >= due {
+            if HostInstant::now() >= due {
                 return false;
             }
             self.shared.answer.wait_until(due);
@@ -114,12 +114,12 @@ impl Node {
     }
 
     /// Waits until nothing is on its way to the kernel any more.
-    pub(super) fn await_safe(&self, asked: u64, due: i64) -> bool {
+    pub(super) fn await_safe(&self, asked: u64, due: HostInstant) -> bool {
         loop {
             if self.gone() || self.shared.heard.load(Ordering::Acquire) >= asked {
                 return true;
             }
-            if monotonic() >= due {
+            if HostInstant::now() >= due {
                 return false;
             }
             self.shared.answer.wait_until(due);
@@ -131,7 +131,7 @@ impl Node {
     }
 
     /// Puts a frame into the queue.
-    pub(super) fn send(&mut self, now: i64, frame: &CanFrame) -> Result<(), BoardError> {
+    pub(super) fn send(&mut self, now: HostInstant, frame: &CanFrame) -> Result<(), BoardError> {
         let fits = encode(frame).is_some() && (!frame.fd || self.spec.data_bitrate.is_some());
         // The kernel filters what the rig sends as well, and then nobody would see it on the bus.
         if !fits || self.spec.listen_only || !self.spec.takes(frame) {
@@ -147,7 +147,7 @@ impl Node {
     }
 
     /// Looks at what the thread has seen to: whoever sees to something is not silent.
-    fn look(&mut self, now: i64) {
+    fn look(&mut self, now: HostInstant) {
         let heard = self.shared.heard.load(Ordering::Acquire);
         if heard != self.heard {
             (self.heard, self.owes) = (heard, now);
@@ -159,18 +159,18 @@ impl Node {
     }
 
     /// When the interface counts as silent if it does not answer.
-    pub(super) fn overdue(&self) -> Option<i64> {
+    pub(super) fn overdue(&self) -> Option<HostInstant> {
         if self.lost.is_some() {
             return None;
         }
         let owes = Some(self.owes).filter(|_| self.owing());
-        let called = Some(self.shared.in_call.load(Ordering::Acquire)).filter(|since| *since != 0);
+        let called = self.shared.in_call.get();
         let since = match (owes, called) {
             // The thread may be about to see what is asked; a call that lasts tells from when on it does not.
             (Some(owes), Some(called)) => owes.min(called),
             (owes, called) => owes.or(called)?,
         };
-        Some(since.saturating_add(self.limit))
+        Some(since + self.limit)
     }
 
     /// Tells what happened up to now.
@@ -228,16 +228,14 @@ impl Node {
     }
 
     /// Whether the thread still answers.
-    fn answers(&mut self, stamp: i64, at: Time, out: &mut Vec<BusEvent>) {
+    fn answers(&mut self, stamp: HostInstant, at: Time, out: &mut Vec<BusEvent>) {
         let bus = self.id();
         match self.lost {
             None if self.overdue().is_some_and(|due| due < stamp) => {
                 self.lost = Some(LossReason::Unresponsive);
                 out.push(BusEvent::Lost { bus, at, reason: LossReason::Unresponsive });
             }
-            Some(LossReason::Unresponsive)
-                if !self.owing() && self.shared.in_call.load(Ordering::Acquire) == 0 =>
-            {
+            Some(LossReason::Unresponsive) if !self.owing() && self.shared.in_call.get().is_none() => {
                 self.lost = None;
                 out.push(BusEvent::Returned { bus, at });
             }
@@ -251,7 +249,7 @@ impl Node {
     }
 }
 
-fn stamp_of(report: &Report) -> i64 {
+fn stamp_of(report: &Report) -> HostInstant {
     match *report {
         Report::Frame { latest, .. } => latest,
         Report::State { at, .. }
@@ -259,6 +257,6 @@ fn stamp_of(report: &Report) -> i64 {
         | Report::Dropped { at, .. }
         | Report::Lost { at }
         | Report::Returned { at } => at,
-        Report::Started { .. } => i64::MIN,
+        Report::Started { .. } => HostInstant::BOOT,
     }
 }

@@ -1,10 +1,10 @@
 //! The thread of a CAN interface as its board has it.
 
-use signal::CanFrame;
+use signal::{CanFrame, Span};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bell, Realtime, monotonic};
+use host::{Bell, HostInstant, Realtime};
 use rtrb::{Consumer, Producer};
 
 use super::adapter::Adapter;
@@ -23,19 +23,19 @@ pub(super) struct Running {
     pub(super) shared: Arc<Shared>,
     pub(super) frames: Producer<CanFrame>,
     pub(super) reports: Consumer<Report>,
-    patience: i64,
+    patience: Span,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
 /// How a thread works.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ThreadConfig {
-    /// How long before its stamp a frame may have ended, in nanoseconds.
-    pub(super) resolution: i64,
-    /// How long a call may last, in nanoseconds.
-    pub(super) limit: i64,
-    /// How long the end of the thread is waited for, in nanoseconds.
-    pub(super) patience: i64,
+    /// How long before its stamp a frame may have ended.
+    pub(super) resolution: Span,
+    /// How long a call may last.
+    pub(super) limit: Span,
+    /// How long the end of the thread is waited for.
+    pub(super) patience: Span,
     /// An interface that went away is taken back.
     pub(super) reconnect: bool,
     /// How the thread runs.
@@ -67,10 +67,10 @@ impl Drop for Running {
         self.shared.latched.store(true, Ordering::Release);
         self.shared.stop.store(true, Ordering::Release);
         self.shared.ask();
-        let due = monotonic().saturating_add(self.patience);
+        let due = HostInstant::now() + self.patience;
         while !self.shared.ended.load(Ordering::Acquire) {
             // A thread inside a call that hangs is left to it: when the call ends, it finds that it is to stop.
-            if monotonic() >= due {
+            if HostInstant::now() >= due {
                 return;
             }
             self.shared.answer.wait_until(due);

@@ -2,28 +2,28 @@
 
 use signal::CanFrame;
 use std::os::fd::OwnedFd;
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use host::Bell;
+use host::{AtomicInstant, Bell, HostInstant};
 use rustix::event::{EventfdFlags, eventfd};
 
 use crate::{BusError, BusState};
 
-/// What the interface told; stamps are of the monotonic clock.
+/// What the interface told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Report {
     /// A frame was on the bus between these stamps.
-    Frame { earliest: i64, latest: i64, frame: CanFrame, own: bool },
+    Frame { earliest: HostInstant, latest: HostInstant, frame: CanFrame, own: bool },
     /// The controller takes part in another way.
-    State { at: i64, state: BusState },
+    State { at: HostInstant, state: BusState },
     /// Something went wrong on the bus.
-    Error { at: i64, error: BusError },
+    Error { at: HostInstant, error: BusError },
     /// Frames found no room on their way from the kernel or in the controller.
-    Dropped { at: i64, count: u32 },
+    Dropped { at: HostInstant, count: u32 },
     /// The interface is down, or away.
-    Lost { at: i64 },
+    Lost { at: HostInstant },
     /// It is back.
-    Returned { at: i64 },
+    Returned { at: HostInstant },
     /// What was before is forgotten, for this start; or frames of before still wait for the bus.
     Started { start: u64, state: BusState, waiting: bool },
 }
@@ -38,11 +38,11 @@ pub(super) struct Shared {
     /// Number of times that something was asked, and of those that the thread has seen to.
     pub(super) asked: AtomicU64,
     pub(super) heard: AtomicU64,
-    /// The stamp since when a call is under way; 0 for none.
-    pub(super) in_call: AtomicI64,
-    /// There is no interface to talk to, and since when: a stamp.
+    /// Since when a call is under way.
+    pub(super) in_call: AtomicInstant,
+    /// There is no interface to talk to, and since when.
     pub(super) gone: AtomicBool,
-    pub(super) gone_since: AtomicI64,
+    pub(super) gone_since: AtomicInstant,
     /// Calls that failed, frames that could not be sent among them.
     pub(super) failed: AtomicU64,
     /// Reports that found no room.
@@ -64,9 +64,9 @@ impl Shared {
             starts: AtomicU64::new(0),
             asked: AtomicU64::new(0),
             heard: AtomicU64::new(0),
-            in_call: AtomicI64::new(0),
+            in_call: AtomicInstant::none(),
             gone: AtomicBool::new(false),
-            gone_since: AtomicI64::new(0),
+            gone_since: AtomicInstant::none(),
             failed: AtomicU64::new(0),
             spilled: AtomicU64::new(0),
             stop: AtomicBool::new(false),

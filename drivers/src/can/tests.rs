@@ -83,7 +83,7 @@ impl Adapter for Fixed {
         None
     }
 
-    fn restarts_after(&self) -> Option<i64> {
+    fn restarts_after(&self) -> Option<Span> {
         None
     }
 
@@ -108,9 +108,9 @@ impl Bench {
         let script = Arc::new((Mutex::default(), Condvar::new()));
         let source = eventfd(0, EventfdFlags::CLOEXEC).unwrap();
         let port = Box::new(Scripted { script: script.clone(), source });
-        let limit = unresponsive_after.as_nanos();
+        let limit = unresponsive_after;
         let config = ThreadConfig {
-            resolution: 0,
+            resolution: Span::ZERO,
             limit,
             patience: limit,
             reconnect: false,
@@ -144,7 +144,7 @@ impl Bench {
 
     fn start(&mut self) {
         let start = self.node.ask_start();
-        let due = host::monotonic() + PATIENCE.as_nanos() as i64;
+        let due = host::HostInstant::now() + Span::from_nanos(PATIENCE.as_nanos() as i64);
         assert!(self.node.await_start(start, due), "it never starts");
         self.events.clear();
     }
@@ -160,7 +160,7 @@ impl Bench {
     }
 
     fn send(&mut self, id: u32) -> Result<(), BoardError> {
-        self.node.send(host::monotonic(), &frame(id))
+        self.node.send(host::HostInstant::now(), &frame(id))
     }
 
     fn until(&mut self, what: &str, holds: impl Fn(&Bench) -> bool) {

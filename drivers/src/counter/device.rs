@@ -1,9 +1,10 @@
 //! The thread that reads a counter: the only one whose calls may last.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use host::{Bell, CounterEvent, Realtime, Role, monotonic};
+use host::{AtomicInstant, Bell, CounterEvent, HostInstant, Realtime, Role};
+use signal::Span;
 
 use super::{Counter, Follower, Step};
 use crate::thread::Reporter;
@@ -17,11 +18,11 @@ pub(super) enum Report {
     /// It has counted.
     Counted(Step),
     /// Events were lost on the way.
-    Missed { at: i64 },
+    Missed { at: HostInstant },
     /// It was read since this start.
     Started { start: u64 },
     /// It was gone and is there again, and goes on where it was.
-    Returned { at: i64 },
+    Returned { at: HostInstant },
 }
 
 /// What board and thread share.
@@ -31,8 +32,8 @@ pub(super) struct Shared {
     pub(super) active: AtomicBool,
     /// Number of starts asked for.
     pub(super) starts: AtomicU64,
-    /// The stamp since when an answer is owed; 0 for none.
-    pub(super) owes: AtomicI64,
+    /// Since when an answer is owed.
+    pub(super) owes: AtomicInstant,
     /// Wakes the thread.
     pub(super) wake: Bell,
 }
@@ -53,7 +54,7 @@ pub(super) struct Device {
     /// What became known by one look.
     pub(super) steps: Vec<Step>,
     /// Time between two readings.
-    pub(super) period: i64,
+    pub(super) period: Span,
     /// A device that was gone is opened again.
     pub(super) reconnect: bool,
     pub(super) started: u64,
@@ -62,7 +63,7 @@ pub(super) struct Device {
     /// It is open again, and was not read since.
     pub(super) returning: bool,
     /// When the next reading is due.
-    pub(super) due: i64,
+    pub(super) due: HostInstant,
 }
 
 impl Device {
@@ -80,16 +81,16 @@ impl Device {
     }
 
     /// One look at what is asked, and at most one reading. Says until when there is nothing to do.
-    fn turn(&mut self) -> i64 {
+    fn turn(&mut self) -> HostInstant {
         let starts = self.shared.starts.load(Ordering::Acquire);
         if starts != self.started {
             self.begin(starts);
         }
         if !self.shared.active.load(Ordering::Acquire) {
-            self.shared.owes.store(0, Ordering::Release);
-            return i64::MAX;
+            self.shared.owes.clear();
+            return HostInstant::NEVER;
         }
-        let now = monotonic();
+        let now = HostInstant::now();
         if now >= self.due {
             match self.counter.is_some() {
                 true => self.look(now),
@@ -105,26 +106,26 @@ impl Device {
         self.reporter.works();
         (self.before, self.total) = (0, 0);
         self.follower.begin();
-        let now = monotonic();
+        let now = HostInstant::now();
         self.due = now;
-        self.shared.owes.store(now, Ordering::Release);
+        self.shared.owes.set(now);
         if let Some(Err(error)) = self.counter.as_mut().map(|counter| counter.begin()) {
             self.refused(&error);
         }
-        self.shared.owes.store(0, Ordering::Release);
+        self.shared.owes.clear();
     }
 
-    fn look(&mut self, now: i64) {
-        self.shared.owes.store(now, Ordering::Release);
+    fn look(&mut self, now: HostInstant) {
+        self.shared.owes.set(now);
         self.events.clear();
         let Some(counter) = &mut self.counter else { return };
         let answer = counter.read().and_then(|reading| Ok((reading, counter.events(&mut self.events)?)));
-        self.shared.owes.store(0, Ordering::Release);
+        self.shared.owes.clear();
         // As often as asked for on the whole; what was slept through is not made up for.
-        let after = monotonic();
-        self.due = self.due.saturating_add(self.period);
+        let after = HostInstant::now();
+        self.due += self.period;
         if self.due <= after {
-            self.due = after.saturating_add(self.period);
+            self.due = after + self.period;
         }
         let (reading, whole) = match answer {
             Ok(answer) => answer,
@@ -142,7 +143,7 @@ impl Device {
         // Not before it was read: what it counts from the instant of its return on is counted.
         if self.returning && self.follower.since().is_some() {
             self.returning = false;
-            self.reporter.returned(Report::Returned { at: monotonic() });
+            self.reporter.returned(Report::Returned { at: HostInstant::now() });
         }
         if !whole {
             self.reporter.report(Report::Missed { at: reading.after });
@@ -157,13 +158,13 @@ impl Device {
     fn refused(&mut self, error: &std::io::Error) {
         if self.reporter.refused(error) {
             self.counter = None;
-            self.due = monotonic().saturating_add(self.reporter.limit());
+            self.due = HostInstant::now() + self.reporter.limit();
         }
     }
 
     /// Whether a device that was gone is there again.
-    fn look_again(&mut self, now: i64) {
-        self.due = if self.reconnect { now.saturating_add(self.reporter.limit()) } else { i64::MAX };
+    fn look_again(&mut self, now: HostInstant) {
+        self.due = if self.reconnect { now + self.reporter.limit() } else { HostInstant::NEVER };
         if !self.reconnect {
             return;
         }
@@ -173,7 +174,7 @@ impl Device {
             self.before = self.total;
             self.follower.begin();
             self.returning = true;
-            self.due = monotonic();
+            self.due = HostInstant::now();
         }
     }
 }

@@ -2,17 +2,18 @@
 
 use std::collections::VecDeque;
 
-use host::{CounterEvent, CounterEventKind};
+use host::{CounterEvent, CounterEventKind, HostInstant};
+use signal::Span;
 
 use super::CounterSpec;
 
 /// What a count showed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// Stamps of the monotonic clock, in ns, between which it was read.
-    pub before: i64,
+    /// The instants between which it was read: the earlier one.
+    pub before: HostInstant,
     /// The later one.
-    pub after: i64,
+    pub after: HostInstant,
     /// The number.
     pub value: u64,
 }
@@ -31,10 +32,10 @@ pub enum Way {
 /// What became known of a count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Step {
-    /// It came to be so after this stamp.
-    pub from: i64,
+    /// It came to be so after this instant.
+    pub from: HostInstant,
     /// And not after this one.
-    pub to: i64,
+    pub to: HostInstant,
     /// How far it has counted since the beginning.
     pub total: i64,
     /// Whether it may have counted more or less than this: it may have wrapped unseen, or moved faster than it can.
@@ -47,7 +48,7 @@ struct Last {
     value: u64,
     total: i128,
     /// The earliest instant at which it can have been so.
-    since: i64,
+    since: HostInstant,
 }
 
 /// Follows one count.
@@ -64,16 +65,16 @@ pub struct Follower {
     /// Whether the device tells of wraps.
     told: bool,
     /// The longest time between two readings in which nothing goes unseen.
-    unseen: i64,
+    unseen: Span,
     /// Whether events are to come, and whether each count has one.
     events: bool,
     steps: bool,
     /// How long before its stamp a count may have happened.
-    resolution: i64,
+    resolution: Span,
     turns: i128,
     /// What the count showed in the beginning, and when that was.
     first: u64,
-    since: i64,
+    since: HostInstant,
     last: Option<Last>,
     /// The next wrap to be reported has been seen in a reading.
     foreseen: bool,
@@ -84,12 +85,12 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// Follows the count of a counter with this ceiling. Readings are at most `apart` ns apart where none is late, and events
-    /// are stamped at most `resolution` ns late.
-    pub fn new(spec: &CounterSpec, ceiling: u64, apart: i64, resolution: i64) -> Follower {
+    /// Follows the count of a counter with this ceiling. Readings are at most `apart` apart where none is late, and events
+    /// are stamped at most `resolution` late.
+    pub fn new(spec: &CounterSpec, ceiling: u64, apart: Span, resolution: Span) -> Follower {
         let range = i128::from(ceiling) + 1;
         let told = spec.tells_wraps();
-        let wraps = if told { i64::MAX } else { unseen(ceiling, spec.way(), spec.fastest()) };
+        let wraps = if told { Span::MAX } else { unseen(ceiling, spec.way(), spec.fastest()) };
         Follower {
             range,
             way: spec.way(),
@@ -101,7 +102,7 @@ impl Follower {
             resolution,
             turns: 0,
             first: 0,
-            since: 0,
+            since: HostInstant::BOOT,
             last: None,
             foreseen: false,
             held: None,
@@ -116,8 +117,8 @@ impl Follower {
         self.waiting.clear();
     }
 
-    /// The stamp of the instant from which it counts, once there is one.
-    pub fn since(&self) -> Option<i64> {
+    /// The instant from which it counts, once there is one.
+    pub fn since(&self) -> Option<HostInstant> {
         self.last.as_ref().map(|_| self.since)
     }
 
@@ -162,7 +163,7 @@ impl Follower {
         }
     }
 
-    fn base(&mut self, value: u64, since: i64) {
+    fn base(&mut self, value: u64, since: HostInstant) {
         (self.turns, self.first, self.foreseen, self.since) = (0, value, false, since);
         self.last = Some(Last { value, total: 0, since });
     }
@@ -184,7 +185,7 @@ impl Follower {
             }
         };
         let since = match self.steps {
-            true => last.since.max(event.stamp.saturating_sub(self.resolution)),
+            true => last.since.max(event.stamp - self.resolution),
             false => last.since,
         };
         self.known(since.min(event.stamp), event.stamp, event.stamp, event.count, total, tell);
@@ -243,18 +244,19 @@ impl Follower {
 
     fn known(
         &mut self,
-        from: i64,
-        since: i64,
-        to: i64,
+        from: HostInstant,
+        since: HostInstant,
+        to: HostInstant,
         value: u64,
         total: i128,
         tell: &mut impl FnMut(Step),
     ) {
         let Some(last) = self.last.replace(Last { value, total, since }) else { return };
-        let apart = to.saturating_sub(last.since);
+        let apart = to - last.since;
         let too_far = |promised: u64| {
             // The nanosecond in which it began counts whole.
-            (total - last.total).abs() > i128::from(promised) * i128::from(apart) / 1_000_000_000 + 1
+            (total - last.total).abs()
+                > i128::from(promised) * i128::from(apart.as_nanos()) / 1_000_000_000 + 1
         };
         let doubtful = apart > self.unseen || self.promised.is_some_and(too_far);
         if total != last.total || doubtful {
@@ -264,9 +266,10 @@ impl Follower {
     }
 }
 
-/// The longest time, in ns, in which a count with this ceiling cannot move so far that its way is not known any more.
-pub(super) fn unseen(ceiling: u64, way: Way, fastest: u64) -> i64 {
+/// The longest time in which a count with this ceiling cannot move so far that its way is not known any more.
+pub(super) fn unseen(ceiling: u64, way: Way, fastest: u64) -> Span {
     let range = i128::from(ceiling) + 1;
     let certain = if way == Way::Both { (range - 1) / 2 } else { range - 1 };
-    i64::try_from(certain * 1_000_000_000 / i128::from(fastest.max(1))).unwrap_or(i64::MAX)
+    let nanos = certain * 1_000_000_000 / i128::from(fastest.max(1));
+    Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX))
 }

@@ -1,6 +1,6 @@
 //! A count that is followed, against one that never wraps.
 
-use host::{CounterEvent, CounterEventKind};
+use host::{CounterEvent, CounterEventKind, HostInstant};
 use proptest::prelude::*;
 use signal::Span;
 
@@ -10,7 +10,11 @@ use crate::counting::CountFunction;
 
 const PERIOD: i64 = 1_000_000;
 /// Longer than anything here takes.
-const LONG: i64 = 1_000_000_000_000;
+const LONG: Span = Span::from_secs(1_000);
+
+fn at(nanos: i64) -> HostInstant {
+    HostInstant::from_nanos(nanos)
+}
 
 fn spec(function: CountFunction, events: &[CounterEventKind], counts_hz: Option<u64>) -> CounterSpec {
     CounterSpec {
@@ -52,11 +56,11 @@ impl Wheel {
     fn events(&self, each: bool, late: i64) -> Vec<CounterEvent> {
         let mut events = Vec::new();
         let mut position = self.first;
-        for (at, way) in &self.moves {
+        for (moved, way) in &self.moves {
             let before = position.div_euclid(self.range);
             position += way;
-            let count = self.value(at + late);
-            let mut told = |kind| events.push(CounterEvent { stamp: at + late, count, kind });
+            let count = self.value(moved + late);
+            let mut told = |kind| events.push(CounterEvent { stamp: at(moved + late), count, kind });
             match position.div_euclid(self.range) - before {
                 1 => told(CounterEventKind::Overflow),
                 -1 => told(CounterEventKind::Underflow),
@@ -73,8 +77,8 @@ impl Wheel {
     fn follow(&self, follower: &mut Follower, readings: &[i64], events: &[CounterEvent]) -> Vec<Step> {
         let mut steps = Vec::new();
         let mut next = 0;
-        for at in readings {
-            let reading = Reading { before: *at, after: at + 60, value: self.value(*at) };
+        for now in readings {
+            let reading = Reading { before: at(*now), after: at(now + 60), value: self.value(*now) };
             let came = events[next..].iter().take_while(|event| event.stamp <= reading.after).count();
             follower.take(reading, &events[next..next + came], &mut |step| steps.push(step));
             next += came;
@@ -84,12 +88,13 @@ impl Wheel {
 
     /// Each step tells what was so at some instant of its interval, and the last one where the wheel stands.
     fn agrees(&self, steps: &[Step], follower: &Follower, end: i64) -> Result<(), TestCaseError> {
-        let base = self.moved(follower.since().unwrap_or_default());
+        let base = self.moved(follower.since().unwrap_or_default().as_nanos());
         for step in steps {
             prop_assert!(step.from <= step.to, "{step:?}");
-            let first = self.moves.partition_point(|(at, _)| *at < step.from);
-            let within = self.moves[first..].iter().map(|(at, _)| *at).take_while(|at| *at <= step.to);
-            let mut instants = within.chain([step.from, step.to]);
+            let (from, to) = (step.from.as_nanos(), step.to.as_nanos());
+            let first = self.moves.partition_point(|(at, _)| *at < from);
+            let within = self.moves[first..].iter().map(|(at, _)| *at).take_while(|at| *at <= to);
+            let mut instants = within.chain([from, to]);
             prop_assert!(
                 instants.any(|at| self.moved(at) - base == step.total),
                 "{step:?} of {:?}",
@@ -135,7 +140,7 @@ proptest! {
         let end = wheel.moves.last().map_or(0, |(at, _)| *at);
         let readings = readings(end / PERIOD + 1);
         let mut follower =
-            Follower::new(&spec(CountFunction::QuadratureX4, &[], Some(4_000)), range as u64 - 1, LONG, 0);
+            Follower::new(&spec(CountFunction::QuadratureX4, &[], Some(4_000)), range as u64 - 1, LONG, Span::ZERO);
         let steps = wheel.follow(&mut follower, &readings, &[]);
         // What the file promises is exceeded by nobody here, but half the range is near: doubts are right.
         let sure: Vec<Step> = steps.iter().map(|step| Step { doubtful: false, ..*step }).collect();
@@ -155,7 +160,7 @@ proptest! {
         let end = wheel.moves.last().map_or(0, |(at, _)| *at);
         let readings = readings(end / PERIOD + 1);
         let function = if down { CountFunction::Decrease } else { CountFunction::Increase };
-        let mut follower = Follower::new(&spec(function, &[], Some(3_000)), range as u64 - 1, LONG, 0);
+        let mut follower = Follower::new(&spec(function, &[], Some(3_000)), range as u64 - 1, LONG, Span::ZERO);
         let steps = wheel.follow(&mut follower, &readings, &[]);
         let sure: Vec<Step> = steps.iter().map(|step| Step { doubtful: false, ..*step }).collect();
         wheel.agrees(&sure, &follower, end)?;
@@ -176,7 +181,7 @@ proptest! {
         let readings = readings(end / PERIOD + 1);
         let function = if down { CountFunction::Decrease } else { CountFunction::Increase };
         let told = [CounterEventKind::Overflow, CounterEventKind::Underflow];
-        let mut follower = Follower::new(&spec(function, &told, None), range as u64 - 1, LONG, 0);
+        let mut follower = Follower::new(&spec(function, &told, None), range as u64 - 1, LONG, Span::ZERO);
         let steps = wheel.follow(&mut follower, &readings, &wheel.events(false, late));
         wheel.agrees(&steps, &follower, end)?;
     }
@@ -192,7 +197,7 @@ proptest! {
         let end = wheel.moves.last().map_or(0, |(at, _)| *at);
         let readings = readings(end / PERIOD + 1);
         let told = [CounterEventKind::OverflowUnderflow];
-        let mut follower = Follower::new(&spec(CountFunction::QuadratureX4, &told, None), range as u64 - 1, LONG, 0);
+        let mut follower = Follower::new(&spec(CountFunction::QuadratureX4, &told, None), range as u64 - 1, LONG, Span::ZERO);
         let events: Vec<CounterEvent> = wheel
             .events(false, late)
             .into_iter()
@@ -212,7 +217,7 @@ proptest! {
         let readings = readings(end / PERIOD + 1);
         let told = [CounterEventKind::OverflowUnderflow, CounterEventKind::ChangeOfState];
         let mut follower =
-            Follower::new(&spec(CountFunction::QuadratureX4, &told, None), range as u64 - 1, LONG, 100);
+            Follower::new(&spec(CountFunction::QuadratureX4, &told, None), range as u64 - 1, LONG, Span::from_nanos(100));
         let events: Vec<CounterEvent> = wheel
             .events(true, 50)
             .into_iter()
@@ -222,7 +227,7 @@ proptest! {
         // Wraps without an event of their own are told from the way that is the shorter one, as there is no other.
         if wheel.events(false, 0).is_empty() {
             wheel.agrees(&steps, &follower, end)?;
-            prop_assert!(steps.iter().filter(|step| step.to - step.from <= 100).count() + 3 >= steps.len());
+            prop_assert!(steps.iter().filter(|step| step.to - step.from <= Span::from_nanos(100)).count() + 3 >= steps.len());
         }
     }
 
@@ -236,25 +241,26 @@ proptest! {
         events in prop::sample::subsequence(CounterEventKind::ALL.to_vec(), 0..7),
     ) {
         let mut follower =
-            Follower::new(&spec(CountFunction::PulseDirection, &events, Some(1)), ceiling, PERIOD, PERIOD);
-        for (at, value, told) in said {
+            Follower::new(&spec(CountFunction::PulseDirection, &events, Some(1)), ceiling, Span::from_nanos(PERIOD), Span::from_nanos(PERIOD));
+        for (now, value, told) in said {
             let event = |(stamp, count, kind): &(i64, u64, usize)| CounterEvent {
-                stamp: *stamp,
+                stamp: at(*stamp),
                 count: *count,
                 kind: CounterEventKind::ALL[*kind],
             };
             let told: Vec<CounterEvent> = told.iter().map(event).collect();
-            follower.take(Reading { before: at, after: at, value }, &told, &mut |_| {});
+            follower.take(Reading { before: at(now), after: at(now), value }, &told, &mut |_| {});
         }
     }
 }
 
 #[test]
 fn a_count_that_moves_faster_than_promised_is_told_as_doubtful() {
-    let mut follower = Follower::new(&spec(CountFunction::Increase, &[], Some(1_000)), 9_999, LONG, 0);
+    let mut follower =
+        Follower::new(&spec(CountFunction::Increase, &[], Some(1_000)), 9_999, LONG, Span::ZERO);
     let mut steps = Vec::new();
-    let mut read = |at: i64, value: u64| {
-        let reading = Reading { before: at, after: at, value };
+    let mut read = |now: i64, value: u64| {
+        let reading = Reading { before: at(now), after: at(now), value };
         follower.take(reading, &[], &mut |step| steps.push((step.total, step.doubtful)));
     };
     read(0, 9_990);
@@ -266,10 +272,16 @@ fn a_count_that_moves_faster_than_promised_is_told_as_doubtful() {
 
 #[test]
 fn what_lies_too_far_apart_is_doubtful_though_nothing_moved() {
-    let mut follower = Follower::new(&spec(CountFunction::QuadratureX4, &[], None), u64::MAX, 5 * PERIOD, 0);
+    let mut follower = Follower::new(
+        &spec(CountFunction::QuadratureX4, &[], None),
+        u64::MAX,
+        Span::from_nanos(5 * PERIOD),
+        Span::ZERO,
+    );
     let mut doubts = 0;
-    for at in [0, 4, 8, 14] {
-        let reading = Reading { before: at * PERIOD, after: at * PERIOD, value: 7 };
+    for periods in [0, 4, 8, 14] {
+        let now = at(periods * PERIOD);
+        let reading = Reading { before: now, after: now, value: 7 };
         follower.take(reading, &[], &mut |step| doubts += i32::from(step.doubtful));
     }
     assert_eq!(doubts, 1);
@@ -278,16 +290,17 @@ fn what_lies_too_far_apart_is_doubtful_though_nothing_moved() {
 #[test]
 fn the_first_reading_may_be_behind_a_wrap_that_is_told_later() {
     let told = [CounterEventKind::Overflow, CounterEventKind::Underflow];
-    let mut follower = Follower::new(&spec(CountFunction::QuadratureX4, &told, None), 999, LONG, 0);
-    let overflow = |stamp, count| CounterEvent { stamp, count, kind: CounterEventKind::Overflow };
+    let mut follower = Follower::new(&spec(CountFunction::QuadratureX4, &told, None), 999, LONG, Span::ZERO);
+    let overflow = |stamp, count| CounterEvent { stamp: at(stamp), count, kind: CounterEventKind::Overflow };
     let mut totals = Vec::new();
-    let mut take = |at: i64, value: u64, events: &[CounterEvent]| {
-        follower
-            .take(Reading { before: at, after: at + 5, value }, events, &mut |step| totals.push(step.total));
+    let mut take = |now: i64, value: u64, events: &[CounterEvent]| {
+        follower.take(Reading { before: at(now), after: at(now + 5), value }, events, &mut |step| {
+            totals.push(step.total)
+        });
         follower.since()
     };
     assert_eq!(take(1_000, 2, &[overflow(1_010, 3)]), None);
-    assert_eq!(take(2_000, 10, &[]), Some(1_010));
+    assert_eq!(take(2_000, 10, &[]), Some(at(1_010)));
     take(3_000, 10, &[]);
     assert_eq!(totals, [7]);
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::monotonic;
+use host::HostInstant;
 use rtrb::Consumer;
 use rustix::io::Errno;
 use signal::{Time, Value, When};
@@ -48,9 +48,9 @@ impl CounterHandle {
         let (reporter, mut thread, reports) =
             ends(REPORTS + 4 * kept, &context.bell, limits.unresponsive_after);
         let of = source.counter.device().to_owned();
-        let apart = spec.longest(limits.unresponsive_after).as_nanos();
+        let apart = spec.longest(limits.unresponsive_after);
         let device = Device {
-            follower: Follower::new(spec, source.counter.ceiling(), apart, context.resolution.as_nanos()),
+            follower: Follower::new(spec, source.counter.ceiling(), apart, context.resolution),
             counter: Some(source.counter),
             opener: source.again,
             shared: shared.clone(),
@@ -59,24 +59,21 @@ impl CounterHandle {
             total: 0,
             events: Vec::with_capacity(2 * kept),
             steps: Vec::with_capacity(2 * kept + 1),
-            period: spec.period.as_nanos(),
+            period: spec.period,
             reconnect: limits.reconnect,
             started: 0,
             complete: true,
             returning: false,
-            due: 0,
+            due: HostInstant::BOOT,
         };
         let realtime = context.realtime;
         thread.start(format!("count {of}"), move || device.run(realtime))?;
         Ok(CounterHandle { shared, reports, channel: source.channel, device: of, count: 0, thread })
     }
 
-    /// Until when an answer is owed; 0 for none.
-    fn due(&self) -> i64 {
-        match self.shared.owes.load(Ordering::Acquire) {
-            0 => 0,
-            owes => owes.saturating_add(self.thread.limit()),
-        }
+    /// Until when an answer is owed.
+    fn due(&self) -> Option<HostInstant> {
+        Some(self.shared.owes.get()? + self.thread.limit())
     }
 
     /// How far it has counted, since this instant.
@@ -127,7 +124,7 @@ impl DeviceHandle for CounterHandle {
     }
 
     /// It has when the count was read.
-    fn await_start(&mut self, request: u64, due: i64, reconnect: bool) -> bool {
+    fn await_start(&mut self, request: u64, due: HostInstant, reconnect: bool) -> bool {
         loop {
             while let Ok(report) = self.reports.pop() {
                 if report == (Report::Started { start: request }) {
@@ -136,7 +133,7 @@ impl DeviceHandle for CounterHandle {
                     return true;
                 }
             }
-            if self.thread.is_gone() && !reconnect || monotonic() >= due {
+            if self.thread.is_gone() && !reconnect || HostInstant::now() >= due {
                 return false;
             }
             self.thread.wait(due);
@@ -163,7 +160,7 @@ impl DeviceHandle for CounterHandle {
         false
     }
 
-    fn overdue(&self) -> Option<i64> {
+    fn overdue(&self) -> Option<HostInstant> {
         self.thread.overdue(self.due())
     }
 
@@ -174,7 +171,7 @@ impl DeviceHandle for CounterHandle {
         0
     }
 
-    fn await_safe(&self, _request: u64, _due: i64) -> Result<(), Errno> {
+    fn await_safe(&self, _request: u64, _due: HostInstant) -> Result<(), Errno> {
         Ok(())
     }
 
@@ -190,13 +187,13 @@ impl DeviceHandle for CounterHandle {
 impl Drop for CounterHandle {
     fn drop(&mut self) {
         let shared = &self.shared;
-        self.thread.end(|| shared.wake.ring(), || 0);
+        self.thread.end(|| shared.wake.ring(), || None);
     }
 }
 
-fn stamp_of(report: &Report) -> i64 {
+fn stamp_of(report: &Report) -> HostInstant {
     match *report {
         Report::Counted(Step { to: at, .. }) | Report::Missed { at } | Report::Returned { at } => at,
-        Report::Started { .. } => i64::MIN,
+        Report::Started { .. } => HostInstant::BOOT,
     }
 }

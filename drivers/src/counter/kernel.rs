@@ -6,7 +6,7 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 
 use host::{
-    COUNTER_RECORD, CounterEvent, disable_counter_events, enable_counter_events, monotonic, watch_count,
+    COUNTER_RECORD, CounterEvent, HostInstant, disable_counter_events, enable_counter_events, watch_count,
 };
 use rustix::fs::OFlags;
 use rustix::io::Errno;
@@ -108,9 +108,9 @@ impl Counter for KernelCounter {
 
     fn read(&mut self) -> io::Result<Reading> {
         let mut text = [0; 24];
-        let before = monotonic();
+        let before = HostInstant::now();
         let length = rustix::io::pread(&self.count, &mut text, 0)?;
-        let after = monotonic();
+        let after = HostInstant::now();
         let value = shown(&text[..length]).ok_or(ErrorKind::InvalidData)?;
         Ok(Reading { before, after, value })
     }
@@ -230,7 +230,7 @@ fn ceiling(count: &Path) -> u64 {
 
 /// Whether wraps of the count can be told from its readings, or are told by the device.
 fn follows(spec: &CounterSpec, device: &CounterDevice, ceiling: u64) -> Result<(), Refusal> {
-    let apart = spec.period.as_nanos().saturating_mul(2);
+    let apart = spec.period * 2;
     if spec.tells_wraps() || unseen(ceiling, spec.way(), spec.fastest()) >= apart {
         return Ok(());
     }
@@ -238,7 +238,7 @@ fn follows(spec: &CounterSpec, device: &CounterDevice, ceiling: u64) -> Result<(
     let message = format!(
         "{} wraps at {ceiling}, which can go unseen within {} at {fastest} counts a second",
         named(device),
-        signal::Span::from_nanos(apart)
+        apart
     );
     let both = if spec.way() == Way::Up { "\"overflow\"" } else { "\"overflow\", \"underflow\"" };
     let help = format!(

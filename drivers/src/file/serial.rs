@@ -79,7 +79,7 @@ pub(super) fn settings(fields: &Fields, default: SerialSettings) -> SerialSettin
 /// The silence between two messages: that of Modbus RTU where the file says none.
 pub(super) fn message_gap(fields: &Fields, line: &SerialSettings, out: &mut Findings) -> Option<Span> {
     let Some(gap) = fields.duration("message-gap") else {
-        return (!fields.has("message-gap")).then(|| Span::from_nanos(line.frame_gap()));
+        return (!fields.has("message-gap")).then(|| line.frame_gap());
     };
     if gap <= Span::ZERO || gap > LONGEST_GAP {
         let help = "write a duration above 0, up to 60 s";

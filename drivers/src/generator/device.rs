@@ -2,9 +2,9 @@
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use host::{Bell, Realtime, Role, monotonic};
+use host::{AtomicInstant, Bell, HostInstant, Realtime, Role};
 use rtrb::Consumer;
 use signal::Span;
 
@@ -39,9 +39,9 @@ pub(super) enum Report {
     /// The pulses of an order were sent.
     Sent { number: u64, sent: Sent },
     /// An order was not carried out: it was not wanted any more, or failed.
-    Dropped { number: u64, output: u8, at: i64 },
+    Dropped { number: u64, output: u8, at: HostInstant },
     /// It was gone and is there again, at rest.
-    Returned { at: i64 },
+    Returned { at: HostInstant },
 }
 
 /// What board and thread share.
@@ -52,8 +52,8 @@ pub(super) struct Shared {
     /// Times that rest was asked for, and the last of them that was carried out.
     pub(super) rests: AtomicU64,
     pub(super) rested: AtomicU64,
-    /// The stamp at which a call under way, or an order not looked at yet, counts as one that hangs; 0 for none.
-    pub(super) due: AtomicI64,
+    /// When a call under way, or an order not looked at yet, counts as one that hangs.
+    pub(super) due: AtomicInstant,
     /// Wakes the thread.
     pub(super) orders: Bell,
 }
@@ -82,7 +82,7 @@ pub(super) struct Device {
     /// The request for rest that was carried out.
     pub(super) rested: u64,
     /// When the device is looked at next.
-    pub(super) look: i64,
+    pub(super) look: HostInstant,
 }
 
 impl Device {
@@ -116,17 +116,17 @@ impl Device {
             let Ok(asked) = self.asked.pop() else { break };
             self.carry_out(asked);
         }
-        let now = monotonic();
+        let now = HostInstant::now();
         if now >= self.look {
             match self.generator.is_some() {
                 true => drop(self.call(Span::ZERO, |generator| generator.look())),
                 false => self.look_again(),
             }
-            self.look = now.saturating_add(self.reporter.limit().max(1));
+            self.look = now + self.reporter.limit().max(Span::from_nanos(1));
         }
         // Nothing is under way, and what is asked from now on has a time of its own.
         if self.asked.is_empty() {
-            self.shared.due.store(0, Ordering::Release);
+            self.shared.due.clear();
         }
     }
 
@@ -149,7 +149,7 @@ impl Device {
         let report = match done {
             Some(None) => return,
             Some(Some(sent)) => Report::Sent { number, sent },
-            None => Report::Dropped { number, output, at: monotonic() },
+            None => Report::Dropped { number, output, at: HostInstant::now() },
         };
         self.reporter.report(report);
     }
@@ -157,10 +157,10 @@ impl Device {
     /// A call that lasts so long by itself. `None` where it failed.
     fn call<T>(&mut self, lasts: Span, call: impl FnOnce(&mut dyn Generator) -> io::Result<T>) -> Option<T> {
         let generator = self.generator.as_deref_mut()?;
-        let due = monotonic().saturating_add(lasts.as_nanos()).saturating_add(self.reporter.limit());
-        self.shared.due.store(due, Ordering::Release);
+        let due = HostInstant::now() + lasts + self.reporter.limit();
+        self.shared.due.set(due);
         let outcome = call(generator);
-        self.shared.due.store(0, Ordering::Release);
+        self.shared.due.clear();
         match outcome {
             Ok(done) => {
                 self.reporter.works();
@@ -186,7 +186,7 @@ impl Device {
         if self.generator.is_some() {
             self.rested = rests;
             self.shared.rested.store(rests, Ordering::Release);
-            self.reporter.returned(Report::Returned { at: monotonic() });
+            self.reporter.returned(Report::Returned { at: HostInstant::now() });
             self.reporter.answer();
         }
     }

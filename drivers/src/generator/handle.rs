@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::monotonic;
+use host::HostInstant;
 use rtrb::{Consumer, Producer};
 use rustix::io::Errno;
 use signal::{Span, Time, Value, When};
@@ -78,7 +78,7 @@ impl GeneratorHandle {
             reporter,
             reconnect: limits.reconnect,
             rested: 0,
-            look: 0,
+            look: HostInstant::BOOT,
         };
         let realtime = context.realtime;
         thread.start(format!("emit {of}"), move || device.run(realtime))?;
@@ -117,9 +117,9 @@ impl GeneratorHandle {
         self.thread.is_gone()
     }
 
-    /// Until when an answer is owed; 0 for none.
-    fn due(&self) -> i64 {
-        self.shared.due.load(Ordering::Acquire)
+    /// Until when an answer is owed.
+    fn due(&self) -> Option<HostInstant> {
+        self.shared.due.get()
     }
 
     fn order(&mut self, place: usize, order: Order) -> Result<(), BoardError> {
@@ -211,10 +211,10 @@ impl DeviceHandle for GeneratorHandle {
     }
 
     /// It has when all is at rest: waits as long as pulses that are under way take, too.
-    fn await_start(&mut self, request: u64, due: i64, reconnect: bool) -> bool {
+    fn await_start(&mut self, request: u64, due: HostInstant, reconnect: bool) -> bool {
         while self.shared.rested.load(Ordering::Acquire) < request {
-            let due = due.max(self.due());
-            if self.is_gone() && !reconnect || monotonic() >= due {
+            let due = self.due().map_or(due, |owed| owed.max(due));
+            if self.is_gone() && !reconnect || HostInstant::now() >= due {
                 return false;
             }
             self.thread.wait(due);
@@ -248,7 +248,7 @@ impl DeviceHandle for GeneratorHandle {
         self.tell_edges(collector)
     }
 
-    fn overdue(&self) -> Option<i64> {
+    fn overdue(&self) -> Option<HostInstant> {
         self.thread.overdue(self.due())
     }
 
@@ -258,14 +258,14 @@ impl DeviceHandle for GeneratorHandle {
     }
 
     /// Pulses that are under way by then cannot be called back: they end at rest by themselves.
-    fn await_safe(&self, request: u64, due: i64) -> Result<(), Errno> {
+    fn await_safe(&self, request: u64, due: HostInstant) -> Result<(), Errno> {
         while self.shared.rested.load(Ordering::Acquire) < request {
-            let now = monotonic();
+            let now = HostInstant::now();
             if self.is_gone() {
                 return Err(Errno::NODEV);
             }
             if now >= due {
-                return if self.due() > now { Ok(()) } else { Err(Errno::TIMEDOUT) };
+                return if self.due().is_some_and(|owed| owed > now) { Ok(()) } else { Err(Errno::TIMEDOUT) };
             }
             self.thread.wait(due);
         }
@@ -333,11 +333,11 @@ impl Drop for GeneratorHandle {
         let _ = self.shared.ask_rest();
         let shared = &self.shared;
         // Pulses that are under way go to their end, and when a call that hangs ends, rest is all that it finds.
-        self.thread.end(|| shared.orders.ring(), || shared.due.load(Ordering::Acquire));
+        self.thread.end(|| shared.orders.ring(), || shared.due.get());
     }
 }
 
-fn stamp_of(report: &Report) -> i64 {
+fn stamp_of(report: &Report) -> HostInstant {
     match *report {
         Report::Sent { sent, .. } => sent.after,
         Report::Dropped { at, .. } | Report::Returned { at } => at,

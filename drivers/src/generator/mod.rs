@@ -19,6 +19,7 @@ pub use pwm::{Attribute, Attributes, FoundPwm, Pwm, PwmOutput, find};
 pub use spec::{FindPwm, GeneratorKind, GeneratorSpec, GeneratorsSpec, OutputSpec, PwmSpec, StreamSpec};
 pub use stream::{BUFFER, Stream};
 
+use host::HostInstant;
 use signal::Span;
 use std::fmt::Debug;
 use std::io;
@@ -28,10 +29,10 @@ use crate::OutputClaim;
 /// When a stream of bits was on its line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sent {
-    /// Stamps of the monotonic clock around the call that sent it, in ns.
-    pub before: i64,
+    /// The instants around the call that sent it: the earlier one.
+    pub before: HostInstant,
     /// The later one.
-    pub after: i64,
+    pub after: HostInstant,
     /// Bits that were sent.
     pub bits: u64,
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use host::monotonic;
+use host::HostInstant;
 use rustix::io::Errno;
 use signal::Span;
 use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
@@ -108,7 +108,7 @@ impl Stream {
         let word = u64::from(WORD);
         let lasts = |bits: u64| spec.clock.lasts(bits);
         let whole = lasts(u64::from(spec.buffer) * word);
-        let mut call = |bytes: usize| self.send(bytes).map(|sent| sent.after.saturating_sub(sent.before));
+        let mut call = |bytes: usize| self.send(bytes).map(|sent| (sent.after - sent.before).as_nanos());
         let mut least = i64::MAX;
         for _ in 0..TRIES {
             least = least.min(call(1)?);
@@ -128,9 +128,9 @@ impl Stream {
     /// Sends the first bytes of the buffer.
     fn send(&mut self, used: usize) -> io::Result<Sent> {
         let mut transfer = SpidevTransfer::write(&self.bytes[..used]);
-        let before = monotonic();
+        let before = HostInstant::now();
         self.spi.transfer(&mut transfer)?;
-        Ok(Sent { before, after: monotonic(), bits: used as u64 * u64::from(WORD) })
+        Ok(Sent { before, after: HostInstant::now(), bits: used as u64 * u64::from(WORD) })
     }
 }
 

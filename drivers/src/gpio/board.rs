@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use document::Diagnostic;
-use host::monotonic;
+use host::HostInstant;
 use rustix::io::Errno;
 use signal::{Span, Time, Value};
 
@@ -179,15 +179,15 @@ impl GpioBoard {
             }
             let Some(gone) = self.chips.iter().find(|chip| chip.lines.gone()) else { return Ok(()) };
             match &self.reconnector {
-                Some(reconnector) if monotonic() < due => reconnector.wait(due),
+                Some(reconnector) if HostInstant::now() < due => reconnector.wait(due),
                 _ => return Err(gone.lines.is_lost(LossReason::Gone)),
             }
         }
     }
 
     /// When a chip that does not answer by then is not waited for any longer; at least so long.
-    fn due(&self, least: Span) -> i64 {
-        monotonic().saturating_add(self.maker.limits.unresponsive_after.max(least).as_nanos())
+    fn due(&self, least: Span) -> HostInstant {
+        HostInstant::now() + self.maker.limits.unresponsive_after.max(least)
     }
 }
 

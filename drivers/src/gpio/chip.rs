@@ -2,11 +2,12 @@
 
 use std::os::fd::{BorrowedFd, OwnedFd};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI32, AtomicI64, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, AtomicU64, Ordering};
 
-use host::{Bell, Realtime, monotonic};
+use host::{AtomicInstant, Bell, HostInstant, Realtime};
 use rtrb::{Consumer, Producer};
 use rustix::event::{EventfdFlags, Timespec, eventfd};
+use signal::Span;
 
 use super::device::{Device, Image, Report, device};
 use super::edges::{Edges, Note, edges};
@@ -26,12 +27,12 @@ pub(super) struct Shared {
     pub(super) starts: AtomicU64,
     /// Images that the device has dealt with.
     pub(super) taken: AtomicU64,
-    /// The stamp since when a call is under way; 0 for none.
-    pub(super) in_call: AtomicI64,
+    /// Since when a call is under way.
+    pub(super) in_call: AtomicInstant,
     /// The error that ended the work with the chip; 0 for none.
     gone: AtomicI32,
-    /// The stamp of that; 0 for none.
-    pub(super) gone_at: AtomicI64,
+    /// When that was.
+    pub(super) gone_at: AtomicInstant,
     /// Calls that failed.
     pub(super) failed: AtomicU64,
     /// The level behind the last edge of each input, and the inputs that had an edge since the device last asked.
@@ -64,9 +65,9 @@ impl Shared {
             wanted_safe: AtomicU64::new(0),
             starts: AtomicU64::new(0),
             taken: AtomicU64::new(0),
-            in_call: AtomicI64::new(0),
+            in_call: AtomicInstant::none(),
             gone: AtomicI32::new(0),
-            gone_at: AtomicI64::new(0),
+            gone_at: AtomicInstant::none(),
             failed: AtomicU64::new(0),
             seen: AtomicU64::new(0),
             touched: AtomicU64::new(0),
@@ -104,7 +105,7 @@ impl Shared {
 
     /// The chip is gone, or cannot be worked with any more.
     pub(super) fn ends(&self, code: i32) {
-        self.gone_at.store(monotonic(), Ordering::Release);
+        self.gone_at.set(HostInstant::now());
         self.gone.store(code, Ordering::Release);
     }
 
@@ -123,7 +124,7 @@ pub(super) struct ChipWorker {
     pub(super) notes: Consumer<Note>,
     end: Arc<OwnedFd>,
     /// How long the end of a call is waited for.
-    patience: i64,
+    patience: Span,
     threads: Vec<std::thread::JoinHandle<()>>,
 }
 
@@ -134,7 +135,7 @@ impl ChipWorker {
         safe: u64,
         pace: Pace,
         bell: &Arc<Bell>,
-        unresponsive_after: i64,
+        unresponsive_after: Span,
     ) -> std::io::Result<(ChipWorker, Device, Edges)> {
         let shared = Arc::new(Shared::new());
         let (device, images, reports) =
@@ -185,11 +186,11 @@ impl Drop for ChipWorker {
         self.shared.device.ring();
         // A counter takes eight bytes; it cannot be full.
         let _ = rustix::io::write(&*self.end, &1u64.to_ne_bytes());
-        let due = monotonic().saturating_add(self.patience);
+        let due = HostInstant::now() + self.patience;
         let all = self.threads.len() as u32;
         while self.shared.ended.load(Ordering::Acquire) < all {
             // A thread inside a call that hangs is left to it: when the call ends, the latch is all that it finds.
-            if monotonic() >= due {
+            if HostInstant::now() >= due {
                 return;
             }
             self.shared.answer.wait_until(due);
@@ -206,7 +207,7 @@ pub(super) fn sources(port: &dyn Port) -> impl Iterator<Item = BorrowedFd<'_>> {
 }
 
 /// A time to wait, in the kernel's terms.
-pub(super) fn timespec(nanos: i64) -> Timespec {
-    let nanos = nanos.max(0);
+pub(super) fn timespec(span: Span) -> Timespec {
+    let nanos = span.as_nanos().max(0);
     Timespec { tv_sec: nanos / 1_000_000_000, tv_nsec: nanos % 1_000_000_000 }
 }

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bell, Realtime, Role, monotonic};
+use host::{Bell, HostInstant, Realtime, Role};
 use rtrb::{Consumer, Producer};
 use rustix::event::{PollFd, PollFlags, poll};
+use signal::Span;
 
 use super::chip::{Shared, sources, timespec};
 use super::pace::Pace;
@@ -19,20 +20,20 @@ const TURNS: usize = 1_024;
 pub(super) struct Image {
     pub(super) bits: u64,
     /// When that was asked for.
-    pub(super) asked: i64,
+    pub(super) asked: HostInstant,
 }
 
 /// What the device did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Report {
     /// It was driven: between these stamps all outputs took these levels.
-    Set { before: i64, after: i64, bits: u64 },
+    Set { before: HostInstant, after: HostInstant, bits: u64 },
     /// Changes of an output that were asked for and taken back before the device came to them.
-    Swallowed { output: u8, count: u32, at: i64 },
+    Swallowed { output: u8, count: u32, at: HostInstant },
     /// An input has had this level for a while, and no edge reported it.
-    Strayed { input: u8, high: bool, at: i64 },
+    Strayed { input: u8, high: bool, at: HostInstant },
     /// It was driven safe and all its inputs were read, for this start.
-    Started { start: u64, before: i64, after: i64, bits: u64, levels: Levels },
+    Started { start: u64, before: HostInstant, after: HostInstant, bits: u64, levels: Levels },
 }
 
 /// The device thread's side of a chip: drives the newest image and reads the levels.
@@ -53,12 +54,12 @@ pub(super) struct Device {
     pace: Pace,
     started: u64,
     /// How long it may be left alone, and how long an edge may take to arrive.
-    idle: i64,
+    idle: Span,
     /// The level of each input, by edges.
     levels: u64,
     /// Inputs that read otherwise, each since when.
     astray: u64,
-    since: [i64; 64],
+    since: [HostInstant; 64],
     told: bool,
 }
 
@@ -74,13 +75,13 @@ impl Device {
             if stop {
                 return;
             }
-            let idle = monotonic().saturating_add(self.idle);
+            let idle = HostInstant::now() + self.idle;
             self.shared.device.wait_until(self.due().map_or(idle, |due| due.min(idle)));
         }
     }
 
     /// When the next image may be driven, where one waits because of the pulses in it.
-    fn due(&self) -> Option<i64> {
+    fn due(&self) -> Option<HostInstant> {
         let image = self.images.peek().ok()?;
         Some(self.pace.due(image.bits ^ self.asked, image.asked))
     }
@@ -99,7 +100,7 @@ impl Device {
         } else {
             self.drive();
             self.read();
-            self.shared.in_call.store(0, Ordering::Release);
+            self.shared.in_call.clear();
         }
         if self.shared.latched.load(Ordering::Acquire) && self.driven == Some(self.safe) {
             self.shared.made_safe.store(wanted_safe, Ordering::Release);
@@ -118,7 +119,7 @@ impl Device {
         let mut taken = 0;
         let mut pulses = None;
         let latched = self.shared.latched.load(Ordering::Acquire);
-        let now = monotonic();
+        let now = HostInstant::now();
         while let Ok(&image) = self.images.peek() {
             let flips = image.bits ^ self.asked;
             if self.pace.times(flips) {
@@ -144,14 +145,14 @@ impl Device {
             return;
         }
         let bits = self.asked;
-        let before = monotonic();
-        self.shared.in_call.store(before, Ordering::Release);
+        let before = HostInstant::now();
+        self.shared.in_call.set(before);
         // Now the call is what is waited for.
         self.took(taken);
         let outcome = self.port.set(bits);
-        let after = monotonic();
+        let after = HostInstant::now();
         // The call that reads comes next.
-        self.shared.in_call.store(after, Ordering::Release);
+        self.shared.in_call.set(after);
         match outcome {
             Ok(()) => {
                 self.driven = Some(bits);
@@ -176,15 +177,15 @@ impl Device {
 
     /// Some lines went to and fro before the device came to it.
     fn swallowed(&mut self, lines: u64) {
-        let at = monotonic();
+        let at = HostInstant::now();
         for output in (0..64).filter(|output| lines >> output & 1 == 1) {
             self.report(Report::Swallowed { output, count: 2, at });
         }
     }
 
     fn read(&mut self) {
-        if self.shared.in_call.load(Ordering::Relaxed) == 0 {
-            self.shared.in_call.store(monotonic(), Ordering::Release);
+        if self.shared.in_call.get().is_none() {
+            self.shared.in_call.set(HostInstant::now());
         }
         match self.port.get() {
             Ok(levels) => self.compare(levels),
@@ -205,7 +206,7 @@ impl Device {
         if differ == 0 {
             return;
         }
-        let now = monotonic();
+        let now = HostInstant::now();
         for input in (0..64u8).filter(|input| differ >> input & 1 == 1) {
             let (bit, place) = (1 << input, usize::from(input));
             if self.astray & bit == 0 {
@@ -228,11 +229,11 @@ impl Device {
         self.pace.begin();
         self.astray = 0;
         self.shared.touched.store(0, Ordering::Release);
-        self.shared.in_call.store(monotonic(), Ordering::Release);
+        self.shared.in_call.set(HostInstant::now());
         let driven = self.port.set(self.safe);
-        let before = monotonic();
+        let before = HostInstant::now();
         let outcome = driven.and_then(|()| self.port.survey());
-        let after = monotonic();
+        let after = HostInstant::now();
         match outcome {
             Ok(levels) => {
                 self.driven = Some(self.safe);
@@ -246,7 +247,7 @@ impl Device {
             }
         }
         self.started = start;
-        self.shared.in_call.store(0, Ordering::Release);
+        self.shared.in_call.clear();
         self.shared.answer.ring();
     }
 
@@ -254,7 +255,7 @@ impl Device {
     fn coming(&self) -> bool {
         let ready = |source| {
             let mut wait = [PollFd::from_borrowed_fd(source, PollFlags::IN)];
-            poll(&mut wait, Some(&timespec(0))).is_ok_and(|count| count > 0)
+            poll(&mut wait, Some(&timespec(Span::ZERO))).is_ok_and(|count| count > 0)
         };
         sources(&*self.port).any(ready)
             || self.shared.reading.load(Ordering::Acquire)
@@ -281,7 +282,7 @@ pub(super) fn device(
     bell: Arc<Bell>,
     safe: u64,
     pace: Pace,
-    idle: i64,
+    idle: Span,
 ) -> (Device, Producer<Image>, Consumer<Report>) {
     let (images, asked) = rtrb::RingBuffer::new(TURNS);
     let (reports, reported) = rtrb::RingBuffer::new(TURNS);
@@ -299,7 +300,7 @@ pub(super) fn device(
         idle,
         levels: 0,
         astray: 0,
-        since: [0; 64],
+        since: [HostInstant::BOOT; 64],
         told: false,
     };
     (device, images, reported)

@@ -4,10 +4,11 @@ use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bell, Realtime, Role, monotonic};
+use host::{Bell, HostInstant, Realtime, Role};
 use rtrb::{Consumer, Producer};
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
+use signal::Span;
 
 use super::chip::{Shared, sources, timespec};
 use super::port::{Edge, Port};
@@ -17,13 +18,13 @@ use super::track::{Lost, Tracker};
 const EDGES: usize = 8_192;
 /// Edges that are read at once.
 const BATCH: usize = 64;
-/// How long a number may be missing, in nanoseconds: the kernel tells edges of different lines a little out of order.
-const PATIENCE: i64 = 100_000_000;
+/// How long a number may be missing: the kernel tells edges of different lines a little out of order.
+const PATIENCE: Span = Span::from_millis(100);
 
 /// An edge, or the loss of some, on its way to the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Note {
-    pub(super) stamp: i64,
+    pub(super) stamp: HostInstant,
     /// Edges of the line that were lost before it.
     pub(super) lost: u32,
     pub(super) input: u8,
@@ -56,7 +57,7 @@ impl Edges {
         let sources = waits.len();
         waits.push(PollFd::new(&*end, PollFlags::IN));
         loop {
-            let timeout = self.tracker.due().map(|due| timespec(due.saturating_sub(monotonic())));
+            let timeout = self.tracker.due().map(|due| timespec(due.remaining()));
             match poll(&mut waits, timeout.as_ref()) {
                 Ok(_) | Err(Errno::INTR) => {}
                 Err(error) => return self.give_up(&error.into()),
@@ -105,8 +106,9 @@ impl Edges {
             let bit = 1u64 << (edge.input % 64);
             touched |= bit;
             self.seen = if edge.high { self.seen | bit } else { self.seen & !bit };
-            let lost =
-                self.tracker.see(edge, monotonic, |gap| give(notes, shared, given_up(gap, monotonic())));
+            let lost = self
+                .tracker
+                .see(edge, HostInstant::now, |gap| give(notes, shared, given_up(gap, HostInstant::now())));
             let note = Note { stamp: edge.stamp, lost, input: edge.input, high: Some(edge.high) };
             give(&mut self.notes, &self.shared, note);
         }
@@ -133,8 +135,8 @@ impl Edges {
     /// Hands on what will not come any more.
     fn settle(&mut self) -> bool {
         let mut told = false;
-        while let Some(gap) = self.tracker.settle(monotonic()) {
-            give(&mut self.notes, &self.shared, given_up(gap, monotonic()));
+        while let Some(gap) = self.tracker.settle(HostInstant::now()) {
+            give(&mut self.notes, &self.shared, given_up(gap, HostInstant::now()));
             told = true;
         }
         self.tell_open();
@@ -150,7 +152,7 @@ impl Edges {
     }
 }
 
-fn given_up(gap: Lost, now: i64) -> Note {
+fn given_up(gap: Lost, now: HostInstant) -> Note {
     Note { stamp: now, lost: gap.count, input: gap.line, high: None }
 }
 

@@ -1,5 +1,6 @@
 //! The inputs of a chip as their edges tell them.
 
+use host::HostInstant;
 use signal::{Span, Time, When};
 
 use super::edges::Note;
@@ -26,7 +27,7 @@ struct Known {
     /// Its last event.
     last: Time,
     /// Until when an edge may come whose level a reading has found.
-    found: i64,
+    found: HostInstant,
 }
 
 /// The inputs of a chip. Bits are places in its claim.
@@ -39,14 +40,24 @@ pub(super) struct Inputs {
     /// Inputs whose level was found by reading.
     strayed: u64,
     /// When the start began to read, and until when an edge may come whose level it read.
-    began: i64,
-    surveyed: i64,
+    began: HostInstant,
+    surveyed: HostInstant,
 }
 
 impl Inputs {
     pub(super) fn new(lines: Vec<Input>) -> Inputs {
-        let lines = lines.into_iter().map(|line| Known { line, last: Time::ZERO, found: 0 }).collect();
-        Inputs { lines, levels: 0, fresh: 0, strayed: 0, began: 0, surveyed: 0 }
+        let lines = lines
+            .into_iter()
+            .map(|line| Known { line, last: Time::ZERO, found: HostInstant::BOOT })
+            .collect();
+        Inputs {
+            lines,
+            levels: 0,
+            fresh: 0,
+            strayed: 0,
+            began: HostInstant::BOOT,
+            surveyed: HostInstant::BOOT,
+        }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -59,7 +70,7 @@ impl Inputs {
     }
 
     /// A run begins with these levels, read from `began` on; edges up to `surveyed` may tell of what was read.
-    pub(super) fn start(&mut self, levels: Levels, began: i64, surveyed: i64) {
+    pub(super) fn start(&mut self, levels: Levels, began: HostInstant, surveyed: HostInstant) {
         (self.levels, self.fresh, self.strayed) = (levels.bits, levels.known, 0);
         (self.began, self.surveyed) = (began, surveyed);
     }
@@ -106,7 +117,13 @@ impl Inputs {
     }
 
     /// An input has had this level for a while, and no edge reported it.
-    pub(super) fn stray(&mut self, input: u8, high: bool, stamp: i64, collector: &mut EventCollector<'_>) {
+    pub(super) fn stray(
+        &mut self,
+        input: u8,
+        high: bool,
+        stamp: HostInstant,
+        collector: &mut EventCollector<'_>,
+    ) {
         let (place, bit) = (usize::from(input), 1u64 << input);
         let Some(known) = self.lines.get_mut(place).filter(|_| (self.levels & bit != 0) != high) else {
             return;

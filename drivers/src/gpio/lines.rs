@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::monotonic;
+use host::HostInstant;
 use signal::{Span, Time, When};
 
 use super::chip::{ChipWorker, Shared};
@@ -37,14 +37,14 @@ pub(super) struct Lines {
     inputs: Inputs,
     pub(super) masks: Masks,
     /// How long a call may last.
-    limit: i64,
+    limit: Span,
     /// The image that was asked for last, and one to be asked for.
     pub(super) wanted: u64,
     pub(super) next: u64,
     /// Images that were handed to the device, those that it was seen to have taken, and since when it owes the rest.
     asked: u64,
     taken: u64,
-    owes: i64,
+    owes: HostInstant,
     /// The queue to the device was full: the newest image is still to be handed over.
     behind: bool,
     /// The newest image that was handed over, and the outputs that carry pulses of which an edge found no room.
@@ -63,7 +63,7 @@ impl Lines {
         drives: Vec<ChannelId>,
         inputs: Inputs,
         masks: Masks,
-        limit: i64,
+        limit: Span,
     ) -> Lines {
         Lines {
             shared: running.shared.clone(),
@@ -76,7 +76,7 @@ impl Lines {
             next: masks.safe,
             asked: 0,
             taken: 0,
-            owes: 0,
+            owes: HostInstant::BOOT,
             behind: false,
             handed: masks.safe,
             dropped: 0,
@@ -95,14 +95,14 @@ impl Lines {
     }
 
     /// Waits until the device has begun again. FALSE where it does not in time.
-    pub(super) fn await_start(&mut self, start: u64, due: i64) -> bool {
+    pub(super) fn await_start(&mut self, start: u64, due: HostInstant) -> bool {
         loop {
             while let Ok(report) = self.running.reports.pop() {
                 let Report::Started { start: done, before, after, bits, levels } = report else { continue };
                 if done != start {
                     continue;
                 }
-                self.inputs.start(levels, before, after.saturating_add(self.limit));
+                self.inputs.start(levels, before, after + self.limit);
                 (self.driven, self.wanted, self.next) = (bits, bits, bits);
                 (self.asked, self.behind, self.lost) =
                     (self.shared.taken.load(Ordering::Acquire), false, None);
@@ -116,7 +116,7 @@ impl Lines {
                 self.shared.latched.store(false, Ordering::Release);
                 return true;
             }
-            if self.gone() || monotonic() >= due {
+            if self.gone() || HostInstant::now() >= due {
                 return false;
             }
             self.shared.answer.wait_until(due);
@@ -133,13 +133,13 @@ impl Lines {
     }
 
     /// Waits until everything is safe, and until every number of an edge has come or is given up.
-    pub(super) fn await_safe(&self, wanted: u64, due: i64) -> bool {
+    pub(super) fn await_safe(&self, wanted: u64, due: HostInstant) -> bool {
         loop {
             let safe = self.shared.made_safe.load(Ordering::Acquire) >= wanted;
             if safe && self.shared.open.load(Ordering::Acquire) == 0 {
                 return true;
             }
-            if self.gone() || monotonic() >= due {
+            if self.gone() || HostInstant::now() >= due {
                 return safe;
             }
             self.shared.answer.wait_until(due);
@@ -151,7 +151,7 @@ impl Lines {
     }
 
     /// Hands the next image to the device, if it is another one.
-    pub(super) fn ask(&mut self, now: i64) {
+    pub(super) fn ask(&mut self, now: HostInstant) {
         if self.next == self.wanted && !self.behind {
             return;
         }
@@ -175,7 +175,7 @@ impl Lines {
     }
 
     /// Looks at what the device has taken: whoever takes something is not silent.
-    fn look(&mut self, now: i64) {
+    fn look(&mut self, now: HostInstant) {
         let taken = self.shared.taken.load(Ordering::Acquire);
         if taken != self.taken {
             (self.taken, self.owes) = (taken, now);
@@ -183,17 +183,17 @@ impl Lines {
     }
 
     /// When the chip counts as silent if it does not answer.
-    pub(super) fn overdue(&self) -> Option<i64> {
+    pub(super) fn overdue(&self) -> Option<HostInstant> {
         if self.lost.is_some() {
             return None;
         }
         let owes = Some(self.owes).filter(|_| self.shared.taken.load(Ordering::Acquire) != self.asked);
-        let called = Some(self.shared.in_call.load(Ordering::Acquire)).filter(|since| *since != 0);
+        let called = self.shared.in_call.get();
         let since = match (owes, called) {
             (Some(owes), Some(called)) => owes.min(called),
             (owes, called) => owes.or(called)?,
         };
-        Some(since.saturating_add(self.limit))
+        Some(since + self.limit)
     }
 
     /// The levels of all sensed lines as they are.
@@ -216,7 +216,7 @@ impl Lines {
         // Both queues are in the order of their stamps: what is older comes first.
         loop {
             let report = self.running.reports.peek().ok().copied();
-            self.edges(report.map_or(i64::MAX, |report| stamp_of(&report)).min(now), collector);
+            self.edges(report.map_or(HostInstant::NEVER, |report| stamp_of(&report)).min(now), collector);
             let Some(report) = report else { break };
             if stamp_of(&report) > now {
                 collector.ahead(stamp_of(&report));
@@ -231,7 +231,7 @@ impl Lines {
     }
 
     /// Edges up to this stamp.
-    fn edges(&mut self, until: i64, collector: &mut EventCollector<'_>) {
+    fn edges(&mut self, until: HostInstant, collector: &mut EventCollector<'_>) {
         let ready = self.running.notes.slots();
         let Ok(chunk) = self.running.notes.read_chunk(ready) else { return };
         let (first, second) = chunk.as_slices();
@@ -299,7 +299,7 @@ impl Lines {
             (true, _) => Some(LossReason::Gone),
             (false, Some(_)) => {
                 // It was silent. It answers again when no call is under way and nothing is owed.
-                let silent = self.taken != self.asked || self.shared.in_call.load(Ordering::Acquire) != 0;
+                let silent = self.taken != self.asked || self.shared.in_call.get().is_some();
                 silent.then_some(LossReason::Unresponsive)
             }
             (false, None) => self.overdue().is_some_and(|due| due < now).then_some(LossReason::Unresponsive),
@@ -325,7 +325,7 @@ impl Lines {
     }
 
     /// Drives what the chip in whose place this one comes was asked to drive.
-    pub(super) fn follow(&mut self, old: &Lines, now: i64) {
+    pub(super) fn follow(&mut self, old: &Lines, now: HostInstant) {
         self.next = self.wanted;
         for (place, channel) in self.drives.iter().enumerate() {
             if let Some(before) = old.drives.iter().position(|other| other == channel) {
@@ -350,12 +350,9 @@ impl Lines {
 
     /// What a start says that does not find the chip, or gets no answer of it.
     pub(super) fn is_lost(&self, reason: LossReason) -> BoardError {
-        let since = match self.shared.gone_at.load(Ordering::Acquire) {
-            0 => self.overdue().unwrap_or_else(monotonic),
-            gone => gone,
-        };
+        let since =
+            self.shared.gone_at.get().or_else(|| self.overdue()).unwrap_or_else(HostInstant::now).elapsed();
         let channel = self.channels().next().unwrap_or(ChannelId(0));
-        let since = Span::from_nanos(monotonic().saturating_sub(since).max(0));
         BoardError::Lost { channel, reason, since }
     }
 
@@ -366,7 +363,7 @@ impl Lines {
     }
 }
 
-fn stamp_of(report: &Report) -> i64 {
+fn stamp_of(report: &Report) -> HostInstant {
     match *report {
         Report::Set { after, .. } | Report::Started { after, .. } => after,
         Report::Swallowed { at, .. } | Report::Strayed { at, .. } => at,

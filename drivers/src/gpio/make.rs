@@ -139,7 +139,7 @@ impl Maker {
             output: found.drives.iter().position(|other| other == channel).map(|place| place as u8),
         });
         let inputs = Inputs::new(inputs.collect());
-        let limit = self.limits.unresponsive_after.as_nanos();
+        let limit = self.limits.unresponsive_after;
         let (running, of_device, edges) =
             ChipWorker::new(port.clone(), safe, pace, &self.context.bell, limit)?;
         let device = device(&found.info);

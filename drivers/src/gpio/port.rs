@@ -6,6 +6,7 @@ use std::os::fd::BorrowedFd;
 
 use super::{Backend, Bias, Drive};
 use crate::OutputClaim;
+use host::HostInstant;
 
 /// A line to be claimed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +50,8 @@ pub struct Edge {
     pub input: u8,
     /// The level behind the edge.
     pub high: bool,
-    /// When, on the monotonic clock, in nanoseconds.
-    pub stamp: i64,
+    /// When, as the kernel stamped it.
+    pub stamp: HostInstant,
     /// Its number among the edges of the claim and of the line, from 1; `None` where the kernel does not count.
     pub numbers: Option<(u32, u32)>,
 }

@@ -5,16 +5,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use host::{Bell, monotonic};
+use host::{Bell, HostInstant};
 use rtrb::{Consumer, Producer, RingBuffer};
+use signal::Span;
 
 use super::chip::Shared;
 use super::find::find_again;
 use super::make::{Chip, Maker};
 use crate::run_state::START;
 
-/// How often a chip that is gone is looked for, in nanoseconds.
-const EVERY: i64 = 100_000_000;
+/// How often a chip that is gone is looked for.
+const EVERY: Span = Span::from_millis(100);
 
 /// Chips on their way, for each chip of the board: it may go away again before the board has taken it.
 const ON_THEIR_WAY: usize = 4;
@@ -80,7 +81,7 @@ impl Reconnector {
     }
 
     /// Waits until a chip is on its way, at most until this stamp.
-    pub(super) fn wait(&self, due: i64) {
+    pub(super) fn wait(&self, due: HostInstant) {
         self.shared.look.ring();
         if self.back.is_empty() {
             self.shared.found.wait_until(due);
@@ -94,8 +95,8 @@ impl Drop for Reconnector {
         self.shared.look.ring();
         // One that hangs in a call on a device is left to it.
         let done = |thread: &JoinHandle<()>| thread.is_finished();
-        let due = monotonic() + EVERY;
-        while self.thread.as_ref().is_some_and(|thread| !done(thread)) && monotonic() < due {
+        let due = HostInstant::now() + EVERY;
+        while self.thread.as_ref().is_some_and(|thread| !done(thread)) && HostInstant::now() < due {
             self.shared.found.wait_until(due);
         }
         if let Some(thread) = self.thread.take().filter(done) {
@@ -121,7 +122,7 @@ impl Search {
                     self.maker.context.bell.ring();
                 }
             }
-            self.signs.look.wait_until(monotonic().saturating_add(EVERY));
+            self.signs.look.wait_until(HostInstant::now() + EVERY);
         }
         self.signs.found.ring();
     }
@@ -132,7 +133,7 @@ impl Search {
         let found = find_again(&self.maker.file, &self.maker.spec, known.spec)?;
         let mut chip = self.maker.claim(found).ok()?;
         let start = chip.lines.ask_start();
-        let due = monotonic().saturating_add(START.as_nanos());
+        let due = HostInstant::now() + START;
         if !chip.lines.await_start(start, due) {
             return None;
         }

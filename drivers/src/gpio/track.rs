@@ -6,6 +6,8 @@
 //! different lines may come a little out of order, so that such a gap counts only when it stays.
 
 use super::Edge;
+use host::HostInstant;
+use signal::Span;
 
 /// Gaps that are open at once; the oldest counts as lost when there are more.
 const MOST_GAPS: usize = 64;
@@ -17,8 +19,8 @@ struct Gap {
     count: u32,
     /// The line of the edge behind it: the likeliest to have lost them.
     line: u8,
-    /// When it showed, on the monotonic clock.
-    since: i64,
+    /// When it showed.
+    since: HostInstant,
 }
 
 /// Edges of one line that are lost.
@@ -39,17 +41,22 @@ pub(super) struct Tracker {
     /// Edges given up as lost, whose line was a guess.
     guessed: u32,
     /// How long a gap may stay open.
-    patience: i64,
+    patience: Span,
 }
 
 impl Tracker {
-    pub(super) fn new(patience: i64) -> Tracker {
+    pub(super) fn new(patience: Span) -> Tracker {
         Tracker { lines: [0; 64], high: 0, gaps: Vec::with_capacity(MOST_GAPS), guessed: 0, patience }
     }
 
     /// Takes note of an edge. What was lost before it, as far as it is certain; `older` is told of a gap that had to
     /// be given up for want of room. `now` is asked only when a gap opens.
-    pub(super) fn see(&mut self, edge: &Edge, now: impl Fn() -> i64, mut older: impl FnMut(Lost)) -> u32 {
+    pub(super) fn see(
+        &mut self,
+        edge: &Edge,
+        now: impl Fn() -> HostInstant,
+        mut older: impl FnMut(Lost),
+    ) -> u32 {
         let Some((of_claim, of_line)) = edge.numbers else { return 0 };
         let step = of_claim.wrapping_sub(self.high) as i32;
         if step > 0 {
@@ -78,12 +85,12 @@ impl Tracker {
     }
 
     /// When the oldest gap counts as lost.
-    pub(super) fn due(&self) -> Option<i64> {
-        self.gaps.first().map(|gap| gap.since.saturating_add(self.patience))
+    pub(super) fn due(&self) -> Option<HostInstant> {
+        self.gaps.first().map(|gap| gap.since + self.patience)
     }
 
     /// The next gap that was open for too long.
-    pub(super) fn settle(&mut self, now: i64) -> Option<Lost> {
+    pub(super) fn settle(&mut self, now: HostInstant) -> Option<Lost> {
         self.due().filter(|due| *due <= now).map(|_| self.give_up(0))
     }
 
@@ -147,22 +154,28 @@ impl Tracker {
 mod tests {
     use super::*;
 
+    const PATIENCE: Span = Span::from_nanos(10);
+
+    fn at(nanos: i64) -> HostInstant {
+        HostInstant::from_nanos(nanos)
+    }
+
     /// Feeds (line, number in the claim, number in the line), all at time 0; then lets all gaps settle. What was lost, by
     /// line.
     fn lost(edges: &[(u8, u32, u32)]) -> Vec<(u8, u32)> {
-        let mut tracker = Tracker::new(10);
+        let mut tracker = Tracker::new(PATIENCE);
         let mut all: Vec<(u8, u32)> = Vec::new();
         for &(input, of_claim, of_line) in edges {
-            let edge = Edge { input, high: true, stamp: 0, numbers: Some((of_claim, of_line)) };
+            let edge = Edge { input, high: true, stamp: at(0), numbers: Some((of_claim, of_line)) };
             let mut older = Vec::new();
-            let lost = tracker.see(&edge, || 0, |gap| older.push((gap.line, gap.count)));
+            let lost = tracker.see(&edge, || at(0), |gap| older.push((gap.line, gap.count)));
             all.extend(older);
             if lost > 0 {
                 all.push((input, lost));
             }
         }
-        assert_eq!(tracker.settle(9), None);
-        while let Some(gap) = tracker.settle(10) {
+        assert_eq!(tracker.settle(at(9)), None);
+        while let Some(gap) = tracker.settle(at(10)) {
             all.push((gap.line, gap.count));
         }
         assert_eq!((tracker.open(), tracker.due()), (0, None));
@@ -192,22 +205,22 @@ mod tests {
 
     #[test]
     fn what_was_given_up_is_not_counted_again() {
-        let mut tracker = Tracker::new(10);
+        let mut tracker = Tracker::new(PATIENCE);
         let edge = |input, of_claim, of_line| Edge {
             input,
             high: true,
-            stamp: 0,
+            stamp: at(0),
             numbers: Some((of_claim, of_line)),
         };
-        assert_eq!(tracker.see(&edge(0, 4, 1), || 0, |_| panic!()), 0);
-        assert_eq!(tracker.settle(10), Some(Lost { line: 0, count: 3 }));
-        assert_eq!(tracker.see(&edge(1, 5, 3), || 11, |_| panic!()), 0);
-        assert_eq!(tracker.see(&edge(1, 7, 5), || 12, |_| panic!()), 1);
+        assert_eq!(tracker.see(&edge(0, 4, 1), || at(0), |_| panic!()), 0);
+        assert_eq!(tracker.settle(at(10)), Some(Lost { line: 0, count: 3 }));
+        assert_eq!(tracker.see(&edge(1, 5, 3), || at(11), |_| panic!()), 0);
+        assert_eq!(tracker.see(&edge(1, 7, 5), || at(12), |_| panic!()), 1);
     }
 
     #[test]
     fn every_number_is_seen_or_lost_once_however_many_gaps_there_are_and_over_the_end_of_the_numbers() {
-        let mut tracker = Tracker::new(10);
+        let mut tracker = Tracker::new(PATIENCE);
         tracker.high = u32::MAX - 100;
         tracker.lines[3] = u32::MAX - 7;
         let (mut seen, mut gone) = (0u32, 0u32);
@@ -219,11 +232,11 @@ mod tests {
             let of_claim = (u32::MAX - 100).wrapping_add(step);
             seen += 1;
             let numbers = Some((of_claim, (u32::MAX - 7).wrapping_add(seen)));
-            let edge = Edge { input: 3, high: true, stamp: 0, numbers };
+            let edge = Edge { input: 3, high: true, stamp: at(0), numbers };
             let mut older = 0;
-            gone += tracker.see(&edge, || 0, |gap| older += gap.count) + older;
+            gone += tracker.see(&edge, || at(0), |gap| older += gap.count) + older;
         }
-        while let Some(gap) = tracker.settle(10) {
+        while let Some(gap) = tracker.settle(at(10)) {
             gone += gap.count;
         }
         assert_eq!((seen, gone), (667, 333));

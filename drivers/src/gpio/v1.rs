@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use gpio_cdev::{EventRequestFlags, LineRequestFlags};
 use gpiocdev_uapi::v1::{self, LineEdgeEvent, LineEdgeEventKind, LineValues};
+use host::HostInstant;
 
 use super::error::uapi;
 use super::port::{Claim, Edge, Levels, Port, Wanted};
@@ -186,7 +187,7 @@ impl Port for PortV1 {
             out.push(Edge {
                 input: source as u8,
                 high: event.kind == LineEdgeEventKind::RisingEdge as u32,
-                stamp: i64::try_from(event.timestamp_ns).unwrap_or(i64::MAX),
+                stamp: HostInstant::of_kernel(event.timestamp_ns),
                 numbers: None,
             });
         }

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use gpiocdev::line::{EdgeDetection, Value};
 use gpiocdev_uapi::v2::{self, LineEdgeEvent, LineEdgeEventKind, LineValues};
+use host::HostInstant;
 
 use super::error::uapi;
 use super::port::{Claim, Edge, Levels, Port, Wanted};
@@ -193,7 +194,7 @@ impl Port for PortV2 {
             out.push(Edge {
                 input: input as u8,
                 high: event.kind == LineEdgeEventKind::RisingEdge as u32,
-                stamp: i64::try_from(event.timestamp_ns).unwrap_or(i64::MAX),
+                stamp: HostInstant::of_kernel(event.timestamp_ns),
                 numbers: Some((event.seqno, event.line_seqno)),
             });
         }

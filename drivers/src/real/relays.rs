@@ -3,7 +3,7 @@
 //! Of one wire at most one relay is on. Another one follows only when the contact of the last has surely moved, so two
 //! shorts never meet. Where several faults are on a channel the newest counts, as on the simulated board.
 
-use host::monotonic;
+use host::HostInstant;
 use signal::{Span, Time, Value, When};
 
 use super::RealSpec;
@@ -128,8 +128,8 @@ pub struct FaultRelays<B: Board> {
     is_relay: Vec<bool>,
     /// What a run lives in; `None` in virtual time, where nothing is waited for.
     context: Option<BoardContext>,
-    /// When relays that were on were let go at the end of a run, on the monotonic clock.
-    released: Option<i64>,
+    /// When relays that were on were let go at the end of a run.
+    released: Option<HostInstant>,
     last: Time,
 }
 
@@ -240,8 +240,8 @@ impl<B: Board> Board for FaultRelays<B> {
         self.wires.iter_mut().for_each(Wire::forget);
         let settle = self.wires.iter().map(|wire| wire.spec.settle).max().unwrap_or(Span::ZERO);
         if let (Some(lives), Some(released)) = (&self.context, self.released.take()) {
-            let settled = released.saturating_add(settle.as_nanos());
-            while monotonic() < settled {
+            let settled = released + settle;
+            while HostInstant::now() < settled {
                 lives.bell.wait_until(settled);
             }
         }
@@ -281,7 +281,7 @@ impl<B: Board> Board for FaultRelays<B> {
         let moves = self.wires.iter().any(|wire| wire.on.is_some() || wire.is_moving());
         let made = self.inner.safe(now);
         if moves {
-            self.released = Some(monotonic());
+            self.released = Some(HostInstant::now());
         }
         self.wires.iter_mut().for_each(Wire::forget);
         made

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use document::Diagnostic;
-use host::{TimeBase, monotonic};
+use host::{HostInstant, TimeBase};
 use rustix::io::Errno;
 use signal::{CanFrame, SerialOutput, Span, Time, Value, When};
 use tokio::runtime::Builder;
@@ -105,7 +105,7 @@ impl SerialBoard {
             reconnect: self.limits.reconnect,
             realtime: self.context.realtime,
         };
-        let patience = self.limits.unresponsive_after.as_nanos();
+        let patience = self.limits.unresponsive_after;
         let running = Running::start(worker, runtime, port, patience).map_err(cannot)?;
         let device = spec.port.path.display().to_string();
         Ok(Line { bus: spec.bus, device, running, lost: None, ahead: None, dropped: 0, losses: 0, failed: 0 })
@@ -113,10 +113,9 @@ impl SerialBoard {
 }
 
 impl Line {
-    /// When it counts as silent unless the call that is under way ends; a stamp.
-    fn overdue(&self, limit: Span) -> Option<i64> {
-        let since = self.running.shared.in_call.load(Ordering::Acquire);
-        (since != 0).then(|| since.saturating_add(limit.as_nanos()))
+    /// When it counts as silent unless the call that is under way ends.
+    fn overdue(&self, limit: Span) -> Option<HostInstant> {
+        Some(self.running.shared.in_call.get()? + limit)
     }
 
     /// Forgets what was on the line before now.
@@ -157,7 +156,7 @@ impl Line {
         }
     }
 
-    fn poll(&mut self, now: Time, stamp: i64, limit: Span, out: &mut Vec<BusEvent>) {
+    fn poll(&mut self, now: Time, stamp: HostInstant, limit: Span, out: &mut Vec<BusEvent>) {
         let losses = self.running.shared.losses.load(Ordering::Acquire);
         let gone = self.running.shared.gone.load(Ordering::Acquire);
         let silent = match self.lost {
@@ -243,13 +242,13 @@ impl Board for SerialBoard {
     /// Waits for ports that are being taken back, for two seconds or as long as one may be silent.
     fn start(&mut self, now: Time) -> Result<(), BoardError> {
         self.run.end();
-        let due = monotonic().saturating_add(self.limits.unresponsive_after.max(START).as_nanos());
+        let due = HostInstant::now() + self.limits.unresponsive_after.max(START);
         for line in &mut self.lines {
             let shared = Arc::clone(&line.running.shared);
             while shared.gone.load(Ordering::Acquire) {
-                let stamp = monotonic();
+                let stamp = HostInstant::now();
                 if !self.limits.reconnect || stamp >= due {
-                    let since = Span::from_nanos(stamp - shared.since.load(Ordering::Acquire));
+                    let since = shared.since.get().map_or(Span::ZERO, HostInstant::elapsed);
                     return Err(BoardError::BusLost { bus: line.bus, reason: LossReason::Gone, since });
                 }
                 shared.answer.wait_until(due);
@@ -363,9 +362,9 @@ mod tests {
         }
     }
 
-    fn poll(line: &mut Line, stamp: i64) -> Vec<BusEvent> {
+    fn poll(line: &mut Line, nanos: i64) -> Vec<BusEvent> {
         let mut out = Vec::new();
-        line.poll(Time::from_nanos(stamp), stamp, LIMIT, &mut out);
+        line.poll(Time::from_nanos(nanos), HostInstant::from_nanos(nanos), LIMIT, &mut out);
         out
     }
 
@@ -375,14 +374,14 @@ mod tests {
         let mut line = line(shared.clone());
         let bus = BusId(3);
         assert_eq!(poll(&mut line, 10), []);
-        shared.in_call.store(20, Ordering::Release);
-        let due = line.overdue(LIMIT).unwrap();
+        shared.in_call.set(HostInstant::from_nanos(20));
+        let due = line.overdue(LIMIT).unwrap().as_nanos();
         assert_eq!(due, 20 + LIMIT.as_nanos());
         assert_eq!(poll(&mut line, due), []);
         let at = Time::from_nanos(due + 1);
         assert_eq!(poll(&mut line, due + 1), [BusEvent::Lost { bus, at, reason: LossReason::Unresponsive }]);
         assert_eq!(poll(&mut line, due + 2), []);
-        shared.in_call.store(0, Ordering::Release);
+        shared.in_call.clear();
         let at = Time::from_nanos(due + 3);
         assert_eq!(poll(&mut line, due + 3), [BusEvent::Returned { bus, at }]);
     }

@@ -7,17 +7,18 @@
 //! come in packets. A frame into which a silence may have slipped unseen is [`LineFrame::doubtful`].
 
 use super::{Received, Symbol};
+use host::HostInstant;
 use signal::{MAX_SERIAL_DATA, SerialSettings, Span};
 
 /// How frames end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Framing {
-    /// The silence that ends a frame, in nanoseconds.
-    pub gap: i64,
-    /// How long a character lasts, in nanoseconds.
-    pub character: i64,
-    /// How long the hardware may keep a received byte to itself, in nanoseconds.
-    pub hold: i64,
+    /// The silence that ends a frame.
+    pub gap: Span,
+    /// How long a character lasts.
+    pub character: Span,
+    /// How long the hardware may keep a received byte to itself.
+    pub hold: Span,
     /// The most bytes of a frame; what is longer is cut off and [`LineFrame::overlong`].
     pub most: usize,
 }
@@ -28,7 +29,7 @@ const HELD_CHARACTERS: u64 = 4;
 impl Framing {
     /// Of messages with this silence between them, of at most [`MAX_SERIAL_DATA`] bytes.
     pub fn of(line: &SerialSettings, gap: Span) -> Framing {
-        Framing { gap: gap.as_nanos(), most: MAX_SERIAL_DATA, ..Framing::modbus_rtu(line) }
+        Framing { gap, most: MAX_SERIAL_DATA, ..Framing::modbus_rtu(line) }
     }
 
     /// Of Modbus RTU: frames of at most 256 bytes.
@@ -55,10 +56,10 @@ pub struct LineFrame {
     pub overlong: bool,
     /// A silence may have slipped into it unseen: it may be two.
     pub doubtful: bool,
-    /// When its first byte was read, and before which stamp nothing of it was there; monotonic nanoseconds.
-    pub first: (i64, i64),
-    /// When its last byte was read; monotonic nanoseconds.
-    pub last: i64,
+    /// When its first byte was read, and before when nothing of it was there.
+    pub first: (HostInstant, HostInstant),
+    /// When its last byte was read.
+    pub last: HostInstant,
 }
 
 impl LineFrame {
@@ -86,15 +87,15 @@ impl Frames {
         Frames { framing, current: LineFrame { bytes, ..LineFrame::default() } }
     }
 
-    /// When the frame under way ends unless more of it comes: from this stamp on a look that finds nothing ends it.
-    pub fn due(&self) -> Option<i64> {
+    /// When the frame under way ends unless more of it comes: from then on a look that finds nothing ends it.
+    pub fn due(&self) -> Option<HostInstant> {
         let Framing { gap, character, hold, .. } = self.framing;
-        let silent = gap.saturating_add(character).saturating_add(hold);
-        (!self.current.is_empty()).then(|| self.current.last.saturating_add(silent))
+        let silent = gap + character + hold;
+        (!self.current.is_empty()).then(|| self.current.last + silent)
     }
 
-    /// A look at this stamp found nothing. The frame that has ended by that.
-    pub fn quiet(&mut self, looked: i64) -> Option<LineFrame> {
+    /// A look at this instant found nothing. The frame that has ended by that.
+    pub fn quiet(&mut self, looked: HostInstant) -> Option<LineFrame> {
         let over = self.due().is_some_and(|due| looked >= due);
         over.then(|| {
             let bytes = Vec::with_capacity(self.framing.most);
@@ -112,9 +113,9 @@ impl Frames {
             self.current.first = (received.empty, received.read);
         } else {
             let Framing { gap, character, .. } = self.framing;
-            let between = received.read.saturating_sub(self.current.last);
-            let busy = character.saturating_mul(received.symbols.len() as i64);
-            self.current.doubtful |= between.saturating_sub(busy) >= gap;
+            let between = received.read - self.current.last;
+            let busy = character * received.symbols.len() as i64;
+            self.current.doubtful |= between - busy >= gap;
         }
         self.current.last = received.read;
         for symbol in &received.symbols {
@@ -144,26 +145,30 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const MS: i64 = 1_000_000;
+    const MS: Span = Span::from_millis(1);
 
-    fn framing() -> Framing {
-        Framing { gap: 4 * MS, character: MS, hold: 2 * MS, most: 8 }
+    fn ms(count: i64) -> HostInstant {
+        HostInstant::BOOT + MS * count
     }
 
-    fn read(empty: i64, read: i64, bytes: &[u8]) -> Received {
+    fn framing() -> Framing {
+        Framing { gap: MS * 4, character: MS, hold: MS * 2, most: 8 }
+    }
+
+    fn read(empty: HostInstant, read: HostInstant, bytes: &[u8]) -> Received {
         Received { symbols: bytes.iter().map(|byte| Symbol::Byte(*byte)).collect(), empty, read }
     }
 
     #[test]
     fn a_frame_ends_when_the_silence_is_certain_and_not_before() {
         let mut frames = Frames::new(framing());
-        assert_eq!((frames.due(), frames.quiet(i64::MAX)), (None, None));
-        assert_eq!(frames.take(&read(0, 10 * MS, b"ab")), None);
+        assert_eq!((frames.due(), frames.quiet(HostInstant::NEVER)), (None, None));
+        assert_eq!(frames.take(&read(ms(0), ms(10), b"ab")), None);
         // The gap, a character that may be on its way, and what the hardware may hold back.
-        assert_eq!(frames.due(), Some(17 * MS));
-        assert_eq!(frames.quiet(17 * MS - 1), None);
-        let frame = frames.quiet(17 * MS).unwrap();
-        assert_eq!((&*frame.bytes, frame.first, frame.last), (&b"ab"[..], (0, 10 * MS), 10 * MS));
+        assert_eq!(frames.due(), Some(ms(17)));
+        assert_eq!(frames.quiet(ms(17) - Span::from_nanos(1)), None);
+        let frame = frames.quiet(ms(17)).unwrap();
+        assert_eq!((&*frame.bytes, frame.first, frame.last), (&b"ab"[..], (ms(0), ms(10)), ms(10)));
         assert!(frame.is_sound());
         assert_eq!(frames.due(), None);
     }
@@ -171,42 +176,45 @@ mod tests {
     #[test]
     fn bytes_behind_a_silence_begin_another_frame_though_nobody_looked_in_between() {
         let mut frames = Frames::new(framing());
-        frames.take(&read(0, MS, b"a"));
-        let first = frames.take(&read(9 * MS, 11 * MS, b"b")).unwrap();
+        frames.take(&read(ms(0), ms(1), b"a"));
+        let first = frames.take(&read(ms(9), ms(11), b"b")).unwrap();
         assert_eq!(first.bytes, b"a");
-        assert_eq!(frames.quiet(i64::MAX).unwrap().bytes, b"b");
+        assert_eq!(frames.quiet(HostInstant::NEVER).unwrap().bytes, b"b");
     }
 
     #[test]
     fn a_reader_that_was_away_for_too_long_does_not_take_two_frames_for_one_sound_one() {
         let mut frames = Frames::new(framing());
-        frames.take(&read(0, MS, b"a"));
+        frames.take(&read(ms(0), ms(1), b"a"));
         // Nothing was there at 2 ms. 9 ms later there were two bytes: they may have come at any time in between.
-        assert_eq!(frames.take(&read(2 * MS, 11 * MS, b"bc")), None);
-        let frame = frames.quiet(i64::MAX).unwrap();
+        assert_eq!(frames.take(&read(ms(2), ms(11), b"bc")), None);
+        let frame = frames.quiet(HostInstant::NEVER).unwrap();
         assert_eq!((&*frame.bytes, frame.doubtful, frame.is_sound()), (&b"abc"[..], true, false));
         // Bytes that fill the time between two reads leave no room for a silence.
-        frames.take(&read(0, MS, b"a"));
-        frames.take(&read(2 * MS, 8 * MS, b"bcdefg"));
-        assert!(frames.quiet(i64::MAX).unwrap().is_sound());
+        frames.take(&read(ms(0), ms(1), b"a"));
+        frames.take(&read(ms(2), ms(8), b"bcdefg"));
+        assert!(frames.quiet(HostInstant::NEVER).unwrap().is_sound());
     }
 
     #[test]
     fn harm_is_kept_with_the_frame_that_it_came_to() {
         let mut frames = Frames::new(framing());
         let symbols = vec![Symbol::Byte(1), Symbol::Damaged(2), Symbol::Break, Symbol::Byte(3)];
-        frames.take(&Received { symbols, empty: 0, read: MS });
-        let frame = frames.quiet(i64::MAX).unwrap();
+        frames.take(&Received { symbols, empty: ms(0), read: ms(1) });
+        let frame = frames.quiet(HostInstant::NEVER).unwrap();
         assert_eq!((frame.bytes.as_slice(), frame.damaged, frame.breaks), (&[1, 2, 3][..], 1, 1));
-        frames.take(&read(0, MS, b"123456789"));
-        let frame = frames.quiet(i64::MAX).unwrap();
+        frames.take(&read(ms(0), ms(1), b"123456789"));
+        let frame = frames.quiet(HostInstant::NEVER).unwrap();
         assert_eq!((frame.bytes.len(), frame.overlong, frame.is_sound()), (8, true, false));
     }
 
     #[test]
     fn the_silence_of_modbus_follows_the_speed() {
         let framing = Framing::modbus_rtu(&SerialSettings::default());
-        assert_eq!((framing.gap, framing.character, framing.most), (2_005_209, 572_917, 256));
+        assert_eq!(
+            (framing.gap, framing.character, framing.most),
+            (Span::from_nanos(2_005_209), Span::from_nanos(572_917), 256)
+        );
     }
 
     proptest! {
@@ -214,18 +222,18 @@ mod tests {
         #[test]
         fn frames_are_cut_out_of_what_was_read(
             pieces in proptest::collection::vec(
-                (0i64..20 * MS, 0i64..20 * MS, proptest::collection::vec(any::<u8>(), 0..6)), 0..20
+                (0i64..20_000_000, 0i64..20_000_000, proptest::collection::vec(any::<u8>(), 0..6)), 0..20
             ),
         ) {
             let mut frames = Frames::new(Framing { most: 1_000, ..framing() });
-            let (mut now, mut sent, mut got) = (0, Vec::new(), Vec::new());
+            let (mut now, mut sent, mut got) = (HostInstant::BOOT, Vec::new(), Vec::new());
             for (idle, late, bytes) in &pieces {
-                let piece = read(now + idle, now + idle + late, bytes);
+                let piece = read(now + Span::from_nanos(*idle), now + Span::from_nanos(idle + late), bytes);
                 now = piece.read;
                 sent.extend_from_slice(bytes);
                 got.extend(frames.take(&piece));
             }
-            got.extend(frames.quiet(i64::MAX));
+            got.extend(frames.quiet(HostInstant::NEVER));
             prop_assert!(got.iter().all(|frame| !frame.bytes.is_empty() && !frame.overlong));
             let back: Vec<u8> = got.into_iter().flat_map(|frame| frame.bytes).collect();
             prop_assert_eq!(back, sent);

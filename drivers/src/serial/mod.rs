@@ -25,7 +25,6 @@ pub use port::{Received, Sending, SerialPort};
 pub use spec::{PortSpec, SerialSpec};
 
 use crate::{Bus, BusKind, TimestampSource};
-use signal::Span;
 
 /// Describes the serial lines among the buses of a board.
 pub(crate) fn describe(lines: &[SerialSpec], buses: &mut Vec<Bus>) {
@@ -34,7 +33,7 @@ pub(crate) fn describe(lines: &[SerialSpec], buses: &mut Vec<Bus>) {
         if buses.len() <= at {
             buses.resize(at + 1, Bus::none());
         }
-        let character = Span::from_nanos(line.port.line.lasts(1));
+        let character = line.port.line.lasts(1);
         buses[at] = Bus {
             name: line.name.clone(),
             kind: BusKind::Serial { baud: line.port.line.baud },

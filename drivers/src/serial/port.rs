@@ -4,10 +4,9 @@ use std::fs::File;
 use std::future::poll_fn;
 use std::pin::Pin;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicI64, Ordering};
 use std::task::{Context, Poll};
 
-use host::{LineCounters, line_counters, monotonic, transmitter_is_empty};
+use host::{AtomicInstant, HostInstant, LineCounters, line_counters, transmitter_is_empty};
 use rustix::io::Errno;
 use rustix::termios::{QueueSelector, tcflush};
 use signal::{SerialSettings, Span};
@@ -28,10 +27,10 @@ const READ: usize = 4_096;
 pub struct Received {
     /// What came, oldest first.
     pub symbols: Vec<Symbol>,
-    /// The last look before it that found nothing; a stamp of the monotonic clock in nanoseconds, as all here.
-    pub empty: i64,
+    /// The last look before it that found nothing.
+    pub empty: HostInstant,
     /// When it was read.
-    pub read: i64,
+    pub read: HostInstant,
 }
 
 impl Received {
@@ -45,7 +44,7 @@ impl Received {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sending {
     /// When the first of them was handed to the kernel.
-    pub begun: i64,
+    pub begun: HostInstant,
     /// How many they are.
     pub bytes: usize,
 }
@@ -60,8 +59,8 @@ pub struct SerialPort {
     pseudo: bool,
     marks: Marks,
     raw: Box<[u8]>,
-    empty: i64,
-    in_call: Arc<AtomicI64>,
+    empty: HostInstant,
+    in_call: Arc<AtomicInstant>,
 }
 
 impl SerialPort {
@@ -76,9 +75,9 @@ impl SerialPort {
         SerialPort::watched(spec, Arc::default())
     }
 
-    /// As [`SerialPort::open`]; `in_call` is, while a call on the device is under way, the stamp since when, else 0.
-    pub(super) fn watched(spec: &PortSpec, in_call: Arc<AtomicI64>) -> Result<SerialPort, OpenError> {
-        let empty = monotonic();
+    /// As [`SerialPort::open`]; `in_call` is, while a call on the device is under way, since when it is.
+    pub(super) fn watched(spec: &PortSpec, in_call: Arc<AtomicInstant>) -> Result<SerialPort, OpenError> {
+        let empty = HostInstant::now();
         let opened = open(spec)?;
         let failed = |call| move |error: std::io::Error| SerialError::new(&spec.path, call, &error);
         let timer = Timer::new().map_err(failed(SerialCall::Open))?;
@@ -114,9 +113,9 @@ impl SerialPort {
 
     /// Marks how long a call on the device takes.
     fn call<T>(&mut self, call: impl FnOnce(&mut SerialPort) -> T) -> T {
-        self.in_call.store(monotonic(), Ordering::Release);
+        self.in_call.set(HostInstant::now());
         let outcome = call(self);
-        self.in_call.store(0, Ordering::Release);
+        self.in_call.clear();
         outcome
     }
 
@@ -141,7 +140,7 @@ impl SerialPort {
                 Poll::Ready(Err(SerialError::of(&self.spec.path, SerialCall::Receive, Errno::IO)))
             }
             Poll::Ready(Ok(bytes)) => {
-                into.read = monotonic();
+                into.read = HostInstant::now();
                 into.empty = self.empty;
                 into.symbols.clear();
                 for byte in &self.raw[..bytes] {
@@ -157,9 +156,9 @@ impl SerialPort {
         }
     }
 
-    /// Whether nothing waits to be read, and then the stamp of the look.
-    fn look(&mut self) -> Result<Option<i64>, SerialError> {
-        let looked = monotonic();
+    /// Whether nothing waits to be read, and then when that was.
+    fn look(&mut self) -> Result<Option<HostInstant>, SerialError> {
+        let looked = HostInstant::now();
         match self.call(|port| port.stream.bytes_to_read()) {
             Ok(0) => {
                 self.empty = looked;
@@ -170,11 +169,11 @@ impl SerialPort {
         }
     }
 
-    /// Waits until something was received, at most until this stamp. FALSE when nothing came.
+    /// Waits until something was received, at most until then. FALSE when nothing came.
     ///
     /// # Errors
     /// What the kernel says; [`SerialError::is_gone`] when the port is there no more.
-    pub async fn receive(&mut self, until: i64, into: &mut Received) -> Result<bool, SerialError> {
+    pub async fn receive(&mut self, until: HostInstant, into: &mut Received) -> Result<bool, SerialError> {
         self.timer.set(until).map_err(self.failed(SerialCall::Receive))?;
         poll_fn(|cx| {
             match self.poll_receive(cx, into) {
@@ -190,14 +189,14 @@ impl SerialPort {
         .await
     }
 
-    /// Waits for a frame that silence ends, at most until this stamp; the frame under way is waited for longer.
+    /// Waits for a frame that silence ends, at most until then; the frame under way is waited for longer.
     ///
     /// # Errors
     /// As [`SerialPort::receive`].
     pub async fn frame(
         &mut self,
         frames: &mut Frames,
-        until: i64,
+        until: HostInstant,
         room: &mut Received,
     ) -> Result<Option<LineFrame>, SerialError> {
         loop {
@@ -222,7 +221,7 @@ impl SerialPort {
     /// # Errors
     /// As [`SerialPort::receive`].
     pub async fn send(&mut self, bytes: &[u8]) -> Result<Sending, SerialError> {
-        let begun = monotonic();
+        let begun = HostInstant::now();
         let mut left = bytes;
         while !left.is_empty() {
             let written = poll_fn(|cx| self.call(|port| Pin::new(&mut port.stream).poll_write(cx, left)));
@@ -235,27 +234,31 @@ impl SerialPort {
         Ok(Sending { begun, bytes: bytes.len() })
     }
 
-    /// Waits until the last bit has left the port, at most until this stamp. The interval in which it did: not before
+    /// Waits until the last bit has left the port, at most until then. The interval in which it did: not before
     /// its bits had time to, and seen by then. The kernel tells nobody when that is, so it is looked for about as often
     /// as characters pass.
     ///
     /// # Errors
     /// As [`SerialPort::receive`]; ETIMEDOUT when it is not over by then.
-    pub async fn drain(&mut self, sending: Sending, until: i64) -> Result<(i64, i64), SerialError> {
-        let lasts = if self.pseudo { 0 } else { self.spec.line.lasts(sending.bytes as u64) };
-        let earliest = sending.begun.saturating_add(lasts);
+    pub async fn drain(
+        &mut self,
+        sending: Sending,
+        until: HostInstant,
+    ) -> Result<(HostInstant, HostInstant), SerialError> {
+        let lasts = if self.pseudo { Span::ZERO } else { self.spec.line.lasts(sending.bytes as u64) };
+        let earliest = sending.begun + lasts;
         loop {
             let left = self.call(|port| port.stream.bytes_to_write());
             let left = left.map_err(|_| SerialError::last(&self.spec.path, SerialCall::Drain))?;
             let sent = left == 0 && self.transmitted()?;
-            let now = monotonic();
+            let now = HostInstant::now();
             if sent {
                 return Ok((earliest.min(now), now));
             }
             if now >= until {
                 return Err(SerialError::of(&self.spec.path, SerialCall::Drain, Errno::TIMEDOUT));
             }
-            let next = now.saturating_add(self.spec.line.lasts(u64::from(left).max(1))).min(until);
+            let next = (now + self.spec.line.lasts(u64::from(left).max(1))).min(until);
             self.timer.wait_until(next).await.map_err(self.failed(SerialCall::Drain))?;
         }
     }
@@ -272,12 +275,12 @@ impl SerialPort {
     ///
     /// # Errors
     /// As [`SerialPort::drain`].
-    pub async fn send_break(&mut self, lasts: Span, until: i64) -> Result<(), SerialError> {
-        self.drain(Sending { begun: monotonic(), bytes: 0 }, until).await?;
+    pub async fn send_break(&mut self, lasts: Span, until: HostInstant) -> Result<(), SerialError> {
+        self.drain(Sending { begun: HostInstant::now(), bytes: 0 }, until).await?;
         let set = self.call(|port| port.stream.set_break());
         set.map_err(|_| SerialError::last(&self.spec.path, SerialCall::Break))?;
         let held = Held { stream: &self.stream };
-        let over = self.timer.wait_until(monotonic().saturating_add(lasts.as_nanos())).await;
+        let over = self.timer.wait_until(HostInstant::now() + lasts).await;
         drop(held);
         over.map_err(self.failed(SerialCall::Break))
     }

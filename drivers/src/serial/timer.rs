@@ -1,10 +1,11 @@
-//! Waits on a current-thread runtime that end at a stamp of the monotonic clock: tokio's own end at whole milliseconds,
+//! Waits on a current-thread runtime that end at an instant of the host: tokio's own end at whole milliseconds,
 //! which is longer than the silences of a serial line.
 
 use std::io;
 use std::os::fd::OwnedFd;
 use std::task::{Context, Poll, ready};
 
+use host::HostInstant;
 use rustix::time::{Itimerspec, TimerfdClockId, TimerfdFlags, TimerfdTimerFlags, Timespec};
 use rustix::time::{timerfd_create, timerfd_settime};
 use tokio::io::unix::AsyncFd;
@@ -26,10 +27,10 @@ impl Timer {
         Ok(Timer { timer })
     }
 
-    /// Lets it end at this stamp, in nanoseconds; what it was set to before is forgotten.
-    pub(super) fn set(&self, stamp: i64) -> io::Result<()> {
+    /// Lets it end at this instant; what it was set to before is forgotten.
+    pub(super) fn set(&self, due: HostInstant) -> io::Result<()> {
         // 0 would mean never.
-        let stamp = stamp.max(1);
+        let stamp = due.as_nanos().max(1);
         let at = Timespec { tv_sec: stamp / 1_000_000_000, tv_nsec: stamp % 1_000_000_000 };
         let once = Itimerspec { it_interval: Timespec { tv_sec: 0, tv_nsec: 0 }, it_value: at };
         timerfd_settime(&self.timer, TimerfdTimerFlags::ABSTIME, &once)?;
@@ -51,9 +52,9 @@ impl Timer {
         }
     }
 
-    /// Waits until this stamp.
-    pub(super) async fn wait_until(&self, stamp: i64) -> io::Result<()> {
-        self.set(stamp)?;
+    /// Waits until then.
+    pub(super) async fn wait_until(&self, due: HostInstant) -> io::Result<()> {
+        self.set(due)?;
         std::future::poll_fn(|cx| self.poll(cx)).await
     }
 }

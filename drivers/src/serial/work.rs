@@ -3,10 +3,10 @@
 use std::future::{Future, poll_fn};
 use std::pin::pin;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::task::Poll;
 
-use host::{Bell, Realtime, Role, monotonic};
+use host::{AtomicInstant, Bell, HostInstant, Realtime, Role};
 use tokio::runtime::Runtime;
 use tokio::sync::Notify;
 
@@ -18,8 +18,8 @@ use super::frames::{Frames, Framing, LineFrame};
 use super::timer::Timer;
 use super::{PortSpec, Received, SerialError, SerialPort};
 
-/// How often a port that is away is looked for, in nanoseconds.
-const EVERY: i64 = 100_000_000;
+/// How often a port that is away is looked for.
+const EVERY: Span = Span::from_millis(100);
 
 /// Messages that nobody took yet: some seconds of a busy line.
 const REPORTS: usize = 1_024;
@@ -30,8 +30,8 @@ const ORDERS: usize = 64;
 /// The instants of a message whose stamps the board turns into its time.
 const NOWHERE: When = When { earliest: Time::ZERO, latest: Time::ZERO };
 
-/// How much longer than on the line an output may take to be sent, in nanoseconds.
-const PATIENCE: i64 = 1_000_000_000;
+/// How much longer than on the line an output may take to be sent.
+const PATIENCE: Span = Span::from_secs(1);
 
 /// What became of characters on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,15 +44,15 @@ pub(super) enum Passed {
     NotSent,
 }
 
-/// Characters on the line; stamps are of the monotonic clock.
+/// Characters on the line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Report {
     /// What became of them.
     pub(super) passed: Passed,
     /// When the first of them began: not before, and by then.
-    pub(super) first: (i64, i64),
+    pub(super) first: (HostInstant, HostInstant),
     /// When the last of them ended, or when that was given up: not before, and by then.
-    pub(super) last: (i64, i64),
+    pub(super) last: (HostInstant, HostInstant),
     /// They.
     pub(super) message: SerialMessage,
 }
@@ -99,12 +99,12 @@ pub(super) struct Queues {
 pub(super) struct Shared {
     /// The port is away.
     pub(super) gone: AtomicBool,
-    /// Since which stamp it is, if it is.
-    pub(super) since: AtomicI64,
+    /// When it went away last.
+    pub(super) since: AtomicInstant,
     /// How often it went away.
     pub(super) losses: AtomicU32,
-    /// The stamp since when a call is under way; 0 for none.
-    pub(super) in_call: Arc<AtomicI64>,
+    /// Since when a call is under way.
+    pub(super) in_call: Arc<AtomicInstant>,
     /// Calls that failed.
     pub(super) failed: AtomicU64,
     /// Messages that found no room on their way to the board.
@@ -162,7 +162,7 @@ impl Worker {
             if over == Over::Stopped {
                 return;
             }
-            self.shared.since.store(monotonic(), Ordering::Release);
+            self.shared.since.set(HostInstant::now());
             self.shared.losses.fetch_add(1, Ordering::AcqRel);
             self.shared.failed.fetch_add(1, Ordering::Relaxed);
             self.gone(true);
@@ -185,9 +185,9 @@ impl Worker {
     }
 
     fn timed<T>(&self, call: impl FnOnce() -> T) -> T {
-        self.shared.in_call.store(monotonic(), Ordering::Release);
+        self.shared.in_call.set(HostInstant::now());
         let outcome = call();
-        self.shared.in_call.store(0, Ordering::Release);
+        self.shared.in_call.clear();
         outcome
     }
 
@@ -204,7 +204,7 @@ impl Worker {
             }
             let outcome = {
                 let mut woken = pin!(self.shared.wake.notified());
-                let mut frame = pin!(port.frame(&mut frames, i64::MAX, received));
+                let mut frame = pin!(port.frame(&mut frames, HostInstant::NEVER, received));
                 poll_fn(|cx| match woken.as_mut().poll(cx) {
                     Poll::Ready(()) => Poll::Ready(None),
                     Poll::Pending => frame.as_mut().poll(cx).map(Some),
@@ -230,16 +230,16 @@ impl Worker {
         order: Order,
         queues: &mut Queues,
     ) -> Result<(), SerialError> {
-        let begun = monotonic();
+        let begun = HostInstant::now();
         let is_break = order.data().is_empty();
         let lasts = match is_break {
-            true => order.lasts.as_nanos(),
+            true => order.lasts,
             false => port.line().lasts(u64::from(order.len)),
         };
-        let until = begun.saturating_add(lasts.saturating_mul(2)).saturating_add(PATIENCE);
+        let until = begun + lasts * 2 + PATIENCE;
         let sent = if is_break {
             let sent = port.send_break(order.lasts, until).await;
-            sent.map(|()| (begun.saturating_add(lasts), monotonic()))
+            sent.map(|()| (begun + lasts, HostInstant::now()))
         } else {
             match port.send(order.data()).await {
                 Ok(sending) => port.drain(sending, until).await,
@@ -251,11 +251,11 @@ impl Worker {
             // What the port refuses, such as a break that its driver does not know, does not take the port away.
             Err(error) if !error.is_gone() => {
                 self.shared.failed.fetch_add(1, Ordering::Relaxed);
-                (Passed::NotSent, (begun, monotonic()))
+                (Passed::NotSent, (begun, HostInstant::now()))
             }
             Err(error) => return Err(error),
         };
-        let first = (begun, last.1.saturating_sub(lasts).max(begun));
+        let first = (begun, (last.1 - lasts).max(begun));
         let mut message = SerialMessage::of(NOWHERE, NOWHERE, order.data());
         message.errors.breaks = u16::from(is_break);
         self.report(queues, Report { passed, first, last, message });
@@ -283,7 +283,7 @@ impl Worker {
             {
                 return Some(port);
             }
-            timer.set(monotonic().saturating_add(EVERY)).ok()?;
+            timer.set(HostInstant::now() + EVERY).ok()?;
             let mut woken = pin!(self.shared.wake.notified());
             poll_fn(|cx| match woken.as_mut().poll(cx) {
                 Poll::Ready(()) => Poll::Ready(()),
@@ -299,7 +299,7 @@ impl Worker {
 }
 
 /// What was received, of characters that take at least so long.
-fn received_report(frame: &LineFrame, shortest: i64) -> Report {
+fn received_report(frame: &LineFrame, shortest: Span) -> Report {
     let mut message = SerialMessage::of(NOWHERE, NOWHERE, &frame.bytes);
     message.doubtful = frame.doubtful;
     message.errors = SerialErrors {
@@ -309,7 +309,7 @@ fn received_report(frame: &LineFrame, shortest: i64) -> Report {
         overruns: u16::from(frame.overlong),
         ..SerialErrors::NONE
     };
-    let last = (frame.first.0.saturating_add(shortest).min(frame.last), frame.last);
+    let last = ((frame.first.0 + shortest).min(frame.last), frame.last);
     Report { passed: Passed::Received, first: frame.first, last, message }
 }
 
@@ -320,8 +320,8 @@ pub(super) struct Running {
     /// What passed on the line and was not taken yet.
     pub(super) reports: Consumer<Report>,
     orders: Producer<Order>,
-    /// How long the end of a call is waited for, in nanoseconds.
-    patience: i64,
+    /// How long the end of a call is waited for.
+    patience: Span,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
@@ -331,7 +331,7 @@ impl Running {
         worker: Worker,
         runtime: Runtime,
         port: SerialPort,
-        patience: i64,
+        patience: Span,
     ) -> std::io::Result<Running> {
         let shared = worker.shared.clone();
         let (reports, to_take) = RingBuffer::new(REPORTS);
@@ -358,7 +358,7 @@ impl Running {
     pub(super) fn ended(shared: Arc<Shared>) -> Running {
         shared.ended.store(true, Ordering::Release);
         let (orders, _) = RingBuffer::new(1);
-        Running { shared, reports: RingBuffer::new(1).1, orders, patience: 0, thread: None }
+        Running { shared, reports: RingBuffer::new(1).1, orders, patience: Span::ZERO, thread: None }
     }
 }
 
@@ -366,10 +366,10 @@ impl Drop for Running {
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Release);
         self.shared.wake.notify_one();
-        let due = monotonic().saturating_add(self.patience);
+        let due = HostInstant::now() + self.patience;
         while !self.shared.ended.load(Ordering::Acquire) {
             // A thread inside a call that hangs is left to it: when the call ends, the stop is all that it finds.
-            if monotonic() >= due {
+            if HostInstant::now() >= due {
                 return;
             }
             self.shared.answer.wait_until(due);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::fake::{self, Fake};
-use host::monotonic;
+use host::HostInstant;
 use scanrig_drivers::{Board, BoardEvent, BoardExt};
 use signal::{Span, Time, Value};
 
@@ -26,7 +26,7 @@ pub fn scans_allocate_nothing() {
         writes.clear();
         writes.extend(outs.iter().map(|out| (*out, Value::Bool(high))));
         board.write(at.time.now(), &writes).unwrap();
-        chip.edge(high, monotonic());
+        chip.edge(high, HostInstant::now());
         // Until outputs and input have been told of.
         let (wanted, due) = (told + 1 + fake::LINES as u64, at.time.now() + Span::from_secs(20));
         while told < wanted && at.time.now() < due {

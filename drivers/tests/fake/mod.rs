@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
-use host::Realtime;
+use host::{HostInstant, Realtime};
 use rustix::event::{EventfdFlags, eventfd};
 use scanrig_drivers::gpio::{Backend, ChipInfo, Claim, Edge, FoundChip, GpioSpec, Levels, Port, Wanted};
 use scanrig_drivers::{
@@ -64,7 +64,7 @@ impl Fake {
     }
 
     /// An edge of input 0, as the kernel would tell it, and its level.
-    pub fn edge(&self, high: bool, stamp: i64) {
+    pub fn edge(&self, high: bool, stamp: HostInstant) {
         let number = self.numbers.fetch_add(1, Ordering::AcqRel) + 1;
         self.level(high);
         self.tell(Edge { input: 0, high, stamp, numbers: Some((number, number)) });

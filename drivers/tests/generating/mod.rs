@@ -9,7 +9,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
 
 use document::SourceFile;
-use host::{Realtime, monotonic};
+use host::{HostInstant, Realtime};
 use scanrig_drivers::generator::{Generator, GeneratorBoard, Sent, Source};
 use scanrig_drivers::{BoardContext, BoardFile, BoardKind, OutputClaim, Terminals, read};
 use signal::Span;
@@ -104,16 +104,16 @@ impl Generator for Scripted {
     }
 
     fn pulses(&mut self, _output: u8, edges: &[Span]) -> io::Result<Sent> {
-        let before = monotonic();
+        let before = HostInstant::now();
         let last = edges.last().map_or(0, |edge| edge.as_nanos());
         self.0.call(Some(Did::Pulses(edges.len(), last)))?;
         // A clock of 1 MHz, eight bits in front, whole bytes.
         let bits = ((8 + last as u64 / 1_000) / 8 + 1) * 8;
-        let over = before + bits as i64 * 1_000;
-        while monotonic() < over {
+        let over = before + Span::from_micros(bits as i64);
+        while HostInstant::now() < over {
             std::thread::sleep(Duration::from_micros(50));
         }
-        Ok(Sent { before, after: monotonic(), bits })
+        Ok(Sent { before, after: HostInstant::now(), bits })
     }
 
     fn lasts(&self, _edges: &[Span]) -> Span {

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
-use host::{Realtime, monotonic};
+use host::{HostInstant, Realtime};
 use scanrig_drivers::adc::{Adc, AdcBoard, InRange, Pace, Reading, Source};
 use scanrig_drivers::real::RealSpec;
 use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Terminals, read};
@@ -66,7 +66,7 @@ impl Adc for Scripted {
     }
 
     fn read(&mut self, out: &mut Vec<Reading>) -> io::Result<()> {
-        let before = monotonic();
+        let before = HostInstant::now();
         let mut shut = self.script.shut.lock().unwrap();
         while *shut {
             self.script.waiting.store(true, Ordering::Release);
@@ -81,7 +81,13 @@ impl Adc for Scripted {
         }
         for (input, (value, range)) in self.script.values.lock().unwrap().iter().enumerate() {
             let range = range.unwrap_or(InRange::Yes);
-            out.push(Reading { input: input as u16, before, after: monotonic(), value: *value, range });
+            out.push(Reading {
+                input: input as u16,
+                before,
+                after: HostInstant::now(),
+                value: *value,
+                range,
+            });
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
-use host::{CounterEvent, Realtime, monotonic};
+use host::{CounterEvent, HostInstant, Realtime};
 use scanrig_drivers::counter::{Counter, CounterBoard, Reading, Source};
 use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Terminals, read};
 
@@ -55,7 +55,7 @@ impl Counter for Scripted {
     }
 
     fn read(&mut self) -> io::Result<Reading> {
-        let before = monotonic();
+        let before = HostInstant::now();
         let mut shut = self.0.shut.lock().unwrap();
         while *shut {
             self.0.waiting.store(true, Ordering::Release);
@@ -65,7 +65,9 @@ impl Counter for Scripted {
         self.0.waiting.store(false, Ordering::Release);
         self.0.reads.fetch_add(1, Ordering::AcqRel);
         match self.0.error.load(Ordering::Acquire) {
-            0 => Ok(Reading { before, after: monotonic(), value: self.0.value.load(Ordering::Acquire) }),
+            0 => {
+                Ok(Reading { before, after: HostInstant::now(), value: self.0.value.load(Ordering::Acquire) })
+            }
             code => Err(io::Error::from_raw_os_error(code)),
         }
     }

@@ -1,12 +1,12 @@
 //! One thread for each claim on lines: a call that hangs on one device keeps no other from being made safe.
 
 use crate::lines::Lines;
-use host::{Bell, monotonic};
+use host::{AtomicInstant, Bell, HostInstant};
 use rustix::io::{Errno, write};
 use std::io;
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI32, AtomicI64, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 use std::thread::{Builder, JoinHandle};
 
 /// Stack of a thread that makes two calls; it is locked in memory.
@@ -23,7 +23,7 @@ struct Shared {
     wanted: AtomicU32,
     served: AtomicU32,
     /// When the last order that was carried out began, and what became of it: 0, [`OTHERWISE`] or an error number.
-    began: AtomicI64,
+    began: AtomicInstant,
     outcome: AtomicI32,
     over: AtomicBool,
     /// Told each time that an order was carried out.
@@ -51,7 +51,7 @@ impl Driver {
             bell: Bell::new(),
             wanted: AtomicU32::new(0),
             served: AtomicU32::new(0),
-            began: AtomicI64::new(i64::MIN),
+            began: AtomicInstant::none(),
             outcome: AtomicI32::new(0),
             over: AtomicBool::new(false),
             finished: finished.clone(),
@@ -59,7 +59,7 @@ impl Driver {
         let own = shared.clone();
         let thread = Builder::new().name("lines".into()).stack_size(STACK).spawn(move || {
             while !own.over.load(Ordering::Acquire) {
-                own.bell.wait_until(i64::MAX);
+                own.bell.wait_until(HostInstant::NEVER);
                 own.carry_out(&mut *lines, safe);
             }
         })?;
@@ -78,20 +78,19 @@ impl Driver {
     }
 
     /// Whether the lines were found safe by an order that began at `since` or later.
-    pub fn is_safe(&self, since: i64) -> bool {
-        self.shared.began.load(Ordering::Acquire) >= since && self.shared.outcome.load(Ordering::Acquire) == 0
+    pub fn is_safe(&self, since: HostInstant) -> bool {
+        self.shared.began.get() >= Some(since) && self.shared.outcome.load(Ordering::Acquire) == 0
     }
 
     /// Whether the device was found to be gone by an order that began at `since` or later.
-    pub fn is_gone(&self, since: i64) -> bool {
+    pub fn is_gone(&self, since: HostInstant) -> bool {
         let gone = [Errno::NODEV, Errno::NXIO].map(Errno::raw_os_error);
-        self.shared.began.load(Ordering::Acquire) >= since
-            && gone.contains(&self.shared.outcome.load(Ordering::Acquire))
+        self.shared.began.get() >= Some(since) && gone.contains(&self.shared.outcome.load(Ordering::Acquire))
     }
 
     /// Why the lines are not known to be safe since then.
-    pub fn trouble(&self, since: i64) -> Option<Trouble> {
-        if self.shared.began.load(Ordering::Acquire) < since {
+    pub fn trouble(&self, since: HostInstant) -> Option<Trouble> {
+        if self.shared.began.get() < Some(since) {
             return Some(Trouble::Hangs);
         }
         match self.shared.outcome.load(Ordering::Acquire) {
@@ -144,7 +143,7 @@ impl Shared {
             if wanted == self.served.load(Ordering::Acquire) {
                 return;
             }
-            let began = monotonic();
+            let began = HostInstant::now();
             let outcome = match lines.drive(safe).and_then(|()| lines.read()) {
                 Ok(read) if read == safe => 0,
                 Ok(_) => OTHERWISE,
@@ -152,7 +151,7 @@ impl Shared {
             };
             // The outcome before its time: who sees the time sees an outcome at least as new.
             self.outcome.store(outcome, Ordering::Release);
-            self.began.store(began, Ordering::Release);
+            self.began.set(began);
             self.served.store(wanted, Ordering::Release);
             // A full counter has somebody to wake already.
             let _ = write(&*self.finished, &1u64.to_ne_bytes());

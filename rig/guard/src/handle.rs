@@ -4,7 +4,7 @@ use crate::page::Page;
 use crate::wire::{Message, PWM, Tag};
 use crate::{GuardError, MissingPrivileges, Reason};
 use drivers::{Bite, GuardSettings, LineApi, OutputClaim, OutputGuard};
-use host::{Unstoppable, monotonic, never_stops};
+use host::{AtomicInstant, HostInstant, Unstoppable, never_stops};
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
 use rustix::net::{AddressFamily, SocketFlags, SocketType, socketpair};
@@ -13,7 +13,6 @@ use rustix::time::Timespec;
 use signal::Span;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// How long the guard may take to start: all of its program is read from the disk and locked.
@@ -90,7 +89,7 @@ impl Guard {
             return Err(GuardError::Watchdog { path, error: std::io::Error::from_raw_os_error(number) });
         }
         let lacks = MissingPrivileges::from_number(answer.numbers[0]);
-        let last = AtomicI64::new(monotonic());
+        let last = AtomicInstant::at(HostInstant::now());
         Ok(GuardHandle { page, limit: settings.limit, lacks, last, inner: Mutex::new(inner) })
     }
 }
@@ -108,7 +107,7 @@ pub struct GuardHandle {
     limit: Span,
     lacks: MissingPrivileges,
     /// When the rig gave its last sign of life.
-    last: AtomicI64,
+    last: AtomicInstant,
     inner: Mutex<Inner>,
 }
 
@@ -174,9 +173,9 @@ impl GuardHandle {
     pub fn arm(&self) -> Result<(), GuardError> {
         let mut inner = self.inner();
         inner.unstoppable = Unstoppable::new().ok();
-        let now = monotonic();
+        let now = HostInstant::now();
         self.page.rig_lives(now);
-        self.last.store(now, Ordering::Relaxed);
+        self.last.set(now);
         let answer = inner.ask(&Message::new(Tag::Arm, [0; 4]), &[], self.patience())?;
         self.done(answer)
     }
@@ -184,14 +183,14 @@ impl GuardHandle {
     /// A sign of life. Never waits and makes no call but to the clock: for the executor's loop, and for nothing that
     /// lives on when that loop does not.
     pub fn beat(&self) -> HeartbeatState {
-        let now = monotonic();
+        let now = HostInstant::now();
         self.page.rig_lives(now);
         // A machine that stood still kept the guard from its sign of life, too: that time does not count.
-        let stood = now - self.last.swap(now, Ordering::Relaxed) - self.beat_every().as_nanos();
-        let silent = now - self.page.guard() - stood.max(0);
+        let stood = now - self.last.replace(now).unwrap_or(now) - self.beat_every();
+        let silent = now - self.page.guard() - stood.max(Span::ZERO);
         match self.page.latched() {
             Some(reason) => HeartbeatState::Latched(reason),
-            None if silent > self.limit.as_nanos() => HeartbeatState::Unguarded,
+            None if silent > self.limit => HeartbeatState::Unguarded,
             None => HeartbeatState::Kept,
         }
     }
@@ -253,12 +252,6 @@ impl GuardHandle {
         }
         inner.reap();
         Ok(())
-    }
-
-    /// When the latch closed and when the outputs were found safe behind it, on the monotonic clock in nanoseconds;
-    /// 0 for what did not happen.
-    pub fn latch_times(&self) -> (i64, i64) {
-        self.page.times()
     }
 
     fn patience(&self) -> Span {
@@ -326,9 +319,9 @@ impl Inner {
 
 /// Waits until there is something to read or the time is over.
 fn is_ready(descriptor: BorrowedFd, patience: Span) -> bool {
-    let until = monotonic().saturating_add(patience.as_nanos());
+    let until = HostInstant::now() + patience;
     loop {
-        let left = until.saturating_sub(monotonic()).max(0);
+        let left = until.remaining().as_nanos();
         let left = Timespec { tv_sec: left / 1_000_000_000, tv_nsec: left % 1_000_000_000 };
         match poll(&mut [PollFd::from_borrowed_fd(descriptor, PollFlags::IN)], Some(&left)) {
             Err(Errno::INTR) => {}

@@ -1,24 +1,25 @@
 //! The page of memory that rig and guard share: signs of life, and the latch.
 
 use crate::Reason;
+use host::{AtomicInstant, HostInstant};
 use rustix::fs::{MemfdFlags, SealFlags, fcntl_add_seals, fcntl_get_seals, fstat, ftruncate, memfd_create};
 use rustix::io;
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
 use std::os::fd::{AsFd, OwnedFd};
 use std::ptr::NonNull;
-use std::sync::atomic::{AtomicI64, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// What is in the page. All bit patterns are values, so that neither side has to trust the other.
 #[repr(C)]
 struct Shared {
-    /// When the rig last gave a sign of life, on the monotonic clock in nanoseconds.
-    rig: AtomicI64,
+    /// When the rig last gave a sign of life.
+    rig: AtomicInstant,
     /// When the guard last did.
-    guard: AtomicI64,
-    /// When the outputs were found safe behind the latch; 0 before.
-    safe: AtomicI64,
-    /// When the latch closed; 0 before.
-    latched: AtomicI64,
+    guard: AtomicInstant,
+    /// When the outputs were found safe after the latch closed.
+    safe: AtomicInstant,
+    /// When the latch closed.
+    latched: AtomicInstant,
     /// Why the latch closed, as [`Reason::number`]; 0 while it is open. It never opens again.
     latch: AtomicU32,
 }
@@ -75,32 +76,32 @@ impl Page {
     }
 
     /// The rig lives at this instant.
-    pub fn rig_lives(&self, now: i64) {
-        self.shared().rig.store(now, Ordering::Release);
+    pub fn rig_lives(&self, now: HostInstant) {
+        self.shared().rig.set(now);
     }
 
-    /// When the rig last gave a sign of life.
-    pub fn rig(&self) -> i64 {
-        self.shared().rig.load(Ordering::Acquire)
+    /// When the rig last gave a sign of life; [`HostInstant::BOOT`] where it never did.
+    pub fn rig(&self) -> HostInstant {
+        self.shared().rig.get().unwrap_or_default()
     }
 
     /// The guard lives at this instant.
-    pub fn guard_lives(&self, now: i64) {
-        self.shared().guard.store(now, Ordering::Release);
+    pub fn guard_lives(&self, now: HostInstant) {
+        self.shared().guard.set(now);
     }
 
-    /// When the guard last gave a sign of life.
-    pub fn guard(&self) -> i64 {
-        self.shared().guard.load(Ordering::Acquire)
+    /// When the guard last gave a sign of life; [`HostInstant::BOOT`] where it never did.
+    pub fn guard(&self) -> HostInstant {
+        self.shared().guard.get().unwrap_or_default()
     }
 
     /// Closes the latch, once: the first reason stays.
-    pub fn latch(&self, reason: Reason, now: i64) {
+    pub fn latch(&self, reason: Reason, now: HostInstant) {
         let shared = self.shared();
         let first =
             shared.latch.compare_exchange(0, reason.number(), Ordering::AcqRel, Ordering::Acquire).is_ok();
         if first {
-            shared.latched.store(now, Ordering::Release);
+            shared.latched.set(now);
         }
     }
 
@@ -109,14 +110,14 @@ impl Page {
         Reason::from_number(self.shared().latch.load(Ordering::Acquire))
     }
 
-    /// The outputs were found safe behind the latch.
-    pub fn is_safe(&self, now: i64) {
-        let _ = self.shared().safe.compare_exchange(0, now, Ordering::AcqRel, Ordering::Acquire);
+    /// The outputs were found safe after the latch closed.
+    pub fn is_safe(&self, now: HostInstant) {
+        self.shared().safe.set_first(now);
     }
 
-    /// When the latch closed and when the outputs were found safe behind it.
-    pub fn times(&self) -> (i64, i64) {
-        (self.shared().latched.load(Ordering::Acquire), self.shared().safe.load(Ordering::Acquire))
+    /// When the latch closed and when the outputs were found safe after it.
+    pub fn times(&self) -> (Option<HostInstant>, Option<HostInstant>) {
+        (self.shared().latched.get(), self.shared().safe.get())
     }
 }
 
@@ -133,17 +134,21 @@ mod tests {
     use super::*;
     use std::fs::File;
 
+    fn at(nanos: i64) -> HostInstant {
+        HostInstant::from_nanos(nanos)
+    }
+
     #[test]
     fn two_mappings_are_one_page_and_the_latch_never_opens_again() {
         let (rig, memory) = Page::create().unwrap();
         let guard = Page::map(&memory).unwrap();
-        rig.rig_lives(7);
-        assert_eq!((guard.rig(), guard.latched()), (7, None));
-        guard.latch(Reason::Unresponsive, 9);
-        rig.latch(Reason::Exited, 11);
-        guard.is_safe(13);
-        guard.is_safe(15);
-        assert_eq!((rig.latched(), rig.times()), (Some(Reason::Unresponsive), (9, 13)));
+        rig.rig_lives(at(7));
+        assert_eq!((guard.rig(), guard.latched()), (at(7), None));
+        guard.latch(Reason::Unresponsive, at(9));
+        rig.latch(Reason::Exited, at(11));
+        guard.is_safe(at(13));
+        guard.is_safe(at(15));
+        assert_eq!((rig.latched(), rig.times()), (Some(Reason::Unresponsive), (Some(at(9)), Some(at(13)))));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::setup::set_up;
 use crate::watch::{Ending, FedWatchdog, GuardSetup, Open, Watch};
 use crate::wire::{Message, Tag};
 use drivers::{Bite, OutputClaim};
-use host::{Watchdog, monotonic};
+use host::{HostInstant, Watchdog};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, eventfd, poll};
 use rustix::io::Errno;
 use rustix::time::Timespec;
@@ -70,7 +70,8 @@ fn introduced(open: Open<'_>) -> Result<Option<Watch<'_>>, Errno> {
             }
         },
     };
-    page.guard_lives(monotonic());
+    page.guard_lives(HostInstant::now());
+    let (limit, hold) = (Span::from_nanos(limit), Span::from_nanos(hold));
     Message::new(Tag::Done, [lacks.to_number(), 0, 0, 0]).send(&link, &[])?;
     Ok(Some(Watch::new(GuardSetup { link, rig, page, ends, finished, watchdog, limit, hold }, open)))
 }

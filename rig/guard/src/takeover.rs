@@ -4,7 +4,7 @@
 //! in the kernel's table. Only the same user, or root, is heard.
 
 use crate::wire::{Message, Tag};
-use host::monotonic;
+use host::HostInstant;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
 use rustix::net::sockopt::socket_peercred;
@@ -97,7 +97,7 @@ fn ask(name: &str, device: &str) -> Result<bool, Errno> {
     if !is_one_of_us(&guard) {
         return Ok(false);
     }
-    Message::new(Tag::TakeOver, [monotonic(), 0, 0, 0]).with(device).send(&guard, &[])?;
+    Message::new(Tag::TakeOver, [HostInstant::now().as_nanos(), 0, 0, 0]).with(device).send(&guard, &[])?;
     poll(&mut [PollFd::new(&guard, PollFlags::IN)], Some(&PATIENCE))?;
     Ok(Message::receive(&guard)?.is_some_and(|(answer, _)| answer.tag == Tag::Done))
 }

@@ -11,21 +11,22 @@ use crate::page::Page;
 use crate::takeover::{Listener, TakeoverRequest};
 use crate::wire::{Descriptors, Message, PWM, Tag};
 use drivers::{Bite, LineApi, OutputClaim};
-use host::{Watchdog, monotonic};
+use host::{HostInstant, Watchdog};
 use nix::sys::signalfd::SignalFd;
 use pending::Pending;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::{Errno, read};
 use rustix::process::{Signal, pidfd_send_signal};
 use rustix::time::Timespec;
+use signal::Span;
 use std::os::fd::{AsFd, OwnedFd};
 use std::sync::Arc;
 
 /// How soon lines are driven again while a write that began before the latch may still come.
-const AGAIN: i64 = 2_000_000;
+const AGAIN: Span = Span::from_millis(2);
 
 /// How soon lines that could not be made safe are tried again once the rig is gone.
-const RETRY: i64 = 100_000_000;
+const RETRY: Span = Span::from_millis(100);
 
 /// Parts of the limit between two signs of life of the guard.
 const SIGNS: i64 = 4;
@@ -49,9 +50,9 @@ enum WatchState {
     /// The rig drives and gives signs of life.
     Armed,
     /// The latch closed at this instant, and the rig's process may still be there.
-    Latched(i64),
+    Latched(HostInstant),
     /// The rig's process is gone since this instant; its lines are held until they were safe for long enough.
-    Alone(i64),
+    Alone(HostInstant),
 }
 
 /// The watchdog behind the guard.
@@ -60,23 +61,28 @@ pub(crate) struct FedWatchdog {
     watchdog: Watchdog,
     bite: Bite,
     /// When it is fed next.
-    due: i64,
+    due: HostInstant,
 }
 
 impl FedWatchdog {
     /// It is fed from now on.
     pub fn new(watchdog: Watchdog, bite: Bite) -> FedWatchdog {
-        FedWatchdog { watchdog, bite, due: 0 }
+        FedWatchdog { watchdog, bite, due: HostInstant::BOOT }
     }
 
     /// Feeds it if it is due.
-    fn feed(&mut self, now: i64) {
+    fn feed(&mut self, now: HostInstant) {
         if now >= self.due {
             // A device that refuses bites: that is what it is there for.
             let _ = self.watchdog.feed();
-            self.due = now + self.watchdog.timeout().as_nanos() / 4;
+            self.due = now + part(self.watchdog.timeout(), 4);
         }
     }
+}
+
+/// An even part of a time.
+fn part(whole: Span, parts: i64) -> Span {
+    Span::from_nanos(whole.as_nanos() / parts)
 }
 
 /// What ended a wait.
@@ -104,10 +110,10 @@ pub(crate) struct GuardSetup {
     pub finished: Arc<OwnedFd>,
     /// The watchdog, if it has one.
     pub watchdog: Option<FedWatchdog>,
-    /// The longest that the rig may give no sign of life, in nanoseconds.
-    pub limit: i64,
-    /// How long lines are held behind the death of the rig, in nanoseconds.
-    pub hold: i64,
+    /// The longest that the rig may give no sign of life.
+    pub limit: Span,
+    /// How long lines are held behind the death of the rig.
+    pub hold: Span,
 }
 
 /// Makes lines of a claim.
@@ -122,18 +128,18 @@ pub(crate) struct Watch<'a> {
     finished: Arc<OwnedFd>,
     open: Open<'a>,
     watchdog: Option<FedWatchdog>,
-    limit: i64,
-    hold: i64,
+    limit: Span,
+    hold: Span,
     drivers: Vec<Driver>,
     state: WatchState,
     pending: Option<Pending>,
     /// When lines are driven again.
-    again: i64,
+    again: HostInstant,
     /// When the last wait was to end.
-    wakes_at: i64,
+    wakes_at: HostInstant,
     /// The sign of life behind which the machine stood still, and until when the rig has another chance.
-    excused: i64,
-    chance: i64,
+    excused: Option<HostInstant>,
+    chance: HostInstant,
     /// The lines may be let go: asked to end, or another rig needs them.
     release: bool,
     /// What became of the outputs was said.
@@ -153,15 +159,15 @@ impl<'a> Watch<'a> {
             finished: setup.finished,
             open,
             watchdog: setup.watchdog,
-            limit: setup.limit.max(1),
-            hold: setup.hold.max(0),
+            limit: setup.limit.max(Span::from_nanos(1)),
+            hold: setup.hold.max(Span::ZERO),
             drivers: Vec::new(),
             state: WatchState::Idle,
             pending: None,
-            again: i64::MAX,
-            wakes_at: i64::MAX,
-            excused: i64::MIN,
-            chance: i64::MIN,
+            again: HostInstant::NEVER,
+            wakes_at: HostInstant::NEVER,
+            excused: None,
+            chance: HostInstant::BOOT,
             release: false,
             said: false,
             listener: None,
@@ -172,7 +178,7 @@ impl<'a> Watch<'a> {
     /// Watches until the end.
     pub fn run(mut self) -> Ending {
         loop {
-            let now = monotonic();
+            let now = HostInstant::now();
             self.page.guard_lives(now);
             if let Some(ending) = self.look(now) {
                 return self.end(ending);
@@ -182,7 +188,7 @@ impl<'a> Watch<'a> {
     }
 
     /// What the time demands.
-    fn look(&mut self, now: i64) -> Option<Ending> {
+    fn look(&mut self, now: HostInstant) -> Option<Ending> {
         if self.state == WatchState::Armed && self.is_unresponsive(now) {
             self.latch(Reason::Unresponsive, now);
         }
@@ -208,21 +214,21 @@ impl<'a> Watch<'a> {
 
     /// Whether the rig has given no sign of life for too long. A guard that wakes late itself has seen the machine stand
     /// still, and the rig with it: then the rig has one more chance, once for each sign of life.
-    fn is_unresponsive(&mut self, now: i64) -> bool {
+    fn is_unresponsive(&mut self, now: HostInstant) -> bool {
         let last = self.page.rig();
-        if now < last.saturating_add(self.limit) || self.excused == last && now < self.chance {
+        if now < last + self.limit || self.excused == Some(last) && now < self.chance {
             return false;
         }
-        if now - self.wakes_at > self.limit / SIGNS && self.excused != last {
-            self.excused = last;
-            self.chance = now + self.limit / SIGNS;
+        if now - self.wakes_at > part(self.limit, SIGNS) && self.excused != Some(last) {
+            self.excused = Some(last);
+            self.chance = now + part(self.limit, SIGNS);
             return false;
         }
         true
     }
 
     /// Whether the watchdog is left to bite.
-    fn starves(&self, now: i64) -> bool {
+    fn starves(&self, now: HostInstant) -> bool {
         let (Some(watchdog), WatchState::Latched(since) | WatchState::Alone(since)) =
             (&self.watchdog, self.state)
         else {
@@ -230,15 +236,15 @@ impl<'a> Watch<'a> {
         };
         let lost = self.page.latched().is_some_and(Reason::loses_rig);
         let rig_lost = watchdog.bite == Bite::RigLost && lost;
-        rig_lost || now >= since.saturating_add(self.limit) && !self.are_safe(since)
+        rig_lost || now >= since + self.limit && !self.are_safe(since)
     }
 
     /// Waits for whatever comes first.
-    fn wait(&mut self, now: i64) {
-        let mut until = now + self.limit / SIGNS;
+    fn wait(&mut self, now: HostInstant) {
+        let mut until = now + part(self.limit, SIGNS);
         if self.state == WatchState::Armed {
-            let chance = if self.excused == self.page.rig() { self.chance } else { i64::MIN };
-            until = until.min(self.page.rig().saturating_add(self.limit).max(chance));
+            let chance = if self.excused == Some(self.page.rig()) { self.chance } else { HostInstant::BOOT };
+            until = until.min((self.page.rig() + self.limit).max(chance));
         }
         if let Some(watchdog) = self.watchdog.as_ref().filter(|_| !self.starves(now)) {
             until = until.min(watchdog.due);
@@ -248,7 +254,7 @@ impl<'a> Watch<'a> {
         }
         until = until.min(self.again).max(now);
         self.wakes_at = until;
-        let patience = until - now;
+        let patience = (until - now).as_nanos();
         let patience = Timespec { tv_sec: patience / 1_000_000_000, tv_nsec: patience % 1_000_000_000 };
         let mut ready = [None; 6];
         {
@@ -315,14 +321,14 @@ impl<'a> Watch<'a> {
             Ok(None) | Err(Errno::CONNRESET) => {
                 // A process that ends closes this first, and is gone a moment later.
                 self.link = None;
-                self.latch(Reason::Exited, monotonic());
+                self.latch(Reason::Exited, HostInstant::now());
             }
-            Err(_) => self.latch(Reason::Nonsense, monotonic()),
+            Err(_) => self.latch(Reason::Nonsense, HostInstant::now()),
         }
     }
 
     fn obey(&mut self, message: &Message, descriptors: Descriptors) {
-        let now = monotonic();
+        let now = HostInstant::now();
         let latched = matches!(self.state, WatchState::Latched(_));
         match (message.tag, self.state) {
             (Tag::Forget, WatchState::Idle) => {
@@ -342,7 +348,7 @@ impl<'a> Watch<'a> {
             },
             (Tag::Arm, WatchState::Idle) => {
                 self.state = WatchState::Armed;
-                self.again = i64::MAX;
+                self.again = HostInstant::NEVER;
                 self.reply(Tag::Done, "");
             }
             (Tag::Disarm, WatchState::Armed | WatchState::Idle) => {
@@ -385,7 +391,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Closes the latch: from now on the lines are safe and stay so.
-    fn latch(&mut self, reason: Reason, now: i64) {
+    fn latch(&mut self, reason: Reason, now: HostInstant) {
         if matches!(self.state, WatchState::Latched(_) | WatchState::Alone(_)) {
             return;
         }
@@ -400,20 +406,20 @@ impl<'a> Watch<'a> {
     }
 
     /// Orders all lines to be driven safe from this instant on, and again before long.
-    fn drive(&mut self, now: i64) {
+    fn drive(&mut self, now: HostInstant) {
         self.drivers.iter().for_each(Driver::order);
         self.again = now + AGAIN;
     }
 
     /// The same for those that are not at it still.
-    fn drive_again(&mut self, now: i64) {
+    fn drive_again(&mut self, now: HostInstant) {
         self.drivers.iter().filter(|driver| driver.is_idle()).for_each(Driver::order);
         let hopeless = self.said && matches!(self.state, WatchState::Alone(_));
         self.again = now + if hopeless { RETRY } else { AGAIN };
     }
 
     /// Whether all lines were found safe by a drive that began at this instant or later.
-    fn are_safe(&self, since: i64) -> bool {
+    fn are_safe(&self, since: HostInstant) -> bool {
         self.drivers.iter().all(|driver| driver.is_safe(since))
     }
 
@@ -422,7 +428,7 @@ impl<'a> Watch<'a> {
         if matches!(self.state, WatchState::Alone(_)) {
             return;
         }
-        let now = monotonic();
+        let now = HostInstant::now();
         self.latch(Reason::Exited, now);
         self.state = WatchState::Alone(now);
         self.pending = None;

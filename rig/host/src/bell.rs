@@ -1,5 +1,6 @@
 //! The one wait of the executor: absolute, and ended early by whoever rings.
 
+use crate::HostInstant;
 use rustix::io::Errno;
 use rustix::thread::futex;
 use rustix::time::Timespec;
@@ -41,9 +42,9 @@ impl Bell {
         self.rung.load(Ordering::Relaxed) != 0 && self.rung.swap(0, Ordering::Acquire) != 0
     }
 
-    /// Waits until somebody rings, at most until this stamp of the monotonic clock in nanoseconds.
-    pub fn wait_until(&self, stamp: i64) -> Woken {
-        let stamp = stamp.max(0);
+    /// Waits until somebody rings, at most until then.
+    pub fn wait_until(&self, due: HostInstant) -> Woken {
+        let stamp = due.as_nanos().max(0);
         let due = Timespec { tv_sec: stamp / 1_000_000_000, tv_nsec: stamp % 1_000_000_000 };
         loop {
             if self.rung.swap(0, Ordering::Acquire) != 0 {

@@ -1,6 +1,7 @@
 //! Events of the kernel's counter subsystem: what a device tells by itself, with the instants at which it reported so.
 //! Everything else of a counter stands in files of `/sys`.
 
+use crate::HostInstant;
 use std::io;
 use std::os::fd::AsRawFd;
 
@@ -46,8 +47,8 @@ impl CounterEventKind {
 /// An event that a counter reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CounterEvent {
-    /// The stamp of the monotonic clock in nanoseconds.
-    pub stamp: i64,
+    /// When, as the kernel stamped it.
+    pub stamp: HostInstant,
     /// What the count showed.
     pub count: u64,
     /// What happened.
@@ -88,7 +89,8 @@ impl CounterEvent {
         let count = u64::from_ne_bytes([v0, v1, v2, v3, v4, v5, v6, v7]);
         let kind = CounterEventKind::ALL.get(usize::from(event))?;
         let told = (component, scope, status) == (COMPONENT_COUNT, SCOPE_COUNT, 0);
-        told.then_some(CounterEvent { stamp: i64::try_from(stamp).ok()?, count, kind: *kind })
+        let stamp = HostInstant::from_nanos(i64::try_from(stamp).ok()?);
+        told.then_some(CounterEvent { stamp, count, kind: *kind })
     }
 }
 
@@ -176,7 +178,8 @@ mod tests {
     #[test]
     fn an_event_is_read_as_the_kernel_wrote_it() {
         let told = CounterEvent::read(&record(7_000, 42, [2, 2, 1, 1, 3, 1, 0, 0]));
-        assert_eq!(told, Some(CounterEvent { stamp: 7_000, count: 42, kind: CounterEventKind::Threshold }));
+        let stamp = HostInstant::from_nanos(7_000);
+        assert_eq!(told, Some(CounterEvent { stamp, count: 42, kind: CounterEventKind::Threshold }));
         for about in [[2, 2, 1, 1, 3, 1, 22, 0], [0, 0, 0, 0, 3, 1, 0, 0], [2, 2, 1, 1, 9, 1, 0, 0]] {
             assert_eq!(CounterEvent::read(&record(7_000, 42, about)), None, "{about:?}");
         }

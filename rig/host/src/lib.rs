@@ -8,6 +8,7 @@ mod counter;
 mod datagram;
 mod descriptor;
 mod histogram;
+mod instant;
 mod latency;
 mod lock;
 mod machine;
@@ -27,6 +28,7 @@ pub use counter::{
 pub use datagram::{Received, receive, stamp_arrivals};
 pub use descriptor::duplicate;
 pub use histogram::Histogram;
+pub use instant::{AtomicInstant, HostInstant};
 pub use latency::{Wakeups, wakeups};
 pub use lock::lock_bytes;
 pub use machine::{Machine, Preemption};
@@ -39,5 +41,5 @@ pub use serial::{
 };
 pub use stop::{Unstoppable, stop_here};
 pub use thread::{Entered, Processors, Realtime, Role, go_before_all};
-pub use time::{Bracket, TimeBase, monotonic, resolution};
+pub use time::{Bracket, TimeBase, resolution};
 pub use watchdog::{Watchdog, never_stops};

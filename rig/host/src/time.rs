@@ -1,5 +1,6 @@
 //! The time of a run on the kernel's monotonic clock.
 
+use crate::HostInstant;
 use rustix::time::{ClockId, clock_getres, clock_gettime};
 use signal::{Span, Time};
 use std::sync::Arc;
@@ -15,27 +16,27 @@ pub struct TimeBase {
 impl TimeBase {
     /// Time 0 is the moment of this call.
     pub fn start() -> TimeBase {
-        TimeBase { origin: Arc::new(AtomicI64::new(monotonic())) }
+        TimeBase { origin: Arc::new(AtomicI64::new(HostInstant::now().as_nanos())) }
     }
 
     /// Time 0 is now, for everybody who shares this base.
     pub fn restart(&self) {
-        self.origin.store(monotonic(), Ordering::Release);
+        self.origin.store(HostInstant::now().as_nanos(), Ordering::Release);
     }
 
     /// Now.
     pub fn now(&self) -> Time {
-        self.at(monotonic())
+        self.at(HostInstant::now())
     }
 
-    /// The instant of a stamp of the monotonic clock, in nanoseconds.
-    pub fn at(&self, stamp: i64) -> Time {
-        Time::from_nanos(stamp.saturating_sub(self.origin.load(Ordering::Acquire)))
+    /// The instant of the run at this instant of the host.
+    pub fn at(&self, stamp: HostInstant) -> Time {
+        Time::from_nanos(stamp.as_nanos().saturating_sub(self.origin.load(Ordering::Acquire)))
     }
 
-    /// The stamp of an instant on the monotonic clock, in nanoseconds.
-    pub fn stamp(&self, at: Time) -> i64 {
-        self.origin.load(Ordering::Acquire).saturating_add(at.as_nanos())
+    /// The instant of the host at this instant of the run.
+    pub fn stamp(&self, at: Time) -> HostInstant {
+        HostInstant::from_nanos(self.origin.load(Ordering::Acquire).saturating_add(at.as_nanos()))
     }
 
     /// Time stood still for this long.
@@ -44,20 +45,13 @@ impl TimeBase {
     }
 }
 
-/// The stamp of now on the monotonic clock, in nanoseconds.
-pub fn monotonic() -> i64 {
-    let now = clock_gettime(ClockId::Monotonic);
-    now.tv_sec.saturating_mul(1_000_000_000).saturating_add(now.tv_nsec)
-}
-
-/// What has to be added to a stamp of the wall clock to have one of the monotonic clock: a number between these, in
-/// nanoseconds.
+/// What the monotonic clock shows when the wall clock shows 0: an instant between these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bracket {
-    /// At least.
-    pub low: i64,
-    /// At most.
-    pub high: i64,
+    /// At the earliest.
+    low: HostInstant,
+    /// At the latest.
+    high: HostInstant,
 }
 
 impl Bracket {
@@ -65,11 +59,12 @@ impl Bracket {
     /// counts.
     pub fn measure() -> Bracket {
         let once = || {
-            let before = monotonic();
+            let before = HostInstant::now();
             let wall = clock_gettime(ClockId::Realtime);
-            let after = monotonic();
-            let wall = wall.tv_sec.saturating_mul(1_000_000_000).saturating_add(wall.tv_nsec);
-            Bracket { low: before.saturating_sub(wall), high: after.saturating_sub(wall) }
+            let after = HostInstant::now();
+            let wall =
+                Span::from_nanos(wall.tv_sec.saturating_mul(1_000_000_000).saturating_add(wall.tv_nsec));
+            Bracket { low: before - wall, high: after - wall }
         };
         let mut best = once();
         for _ in 0..2 {
@@ -81,6 +76,12 @@ impl Bracket {
         best
     }
 
+    /// The instants between which the wall clock showed this: nanoseconds since 1970.
+    pub fn instants(self, wall: i64) -> (HostInstant, HostInstant) {
+        let wall = Span::from_nanos(wall);
+        (self.low + wall, self.high + wall)
+    }
+
     /// What holds whether it is this or the other: between two measurements somebody may have set the wall clock.
     #[must_use]
     pub fn or(self, other: Bracket) -> Bracket {
@@ -88,11 +89,11 @@ impl Bracket {
     }
 }
 
-/// How far apart the instants are at which a wait can end, in nanoseconds: 1 where the kernel has high-resolution
-/// timers, else its tick.
-pub fn resolution() -> i64 {
+/// How far apart the instants are at which a wait can end: 1 ns where the kernel has high-resolution timers, else its
+/// tick.
+pub fn resolution() -> Span {
     let step = clock_getres(ClockId::Monotonic);
-    step.tv_sec.saturating_mul(1_000_000_000).saturating_add(step.tv_nsec)
+    Span::from_nanos(step.tv_sec.saturating_mul(1_000_000_000).saturating_add(step.tv_nsec))
 }
 
 #[cfg(test)]
@@ -103,7 +104,7 @@ mod tests {
     fn stamps_and_instants_are_one_clock_for_all_who_share_it() {
         let base = TimeBase::start();
         let other = base.clone();
-        let stamp = monotonic();
+        let stamp = HostInstant::now();
         assert_eq!(base.stamp(other.at(stamp)), stamp);
         let before = base.at(stamp);
         base.stood_still(Span::from_millis(5));

@@ -63,27 +63,27 @@ impl SerialSettings {
         1 + self.data_bits as u32 + parity + self.stop_bits as u32
     }
 
-    /// How long so many characters take on the line, in nanoseconds, rounded up.
-    pub const fn lasts(&self, characters: u64) -> i64 {
+    /// How long so many characters take on the line, rounded up to whole nanoseconds.
+    pub const fn lasts(&self, characters: u64) -> Span {
         self.tenths(characters.saturating_mul(10))
     }
 
     /// As [`SerialSettings::lasts`], of tenths of a character.
-    const fn tenths(&self, tenths: u64) -> i64 {
+    const fn tenths(&self, tenths: u64) -> Span {
         let baud = if self.baud == 0 { 1 } else { self.baud as u128 };
         let nanos = (tenths as u128 * self.bits() as u128 * 100_000_000).div_ceil(baud);
-        if nanos > i64::MAX as u128 { i64::MAX } else { nanos as i64 }
+        if nanos > i64::MAX as u128 { Span::MAX } else { Span::from_nanos(nanos as i64) }
     }
 
-    /// The silence that ends a frame of Modbus RTU, in nanoseconds: 3.5 characters, from 19200 Bd on 1.75 ms
+    /// The silence that ends a frame of Modbus RTU: 3.5 characters, from 19200 Bd on 1.75 ms
     /// (Modbus over serial line V1.02, 2.5.1.1).
-    pub const fn frame_gap(&self) -> i64 {
-        if self.baud > FIXED_ABOVE { 1_750_000 } else { self.tenths(35) }
+    pub const fn frame_gap(&self) -> Span {
+        if self.baud > FIXED_ABOVE { Span::from_micros(1_750) } else { self.tenths(35) }
     }
 
-    /// The longest silence inside a frame of Modbus RTU, in nanoseconds: 1.5 characters, above 19200 Bd 0.75 ms.
-    pub const fn character_gap(&self) -> i64 {
-        if self.baud > FIXED_ABOVE { 750_000 } else { self.tenths(15) }
+    /// The longest silence inside a frame of Modbus RTU: 1.5 characters, above 19200 Bd 0.75 ms.
+    pub const fn character_gap(&self) -> Span {
+        if self.baud > FIXED_ABOVE { Span::from_micros(750) } else { self.tenths(15) }
     }
 }
 
@@ -257,19 +257,22 @@ mod tests {
     #[test]
     fn a_character_lasts_as_long_as_its_bits() {
         assert_eq!(SerialSettings::default().bits(), 11);
-        assert_eq!(at(9_600, 8, Parity::None, 1).lasts(1), 1_041_667);
-        assert_eq!(at(9_600, 8, Parity::None, 1).lasts(96), 100_000_000);
+        assert_eq!(at(9_600, 8, Parity::None, 1).lasts(1), Span::from_nanos(1_041_667));
+        assert_eq!(at(9_600, 8, Parity::None, 1).lasts(96), Span::from_millis(100));
         assert_eq!(at(115_200, 7, Parity::Odd, 2).bits(), 11);
-        assert_eq!(at(1, 8, Parity::None, 1).lasts(u64::MAX), i64::MAX);
+        assert_eq!(at(1, 8, Parity::None, 1).lasts(u64::MAX), Span::MAX);
     }
 
     #[test]
     fn the_silences_of_modbus_are_those_of_its_standard() {
         // 3.5 and 1.5 characters of 11 bits at 19200 Bd.
-        assert_eq!(SerialSettings::default().frame_gap(), 2_005_209);
-        assert_eq!(SerialSettings::default().character_gap(), 859_375);
+        assert_eq!(SerialSettings::default().frame_gap(), Span::from_nanos(2_005_209));
+        assert_eq!(SerialSettings::default().character_gap(), Span::from_nanos(859_375));
         let fast = at(115_200, 8, Parity::Even, 1);
-        assert_eq!((fast.frame_gap(), fast.character_gap()), (1_750_000, 750_000));
-        assert_eq!(at(1_200, 8, Parity::None, 2).frame_gap(), 32_083_334);
+        assert_eq!(
+            (fast.frame_gap(), fast.character_gap()),
+            (Span::from_micros(1_750), Span::from_micros(750))
+        );
+        assert_eq!(at(1_200, 8, Parity::None, 2).frame_gap(), Span::from_nanos(32_083_334));
     }
 }

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io;
 
-use host::monotonic;
+use host::HostInstant;
 use rustix::io::{Errno, pread};
 use signal::Span;
 
@@ -63,9 +63,9 @@ impl Adc for Asked {
     fn read(&mut self, out: &mut Vec<Reading>) -> io::Result<()> {
         for (input, source) in self.inputs.iter().enumerate() {
             let mut text = [0u8; VALUE];
-            let before = monotonic();
+            let before = HostInstant::now();
             let length = pread(&source.file, &mut text, 0)?;
-            let after = monotonic();
+            let after = HostInstant::now();
             // Only a driver that breaks the rules of /sys says anything but a number.
             let code = number(&text[..length]).ok_or(Errno::BADMSG)?;
             let value = (code + source.scaling.offset) * source.scaling.scale;

@@ -5,7 +5,7 @@ use std::io;
 use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
 
-use host::monotonic;
+use host::HostInstant;
 use rustix::io::Errno;
 use signal::Span;
 
@@ -186,7 +186,7 @@ impl Adc for Buffered {
     /// At most as much as one call brings: what is left can be read at once.
     fn read(&mut self, out: &mut Vec<Reading>) -> io::Result<()> {
         let length = self.fetch()?;
-        self.scans.take(&self.bytes[..length], monotonic(), out);
+        self.scans.take(&self.bytes[..length], HostInstant::now(), out);
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! Scans of a buffer: bytes in, readings with their instants out.
 
+use host::HostInstant;
 use signal::Span;
 
 use super::element::{Element, Layout};
@@ -33,10 +34,10 @@ pub struct Scans {
     layout: Layout,
     inputs: Vec<Sampled>,
     stamp: Element,
-    period: i64,
-    /// How long before its stamp a sample may have been taken, in ns.
-    early: i64,
-    last: Option<i64>,
+    period: Span,
+    /// How long before its stamp a sample may have been taken.
+    early: Span,
+    last: Option<HostInstant>,
     lost: u64,
 }
 
@@ -45,13 +46,13 @@ impl Scans {
     /// any other may tell of a sample that was taken up to a period before.
     pub fn new(inputs: Vec<Sampled>, stamp: Element, period: Span, starts: bool) -> Scans {
         let elements = inputs.iter().map(|input| input.element).chain([stamp]);
-        let period = period.as_nanos().max(1);
+        let period = period.max(Span::from_nanos(1));
         Scans {
             layout: Layout::new(elements),
             inputs,
             stamp,
             period,
-            early: if starts { 0 } else { period },
+            early: if starts { Span::ZERO } else { period },
             last: None,
             lost: 0,
         }
@@ -73,19 +74,20 @@ impl Scans {
     }
 
     /// Appends the readings of whole scans that were read by `now`; bytes behind the last whole one are left out.
-    pub fn take(&mut self, bytes: &[u8], now: i64, out: &mut Vec<Reading>) {
+    pub fn take(&mut self, bytes: &[u8], now: HostInstant, out: &mut Vec<Reading>) {
         let mut scans = bytes.chunks_exact(self.size()).peekable();
         while let Some(scan) = scans.next() {
             let stamp = self.stamp_of(scan);
             if let Some(last) = self.last {
+                let period = self.period.as_nanos();
                 // A stamp that is half a period late or less is a timer that was late itself.
-                let periods = stamp.saturating_sub(last).saturating_add(self.period / 2) / self.period;
+                let periods = (stamp - last).as_nanos().saturating_add(period / 2) / period;
                 self.lost = self.lost.saturating_add(periods.saturating_sub(1).max(0) as u64);
             }
             self.last = Some(stamp);
             // The kernel begins no scan before the last one is done.
             let done = scans.peek().map_or(now, |next| self.stamp_of(next).min(now));
-            let before = stamp.saturating_sub(self.early);
+            let before = stamp - self.early;
             let after = done.max(stamp);
             for (at, sampled) in self.inputs.iter().enumerate() {
                 let place = self.layout.places[at];
@@ -101,10 +103,10 @@ impl Scans {
         }
     }
 
-    fn stamp_of(&self, scan: &[u8]) -> i64 {
+    fn stamp_of(&self, scan: &[u8]) -> HostInstant {
         let place = self.layout.places.last().copied().unwrap_or(0);
         let code = self.stamp.code(&scan[place..place + usize::from(self.stamp.bytes)]);
-        i64::try_from(code).unwrap_or(i64::MAX)
+        HostInstant::from_nanos(i64::try_from(code).unwrap_or(i64::MAX))
     }
 }
 
@@ -114,6 +116,10 @@ mod tests {
     use proptest::prelude::*;
 
     const MS: i64 = 1_000_000;
+
+    fn ms(count: i64) -> HostInstant {
+        HostInstant::from_nanos(count * MS)
+    }
 
     fn scans(starts: bool) -> Scans {
         let (sample, stamp) =
@@ -135,7 +141,7 @@ mod tests {
         assert_eq!(scans.size(), 16);
         let mut out = Vec::new();
         let bytes = [scan(32_768 + 5, 7, 100 * MS), scan(0, 65_535, 110 * MS), vec![1, 2, 3]].concat();
-        scans.take(&bytes, 112 * MS, &mut out);
+        scans.take(&bytes, ms(112), &mut out);
         let told: Vec<(u16, f64, InRange)> =
             out.iter().map(|one| (one.input, one.value, one.range)).collect();
         assert_eq!(
@@ -147,7 +153,8 @@ mod tests {
                 (0, 65_535.0, InRange::Above)
             ]
         );
-        let when: Vec<(i64, i64)> = out.iter().map(|one| (one.before / MS, one.after / MS)).collect();
+        let when: Vec<(i64, i64)> =
+            out.iter().map(|one| (one.before.as_nanos() / MS, one.after.as_nanos() / MS)).collect();
         assert_eq!(when, [(100, 110), (100, 110), (110, 112), (110, 112)]);
         assert_eq!(scans.lost(), 0);
     }
@@ -156,8 +163,8 @@ mod tests {
     fn a_stamp_behind_the_sample_reaches_a_period_back() {
         let mut scans = scans(false);
         let mut out = Vec::new();
-        scans.take(&scan(0, 0, 100 * MS), 101 * MS, &mut out);
-        assert_eq!((out[0].before / MS, out[0].after / MS), (90, 101));
+        scans.take(&scan(0, 0, 100 * MS), ms(101), &mut out);
+        assert_eq!((out[0].before.as_nanos() / MS, out[0].after.as_nanos() / MS), (90, 101));
     }
 
     #[test]
@@ -165,11 +172,11 @@ mod tests {
         let mut scans = scans(true);
         let mut out = Vec::new();
         for (stamp, lost) in [(100, 0), (114, 0), (120, 0), (140, 1), (185, 5), (184, 5)] {
-            scans.take(&scan(0, 0, stamp * MS), 200 * MS, &mut out);
+            scans.take(&scan(0, 0, stamp * MS), ms(200), &mut out);
             assert_eq!(scans.lost(), lost, "{stamp}");
         }
         scans.begin();
-        scans.take(&scan(0, 0, 900 * MS), 900 * MS, &mut out);
+        scans.take(&scan(0, 0, 900 * MS), ms(900), &mut out);
         assert_eq!(scans.lost(), 0);
     }
 
@@ -180,7 +187,7 @@ mod tests {
         ) {
             let mut scans = scans(starts);
             let mut out = Vec::new();
-            scans.take(&bytes, now, &mut out);
+            scans.take(&bytes, HostInstant::from_nanos(now), &mut out);
             prop_assert_eq!(out.len(), bytes.len() / 16 * 2);
             prop_assert!(out.iter().all(|one| one.before <= one.after && one.value.is_finite()));
         }

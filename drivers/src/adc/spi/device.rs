@@ -4,9 +4,10 @@ use std::fs::OpenOptions;
 use std::io;
 use std::path::Path;
 
-use host::monotonic;
+use host::HostInstant;
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
+use signal::Span;
 use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
 
 use super::super::{Adc, AdcSpec, Noise, Pace, Reading, Resolution, SampleSpec};
@@ -43,7 +44,7 @@ pub struct SpiAdc {
     /// Bytes of a frame.
     frame: usize,
     /// How long a frame is on the bus at least, in ns.
-    lasts: i64,
+    lasts: Span,
     sent: Vec<u8>,
     answers: Vec<u8>,
 }
@@ -79,7 +80,9 @@ pub fn open(converter: &AdcSpec, spec: &SpiSpec, inputs: &[SampleSpec]) -> Resul
         oversample,
         chunk,
         frame,
-        lasts: frame as i64 * i64::from(WORD) * 1_000_000_000 / i64::from(spec.speed.max(1)),
+        lasts: Span::from_nanos(
+            frame as i64 * i64::from(WORD) * 1_000_000_000 / i64::from(spec.speed.max(1)),
+        ),
         sent: sent.collect(),
         answers: vec![0; chunk * frame],
         sweep,
@@ -167,8 +170,8 @@ impl SpiAdc {
         Ok(())
     }
 
-    /// One call: these frames of the sweeps, from this place on. The stamps around it.
-    fn transfer(&mut self, first: usize, count: usize) -> io::Result<(i64, i64)> {
+    /// One call: these frames of the sweeps, from this place on. The instants around it.
+    fn transfer(&mut self, first: usize, count: usize) -> io::Result<(HostInstant, HostInstant)> {
         let frames = self.sweep.frames().len();
         let mut transfers: [SpidevTransfer<'_, '_>; TRANSFERS] =
             std::array::from_fn(|_| SpidevTransfer::default());
@@ -179,9 +182,9 @@ impl SpiAdc {
             // Each frame is one of its own for the part.
             transfer.cs_change = u8::from(at + 1 < count);
         }
-        let before = monotonic();
+        let before = HostInstant::now();
         self.spi.transfer_multiple(&mut transfers[..count])?;
-        Ok((before, monotonic()))
+        Ok((before, HostInstant::now()))
     }
 }
 
@@ -206,8 +209,8 @@ impl Adc for SpiAdc {
                 let mut answer: Bytes = [0; FRAME];
                 answer[..self.frame].copy_from_slice(&self.answers[at * self.frame..(at + 1) * self.frame]);
                 // The bus is no faster than it was told to be, so that those in front and behind took so long.
-                let earliest = before.saturating_add(at as i64 * self.lasts);
-                let latest = after.saturating_sub((count - 1 - at) as i64 * self.lasts);
+                let earliest = before + self.lasts * at as i64;
+                let latest = after - self.lasts * (count - 1 - at) as i64;
                 if !self.sweep.take((first + at) % frames, &answer, earliest, latest.max(earliest)) {
                     // The part cannot have said that: a wire is stuck, or the clock is too fast for it.
                     return Err(Errno::BADMSG.into());

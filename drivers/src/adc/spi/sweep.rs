@@ -3,6 +3,7 @@
 use super::super::{InRange, Noise, Reading, Resolution};
 use super::Part;
 use super::codec::{Bytes, Chosen, Frame, Input};
+use host::HostInstant;
 
 /// What the sweeps of one reading said of an input.
 #[derive(Clone, Copy, Debug, Default)]
@@ -12,8 +13,8 @@ struct Sum {
     squares: u64,
     lowest: u32,
     highest: u32,
-    before: i64,
-    after: i64,
+    before: HostInstant,
+    after: HostInstant,
 }
 
 /// A sweep over the inputs of a part, and what its answers said.
@@ -44,7 +45,7 @@ impl Sweep {
 
     /// The answer to a frame, by its place, that was on the bus between these stamps. FALSE where the part cannot have
     /// said that.
-    pub fn take(&mut self, frame: usize, answer: &Bytes, before: i64, after: i64) -> bool {
+    pub fn take(&mut self, frame: usize, answer: &Bytes, before: HostInstant, after: HostInstant) -> bool {
         let Some(frame) = self.frames.get(frame) else { return false };
         if let Some((mask, wanted)) = frame.expects {
             return answered(answer, &mask, &wanted);
@@ -122,6 +123,10 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn at(nanos: usize) -> HostInstant {
+        HostInstant::from_nanos(nanos as i64)
+    }
+
     fn single(part: Part, numbers: &[u8]) -> Vec<Chosen> {
         let chosen = |number: &u8| {
             let input = Input::Single(*number);
@@ -145,12 +150,12 @@ mod tests {
     fn sweeps_make_a_mean_with_its_noise_and_the_time_of_them_all() {
         let mut sweep = Sweep::new(&MCP3008, single(&MCP3008, &[0]));
         for (turn, code) in [100u16, 101, 102, 101].into_iter().enumerate() {
-            assert!(sweep.take(0, &mcp(code), 10 * turn as i64, 10 * turn as i64 + 5));
+            assert!(sweep.take(0, &mcp(code), at(10 * turn), at(10 * turn + 5)));
         }
         let step = 0.004;
         assert_eq!(
             readings(&sweep),
-            [Reading { input: 0, before: 0, after: 35, value: 101.0 * step, range: InRange::Yes }]
+            [Reading { input: 0, before: at(0), after: at(35), value: 101.0 * step, range: InRange::Yes }]
         );
         let Noise { deviation, samples } = sweep.noise(0).unwrap();
         assert_eq!((samples, sweep.resolution(0)), (4, Resolution { step, range: Some(4.096) }));
@@ -164,27 +169,27 @@ mod tests {
     fn one_code_at_the_end_of_a_range_spoils_the_mean() {
         let range = |codes: &[u16]| {
             let mut sweep = Sweep::new(&MCP3008, single(&MCP3008, &[0]));
-            codes.iter().for_each(|code| assert!(sweep.take(0, &mcp(*code), 0, 1)));
+            codes.iter().for_each(|code| assert!(sweep.take(0, &mcp(*code), at(0), at(1))));
             readings(&sweep)[0].range
         };
         assert_eq!(range(&[1000, 1023, 1000]), InRange::Above);
         // 0 V against ground is what it is.
         assert_eq!(range(&[0, 0]), InRange::Yes);
         let mut bipolar = Sweep::new(&ADS8688, single(&ADS8688, &[0]));
-        assert!(bipolar.take(1, &[0, 0, 0, 0], 0, 1));
+        assert!(bipolar.take(1, &[0, 0, 0, 0], at(0), at(1)));
         assert_eq!(readings(&bipolar)[0].range, InRange::Below);
         let pair = Chosen { input: Input::Pair(0, 1), span: MCP3008.spans(Input::Pair(0, 1), 4.096)[0] };
         let mut pair = Sweep::new(&MCP3008, vec![pair]);
-        assert!(pair.take(0, &mcp(0), 0, 1));
+        assert!(pair.take(0, &mcp(0), at(0), at(1)));
         assert_eq!(readings(&pair)[0].range, InRange::Below);
     }
 
     #[test]
     fn a_part_that_was_reset_is_noticed() {
         let mut sweep = Sweep::new(&ADS8688, single(&ADS8688, &[0, 1]));
-        assert!(sweep.take(3, &[0xFF, 0xFF, 0x03, 0xFF], 0, 1));
+        assert!(sweep.take(3, &[0xFF, 0xFF, 0x03, 0xFF], at(0), at(1)));
         for answer in [[0xFF; 4], [0; 4], [0xFF, 0xFF, 0x81, 0xFF]] {
-            assert!(!sweep.take(3, &answer, 0, 1), "{answer:?}");
+            assert!(!sweep.take(3, &answer, at(0), at(1)), "{answer:?}");
         }
     }
 
@@ -201,7 +206,7 @@ mod tests {
             let frames = sweep.frames().len();
             for turn in 0..oversample * frames {
                 let answer = &answers[turn % answers.len()];
-                let _ = sweep.take(turn % frames, answer, turn as i64, turn as i64 + 1);
+                let _ = sweep.take(turn % frames, answer, at(turn), at(turn + 1));
             }
             for reading in readings(&sweep) {
                 let span = inputs[usize::from(reading.input)].span;
@@ -211,7 +216,7 @@ mod tests {
                 let within = |noise: Noise| noise.deviation >= 0.0 && noise.deviation <= span.high - span.low;
                 prop_assert!(noise.is_none_or(within));
             }
-            prop_assert!(!sweep.take(frames, &answers[0], 0, 1));
+            prop_assert!(!sweep.take(frames, &answers[0], at(0), at(1)));
         }
     }
 }

@@ -66,7 +66,7 @@ pub fn run(args: &LatencyArgs) -> Exit {
     // As a run on real lines does: the process first, then the thread.
     let punctual = Punctual::begin();
     let entered = realtime.enter_for_now(Role::Scan);
-    let found = wakeups(&Bell::new(), interval.as_nanos(), args.count, &INTERRUPT);
+    let found = wakeups(&Bell::new(), interval, args.count, &INTERRUPT);
     let priority = if entered.refused.is_some() { None } else { realtime.priority };
     drop(entered);
     refused.extend(&punctual.refused);

@@ -7,6 +7,7 @@ use crate::exit::Exit;
 use crate::output;
 use clap::Args;
 use drivers::{Board, BoardContext, BoardEvent, BoardExt, Bus, Channel, ChannelId, ChannelKind};
+use host::HostInstant;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use signal::{Span, Time};
 use std::io::IsTerminal;
@@ -116,7 +117,7 @@ fn follow(
             return Ok(());
         }
         let due = [end, view.due(), board.next_event()].into_iter().flatten().min();
-        surroundings.bell.wait_until(due.map_or(i64::MAX, |due| surroundings.time.stamp(due)));
+        surroundings.bell.wait_until(due.map_or(HostInstant::NEVER, |due| surroundings.time.stamp(due)));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::check::Check;
 use host::{Machine, Preemption};
+use signal::Span;
 
 const GROUP: &str = "kernel";
 
@@ -63,8 +64,8 @@ fn resolution(machine: &Machine) -> Check {
         }),
         None => None,
     };
-    let nanos = if machine.is_here() { Some(host::resolution()) } else { None };
-    match (active, nanos) {
+    let step = if machine.is_here() { Some(host::resolution()) } else { None };
+    match (active, step.map(Span::as_nanos)) {
         (Some(true), _) | (None, Some(0..=1_000)) => Check::good(GROUP, NAME, "1 ns"),
         (Some(false), _) | (None, Some(_)) => {
             let check = Check::bad(GROUP, NAME, "a tick of the kernel")

@@ -4,20 +4,22 @@ use super::{Ending, Watch, WatchState, say};
 use crate::Reason;
 use crate::driver::Trouble;
 use crate::takeover::{Listener, TakeoverRequest};
+use host::HostInstant;
+use signal::Span;
 
 impl Watch<'_> {
     /// The rig is gone since then: the lines are held, and let go when it is time.
-    pub(super) fn alone(&mut self, since: i64, now: i64) -> Option<Ending> {
+    pub(super) fn alone(&mut self, since: HostInstant, now: HostInstant) -> Option<Ending> {
         let safe = self.are_safe(since);
-        if !self.said && (safe || now >= since.saturating_add(self.limit)) {
+        if !self.said && (safe || now >= since + self.limit) {
             self.said = true;
             self.say(safe, since);
             self.listener = Listener::open();
         }
         if safe {
-            self.again = i64::MAX;
+            self.again = HostInstant::NEVER;
         }
-        let over = self.drivers.is_empty() || self.release || now >= since.saturating_add(self.hold);
+        let over = self.drivers.is_empty() || self.release || now >= since + self.hold;
         // A call that has not come back may still come to a good end, however long it takes.
         let hangs = self.drivers.iter().any(|driver| driver.trouble(since) == Some(Trouble::Hangs));
         // Left to bite, the watchdog ends this process with the machine; until then the lines are held.
@@ -26,7 +28,7 @@ impl Watch<'_> {
     }
 
     /// Tells the user, who sees of the rig only that it is gone.
-    fn say(&self, safe: bool, since: i64) {
+    fn say(&self, safe: bool, since: HostInstant) {
         let Some(reason) = self.page.latched() else { return };
         if self.drivers.is_empty() {
             // A rig that the guard has killed cannot say so itself.
@@ -38,7 +40,11 @@ impl Watch<'_> {
         let (latched, found) = self.page.times();
         let devices: Vec<&str> = self.drivers.iter().map(|driver| driver.device.as_str()).collect();
         say::tell(&if safe {
-            say::safe(reason, &devices, found - latched)
+            say::safe(
+                reason,
+                &devices,
+                latched.zip(found).map_or(Span::ZERO, |(latched, found)| found - latched),
+            )
         } else {
             say::not_safe(reason, &self.troubles(since), self.watchdog.is_some())
         });

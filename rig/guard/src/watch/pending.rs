@@ -4,25 +4,27 @@ use super::{Watch, WatchState};
 use crate::Reason;
 use crate::driver::{Driver, Trouble};
 use crate::wire::{Message, Tag};
+use host::HostInstant;
+use signal::Span;
 
-/// How long lines may take to be found safe where the rig waits for it and does not drive, in nanoseconds: a busy
+/// How long lines may take to be found safe where the rig waits for it and does not drive: a busy
 /// machine is no fault of theirs.
-const PATIENCE: i64 = 1_000_000_000;
+const PATIENCE: Span = Span::from_secs(1);
 
 /// A request that waits for the lines.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pending {
     what: Tag,
     /// Drives that began before do not count.
-    since: i64,
+    since: HostInstant,
     /// When it is answered in any case.
-    pub until: i64,
+    pub until: HostInstant,
 }
 
 impl Watch<'_> {
     /// Drives the lines safe, and answers when they are. While the rig drives, lines that are new are driven alone.
-    pub(super) fn expect(&mut self, what: Tag, now: i64) {
-        let until = now.saturating_add(self.limit.max(PATIENCE));
+    pub(super) fn expect(&mut self, what: Tag, now: HostInstant) {
+        let until = now + self.limit.max(PATIENCE);
         self.pending = Some(Pending { what, since: now, until });
         match self.drivers.last().filter(|_| self.state == WatchState::Armed) {
             Some(new) => new.order(),
@@ -43,7 +45,7 @@ impl Watch<'_> {
     }
 
     /// Answers a request that can be answered. TRUE where it was the goodbye.
-    pub(super) fn answer(&mut self, now: i64) -> bool {
+    pub(super) fn answer(&mut self, now: HostInstant) -> bool {
         let Some(pending) = self.pending else { return false };
         // An order that is still under way would undo what the rig does with the answer.
         let safe = self.is_met(&pending) && self.drivers.iter().all(Driver::is_idle);
@@ -52,7 +54,7 @@ impl Watch<'_> {
         }
         self.pending = None;
         if !matches!(self.state, WatchState::Latched(_)) {
-            self.again = i64::MAX;
+            self.again = HostInstant::NEVER;
         }
         if safe {
             // The watchdog is stopped before the rig hears that the guard is done.
@@ -80,7 +82,7 @@ impl Watch<'_> {
     }
 
     /// Which devices are not known to be safe, and why.
-    pub(super) fn troubles(&self, since: i64) -> String {
+    pub(super) fn troubles(&self, since: HostInstant) -> String {
         let troubles = self.drivers.iter().filter_map(|driver| {
             driver.trouble(since).map(|trouble| format!("{}: {trouble}", driver.device))
         });

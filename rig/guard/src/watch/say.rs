@@ -8,9 +8,9 @@ use signal::Span;
 use std::os::fd::AsFd;
 
 /// All outputs are safe.
-pub(super) fn safe(reason: Reason, devices: &[&str], after: i64) -> String {
+pub(super) fn safe(reason: Reason, devices: &[&str], after: Span) -> String {
     let error = GuardError::Latched(reason);
-    let after = Span::from_nanos(after.max(0));
+    let after = after.max(Span::ZERO);
     let devices = devices.join(", ");
     format!(
         "error[{}]: {reason}; the guard drove all outputs safe\n  = {devices}: found safe {after} later\n  = help: {}\n",

@@ -7,7 +7,7 @@ use super::snapshot::{LineCounts, Snapshot};
 use control::PlanEvent;
 use controller::{JITTER_BORDERS, ProbeId};
 use drivers::{BoardContext, BusEvent, ChannelId, LossReason};
-use host::Bell;
+use host::{Bell, HostInstant};
 use signal::{SerialErrors, Span, Time, Value, When};
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use std::sync::Arc;
 const EVERY: Span = Span::from_millis(50);
 
 /// The longest that a rig that is led waits at a stretch, so that an interrupt is seen: nanoseconds.
-const GLANCE: i64 = 50_000_000;
+const GLANCE: Span = Span::from_millis(50);
 
 /// Wishes that are taken at once: the scan goes on however fast clients ask.
 const AT_ONCE: u32 = 32;
@@ -61,7 +61,7 @@ pub struct ScanPort {
     /// The rig's time at the beginning of the executor's.
     base: Span,
     /// The host's time when the rig began, in nanoseconds.
-    began: Option<i64>,
+    began: Option<HostInstant>,
     /// The last instant that was told.
     last: Time,
     /// A plan was asked for, and the controller makes room for it.
@@ -134,9 +134,9 @@ impl ScanPort {
 
     /// An executor begins at its time 0. What was watched before is to be watched again in its controller.
     pub(crate) fn begin(&mut self, role: Role, mut watch: impl FnMut(Source) -> ProbeId) {
-        let now = host::monotonic();
+        let now = HostInstant::now();
         let began = *self.began.get_or_insert(now);
-        self.base = if self.led { self.last - Time::ZERO } else { Span::from_nanos(now - began) };
+        self.base = if self.led { self.last - Time::ZERO } else { now - began };
         (self.role, self.next) = (role, Time::ZERO);
         self.until = if self.led && role == Role::Rig { Time::ZERO } else { Time::MAX };
         for seen in &mut self.channels {
@@ -296,7 +296,7 @@ impl ScanPort {
 
     /// Waits for whoever leads the time.
     pub(crate) fn wait(&self) {
-        self.bell.wait_until(host::monotonic().saturating_add(GLANCE));
+        self.bell.wait_until(HostInstant::now() + GLANCE);
     }
 
     /// From now on changes of a source are told.

@@ -13,7 +13,7 @@ use bench::{Bench, Start};
 use devices::{ADC, Adc, Call, Lab, MAIN, MCP3008, PATIENCE, SERIAL_A, bind_spi, wait_for};
 use drivers::serial::{PortSpec, SerialPort};
 use drivers::{BoardContext, BoardExt, BusId};
-use host::{Realtime, Role, monotonic};
+use host::{HostInstant, Realtime, Role};
 use memory::{LOOKING, look};
 use signal::{CanFrame, SerialSettings, Span, Time};
 
@@ -79,7 +79,9 @@ fn scans_start_as_punctually_while_a_serial_port_hangs() {
             for () in asked {
                 let sending = port.send(b"request").await.unwrap();
                 SERIAL_A.stall(HANG);
-                port.drain(sending, monotonic() + PATIENCE.as_nanos() as i64).await.unwrap();
+                port.drain(sending, HostInstant::now() + Span::from_nanos(PATIENCE.as_nanos() as i64))
+                    .await
+                    .unwrap();
                 SERIAL_A.stall(Duration::ZERO);
             }
         });

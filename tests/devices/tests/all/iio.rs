@@ -8,7 +8,7 @@ use drivers::adc::{self, AdcSpec, InRange, Pace, Reading, SampleSpec};
 use drivers::{
     Board, BoardContext, BoardEvent, BoardFile, BoardKind, ChannelId, LossReason, Refusal, Terminals,
 };
-use host::{Realtime, monotonic};
+use host::{HostInstant, Realtime};
 use rustix::event::{PollFd, PollFlags, poll};
 use signal::{Span, Time};
 use std::fs;
@@ -98,9 +98,9 @@ fn single_reads_are_volts_between_two_instants() {
     {
         adc.set(2, volts);
         adc.set(0, -volts / 2.0);
-        let begin = monotonic();
+        let begin = HostInstant::now();
         let told = readings(&mut *converter, 2);
-        let end = monotonic();
+        let end = HostInstant::now();
         assert_eq!(told.iter().map(|one| one.input).collect::<Vec<_>>(), [0, 1]);
         assert_eq!(told[0].range, range, "{volts} V");
         assert!(range != InRange::Yes || near(told[0].value, volts), "{volts} V: {told:?}");
@@ -125,10 +125,10 @@ fn a_timer_of_the_rigs_own_samples_with_instants_and_goes_with_it() {
     assert_eq!(timers().len(), before.len() + 1);
     adc.set(3, -5.0);
     readings(&mut *converter, 6);
-    let earliest = monotonic();
+    let earliest = HostInstant::now();
     adc.set(1, 4.0);
     adc.set(3, 5.0);
-    let latest = monotonic();
+    let latest = HostInstant::now();
     let mut told = Vec::new();
     while told.iter().filter(|one: &&Reading| one.before > latest).count() < 6 {
         told.extend(readings(&mut *converter, 1));
@@ -136,11 +136,11 @@ fn a_timer_of_the_rigs_own_samples_with_instants_and_goes_with_it() {
     for one in &told {
         let (old, new) = if one.input == 0 { (-5.0, 5.0) } else { (0.0, 4.0) };
         // Of a sample that lies within the change, nobody knows.
-        assert!(one.after >= earliest || near(one.value, old), "{one:?} before {earliest}");
-        assert!(one.before <= latest || near(one.value, new), "{one:?} behind {latest}");
-        assert!(one.before <= one.after && one.after <= monotonic());
+        assert!(one.after >= earliest || near(one.value, old), "{one:?} before {earliest:?}");
+        assert!(one.before <= latest || near(one.value, new), "{one:?} after {latest:?}");
+        assert!(one.before <= one.after && one.after <= HostInstant::now());
     }
-    let stamps: Vec<i64> = told.iter().filter(|one| one.input == 1).map(|one| one.before).collect();
+    let stamps: Vec<HostInstant> = told.iter().filter(|one| one.input == 1).map(|one| one.before).collect();
     assert!(stamps.windows(2).all(|two| two[0] < two[1]), "{stamps:?}");
     drop(converter);
     assert!(!running());
@@ -200,18 +200,21 @@ fn a_trigger_that_a_program_fires_gives_a_sample_each_time() {
     let trigger = Fired::add();
     let now = trigger.folder().join("trigger_now");
     let mut converter = opened(&format!(", trigger = \"{}\", buffer = 64", Fired::NAME), &[2]);
-    let mut last = i64::MIN;
+    let mut last = HostInstant::BOOT;
     for step in 0..4 {
         let volts = f64::from(step);
         adc.set(2, volts);
-        let fired = monotonic();
+        let fired = HostInstant::now();
         fs::write(&now, "1").unwrap();
         let told = readings(&mut *converter, 1);
-        let end = monotonic();
+        let end = HostInstant::now();
         let [one] = &told[..] else { panic!("one trigger, one sample: {told:?}") };
         assert!(near(one.value, volts), "{volts} V: {told:?}");
-        assert!(fired <= one.before && one.before <= one.after && one.after <= end, "{fired} {told:?} {end}");
-        assert!(last < one.before, "{last} {told:?}");
+        assert!(
+            fired <= one.before && one.before <= one.after && one.after <= end,
+            "{fired:?} {told:?} {end:?}"
+        );
+        assert!(last < one.before, "{last:?} {told:?}");
         last = one.before;
     }
     drop(converter);

@@ -3,6 +3,7 @@
 use super::bench::{Bench, PATIENT, file, open, pulses};
 use devices::{PATIENCE, Sink, bind_spi, unbind_spi, wait_for};
 use drivers::{BoardExt, LossReason, TimestampSource};
+use host::HostInstant;
 use signal::{Span, Value};
 use std::time::Duration;
 
@@ -66,7 +67,8 @@ fn every_bit_is_sent_in_one_transfer_and_every_edge_told_within_it() {
             .collect();
         assert_eq!(found, wanted);
         assert!(!bits(&bytes).last().unwrap(), "it ends at rest");
-        let stamps = (bench.at.time.at(sent[0].start), bench.at.time.at(sent[0].end));
+        let at = |stamp| bench.at.time.at(HostInstant::from_nanos(stamp));
+        let stamps = (at(sent[0].start), at(sent[0].end));
         for (place, ((at, value), bit)) in bench.changes("I0")[told..].iter().zip(&wanted).enumerate() {
             assert_eq!(*value, Value::Bool(place % 2 == 0));
             let true_at = stamps.0 + Span::from_nanos(*bit as i64 * 1_000);

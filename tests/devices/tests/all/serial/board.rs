@@ -7,8 +7,8 @@ use drivers::holders;
 use drivers::{
     Board, BoardContext, BoardError, BoardEvent, BoardExt, BusEvent, BusId, LossReason, Terminals, open, read,
 };
-use host::{Realtime, monotonic};
-use signal::Value;
+use host::{HostInstant, Realtime};
+use signal::{Span, Value};
 
 struct Bench {
     board: Box<dyn Board>,
@@ -39,7 +39,7 @@ impl Bench {
         let deadline = Instant::now() + PATIENCE;
         while events.is_empty() {
             assert!(Instant::now() < deadline, "the buses have nothing to tell");
-            self.at.bell.wait_until(monotonic() + 20_000_000);
+            self.at.bell.wait_until(HostInstant::now() + Span::from_millis(20));
             self.board.poll_buses(self.at.time.now(), &mut events).unwrap();
         }
         events

@@ -8,7 +8,7 @@ use std::time::Duration;
 use devices::{Lab, PATIENCE, SERIAL_A, SERIAL_B, Serial, wait_for};
 use drivers::holders;
 use drivers::serial::{Frames, Framing, LineFrame, OpenError, PortSpec, Received, SerialPort, Symbol};
-use host::{Rs485, monotonic};
+use host::{HostInstant, Rs485};
 use rustix::termios::{ControlModes, tcgetattr};
 use signal::{Parity, SerialSettings, Span};
 
@@ -22,8 +22,8 @@ fn spec(port: Serial) -> PortSpec {
     }
 }
 
-fn until() -> i64 {
-    monotonic() + PATIENCE.as_nanos() as i64
+fn until() -> HostInstant {
+    HostInstant::now() + Span::from_nanos(PATIENCE.as_nanos() as i64)
 }
 
 fn run<T>(test: impl Future<Output = T>) -> T {
@@ -164,8 +164,8 @@ fn silence_tells_frames_apart_and_what_may_be_two_is_said_to_be() {
         b.send(b"one").await.unwrap();
         assert!(a.receive(until(), &mut room).await.unwrap());
         assert_eq!(frames.take(&room), None);
-        let late = room.read + 20 * a.line().frame_gap();
-        wait_for("time to pass", PATIENCE, || monotonic() >= late);
+        let late = room.read + a.line().frame_gap() * 20;
+        wait_for("time to pass", PATIENCE, || HostInstant::now() >= late);
         b.send(b"two").await.unwrap();
         let port = File::open(SERIAL_A.path()).unwrap();
         wait_for("more to be there", PATIENCE, || rustix::io::ioctl_fionread(&port).unwrap() == 3);
@@ -175,9 +175,9 @@ fn silence_tells_frames_apart_and_what_may_be_two_is_said_to_be() {
             got += room.symbols.len();
             assert_eq!(frames.take(&room), None);
         }
-        let frame = frames.quiet(i64::MAX).unwrap();
+        let frame = frames.quiet(HostInstant::NEVER).unwrap();
         assert_eq!((frame.bytes.as_slice(), frame.doubtful), (&b"onetwo"[..], true));
-        assert_eq!(a.frame(&mut frames, monotonic(), &mut room).await.unwrap(), None);
+        assert_eq!(a.frame(&mut frames, HostInstant::now(), &mut room).await.unwrap(), None);
     });
 }
 
@@ -199,14 +199,14 @@ fn sending_ends_when_the_last_bit_has_left_or_when_it_is_given_up() {
         let mut a = SerialPort::open(&spec(SERIAL_A)).unwrap();
         SERIAL_A.stuck(true);
         let sending = a.send(b"never").await.unwrap();
-        let given_up = a.drain(sending, monotonic() + 30_000_000).await.unwrap_err();
+        let given_up = a.drain(sending, HostInstant::now() + Span::from_millis(30)).await.unwrap_err();
         assert_eq!(given_up.code, host::Errno::TIMEDOUT.raw_os_error());
         SERIAL_A.stuck(false);
         let (earliest, latest) = a.drain(sending, until()).await.unwrap();
         assert!(earliest >= sending.begun + a.line().lasts(5) && latest >= earliest);
-        let begun = monotonic();
+        let begun = HostInstant::now();
         a.send_break(Span::from_millis(5), until()).await.unwrap();
-        assert!(monotonic() - begun >= 5_000_000);
+        assert!(begun.elapsed() >= Span::from_millis(5));
     });
 }
 
