@@ -127,13 +127,8 @@ impl<'t> Bench<'t> {
         if inputs.contains(&address) || outputs.contains(&address) {
             return Some(address);
         }
-        let span = |list: &[Address]| match list {
-            [] => String::from("none"),
-            [first, .., last] => format!("{first} to {last}"),
-            [one] => one.to_string(),
-        };
         let message = format!("the controller has no terminal {address}");
-        let help = format!("its inputs are {}, its outputs {}", span(inputs), span(outputs));
+        let help = format!("its inputs are {}, its outputs {}", ranges(inputs), ranges(outputs));
         out.error(codes::TERMINAL, entry.key_span.clone(), message, help);
         None
     }
@@ -238,6 +233,19 @@ impl<'t> Bench<'t> {
         }
         found
     }
+}
+
+/// Addresses as ranges of one size without a gap: `%IX0.0 to %IX1.5, %IW3 to %IW4`.
+fn ranges(list: &[Address]) -> String {
+    let follows = |one: &Address, next: &Address| {
+        one.size() == next.size() && one.bit_offset() + one.bit_len() == next.bit_offset()
+    };
+    let range = |range: &[Address]| match range {
+        [first, .., last] => format!("{first} to {last}"),
+        _ => range.iter().map(Address::to_string).collect(),
+    };
+    let ranges: Vec<String> = list.chunk_by(follows).map(range).collect();
+    if ranges.is_empty() { String::from("none") } else { ranges.join(", ") }
 }
 
 fn bad_address(text: &str, error: AddressError) -> String {

@@ -5,9 +5,10 @@
 //! [`IoModule::share`].
 
 use crate::application::Application;
-use crate::config::AlwaysUpdate;
+use crate::config::{AlwaysUpdate, OutputsInStop};
 use crate::effect::{Effect, Effects};
 use crate::memory::Memory;
+use crate::state::State;
 use crate::terminal::{Channel, Terminal};
 use profile::IoStatus;
 use signal::{Address, Area, Cause, Time, Value};
@@ -20,6 +21,16 @@ pub struct ModuleChannel {
     pub channel: Channel,
     /// Its place in %I or %Q.
     pub address: Address,
+    /// What the place of an output takes where outputs are set to their default values (controller:STOP-03). Those of
+    /// the embedded outputs are in [`crate::Config::output_defaults`].
+    pub default: u64,
+}
+
+impl ModuleChannel {
+    /// A channel whose default value is 0.
+    pub const fn new(channel: Channel, address: Address) -> ModuleChannel {
+        ModuleChannel { channel, address, default: 0 }
+    }
 }
 
 /// Which cycle exchanges the images.
@@ -51,8 +62,12 @@ pub trait IoModule: fmt::Debug + Send {
     /// The electronics come up at `now`, with what is at the terminals.
     fn power_on(&mut self, now: Time);
 
-    /// What is at the terminal of an input from `now` on: a level, or a number in the unit of the channel. Inputs that it
-    /// does not have are ignored.
+    /// The electronics lose their supply at `now`: nothing happens by itself until they have it again. Outputs show their
+    /// hardware initialization values by then.
+    fn power_off(&mut self, now: Time);
+
+    /// What is at the terminal of an input from `now` on: a level ([`Value::HighZ`] where nothing drives the line), or a
+    /// number in the unit of the channel. Inputs that it does not have are ignored.
     fn set_input(&mut self, now: Time, input: usize, value: Value);
 
     /// The inputs that this cycle exchanges -> %I, at its beginning; whether %I changed.
@@ -70,7 +85,8 @@ pub trait IoModule: fmt::Debug + Send {
     /// The changes of outputs that are due at `now` come out.
     fn fire(&mut self, now: Time, changes: &mut OutputChanges<'_>);
 
-    /// What the terminal of an output shows; unknown for one that it does not have.
+    /// What the terminal of an output shows: a level, or a number in the unit of the channel; [`Value::HighZ`] where it
+    /// drives nothing. Unknown for one that it does not have.
     fn output(&self, output: usize) -> Value;
 
     /// How it is.
@@ -162,11 +178,13 @@ impl<'a> Sharing<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct Modules {
     list: Vec<Box<dyn IoModule>>,
+    /// At each update in STOPPED and HALT their outputs are set to their default values.
+    at_defaults: bool,
 }
 
 impl Modules {
     pub(crate) fn new(list: Vec<Box<dyn IoModule>>) -> Modules {
-        Modules { list }
+        Modules { list, at_defaults: false }
     }
 
     /// Each module, first the embedded I/O.
@@ -186,14 +204,44 @@ impl Modules {
         }
     }
 
+    /// What their outputs are set to from now on at updates in STOPPED and HALT: default values, or what is in %Q.
+    pub(crate) fn fall_back(&mut self, outputs: OutputsInStop) {
+        self.at_defaults = outputs == OutputsInStop::Default;
+    }
+
+    /// %Q of their outputs is no longer set to anything: there is another application, or none.
+    pub(crate) fn forget_fallback(&mut self) {
+        self.at_defaults = false;
+    }
+
+    /// Sets %Q of their outputs to what [`Modules::fall_back`] said; whether it changed.
+    pub(crate) fn set_stop_image(&self, memory: &mut Memory) -> bool {
+        if !self.at_defaults {
+            return false;
+        }
+        let mut changed = false;
+        for channel in self.list.iter().flat_map(|module| module.channels()) {
+            if matches!(channel.channel, Channel::Output(_)) {
+                changed |= memory.load(channel.address) != channel.default;
+                memory.set_cause(Cause::Controller);
+                memory.store(channel.address, channel.default);
+            }
+        }
+        changed
+    }
+
     /// When something happens in one of them by itself.
     #[inline]
     pub(crate) fn next(&self) -> Time {
         self.list.iter().map(|module| module.next()).min().unwrap_or(Time::MAX)
     }
 
-    /// The status of the first of them that is not as it should be (controller:SYS-06).
-    pub(crate) fn status(&self) -> IoStatus {
+    /// The status of the first of them that is not as it should be (controller:SYS-06). None is configured without an
+    /// application.
+    pub(crate) fn status(&self, state: State) -> IoStatus {
+        if state == State::Empty && !self.list.is_empty() {
+            return IoStatus::NotInitialised;
+        }
         let wrong = self.list.iter().map(|module| module.status()).find(|status| *status != IoStatus::Ok);
         wrong.unwrap_or(IoStatus::Ok)
     }

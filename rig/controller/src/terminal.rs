@@ -4,7 +4,7 @@ use profile::Reference;
 use signal::{Address, Area, Size};
 use std::fmt;
 
-/// One input or output of a module.
+/// One input or output of a module, by its number there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     /// In, from I0.
@@ -47,6 +47,14 @@ impl Terminal {
     /// The terminal of an embedded input: n for In.
     pub const fn input(input: usize) -> Terminal {
         Terminal { module: 0, channel: Channel::Input(input) }
+    }
+
+    /// The number of an embedded input; none of anything else.
+    pub const fn embedded_input(self) -> Option<usize> {
+        match self {
+            Terminal { module: 0, channel: Channel::Input(input) } => Some(input),
+            _ => None,
+        }
     }
 
     /// The terminal of an embedded output: n for Qn.

@@ -240,7 +240,7 @@ fn an_output_whose_pulses_somebody_else_makes_follows_state_protection_and_suppl
     config.expert = functions();
     let mut rig = Rig::off(config, script());
     rig.plc.commission(b"app", State::Running).unwrap();
-    rig.plc.offload_pulses(0b1);
+    rig.plc.offload_pulses(&[Channel::Output(0)]);
     rig.power_on();
     let begin = run_at(Span::ZERO);
     rig.to(begin + ms(50));

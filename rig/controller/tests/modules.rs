@@ -8,6 +8,8 @@ use signal::{Address, Cause, Time, Value};
 /// From what is at an input to its conversion, and from a command to the output.
 const CONVERSION: i64 = 5_000;
 const SETTLING: i64 = 2_000;
+/// What the output is set to where outputs take their default values.
+const DEFAULT: u64 = 17;
 
 /// Two inputs of millivolts at %IW3 and %IW4, an output of millivolts at %QW2.
 #[derive(Debug)]
@@ -26,12 +28,12 @@ struct Analogue {
 
 impl Analogue {
     fn boxed(status: IoStatus) -> Box<dyn IoModule> {
-        let channel = |channel, text| ModuleChannel { channel, address: at(text) };
+        let channel = |channel, text| ModuleChannel::new(channel, at(text));
         Box::new(Analogue {
             channels: vec![
                 channel(Channel::Input(0), "%IW3"),
                 channel(Channel::Input(1), "%IW4"),
-                channel(Channel::Output(0), "%QW2"),
+                ModuleChannel { default: DEFAULT, ..channel(Channel::Output(0), "%QW2") },
             ],
             shared: Vec::new(),
             terminals: [0; 2],
@@ -62,6 +64,10 @@ impl IoModule for Analogue {
     fn power_on(&mut self, now: Time) {
         self.converted = [0; 2];
         self.conversion = now + us(CONVERSION);
+    }
+
+    fn power_off(&mut self, _now: Time) {
+        (self.conversion, self.output_due) = (Time::MAX, Time::MAX);
     }
 
     fn set_input(&mut self, now: Time, input: usize, value: Value) {
@@ -138,6 +144,8 @@ impl IoModule for Digital {
 
     fn power_on(&mut self, _now: Time) {}
 
+    fn power_off(&mut self, _now: Time) {}
+
     fn set_input(&mut self, _now: Time, input: usize, value: Value) {
         if let Some(level) = self.levels.get_mut(input) {
             *level = value.as_bool().unwrap_or(false);
@@ -175,6 +183,9 @@ impl IoModule for Digital {
         IoStatus::Ok
     }
 }
+
+/// The output of the analogue module, where it is module 1.
+const OUTPUT: Probe = Probe::Terminal(Terminal { module: 1, channel: Channel::Output(0) });
 
 /// MAST copies %IW3 to %QW2 and nothing else.
 fn copying() -> Script {
@@ -235,7 +246,7 @@ fn a_module_that_is_not_in_order_shows_in_the_status_of_expansion_modules() {
 #[test]
 fn a_module_has_any_number_of_channels() {
     let place = |n: usize| Address::bit(signal::Area::Input, 64 + n as u32);
-    let channels = (0..40).map(|n| ModuleChannel { channel: Channel::Input(n), address: place(n) }).collect();
+    let channels = (0..40).map(|n| ModuleChannel::new(Channel::Input(n), place(n))).collect();
     let module = Digital { channels, levels: vec![false; 40], shared: Vec::new() };
     let script = Script::new(vec![vec![(1_000, Act::Copy(at("%IX12.7"), at("%MX2.0")))]]);
     let modules: Vec<Box<dyn IoModule>> = vec![Analogue::boxed(IoStatus::Ok), Box::new(module)];
@@ -244,4 +255,52 @@ fn a_module_has_any_number_of_channels() {
     rig.plc.input(rig.now, input(2, 39), Value::Bool(true));
     rig.after(ms(50));
     assert_eq!(rig.memory("%MX2.0"), 1);
+}
+
+// controller:STOP-03, controller:STOP-04
+#[test]
+fn outputs_of_a_module_fall_back_as_the_embedded_ones_do() {
+    let default = Value::Int(DEFAULT as i64);
+    for (outputs_in_stop, expected) in [
+        // Set to the default at each update, or left as they are in %Q.
+        (OutputsInStop::Default, [default, default]),
+        (OutputsInStop::Keep, [Value::Int(4_711), Value::Int(99)]),
+    ] {
+        let config = Config { outputs_in_stop, update_io_in_stop: true, ..config() };
+        let mut rig = Rig::running_with(config, copying(), vec![Analogue::boxed(IoStatus::Ok)]);
+        rig.plc.input(rig.now, input(1, 0), Value::Int(4_711));
+        rig.after(ms(100));
+        rig.command(Command::Stop).unwrap();
+        rig.after(ms(100));
+        let stopped = rig.plc.read(&OUTPUT);
+        let (now, at) = (rig.now, Probe::Address(at("%QW2")));
+        rig.plc.write(now, &at, Value::Int(99), Cause::Unknown, &mut Effects::new()).unwrap();
+        rig.after(ms(100));
+        assert_eq!([stopped, rig.plc.read(&OUTPUT)], expected, "{outputs_in_stop:?}");
+    }
+}
+
+#[test]
+fn a_module_without_supply_does_nothing() {
+    let config = config();
+    let hold_up = config.profile.hold_up();
+    let mut rig = Rig::running_with(config, copying(), vec![Analogue::boxed(IoStatus::Ok)]);
+    rig.after(ms(100));
+    rig.power_off();
+    rig.after(hold_up + us(-CONVERSION / 2));
+    // Its conversion would end after the supply is gone.
+    rig.plc.input(rig.now, input(1, 0), Value::Int(4_711));
+    rig.after(us(CONVERSION / 2 + 100));
+    assert_eq!((rig.plc.state(), rig.plc.next_timer()), (State::Off, None));
+}
+
+// controller:SYS-06
+#[test]
+fn modules_are_not_initialised_without_an_application() {
+    let mut rig = Rig::running_with(config(), copying(), vec![Analogue::boxed(IoStatus::Ok)]);
+    rig.command(Command::ResetOrigin).unwrap();
+    rig.after(ms(100));
+    assert_eq!(rig.plc.state(), State::Empty);
+    let shown = rig.plc.read(&Probe::System(SystemVariable::IoStatus2));
+    assert_eq!(shown, Value::Word(u64::from(IoStatus::NotInitialised.code())));
 }

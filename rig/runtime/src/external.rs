@@ -6,7 +6,7 @@ use crate::hook::{Hook, HookError};
 use crate::subject::{Startup, Subject};
 use controller::{Command, CommandError, Effect, Effects, ProbeId, State, Terminal};
 use drivers::{Board, BoardFile, ChannelId, External as Settings};
-use signal::{Cause, Level, Span, Time, Value, When};
+use signal::{Address, Cause, Span, Time, Value, When};
 use std::sync::atomic::AtomicBool;
 
 /// The place of the supply among what it drives.
@@ -35,15 +35,6 @@ enum Way {
     Boots(Time, Time),
     /// It is there, not before this instant.
     There(Time),
-}
-
-/// A line between 0 and 1, as far as it is known.
-fn level(level: Level) -> Option<bool> {
-    match level {
-        Level::Low => Some(false),
-        Level::High => Some(true),
-        Level::HighZ => None,
-    }
 }
 
 /// A real controller.
@@ -251,11 +242,16 @@ impl Subject for External {
         self.tell(now, effects);
     }
 
-    fn input(&mut self, _now: Time, at: When, input: usize, level: Level, effects: &mut Effects) {
-        if input != ALARM {
+    // Its inputs and outputs are the board's alone.
+    fn terminal(&self, _: Address) -> Option<Terminal> {
+        None
+    }
+
+    fn set_input(&mut self, _now: Time, at: When, terminal: Terminal, value: Value, effects: &mut Effects) {
+        if terminal != Terminal::input(ALARM) {
             return;
         }
-        self.alarm = self::level(level);
+        self.alarm = value.as_bool();
         // It may have changed its state earlier than its output shows.
         let earliest = at.earliest.saturating_add(-self.settings.jitter).max(Time::ZERO);
         self.since = earliest;

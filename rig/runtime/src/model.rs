@@ -8,13 +8,13 @@ use crate::schedule::FileAction;
 use crate::subject::{Disturbances, ExpertFunctions, FileAccess, Observation, Subject};
 use crate::variable_numbers::VariableNumbers;
 use controller::{
-    Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError,
-    FileProbe, FrontPanel, JitterCounts, LoadError, NonVolatile, Probe, ProbeId, State, TaskFigures,
-    Terminal, WriteError,
+    Channel, Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError,
+    FileProbe, FrontPanel, IoModule, JitterCounts, LoadError, NonVolatile, Probe, ProbeId, State,
+    TaskFigures, Terminal, WriteError,
 };
 use plans::steps::FileOperation;
 use program::Program;
-use signal::{Cause, Level, Span, Time, Value, When};
+use signal::{Address, Cause, Span, Time, Value, When};
 use std::sync::Arc;
 
 /// The model as subject.
@@ -36,10 +36,24 @@ impl Model {
         store: Box<dyn NonVolatile>,
         collector: Option<Collector>,
     ) -> Result<Model, ConfigError> {
+        Model::with_modules(config, program, store, collector, Vec::new())
+    }
+
+    /// The same with modules after the embedded inputs and outputs, in the order of their numbers.
+    ///
+    /// # Errors
+    /// [`ConfigError`] for a configuration that the profile does not accept.
+    pub fn with_modules(
+        config: Config,
+        program: Option<Arc<Program>>,
+        store: Box<dyn NonVolatile>,
+        collector: Option<Collector>,
+        modules: Vec<Box<dyn IoModule>>,
+    ) -> Result<Model, ConfigError> {
         let names = VariableNumbers::default();
         let loader = Box::new(BundleLoader::new(config.profile).covered(collector).named(names.clone()));
         let catalogue = Catalogue::new(&config, program, names);
-        Ok(Model { controller: Controller::new(config, loader, store)?, catalogue })
+        Ok(Model { controller: Controller::with_modules(config, loader, store, modules)?, catalogue })
     }
 
     /// VariableNumbers of further programs mean something too, behind those that it knows.
@@ -128,8 +142,12 @@ impl Subject for Model {
         self.log(before, effects);
     }
 
-    fn input(&mut self, now: Time, _at: When, input: usize, level: Level, _effects: &mut Effects) {
-        self.controller.input(now, Terminal::input(input), Value::from(level));
+    fn terminal(&self, address: Address) -> Option<Terminal> {
+        self.controller.terminal(address)
+    }
+
+    fn set_input(&mut self, now: Time, _at: When, terminal: Terminal, value: Value, _effects: &mut Effects) {
+        self.controller.input(now, terminal, value);
     }
 
     fn output(&self, terminal: Terminal) -> Value {
@@ -241,7 +259,7 @@ impl Disturbances for Model {
 }
 
 impl ExpertFunctions for Model {
-    fn offload_pulses(&mut self, outputs: u32) {
+    fn offload_pulses(&mut self, outputs: &[Channel]) {
         self.controller.offload_pulses(outputs);
     }
 

@@ -2,18 +2,27 @@
 
 use crate::external;
 use crate::frames::Watch;
-use controller::{Channel as Terminal, ProbeId};
+use crate::subject::Subject;
+use controller::{Channel, ProbeId, Terminal};
 use drivers::{BoardFile, BusId, ChannelId};
-use profile::Reference;
-use signal::{Area, Cause, SignalId, Span};
+use signal::{Area, Cause, SignalId, Size, Span};
+
+/// An input terminal at a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WiredInput {
+    /// The terminal.
+    pub terminal: Terminal,
+    /// It takes a number in the unit of the channel, and not a level.
+    pub analog: bool,
+}
 
 /// The tables that the executor looks up in its loop.
 #[derive(Debug, Default)]
 pub struct Wiring {
-    /// Channel behind each output terminal.
-    pub outputs: Vec<Option<ChannelId>>,
-    /// Input terminals behind each channel: one line may feed several.
-    pub inputs: Vec<Vec<usize>>,
+    /// Channel at each output terminal: by module, then by output.
+    outputs: Vec<Vec<Option<ChannelId>>>,
+    /// Input terminals at each channel: one line may feed several.
+    pub inputs: Vec<Vec<WiredInput>>,
     /// Signals that show each channel.
     pub channels: Vec<Vec<SignalId>>,
     /// How much earlier than it was seen a change of each channel may have happened, by what the subject is.
@@ -39,10 +48,9 @@ pub struct Wiring {
 }
 
 impl Wiring {
-    /// Tables for so many output terminals and channels, nothing bound yet.
-    pub fn new(outputs: usize, channels: usize) -> Wiring {
+    /// Tables for so many channels, nothing bound yet.
+    pub fn new(channels: usize) -> Wiring {
         Wiring {
-            outputs: vec![None; outputs],
             inputs: vec![Vec::new(); channels],
             channels: vec![Vec::new(); channels],
             early: vec![Span::ZERO; channels],
@@ -53,29 +61,56 @@ impl Wiring {
 
     /// Tables for the controller of a board file, whose terminals are bound to their channels. Those of a real controller
     /// are the board's alone: it has the lines that the rig switches it by as outputs, and its alarm line as input.
-    pub fn of(file: &BoardFile, reference: &Reference, channels: usize) -> Wiring {
+    pub fn of(file: &BoardFile, subject: &dyn Subject, channels: usize) -> Wiring {
+        let mut wiring = Wiring::new(channels);
         let Some(settings) = &file.subject.external else {
-            let mut wiring = Wiring::new(reference.output_count(), channels);
             for binding in &file.bind {
-                match Terminal::at(binding.address, reference) {
-                    Some(Terminal::Input(input)) => wiring.inputs[usize::from(binding.channel.0)].push(input),
-                    Some(Terminal::Output(output)) => wiring.outputs[output] = Some(binding.channel),
-                    None => {}
+                let Some(terminal) = subject.terminal(binding.address) else { continue };
+                match terminal.channel {
+                    Channel::Input(_) => {
+                        let analog = binding.address.size() != Size::Bit;
+                        wiring.bind_input(binding.channel, WiredInput { terminal, analog });
+                    }
+                    Channel::Output(_) => wiring.bind_output(terminal, binding.channel),
                 }
             }
             return wiring;
         };
-        let mut wiring = Wiring::new(2, channels);
-        wiring.outputs[external::POWER] = file.lines.power;
-        wiring.outputs[external::RUN_STOP] = file.lines.run_stop;
+        for (output, line) in [(external::POWER, file.lines.power), (external::RUN_STOP, file.lines.run_stop)]
+        {
+            if let Some(channel) = line {
+                wiring.bind_output(Terminal::output(output), channel);
+            }
+        }
         if let Some(alarm) = file.lines.alarm {
-            wiring.inputs[usize::from(alarm.0)].push(external::ALARM);
+            let terminal = Terminal::input(external::ALARM);
+            wiring.bind_input(alarm, WiredInput { terminal, analog: false });
         }
         let of_controller = file.bind.iter().filter(|binding| binding.address.area() == Area::Output);
         for channel in of_controller.map(|binding| binding.channel).chain(file.lines.alarm) {
             wiring.early[usize::from(channel.0)] = settings.jitter;
         }
         wiring
+    }
+
+    /// A terminal follows a channel.
+    pub fn bind_input(&mut self, channel: ChannelId, input: WiredInput) {
+        if let Some(inputs) = self.inputs.get_mut(usize::from(channel.0)) {
+            inputs.push(input);
+        }
+    }
+
+    /// A terminal drives a channel; that of an input drives none.
+    pub fn bind_output(&mut self, terminal: Terminal, channel: ChannelId) {
+        let Channel::Output(output) = terminal.channel else { return };
+        if self.outputs.len() <= terminal.module {
+            self.outputs.resize(terminal.module + 1, Vec::new());
+        }
+        let outputs = &mut self.outputs[terminal.module];
+        if outputs.len() <= output {
+            outputs.resize(output + 1, None);
+        }
+        outputs[output] = Some(channel);
     }
 
     /// A signal shows an observed probe.
@@ -96,16 +131,19 @@ impl Wiring {
         self.buses[place].push(watch);
     }
 
-    /// The channel behind the terminal of an output. Of the modules only the embedded I/O is bound to channels.
-    pub fn channel_of(&self, terminal: controller::Terminal) -> Option<ChannelId> {
-        match (terminal.module, terminal.channel) {
-            (0, Terminal::Output(output)) => self.output(output),
-            _ => None,
-        }
+    /// The channel at the terminal of an output.
+    #[inline]
+    pub fn channel_of(&self, terminal: Terminal) -> Option<ChannelId> {
+        let Channel::Output(output) = terminal.channel else { return None };
+        self.outputs.get(terminal.module)?.get(output).copied().flatten()
     }
 
-    /// The channel behind an output terminal.
-    pub fn output(&self, output: usize) -> Option<ChannelId> {
-        self.outputs.get(output).copied().flatten()
+    /// The output terminals that drive a channel, by module and number.
+    pub fn outputs(&self) -> impl Iterator<Item = (Terminal, ChannelId)> {
+        self.outputs.iter().enumerate().flat_map(|(module, outputs)| {
+            let terminal = move |output| Terminal { module, channel: Channel::Output(output) };
+            let outputs = outputs.iter().enumerate();
+            outputs.filter_map(move |(output, channel)| Some((terminal(output), (*channel)?)))
+        })
     }
 }

@@ -15,6 +15,7 @@ mod late;
 mod library;
 mod lines;
 mod live;
+mod modules;
 mod refused;
 #[path = "common/scripted.rs"]
 mod scripted;

@@ -8,7 +8,7 @@ use scanrig_runtime::clock::VirtualClock;
 use scanrig_runtime::model::Model;
 use scanrig_runtime::subject::Subject;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
-use signal::{Level, Span, Time, Value, When};
+use signal::{Address, Span, Time, Value, When};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::AtomicBool;
 
@@ -182,8 +182,12 @@ impl Subject for Panics {
         self.model.fire(now, effects);
     }
 
-    fn input(&mut self, now: Time, at: When, input: usize, level: Level, effects: &mut Effects) {
-        self.model.input(now, at, input, level, effects);
+    fn terminal(&self, address: Address) -> Option<Terminal> {
+        self.model.terminal(address)
+    }
+
+    fn set_input(&mut self, now: Time, at: When, terminal: Terminal, value: Value, effects: &mut Effects) {
+        self.model.set_input(now, at, terminal, value, effects);
     }
 
     fn output(&self, terminal: Terminal) -> Value {

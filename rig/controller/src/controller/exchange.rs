@@ -58,6 +58,13 @@ impl Controller {
         }
     }
 
+    /// The electronics of inputs and outputs lose their supply.
+    pub(super) fn cut_modules(&mut self, now: Time) {
+        for module in self.modules.with(&mut self.io) {
+            module.power_off(now);
+        }
+    }
+
     /// Outputs show hardware initialization values (controller:OUT-02).
     pub(super) fn initialize_outputs(&mut self, now: Time) {
         for module in self.modules.with(&mut self.io) {

@@ -21,7 +21,7 @@ impl Controller {
                 Some(status) => u64::from(status.code()),
                 None => return Value::Unknown,
             },
-            SystemVariable::IoStatus2 => u64::from(self.modules.status().code()),
+            SystemVariable::IoStatus2 => u64::from(self.modules.status(self.state).code()),
             SystemVariable::ClockBatteryStatus => 100,
             SystemVariable::LastStopTime => u64::from(system.dates.stop),
             SystemVariable::LastPowerOffDate => u64::from(system.dates.off),

@@ -53,6 +53,7 @@ impl Controller {
         self.system.dates.off = self.system.rtc.date(now);
         self.power.hold_up = None;
         self.power.stage = None;
+        self.cut_modules(now);
         self.enter(State::Off, now, fx);
     }
 
@@ -81,6 +82,7 @@ impl Controller {
         self.leds.identify(false);
         self.power.refresh = None;
         self.io.abandon_initialization();
+        self.modules.forget_fallback();
         self.initialize_outputs(now);
     }
 
@@ -214,11 +216,13 @@ impl Controller {
     /// Outputs when RUNNING is left (controller:STOP-03): the configured state or the forced value.
     fn fall_back(&mut self, outputs: OutputsInStop, now: Time, fx: &mut Effects) {
         self.io.fall_back(outputs);
+        self.modules.fall_back(outputs);
         self.write_stop_image(now, fx);
     }
 
     fn write_stop_image(&mut self, now: Time, fx: &mut Effects) {
-        if self.io.set_stop_image(&mut self.memory) {
+        let embedded = self.io.set_stop_image(&mut self.memory);
+        if self.modules.set_stop_image(&mut self.memory) || embedded {
             self.observe(class::MEMORY, now, Cause::Controller, fx);
         }
         self.io.act_forcing(None);

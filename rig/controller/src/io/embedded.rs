@@ -9,13 +9,13 @@ use signal::{Address, Area, Level, Time, Value};
 
 /// The embedded channels of a reference with their places in the images (io:ADR-01, io:ADR-02).
 pub(super) fn channels(reference: &Reference) -> Vec<ModuleChannel> {
-    let inputs = profile::inputs(reference).map(|input| ModuleChannel {
-        channel: Channel::Input(input.index),
-        address: Address::bit(Area::Input, input.byte * 8 + input.bit),
+    let inputs = profile::inputs(reference).map(|input| {
+        let address = Address::bit(Area::Input, input.byte * 8 + input.bit);
+        ModuleChannel::new(Channel::Input(input.index), address)
     });
-    let outputs = profile::outputs(reference).map(|output| ModuleChannel {
-        channel: Channel::Output(output.index),
-        address: Address::bit(Area::Output, output.byte * 8 + output.bit),
+    let outputs = profile::outputs(reference).map(|output| {
+        let address = Address::bit(Area::Output, output.byte * 8 + output.bit);
+        ModuleChannel::new(Channel::Output(output.index), address)
     });
     inputs.chain(outputs).collect()
 }
@@ -45,6 +45,9 @@ impl IoModule for EmbeddedIo {
         let inputs = &self.inputs;
         self.functions.power_on(now, self.channels.len(), |input| inputs.terminal(input));
     }
+
+    // The state OFF, which comes with it, says all of it.
+    fn power_off(&mut self, _now: Time) {}
 
     fn set_input(&mut self, now: Time, input: usize, value: Value) {
         // A terminal that nothing drives is at 0.

@@ -3,8 +3,9 @@
 use super::Executor;
 use super::real_lines::InputChange;
 use crate::rig_fault::RigFault;
+use crate::wiring::WiredInput;
 use drivers::{BoardEvent, ChannelKind, LossReason, Origin};
-use signal::{Cause, Level, Value, When};
+use signal::{Cause, Value, When};
 
 impl Executor<'_> {
     /// What the board saw up to now goes to the trace and to the subject's inputs.
@@ -66,20 +67,22 @@ impl Executor<'_> {
             self.record(signal, self.seen_by_board(at, channel, origin), value, cause);
         }
         if !self.parts.wiring.inputs[place].is_empty() {
-            let what = match value {
-                Value::Bool(high) => InputChange::Level(Level::from_bool(high)),
-                Value::Int(count) => InputChange::Steps(self.counted_on(channel, count)),
+            let of_levels = match value {
+                Value::Bool(_) => Some(InputChange::Value(value)),
+                Value::Int(count) => Some(InputChange::Steps(self.counted_on(channel, count))),
                 // Between the two levels of a voltage an input keeps the one that it had.
-                Value::Real(volts) | Value::Measured(volts, _) => match profile::input_level(volts) {
-                    Some(high) => InputChange::Level(Level::from_bool(high)),
-                    None => return,
-                },
-                _ if self.parts.board.channels()[place].kind == ChannelKind::Count => return,
-                _ => InputChange::Level(Level::HighZ),
+                Value::Real(volts) | Value::Measured(volts, _) => {
+                    profile::input_level(volts).map(|high| InputChange::Value(Value::Bool(high)))
+                }
+                _ if self.parts.board.channels()[place].kind == ChannelKind::Count => None,
+                _ => Some(InputChange::Value(Value::HighZ)),
             };
             for index in 0..self.parts.wiring.inputs[place].len() {
-                let input = self.parts.wiring.inputs[place][index];
-                self.input(channel, at, input, what);
+                let WiredInput { terminal, analog } = self.parts.wiring.inputs[place][index];
+                let what = if analog { Some(InputChange::Value(value)) } else { of_levels };
+                if let Some(what) = what {
+                    self.input(channel, at, terminal, what);
+                }
             }
         }
     }

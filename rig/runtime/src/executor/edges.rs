@@ -180,8 +180,10 @@ impl Executor<'_> {
         }
         self.report.fault.get_or_insert(fault);
         for index in 0..self.parts.wiring.inputs[place].len() {
-            let input = self.parts.wiring.inputs[place][index];
-            self.parts.subject.report_missed_edges(self.now, input, count);
+            let terminal = self.parts.wiring.inputs[place][index].terminal;
+            if let Some(input) = terminal.embedded_input() {
+                self.parts.subject.report_missed_edges(self.now, input, count);
+            }
         }
     }
 

@@ -4,18 +4,19 @@
 use super::Executor;
 use crate::rig_fault::RigFault;
 use crate::wiring::Wiring;
+use controller::Terminal;
 use drivers::{BoardExt, Channel, ChannelId, Emission, Origin};
 use plans::steps::CasePart;
 use signal::{Cause, Time, Value, When};
 
-/// The outputs of the subject, bit n for Qn, behind which a channel makes waves without end.
-pub(super) fn offloaded_outputs(wiring: &Wiring, channels: &[Channel]) -> u32 {
+/// The embedded outputs of the subject at which a channel makes waves without end.
+pub(super) fn offloaded_outputs(wiring: &Wiring, channels: &[Channel]) -> Vec<controller::Channel> {
     let makes = |channel: ChannelId| {
         let known = channels.get(usize::from(channel.0));
         known.and_then(|known| known.emits).is_some_and(|emits| emits.endless)
     };
-    let outputs = (0..u32::BITS).zip(&wiring.outputs);
-    outputs.fold(0, |mask, (n, channel)| mask | u32::from(channel.is_some_and(makes)) << n)
+    let outputs = wiring.outputs().filter(|(terminal, channel)| terminal.module == 0 && makes(*channel));
+    outputs.map(|(terminal, _)| terminal.channel).collect()
 }
 
 /// Pulses of a step that the board tells one by one.
@@ -97,7 +98,7 @@ impl Executor<'_> {
         emission: &Emission,
         cause: Cause,
     ) -> Result<(), RigFault> {
-        let Some(channel) = self.parts.wiring.output(output) else { return Ok(()) };
+        let Some(channel) = self.parts.wiring.channel_of(Terminal::output(output)) else { return Ok(()) };
         self.parts.wiring.writers[usize::from(channel.0)] = cause;
         self.lines.wrote(channel, at, self.actual);
         let at = self.board_time();
@@ -106,7 +107,7 @@ impl Executor<'_> {
 
     /// The program has the period of such a wave begin anew, which no device does.
     pub(super) fn cannot_restart_period(&mut self, at: Time, output: usize) {
-        if let Some(channel) = self.parts.wiring.output(output) {
+        if let Some(channel) = self.parts.wiring.channel_of(Terminal::output(output)) {
             self.report.fault.get_or_insert(RigFault::PeriodNotRestarted { at, channel });
         }
     }

@@ -182,7 +182,7 @@ impl<'a> Executor<'a> {
         let values: Vec<Value> = channels.iter().map(|channel| channel.safe).collect();
         let pacing = Pacing::of(channels, buses);
         let frames = FrameLog::of(buses);
-        parts.subject.offload_pulses(emission::offloaded_outputs(parts.wiring, channels));
+        parts.subject.offload_pulses(&emission::offloaded_outputs(parts.wiring, channels));
         Executor {
             beating: false,
             buffers: Buffers {

@@ -8,9 +8,10 @@ use super::pacing::Pacing;
 use super::{Executor, MOST_SIMULTANEOUS};
 use crate::rig_fault::RigFault;
 use crate::subject::SubjectExt;
+use controller::Terminal;
 use drivers::{ChannelId, Origin};
 use guard::GuardError;
-use signal::{Level, Span, Time, When};
+use signal::{Span, Time, Value, When};
 use std::collections::VecDeque;
 
 /// Most changes of inputs that wait for the modelled time to reach them: those of one late wake-up.
@@ -23,15 +24,15 @@ const LONGEST_WAIT: Span = Span::from_millis(50);
 #[derive(Clone, Copy, Debug)]
 struct PendingInput {
     at: When,
-    input: usize,
+    terminal: Terminal,
     what: InputChange,
 }
 
 /// What comes to an input terminal.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum InputChange {
-    /// A level.
-    Level(Level),
+    /// A level, or a number in the unit of its channel.
+    Value(Value),
     /// So many steps that hardware counted, below 0 backwards.
     Steps(i64),
 }
@@ -187,9 +188,9 @@ impl Executor<'_> {
     }
 
     /// An input terminal changes at `at`, which the modelled time may not have reached.
-    pub(super) fn input(&mut self, channel: ChannelId, at: When, input: usize, what: InputChange) {
+    pub(super) fn input(&mut self, channel: ChannelId, at: When, terminal: Terminal, what: InputChange) {
         if self.pacing == Pacing::EventDriven || at.latest <= self.now {
-            self.arrive(self.now.max(at.latest), at, input, what);
+            self.arrive(self.now.max(at.latest), at, terminal, what);
             return;
         }
         if self.lines.pending.len() >= MOST_PENDING {
@@ -197,7 +198,7 @@ impl Executor<'_> {
             return;
         }
         let place = self.lines.pending.partition_point(|pending| pending.at.latest <= at.latest);
-        self.lines.pending.insert(place, PendingInput { at, input, what });
+        self.lines.pending.insert(place, PendingInput { at, terminal, what });
     }
 
     /// The inputs that are due.
@@ -206,16 +207,20 @@ impl Executor<'_> {
             self.lines.pending.front().copied().filter(|first| first.at.latest <= self.now)
         {
             self.lines.pending.pop_front();
-            self.arrive(self.now, pending.at, pending.input, pending.what);
+            self.arrive(self.now, pending.at, pending.terminal, pending.what);
         }
     }
 
-    fn arrive(&mut self, now: Time, at: When, input: usize, what: InputChange) {
+    fn arrive(&mut self, now: Time, at: When, terminal: Terminal, what: InputChange) {
         match what {
-            InputChange::Level(level) => {
-                self.parts.subject.input(now, at, input, level, &mut self.buffers.effects)
+            InputChange::Value(value) => {
+                self.parts.subject.set_input(now, at, terminal, value, &mut self.buffers.effects)
             }
-            InputChange::Steps(steps) => self.parts.subject.count(now, input, steps),
+            InputChange::Steps(steps) => {
+                if let Some(input) = terminal.embedded_input() {
+                    self.parts.subject.count(now, input, steps);
+                }
+            }
         }
     }
 

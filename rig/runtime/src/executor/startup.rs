@@ -4,7 +4,7 @@
 use super::Executor;
 use crate::rig_fault::RigFault;
 use crate::subject::SubjectExt;
-use controller::{Command, State, Terminal};
+use controller::{Command, State};
 use signal::{Cause, Span, Time, Value, When};
 
 impl Executor<'_> {
@@ -93,11 +93,11 @@ impl Executor<'_> {
             self.parts.recorder.record(signal, When::exactly(self.now), state, Cause::Controller);
         }
         self.buffers.writes.clear();
-        for (output, channel) in self.parts.wiring.outputs.iter().enumerate() {
-            if let Some(channel) = channel {
-                self.buffers.writes.push((*channel, self.parts.subject.output(Terminal::output(output))));
-                self.parts.wiring.writers[usize::from(channel.0)] = Cause::Controller;
-            }
+        for (terminal, channel) in self.parts.wiring.outputs() {
+            self.buffers.writes.push((channel, self.parts.subject.output(terminal)));
+        }
+        for (channel, _) in &self.buffers.writes {
+            self.parts.wiring.writers[usize::from(channel.0)] = Cause::Controller;
         }
         let at = self.board_time();
         let written = self.parts.board.write(at, &self.buffers.writes);

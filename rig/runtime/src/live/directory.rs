@@ -6,7 +6,7 @@ use crate::observable::Observable;
 use crate::prepare::state_labels;
 use crate::scan_port::Source;
 use control::{Fault, Signal, SignalKind};
-use controller::{Channel as Terminal, Probe};
+use controller::Probe;
 use drivers::{BoardFile, Channel, ChannelId, ChannelKind};
 use signal::{Address, AddressLimits, Area, Kind, Span, Value};
 use std::collections::BTreeMap;
@@ -152,13 +152,13 @@ impl Directory {
     }
 
     /// The embedded input or output whose image or line a signal is.
-    pub fn terminal(&self, signal: u32) -> Option<Terminal> {
+    pub fn embedded_channel(&self, signal: u32) -> Option<controller::Channel> {
         let address = match self.source(signal)?.1 {
             Source::Inside(Probe::Address(address)) => address,
             Source::Inside(_) => return None,
             Source::Channel(channel) => self.channels.get(usize::from(channel.0))?.terminal?,
         };
-        Terminal::at(address, self.catalogue.reference())
+        controller::Channel::at(address, self.catalogue.reference())
     }
 
     /// The value as a signal takes it.

@@ -144,7 +144,10 @@ impl LiveRig {
         };
         let terminal = |signal: u32| {
             let name = self.directory.signal(signal).map_or("", |signal| signal.name.as_str());
-            self.directory.terminal(signal).ok_or_else(|| fault::not_forced(name)).map(|found| (found, name))
+            self.directory
+                .embedded_channel(signal)
+                .ok_or_else(|| fault::not_forced(name))
+                .map(|found| (found, name))
         };
         Ok(match *order {
             Order::Read(signal) => ScanCommand::Read(source(signal)?),

@@ -3,7 +3,6 @@
 use super::TestBench;
 use crate::codes;
 use crate::functions::configure;
-use controller::Channel as Terminal;
 use document::Diagnostic;
 use drivers::{Channel, TimestampSource};
 use expert::{AxisConfig, FunctionKind, WaveConfig};
@@ -68,7 +67,8 @@ fn axis_on_lines(
 /// The channel behind an output.
 fn behind<'b>(output: u8, bench: &'b TestBench<'_>) -> Option<&'b Channel> {
     let of = |binding: &&drivers::Binding| {
-        Terminal::at(binding.address, bench.reference) == Some(Terminal::Output(output.into()))
+        let embedded = controller::Channel::at(binding.address, bench.reference);
+        embedded == Some(controller::Channel::Output(output.into()))
     };
     let binding = bench.file.bind.iter().find(of)?;
     bench.board.channels().get(usize::from(binding.channel.0))

@@ -5,7 +5,7 @@ use super::meaning::{Meaning, SignalMeanings};
 use super::signals::channel_info;
 use crate::codes;
 use crate::observable::Observable;
-use controller::{Channel as Terminal, Probe};
+use controller::Probe;
 use document::Findings;
 use drivers::{BoardKind, Channel, ChannelId, FaultKind};
 use plans::PlanStep;
@@ -75,14 +75,14 @@ pub(super) fn driven(
     Some(channel)
 }
 
-/// The terminal behind a signal, for forcing.
-pub(super) fn terminal(
+/// The embedded channel of a signal, for forcing.
+pub(super) fn embedded_channel(
     name: &str,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
     step: &PlanStep,
     out: &mut Findings,
-) -> Option<Terminal> {
+) -> Option<controller::Channel> {
     let address = match names.meaning(name)? {
         Meaning::Channel(_, Some(address)) => Some(address),
         Meaning::Channel(channel, None) => {
@@ -91,12 +91,12 @@ pub(super) fn terminal(
         Meaning::Inside(Observable { probe: Probe::Address(address), .. }) => Some(address),
         Meaning::Inside(_) | Meaning::OfBus => None,
     };
-    let terminal = address.and_then(|address| Terminal::at(address, bench.reference));
-    if terminal.is_none() {
+    let channel = address.and_then(|address| controller::Channel::at(address, bench.reference));
+    if channel.is_none() {
         let help = "only inputs and outputs of the controller are forced; a variable is written with `write`";
         out.error(codes::NOT_A_LINE, step.span.clone(), format!("`{name}` is no input or output"), help);
     }
-    terminal
+    channel
 }
 
 /// A written value as a channel takes it, if it does.
@@ -190,8 +190,8 @@ pub(super) fn warn_if_too_fast(
 ) {
     let Some(hertz) = bench.profile.regular_input_hertz() else { return };
     let mut bound = bench.file.bind.iter().filter(|binding| binding.channel == channel);
-    let regular = bound.find(|binding| match Terminal::at(binding.address, bench.reference) {
-        Some(Terminal::Input(input)) => input >= bench.reference.fast_inputs,
+    let regular = bound.find(|binding| match controller::Channel::at(binding.address, bench.reference) {
+        Some(controller::Channel::Input(input)) => input >= bench.reference.fast_inputs,
         _ => false,
     });
     if let Some(binding) = regular.filter(|_| millihertz > u64::from(hertz) * 1_000) {

@@ -5,7 +5,7 @@ use crate::catalogue::Catalogue;
 use crate::codes;
 use crate::observable::Observable;
 use crate::subject::SubjectExt;
-use controller::{Channel as Terminal, Probe};
+use controller::{Channel, Probe};
 use document::Findings;
 use drivers::{BoardExt, ChannelId};
 use plans::signals::{SignalBinding, SignalSource, TaskFigure};
@@ -30,9 +30,11 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
             let channel = bench.file.channel_of(*address);
             channel.map(|channel| Meaning::Channel(channel, Some(*address))).or_else(|| {
                 // A terminal that the reference does not have is no line; nor is one that the board leaves open.
-                let help = match Terminal::at(*address, bench.reference) {
-                    None => format!("{} has no such terminal", bench.reference.name),
-                    Some(_) => format!("bind it to a channel in {}", bench.file.name),
+                let known = Channel::at(*address, bench.reference).is_some()
+                    || bench.subject.terminal(*address).is_some();
+                let help = match known {
+                    false => format!("{} has no such terminal", bench.reference.name),
+                    true => format!("bind it to a channel in {}", bench.file.name),
                 };
                 out.error(codes::NO_TERMINAL, at.clone(), format!("no line is at {address}"), help);
                 None

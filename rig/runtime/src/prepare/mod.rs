@@ -110,7 +110,7 @@ pub fn prepare(
     bench: &mut TestBench<'_>,
 ) -> Result<Prepared, Vec<Diagnostic>> {
     let mut out = Findings::new(plan, plans::TOML);
-    let mut wiring = Wiring::of(bench.file, bench.reference, bench.board.channels().len());
+    let mut wiring = Wiring::of(bench.file, &*bench.subject, bench.board.channels().len());
     wiring.state = define(&mut trace, state_info(bench.file), &mut out);
     if let (Some(probe), Some(state)) = (bench.subject.state_probe(), wiring.state) {
         wiring.show_probe(probe, state);

@@ -1,14 +1,14 @@
 //! From the steps of a plan to what is done on a bench.
 
 use super::TestBench;
-use super::lines::{driven, fault_kind, line, of_controller, terminal, value_for};
+use super::lines::{driven, embedded_channel, fault_kind, line, of_controller, value_for};
 use super::meaning::{Meaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
 use crate::catalogue::Catalogue;
 use crate::codes;
 use crate::schedule::{Act, AwaitedChange, Expected, FileAction, PlannedStep, Timing};
 use crate::subject::SubjectExt;
-use controller::{Channel as Terminal, Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
+use controller::{Channel, Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
 use document::Findings;
 use drivers::{BoardExt, Fault};
 use plans::lang::Literal;
@@ -62,7 +62,7 @@ pub(super) fn plan_step(
             Vec::new()
         }
         Stimulus::Force { signal, value } => {
-            let channel = terminal(signal, names, bench, step, out)?;
+            let channel = embedded_channel(signal, names, bench, step, out)?;
             let Some(on) = boolean(value) else {
                 out.error(
                     codes::VALUE_MISFIT,
@@ -75,7 +75,7 @@ pub(super) fn plan_step(
             vec![(Span::ZERO, Act::Command(Command::Force { channel, on }, expected(step)))]
         }
         Stimulus::Release { signal } => {
-            let channel = terminal(signal, names, bench, step, out)?;
+            let channel = embedded_channel(signal, names, bench, step, out)?;
             vec![(Span::ZERO, Act::Command(Command::Unforce(channel), expected(step)))]
         }
         Stimulus::Write { of, value } => {
@@ -258,8 +258,8 @@ fn disturbance(
     out: &mut Findings,
 ) -> Option<Disturbance> {
     use plans::steps::DisturbanceKind;
-    let mut output = |address: Address| match Terminal::at(address, bench.reference) {
-        Some(Terminal::Output(output)) => Some(output),
+    let mut output = |address: Address| match Channel::at(address, bench.reference) {
+        Some(Channel::Output(output)) => Some(output),
         _ => {
             let help = format!("{} has no such terminal", bench.reference.name);
             out.error(codes::NO_TERMINAL, step.span.clone(), format!("no output is at {address}"), help);

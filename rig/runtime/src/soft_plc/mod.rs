@@ -18,7 +18,8 @@ use crate::schedule::Schedule;
 use crate::spill;
 use crate::subject::SubjectExt;
 use crate::test_setup::{TestSetup, set_up};
-use controller::{State, TaskFigures};
+use crate::wiring::WiredInput;
+use controller::{State, TaskFigures, Terminal};
 use document::Diagnostic;
 use drivers::{BoardFile, RealtimeSettings};
 use plans::Case;
@@ -91,11 +92,13 @@ pub fn run(
     let places =
         SoftPlcTerminals { inputs: files.reference.input_count(), outputs: files.reference.output_count() };
     for (channel, input) in [(lines.power, places.power()), (lines.run_stop, places.run_stop())] {
-        if let Some(inputs) = channel.and_then(|channel| wiring.inputs.get_mut(usize::from(channel.0))) {
-            inputs.push(input);
+        if let Some(channel) = channel {
+            wiring.bind_input(channel, WiredInput { terminal: Terminal::input(input), analog: false });
         }
     }
-    wiring.outputs.push(lines.alarm);
+    if let Some(alarm) = lines.alarm {
+        wiring.bind_output(Terminal::output(places.alarm()), alarm);
+    }
     // Nothing is recorded: what is kept running for months takes no more memory than in its first minute.
     wiring.state = None;
     let mut subject = SoftPlc::new(subject, lines, places, initial_state(case.settings.initial), tell);

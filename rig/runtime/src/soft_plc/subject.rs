@@ -5,11 +5,11 @@ use crate::capability::Capability;
 use crate::hook::HookError;
 use crate::subject::{Disturbances, ExpertFunctions, FileAccess, Observation, Startup, Subject, SubjectExt};
 use controller::{
-    Command, CommandError, Effect, Effects, FrontPanel, JitterCounts, LogEntry, Probe, ProbeId, State,
-    TaskFigures, Terminal, WriteError,
+    Channel, Command, CommandError, Effect, Effects, FrontPanel, JitterCounts, LogEntry, Probe, ProbeId,
+    State, TaskFigures, Terminal, WriteError,
 };
 use drivers::SubjectLines;
-use signal::{Cause, Level, Span, Time, Value, When};
+use signal::{Address, Cause, Span, Time, Value, When};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::SyncSender;
 
@@ -31,7 +31,7 @@ impl SoftPlcTerminals {
         self.inputs + 1
     }
 
-    const fn alarm(self) -> usize {
+    pub const fn alarm(self) -> usize {
         self.outputs
     }
 }
@@ -237,21 +237,26 @@ impl Subject for SoftPlc {
         self.follow(now, before, effects);
     }
 
-    fn input(&mut self, now: Time, at: When, input: usize, level: Level, effects: &mut Effects) {
+    fn terminal(&self, address: Address) -> Option<Terminal> {
+        self.model.terminal(address)
+    }
+
+    fn set_input(&mut self, now: Time, at: When, terminal: Terminal, value: Value, effects: &mut Effects) {
+        let high = value.as_bool().unwrap_or(false);
         let before = effects.list.len();
-        if input == self.places.power() {
+        if terminal == Terminal::input(self.places.power()) {
             match self.begun {
-                true => self.switch(now, level.is_high(), effects),
-                false => self.power_pending = level.is_high(),
+                true => self.switch(now, high, effects),
+                false => self.power_pending = high,
             }
-        } else if input == self.places.run_stop() {
-            let moved = self.model.command(self.own(now), &Command::Switch(level.is_high()), effects);
+        } else if terminal == Terminal::input(self.places.run_stop()) {
+            let moved = self.model.command(self.own(now), &Command::Switch(high), effects);
             if let Err(refusal) = moved {
                 self.report(SoftPlcEvent::Log(now, refusal.to_string()));
             }
             self.follow(now, before, effects);
         } else {
-            self.model.input(self.own(now), at, input, level, effects);
+            self.model.set_input(self.own(now), at, terminal, value, effects);
         }
     }
 
@@ -394,7 +399,7 @@ impl Observation for SoftPlc {
 }
 
 impl ExpertFunctions for SoftPlc {
-    fn offload_pulses(&mut self, outputs: u32) {
+    fn offload_pulses(&mut self, outputs: &[Channel]) {
         self.model.offload_pulses(outputs);
     }
 

@@ -3,8 +3,8 @@
 use crate::hook::HookError;
 use crate::schedule::FileAction;
 use controller::{
-    Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId, TaskFigures,
-    WriteError,
+    Channel, Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId,
+    TaskFigures, WriteError,
 };
 use signal::{Cause, Span, Time, Value};
 use std::sync::atomic::AtomicBool;
@@ -97,9 +97,9 @@ pub trait Disturbances {
 
 /// Expert functions that hardware of the board can help: it makes their pulses, or counts for them.
 pub trait ExpertFunctions {
-    /// What is connected to these outputs, bit n for Qn, makes square waves by itself: those of its functions are reported
+    /// What is connected to these embedded outputs makes square waves by itself: those of its functions are reported
     /// as [`controller::Effect::Wave`]. Before it has power.
-    fn offload_pulses(&mut self, outputs: u32);
+    fn offload_pulses(&mut self, outputs: &[Channel]);
 
     /// So many changes of an input terminal's line are known to be missing before `now`.
     fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32);

@@ -5,8 +5,8 @@ use crate::hook::HookError;
 use crate::observable::Observable;
 use crate::schedule::FileAction;
 use controller::{
-    Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId, TaskFigures,
-    WriteError,
+    Channel, Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId,
+    TaskFigures, WriteError,
 };
 use signal::{Cause, Span, Time, Value};
 use std::sync::atomic::AtomicBool;
@@ -170,7 +170,7 @@ pub trait SubjectExt: Subject {
     }
 
     /// As [`ExpertFunctions::offload_pulses`](super::ExpertFunctions::offload_pulses).
-    fn offload_pulses(&mut self, outputs: u32) {
+    fn offload_pulses(&mut self, outputs: &[Channel]) {
         if let Some(functions) = self.expert_functions() {
             functions.offload_pulses(outputs);
         }

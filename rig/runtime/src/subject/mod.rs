@@ -7,7 +7,7 @@ mod ext;
 use crate::capability::Capability;
 use crate::catalogue::Catalogue;
 use controller::{Command, CommandError, Effects, State, Terminal};
-use signal::{Level, Time, Value, When};
+use signal::{Address, Time, Value, When};
 
 pub use capabilities::{Disturbances, ExpertFunctions, FileAccess, Observation, Startup};
 pub use ext::{NO_PROBE, SubjectExt};
@@ -59,8 +59,13 @@ pub trait Subject: Send {
     /// Lets everything act that is due at `now`.
     fn fire(&mut self, now: Time, effects: &mut Effects);
 
-    /// An input terminal has this level from `now` on; its line changed `at` the instant before.
-    fn input(&mut self, now: Time, at: When, input: usize, level: Level, effects: &mut Effects);
+    /// The terminal at a place of %I or %Q: a bit of a digital channel, a word of an analogue one. None where the rig does
+    /// not know its inputs and outputs from inside.
+    fn terminal(&self, address: Address) -> Option<Terminal>;
+
+    /// What is at an input terminal from `now` on: a level ([`Value::HighZ`] where nothing drives its line), or a number in
+    /// the unit of the channel. Its line changed `at` the instant before.
+    fn set_input(&mut self, now: Time, at: When, terminal: Terminal, value: Value, effects: &mut Effects);
 
     /// What it drives an output terminal to; [`Value::Unknown`] where nobody can say.
     fn output(&self, terminal: Terminal) -> Value;

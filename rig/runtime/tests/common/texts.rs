@@ -3,9 +3,9 @@
 // Each test is a crate of its own and uses a part of this.
 #![allow(dead_code)]
 
-use controller::{Config, State};
+use controller::{Config, IoModule, State};
 use document::{Diagnostic, SourceFile};
-use drivers::{Board, OnLoss};
+use drivers::{Board, BoardFile, OnLoss};
 use plans::judge::CaseJudge;
 use record::Verdict;
 use scanrig_runtime::application::compile;
@@ -24,7 +24,7 @@ use scanrig_runtime::subject::Subject;
 use scanrig_runtime::suite::{self, FileSource, Job, LoadedPlan};
 use scanrig_runtime::wiring::Wiring;
 use scanrig_runtime::{CaseResult, RunOptions};
-use signal::{Span, Trace};
+use signal::{Area, Span, Trace};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -83,9 +83,47 @@ impl Texts<'_> {
         change: impl FnOnce(&mut Config),
         other: impl FnOnce(Box<dyn Board>) -> Box<dyn Board>,
     ) -> Result<(Model, Parted), Vec<Diagnostic>> {
+        self.parts_of(seed, change, other, Vec::new())
+    }
+
+    /// The same on `board.toml`, with modules after the embedded inputs and outputs. The plan names no board: what it names is
+    /// read for the reference alone.
+    pub fn parts_with_modules(
+        &self,
+        seed: u64,
+        modules: Vec<Box<dyn IoModule>>,
+    ) -> Result<(Model, Parted), Vec<Diagnostic>> {
+        self.parts_of(seed, |_| {}, |board| board, modules)
+    }
+
+    /// `board.toml` of a controller with modules.
+    fn board_with(&self, modules: &[Box<dyn IoModule>]) -> Result<BoardFile, Vec<Diagnostic>> {
+        let file = SourceFile::new("board.toml", self.read("board.toml").unwrap());
+        drivers::read(&file, &|subject| {
+            let mut terminals = suite::terminals(subject)?;
+            for channel in modules.iter().flat_map(|module| module.channels()) {
+                match channel.address.area() {
+                    Area::Output => terminals.outputs.push(channel.address),
+                    _ => terminals.inputs.push(channel.address),
+                }
+            }
+            Ok(terminals)
+        })
+    }
+
+    fn parts_of(
+        &self,
+        seed: u64,
+        change: impl FnOnce(&mut Config),
+        other: impl FnOnce(Box<dyn Board>) -> Box<dyn Board>,
+        modules: Vec<Box<dyn IoModule>>,
+    ) -> Result<(Model, Parted), Vec<Diagnostic>> {
         let (loaded, jobs) = self.load(seed);
         let case = loaded.plan.case(jobs[0].case).unwrap();
-        let files = loaded.files(&case, &jobs[0]).unwrap();
+        let mut files = loaded.files(&case, &jobs[0]).unwrap();
+        if !modules.is_empty() {
+            files.board = self.board_with(&modules)?;
+        }
         let program = Arc::new(compile(&files.sources, files.profile).unwrap());
         let mut config = Config::new(files.profile);
         config.reference = files.reference;
@@ -94,7 +132,8 @@ impl Texts<'_> {
         let tasks = vec![("MAST".to_owned(), Vec::new())];
         let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
         let board = other(drivers::build(&files.board, seed).unwrap());
-        let mut model = Model::new(config, Some(program), Box::new(MemoryStore::default()), None).unwrap();
+        let store = Box::new(MemoryStore::default());
+        let mut model = Model::with_modules(config, Some(program), store, None, modules).unwrap();
         model.commission(&bundle, State::Running).unwrap();
         let mut bench = TestBench {
             subject: &mut model,
