@@ -19,6 +19,15 @@ use crate::event_collector::EventCollector;
 use crate::gone::is_gone;
 use crate::{BoardError, BoardEvent, ChannelId, LossReason};
 
+/// What became of a device, for the events of its channels or its bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PresenceChange {
+    /// It is lost.
+    Lost(LossReason),
+    /// It answers again.
+    Returned,
+}
+
 /// What board and thread share.
 #[derive(Debug, Default)]
 struct Presence {
@@ -49,7 +58,7 @@ pub(crate) fn ends<R>(
         presence: presence.clone(),
         reports,
         bell: bell.clone(),
-        told: false,
+        unrung: false,
         limit,
         failing: None,
     };
@@ -62,7 +71,7 @@ pub(crate) struct Reporter<R> {
     reports: Producer<R>,
     bell: Arc<Bell>,
     /// There is something that the bell was not rung for.
-    told: bool,
+    unrung: bool,
     limit: Span,
     /// Since when calls fail.
     failing: Option<HostInstant>,
@@ -85,9 +94,9 @@ impl<R> Reporter<R> {
         self.presence.answer.ring();
     }
 
-    /// Reports something. FALSE where it found no room, which the board will tell.
+    /// Reports something. FALSE where it found no room, which the board will report.
     pub(crate) fn report(&mut self, report: R) -> bool {
-        self.told = true;
+        self.unrung = true;
         let room = self.reports.push(report).is_ok();
         if !room {
             self.presence.unreported.fetch_add(1, Ordering::AcqRel);
@@ -97,7 +106,7 @@ impl<R> Reporter<R> {
 
     /// Has the board look at what was reported since the last call.
     pub(crate) fn ring(&mut self) {
-        if std::mem::take(&mut self.told) {
+        if std::mem::take(&mut self.unrung) {
             self.bell.ring();
         }
     }
@@ -112,24 +121,35 @@ impl<R> Reporter<R> {
         self.failing = None;
     }
 
+    /// A call failed, which says nothing of whether the device is there.
+    pub(crate) fn failed(&mut self) {
+        self.presence.failed.fetch_add(1, Ordering::AcqRel);
+        self.unrung = true;
+    }
+
     /// A call failed. TRUE where the device is to be given up: it is not there any more, or has failed for too long.
     pub(crate) fn refused(&mut self, error: &io::Error) -> bool {
         let now = HostInstant::now();
-        self.presence.failed.fetch_add(1, Ordering::AcqRel);
-        self.told = true;
-        let code = error.raw_os_error().unwrap_or(Errno::IO.raw_os_error());
         let since = *self.failing.get_or_insert(now);
-        let gives_up = is_gone(code, &[]) || now - since > self.limit;
+        let gives_up = is_gone(code_of(error), &[]) || now - since > self.limit;
         if gives_up {
-            self.failing = None;
-            self.presence.gone_at.set(now);
-            self.presence.gone.store(code, Ordering::Release);
-            self.presence.answer.ring();
+            self.gives_up(error)
+        } else {
+            self.failed()
         }
         gives_up
     }
 
-    /// The device is there again. Its board learns it by this report, behind all that was reported before.
+    /// A call failed, and the device is given up: nothing is asked of it until it is opened again.
+    pub(crate) fn gives_up(&mut self, error: &io::Error) {
+        self.failed();
+        self.failing = None;
+        self.presence.gone_at.set(HostInstant::now());
+        self.presence.gone.store(code_of(error), Ordering::Release);
+        self.presence.answer.ring();
+    }
+
+    /// The device is there again. Its board learns it by this report, after all that was reported before.
     pub(crate) fn returned(&mut self, report: R) {
         self.presence.gone.store(0, Ordering::Release);
         self.report(report);
@@ -184,23 +204,53 @@ impl DeviceThread {
         self.lost.is_some()
     }
 
-    /// What a start says that gets nothing of the device, which owes an answer until `due`.
-    pub(crate) fn loss(&self, channel: ChannelId, due: Option<HostInstant>) -> BoardError {
+    /// Why nothing is to be had of the device, which owes an answer until `due`, and for how long.
+    pub(crate) fn lost_since(&self, due: Option<HostInstant>) -> (LossReason, Span) {
         let (reason, since) = match self.is_gone() {
             true => (LossReason::Gone, self.presence.gone_at.get()),
             // Its call began so long before it counts as one that hangs.
             false => (LossReason::Unresponsive, due.map(|due| due - self.limit)),
         };
-        BoardError::Lost { channel, reason, since: since.map_or(Span::ZERO, HostInstant::elapsed) }
+        (reason, since.map_or(Span::ZERO, HostInstant::elapsed))
     }
 
-    /// When the device counts as silent that owes an answer until `due`.
+    /// What a start says that gets nothing of the device.
+    pub(crate) fn loss(&self, channel: ChannelId, due: Option<HostInstant>) -> BoardError {
+        let (reason, since) = self.lost_since(due);
+        BoardError::Lost { channel, reason, since }
+    }
+
+    /// When the device counts as unresponsive that owes an answer until `due`.
     pub(crate) fn overdue(&self, due: Option<HostInstant>) -> Option<HostInstant> {
         due.filter(|_| self.lost.is_none())
     }
 
-    /// Tells whether a device of these channels still answers, which owes an answer until `due`. TRUE where
-    /// it does again: then what is there now is to be reported.
+    /// What became by `now` of a device that owes an answer until `due`; `None` where that was reported.
+    pub(crate) fn presence_change(
+        &mut self,
+        due: Option<HostInstant>,
+        now: HostInstant,
+    ) -> Option<PresenceChange> {
+        let reason = match self.lost {
+            _ if self.is_gone() => Some(LossReason::Gone),
+            // It says itself when it is there again.
+            Some(LossReason::Gone) => return None,
+            _ => due.is_some_and(|due| due < now).then_some(LossReason::Unresponsive),
+        };
+        if reason == self.lost {
+            return None;
+        }
+        self.lost = reason;
+        Some(reason.map_or(PresenceChange::Returned, PresenceChange::Lost))
+    }
+
+    /// The device reported that it is there again. TRUE where it was not reported that it was gone.
+    pub(crate) fn returns_unreported(&mut self) -> bool {
+        self.lost.take().is_none()
+    }
+
+    /// Reports what became of a device of these channels, which owes an answer until `due`. TRUE where it answers again: then
+    /// what is there now is to be reported.
     pub(crate) fn report_presence(
         &mut self,
         due: Option<HostInstant>,
@@ -208,42 +258,38 @@ impl DeviceThread {
         collector: &mut EventCollector<'_>,
     ) -> bool {
         let now = collector.time.stamp(collector.now);
-        let reason = match self.lost {
-            _ if self.is_gone() => Some(LossReason::Gone),
-            // It says itself when it is there again.
-            Some(LossReason::Gone) => return false,
-            _ => due.is_some_and(|due| due < now).then_some(LossReason::Unresponsive),
-        };
-        if reason == self.lost {
-            return false;
-        }
-        self.lost = reason;
-        tell(reason, channels, collector.now, collector);
-        reason.is_none()
+        let Some(change) = self.presence_change(due, now) else { return false };
+        report(change, channels, collector.now, collector);
+        change == PresenceChange::Returned
     }
 
-    /// Tells that a device of these channels is there again, even where it was not reported that it was gone.
+    /// Reports that a device of these channels is there again, even where it was not reported that it was gone.
     pub(crate) fn report_return(
         &mut self,
         at: Time,
         channels: impl Iterator<Item = ChannelId> + Clone,
         collector: &mut EventCollector<'_>,
     ) {
-        if self.lost.take().is_none() {
-            tell(Some(LossReason::Gone), channels.clone(), at, collector);
+        if self.returns_unreported() {
+            report(PresenceChange::Lost(LossReason::Gone), channels.clone(), at, collector);
         }
-        tell(None, channels, at, collector);
+        report(PresenceChange::Returned, channels, at, collector);
     }
 
-    /// Tells what found no room.
+    /// How many reports found no room since the last call.
+    pub(crate) fn take_overflow(&self) -> u32 {
+        let unreported = self.presence.unreported.swap(0, Ordering::AcqRel);
+        u32::try_from(unreported).unwrap_or(u32::MAX)
+    }
+
+    /// Reports what found no room.
     pub(crate) fn report_overflow(
         &self,
         channels: impl Iterator<Item = ChannelId>,
         collector: &mut EventCollector<'_>,
     ) {
-        let unreported = self.presence.unreported.swap(0, Ordering::AcqRel);
-        if unreported > 0 {
-            let count = u32::try_from(unreported).unwrap_or(u32::MAX);
+        let count = self.take_overflow();
+        if count > 0 {
             channels.for_each(|channel| collector.dropped(channel, collector.now, count));
         }
     }
@@ -279,16 +325,75 @@ pub(crate) fn not_started(file: &str, what: &str, error: &io::Error) -> Vec<Diag
     vec![Diagnostic::error(codes::HOST, message).at(file.to_owned(), 0..0, "").help(help)]
 }
 
-fn tell(
-    lost: Option<LossReason>,
+/// The kernel's number of an error.
+fn code_of(error: &io::Error) -> i32 {
+    error.raw_os_error().unwrap_or(Errno::IO.raw_os_error())
+}
+
+fn report(
+    change: PresenceChange,
     channels: impl Iterator<Item = ChannelId>,
     at: Time,
     collector: &mut EventCollector<'_>,
 ) {
     for channel in channels {
-        collector.tell(match lost {
-            Some(reason) => BoardEvent::Lost { channel, at, reason },
-            None => BoardEvent::Returned { channel, at },
+        collector.tell(match change {
+            PresenceChange::Lost(reason) => BoardEvent::Lost { channel, at, reason },
+            PresenceChange::Returned => BoardEvent::Returned { channel, at },
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMIT: Span = Span::from_millis(100);
+
+    fn at(nanos: i64) -> HostInstant {
+        HostInstant::from_nanos(nanos)
+    }
+
+    #[test]
+    fn a_call_that_lasts_too_long_is_a_loss_until_it_ends() {
+        let (_reporter, mut thread, _) = ends::<()>(1, &Arc::default(), LIMIT);
+        assert_eq!(thread.presence_change(None, at(10)), None);
+        let due = Some(at(50));
+        assert_eq!((thread.overdue(due), thread.presence_change(due, at(50))), (due, None));
+        let lost = Some(PresenceChange::Lost(LossReason::Unresponsive));
+        assert_eq!(thread.presence_change(due, at(51)), lost);
+        assert_eq!((thread.overdue(due), thread.presence_change(due, at(52))), (None, None));
+        assert_eq!(thread.presence_change(None, at(53)), Some(PresenceChange::Returned));
+    }
+
+    #[test]
+    fn a_loss_is_reported_though_the_device_is_back_before_anybody_looked() {
+        let (mut reporter, mut thread, mut reports) = ends(1, &Arc::default(), LIMIT);
+        let gone = io::Error::from(Errno::NODEV);
+        assert!(reporter.refused(&gone) && thread.is_gone());
+        reporter.returned(7);
+        assert_eq!(reports.pop(), Ok(7));
+        assert!(thread.returns_unreported());
+        assert_eq!(thread.presence_change(None, at(1)), None);
+        // Seen this time, it is reported once.
+        assert!(reporter.refused(&gone));
+        assert_eq!(thread.presence_change(None, at(2)), Some(PresenceChange::Lost(LossReason::Gone)));
+        assert_eq!(thread.presence_change(None, at(3)), None);
+        reporter.returned(8);
+        // Its report comes first.
+        assert_eq!(thread.presence_change(None, at(4)), None);
+        assert!(!thread.returns_unreported());
+        assert_eq!(thread.failed_calls(), 2);
+    }
+
+    #[test]
+    fn calls_that_fail_for_a_while_do_not_lose_the_device_and_those_that_go_on_to_fail_do() {
+        let (mut reporter, thread, _) = ends::<()>(1, &Arc::default(), Span::ZERO);
+        let busy = io::Error::from(Errno::BUSY);
+        assert!(!reporter.refused(&busy));
+        let first = HostInstant::now();
+        while first.elapsed() == Span::ZERO {}
+        assert!(reporter.refused(&busy) && thread.is_gone());
+        assert_eq!(thread.lost_since(None).0, LossReason::Gone);
     }
 }

@@ -9,9 +9,11 @@ use std::time::{Duration, Instant};
 use document::SourceFile;
 use host::{HostInstant, Realtime};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use scanrig_drivers::serial::{Frames, Framing, OpenError, PortSpec, Received, SerialPort, Symbol};
+use scanrig_drivers::serial::{
+    MessageAssembler, MessageTiming, OpenError, PortSpec, Received, ReceivedMessage, SerialPort, Symbol,
+};
 use scanrig_drivers::{
-    BoardContext, BoardError, BoardExt, BoardFile, BoardKind, BusEvent, BusId, BusKind, LossReason,
+    BoardContext, BoardError, BoardExt, BoardFile, BoardKind, BusError, BusEvent, BusId, BusKind, LossReason,
     Terminals, build, open, read,
 };
 use signal::{
@@ -51,6 +53,16 @@ fn board_on(path: &std::path::Path, keys: &str) -> BoardFile {
     file(&format!(
         "format = 1\n[board]\nkind = \"real\"\nunresponsive-after = \"1 s\"\n{keys}\n[buses]\n\
          modbus = {{ kind = \"serial\", path = \"{path}\" }}\n"
+    ))
+    .unwrap()
+}
+
+/// A fast port whose messages end late.
+fn slow_board_on(path: &std::path::Path) -> BoardFile {
+    let path = path.display();
+    file(&format!(
+        "format = 1\n[board]\nkind = \"real\"\nunresponsive-after = \"20 s\"\n[buses]\n\
+         modbus = {{ kind = \"serial\", path = \"{path}\", baud = 4_000_000, message-gap = \"500 ms\" }}\n"
     ))
     .unwrap()
 }
@@ -100,7 +112,7 @@ fn bytes_go_both_ways_as_they_are() {
             got.extend_from_slice(&received.symbols);
         }
         assert_eq!(got, all.iter().copied().map(Symbol::Byte).collect::<Vec<_>>());
-        let sending = port.send(&all).await.unwrap();
+        let sending = port.send(&all, until()).await.unwrap();
         let mut back = vec![0; all.len()];
         far.read_exact(&mut back).unwrap();
         assert_eq!(back, all);
@@ -141,20 +153,24 @@ fn the_last_look_that_found_nothing_lies_before_the_bytes_were_there() {
 }
 
 #[test]
-fn silence_ends_a_frame() {
+fn silence_ends_a_message() {
     let (mut far, near) = pair();
     runtime().block_on(async {
         let mut port = SerialPort::open(&spec(near)).unwrap();
-        let mut frames = Frames::new(Framing::modbus_rtu(port.line()));
+        let mut assembler = MessageAssembler::new(MessageTiming::modbus_rtu(port.line()));
         let mut room = Received::with_room();
         for request in [&b"\x01\x03\x00\x00\x00\x0A\xC5\xCD"[..], b"second", b"\xFF"] {
             far.write_all(request).unwrap();
             let sent = HostInstant::now();
-            let frame = port.frame(&mut frames, until(), &mut room).await.unwrap().unwrap();
-            assert_eq!((frame.bytes.as_slice(), frame.is_sound()), (request, true));
+            let mut got = Vec::new();
+            let each = |received: &ReceivedMessage| got.push(received.message);
+            assert!(port.messages(&mut assembler, until(), &mut room, each).await.unwrap());
+            let [message] = got[..] else { panic!("{got:?}") };
+            assert_eq!((message.data(), message.is_sound()), (request, true));
             assert!(HostInstant::now() - sent >= port.line().frame_gap());
         }
-        assert_eq!(port.frame(&mut frames, HostInstant::now(), &mut room).await.unwrap(), None);
+        let none = |received: &ReceivedMessage| panic!("{received:?}");
+        assert!(!port.messages(&mut assembler, HostInstant::now(), &mut room, none).await.unwrap());
     });
 }
 
@@ -166,7 +182,7 @@ fn a_port_whose_far_end_is_gone_says_so() {
         drop(far);
         let error = port.receive(until(), &mut Received::with_room()).await.unwrap_err();
         assert!(error.is_gone(), "{error}");
-        assert!(port.send(b"x").await.unwrap_err().is_gone());
+        assert!(port.send(b"x", until()).await.unwrap_err().is_gone());
     });
 }
 
@@ -254,8 +270,90 @@ fn a_line_that_goes_away_is_lost_until_the_next_run() {
         "{events:?}"
     );
     assert_eq!((board.health().lost, board.health().is_sound()), (1, false));
+    // Nobody would send it.
+    let refused = board.send_serial(at.time.now(), bus, &SerialOutput::plain(b"x"));
+    assert!(
+        matches!(refused, Err(BoardError::BusLost { bus: BusId(0), reason: LossReason::Gone, .. })),
+        "{refused:?}"
+    );
     board.safe(at.time.now()).unwrap();
     assert!(matches!(board.start(at.time.now()), Err(BoardError::BusLost { bus: BusId(0), .. })));
+}
+
+#[test]
+fn a_long_message_comes_in_parts_and_what_is_left_of_it_is_not_of_the_next_run() {
+    let (mut far, near) = pair();
+    let at = BoardContext::new(Realtime::default());
+    let mut board = open(&slow_board_on(&near), &at).unwrap().unwrap();
+    board.start(at.time.now()).unwrap();
+    far.write_all(&[b'a'; 600]).unwrap();
+    let mut parts = Vec::new();
+    while parts.len() < 2 {
+        parts.extend(told(&mut *board, &at).into_iter().map(|event| match event {
+            BusEvent::SerialMessage { message, own: false, .. } => message,
+            other => panic!("{other:?}"),
+        }));
+    }
+    let shapes: Vec<(usize, bool, bool)> =
+        parts.iter().map(|part| (part.data().len(), part.continues, part.ends)).collect();
+    assert_eq!(shapes, [(256, false, false), (256, true, false)]);
+    assert!(parts.iter().all(|part| !part.errors.any()));
+    // 88 bytes of it wait for the silence. It is of the run that ends here.
+    board.safe(at.time.now()).unwrap();
+    board.start(at.time.now()).unwrap();
+    far.write_all(b"new").unwrap();
+    let events = told(&mut *board, &at);
+    let [BusEvent::SerialMessage { message, own: false, .. }] = events[..] else { panic!("{events:?}") };
+    assert_eq!((message.data(), message.continues), (&b"new"[..], false));
+}
+
+/// Orders outputs of these bytes until the far end, which reads nothing, has stopped them all; how many were taken.
+fn fill(board: &mut dyn scanrig_drivers::Board, at: &BoardContext, byte: u8) -> usize {
+    let output = SerialOutput::plain(&[byte; 256]);
+    let (mut taken, mut refused) = (0, 0);
+    while refused < 20 {
+        match board.send_serial(at.time.now(), BusId(0), &output) {
+            Ok(()) => (taken, refused) = (taken + 1, 0),
+            Err(error) => {
+                assert_eq!(error, BoardError::BusFull(BusId(0)));
+                refused += 1;
+                at.bell.wait_until(HostInstant::now() + Span::from_millis(5));
+            }
+        }
+    }
+    taken
+}
+
+#[test]
+fn an_output_that_is_stuck_is_given_up_and_what_waits_is_not_sent_in_the_next_run() {
+    let (mut far, near) = pair();
+    let at = BoardContext::new(Realtime::default());
+    let mut board = open(&slow_board_on(&near), &at).unwrap().unwrap();
+    board.start(at.time.now()).unwrap();
+    let taken = fill(&mut *board, &at, b'a');
+    let begun = Instant::now();
+    // At this speed an output takes microseconds, and gets a second more.
+    while !told(&mut *board, &at)
+        .iter()
+        .any(|event| matches!(event, BusEvent::Error { error: BusError::SendTimeout, .. }))
+    {
+        assert!(begun.elapsed() < Duration::from_secs(20), "the output is not given up");
+    }
+    // Another one is stuck by now. A safe state does not wait for it to be given up.
+    let patience = Span::from_secs(10);
+    let before = HostInstant::now();
+    board.safe(at.time.now()).unwrap();
+    assert!(before.elapsed() < patience);
+    board.start(at.time.now()).unwrap();
+    board.send_serial(at.time.now(), BusId(0), &SerialOutput::plain(&[b'b'; 256])).unwrap();
+    let (mut old, mut new, mut room) = (0, 0, [0; 1_024]);
+    while new < 256 {
+        let count = far.read(&mut room).unwrap();
+        old += room[..count].iter().filter(|byte| **byte == b'a').count();
+        new += room[..count].iter().filter(|byte| **byte == b'b').count();
+    }
+    // What waited for the thread is as many as its queue holds, and went nowhere.
+    assert!(old <= (taken - 63) * 256, "{old} bytes of {taken} outputs");
 }
 
 #[test]

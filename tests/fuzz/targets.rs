@@ -10,7 +10,7 @@ use drivers::adc::spi::{Chosen, FRAME, Input, PARTS, Sweep};
 use drivers::can::{Filter, Reported, Told};
 use drivers::counter::{CounterSpec, FindCount, FindCounter, Follower, Reading};
 use drivers::counting::CountFunction as Counting;
-use drivers::serial::{Frames, Framing, Marks, Received, Symbol};
+use drivers::serial::{Marks, MessageAssembler, MessageTiming, Received, Symbol};
 use expert::{
     BLOCKS, BlockCall, CounterConfig, CounterKind, CounterMode, ExpertConfig, ExpertFunctions,
     FunctionConfig, FunctionKind, FunctionProbe, InputConditions, LimitsMode, LineEvents, Operation,
@@ -351,9 +351,9 @@ pub fn words(data: &[u8]) {
 pub fn serial(data: &[u8]) {
     let nanos = Span::from_nanos;
     let mut marks = Marks::default();
-    let mut frames =
-        Frames::new(Framing { gap: nanos(4), character: nanos(1), hold: nanos(2), most: data.len().max(1) });
-    let (mut now, mut sent, mut told, mut left) = (HostInstant::BOOT, Vec::new(), Vec::new(), data);
+    let mut assembler =
+        MessageAssembler::new(MessageTiming { gap: nanos(4), character: nanos(1), hold: nanos(2) });
+    let (mut now, mut sent, mut got, mut left) = (HostInstant::BOOT, Vec::new(), Vec::new(), data);
     while let Some((head, rest)) = left.split_first() {
         let (piece, behind) = rest.split_at(rest.len().min(usize::from(head & 15)));
         let empty = now + nanos(i64::from(head >> 6) * 4);
@@ -364,13 +364,14 @@ pub fn serial(data: &[u8]) {
             Symbol::Byte(byte) | Symbol::Damaged(byte) => Some(byte),
             Symbol::Break => None,
         }));
-        told.extend(frames.take(&received));
+        assembler.take(&received, |received| got.push(received.message));
         left = behind;
     }
-    told.extend(frames.quiet(HostInstant::NEVER));
-    assert!(told.iter().all(|frame| !frame.overlong && (!frame.bytes.is_empty() || frame.breaks > 0)));
-    assert!(frames.due().is_none());
-    let back: Vec<u8> = told.into_iter().flat_map(|frame| frame.bytes).collect();
+    got.extend(assembler.quiet(HostInstant::NEVER).map(|received| received.message));
+    assert!(got.windows(2).all(|pair| pair[0].ends != pair[1].continues));
+    assert!(got.iter().all(|message| !message.is_empty()));
+    assert!(assembler.due().is_none());
+    let back: Vec<u8> = got.iter().flat_map(|message| message.data().to_vec()).collect();
     assert_eq!(back, sent);
 }
 

@@ -27,6 +27,8 @@ pub enum SerialCall {
     Drain,
     /// Sending a break.
     Break,
+    /// Forgetting what waits in the kernel.
+    Discard,
     /// Reading the counters of the line.
     Counters,
 }
@@ -44,6 +46,7 @@ impl SerialCall {
             SerialCall::Send => "sending to",
             SerialCall::Drain => "waiting until all is sent by",
             SerialCall::Break => "sending a break to",
+            SerialCall::Discard => "emptying the queues of",
             SerialCall::Counters => "reading the counters of",
         }
     }

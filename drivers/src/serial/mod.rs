@@ -1,26 +1,27 @@
 //! Serial lines: RS-485 and RS-232 ports of the kernel.
 //!
-//! [`SerialPort`] is the port, on a current-thread tokio runtime, so that protocols can run on it; [`SerialBoard`] holds the
-//! ports of a board for a run and tells when one goes away.
+//! [`SerialPort`] is the port, on a current-thread tokio runtime, so that waits for bytes, for room and for a timer are one;
+//! [`SerialBoard`] holds the ports of a board for a run and reports when one goes away.
 
+mod assembler;
 mod board;
+mod device;
 mod error;
 mod find;
-mod frames;
+mod handle;
 mod marks;
 mod open;
 mod port;
 mod spec;
 mod timer;
-mod work;
 
+pub use assembler::{MessageAssembler, MessageTiming, ReceivedMessage};
 pub use board::SerialBoard;
-pub(crate) use board::refused;
 pub use error::{SerialCall, SerialError};
 pub use find::Identity;
-pub use frames::{Frames, Framing, LineFrame};
 pub use marks::{Marks, Symbol};
 pub use open::OpenError;
+pub(crate) use open::refused;
 pub use port::{Received, Sending, SerialPort};
 pub use spec::{PortSpec, SerialSpec};
 

@@ -14,7 +14,9 @@ use rustix::termios::{ControlModes, InputModes, OptionalActions, Termios, tcgeta
 use tokio_serial::SerialStream;
 
 use super::{PortSpec, SerialCall, SerialError};
-use crate::holders;
+use crate::codes;
+use crate::holder::{all_holders, holders, words};
+use crate::refusal::Refusal;
 
 /// How far the speed of a port may be from what was asked, in parts of a thousand: a receiver samples the last bit of a
 /// byte half a bit early or late when both ends are off by a little over 2 % each.
@@ -68,6 +70,47 @@ impl fmt::Display for OpenError {
 }
 
 impl std::error::Error for OpenError {}
+
+/// What it means that a port does not open, and what fixes it.
+pub(crate) fn refused(error: &OpenError) -> Refusal {
+    let (code, help) = match error {
+        OpenError::Busy(path) => {
+            let by = all_holders(path);
+            let own = !by.is_empty() && by.iter().all(|holder| holder.process == std::process::id());
+            let message = format!("{} is held by {}", path.display(), words(&by, "somebody else"));
+            let help = match own {
+                true => "that is this rig: another line of the board is on the same port",
+                false => {
+                    "end that program, or take another port; a console on it ends with \
+                     `sudo systemctl stop serial-getty@ttyS0`"
+                }
+            };
+            return Refusal::new(codes::SERIAL_BUSY, message, help);
+        }
+        OpenError::NoPort(_) => {
+            (codes::SERIAL_NONE, String::from("name a serial port: `ls /dev/serial/by-id` lists adapters"))
+        }
+        OpenError::Cannot { key, .. } => {
+            (codes::SERIAL_CANNOT, format!("change `{key}`, or take a port whose driver can do it"))
+        }
+        OpenError::Call(failed) => match Errno::from_raw_os_error(failed.code) {
+            Errno::ACCESS | Errno::PERM => {
+                let help = format!(
+                    "`ls -l {}` shows the group that may: add yourself to it, as in `sudo usermod -aG dialout $USER`, \
+                     and log in again",
+                    failed.path.display()
+                );
+                (codes::SERIAL_ACCESS, help)
+            }
+            _ if error.is_gone() => (
+                codes::SERIAL_MISSING,
+                String::from("`ls /dev/serial/by-id` lists adapters, `dmesg` says what became of one"),
+            ),
+            _ => (codes::SERIAL_REFUSED, String::from("`dmesg` shows what the port's driver says")),
+        },
+    };
+    Refusal::new(code, error.to_string(), help)
+}
 
 /// An open port.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use signal::{SerialSettings, Span};
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio_serial::{SerialPort as _, SerialStream};
 
-use super::frames::{Frames, LineFrame};
+use super::assembler::{MessageAssembler, ReceivedMessage};
 use super::marks::{Marks, Symbol};
 use super::open::{OpenError, open};
 use super::timer::Timer;
@@ -189,42 +189,59 @@ impl SerialPort {
         .await
     }
 
-    /// Waits for a frame that silence ends, at most until then; the frame under way is waited for longer.
+    /// Waits for a message that silence ends or for a full part of a long one, at most until then; the message under way is
+    /// waited for longer. Hands on each that is complete; FALSE where there was none.
     ///
     /// # Errors
     /// As [`SerialPort::receive`].
-    pub async fn frame(
+    pub async fn messages(
         &mut self,
-        frames: &mut Frames,
+        assembler: &mut MessageAssembler,
         until: HostInstant,
         room: &mut Received,
-    ) -> Result<Option<LineFrame>, SerialError> {
+        mut each: impl FnMut(&ReceivedMessage),
+    ) -> Result<bool, SerialError> {
         loop {
-            let due = frames.due();
+            let due = assembler.due();
             if self.receive(due.unwrap_or(until), room).await? {
-                if let Some(frame) = frames.take(room) {
-                    return Ok(Some(frame));
+                let mut any = false;
+                assembler.take(room, |message| {
+                    any = true;
+                    each(message);
+                });
+                if any {
+                    return Ok(true);
                 }
                 continue;
             }
             let Some(looked) = self.look()? else { continue };
-            match frames.quiet(looked) {
-                Some(frame) => return Ok(Some(frame)),
-                None if due.is_none() => return Ok(None),
+            match assembler.quiet(looked) {
+                Some(message) => {
+                    each(&message);
+                    return Ok(true);
+                }
+                None if due.is_none() => return Ok(false),
                 None => {}
             }
         }
     }
 
-    /// Hands bytes to the kernel, waiting while it has no room. They are on the line later: see [`SerialPort::drain`].
+    /// Hands bytes to the kernel, waiting while it has no room, at most until then. They are on the line later: see
+    /// [`SerialPort::drain`].
     ///
     /// # Errors
-    /// As [`SerialPort::receive`].
-    pub async fn send(&mut self, bytes: &[u8]) -> Result<Sending, SerialError> {
+    /// As [`SerialPort::receive`]; ETIMEDOUT when there was no room by then: some of them may be with the kernel, see
+    /// [`SerialPort::discard_output`].
+    pub async fn send(&mut self, bytes: &[u8], until: HostInstant) -> Result<Sending, SerialError> {
         let begun = HostInstant::now();
+        self.timer.set(until).map_err(self.failed(SerialCall::Send))?;
         let mut left = bytes;
         while !left.is_empty() {
-            let written = poll_fn(|cx| self.call(|port| Pin::new(&mut port.stream).poll_write(cx, left)));
+            let written =
+                poll_fn(|cx| match self.call(|port| Pin::new(&mut port.stream).poll_write(cx, left)) {
+                    Poll::Pending => self.timer.poll(cx).map(|ended| ended.and(Err(Errno::TIMEDOUT.into()))),
+                    written => written,
+                });
             match written.await {
                 Ok(0) => return Err(SerialError::of(&self.spec.path, SerialCall::Send, Errno::IO)),
                 Ok(count) => left = left.get(count..).unwrap_or_default(),
@@ -261,6 +278,29 @@ impl SerialPort {
             let next = (now + self.spec.line.lasts(u64::from(left).max(1))).min(until);
             self.timer.wait_until(next).await.map_err(self.failed(SerialCall::Drain))?;
         }
+    }
+
+    /// Takes back what was sent and the hardware does not have yet.
+    ///
+    /// # Errors
+    /// As [`SerialPort::receive`].
+    pub fn discard_output(&mut self) -> Result<(), SerialError> {
+        self.discard(QueueSelector::OFlush)
+    }
+
+    /// Forgets what was received and not read yet.
+    ///
+    /// # Errors
+    /// As [`SerialPort::receive`].
+    pub fn discard_input(&mut self) -> Result<(), SerialError> {
+        self.discard(QueueSelector::IFlush)?;
+        self.marks = Marks::default();
+        Ok(())
+    }
+
+    fn discard(&mut self, queue: QueueSelector) -> Result<(), SerialError> {
+        let discarded = self.call(|port| tcflush(&port.control, queue));
+        discarded.map_err(|errno| SerialError::of(&self.spec.path, SerialCall::Discard, errno))
     }
 
     /// Whether the hardware has sent all that the kernel gave it, where its driver says so.

@@ -13,6 +13,7 @@ mod gpio;
 mod scripted;
 #[path = "../scripted_counter/mod.rs"]
 mod scripted_counter;
+mod serial;
 mod sim_serial;
 
 #[global_allocator]
@@ -24,7 +25,6 @@ fn main() {
     counter::counts_allocate_nothing();
     emit::pulses_allocate_nothing();
     sim_serial::messages_allocate_nothing();
-    println!(
-        "boards of GPIO lines, converters, counters, generators and simulated serial lines allocate nothing"
-    );
+    serial::messages_allocate_nothing();
+    println!("boards of GPIO lines, converters, counters, generators and serial lines allocate nothing");
 }

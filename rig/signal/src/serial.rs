@@ -5,7 +5,7 @@ use std::fmt;
 use crate::{Span, When};
 
 /// The most bytes of a [`SerialMessage`]: those of a frame of Modbus RTU (Modbus over serial line V1.02, 2.5.1). What is
-/// longer comes in parts from a simulated line; a real one cuts it off and counts an overrun.
+/// longer comes in parts.
 pub const MAX_SERIAL_DATA: usize = 256;
 
 /// The parity bit of a byte.

@@ -25,9 +25,7 @@ impl DeviceDriver for Serial {
     fn probe(&self, table: &ChannelTable, spec: &RealSpec, look: &mut Look) {
         for line in &spec.serial {
             let words = port(line).map_err(|error| {
-                let (code, message, help) = serial::refused(&error);
-                let found = Diagnostic::error(code, message).at(table.file.clone(), line.place.clone(), "");
-                look.found.push(found.help(help));
+                look.found.push(serial::refused(&error).finding(&table.file, line.place.clone()));
             });
             look.buses.push((line.bus, line.name.clone(), words.ok()));
         }

@@ -77,11 +77,10 @@ fn scans_start_as_punctually_while_a_serial_port_hangs() {
         runtime.block_on(async {
             let mut port = SerialPort::open(&spec).unwrap();
             for () in asked {
-                let sending = port.send(b"request").await.unwrap();
+                let until = HostInstant::now() + Span::from_nanos(PATIENCE.as_nanos() as i64);
+                let sending = port.send(b"request", until).await.unwrap();
                 SERIAL_A.stall(HANG);
-                port.drain(sending, HostInstant::now() + Span::from_nanos(PATIENCE.as_nanos() as i64))
-                    .await
-                    .unwrap();
+                port.drain(sending, until).await.unwrap();
                 SERIAL_A.stall(Duration::ZERO);
             }
         });

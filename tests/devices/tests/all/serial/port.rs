@@ -7,7 +7,9 @@ use std::time::Duration;
 
 use devices::{Lab, PATIENCE, SERIAL_A, SERIAL_B, Serial, wait_for};
 use drivers::holders;
-use drivers::serial::{Frames, Framing, LineFrame, OpenError, PortSpec, Received, SerialPort, Symbol};
+use drivers::serial::{
+    MessageAssembler, MessageTiming, OpenError, PortSpec, Received, ReceivedMessage, SerialPort, Symbol,
+};
 use host::{HostInstant, Rs485};
 use rustix::termios::{ControlModes, tcgetattr};
 use signal::{Parity, SerialSettings, Span};
@@ -56,9 +58,9 @@ fn every_byte_goes_over_the_line_as_it_is_at_any_speed() {
             assert_eq!(modes.contains(ControlModes::PARODD), parity == Parity::Odd);
             let all: Vec<u8> = (0..=255).collect();
             let wanted: Vec<Symbol> = all.iter().copied().map(Symbol::Byte).collect();
-            a.send(&all).await.unwrap();
+            a.send(&all, until()).await.unwrap();
             assert_eq!(symbols(&mut b, all.len()).await, wanted);
-            b.send(&all).await.unwrap();
+            b.send(&all, until()).await.unwrap();
             assert_eq!(symbols(&mut a, all.len()).await, wanted);
         }
     });
@@ -85,7 +87,7 @@ fn the_kernel_drives_the_direction_of_a_transceiver_as_asked_or_it_is_refused() 
             assert_eq!(granted, if wanted.enabled { wanted } else { off });
             // With delays around the direction bytes still come through, and the end of sending is seen.
             let mut b = SerialPort::open(&spec(SERIAL_B)).unwrap();
-            let sending = a.send(b"request").await.unwrap();
+            let sending = a.send(b"request", until()).await.unwrap();
             let (earliest, latest) = a.drain(sending, until()).await.unwrap();
             assert!(sending.begun < earliest && earliest <= latest);
             assert_eq!(symbols(&mut b, 7).await, b"request".map(Symbol::Byte));
@@ -147,46 +149,51 @@ fn breaks_and_damaged_bytes_are_told_from_sound_ones_and_counted() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn silence_tells_frames_apart_and_what_may_be_two_is_said_to_be() {
+fn silence_ends_messages_and_what_may_be_two_is_said_to_be() {
     let _lab = Lab::enter();
     run(async {
         let mut a = SerialPort::open(&spec(SERIAL_A)).unwrap();
         let mut b = SerialPort::open(&spec(SERIAL_B)).unwrap();
-        let mut frames = Frames::new(Framing::modbus_rtu(a.line()));
+        let mut assembler = MessageAssembler::new(MessageTiming::modbus_rtu(a.line()));
         let mut room = Received::with_room();
         let requests: [&[u8]; 3] = [b"\x11\x03\x00\x6B\x00\x03\x76\x87", b"\xFF\xFF\x00", b"x"];
         for request in requests {
-            b.send(request).await.unwrap();
-            let frame = whole(&mut a, &mut frames, &mut room, request.len()).await;
-            assert_eq!(frame.bytes, request);
+            b.send(request, until()).await.unwrap();
+            assert_eq!(whole(&mut a, &mut assembler, &mut room, request.len()).await, request);
         }
+        let nothing = |received: &ReceivedMessage| panic!("{received:?}");
         // The sender goes on before anybody has looked: nothing says that these were two.
-        b.send(b"one").await.unwrap();
+        b.send(b"one", until()).await.unwrap();
         assert!(a.receive(until(), &mut room).await.unwrap());
-        assert_eq!(frames.take(&room), None);
+        assembler.take(&room, nothing);
         let late = room.read + a.line().frame_gap() * 20;
         wait_for("time to pass", PATIENCE, || HostInstant::now() >= late);
-        b.send(b"two").await.unwrap();
+        b.send(b"two", until()).await.unwrap();
         let port = File::open(SERIAL_A.path()).unwrap();
         wait_for("more to be there", PATIENCE, || rustix::io::ioctl_fionread(&port).unwrap() == 3);
         let mut got = room.symbols.len();
         while got < 6 {
             assert!(a.receive(until(), &mut room).await.unwrap());
             got += room.symbols.len();
-            assert_eq!(frames.take(&room), None);
+            assembler.take(&room, nothing);
         }
-        let frame = frames.quiet(HostInstant::NEVER).unwrap();
-        assert_eq!((frame.bytes.as_slice(), frame.doubtful), (&b"onetwo"[..], true));
-        assert_eq!(a.frame(&mut frames, HostInstant::now(), &mut room).await.unwrap(), None);
+        let message = assembler.quiet(HostInstant::NEVER).unwrap().message;
+        assert_eq!((message.data(), message.doubtful), (&b"onetwo"[..], true));
+        assert!(!a.messages(&mut assembler, HostInstant::now(), &mut room, nothing).await.unwrap());
     });
 }
 
-/// The frame of so many bytes. An emulated line may pause inside of it for longer than a real one does.
-async fn whole(port: &mut SerialPort, frames: &mut Frames, room: &mut Received, bytes: usize) -> LineFrame {
-    let mut all = port.frame(frames, until(), room).await.unwrap().unwrap();
-    while all.bytes.len() < bytes {
-        let more = port.frame(frames, until(), room).await.unwrap().unwrap();
-        all.bytes.extend_from_slice(&more.bytes);
+/// So many bytes. An emulated line may pause between them for longer than a real one does.
+async fn whole(
+    port: &mut SerialPort,
+    assembler: &mut MessageAssembler,
+    room: &mut Received,
+    count: usize,
+) -> Vec<u8> {
+    let mut all = Vec::new();
+    while all.len() < count {
+        let each = |received: &ReceivedMessage| all.extend_from_slice(received.message.data());
+        assert!(port.messages(assembler, until(), room, each).await.unwrap());
     }
     all
 }
@@ -198,7 +205,7 @@ fn sending_ends_when_the_last_bit_has_left_or_when_it_is_given_up() {
     run(async {
         let mut a = SerialPort::open(&spec(SERIAL_A)).unwrap();
         SERIAL_A.stuck(true);
-        let sending = a.send(b"never").await.unwrap();
+        let sending = a.send(b"never", until()).await.unwrap();
         let given_up = a.drain(sending, HostInstant::now() + Span::from_millis(30)).await.unwrap_err();
         assert_eq!(given_up.code, host::Errno::TIMEDOUT.raw_os_error());
         SERIAL_A.stuck(false);
@@ -251,7 +258,7 @@ fn a_port_whose_driver_goes_away_ends_every_wait() {
         let error = a.receive(until(), &mut Received::with_room()).await.unwrap_err();
         assert!(error.is_gone(), "{error}");
         let unplugged = unplugging.join().unwrap();
-        assert!(a.send(b"x").await.unwrap_err().is_gone());
+        assert!(a.send(b"x", until()).await.unwrap_err().is_gone());
         drop(a);
         // What is left of the port is no port.
         let left = SerialPort::open(&spec(SERIAL_A)).unwrap_err();
@@ -259,7 +266,7 @@ fn a_port_whose_driver_goes_away_ends_every_wait() {
         drop(unplugged);
         let mut a = SerialPort::open(&spec(SERIAL_A)).unwrap();
         let mut b = SerialPort::open(&spec(SERIAL_B)).unwrap();
-        b.send(b"again").await.unwrap();
+        b.send(b"again", until()).await.unwrap();
         assert_eq!(symbols(&mut a, 5).await, b"again".map(Symbol::Byte));
     });
 }
