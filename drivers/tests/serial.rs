@@ -213,7 +213,7 @@ fn what_a_port_cannot_do_is_said_by_its_key() {
     let runtime = runtime();
     let _inside = runtime.enter();
     let key = |spec: PortSpec| match SerialPort::open(&spec).unwrap_err() {
-        OpenError::Cannot { key, .. } => key,
+        OpenError::Unable { what, .. } => what.key(),
         other => panic!("{other}"),
     };
     let rs485 = host::Rs485 { enabled: true, rts_on_send: true, ..host::Rs485::default() };

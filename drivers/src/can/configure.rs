@@ -3,6 +3,7 @@
 use std::io;
 
 use host::Errno;
+use thiserror::Error;
 
 use super::link::Link;
 use super::netlink::{ask, tell};
@@ -11,11 +12,13 @@ use super::settings::differences;
 use super::spec::CanBusSpec;
 
 /// Why an interface is not set up as the board file says.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 pub(super) enum NotSetUp {
     /// The kernel refuses it.
-    Refused(io::Error),
+    #[error("the kernel refuses it: {0}")]
+    Refused(#[source] io::Error),
     /// It is set up, and these differences stay.
+    #[error("these differences stay: {}", .0.join("; "))]
     Differs(Vec<String>),
 }
 

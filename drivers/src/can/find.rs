@@ -6,10 +6,11 @@ use rustix::io::Errno;
 use super::configure::{is_ready, may_change};
 use super::link::Link;
 use super::netlink::ask;
-use super::settings::{differences, mend};
+use super::settings::{differences, fix_command};
 use super::spec::CanBusSpec;
 use crate::BusState;
 use crate::codes;
+use crate::refusal::Refusal;
 
 /// Names of the CAN interfaces of this machine, in order.
 pub fn interfaces() -> Vec<String> {
@@ -31,9 +32,10 @@ const TYPE: &str = "280";
 /// # Errors
 /// What is wrong with it, at its place in the file.
 pub fn find(file: &str, spec: &CanBusSpec) -> Result<(), Diagnostic> {
-    let at = |code, message: String, help: String| {
-        Err(Diagnostic::error(code, message).at(file.to_owned(), spec.interface_place.clone(), "").help(help))
-    };
+    look(spec).map_err(|refusal| refusal.finding(file, spec.interface_place.clone()))
+}
+
+fn look(spec: &CanBusSpec) -> Result<(), Refusal> {
     let name = &spec.interface;
     let link = match ask(name) {
         Ok(link) => link,
@@ -44,24 +46,25 @@ pub fn find(file: &str, spec: &CanBusSpec) -> Result<(), Diagnostic> {
                 None if all.is_empty() => String::from("this machine has no CAN interface: see `ip link`"),
                 None => format!("there are {}", all.join(", ")),
             };
-            return at(codes::CAN_MISSING, format!("this machine has no interface {name}"), help);
+            let message = format!("this machine has no interface {name}");
+            return Err(Refusal::new(codes::CAN_MISSING, message, help));
         }
         Err(error) => {
-            let help = String::from("see what `ip link` says");
-            return at(codes::CAN_REFUSED, format!("the kernel does not tell of {name}: {error}"), help);
+            let message = format!("the kernel says nothing of {name}: {error}");
+            return Err(Refusal::new(codes::CAN_REFUSED, message, "see what `ip link` says"));
         }
     };
     if !interfaces().contains(name) {
-        let help = String::from("name one of a CAN controller, as in can0");
-        return at(codes::CAN_MISSING, format!("{name} is no CAN interface"), help);
+        let message = format!("{name} is no CAN interface");
+        return Err(Refusal::new(codes::CAN_MISSING, message, "name one of a CAN controller, as in can0"));
     }
-    wrong(spec, &link).map_or(Ok(()), |(code, message, help)| at(code, message, help))
+    check(spec, &link)
 }
 
 /// The privilege to change interfaces (CAP_NET_ADMIN).
 const PRIVILEGE: &str = "run `sudo setcap cap_net_admin+ep \"$(command -v rig)\"`";
 
-/// Whether the rig is to start a controller again behind bus-off: the board file wants it, and the kernel leaves it.
+/// Whether the rig is to start a controller again after bus-off: the board file wants it, and the kernel leaves it.
 pub(super) fn restarts_by_rig(spec: &CanBusSpec, link: &Link) -> bool {
     spec.restart.is_some() && link.restart_ms == 0 && !link.is_virtual()
 }
@@ -89,28 +92,33 @@ pub fn words(link: &Link) -> String {
     words
 }
 
-/// What is wrong with an interface for a bus: code, words, mend.
-pub fn wrong(spec: &CanBusSpec, link: &Link) -> Option<(&'static str, String, String)> {
+/// Whether an interface is set up for a bus, or the rig may do so.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn check(spec: &CanBusSpec, link: &Link) -> Result<(), Refusal> {
     let name = &spec.interface;
     if spec.configure {
-        let lacks = !is_ready(spec, link) && !may_change(link);
-        return lacks.then(|| {
-            let message = format!("the rig is to set up {name}, and may not");
-            (codes::CAN_ACCESS, message, format!("{PRIVILEGE}, or run `{}` as root", mend(spec, link)))
-        });
+        if is_ready(spec, link) || may_change(link) {
+            return Ok(());
+        }
+        let help = format!("{PRIVILEGE}, or run `{}` as root", fix_command(spec, link));
+        let message = format!("the rig is to set up {name}, and may not");
+        return Err(Refusal::new(codes::CAN_ACCESS, message, help));
     }
     let differ = differences(spec, link);
     if !differ.is_empty() {
         let message = format!("{name} is not set up as the board file says: {}", differ.join("; "));
-        return Some((codes::CAN_SETTINGS, message, format!("run `{}`", mend(spec, link))));
+        return Err(Refusal::new(codes::CAN_SETTINGS, message, format!("run `{}`", fix_command(spec, link))));
     }
     if !link.up {
-        return Some((codes::CAN_DOWN, format!("{name} is down"), format!("run `ip link set {name} up`")));
+        let help = format!("run `ip link set {name} up`");
+        return Err(Refusal::new(codes::CAN_DOWN, format!("{name} is down"), help));
     }
     if restarts_by_rig(spec, link) && !may_change(link) {
-        let message = format!("the rig is to start {name} again behind bus-off, and may not");
-        let help = format!("{PRIVILEGE}, or let the kernel do it: run `{}` as root", mend(spec, link));
-        return Some((codes::CAN_ACCESS, message, help));
+        let message = format!("the rig is to start {name} again after bus-off, and may not");
+        let help = format!("{PRIVILEGE}, or let the kernel do it: run `{}` as root", fix_command(spec, link));
+        return Err(Refusal::new(codes::CAN_ACCESS, message, help));
     }
-    None
+    Ok(())
 }

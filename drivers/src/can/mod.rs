@@ -22,12 +22,12 @@ mod tests;
 mod wire;
 
 pub use board::CanBoard;
-pub use find::{find, interfaces, words, wrong};
+pub use find::{check, find, interfaces, words};
 pub use link::{BitTiming, Link, Modes, News, read as read_news};
 pub use netlink::ask;
 pub use order::{Setup, question};
 pub use report::Reported;
-pub use settings::{differences, mend};
+pub use settings::{differences, fix_command};
 pub use spec::{CanBusSpec, CanSpec, Filter};
 pub use wire::{Told, decode, encode};
 

@@ -68,7 +68,7 @@ fn thousandths(number: u32) -> String {
 }
 
 /// The commands that set an interface up as the board file says.
-pub fn mend(spec: &CanBusSpec, link: &Link) -> String {
+pub fn fix_command(spec: &CanBusSpec, link: &Link) -> String {
     let name = &spec.interface;
     if link.is_virtual() {
         return format!("ip link set {name} down && ip link set {name} mtu 72 up");
@@ -155,7 +155,7 @@ mod tests {
              it starts again 50 ms after bus-off, not 100 ms"
         );
         assert_eq!(
-            mend(&spec, &link),
+            fix_command(&spec, &link),
             "ip link set can0 down && ip link set can0 type can bitrate 500000 sample-point 0.800 dbitrate 2000000 \
              fd on listen-only off loopback off restart-ms 100 && ip link set can0 up"
         );

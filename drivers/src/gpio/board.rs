@@ -53,9 +53,8 @@ impl GpioBoard {
         let mut board = GpioBoard::without_chips(table, spec, limits, context);
         for found in find(&table.file, spec)? {
             let place = spec.chips[found.spec].place.clone();
-            let claimed = board.maker.claim(found).map_err(|(code, message, help)| {
-                vec![Diagnostic::error(code, message).at(table.file.clone(), place, "").help(help)]
-            })?;
+            let claimed =
+                board.maker.claim(found).map_err(|refusal| vec![refusal.finding(&table.file, place)])?;
             board.add(claimed);
         }
         if limits.reconnect {

@@ -1,8 +1,10 @@
 //! What the kernel says when a call on a GPIO chip fails.
 
-use std::fmt;
 use std::io;
 use std::path::PathBuf;
+
+use rustix::io::Errno;
+use thiserror::Error;
 
 /// The call that failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -42,59 +44,50 @@ impl GpioCall {
 }
 
 /// A call on a GPIO chip failed.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{} {} failed: {errno}", .call.words(), .device.display())]
 pub struct GpioError {
     /// The device.
     pub device: PathBuf,
     /// What was asked of it.
     pub call: GpioCall,
-    /// The kernel's error number, as in `errno`.
-    pub code: i32,
+    /// What the kernel says; EINVAL where a library refuses the request itself.
+    #[source]
+    pub errno: Errno,
 }
-
-/// The error number where a library has none of the kernel's: the request itself made no sense.
-const EINVAL: i32 = 22;
 
 impl GpioError {
     /// From what std says.
     pub(super) fn new(device: impl Into<PathBuf>, call: GpioCall, error: &io::Error) -> GpioError {
-        GpioError { device: device.into(), call, code: error.raw_os_error().unwrap_or(EINVAL) }
+        GpioError { device: device.into(), call, errno: Errno::from_io_error(error).unwrap_or(Errno::INVAL) }
     }
 
     /// From what the library of the second interface says.
     pub(super) fn v2(device: impl Into<PathBuf>, call: GpioCall, error: &gpiocdev::Error) -> GpioError {
-        let code = match error {
-            gpiocdev::Error::Os(errno) => errno.0,
-            gpiocdev::Error::Uapi(_, gpiocdev_uapi::Error::Os(errno)) => errno.0,
-            _ => EINVAL,
+        let errno = match error {
+            gpiocdev::Error::Os(errno) => Errno::from_raw_os_error(errno.0),
+            gpiocdev::Error::Uapi(_, gpiocdev_uapi::Error::Os(errno)) => Errno::from_raw_os_error(errno.0),
+            _ => Errno::INVAL,
         };
-        GpioError { device: device.into(), call, code }
+        GpioError { device: device.into(), call, errno }
     }
 
     /// From what the library of the first interface says. It hides the number of a refused call, so this must
-    /// come right behind the call.
+    /// come right after the call.
     pub(super) fn v1(device: impl Into<PathBuf>, call: GpioCall, _error: &gpio_cdev::Error) -> GpioError {
         GpioError::new(device, call, &io::Error::last_os_error())
     }
 
     /// The error in std's terms.
     pub fn io(&self) -> io::Error {
-        io::Error::from_raw_os_error(self.code)
+        self.errno.into()
     }
 }
-
-impl fmt::Display for GpioError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {} failed: {}", self.call.words(), self.device.display(), self.io())
-    }
-}
-
-impl std::error::Error for GpioError {}
 
 /// The error of a call of the scan, which makes nothing of it that would have to be allocated.
 pub(super) fn uapi(error: gpiocdev_uapi::Error) -> io::Error {
     match error {
         gpiocdev_uapi::Error::Os(errno) => io::Error::from_raw_os_error(errno.0),
-        gpiocdev_uapi::Error::UnderRead(_) => io::Error::from_raw_os_error(EINVAL),
+        gpiocdev_uapi::Error::UnderRead(_) => Errno::INVAL.into(),
     }
 }

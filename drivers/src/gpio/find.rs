@@ -1,8 +1,7 @@
 //! From what a board file says to the chips and lines of this machine.
 
-use std::path::PathBuf;
-
 use document::{Diagnostic, suggest};
+use rustix::io::Errno;
 
 use super::port::{Claim, Wanted};
 use super::{
@@ -11,6 +10,7 @@ use super::{
 };
 use crate::ChannelId;
 use crate::codes;
+use crate::refusal::Refusal;
 
 /// A chip of the board as this machine has it, with what is to be claimed of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -106,7 +106,7 @@ fn find_some(
     let mut search = Search { file, spec, found: Vec::new() };
     let machine = match list() {
         Ok(machine) => machine,
-        Err(error) => return Err(vec![denied(&search, &error, 0..0)]),
+        Err(error) => return Err(vec![refused(&error).finding(file, 0..0)]),
     };
     let mut chips: Vec<FoundChip> = Vec::new();
     for (at, chip) in spec.chips.iter().enumerate() {
@@ -145,8 +145,7 @@ impl Search<'_> {
                 return match look(path) {
                     Ok(info) => Some(info),
                     Err(error) => {
-                        let found = denied(self, &error, chip.place.clone());
-                        self.found.push(found);
+                        self.found.push(refused(&error).finding(self.file, chip.place.clone()));
                         None
                     }
                 };
@@ -179,8 +178,7 @@ impl Search<'_> {
     fn no_chip(&mut self, chip: &ChipSpec, what: &str, machine: &[Result<ChipInfo, GpioError>]) {
         // It may be one of those that cannot be looked at.
         if let Some(Err(error)) = machine.iter().find(|chip| chip.is_err()) {
-            let found = denied(self, error, chip.place.clone());
-            self.found.push(found);
+            self.found.push(refused(error).finding(self.file, chip.place.clone()));
             return;
         }
         let (wanted, known): (&str, Vec<&str>) = match &chip.find {
@@ -365,22 +363,14 @@ fn wanted(line: &LineSpec, number: u32, output: bool) -> Wanted {
     }
 }
 
-/// A call on a chip that failed before anything was claimed.
-fn denied(search: &Search<'_>, error: &GpioError, place: std::ops::Range<usize>) -> Diagnostic {
-    let (code, help) = why(error);
-    Diagnostic::error(code, error.to_string()).at(search.file.to_owned(), place, "").help(help)
-}
-
-/// The code of a failed call, and what fixes it.
-pub(super) fn why(error: &GpioError) -> (&'static str, String) {
-    use rustix::io::Errno;
-    let device: &PathBuf = &error.device;
-    match (Errno::from_raw_os_error(error.code), error.call) {
+/// What a failed call means, and what fixes it.
+pub(super) fn refused(error: &GpioError) -> Refusal {
+    let (code, help) = match (error.errno, error.call) {
         (Errno::ACCESS | Errno::PERM, _) => {
             let help = format!(
                 "`ls -l {}` shows the group that may: add yourself to it, as in `sudo usermod -aG gpio $USER`, \
                  and log in again",
-                device.display()
+                error.device.display()
             );
             (codes::NO_ACCESS, help)
         }
@@ -394,8 +384,9 @@ pub(super) fn why(error: &GpioError) -> (&'static str, String) {
             let help = "leave out `bias`, `debounce` and `drive` in turn to see which the chip cannot do";
             (codes::REFUSED, String::from(help))
         }
-        _ => (codes::REFUSED, String::from("`dmesg` tells what the chip's driver says")),
-    }
+        _ => (codes::REFUSED, String::from("`dmesg` shows what the chip's driver says")),
+    };
+    Refusal::new(code, error.to_string(), help)
 }
 
 #[cfg(test)]

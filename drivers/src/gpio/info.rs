@@ -122,8 +122,8 @@ pub fn look(path: &Path) -> Result<ChipInfo, GpioError> {
     let chip = match gpiocdev::chip::Chip::from_path(path) {
         Ok(chip) => chip,
         Err(gpiocdev::Error::GpioChip(..)) => {
-            let code = rustix::io::Errno::NODEV.raw_os_error();
-            return Err(GpioError { device: path.into(), call: GpioCall::Open, code });
+            let errno = rustix::io::Errno::NODEV;
+            return Err(GpioError { device: path.into(), call: GpioCall::Open, errno });
         }
         Err(error) => return Err(failed(GpioCall::Open, &error)),
     };
@@ -206,7 +206,7 @@ mod tests {
     fn a_machine_without_chips_has_an_empty_list_and_other_files_are_no_chips() {
         assert!(list().is_ok());
         let error = look(Path::new("/dev/null")).unwrap_err();
-        assert_eq!((error.call, error.code), (GpioCall::Open, rustix::io::Errno::NODEV.raw_os_error()));
+        assert_eq!((error.call, error.errno), (GpioCall::Open, rustix::io::Errno::NODEV));
         let error = look(Path::new("/dev/gpiochip-none")).unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -8,7 +8,7 @@ use signal::Span;
 use super::chip::ChipWorker;
 use super::device::Device;
 use super::edges::Edges;
-use super::find::{device, why};
+use super::find::{device, refused};
 use super::inputs::{Input, Inputs};
 use super::lines::{Lines, Masks};
 use super::pace::Pace;
@@ -18,6 +18,7 @@ use super::v2::PortV2;
 use super::{Backend, Drive, Edge, FoundChip, GpioError, GpioSpec};
 use crate::channel_table::ChannelTable;
 use crate::codes;
+use crate::refusal::Refusal;
 use crate::{BoardContext, Channel, ChannelId, DeviceLimits, TimestampSource};
 
 /// How much longer than asked for the kernel may debounce: it counts in ticks, of which there are at least 100 a second.
@@ -77,8 +78,11 @@ impl Maker {
         Maker { file: table.file.clone(), spec: spec.clone(), limits, context: context.clone(), channels }
     }
 
-    /// Claims a chip's lines and starts its threads. On failure the code, the words and what fixes it.
-    pub(super) fn claim(&mut self, found: FoundChip) -> Result<Chip, (&'static str, String, String)> {
+    /// Claims a chip's lines and starts its threads.
+    ///
+    /// # Errors
+    /// Why they cannot be had.
+    pub(super) fn claim(&mut self, found: FoundChip) -> Result<Chip, Refusal> {
         let path = &found.info.path;
         let claimed: Result<Arc<dyn Port>, GpioError> = match found.backend {
             Backend::V2 => PortV2::claim(path, &self.spec.consumer, &found.claim)
@@ -86,10 +90,10 @@ impl Maker {
             Backend::V1 => PortV1::claim(path, &self.spec.consumer, &found.claim)
                 .map(|port| Arc::new(port) as Arc<dyn Port>),
         };
-        let port = claimed.map_err(|error| refused(&found, &error))?;
+        let port = claimed.map_err(|error| not_claimed(&found, &error))?;
         self.work(found, port).map_err(|error| {
-            let help = String::from("the machine has no room for another thread: see `ulimit -u`");
-            (codes::HOST, format!("the threads of a chip cannot be started: {error}"), help)
+            let help = "the machine has no room for another thread: see `ulimit -u`";
+            Refusal::new(codes::HOST, format!("the threads of a chip cannot be started: {error}"), help)
         })
     }
 
@@ -164,10 +168,9 @@ impl Maker {
 }
 
 /// What a refused claim means.
-fn refused(found: &FoundChip, error: &GpioError) -> (&'static str, String, String) {
-    if error.code != Errno::BUSY.raw_os_error() {
-        let (code, help) = why(error);
-        return (code, error.to_string(), help);
+fn not_claimed(found: &FoundChip, error: &GpioError) -> Refusal {
+    if error.errno != Errno::BUSY {
+        return refused(error);
     }
     // Somebody was quicker than this rig since the lines were looked at.
     let lines = super::look(&found.info.path).map(|info| info.lines).unwrap_or_default();
@@ -181,5 +184,5 @@ fn refused(found: &FoundChip, error: &GpioError) -> (&'static str, String, Strin
         }
         None => format!("lines of {} were held by somebody else a moment ago", found.info.path.display()),
     };
-    (codes::BUSY, message, String::from("end that program or driver, or take another line"))
+    Refusal::new(codes::BUSY, message, "end that program or driver, or take another line")
 }

@@ -1,10 +1,10 @@
 //! What the kernel says when a call on a serial port fails.
 
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use rustix::io::Errno;
+use thiserror::Error;
 
 /// The call that failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,48 +53,42 @@ impl SerialCall {
 }
 
 /// A call on a serial port failed.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{} {} failed: {errno}", .call.words(), .path.display())]
 pub struct SerialError {
     /// The device as it was named.
     pub path: PathBuf,
     /// What was asked of it.
     pub call: SerialCall,
-    /// The kernel's error number, as in `errno`.
-    pub code: i32,
+    /// What the kernel says.
+    #[source]
+    pub errno: Errno,
 }
 
 impl SerialError {
     pub(crate) fn new(path: &Path, call: SerialCall, error: &io::Error) -> SerialError {
         // Without a number the library itself refused what was asked.
-        let code = error.raw_os_error().unwrap_or(Errno::INVAL.raw_os_error());
-        SerialError { path: path.to_owned(), call, code }
+        let errno = Errno::from_io_error(error).unwrap_or(Errno::INVAL);
+        SerialError { path: path.to_owned(), call, errno }
     }
 
-    pub(super) fn of(path: &Path, call: SerialCall, code: Errno) -> SerialError {
-        SerialError { path: path.to_owned(), call, code: code.raw_os_error() }
+    pub(super) fn of(path: &Path, call: SerialCall, errno: Errno) -> SerialError {
+        SerialError { path: path.to_owned(), call, errno }
     }
 
-    /// From what the library says, which hides the kernel's number: this must come right behind the call.
+    /// From what the library says, which hides the kernel's number: this must come right after the call.
     pub(super) fn last(path: &Path, call: SerialCall) -> SerialError {
         SerialError::new(path, call, &io::Error::last_os_error())
     }
 
     /// The error in std's terms.
     pub fn io(&self) -> io::Error {
-        io::Error::from_raw_os_error(self.code)
+        self.errno.into()
     }
 
     /// Whether it says that the port is there no more: unplugged, or its driver taken away.
     pub fn is_gone(&self) -> bool {
         // EIO is what a terminal says that was hung up.
-        crate::gone::is_gone(self.code, &[Errno::IO])
+        crate::gone::is_gone(self.errno.raw_os_error(), &[Errno::IO])
     }
 }
-
-impl fmt::Display for SerialError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {} failed: {}", self.call.words(), self.path.display(), self.io())
-    }
-}
-
-impl std::error::Error for SerialError {}

@@ -20,8 +20,8 @@ pub use board::SerialBoard;
 pub use error::{SerialCall, SerialError};
 pub use find::Identity;
 pub use marks::{Marks, Symbol};
-pub use open::OpenError;
 pub(crate) use open::refused;
+pub use open::{OpenError, UnsupportedSetting};
 pub use port::{Received, Sending, SerialPort};
 pub use spec::{PortSpec, SerialSpec};
 

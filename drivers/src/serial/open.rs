@@ -1,7 +1,6 @@
-//! Opening a serial port and setting it up as asked, or saying in words why not.
+//! Opening a serial port and setting it up as asked, or saying why not.
 
 use signal::{Parity, SerialSettings};
-use std::fmt;
 use std::fs::{File, OpenOptions};
 use std::io;
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
@@ -11,6 +10,7 @@ use host::{is_exclusive, low_latency, set_low_latency, set_rs485};
 use rustix::fs::{FlockOperation, OFlags, flock, major};
 use rustix::io::Errno;
 use rustix::termios::{ControlModes, InputModes, OptionalActions, Termios, tcgetattr, tcsetattr};
+use thiserror::Error;
 use tokio_serial::SerialStream;
 
 use super::{PortSpec, SerialCall, SerialError};
@@ -26,23 +26,104 @@ const SPEED_TOLERANCE: u64 = 20;
 const PSEUDO: std::ops::RangeInclusive<u32> = 136..=143;
 
 /// Why a port is not open.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum OpenError {
     /// A call failed.
-    Call(SerialError),
+    #[error(transparent)]
+    Call(#[from] SerialError),
     /// Somebody has it: [`crate::holders`] tells who.
+    #[error("{} is held by somebody else", .0.display())]
     Busy(PathBuf),
     /// It is no serial port.
+    #[error("{} is no serial port", .0.display())]
     NoPort(PathBuf),
     /// It cannot do what was asked.
-    Cannot {
+    #[error("{} {what}", .path.display())]
+    Unable {
         /// The device as it was named.
         path: PathBuf,
-        /// The setting, as it is called in a board file.
-        key: &'static str,
         /// What it cannot do.
-        what: String,
+        #[source]
+        what: UnsupportedSetting,
     },
+}
+
+/// What a port or its driver cannot do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum UnsupportedSetting {
+    /// The speed, in Bd, and what it would do in its place.
+    #[error("cannot do {asked} Bd: it would do {does} Bd")]
+    Speed {
+        /// What was asked.
+        asked: u64,
+        /// What it would do.
+        does: u64,
+    },
+    /// So many data bits.
+    #[error("cannot do {0} data bits")]
+    DataBits(u8),
+    /// The parity.
+    #[error("cannot do this parity")]
+    Parity,
+    /// So many stop bits.
+    #[error("cannot do {0} stop bits")]
+    StopBits(u8),
+    /// Its driver knows nothing of RS-485.
+    #[error("has a driver that does not drive the direction of RS-485")]
+    Rs485,
+    /// The direction of RS-485 stays off, or on.
+    #[error("does not drive the direction of RS-485")]
+    Direction,
+    /// RTS high while it sends.
+    #[error("cannot send with RTS high")]
+    RtsHighOnSend,
+    /// RTS low while it sends.
+    #[error("cannot send with RTS low")]
+    RtsLowOnSend,
+    /// Not to hear itself.
+    #[error("hears what it sends, whatever is asked")]
+    HearsItself,
+    /// To hear itself.
+    #[error("cannot hear what it sends, whatever is asked")]
+    CannotHearItself,
+    /// A resistor of its own.
+    #[error("has no resistor of its own to end the bus")]
+    Termination,
+    /// The delays around the direction; what it would take, in milliseconds.
+    #[error("cannot keep the delays: it would take {before} ms and {after} ms")]
+    Delays {
+        /// Before the first bit.
+        before: u32,
+        /// After the last bit.
+        after: u32,
+    },
+    /// Another latency than it has.
+    #[error("keeps its latency, whatever is asked")]
+    Latency,
+    /// Its driver knows nothing of a latency.
+    #[error("has a driver without a setting of its latency")]
+    NoLatency,
+}
+
+impl UnsupportedSetting {
+    /// The setting, as it is called in a board file.
+    pub const fn key(self) -> &'static str {
+        match self {
+            UnsupportedSetting::Speed { .. } => "baud",
+            UnsupportedSetting::DataBits(_) => "data-bits",
+            UnsupportedSetting::Parity => "parity",
+            UnsupportedSetting::StopBits(_) => "stop-bits",
+            UnsupportedSetting::Rs485
+            | UnsupportedSetting::Direction
+            | UnsupportedSetting::RtsHighOnSend
+            | UnsupportedSetting::RtsLowOnSend
+            | UnsupportedSetting::HearsItself
+            | UnsupportedSetting::CannotHearItself
+            | UnsupportedSetting::Termination
+            | UnsupportedSetting::Delays { .. } => "rs485",
+            UnsupportedSetting::Latency | UnsupportedSetting::NoLatency => "low-latency",
+        }
+    }
 }
 
 impl OpenError {
@@ -51,25 +132,6 @@ impl OpenError {
         matches!(self, OpenError::Call(error) if error.is_gone())
     }
 }
-
-impl From<SerialError> for OpenError {
-    fn from(error: SerialError) -> OpenError {
-        OpenError::Call(error)
-    }
-}
-
-impl fmt::Display for OpenError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            OpenError::Call(error) => error.fmt(f),
-            OpenError::Busy(path) => write!(f, "{} is held by somebody else", path.display()),
-            OpenError::NoPort(path) => write!(f, "{} is no serial port", path.display()),
-            OpenError::Cannot { path, what, .. } => write!(f, "{} {what}", path.display()),
-        }
-    }
-}
-
-impl std::error::Error for OpenError {}
 
 /// What it means that a port does not open, and what fixes it.
 pub(crate) fn refused(error: &OpenError) -> Refusal {
@@ -90,10 +152,10 @@ pub(crate) fn refused(error: &OpenError) -> Refusal {
         OpenError::NoPort(_) => {
             (codes::SERIAL_NONE, String::from("name a serial port: `ls /dev/serial/by-id` lists adapters"))
         }
-        OpenError::Cannot { key, .. } => {
-            (codes::SERIAL_CANNOT, format!("change `{key}`, or take a port whose driver can do it"))
+        OpenError::Unable { what, .. } => {
+            (codes::SERIAL_CANNOT, format!("change `{}`, or take a port whose driver can do it", what.key()))
         }
-        OpenError::Call(failed) => match Errno::from_raw_os_error(failed.code) {
+        OpenError::Call(failed) => match failed.errno {
             Errno::ACCESS | Errno::PERM => {
                 let help = format!(
                     "`ls -l {}` shows the group that may: add yourself to it, as in `sudo usermod -aG dialout $USER`, \
@@ -147,11 +209,7 @@ pub(super) fn open(spec: &PortSpec) -> Result<Opened, OpenError> {
     let stream = SerialStream::open(&builder).map_err(|_| SerialError::last(path, SerialCall::Open))?;
     mark_harm(&control).map_err(|error| SerialError::new(path, SerialCall::Settings, &error))?;
     let settings = tcgetattr(&control).map_err(|errno| SerialError::of(path, SerialCall::Settings, errno))?;
-    granted(&settings, &spec.line, pseudo).map_err(|(key, what)| OpenError::Cannot {
-        path: path.clone(),
-        key,
-        what,
-    })?;
+    granted(&settings, &spec.line, pseudo).map_err(|what| OpenError::Unable { path: path.clone(), what })?;
     direction(spec, &control)?;
     latency(spec, &control)?;
     Ok(Opened { stream, control, pseudo })
@@ -203,10 +261,10 @@ fn mark_harm(port: &File) -> io::Result<()> {
 }
 
 /// Whether the driver took the settings; else which it did not take, and what it does instead.
-fn granted(settings: &Termios, line: &SerialSettings, pseudo: bool) -> Result<(), (&'static str, String)> {
+fn granted(settings: &Termios, line: &SerialSettings, pseudo: bool) -> Result<(), UnsupportedSetting> {
     let (speed, asked) = (u64::from(settings.output_speed()), u64::from(line.baud));
     if speed.abs_diff(asked) * 1_000 > asked * SPEED_TOLERANCE {
-        return Err(("baud", format!("cannot do {asked} Bd: it would do {speed} Bd")));
+        return Err(UnsupportedSetting::Speed { asked, does: speed });
     }
     // A pseudo-terminal has no bits, and says so.
     if pseudo {
@@ -220,7 +278,7 @@ fn granted(settings: &Termios, line: &SerialSettings, pseudo: bool) -> Result<()
         _ => ControlModes::CS8,
     };
     if modes & ControlModes::CSIZE != size {
-        return Err(("data-bits", format!("cannot do {} data bits", line.data_bits)));
+        return Err(UnsupportedSetting::DataBits(line.data_bits));
     }
     let parity = match (modes.contains(ControlModes::PARENB), modes.contains(ControlModes::PARODD)) {
         (false, _) => Parity::None,
@@ -228,10 +286,10 @@ fn granted(settings: &Termios, line: &SerialSettings, pseudo: bool) -> Result<()
         (true, true) => Parity::Odd,
     };
     if parity != line.parity {
-        return Err(("parity", String::from("cannot do this parity")));
+        return Err(UnsupportedSetting::Parity);
     }
     if modes.contains(ControlModes::CSTOPB) != (line.stop_bits == 2) {
-        return Err(("stop-bits", format!("cannot do {} stop bits", line.stop_bits)));
+        return Err(UnsupportedSetting::StopBits(line.stop_bits));
     }
     Ok(())
 }
@@ -244,48 +302,42 @@ fn not_able(error: &io::Error) -> bool {
 
 fn direction(spec: &PortSpec, port: &File) -> Result<(), OpenError> {
     let Some(wanted) = spec.rs485 else { return Ok(()) };
-    let cannot = |what: String| OpenError::Cannot { path: spec.path.clone(), key: "rs485", what };
+    let unable = |what| OpenError::Unable { path: spec.path.clone(), what };
     let granted = set_rs485(port, wanted).map_err(|error| match not_able(&error) {
-        true => cannot(String::from("has a driver that does not drive the direction of RS-485")),
+        true => unable(UnsupportedSetting::Rs485),
         false => SerialError::new(&spec.path, SerialCall::Rs485, &error).into(),
     })?;
     // What is switched off has no further settings.
     if granted == wanted || (!wanted.enabled && !granted.enabled) {
         return Ok(());
     }
-    let level = |high| if high { "high" } else { "low" };
-    let what = if granted.enabled != wanted.enabled {
-        String::from("does not drive the direction of RS-485")
+    Err(unable(if granted.enabled != wanted.enabled {
+        UnsupportedSetting::Direction
     } else if granted.rts_on_send != wanted.rts_on_send {
-        format!("cannot send with RTS {}", level(wanted.rts_on_send))
+        match wanted.rts_on_send {
+            true => UnsupportedSetting::RtsHighOnSend,
+            false => UnsupportedSetting::RtsLowOnSend,
+        }
     } else if granted.rx_during_tx != wanted.rx_during_tx {
-        format!(
-            "{} what it sends, whatever is asked",
-            if granted.rx_during_tx { "hears" } else { "cannot hear" }
-        )
+        match granted.rx_during_tx {
+            true => UnsupportedSetting::HearsItself,
+            false => UnsupportedSetting::CannotHearItself,
+        }
     } else if granted.terminate != wanted.terminate {
-        String::from("has no resistor of its own to end the bus")
+        UnsupportedSetting::Termination
     } else {
-        format!(
-            "cannot keep the delays: it would take {} ms and {} ms",
-            granted.delay_before, granted.delay_after
-        )
-    };
-    Err(cannot(what))
+        UnsupportedSetting::Delays { before: granted.delay_before, after: granted.delay_after }
+    }))
 }
 
 fn latency(spec: &PortSpec, port: &File) -> Result<(), OpenError> {
     let Some(wanted) = spec.low_latency else { return Ok(()) };
-    let cannot = |what: &str| OpenError::Cannot {
-        path: spec.path.clone(),
-        key: "low-latency",
-        what: String::from(what),
-    };
+    let unable = |what| OpenError::Unable { path: spec.path.clone(), what };
     let set = set_low_latency(port, wanted).and_then(|()| low_latency(port));
     match set {
         Ok(granted) if granted == wanted => Ok(()),
-        Ok(_) => Err(cannot("keeps its latency, whatever is asked")),
-        Err(error) if not_able(&error) => Err(cannot("has a driver without a setting of its latency")),
+        Ok(_) => Err(unable(UnsupportedSetting::Latency)),
+        Err(error) if not_able(&error) => Err(unable(UnsupportedSetting::NoLatency)),
         Err(error) => Err(SerialError::new(&spec.path, SerialCall::LowLatency, &error).into()),
     }
 }
