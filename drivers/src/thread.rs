@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 
 use document::Diagnostic;
 use host::{AtomicInstant, Bell, HostInstant};
-use rtrb::{Consumer, Producer, RingBuffer};
+use rtrb::{Consumer, Producer, PushError, RingBuffer};
 use rustix::io::Errno;
 use signal::{Span, Time};
 
@@ -58,6 +58,7 @@ pub(crate) fn ends<R>(
         presence: presence.clone(),
         reports,
         bell: bell.clone(),
+        kept: None,
         unrung: false,
         limit,
         failing: None,
@@ -70,6 +71,8 @@ pub(crate) struct Reporter<R> {
     presence: Arc<Presence>,
     reports: Producer<R>,
     bell: Arc<Bell>,
+    /// A report that must not be lost, until there is room for it.
+    kept: Option<R>,
     /// There is something that the bell was not rung for.
     unrung: bool,
     limit: Span,
@@ -97,15 +100,42 @@ impl<R> Reporter<R> {
     /// Reports something. FALSE where it found no room, which the board will report.
     pub(crate) fn report(&mut self, report: R) -> bool {
         self.unrung = true;
-        let room = self.reports.push(report).is_ok();
+        // Nothing comes before what was kept.
+        let room = self.hand_on_kept() && self.reports.push(report).is_ok();
         if !room {
             self.presence.unreported.fetch_add(1, Ordering::AcqRel);
         }
         room
     }
 
+    /// Reports something that must not be lost, such as the answer to a start: where there is no room it waits, and what is
+    /// reported meanwhile is lost in its place. Ends the wait of a board that waits for its device.
+    pub(crate) fn insist(&mut self, report: R) {
+        self.kept = Some(report);
+        self.hand_on_kept();
+    }
+
+    /// Whether a report waits for room.
+    pub(crate) const fn keeps_report(&self) -> bool {
+        self.kept.is_some()
+    }
+
+    /// TRUE where nothing is kept any more.
+    fn hand_on_kept(&mut self) -> bool {
+        let Some(report) = self.kept.take() else { return true };
+        match self.reports.push(report) {
+            Ok(()) => {
+                self.unrung = true;
+                self.presence.answer.ring();
+            }
+            Err(PushError::Full(report)) => self.kept = Some(report),
+        }
+        self.kept.is_none()
+    }
+
     /// Has the board look at what was reported since the last call.
     pub(crate) fn ring(&mut self) {
+        self.hand_on_kept();
         if std::mem::take(&mut self.unrung) {
             self.bell.ring();
         }
@@ -143,16 +173,21 @@ impl<R> Reporter<R> {
     /// A call failed, and the device is given up: nothing is asked of it until it is opened again.
     pub(crate) fn gives_up(&mut self, error: &io::Error) {
         self.failed();
-        self.failing = None;
+        self.mark_gone(code_of(error));
+    }
+
+    /// The device is not there any more, as is known without a call that failed.
+    pub(crate) fn mark_gone(&mut self, code: i32) {
+        (self.failing, self.unrung) = (None, true);
         self.presence.gone_at.set(HostInstant::now());
-        self.presence.gone.store(code_of(error), Ordering::Release);
+        self.presence.gone.store(code, Ordering::Release);
         self.presence.answer.ring();
     }
 
     /// The device is there again. Its board learns it by this report, after all that was reported before.
     pub(crate) fn returned(&mut self, report: R) {
         self.presence.gone.store(0, Ordering::Release);
-        self.report(report);
+        self.insist(report);
     }
 }
 
@@ -384,6 +419,19 @@ mod tests {
         assert_eq!(thread.presence_change(None, at(4)), None);
         assert!(!thread.returns_unreported());
         assert_eq!(thread.failed_calls(), 2);
+    }
+
+    #[test]
+    fn what_must_not_be_lost_waits_for_room_and_comes_before_what_is_reported_later() {
+        let (mut reporter, thread, mut reports) = ends(1, &Arc::default(), LIMIT);
+        assert!(reporter.report(1));
+        reporter.insist(2);
+        assert!(reporter.keeps_report() && !reporter.report(3));
+        assert_eq!(reports.pop(), Ok(1));
+        reporter.ring();
+        assert_eq!((reports.pop(), reporter.keeps_report()), (Ok(2), false));
+        assert!(reporter.report(4));
+        assert_eq!((reports.pop(), thread.take_overflow()), (Ok(4), 1));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use capture::{Capture, CaptureFormat};
 use document::{Diagnostic, SourceFile, render};
 use drivers::adc::iio::{Element, Sampled, Scans};
 use drivers::adc::spi::{Chosen, FRAME, Input, PARTS, Sweep};
-use drivers::can::{Filter, Reported, Told};
+use drivers::can::{Datagram, Filter, Reported};
 use drivers::counter::{CounterSpec, FindCount, FindCounter, Follower, Reading};
 use drivers::counting::CountFunction as Counting;
 use drivers::serial::{Marks, MessageAssembler, MessageTiming, Received, Symbol};
@@ -380,12 +380,12 @@ pub fn can(data: &[u8]) {
     for len in [data.len(), 16, 72] {
         let Some(bytes) = data.get(..len) else { continue };
         match drivers::can::decode(bytes) {
-            Some(Told::Frame(frame)) => {
+            Some(Datagram::Frame(frame)) => {
                 if let Some((again, len)) = drivers::can::encode(&frame) {
-                    assert_eq!(drivers::can::decode(&again[..len]), Some(Told::Frame(frame)));
+                    assert_eq!(drivers::can::decode(&again[..len]), Some(Datagram::Frame(frame)));
                 }
             }
-            Some(Told::Report(classes, details)) => {
+            Some(Datagram::Report(classes, details)) => {
                 let _ = Reported::read(classes, &details).errors().count();
             }
             None => {}

@@ -190,8 +190,7 @@ impl Device {
         }
         if !self.complete && self.inputs.iter().all(|known| known.told.is_some()) {
             self.complete = true;
-            self.reporter.report(Report::Started { start: self.started });
-            self.reporter.answer();
+            self.reporter.insist(Report::Started { start: self.started });
         }
     }
 

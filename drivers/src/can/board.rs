@@ -9,7 +9,7 @@ use super::adapter::{Adapter, Interface};
 use super::configure::NotSetUp;
 use super::find::find;
 use super::node::Node;
-use super::running::{Running, ThreadConfig};
+use super::shared::ThreadConfig;
 use super::spec::{CanBusSpec, CanSpec};
 use crate::channel_table::ChannelTable;
 use crate::codes;
@@ -121,8 +121,8 @@ impl CanBoard {
             realtime: self.context.realtime,
         };
         let adapter = Box::new(interface);
-        let running = Running::start(&bus.interface, adapter, port, &self.context.bell, config);
-        self.nodes.push(Node::new(bus.clone(), running.map_err(refused)?, config.limit));
+        let node = Node::start(bus.clone(), adapter, port, &self.context.bell, config);
+        self.nodes.push(node.map_err(refused)?);
         Ok(())
     }
 }
@@ -156,13 +156,13 @@ impl Board for CanBoard {
                 false => self.limits.reconnect && node.gone(),
             };
             while wanted(node, begun) && HostInstant::now() < due {
-                node.shared.answer.wait_until(due.min(HostInstant::now() + LOOK));
+                node.wait(due.min(HostInstant::now() + LOOK));
                 let start = node.ask_start();
                 // What is asked last gets as long for its answer as what was asked first.
                 begun = node.await_start(start, patience());
             }
             if !begun {
-                return Err(node.is_lost());
+                return Err(node.loss());
             }
         }
         self.run.begin(now);
@@ -201,7 +201,7 @@ impl Board for CanBoard {
 
     fn health(&self) -> Health {
         Health {
-            lost: self.nodes.iter().filter(|node| node.lost.is_some()).count() as u32,
+            lost: self.nodes.iter().filter(|node| node.is_lost()).count() as u32,
             dropped: self.nodes.iter().map(|node| node.dropped).sum(),
             failed_calls: self.nodes.iter().map(Node::failed).sum(),
             latched_safe: self.run.is_latched(),

@@ -4,17 +4,17 @@ use signal::{CanFrame, Span};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bell, Bracket, Errno, HostInstant, Realtime, Received, Role};
-use rtrb::{Consumer, Producer};
+use host::{Bracket, Errno, HostInstant, Realtime, Received, Role};
+use rtrb::Consumer;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::adapter::{Adapter, Change};
 use super::arrivals::{Arrivals, BATCH};
 use super::port::Port;
 use super::report::Reported;
-use super::running::{REPORTS, ThreadConfig};
-use super::shared::{Report, Shared};
-use super::wire::{FD, Told, decode, encode};
+use super::shared::{REPORTS, Report, Shared, ThreadConfig};
+use super::wire::{Datagram, FD, decode, encode};
+use crate::thread::Reporter;
 use crate::{BusError, BusState};
 
 /// How long the kernel's full queue is left alone, and how long the thread is without a look at the clocks.
@@ -22,19 +22,15 @@ const AGAIN: Span = Span::from_millis(1);
 const IDLE: Span = Span::from_millis(100);
 
 /// The thread's side.
-#[derive(Debug)]
 pub(super) struct Device {
     adapter: Box<dyn Adapter>,
     port: Option<Box<dyn Port>>,
     shared: Arc<Shared>,
     frames: Consumer<CanFrame>,
-    reports: Producer<Report>,
-    /// Is rung when there is something to report.
-    bell: Arc<Bell>,
-    /// How long before its stamp a frame may have ended, and how long one may wait for the bus.
+    reporter: Reporter<Report>,
+    /// How long before its stamp a frame may have ended.
     resolution: Span,
-    limit: Span,
-    /// An interface that went away is taken back.
+    /// An interface that went away is opened again.
     reconnect: bool,
     started: u64,
     state: BusState,
@@ -53,22 +49,18 @@ pub(super) struct Device {
     since: HostInstant,
     late: bool,
     arrivals: Arrivals,
-    /// The newest instant that was told.
+    /// The newest instant that was reported.
     newest: HostInstant,
-    /// The answer to a start, until there is room for it.
-    begun: Option<Report>,
-    told_lost: bool,
-    told: bool,
 }
 
 impl Device {
-    /// Of an open interface, with its ends of both queues.
+    /// Of an open interface, with its ends of both ways.
     pub(super) fn new(
         adapter: Box<dyn Adapter>,
         port: Box<dyn Port>,
         shared: Arc<Shared>,
-        (frames, reports): (Consumer<CanFrame>, Producer<Report>),
-        bell: Arc<Bell>,
+        frames: Consumer<CanFrame>,
+        reporter: Reporter<Report>,
         config: ThreadConfig,
     ) -> Device {
         Device {
@@ -76,10 +68,8 @@ impl Device {
             port: Some(port),
             shared,
             frames,
-            reports,
-            bell,
+            reporter,
             resolution: config.resolution,
-            limit: config.limit,
             reconnect: config.reconnect,
             started: 0,
             state: BusState::ErrorActive,
@@ -93,25 +83,21 @@ impl Device {
             late: false,
             arrivals: Arrivals::new(),
             newest: HostInstant::BOOT,
-            begun: None,
-            told_lost: false,
-            told: false,
         }
     }
 
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
-        // A refusal is told once for all threads, by whoever set up the run.
+        // A refusal is reported once for all threads, by whoever set up the run.
         let _ = realtime.enter(Role::Devices);
         loop {
             // What is asked before the stop is seen after it.
-            let stop = self.shared.stop.load(Ordering::Acquire);
+            let stop = self.reporter.is_stopped();
             self.turn();
             if stop {
                 self.called();
                 self.adapter.put_back();
-                self.shared.ended.store(true, Ordering::Release);
-                self.shared.answer.ring();
+                self.reporter.end();
                 return;
             }
             self.wait();
@@ -125,25 +111,21 @@ impl Device {
         if starts != self.started {
             self.start(starts);
         }
-        self.begin();
         self.receive();
         self.restart();
         self.send();
         self.overdue();
         self.shared.in_call.clear();
-        self.tell_lost();
         if self.shared.heard.swap(asked, Ordering::AcqRel) != asked {
-            self.shared.answer.ring();
+            self.reporter.answer();
         }
-        if std::mem::take(&mut self.told) {
-            self.bell.ring();
-        }
+        self.reporter.ring();
     }
 
     /// Waits until there is something to do.
     fn wait(&mut self) {
-        let soon = self.pending.is_some() || self.begun.is_some();
-        let mut left = if soon { AGAIN } else { IDLE.min(self.limit) };
+        let soon = self.pending.is_some() || self.reporter.keeps_report();
+        let mut left = if soon { AGAIN } else { IDLE.min(self.reporter.limit()) };
         if let Some(due) = self.restarts_at() {
             left = left.min(due.remaining());
         }
@@ -174,7 +156,6 @@ impl Device {
             }
             Change::Flapped => {
                 self.lose();
-                self.tell_lost();
                 self.back();
             }
         }
@@ -187,18 +168,6 @@ impl Device {
         }
     }
 
-    /// Tells that the interface is lost or back, if that is not told yet.
-    fn tell_lost(&mut self) {
-        let lost = self.port.is_none();
-        if lost != self.told_lost {
-            let at = HostInstant::now();
-            let report = if lost { Report::Lost { at } } else { Report::Returned { at } };
-            if self.reports.push(report).is_ok() {
-                (self.told_lost, self.told) = (lost, true);
-            }
-        }
-    }
-
     /// A call begins.
     fn called(&self) {
         self.shared.in_call.set(HostInstant::now());
@@ -208,14 +177,15 @@ impl Device {
         if let Ok((port, state)) = self.adapter.open() {
             self.port = Some(port);
             (self.dropped, self.waiting, self.pending, self.running) = (0, 0, None, true);
-            self.shared.gone.store(false, Ordering::Release);
-            self.is(HostInstant::now(), state);
+            let at = HostInstant::now();
+            self.reporter.returned(Report::Returned { at });
+            self.is(at, state);
         }
     }
 
     fn lose(&mut self) {
         let Some(mut port) = self.port.take() else { return };
-        // What came before is told before. The socket tells of the loss first.
+        // What came before is reported before. The socket reports the loss first.
         let (mut bytes, mut refused) = ([0; FD], 0);
         while refused < 2 {
             match port.receive(&mut bytes) {
@@ -224,8 +194,7 @@ impl Device {
             }
         }
         (self.waiting, self.pending) = (0, None);
-        self.shared.gone_since.set(HostInstant::now());
-        self.shared.gone.store(true, Ordering::Release);
+        self.reporter.mark_gone(Errno::NETDOWN.raw_os_error());
     }
 
     /// What a run begins with: nothing from before.
@@ -253,19 +222,8 @@ impl Device {
         }
         // What the kernel has had since before this run it still has: nobody could tell it from what the run sends.
         (self.clocks, self.late) = (Bracket::measure(), false);
-        self.told_lost = self.port.is_none();
-        self.begun = Some(Report::Started { start, state: self.state, waiting: self.waiting > 0 });
-        self.begin();
-    }
-
-    /// Answers a start as soon as there is room: the board makes some while it waits.
-    fn begin(&mut self) {
-        if let Some(report) = self.begun
-            && self.reports.push(report).is_ok()
-        {
-            (self.begun, self.told) = (None, true);
-            self.shared.answer.ring();
-        }
+        // The board makes room while it waits.
+        self.reporter.insist(Report::Started { start, state: self.state, waiting: self.waiting > 0 });
     }
 
     fn receive(&mut self) {
@@ -311,18 +269,18 @@ impl Device {
         let lost = received.dropped.wrapping_sub(self.dropped);
         if lost > 0 {
             self.dropped = received.dropped;
-            // Which frames they were nobody knows: own ones among them will not be told.
+            // Which frames they were nobody knows: own ones among them will not be reported.
             self.waiting = 0;
             self.report(Report::Dropped { at: latest, count: lost });
         }
         match bytes.get(..received.len).and_then(decode) {
-            Some(Told::Frame(frame)) => {
+            Some(Datagram::Frame(frame)) => {
                 if received.own {
                     (self.waiting, self.since, self.late) = (self.waiting.saturating_sub(1), now, false);
                 }
                 self.report(Report::Frame { earliest, latest, frame, own: received.own });
             }
-            Some(Told::Report(classes, details)) => {
+            Some(Datagram::Report(classes, details)) => {
                 let reported = Reported::read(classes, &details);
                 for error in reported.errors() {
                     self.report(Report::Error { at: latest, error });
@@ -370,9 +328,9 @@ impl Device {
         }
         self.called();
         if self.adapter.restart().is_err() {
-            self.shared.failed.fetch_add(1, Ordering::Relaxed);
+            self.reporter.failed();
         }
-        // It tells by a report that it is back, else it is tried again.
+        // It reports that it is back, else it is tried again.
         self.off_since = Some(HostInstant::now());
     }
 
@@ -382,7 +340,7 @@ impl Device {
             self.pending = None;
             return;
         }
-        // The kernel would drop frames of a controller that is off the bus without a word, and for a moment behind.
+        // The kernel would drop frames of a controller that is off the bus without a word, and for a moment after it.
         if self.state == BusState::BusOff || !self.running {
             return;
         }
@@ -391,7 +349,7 @@ impl Device {
             self.called();
             let Some((bytes, len)) = encode(&frame) else { continue };
             let Some(port) = &mut self.port else {
-                self.shared.failed.fetch_add(1, Ordering::Relaxed);
+                self.reporter.failed();
                 continue;
             };
             match port.send(&bytes[..len]) {
@@ -416,7 +374,7 @@ impl Device {
 
     /// Frames that wait for the bus for too long.
     fn overdue(&mut self) {
-        if self.waiting > 0 && !self.late && HostInstant::now() - self.since > self.limit {
+        if self.waiting > 0 && !self.late && HostInstant::now() - self.since > self.reporter.limit() {
             self.late = true;
             self.report(Report::Error { at: HostInstant::now(), error: BusError::SendTimeout });
         }
@@ -426,15 +384,12 @@ impl Device {
         if crate::gone::is_gone(error.raw_os_error(), &[Errno::NETDOWN]) {
             self.lose();
         } else {
-            self.shared.failed.fetch_add(1, Ordering::Relaxed);
+            self.reporter.failed();
         }
     }
 
     fn report(&mut self, report: Report) {
-        self.told = true;
-        // Nothing comes before the answer to a start.
-        if self.begun.is_some() || self.reports.push(report).is_err() {
-            self.shared.spilled.fetch_add(1, Ordering::Relaxed);
-        }
+        // What finds no room is counted.
+        let _ = self.reporter.report(report);
     }
 }

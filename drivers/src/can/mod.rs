@@ -13,7 +13,6 @@ mod node;
 mod order;
 mod port;
 mod report;
-mod running;
 mod settings;
 mod shared;
 mod spec;
@@ -29,7 +28,7 @@ pub use order::{Setup, question};
 pub use report::Reported;
 pub use settings::{differences, fix_command};
 pub use spec::{CanBusSpec, CanSpec, Filter};
-pub use wire::{Told, decode, encode};
+pub use wire::{Datagram, decode, encode};
 
 use crate::Bus;
 

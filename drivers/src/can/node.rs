@@ -1,66 +1,93 @@
-//! One bus as the board follows it: what was asked of it, what it told, whether it still answers.
+//! One bus as the board follows it: what was asked of it, what it reported, whether it still answers.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{HostInstant, TimeBase};
+use host::{Bell, HostInstant, TimeBase};
+use rtrb::{Consumer, Producer, RingBuffer};
 use signal::{CanFrame, Span, Time, When};
 
-use super::running::Running;
-use super::shared::{Report, Shared};
+use super::adapter::Adapter;
+use super::device::Device;
+use super::port::Port;
+use super::shared::{REPORTS, Report, Shared, ThreadConfig};
 use super::spec::CanBusSpec;
 use super::wire::encode;
+use crate::thread::{DeviceThread, PresenceChange, ends};
 use crate::{BoardError, BusEvent, BusId, BusState, LossReason};
 
-/// The rig's part in a bus.
+/// Frames on their way to the bus.
+const TO_SEND: usize = 1_024;
+
+/// The rig's part in a bus. Dropping it ends its thread.
 #[derive(Debug)]
 pub(super) struct Node {
     pub(super) spec: CanBusSpec,
     pub(super) shared: Arc<Shared>,
-    running: Running,
-    /// How long a call may last.
-    limit: Span,
-    /// What the thread had seen to when it was looked at last, and since when it owes the rest.
+    frames: Producer<CanFrame>,
+    pub(super) reports: Consumer<Report>,
+    /// How long the end of the thread is waited for.
+    patience: Span,
+    /// What the thread had seen to when it was looked at last, and when it owed the rest.
     heard: u64,
-    owes: HostInstant,
-    pub(super) lost: Option<LossReason>,
-    /// How the controller took part at the start, until it is told.
+    since: HostInstant,
+    /// How the controller took part at the start, until it is reported.
     fresh: Option<BusState>,
     /// Frames of before the start waited for the bus then.
     waiting: bool,
     /// What lies ahead of the last poll.
     pub(super) ahead: Option<Time>,
     pub(super) dropped: u64,
-    /// Calls that had failed when the run began.
-    failed: u64,
+    thread: DeviceThread,
 }
 
 impl Node {
-    pub(super) fn new(spec: CanBusSpec, running: Running, limit: Span) -> Node {
-        Node {
+    /// Sets an open interface to work.
+    ///
+    /// # Errors
+    /// The machine has no room for its thread.
+    pub(super) fn start(
+        spec: CanBusSpec,
+        adapter: Box<dyn Adapter>,
+        port: Box<dyn Port>,
+        bell: &Arc<Bell>,
+        config: ThreadConfig,
+    ) -> std::io::Result<Node> {
+        let shared = Arc::new(Shared::new()?);
+        let (frames, to_send) = RingBuffer::new(TO_SEND);
+        let (reporter, mut thread, reports) = ends(REPORTS, bell, config.limit);
+        let device = Device::new(adapter, port, shared.clone(), to_send, reporter, config);
+        thread.start(format!("can {}", spec.interface), move || device.run(config.realtime))?;
+        Ok(Node {
             spec,
-            shared: running.shared.clone(),
-            running,
-            limit,
+            shared,
+            frames,
+            reports,
+            patience: config.patience,
             heard: 0,
-            owes: HostInstant::BOOT,
-            lost: None,
+            since: HostInstant::BOOT,
             fresh: None,
             waiting: false,
             ahead: None,
             dropped: 0,
-            failed: 0,
-        }
+            thread,
+        })
     }
 
     /// What a start says of an interface that is lost.
-    pub(super) fn is_lost(&self) -> BoardError {
-        let now = HostInstant::now();
-        let (reason, since) = match self.gone() {
-            true => (LossReason::Gone, self.shared.gone_since.get().unwrap_or(now)),
-            false => (LossReason::Unresponsive, self.overdue().map_or(now, |due| due - self.limit)),
-        };
-        BoardError::BusLost { bus: self.id(), reason, since: (now - since).max(Span::ZERO) }
+    pub(super) fn loss(&self) -> BoardError {
+        let (reason, since) = self.thread.lost_since(self.due());
+        BoardError::BusLost { bus: self.id(), reason, since }
+    }
+
+    /// Waits until the thread answers something, at most until then.
+    pub(super) fn wait(&self, until: HostInstant) {
+        self.thread.wait(until);
+    }
+
+    /// Whether it was reported that the interface is lost.
+    pub(super) const fn is_lost(&self) -> bool {
+        self.thread.is_lost()
     }
 
     /// Whether the start found the controller off its bus, or with frames of before.
@@ -83,7 +110,7 @@ impl Node {
     /// Waits until the thread has begun anew and the interface is there. FALSE where it is not in time.
     pub(super) fn await_start(&mut self, start: u64, due: HostInstant) -> bool {
         loop {
-            while let Ok(report) = self.running.reports.pop() {
+            while let Ok(report) = self.reports.pop() {
                 let Report::Started { start: done, state, waiting } = report else { continue };
                 if done != start {
                     continue;
@@ -91,19 +118,18 @@ impl Node {
                 if self.gone() {
                     return false;
                 }
-                (self.lost, self.ahead, self.dropped) = (None, None, 0);
-                self.owes = HostInstant::now();
+                (self.ahead, self.dropped) = (None, 0);
+                self.since = HostInstant::now();
                 self.waiting = waiting;
                 self.fresh = Some(state).filter(|state| *state != BusState::ErrorActive);
-                self.failed = self.shared.failed.load(Ordering::Acquire);
-                self.shared.spilled.store(0, Ordering::Release);
+                self.thread.begin();
                 self.shared.latched.store(false, Ordering::Release);
                 return true;
             }
             if HostInstant::now() >= due {
                 return false;
             }
-            self.shared.answer.wait_until(due);
+            self.thread.wait(due);
         }
     }
 
@@ -122,12 +148,12 @@ impl Node {
             if HostInstant::now() >= due {
                 return false;
             }
-            self.shared.answer.wait_until(due);
+            self.thread.wait(due);
         }
     }
 
     pub(super) fn gone(&self) -> bool {
-        self.shared.gone.load(Ordering::Acquire)
+        self.thread.is_gone()
     }
 
     /// Puts a frame into the queue.
@@ -139,18 +165,18 @@ impl Node {
         }
         self.look(now);
         if !self.owing() {
-            self.owes = now;
+            self.since = now;
         }
-        self.running.frames.push(*frame).map_err(|_| BoardError::BusFull(self.id()))?;
+        self.frames.push(*frame).map_err(|_| BoardError::BusFull(self.id()))?;
         self.shared.ask();
         Ok(())
     }
 
-    /// Looks at what the thread has seen to: whoever sees to something is not silent.
+    /// Looks at what the thread has seen to: whoever sees to something is not unresponsive.
     fn look(&mut self, now: HostInstant) {
         let heard = self.shared.heard.load(Ordering::Acquire);
         if heard != self.heard {
-            (self.heard, self.owes) = (heard, now);
+            (self.heard, self.since) = (heard, now);
         }
     }
 
@@ -158,42 +184,43 @@ impl Node {
         self.shared.heard.load(Ordering::Acquire) < self.shared.asked.load(Ordering::Acquire)
     }
 
-    /// When the interface counts as silent if it does not answer.
-    pub(super) fn overdue(&self) -> Option<HostInstant> {
-        if self.lost.is_some() {
-            return None;
-        }
-        let owes = Some(self.owes).filter(|_| self.owing());
+    /// Until when an answer is owed.
+    fn due(&self) -> Option<HostInstant> {
+        let owing = Some(self.since).filter(|_| self.owing());
         let called = self.shared.in_call.get();
-        let since = match (owes, called) {
-            // The thread may be about to see what is asked; a call that lasts tells from when on it does not.
-            (Some(owes), Some(called)) => owes.min(called),
-            (owes, called) => owes.or(called)?,
+        let since = match (owing, called) {
+            // The thread may be about to see what is asked; a call that lasts shows from when on it does not.
+            (Some(owing), Some(called)) => owing.min(called),
+            (owing, called) => owing.or(called)?,
         };
-        Some(since + self.limit)
+        Some(since + self.thread.limit())
     }
 
-    /// Tells what happened up to now.
+    /// When the interface counts as unresponsive if it does not answer.
+    pub(super) fn overdue(&self) -> Option<HostInstant> {
+        self.thread.overdue(self.due())
+    }
+
+    /// Reports what happened up to now.
     pub(super) fn poll(&mut self, time: &TimeBase, now: Time, out: &mut Vec<BusEvent>) {
         let bus = self.id();
         self.ahead = None;
         if let Some(state) = self.fresh.take() {
             // Before all that came since the start.
-            let first = self.running.reports.peek().ok().map(stamp_of);
+            let first = self.reports.peek().ok().map(stamp_of);
             let at = first.map_or(now, |first| time.at(first).min(now));
             out.push(BusEvent::State { bus, at, state });
         }
         let stamp = time.stamp(now);
         self.look(stamp);
-        while let Ok(report) = self.running.reports.peek() {
-            let report = *report;
+        while let Ok(report) = self.reports.peek().copied() {
             let at = stamp_of(&report);
             if at > stamp {
                 self.ahead = Some(time.at(at));
                 break;
             }
             // It is the one that was looked at.
-            let _ = self.running.reports.pop();
+            let _ = self.reports.pop();
             let at = time.at(at);
             match report {
                 Report::Frame { earliest, frame, own, .. } => {
@@ -203,23 +230,25 @@ impl Node {
                 Report::State { state, .. } => out.push(BusEvent::State { bus, at, state }),
                 Report::Error { error, .. } => out.push(BusEvent::Error { bus, at, error }),
                 Report::Dropped { count, .. } => self.drop_some(at, count, out),
-                Report::Lost { .. } => {
-                    self.lost = Some(LossReason::Gone);
-                    out.push(BusEvent::Lost { bus, at, reason: LossReason::Gone });
-                }
                 Report::Returned { .. } => {
-                    self.lost = None;
+                    if self.thread.returns_unreported() {
+                        out.push(BusEvent::Lost { bus, at, reason: LossReason::Gone });
+                    }
                     out.push(BusEvent::Returned { bus, at });
                 }
                 // Was waited for.
                 Report::Started { .. } => {}
             }
         }
-        if self.shared.spilled.load(Ordering::Relaxed) > 0 {
-            let count = self.shared.spilled.swap(0, Ordering::AcqRel);
-            self.drop_some(now, u32::try_from(count).unwrap_or(u32::MAX), out);
+        let count = self.thread.take_overflow();
+        if count > 0 {
+            self.drop_some(now, count, out);
         }
-        self.answers(stamp, now, out);
+        match self.thread.presence_change(self.due(), stamp) {
+            Some(PresenceChange::Lost(reason)) => out.push(BusEvent::Lost { bus, at: now, reason }),
+            Some(PresenceChange::Returned) => out.push(BusEvent::Returned { bus, at: now }),
+            None => {}
+        }
     }
 
     fn drop_some(&mut self, at: Time, count: u32, out: &mut Vec<BusEvent>) {
@@ -227,25 +256,22 @@ impl Node {
         out.push(BusEvent::Dropped { bus: self.id(), at, count });
     }
 
-    /// Whether the thread still answers.
-    fn answers(&mut self, stamp: HostInstant, at: Time, out: &mut Vec<BusEvent>) {
-        let bus = self.id();
-        match self.lost {
-            None if self.overdue().is_some_and(|due| due < stamp) => {
-                self.lost = Some(LossReason::Unresponsive);
-                out.push(BusEvent::Lost { bus, at, reason: LossReason::Unresponsive });
-            }
-            Some(LossReason::Unresponsive) if !self.owing() && self.shared.in_call.get().is_none() => {
-                self.lost = None;
-                out.push(BusEvent::Returned { bus, at });
-            }
-            _ => {}
-        }
-    }
-
-    /// Calls that failed since the start.
+    /// Calls that failed since the start, frames that could not be sent among them.
     pub(super) fn failed(&self) -> u64 {
-        self.shared.failed.load(Ordering::Acquire) - self.failed
+        self.thread.failed_calls()
+    }
+}
+
+impl Drop for Node {
+    fn drop(&mut self) {
+        self.shared.latched.store(true, Ordering::Release);
+        let (shared, due) = (&self.shared, HostInstant::now() + self.patience);
+        self.thread.end(
+            || {
+                shared.ask();
+            },
+            || Some(due),
+        );
     }
 }
 
@@ -255,7 +281,6 @@ fn stamp_of(report: &Report) -> HostInstant {
         Report::State { at, .. }
         | Report::Error { at, .. }
         | Report::Dropped { at, .. }
-        | Report::Lost { at }
         | Report::Returned { at } => at,
         Report::Started { .. } => HostInstant::BOOT,
     }

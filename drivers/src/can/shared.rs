@@ -1,15 +1,33 @@
 //! What the board of a CAN interface and its thread have in common.
 
-use signal::CanFrame;
+use signal::{CanFrame, Span};
 use std::os::fd::OwnedFd;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use host::{AtomicInstant, Bell, HostInstant};
+use host::{AtomicInstant, HostInstant, Realtime};
 use rustix::event::{EventfdFlags, eventfd};
 
 use crate::{BusError, BusState};
 
-/// What the interface told.
+/// Reports on their way to the board: a second of a busy bus.
+pub(super) const REPORTS: usize = 8_192;
+
+/// How the thread of an interface works.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ThreadConfig {
+    /// How long before its stamp a frame may have ended.
+    pub(super) resolution: Span,
+    /// How long a call may last.
+    pub(super) limit: Span,
+    /// How long the end of the thread is waited for.
+    pub(super) patience: Span,
+    /// An interface that went away is opened again.
+    pub(super) reconnect: bool,
+    /// How the thread runs.
+    pub(super) realtime: Realtime,
+}
+
+/// What the interface reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Report {
     /// A frame was on the bus between these stamps.
@@ -20,9 +38,7 @@ pub(super) enum Report {
     Error { at: HostInstant, error: BusError },
     /// Frames found no room on their way from the kernel or in the controller.
     Dropped { at: HostInstant, count: u32 },
-    /// The interface is down, or away.
-    Lost { at: HostInstant },
-    /// It is back.
+    /// It was down or away, and is back.
     Returned { at: HostInstant },
     /// What was before is forgotten, for this start; or frames of before still wait for the bus.
     Started { start: u64, state: BusState, waiting: bool },
@@ -40,20 +56,8 @@ pub(super) struct Shared {
     pub(super) heard: AtomicU64,
     /// Since when a call is under way.
     pub(super) in_call: AtomicInstant,
-    /// There is no interface to talk to, and since when.
-    pub(super) gone: AtomicBool,
-    pub(super) gone_since: AtomicInstant,
-    /// Calls that failed, frames that could not be sent among them.
-    pub(super) failed: AtomicU64,
-    /// Reports that found no room.
-    pub(super) spilled: AtomicU64,
-    /// The thread is to end, and has ended.
-    pub(super) stop: AtomicBool,
-    pub(super) ended: AtomicBool,
     /// Wakes the thread.
     pub(super) wake: OwnedFd,
-    /// Wakes whoever waits for the thread.
-    pub(super) answer: Bell,
 }
 
 impl Shared {
@@ -65,14 +69,7 @@ impl Shared {
             asked: AtomicU64::new(0),
             heard: AtomicU64::new(0),
             in_call: AtomicInstant::none(),
-            gone: AtomicBool::new(false),
-            gone_since: AtomicInstant::none(),
-            failed: AtomicU64::new(0),
-            spilled: AtomicU64::new(0),
-            stop: AtomicBool::new(false),
-            ended: AtomicBool::new(false),
             wake: eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?,
-            answer: Bell::new(),
         })
     }
 

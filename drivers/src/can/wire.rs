@@ -22,7 +22,7 @@ const FD_LENGTHS: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48,
 
 /// What a socket told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Told {
+pub enum Datagram {
     /// A frame of the bus.
     Frame(CanFrame),
     /// A report of the controller: its classes, and its details.
@@ -30,7 +30,7 @@ pub enum Told {
 }
 
 /// Reads what a socket told. `None` where it is nothing that the kernel would write.
-pub fn decode(bytes: &[u8]) -> Option<Told> {
+pub fn decode(bytes: &[u8]) -> Option<Datagram> {
     let fd = match bytes.len() {
         CLASSIC => false,
         FD => true,
@@ -39,7 +39,7 @@ pub fn decode(bytes: &[u8]) -> Option<Told> {
     let word = u32::from_ne_bytes(bytes.first_chunk().copied()?);
     let (len, flags) = (bytes[4], bytes[5]);
     if word & ERROR != 0 && !fd {
-        return Some(Told::Report(word & BITS_29, bytes[8..].first_chunk().copied()?));
+        return Some(Datagram::Report(word & BITS_29, bytes[8..].first_chunk().copied()?));
     }
     let extended = word & EXTENDED != 0;
     let remote = word & REMOTE != 0;
@@ -51,7 +51,7 @@ pub fn decode(bytes: &[u8]) -> Option<Told> {
     if !remote {
         data[..usize::from(len)].copy_from_slice(&bytes[8..8 + usize::from(len)]);
     }
-    Some(Told::Frame(CanFrame {
+    Some(Datagram::Frame(CanFrame {
         id: word & if extended { BITS_29 } else { BITS_11 },
         extended,
         remote,
@@ -127,10 +127,10 @@ mod tests {
             if whole > 0 {
                 bytes.resize(whole, 0);
             }
-            if let Some(Told::Frame(frame)) = decode(&bytes)
+            if let Some(Datagram::Frame(frame)) = decode(&bytes)
                 && let Some((again, len)) = encode(&frame)
             {
-                prop_assert_eq!(decode(&again[..len]), Some(Told::Frame(frame)));
+                prop_assert_eq!(decode(&again[..len]), Some(Datagram::Frame(frame)));
             }
         }
     }

@@ -150,8 +150,7 @@ impl Device {
         }
         if !self.complete && self.follower.since().is_some() {
             self.complete = true;
-            self.reporter.report(Report::Started { start: self.started });
-            self.reporter.answer();
+            self.reporter.insist(Report::Started { start: self.started });
         }
     }
 
