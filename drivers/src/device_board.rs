@@ -162,7 +162,7 @@ impl<H: DeviceHandle> Board for DeviceBoard<H> {
             }
         }
         self.run.begin(now);
-        self.run.owes_start();
+        self.run.start_unreported();
         Ok(())
     }
 
@@ -197,14 +197,14 @@ impl<H: DeviceHandle> Board for DeviceBoard<H> {
             collector.goes_on();
             self.context.bell.ring();
         }
-        self.run.told(collector);
+        self.run.polled(collector);
         Ok(())
     }
 
     /// What lies ahead of the last poll or was left to the next, and when a device that owes an answer counts as lost.
     fn next_event(&self) -> Option<Time> {
-        let owed = self.devices.iter().filter_map(H::overdue);
-        self.run.next_event(&self.context.time, owed)
+        let deadlines = self.devices.iter().filter_map(H::overdue);
+        self.run.next_event(&self.context.time, deadlines)
     }
 
     /// Waits for devices that drive, as long as one may be unresponsive. One that hangs is made safe as soon as its call ends.

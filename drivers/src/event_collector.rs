@@ -30,7 +30,7 @@ impl<'a> EventCollector<'a> {
         EventCollector { out, first, time, now, dropped: 0, ahead: None, newest, disorder: false }
     }
 
-    pub(crate) fn tell(&mut self, event: BoardEvent) {
+    pub(crate) fn report(&mut self, event: BoardEvent) {
         let latest = event.latest();
         self.disorder |= latest < self.newest;
         self.newest = self.newest.max(latest);
@@ -38,13 +38,13 @@ impl<'a> EventCollector<'a> {
     }
 
     pub(crate) fn changed(&mut self, channel: ChannelId, at: When, high: bool, origin: Origin) {
-        self.tell(BoardEvent::Changed { channel, at, value: Value::Bool(high), origin });
+        self.report(BoardEvent::Changed { channel, at, value: Value::Bool(high), origin });
     }
 
     pub(crate) fn dropped(&mut self, channel: ChannelId, at: Time, count: u32) {
         if count > 0 {
             self.dropped += u64::from(count);
-            self.tell(BoardEvent::Dropped { channel, at, count });
+            self.report(BoardEvent::Dropped { channel, at, count });
         }
     }
 

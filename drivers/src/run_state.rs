@@ -33,7 +33,7 @@ impl RunState {
     }
 
     /// What there is at the start is still to be reported.
-    pub(crate) fn owes_start(&mut self) {
+    pub(crate) fn start_unreported(&mut self) {
         self.fresh = Some(self.last);
     }
 
@@ -77,7 +77,7 @@ impl RunState {
     }
 
     /// A poll has told everything.
-    pub(crate) fn told(&mut self, mut collector: EventCollector<'_>) {
+    pub(crate) fn polled(&mut self, mut collector: EventCollector<'_>) {
         self.dropped += collector.dropped;
         self.ahead = collector.ahead;
         collector.sort();
@@ -93,13 +93,13 @@ impl RunState {
     pub(crate) fn next_event(
         &self,
         time: &TimeBase,
-        owed: impl Iterator<Item = HostInstant>,
+        deadlines: impl Iterator<Item = HostInstant>,
     ) -> Option<Time> {
         if !self.started {
             return None;
         }
-        let silent = owed.min().map(|stamp| time.at(stamp + Span::from_nanos(1)));
-        [self.fresh, self.ahead, silent].into_iter().flatten().min()
+        let unresponsive = deadlines.min().map(|stamp| time.at(stamp + Span::from_nanos(1)));
+        [self.fresh, self.ahead, unresponsive].into_iter().flatten().min()
     }
 
     /// Events that were lost.

@@ -234,7 +234,7 @@ impl DeviceThread {
         self.presence.gone.load(Ordering::Acquire) != 0
     }
 
-    /// Whether it was told that the device is lost.
+    /// Whether it was reported that the device is lost.
     pub(crate) const fn is_lost(&self) -> bool {
         self.lost.is_some()
     }
@@ -372,7 +372,7 @@ fn report(
     collector: &mut EventCollector<'_>,
 ) {
     for channel in channels {
-        collector.tell(match change {
+        collector.report(match change {
             PresenceChange::Lost(reason) => BoardEvent::Lost { channel, at, reason },
             PresenceChange::Returned => BoardEvent::Returned { channel, at },
         });

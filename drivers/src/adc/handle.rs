@@ -224,7 +224,7 @@ fn changed(channel: ChannelId, at: When, shown: Option<Shown>, collector: &mut E
         Some(Err(gap)) => (Value::Unknown, Origin::Gap(gap)),
         None => (Value::Unknown, Origin::Outside),
     };
-    collector.tell(BoardEvent::Changed { channel, at, value, origin });
+    collector.report(BoardEvent::Changed { channel, at, value, origin });
 }
 
 fn stamp_of(report: &Report) -> HostInstant {

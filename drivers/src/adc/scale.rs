@@ -67,7 +67,7 @@ impl Scale {
         let quantity = self.shown(reading.value);
         match reading.range {
             InRange::Below => Err(Gap::Below),
-            // A scale that leads beyond all numbers is one that shows more than can be told.
+            // A scale that leads beyond all numbers is one that shows more than can be reported.
             InRange::Yes if quantity.is_finite() => {
                 Ok(Value::measured(quantity, self.uncertainty(reading.value, quantity, resolution, noise)))
             }

@@ -10,7 +10,7 @@ use signal::Span;
 use super::configure::{NotSetUp, configure, is_ready, put_back};
 use super::find::restarts_by_rig;
 use super::link::{Link, News};
-use super::netlink::{Watch, ask, tell};
+use super::netlink::{Watch, ask, carry_out};
 use super::order::restart;
 use super::port::{KernelPort, Port};
 use super::settings;
@@ -73,7 +73,7 @@ pub struct Interface {
     seen: Option<u32>,
     /// What it was before the rig set it up.
     was: Option<Link>,
-    /// The interface that the rig starts again behind bus-off.
+    /// The interface that the rig starts again after bus-off.
     restarts: Option<u32>,
 }
 
@@ -167,10 +167,10 @@ impl Adapter for Interface {
 
     fn restart(&mut self) -> io::Result<()> {
         let Some(index) = self.restarts else { return Ok(()) };
-        match tell(&restart(index)) {
+        match carry_out(&restart(index)) {
             // It is back on the bus: somebody was quicker.
             Err(error) if Errno::from_io_error(&error) == Some(Errno::BUSY) => Ok(()),
-            told => told,
+            outcome => outcome,
         }
     }
 

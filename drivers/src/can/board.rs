@@ -180,8 +180,8 @@ impl Board for CanBoard {
 
     /// What lies ahead of the last poll, and when an interface that owes an answer counts as lost.
     fn next_event(&self) -> Option<Time> {
-        let owed = self.nodes.iter().filter_map(Node::overdue);
-        self.run.next_event(&self.context.time, owed)
+        let deadlines = self.nodes.iter().filter_map(Node::overdue);
+        self.run.next_event(&self.context.time, deadlines)
     }
 
     /// Nothing is sent from now on. What the kernel has already may still reach the bus.

@@ -6,7 +6,7 @@ use host::Errno;
 use thiserror::Error;
 
 use super::link::Link;
-use super::netlink::{ask, tell};
+use super::netlink::{ask, carry_out};
 use super::order::{Setup, nothing, set, up};
 use super::settings::differences;
 use super::spec::CanBusSpec;
@@ -39,7 +39,7 @@ pub(super) fn is_ready(spec: &CanBusSpec, link: &Link) -> bool {
 /// Whether the rig may change interfaces. Changes nothing.
 pub(super) fn may_change(link: &Link) -> bool {
     // An order that the kernel refuses for another reason is one that it would take.
-    tell(&nothing(link.index)).err().and_then(|error| Errno::from_io_error(&error)) != Some(Errno::PERM)
+    carry_out(&nothing(link.index)).err().and_then(|error| Errno::from_io_error(&error)) != Some(Errno::PERM)
 }
 
 /// Sets up an interface that was like that, and brings it up. On an error it is as it was.
@@ -66,8 +66,8 @@ pub(super) fn put_back(was: &Link) {
 /// An interface is set up while it is down only.
 fn change(index: u32, is_up: bool, setup: &Setup, goes_up: bool) -> io::Result<()> {
     if is_up {
-        tell(&up(index, false))?;
+        carry_out(&up(index, false))?;
     }
-    tell(&set(index, setup))?;
-    if goes_up { tell(&up(index, true)) } else { Ok(()) }
+    carry_out(&set(index, setup))?;
+    if goes_up { carry_out(&up(index, true)) } else { Ok(()) }
 }

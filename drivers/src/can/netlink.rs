@@ -78,7 +78,7 @@ pub fn ask(name: &str) -> io::Result<Link> {
 ///
 /// # Errors
 /// EPERM without the privilege (CAP_NET_ADMIN), and what else the kernel says.
-pub(super) fn tell(order: &[u8]) -> io::Result<()> {
+pub(super) fn carry_out(order: &[u8]) -> io::Result<()> {
     match exchange(order)? {
         News::Refused(0) | News::Is(_) => Ok(()),
         News::Gone(_) => Err(Errno::NODEV.into()),

@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     /// What the kernel would tell of an interface that became as it was told.
-    fn told(mut order: Vec<u8>) -> Link {
+    fn read_back(mut order: Vec<u8>) -> Link {
         // The kernel names the interface; it does so behind what was told.
         order.extend(attribute(kind::NAME, b"can0\0"));
         let len = order.len() as u32;
@@ -168,11 +168,11 @@ mod tests {
             restart_ms: 100,
             mtu: None,
         };
-        let link = told(set(7, &setup));
+        let link = read_back(set(7, &setup));
         assert_eq!((link.index, link.kind.as_str(), Setup::of(&link)), (7, "can", setup));
         let wide = Setup { bits: None, data_bits: None, modes: Modes(0), restart_ms: 0, mtu: Some(72) };
-        assert_eq!(told(set(7, &wide)).mtu, 72);
-        assert!(told(up(7, true)).up && !told(up(7, false)).up && !told(nothing(7)).up);
+        assert_eq!(read_back(set(7, &wide)).mtu, 72);
+        assert!(read_back(up(7, true)).up && !read_back(up(7, false)).up && !read_back(nothing(7)).up);
     }
 
     #[test]

@@ -175,7 +175,7 @@ impl Bench {
         }
     }
 
-    fn told(&self, suits: impl Fn(&BusEvent) -> bool) -> bool {
+    fn reported(&self, suits: impl Fn(&BusEvent) -> bool) -> bool {
         self.events.iter().any(suits)
     }
 }
@@ -208,13 +208,13 @@ fn a_call_that_hangs_makes_the_bus_silent_until_it_ends() {
     let asked = bench.time.now();
     bench.send(1).unwrap();
     let silent = |event: &BusEvent| matches!(event, BusEvent::Lost { reason: LossReason::Unresponsive, .. });
-    bench.until("silence", |bench| bench.told(silent));
-    let told = bench.events.iter().find(|event| silent(event)).unwrap().latest();
+    bench.until("silence", |bench| bench.reported(silent));
+    let reported = bench.events.iter().find(|event| silent(event)).unwrap().latest();
     // The call counts from the turn of the device that it is part of, which may have begun a moment before.
-    assert!(told >= asked + Span::from_millis(40), "asked at {asked}, told at {told}");
-    assert!(!bench.told(|event| matches!(event, BusEvent::Returned { .. })));
+    assert!(reported >= asked + Span::from_millis(40), "asked at {asked}, reported at {reported}");
+    assert!(!bench.reported(|event| matches!(event, BusEvent::Returned { .. })));
     bench.change(|script| script.hang = false);
-    bench.until("the return", |bench| bench.told(|event| matches!(event, BusEvent::Returned { .. })));
+    bench.until("the return", |bench| bench.reported(|event| matches!(event, BusEvent::Returned { .. })));
     assert_eq!(bench.script.0.lock().unwrap().sent, [bytes(1)]);
 }
 
@@ -246,7 +246,7 @@ fn frames_that_were_lost_on_their_way_are_counted() {
         bench.events.iter().filter(|event| matches!(event, BusEvent::CanFrame { .. })).count()
     };
     bench.until("both frames and the loss", |bench| frames(bench) == 2 && bench.node.dropped == 6);
-    assert!(bench.told(|event| matches!(event, BusEvent::Dropped { count: 5, .. })));
+    assert!(bench.reported(|event| matches!(event, BusEvent::Dropped { count: 5, .. })));
 }
 
 /// On several processors the kernel hands over what their interrupts bring in any order.
@@ -286,9 +286,11 @@ fn a_run_begins_whatever_was_left_unread_before() {
     bench.change(|script| script.arrive.clear());
     bench.arrives(&bytes(0x7FF), Received { own: true, ..Received::default() });
     bench.until("the frame of the run", |bench| {
-        bench.told(|event| matches!(event, BusEvent::CanFrame { frame, own: true, .. } if frame.id == 0x7FF))
+        bench.reported(
+            |event| matches!(event, BusEvent::CanFrame { frame, own: true, .. } if frame.id == 0x7FF),
+        )
     });
-    // How the controller took part is told first.
+    // How the controller took part is reported first.
     let first = bench.events.first();
     assert!(matches!(first, Some(BusEvent::State { state: BusState::ErrorPassive, .. })), "{first:?}");
 }
@@ -298,10 +300,10 @@ fn a_frame_that_waits_for_the_bus_for_too_long_is_told_once() {
     let mut bench = Bench::new(Span::from_millis(100));
     bench.send(1).unwrap();
     let late = |event: &BusEvent| matches!(event, BusEvent::Error { error: BusError::SendTimeout, .. });
-    bench.until("the error", |bench| bench.told(late));
+    bench.until("the error", |bench| bench.reported(late));
     bench.arrives(&bytes(1), Received { own: true, ..Received::default() });
     bench.until("the own frame", |bench| {
-        bench.told(|event| matches!(event, BusEvent::CanFrame { own: true, .. }))
+        bench.reported(|event| matches!(event, BusEvent::CanFrame { own: true, .. }))
     });
     assert_eq!(bench.events.iter().filter(|event| late(event)).count(), 1);
 }
@@ -315,10 +317,10 @@ fn a_run_is_told_of_frames_of_the_one_before_that_still_wait_for_the_bus() {
     assert!(bench.node.is_behind());
     // Nothing is sent in this run, which could not tell the frame from its own.
     let late = |event: &BusEvent| matches!(event, BusEvent::Error { error: BusError::SendTimeout, .. });
-    bench.until("the error", |bench| bench.told(late));
+    bench.until("the error", |bench| bench.reported(late));
     bench.arrives(&bytes(1), Received { own: true, ..Received::default() });
     bench.until("the frame on the bus", |bench| {
-        bench.told(|event| matches!(event, BusEvent::CanFrame { own: true, .. }))
+        bench.reported(|event| matches!(event, BusEvent::CanFrame { own: true, .. }))
     });
     bench.start();
     assert!(!bench.node.is_behind());

@@ -79,7 +79,7 @@ impl CounterHandle {
     /// How far it has counted, since this instant.
     fn count_at(&self, at: When, collector: &mut EventCollector<'_>) {
         let (channel, value, origin) = (self.channel, Value::Int(self.count), Origin::Outside);
-        collector.tell(BoardEvent::Changed { channel, at, value, origin });
+        collector.report(BoardEvent::Changed { channel, at, value, origin });
     }
 
     fn report(&mut self, report: Report, collector: &mut EventCollector<'_>) {

@@ -227,13 +227,13 @@ pub(super) const CHANNEL: &[KeySpec] = &[
     ),
     KeySpec::optional("function", counter::FUNCTION, "What is made of them; \"increase\" if left out"),
     KeySpec::optional("edge", counter::EDGE, "The edge of A that counts alone; \"rising\" if left out"),
-    KeySpec::optional("readback", LINE, "A GPIO line of the same chip, wired to it, that tells its level"),
+    KeySpec::optional("readback", LINE, "A GPIO line of the same chip, wired to it, that reads its level"),
     KeySpec::optional("generator", NAME, "The generator that makes its pulses"),
     KeySpec::optional("output", KeyType::Integer(0, 65_535), "The number of its output; 0 if left out"),
     KeySpec::optional(
         "counts-up-to",
         KeyType::Quantity,
-        "The fastest pulses of which its GPIO line tells every one, as in \"20 kHz\"",
+        "The fastest pulses of which its GPIO line reports every one, as in \"20 kHz\"",
     ),
     KeySpec::optional(
         "pulses-up-to",

@@ -178,13 +178,13 @@ impl GeneratorHandle {
         if *first == number { self.waiting.pop_front().map(|(_, edges)| edges) } else { None }
     }
 
-    fn tell_edges(&mut self, collector: &mut EventCollector<'_>) -> bool {
+    fn report_edges(&mut self, collector: &mut EventCollector<'_>) -> bool {
         let Some(&Known { channel, senses, stream: Some((clock, layout)), .. }) = self.outputs.first() else {
             return false;
         };
         let mut left = if senses { AT_ONCE } else { 0 };
         while let Some(stream) = self.sent.front_mut() {
-            left -= stream.tell(clock, layout, channel, left, collector);
+            left -= stream.report(clock, layout, channel, left, collector);
             if senses && !stream.is_over() {
                 return true;
             }
@@ -245,7 +245,7 @@ impl DeviceHandle for GeneratorHandle {
         if self.thread.report_presence(due, channels, collector) {
             self.present(collector.now, collector);
         }
-        self.tell_edges(collector)
+        self.report_edges(collector)
     }
 
     fn overdue(&self) -> Option<HostInstant> {

@@ -1,4 +1,4 @@
-//! The edges of a stream that was sent, told a few at a time.
+//! The edges of a stream that was sent, reported a few at a time.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ impl Stream {
     ///
     /// A bit cannot have come before those in front of it had their time since the call began, nor so late that those
     /// behind it had not theirs until it ended: the clock is not faster than it was set to, whatever else it is.
-    pub(super) fn tell(
+    pub(super) fn report(
         &mut self,
         clock: BitClock,
         layout: Layout,
@@ -47,9 +47,9 @@ impl Stream {
             let at = self.at(clock, layout, self.edges[place], collector);
             collector.changed(channel, at, place % 2 == 0, Origin::Write);
         }
-        let told = last - self.next;
+        let reported = last - self.next;
         self.next = last;
-        told
+        reported
     }
 
     fn at(&self, clock: BitClock, layout: Layout, edge: Span, collector: &EventCollector<'_>) -> When {

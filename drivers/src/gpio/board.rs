@@ -216,7 +216,7 @@ impl Board for GpioBoard {
             }
         }
         self.run.begin(now);
-        self.run.owes_start();
+        self.run.start_unreported();
         self.failed = 0;
         Ok(())
     }
@@ -258,14 +258,14 @@ impl Board for GpioBoard {
         for chip in &mut self.chips {
             chip.lines.poll(&mut collector);
         }
-        self.run.told(collector);
+        self.run.polled(collector);
         Ok(())
     }
 
     /// What lies ahead of the last poll, and when a chip that owes an answer counts as lost.
     fn next_event(&self) -> Option<Time> {
-        let owed = self.chips.iter().filter_map(|chip| chip.lines.overdue());
-        self.run.next_event(&self.maker.context.time, owed)
+        let deadlines = self.chips.iter().filter_map(|chip| chip.lines.overdue());
+        self.run.next_event(&self.maker.context.time, deadlines)
     }
 
     /// Waits for the chips, at most as long as one may be silent. A chip that hangs is made safe as soon as its call

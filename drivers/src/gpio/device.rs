@@ -60,7 +60,8 @@ pub(super) struct Device {
     /// Inputs that read otherwise, each since when.
     astray: u64,
     since: [HostInstant; 64],
-    told: bool,
+    /// There is something that the bell was not rung for.
+    unrung: bool,
 }
 
 impl Device {
@@ -106,7 +107,7 @@ impl Device {
             self.shared.made_safe.store(wanted_safe, Ordering::Release);
             self.shared.answer.ring();
         }
-        if std::mem::take(&mut self.told) {
+        if std::mem::take(&mut self.unrung) {
             self.bell.ring();
         }
     }
@@ -263,14 +264,14 @@ impl Device {
     }
 
     fn report(&mut self, report: Report) {
-        self.told = true;
+        self.unrung = true;
         if self.reports.push(report).is_err() {
             self.shared.unreported.fetch_add(1, Ordering::Relaxed);
         }
     }
 
     fn refused(&mut self, error: &std::io::Error) {
-        self.told = true;
+        self.unrung = true;
         self.shared.refused(error);
     }
 }
@@ -301,7 +302,7 @@ pub(super) fn device(
         levels: 0,
         astray: 0,
         since: [HostInstant::BOOT; 64],
-        told: false,
+        unrung: false,
     };
     (device, images, reported)
 }

@@ -65,7 +65,7 @@ impl Edges {
             if self.shared.stopped() {
                 return;
             }
-            let mut told = false;
+            let mut reported = false;
             self.shared.reading.store(true, Ordering::Release);
             for (source, wait) in waits[..sources].iter_mut().enumerate() {
                 let ready = wait.revents();
@@ -80,12 +80,12 @@ impl Edges {
                     Err(error) => return self.give_up(&error),
                 }
                 let batch = std::mem::take(&mut self.batch);
-                told |= self.note(&batch);
+                reported |= self.note(&batch);
                 self.batch = batch;
             }
             self.shared.reading.store(false, Ordering::Release);
-            told |= self.settle();
-            if told {
+            reported |= self.settle();
+            if reported {
                 self.bell.ring();
             }
         }
@@ -115,12 +115,12 @@ impl Edges {
         // Levels first: who finds a line touched finds its level.
         self.shared.seen.store(self.seen, Ordering::Release);
         self.shared.touched.fetch_or(touched, Ordering::AcqRel);
-        self.tell_open();
+        self.publish_open();
         !edges.is_empty()
     }
 
-    /// Tells how many numbers are still to come; whoever waits for the last of them hears of it.
-    fn tell_open(&self) {
+    /// Reports how many numbers are still to come; whoever waits for the last of them hears of it.
+    fn publish_open(&self) {
         let open = self.tracker.open();
         // Nobody else writes it.
         let before = self.shared.open.load(Ordering::Relaxed);
@@ -134,13 +134,13 @@ impl Edges {
 
     /// Hands on what will not come any more.
     fn settle(&mut self) -> bool {
-        let mut told = false;
+        let mut reported = false;
         while let Some(gap) = self.tracker.settle(HostInstant::now()) {
             give(&mut self.notes, &self.shared, given_up(gap, HostInstant::now()));
-            told = true;
+            reported = true;
         }
-        self.tell_open();
-        told
+        self.publish_open();
+        reported
     }
 
     /// The chip is gone, or its edges cannot be had.

@@ -44,7 +44,7 @@ pub(super) struct Lines {
     /// Images that were handed to the device, those that it was seen to have taken, and since when it owes the rest.
     asked: u64,
     taken: u64,
-    owes: HostInstant,
+    owing_since: HostInstant,
     /// The queue to the device was full: the newest image is still to be handed over.
     behind: bool,
     /// The newest image that was handed over, and the outputs that carry pulses of which an edge found no room.
@@ -76,7 +76,7 @@ impl Lines {
             next: masks.safe,
             asked: 0,
             taken: 0,
-            owes: HostInstant::BOOT,
+            owing_since: HostInstant::BOOT,
             behind: false,
             handed: masks.safe,
             dropped: 0,
@@ -167,7 +167,7 @@ impl Lines {
         if !self.behind {
             self.handed = self.next;
             if self.taken == self.asked {
-                self.owes = now;
+                self.owing_since = now;
             }
             self.asked += 1;
         }
@@ -178,7 +178,7 @@ impl Lines {
     fn look(&mut self, now: HostInstant) {
         let taken = self.shared.taken.load(Ordering::Acquire);
         if taken != self.taken {
-            (self.taken, self.owes) = (taken, now);
+            (self.taken, self.owing_since) = (taken, now);
         }
     }
 
@@ -187,11 +187,12 @@ impl Lines {
         if self.lost.is_some() {
             return None;
         }
-        let owes = Some(self.owes).filter(|_| self.shared.taken.load(Ordering::Acquire) != self.asked);
+        let owing =
+            Some(self.owing_since).filter(|_| self.shared.taken.load(Ordering::Acquire) != self.asked);
         let called = self.shared.in_call.get();
-        let since = match (owes, called) {
-            (Some(owes), Some(called)) => owes.min(called),
-            (owes, called) => owes.or(called)?,
+        let since = match (owing, called) {
+            (Some(owing), Some(called)) => owing.min(called),
+            (owing, called) => owing.or(called)?,
         };
         Some(since + self.limit)
     }
@@ -206,7 +207,7 @@ impl Lines {
         }
     }
 
-    /// Tells what happened up to now.
+    /// Reports what happened up to now.
     pub(super) fn poll(&mut self, collector: &mut EventCollector<'_>) {
         let now = collector.time.stamp(collector.now);
         self.look(now);
@@ -311,7 +312,7 @@ impl Lines {
         let at = collector.now;
         let Some(reason) = reason else { return self.returned(collector) };
         for channel in self.channels() {
-            collector.tell(BoardEvent::Lost { channel, at, reason });
+            collector.report(BoardEvent::Lost { channel, at, reason });
         }
     }
 
@@ -319,7 +320,7 @@ impl Lines {
     pub(super) fn returned(&self, collector: &mut EventCollector<'_>) {
         let at = collector.now;
         for channel in self.channels() {
-            collector.tell(BoardEvent::Returned { channel, at });
+            collector.report(BoardEvent::Returned { channel, at });
         }
         self.present(at, collector);
     }

@@ -93,8 +93,8 @@ impl Board for SerialBoard {
 
     /// When a port whose call is under way counts as lost.
     fn next_event(&self) -> Option<Time> {
-        let owed = self.lines.iter().filter_map(SerialHandle::overdue);
-        self.run.next_event(&self.context.time, owed)
+        let deadlines = self.lines.iter().filter_map(SerialHandle::overdue);
+        self.run.next_event(&self.context.time, deadlines)
     }
 
     /// What waits is not sent, and what is being sent is cut off: a line that nobody sends on is idle. Waits for the ports,

@@ -183,7 +183,7 @@ mod tests {
         CanFrame::classic(id, false, &[1, 2]).unwrap()
     }
 
-    /// What is told up to `now`: bus, identifier, own, microseconds.
+    /// What is reported up to `now`: bus, identifier, own, microseconds.
     fn told(buses: &mut CanWires, now: Time) -> Vec<(u16, u32, bool, i64)> {
         let mut out = Vec::new();
         buses.poll(now, &mut out);
