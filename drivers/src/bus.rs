@@ -1,6 +1,6 @@
 //! Communication lines of a board: CAN buses and serial lines, what passes on them, and how they fare.
 
-use signal::{CanFrame, SerialMessage, Span, Time, When};
+use signal::{BusError, BusState, CanFrame, SerialMessage, Span, Time, When};
 
 use crate::{LossReason, TimestampSource};
 
@@ -44,42 +44,6 @@ impl Bus {
         let kind = BusKind::Serial { baud: 0 };
         Bus { name: String::new(), kind, timestamp: TimestampSource::Virtual, resolution: Span::ZERO }
     }
-}
-
-/// How a CAN controller takes part in its bus (ISO 11898-1, fault confinement).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum BusState {
-    /// As it should.
-    ErrorActive,
-    /// One of its error counters has reached 96.
-    ErrorWarning,
-    /// One of its error counters has reached 128.
-    ErrorPassive,
-    /// It takes no part any more.
-    BusOff,
-    /// It is switched off, or its cable is gone.
-    Stopped,
-}
-
-/// What went wrong on a CAN bus.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum BusError {
-    /// Nobody acknowledged a frame.
-    NoAck,
-    /// Another node won the arbitration; the bit at which it was lost, where it is known.
-    LostArbitration(Option<u8>),
-    /// A bit, stuff, form or CRC error.
-    Protocol,
-    /// The controller lost frames that it had received.
-    ReceiveOverflow,
-    /// The controller lost frames that it was to send.
-    SendOverflow,
-    /// A frame was not sent in time.
-    SendTimeout,
-    /// The transceiver reports a fault.
-    Transceiver,
-    /// Anything else that the controller reports.
-    Other,
 }
 
 /// What a bus has to tell.

@@ -38,7 +38,7 @@ mod thread;
 pub mod wrap;
 
 pub use board::{Board, BoardError, BoardExt, Buses, Call, Descriptions, FaultInjection, PulseOutputs};
-pub use bus::{Bus, BusError, BusEvent, BusId, BusKind, BusState};
+pub use bus::{Bus, BusEvent, BusId, BusKind};
 pub use channel::{
     Channel, ChannelId, ChannelKind, Emission, Fault, FaultKind, FaultSet, NotEmitted, PulseCapability,
     TimestampSource,
@@ -59,5 +59,6 @@ pub use loopback::LoopbackPair;
 pub use output_claim::{LineApi, OutputClaim};
 pub use realtime::RealtimeSettings;
 pub use refusal::Refusal;
+pub use signal::{BusError, BusState};
 pub use sim::SimulatedBoard;
 pub use wrap::{Disturbance, Faulty};

@@ -214,6 +214,10 @@ impl Buses for Capable {
         Buses::send_serial(&mut self.0, now, bus, output)
     }
 
+    fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {
+        Buses::break_off(&mut self.0, now, bus)
+    }
+
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
         Buses::poll_buses(&mut self.0, now, out)
     }

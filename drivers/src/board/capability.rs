@@ -32,6 +32,14 @@ pub trait Buses: fmt::Debug {
     /// them, which are all real ones.
     fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError>;
 
+    /// Whoever sends on this bus lost its power: nothing more is sent, and on a modelled serial line what is under way ends in
+    /// the middle of a character. A frame on a modelled CAN bus comes to its end, and so does what a real device has taken
+    /// over already, as far as it cannot be called back. The bus can be sent on again at once.
+    ///
+    /// # Errors
+    /// [`BoardError::NoBus`], [`BoardError::NotStarted`], [`BoardError::Backwards`].
+    fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError>;
+
     /// As [`Board::poll`](super::Board::poll), of what happened on the buses.
     ///
     /// # Errors

@@ -41,6 +41,14 @@ pub trait BoardExt: Board {
         self.buses_mut().map_or(Err(BoardError::NoBus(bus)), |buses| buses.send_serial(now, bus, output))
     }
 
+    /// As [`Buses::break_off`](super::Buses::break_off).
+    ///
+    /// # Errors
+    /// [`BoardError::NoBus`] without buses.
+    fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {
+        self.buses_mut().map_or(Err(BoardError::NoBus(bus)), |buses| buses.break_off(now, bus))
+    }
+
     /// As [`Buses::poll_buses`](super::Buses::poll_buses); nothing happens without buses.
     ///
     /// # Errors

@@ -240,6 +240,12 @@ impl Buses for CanBoard {
         Err(if known { BoardError::BadFrame(bus) } else { BoardError::NoBus(bus) })
     }
 
+    fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {
+        self.run.drive_at(now)?;
+        // What is sent is its thread's, and the kernel's.
+        if self.nodes.iter().any(|node| node.spec.bus == bus) { Ok(()) } else { Err(BoardError::NoBus(bus)) }
+    }
+
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
         self.run.come_to(now)?;
         let first = out.len();

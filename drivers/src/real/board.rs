@@ -218,6 +218,11 @@ impl Buses for RealBoard {
         self.parts[usize::from(part)].send_serial(now, bus, output)
     }
 
+    fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {
+        let part = self.carries.get(usize::from(bus.0)).copied().flatten().ok_or(BoardError::NoBus(bus))?;
+        self.parts[usize::from(part)].break_off(now, bus)
+    }
+
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
         let first = out.len();
         let mut outcome = Ok(());

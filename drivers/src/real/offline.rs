@@ -129,6 +129,10 @@ impl Buses for OfflineBoard {
         Err(BoardError::NotStarted)
     }
 
+    fn break_off(&mut self, _now: Time, _bus: BusId) -> Result<(), BoardError> {
+        Err(BoardError::NotStarted)
+    }
+
     fn poll_buses(&mut self, _now: Time, _out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
         Err(BoardError::NotStarted)
     }

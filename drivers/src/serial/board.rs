@@ -153,6 +153,12 @@ impl Buses for SerialBoard {
         line.send(output)
     }
 
+    fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {
+        self.run.drive_at(now)?;
+        // What is sent is its thread's, and the kernel's.
+        if self.lines.iter().any(|line| line.bus == bus) { Ok(()) } else { Err(BoardError::NoBus(bus)) }
+    }
+
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
         self.run.come_to(now)?;
         let first = out.len();

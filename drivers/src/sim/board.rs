@@ -531,6 +531,13 @@ impl board::Buses for SimulatedBoard {
         self.buses.send_serial(now, bus, output)
     }
 
+    fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {
+        if !self.started {
+            return Err(BoardError::NotStarted);
+        }
+        self.buses.break_off(now, bus)
+    }
+
     fn poll_buses(&mut self, now: Time, out: &mut Vec<BusEvent>) -> Result<(), BoardError> {
         if !self.started {
             return Err(BoardError::NotStarted);

@@ -76,6 +76,18 @@ impl SimulatedBuses {
         }
     }
 
+    /// Whoever sends on this bus lost its power.
+    ///
+    /// # Errors
+    /// [`BoardError::NoBus`].
+    pub fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {
+        match self.kind(bus)? {
+            BusKind::Can { .. } => self.can.break_off(now, bus),
+            BusKind::Serial { .. } => self.serial.break_off(now, bus),
+        }
+        Ok(())
+    }
+
     fn kind(&self, bus: BusId) -> Result<BusKind, BoardError> {
         self.list.get(usize::from(bus.0)).map(|bus| bus.kind).ok_or(BoardError::NoBus(bus))
     }

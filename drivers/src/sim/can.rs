@@ -72,6 +72,12 @@ impl CanWires {
         self.nodes.iter_mut().for_each(|node| node.queue.clear());
     }
 
+    /// Nothing more is sent from this bus; the frame that is on its wire comes to its end.
+    pub fn break_off(&mut self, now: Time, bus: BusId) {
+        (0..self.wires.len()).for_each(|wire| self.begin(wire, now));
+        self.nodes.iter_mut().filter(|node| node.bus == bus).for_each(|node| node.queue.clear());
+    }
+
     /// Puts a frame into the queue of a bus.
     ///
     /// # Errors

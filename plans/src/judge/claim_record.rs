@@ -65,6 +65,10 @@ pub(super) fn writer(cause: Cause, steps: &[StepFacts], note: &dyn Fn(&str) -> O
             Some(step) => format!("step {}", step.id),
             None => format!("step {}", u32::from(at) + 1),
         },
+        Cause::Port(port) => {
+            let port = note(&format!("port:{port}")).unwrap_or_else(|| format!("port {port}"));
+            format!("a client at {port}")
+        }
         Cause::Program { task, file, line } => {
             let task = note(&format!("task:{task}")).unwrap_or_else(|| format!("task {task}"));
             match note(&format!("file:{file}")) {

@@ -42,6 +42,20 @@ pub enum Effect {
         /// The output: n for Qn.
         output: usize,
     },
+    /// A port sends a message from now on: [`crate::Controller::take_output`] has it.
+    PortOutput {
+        /// When.
+        at: Time,
+        /// The port's number.
+        port: usize,
+    },
+    /// The electronics of a port stop: what it is sending breaks off.
+    PortSilent {
+        /// When.
+        at: Time,
+        /// The port's number.
+        port: usize,
+    },
     /// The controller changed its state.
     State {
         /// When.

@@ -87,6 +87,13 @@ pub enum LogEntry {
         /// The function, by its place in the configuration.
         function: usize,
     },
+    /// An endpoint had more to send than its port has room for: not the controller's entry but the rig's.
+    OutboxFull {
+        /// The port's name.
+        port: &'static str,
+        /// Messages of this port that were not sent so far for this reason.
+        dropped: u64,
+    },
     /// The supply was interrupted.
     SupplyLost,
     /// The supply came back within the hold-up time (controller:HW-08, controller:HW-09).

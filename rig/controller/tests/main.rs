@@ -4,6 +4,7 @@ mod functions;
 mod kinds;
 mod modules;
 mod outputs;
+mod ports;
 mod retain;
 mod schedule;
 mod states;

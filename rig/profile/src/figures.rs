@@ -94,6 +94,27 @@ pub const EVENT_WINDOW: Span = Span::from_millis(1);
 /// 100 instructions the response is the typical 200 us of controller:TASK-44).
 pub const EVENT_LATENCY: Span = Span::from_micros(180);
 
+/// The processor time of communication (rig definition: controller:PERF-02 says that it depends on the number of requests,
+/// without a figure). Endpoints of every protocol use it, so that a request costs the same whatever brings it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RequestCosts {
+    /// Of a request or of a message that is sent unasked, whatever is in it.
+    pub request: Span,
+    /// Of each word that it reads or writes, in addition; 16 bits count as a word.
+    pub word: Span,
+}
+
+impl RequestCosts {
+    /// Those of every profile.
+    pub const RIG: RequestCosts =
+        RequestCosts { request: Span::from_micros(250), word: Span::from_micros(1) };
+
+    /// The processor time of a request with so many words.
+    pub const fn of(&self, words: u16) -> Span {
+        Span::from_nanos(self.request.as_nanos() + self.word.as_nanos() * words as i64)
+    }
+}
+
 /// The percentage of the processor that the tasks may take together (controller:WD-01).
 pub const OVERLOAD_PERCENT: i64 = 85;
 

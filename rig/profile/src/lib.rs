@@ -26,7 +26,7 @@ pub use expert::{
 pub use figures::{
     BOOT_APPLICATION_SAVE, BOOT_STAGES, CLOCK_AT_FIRST_POWER_ON, EVENT_LATENCY, EVENT_WINDOW,
     FREEWHEELING_PAUSE, InstructionCosts, LOAD_PERIOD, LOAD_WINDOW, MINIMUM_CYCLE, NON_VOLATILE_SAVE,
-    OUTPUT_INITIALIZATION, OVERLOAD_PERCENT, PROTECTION_RETRY, PROTECTION_TEST, SHORT_INTERVAL,
+    OUTPUT_INITIALIZATION, OVERLOAD_PERCENT, PROTECTION_RETRY, PROTECTION_TEST, RequestCosts, SHORT_INTERVAL,
     SHORT_INTERVAL_TOLERANCE, SYSTEM_WATCHDOG_FULL_LOAD, SYSTEM_WATCHDOG_OVERLOAD, SYSTEM_WATCHDOG_STARVED,
     TIME_SLICE, TRIGGER_TICK,
 };
@@ -155,6 +155,11 @@ impl Profile {
             Profile::M241_2019 => Some(1_000),
             Profile::M251_2024 => None,
         }
+    }
+
+    /// The processor time that requests of clients take (rig definition, the same in every profile).
+    pub const fn request_costs(self) -> RequestCosts {
+        RequestCosts::RIG
     }
 
     /// Duration of the instructions (controller:PERF-01, the same in every profile).

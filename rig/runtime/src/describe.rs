@@ -120,6 +120,11 @@ pub(crate) fn annotate_files(trace: &mut Trace, case: &Case, files: &CaseFiles, 
         let file = guards.file();
         trace.set_note(&format!("guards:{place:03}:{kind}:{}", file.name), file.text.clone());
     }
+    let bound = crate::ports::buses_of(&files.board, files.reference);
+    for (place, port) in files.reference.ports.iter().enumerate().filter(|(place, _)| bound[*place].is_some())
+    {
+        trace.set_note(&format!("port:{place}"), port.name.to_owned());
+    }
     for (place, source) in files.sources.iter().enumerate() {
         trace.set_note(&format!("file:{place}"), source.name.clone());
     }

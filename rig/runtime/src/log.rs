@@ -57,6 +57,11 @@ pub fn show(entry: &LogEntry, names: Option<&Catalogue>) -> String {
             let name = names.and_then(|names| names.function_name(function)).unwrap_or("?");
             format!("out of specification: {name} is driven faster than it can count")
         }
+        LogEntry::OutboxFull { port, dropped } => {
+            format!(
+                "{port}: its endpoint sends more than waits there; {dropped} messages were not sent so far"
+            )
+        }
         LogEntry::SupplyLost => String::from("the supply was interrupted"),
         LogEntry::SupplyBack => String::from("the supply came back within the hold-up time"),
     }

@@ -5,12 +5,12 @@ use crate::capability::Capability;
 use crate::catalogue::Catalogue;
 use crate::coverage::Collector;
 use crate::schedule::FileAction;
-use crate::subject::{Disturbances, ExpertFunctions, FileAccess, Observation, Subject};
+use crate::subject::{Disturbances, ExpertFunctions, FileAccess, Observation, Ports, Subject};
 use crate::variable_numbers::VariableNumbers;
 use controller::{
-    Channel, Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, FileError,
-    FileProbe, FrontPanel, IoModule, JitterCounts, LoadError, NonVolatile, Probe, ProbeId, State,
-    TaskFigures, Terminal, WriteError,
+    Channel, Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, Endpoint,
+    FileError, FileProbe, FrontPanel, IoModule, JitterCounts, LoadError, NonVolatile, PortEvent, PortMessage,
+    Probe, ProbeId, State, TaskFigures, Terminal, WriteError,
 };
 use plans::steps::FileOperation;
 use program::Program;
@@ -82,6 +82,12 @@ impl Model {
     /// The firmware is damaged from the start.
     pub fn damage_firmware(&mut self) {
         self.controller.damage_firmware();
+    }
+
+    /// Puts an endpoint at a port, by its number. FALSE, with nothing done, where the reference has no such port or the model
+    /// has power.
+    pub fn attach_endpoint(&mut self, port: usize, endpoint: Box<dyn Endpoint>) -> bool {
+        self.controller.attach_endpoint(port, endpoint)
     }
 
     /// The controller, to look into.
@@ -187,6 +193,10 @@ impl Subject for Model {
     fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctions> {
         Some(self)
     }
+
+    fn ports(&mut self) -> Option<&mut dyn Ports> {
+        Some(self)
+    }
 }
 
 impl Observation for Model {
@@ -255,6 +265,18 @@ impl Disturbances for Model {
 
     fn suspend(&mut self, task: usize, until: Time) {
         self.controller.suspend(task, until);
+    }
+}
+
+impl Ports for Model {
+    fn receive(&mut self, now: Time, port: usize, event: &PortEvent, effects: &mut Effects) {
+        let before = effects.list.len();
+        self.controller.receive(now, port, event, effects);
+        self.log(before, effects);
+    }
+
+    fn take_output(&mut self, port: usize) -> Option<PortMessage> {
+        self.controller.take_output(port)
     }
 }
 

@@ -112,6 +112,15 @@ pub enum RigFault {
         /// Why.
         error: BoardError,
     },
+    /// An endpoint of the controller could not send.
+    PortNotSent {
+        /// When.
+        at: Time,
+        /// The bus of its port.
+        bus: String,
+        /// Why.
+        error: BoardError,
+    },
     /// The outputs are not guarded any more.
     Guard {
         /// When it was noticed.
@@ -308,11 +317,11 @@ impl fmt::Display for RigFaultText<'_> {
             }
             RigFault::NotSent { at, step, bus, error } => {
                 write!(f, "step `{step}` could not send on bus {bus} at {at}: ")?;
-                match error {
-                    BoardError::BusFull(_) => f.write_str("its queue is full"),
-                    BoardError::BadFrame(_) => f.write_str("the frame does not fit"),
-                    error => write!(f, "{error}"),
-                }
+                not_sent(error, f)
+            }
+            RigFault::PortNotSent { at, bus, error } => {
+                write!(f, "the controller could not send on bus {bus} at {at}: ")?;
+                not_sent(error, f)
             }
             RigFault::BusDropped { at, bus, kind: BusKind::Can { .. }, count } => {
                 write!(f, "at least {count} frames of bus {bus} were lost by {at}")
@@ -371,6 +380,15 @@ impl fmt::Display for RigFaultText<'_> {
             RigFault::Hook(error) => write!(f, "{error}"),
             RigFault::Interrupted => f.write_str("interrupted"),
         }
+    }
+}
+
+/// Why a bus did not take what it was given.
+fn not_sent(error: &BoardError, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match error {
+        BoardError::BusFull(_) => f.write_str("its queue is full"),
+        BoardError::BadFrame(_) => f.write_str("the frame does not fit"),
+        error => write!(f, "{error}"),
     }
 }
 

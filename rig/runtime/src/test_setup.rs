@@ -80,7 +80,7 @@ pub(crate) fn set_up(
     files: &CaseFiles,
     collector: Option<Collector>,
 ) -> Result<TestSetup, Vec<Diagnostic>> {
-    ports::bound_buses(files)?;
+    ports::check(files)?;
     if let Some(settings) = &files.board.subject.external {
         return set_up_external(case, files, settings);
     }

@@ -29,6 +29,8 @@ pub struct Wiring {
     pub early: Vec<Span>,
     /// Signals that show each observed probe, by its number.
     pub probes: Vec<Vec<SignalId>>,
+    /// The bus behind each port of a subject that the rig plays.
+    pub ports: Vec<Option<BusId>>,
     /// Signals that follow the frames of each bus.
     pub buses: Vec<Vec<Watch>>,
     /// Last writer of each channel, as the subject told it.

@@ -16,6 +16,7 @@ mod library;
 mod lines;
 mod live;
 mod modules;
+mod ports;
 mod refused;
 #[path = "common/scripted.rs"]
 mod scripted;

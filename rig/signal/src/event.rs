@@ -55,6 +55,8 @@ pub enum Cause {
     Board,
     /// Nobody: the value is [`Value::Unknown`] from then on, for this reason.
     Gap(Gap),
+    /// A protocol endpoint at a port of the controller, by the port's number.
+    Port(u8),
 }
 
 /// Why the value of a signal is not known, though its device is there.

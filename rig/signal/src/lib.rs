@@ -16,7 +16,7 @@ pub mod trace;
 mod value;
 
 pub use address::{Address, AddressError, AddressLimits, Area, Size};
-pub use can::{CanFrame, MAX_CAN_DATA};
+pub use can::{BusError, BusState, CanFrame, MAX_CAN_DATA};
 pub use event::{Cause, ClockDomain, Event, Gap, Kind, Policy, Sampling, SignalId, SignalInfo, When};
 pub use image::Image;
 pub use quantity::{Decimal, Quantity, QuantityError, QuantityFault, QuantityRange, Unit, is_range};

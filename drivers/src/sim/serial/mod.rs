@@ -133,6 +133,22 @@ impl SerialLines {
         (0..self.ends.len()).for_each(|place| self.predict(place));
     }
 
+    /// The sender of this end lost its power: the line is at rest from now on, in the middle of what was sent.
+    pub fn break_off(&mut self, now: Time, bus: BusId) {
+        let Some(place) = self.ends.iter().position(|end| end.bus == bus) else { return };
+        self.ends[place].output.break_off(now);
+        self.predict_line(self.ends[place].line);
+    }
+
+    /// Finds out again what the ends of a line hear.
+    fn predict_line(&mut self, line: usize) {
+        for place in 0..self.ends.len() {
+            if self.ends[place].line == line {
+                self.predict(place);
+            }
+        }
+    }
+
     /// Sends from this end, after what it sends already.
     ///
     /// # Errors
@@ -152,11 +168,7 @@ impl SerialLines {
         }
         end.output.push(transmission);
         let line = end.line;
-        for place in 0..self.ends.len() {
-            if self.ends[place].line == line {
-                self.predict(place);
-            }
-        }
+        self.predict_line(line);
         Ok(())
     }
 
@@ -188,10 +200,12 @@ impl SerialLines {
         let output = &mut self.ends[place].output;
         let transmission = output.unreported()?;
         let (first, last) = (When::exactly(transmission.start()), When::exactly(transmission.end()));
-        let mut message = SerialMessage::of(first, last, transmission.data());
+        let mut message = SerialMessage::of(first, last, transmission.sent());
         message.errors.breaks = u16::from(transmission.data().is_empty());
+        // Of what broke off in its first character nobody can say that it was sent.
+        let was_sent = !message.is_empty();
         output.report();
-        Some(message)
+        was_sent.then_some(message)
     }
 
     /// The message that is over at an end.

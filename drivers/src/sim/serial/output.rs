@@ -25,6 +25,8 @@ pub(super) struct Transmission {
     data: [u8; MAX_SERIAL_DATA],
     /// Number of characters; 0 of a break.
     len: u16,
+    /// It broke off so long after its start; never where it did not.
+    cut: i64,
 }
 
 impl Transmission {
@@ -42,7 +44,7 @@ impl Transmission {
                 (Shape::Break(Some(lasts.as_nanos()).filter(|nanos| *nanos > 0)?), 0)
             }
         };
-        Some(Transmission { start: start.as_nanos(), settings, shape, data: bytes, len })
+        Some(Transmission { start: start.as_nanos(), settings, shape, data: bytes, len, cut: i64::MAX })
     }
 
     /// From its start to bit `bit` of character `character`: that of the first is its start bit.
@@ -54,10 +56,18 @@ impl Transmission {
 
     /// How long it lasts, with the stop bits of its last character.
     fn lasts(&self) -> i64 {
-        match self.shape {
+        let whole = match self.shape {
             Shape::Characters { gap, .. } => self.edge(self.len.saturating_sub(1), self.settings.bits(), gap),
             Shape::Break(lasts) => lasts,
-        }
+        };
+        whole.min(self.cut)
+    }
+
+    /// The bytes of the characters that came to their end.
+    pub(super) fn sent(&self) -> &[u8] {
+        let Shape::Characters { gap, .. } = self.shape else { return &[] };
+        let whole = (0..self.len).take_while(|at| self.edge(*at, self.settings.bits(), gap) <= self.cut);
+        &self.data[..whole.count()]
     }
 
     /// When it begins.
@@ -110,6 +120,10 @@ impl Transmission {
 
     /// The first cell from this one on at which its level is as asked; `None` where none of its cells is.
     fn next(&self, cell: i64, zero: bool) -> Option<i64> {
+        self.next_uncut(cell, zero).filter(|found| self.covers(*found))
+    }
+
+    fn next_uncut(&self, cell: i64, zero: bool) -> Option<i64> {
         let after = cell.max(self.start) - self.start;
         let (gap, flawed) = match self.shape {
             Shape::Characters { gap, flaw } => (gap, flaw),
@@ -174,6 +188,14 @@ impl Output {
     /// Leaves out what has not begun by now.
     pub(super) fn cancel(&mut self, now: Time) {
         self.queue.retain(|transmission| transmission.start() < now);
+    }
+
+    /// Leaves out what has not begun by now, and ends what is under way.
+    pub(super) fn break_off(&mut self, now: Time) {
+        self.cancel(now);
+        if let Some(last) = self.queue.back_mut() {
+            last.cut = last.cut.min(now.as_nanos() - last.start);
+        }
     }
 
     /// The next that will have been sent.

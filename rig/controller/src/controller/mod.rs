@@ -13,6 +13,7 @@ mod leds;
 mod observe;
 mod online_change;
 mod plc_w;
+mod ports;
 mod registers;
 mod scan;
 mod startup;
@@ -30,6 +31,7 @@ use crate::files::Files;
 use crate::io::EmbeddedIo;
 use crate::led::Leds;
 use crate::module::Modules;
+use crate::ports::Ports;
 use crate::power::Power;
 use crate::probes::ObservedProbes;
 use crate::registers::Registers;
@@ -57,6 +59,7 @@ pub struct Controller {
     memory: Memory,
     io: EmbeddedIo,
     modules: Modules,
+    ports: Ports,
     scheduler: Scheduler,
     power: Power,
     remanent: RemanentContext,
@@ -108,6 +111,7 @@ impl Controller {
             memory: Memory::new(config.profile),
             io: EmbeddedIo::new(&config),
             modules: Modules::new(modules),
+            ports: Ports::new(config.reference.ports.len()),
             scheduler: Scheduler::new(&config),
             power: Power::new(config.tool_connected),
             files: Files::new(config.profile, config.reference, store),

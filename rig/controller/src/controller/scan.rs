@@ -31,6 +31,10 @@ impl Controller {
                 return self.scheduler.now();
             }
             let end = self.next_timer().map_or(limit, |timer| timer.min(limit));
+            if self.is_port_turn(end) {
+                self.run_ports(end, fx);
+                continue;
+            }
             if self.state != State::Running {
                 self.scheduler.skip_to(end);
                 return end;
@@ -45,11 +49,19 @@ impl Controller {
         }
     }
 
-    /// Whether application code wants the processor now: without it, nothing but [`Controller::next_timer`] brings
-    /// anything about.
+    /// Whether application code or an endpoint wants the processor now: without them, nothing but
+    /// [`Controller::next_timer`] brings anything about.
     #[inline]
     pub fn is_computing(&self) -> bool {
-        self.state == State::Running && self.scheduler.is_computing()
+        self.state == State::Running && self.scheduler.is_computing() || self.ports.is_busy()
+    }
+
+    /// Whether the processor is an endpoint's now, up to `end` at most: no task wants it.
+    #[inline]
+    fn is_port_turn(&self, end: Time) -> bool {
+        self.ports.is_busy()
+            && self.scheduler.now() < end
+            && (self.state != State::Running || self.scheduler.is_idle())
     }
 
     fn step(&mut self, end: Time, fx: &mut Effects) -> Step {

@@ -9,11 +9,11 @@ use signal::{Cause, Time};
 impl Controller {
     /// The earliest instant at which something is due: a watchdog, the end of the hold-up time, a step of the boot,
     /// the end of a save, protection, something of an expert function, an edge at a terminal or behind the filter of an input that is acted on at once,
-    /// a release, default values, an update in STOPPED, a flash. It changes with every call of another method.
+    /// a release, default values, an update in STOPPED, a flash, something at a port. It changes with every call of another method.
     pub fn next_timer(&self) -> Option<Time> {
         let mut next =
             self.io.next().min(self.modules.next()).min(self.remanent.next()).min(self.clock_due());
-        next = next.min(self.power.next()).min(self.leds.next());
+        next = next.min(self.power.next()).min(self.leds.next()).min(self.ports.next());
         if self.state == State::Running {
             if self.scheduler.stopping().is_none() {
                 next = next.min(self.scheduler.release_due());
@@ -26,7 +26,7 @@ impl Controller {
     /// Lets everything happen that is due at `now`, in this order: task watchdogs by priority, system watchdogs, end of
     /// the hold-up time, edges of inputs, boot step, boot application saved, end of a save, expert functions, protection, edges at
     /// terminals by number, tasks that wake, releases by priority, events, default values after initialization values,
-    /// update in STOPPED, flashes of indicators. [`Controller::run`] must have come to `now` before.
+    /// update in STOPPED, flashes of indicators, ports. [`Controller::run`] must have come to `now` before.
     pub fn fire(&mut self, now: Time, fx: &mut Effects) {
         self.refresh_watches();
         self.scheduler.idle_until(now);
@@ -72,5 +72,6 @@ impl Controller {
         if self.leds.next() <= now {
             self.observe(class::LED, now, Cause::Controller, fx);
         }
+        self.fire_ports(now, fx);
     }
 }

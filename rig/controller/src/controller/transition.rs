@@ -131,6 +131,7 @@ impl Controller {
         now: Time,
         fx: &mut Effects,
     ) {
+        self.ports.note_restart(now);
         if state == State::Stopped {
             // In RUNNING forcing waits for the outputs' tasks (controller:FRC-05).
             self.io.act_forcing(None);
@@ -266,6 +267,7 @@ impl Controller {
             let signature = self.application.as_ref().map_or(0, |application| application.signature());
             save_last_state(self.files.store_mut(), state, signature);
         }
+        self.ports.note_state(now, state);
         fx.push(Effect::State { at: now, state });
         self.log_entry(now, LogEntry::State { from, to: state }, fx);
         self.observe(class::ALL, now, Cause::Controller, fx);

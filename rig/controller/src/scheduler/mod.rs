@@ -192,6 +192,12 @@ impl Scheduler {
         self.runnable() != 0 || self.in_flight.is_some()
     }
 
+    /// Whether no task wants the processor.
+    #[inline]
+    pub(crate) fn is_idle(&self) -> bool {
+        self.runnable() == 0
+    }
+
     /// Whether no cycle is under way.
     #[inline]
     pub(crate) const fn is_between_cycles(&self) -> bool {

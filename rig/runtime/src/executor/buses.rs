@@ -17,6 +17,7 @@ impl Executor<'_> {
         for event in &events {
             self.report_bus(event);
             self.see_bus(event);
+            self.hear_at_port(event);
         }
         self.buffers.polled_buses = events;
         polled.map_err(|error| RigFault::Board { at: now, error })

@@ -12,6 +12,8 @@ pub(super) enum EventSource {
     Board,
     /// Changes of inputs that the modelled time had not reached when they were seen.
     Inputs,
+    /// What came on the buses of the controller's ports.
+    Ports,
     /// Steps that wait for their last edges.
     Edges,
     /// Steps of the plan.
@@ -28,9 +30,10 @@ pub(super) enum EventSource {
 
 impl EventSource {
     /// All of them, in the order in which they act at one instant. The traces depend on it.
-    pub(super) const ORDER: [EventSource; 8] = [
+    pub(super) const ORDER: [EventSource; 9] = [
         EventSource::Board,
         EventSource::Inputs,
+        EventSource::Ports,
         EventSource::Edges,
         EventSource::Steps,
         EventSource::Alarms,
@@ -40,9 +43,10 @@ impl EventSource {
     ];
 
     /// Those that bring something about where time stands still.
-    pub(super) const BY_THEMSELVES: [EventSource; 5] = [
+    pub(super) const BY_THEMSELVES: [EventSource; 6] = [
         EventSource::Timers,
         EventSource::Board,
+        EventSource::Ports,
         EventSource::Steps,
         EventSource::Alarms,
         EventSource::Edges,
@@ -54,6 +58,7 @@ impl EventSource {
         match self {
             EventSource::Board => executor.parts.board.next_event(),
             EventSource::Inputs => executor.lines.next(),
+            EventSource::Ports => executor.ports.next(),
             EventSource::Edges => executor.awaited.edges.next(),
             EventSource::Steps => executor.parts.schedule.next_due(),
             EventSource::Alarms => executor.next_alarm(),
@@ -75,6 +80,7 @@ impl EventSource {
                 executor.feed();
                 executor.apply()
             }
+            EventSource::Ports if is_due => executor.feed_ports(),
             EventSource::Edges => {
                 executor.end_pulses();
                 Ok(())
@@ -103,11 +109,11 @@ impl EventSource {
 
 #[cfg(test)]
 mod tests {
-    use super::EventSource::{self, Alarms, Board, Edges, End, Inputs, Stepper, Steps, Timers};
+    use super::EventSource::{self, Alarms, Board, Edges, End, Inputs, Ports, Stepper, Steps, Timers};
 
     /// Whoever changes it changes traces.
     #[test]
     fn the_order_at_one_instant_is_the_written_one() {
-        assert_eq!(EventSource::ORDER, [Board, Inputs, Edges, Steps, Alarms, End, Timers, Stepper]);
+        assert_eq!(EventSource::ORDER, [Board, Inputs, Ports, Edges, Steps, Alarms, End, Timers, Stepper]);
     }
 }

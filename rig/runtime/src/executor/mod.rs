@@ -14,6 +14,7 @@ mod limits;
 mod live;
 mod loss;
 mod pacing;
+mod ports;
 mod real_lines;
 mod relays;
 mod startup;
@@ -42,6 +43,7 @@ use emission::Emissions;
 use event_source::EventSource;
 use pacing::Pacing;
 use plans::steps::CasePart;
+use ports::BoundPorts;
 use real_lines::RealLines;
 use relays::RelayMarks;
 use signal::{Cause, Time, Value, When};
@@ -72,6 +74,8 @@ pub struct Executor<'a> {
     pacing: Pacing,
     /// What real lines need.
     lines: RealLines,
+    /// What passes between the subject's ports and their buses.
+    ports: BoundPorts,
     awaited: Awaited,
     wakes: Option<WakeStatistics>,
     /// Turns without a moment of time passing.
@@ -202,6 +206,7 @@ impl<'a> Executor<'a> {
                 Pacing::WallClock => RealLines::new(channels.len()),
             },
             pacing,
+            ports: BoundPorts::new(&parts.wiring.ports, buses.len()),
             awaited: Awaited {
                 writes: PendingWrites::new(channels),
                 edges: PendingEdges::new(channels.len(), parts.schedule.steps().len()),
@@ -346,7 +351,7 @@ impl<'a> Executor<'a> {
         }
         std::mem::swap(&mut self.buffers.effects.list, &mut self.buffers.spare);
         self.buffers.writes.clear();
-        let mut outcome = Ok(());
+        let (mut outcome, mut sent) = (Ok(()), false);
         for index in 0..self.buffers.spare.len() {
             let effect = self.buffers.spare[index];
             match effect {
@@ -364,6 +369,11 @@ impl<'a> Executor<'a> {
                     outcome = outcome.and(made);
                 }
                 Effect::PeriodRestarted { at, output } => self.cannot_restart_period(at, output),
+                Effect::PortOutput { at, port } => sent |= self.send_from_port(at, port),
+                Effect::PortSilent { port, .. } => match self.silence_port(port) {
+                    Ok(on_bus) => sent |= on_bus,
+                    Err(fault) => outcome = outcome.and(Err(fault)),
+                },
                 Effect::State { at, state } => {
                     if let Some(signal) = self.parts.wiring.state {
                         let at = self.seen(at);
@@ -393,7 +403,7 @@ impl<'a> Executor<'a> {
             }
         }
         self.buffers.spare.clear();
-        if outcome.and(self.write_effects())? { self.poll() } else { Ok(()) }
+        if outcome.and(self.write_effects())? || sent { self.poll() } else { Ok(()) }
     }
 
     /// Hands what the subject wrote to the board, if anything.

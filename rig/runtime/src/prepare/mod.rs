@@ -13,6 +13,7 @@ mod waves;
 use crate::external::NOT_RUNNING;
 use crate::file_source::beside;
 use crate::frames::{self, Watch};
+use crate::ports;
 use crate::schedule::{Act, PlannedStep};
 use crate::subject::{Subject, SubjectExt};
 use crate::wiring::Wiring;
@@ -111,6 +112,9 @@ pub fn prepare(
 ) -> Result<Prepared, Vec<Diagnostic>> {
     let mut out = Findings::new(plan, plans::TOML);
     let mut wiring = Wiring::of(bench.file, &*bench.subject, bench.board.channels().len());
+    if !bench.file.subject.is_external() {
+        wiring.ports = ports::buses_of(bench.file, bench.reference);
+    }
     wiring.state = define(&mut trace, state_info(bench.file), &mut out);
     if let (Some(probe), Some(state)) = (bench.subject.state_probe(), wiring.state) {
         wiring.show_probe(probe, state);

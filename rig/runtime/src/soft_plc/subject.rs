@@ -3,10 +3,12 @@
 use super::SoftPlcEvent;
 use crate::capability::Capability;
 use crate::hook::HookError;
-use crate::subject::{Disturbances, ExpertFunctions, FileAccess, Observation, Startup, Subject, SubjectExt};
+use crate::subject::{
+    Disturbances, ExpertFunctions, FileAccess, Observation, Ports, Startup, Subject, SubjectExt,
+};
 use controller::{
-    Channel, Command, CommandError, Effect, Effects, FrontPanel, JitterCounts, LogEntry, Probe, ProbeId,
-    State, TaskFigures, Terminal, WriteError,
+    Channel, Command, CommandError, Effect, Effects, FrontPanel, JitterCounts, LogEntry, PortEvent,
+    PortMessage, Probe, ProbeId, State, TaskFigures, Terminal, WriteError,
 };
 use drivers::SubjectLines;
 use signal::{Address, Cause, Span, Time, Value, When};
@@ -177,6 +179,8 @@ fn instant(effect: &mut Effect) -> &mut Time {
         Effect::Terminal { at, .. }
         | Effect::Wave { at, .. }
         | Effect::PeriodRestarted { at, .. }
+        | Effect::PortOutput { at, .. }
+        | Effect::PortSilent { at, .. }
         | Effect::State { at, .. }
         | Effect::Changed { at, .. }
         | Effect::Log { at, .. } => at,
@@ -296,6 +300,10 @@ impl Subject for SoftPlc {
         Some(self)
     }
 
+    fn ports(&mut self) -> Option<&mut dyn Ports> {
+        Some(self)
+    }
+
     // These are for the steps of a plan, and it has none.
 
     fn files(&mut self) -> Option<&mut dyn FileAccess> {
@@ -395,6 +403,20 @@ impl Observation for SoftPlc {
 
     fn task_status(&self, task: usize) -> Option<(TaskFigures, JitterCounts)> {
         self.model.task_status(task)
+    }
+}
+
+impl Ports for SoftPlc {
+    fn receive(&mut self, now: Time, port: usize, event: &PortEvent, effects: &mut Effects) {
+        let (before, own, event) = (effects.list.len(), self.own(now), event.shifted(self.ahead));
+        if let Some(ports) = self.model.ports() {
+            ports.receive(own, port, &event, effects);
+        }
+        self.follow(now, before, effects);
+    }
+
+    fn take_output(&mut self, port: usize) -> Option<PortMessage> {
+        self.model.ports()?.take_output(port)
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod capabilities;
 mod ext;
+mod ports;
 
 use crate::capability::Capability;
 use crate::catalogue::Catalogue;
@@ -11,6 +12,7 @@ use signal::{Address, Time, Value, When};
 
 pub use capabilities::{Disturbances, ExpertFunctions, FileAccess, Observation, Startup};
 pub use ext::{NO_PROBE, SubjectExt};
+pub use ports::Ports;
 
 /// A controller under test.
 ///
@@ -19,7 +21,7 @@ pub use ext::{NO_PROBE, SubjectExt};
 ///
 /// What not every subject has is a capability of its own, reached by an accessor: [`Subject::startup`],
 /// [`Subject::catalogue`], [`Subject::observation`], [`Subject::files`], [`Subject::disturbances`],
-/// [`Subject::expert_functions`]. Callers who do not care whether it is there use [`SubjectExt`].
+/// [`Subject::expert_functions`], [`Subject::ports`]. Callers who do not care whether it is there use [`SubjectExt`].
 ///
 /// # A subject around another
 ///
@@ -112,5 +114,10 @@ pub trait Subject: Send {
     /// Its expert functions, with which hardware of the board can help.
     fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctions> {
         self.inner_mut()?.expert_functions()
+    }
+
+    /// Its ports, where the rig plays them.
+    fn ports(&mut self) -> Option<&mut dyn Ports> {
+        self.inner_mut()?.ports()
     }
 }

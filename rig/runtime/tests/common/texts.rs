@@ -154,8 +154,19 @@ impl Texts<'_> {
         let (timeout, teardown) = (case.timeout, case.teardown);
         let late = Span::from_millis(20);
         let on_loss = files.board.on_loss;
-        let parts =
-            Parted { board, recorder, schedule, wiring, warnings, alarms, timeout, teardown, late, on_loss };
+        let parts = Parted {
+            board,
+            recorder,
+            schedule,
+            wiring,
+            warnings,
+            alarms,
+            timeout,
+            teardown,
+            late,
+            slice: Span::MAX,
+            on_loss,
+        };
         Ok((model, parts))
     }
 }
@@ -174,6 +185,8 @@ pub struct Parted {
     teardown: Span,
     /// How late the rig may be.
     pub late: Span,
+    /// The longest that the application runs at a stretch.
+    pub slice: Span,
     on_loss: OnLoss,
 }
 
@@ -194,7 +207,7 @@ impl Parted {
         let limits = Limits {
             initial: State::Running,
             late: self.late,
-            slice: Span::MAX,
+            slice: self.slice,
             horizon: Span::from_micros(100),
             fail_fast: false,
             on_loss: self.on_loss,

@@ -134,6 +134,10 @@ impl State {
                         Gap::Above => 3,
                     });
                 }
+                Cause::Port(port) => {
+                    writer.byte(6);
+                    writer.byte(port);
+                }
                 Cause::Program { task, file, line } => {
                     writer.byte(4);
                     writer.byte(task);
@@ -196,6 +200,7 @@ impl State {
                     line: u32::try_from(reader.varint()?).map_err(|_| CodeFault::Bad)?,
                 },
                 5 => Cause::Gap(*Gap::ALL.get(usize::from(reader.byte()?)).ok_or(CodeFault::Bad)?),
+                6 => Cause::Port(reader.byte()?),
                 _ => return Err(CodeFault::Bad),
             }
         };

@@ -81,6 +81,7 @@ fn any_cause() -> impl Strategy<Value = Cause> {
         Just(Cause::Controller),
         Just(Cause::Board),
         any::<u16>().prop_map(Cause::Step),
+        any::<u8>().prop_map(Cause::Port),
         proptest::sample::select(Gap::ALL.to_vec()).prop_map(Cause::Gap),
         (any::<u8>(), any::<u16>(), any::<u32>()).prop_map(|(task, file, line)| Cause::Program {
             task,
