@@ -160,6 +160,7 @@ impl<R> Reporter<R> {
     /// A call failed. TRUE where the device is to be given up: it is not there any more, or has failed for too long.
     pub(crate) fn refused(&mut self, error: &io::Error) -> bool {
         let now = HostInstant::now();
+        tracing::debug!(%error, "a call on the device failed");
         let since = *self.failing.get_or_insert(now);
         let gives_up = is_gone(code_of(error), &[]) || now - since > self.limit;
         if gives_up {
@@ -179,6 +180,7 @@ impl<R> Reporter<R> {
     /// The device is not there any more, as is known without a call that failed.
     pub(crate) fn mark_gone(&mut self, code: i32) {
         (self.failing, self.unrung) = (None, true);
+        tracing::info!(code, "the device is given up");
         self.presence.gone_at.set(HostInstant::now());
         self.presence.gone.store(code, Ordering::Release);
         self.presence.answer.ring();
@@ -186,6 +188,7 @@ impl<R> Reporter<R> {
 
     /// The device is there again. Its board learns it by this report, after all that was reported before.
     pub(crate) fn returned(&mut self, report: R) {
+        tracing::info!("the device is there again");
         self.presence.gone.store(0, Ordering::Release);
         self.insist(report);
     }

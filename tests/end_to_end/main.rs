@@ -12,6 +12,7 @@ mod ctl;
 mod dashboard;
 mod diff;
 mod doctor;
+mod event_log;
 mod expectations;
 mod explain;
 mod fail;

@@ -130,7 +130,7 @@ pub fn list(folder: &Path) -> Vec<String> {
 /// The command in a folder, the same whatever the shell of the caller has set.
 pub fn command(folder: &Path, args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rig"));
-    command.current_dir(folder).args(args).stdin(Stdio::null()).env_remove("NO_COLOR");
+    command.current_dir(folder).args(args).stdin(Stdio::null()).env_remove("NO_COLOR").env_remove("RUST_LOG");
     command
 }
 

@@ -12,6 +12,7 @@ mod dash;
 mod diff;
 mod doctor;
 mod duration;
+mod event_log;
 mod exit;
 mod explain;
 mod files;
@@ -54,6 +55,10 @@ fn main() -> ExitCode {
         }
     };
     output::choose_color(cli.color);
+    // The dashboard has the screen for itself.
+    if !matches!(cli.command, Command::Dash(_)) {
+        event_log::start();
+    }
     let exit = match cli.command {
         Command::Test(args) => test::run(&args),
         Command::Check(args) => check::run(&args),

@@ -153,7 +153,18 @@ pub fn run_case(
     files: &CaseFiles,
     options: &RunOptions<'_>,
 ) -> Result<CaseResult, Vec<Diagnostic>> {
-    step_case(case, files, options, None)
+    tracing::debug!(case = case.name, plan = files.plan.name, board = files.board.name, "a case begins");
+    let outcome = step_case(case, files, options, None);
+    match &outcome {
+        Ok(result) => tracing::debug!(
+            case = case.name,
+            verdict = %result.record.verdict,
+            host_ms = result.record.host_ms,
+            "a case is over"
+        ),
+        Err(found) => tracing::debug!(case = case.name, findings = found.len(), "a case cannot be run"),
+    }
+    outcome
 }
 
 /// As [`run_case`], and `stepper` is asked before each step of the plan.

@@ -226,6 +226,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0223", "A case that its plan does not have"),
     (PROGRAM_NOT_LOADED, "A real controller whose program the rig does not load"),
     ("R0225", "An option under its old name"),
+    ("R0226", "A filter of the log that is none"),
     ("R0240", "A machine without GPIO lines"),
     ("R0241", "A chip that cannot be looked at"),
     ("R0242", "A board file that is there already"),

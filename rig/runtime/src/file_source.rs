@@ -55,6 +55,7 @@ impl FileSource for Disk {
         if length > LARGEST_FILE {
             return Err(format!("it has {length} bytes, {LARGEST_FILE} is the most"));
         }
+        tracing::debug!(path, length, "a file is read");
         std::fs::read(path).map_err(|error| error.to_string())
     }
 

@@ -108,6 +108,7 @@ pub fn serve(
         tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build().map_err(cannot)?;
     let stop = Arc::new(Stop::default());
     let path = socket.path().to_path_buf();
+    tracing::info!(socket = %path.display(), "clients are served");
     let (ends, kept) = (stop.clone(), settings.clone());
     let thread = std::thread::Builder::new()
         .name("control".into())
@@ -228,10 +229,14 @@ async fn either(mut one: std::pin::Pin<&mut impl Future>, other: impl Future) {
 
 async fn accept(shared: Rc<Shared>, listener: UnixListener) {
     loop {
-        let Ok((stream, _)) = listener.accept().await else {
-            // Most likely too many files are open.
-            sleep(NO_ROOM).await;
-            continue;
+        let stream = match listener.accept().await {
+            Ok((stream, _)) => stream,
+            Err(error) => {
+                // Most likely too many files are open.
+                tracing::warn!(%error, "no client can be let in");
+                sleep(NO_ROOM).await;
+                continue;
+            }
         };
         let peer = stream.peer_cred().map_or(Peer::default(), |peer| Peer {
             user: peer.uid(),
@@ -239,10 +244,14 @@ async fn accept(shared: Rc<Shared>, listener: UnixListener) {
         });
         match shared.with(|hub, now| hub.connect(peer, now)) {
             Ok(id) => {
+                tracing::info!(client = id, user = peer.user, process = ?peer.process, "a client connected");
                 tokio::task::spawn_local(client(shared.clone(), id, stream));
             }
             // The line fits into the empty buffer of a new connection, or nobody is there to read it.
-            Err(line) => drop(stream.try_write(&line)),
+            Err(line) => {
+                tracing::info!(user = peer.user, "a client was refused");
+                drop(stream.try_write(&line));
+            }
         }
     }
 }
@@ -254,6 +263,7 @@ async fn client(shared: Rc<Shared>, id: ClientId, stream: UnixStream) {
     })
     .await;
     shared.wakers.borrow_mut().remove(&id);
+    tracing::info!(client = id, "a client is gone");
     shared.with(|hub, now| hub.disconnect(id, now));
 }
 
