@@ -5,6 +5,7 @@
 //! Not goals: behaviour. These are constants and look-ups only.
 
 mod channel;
+mod channel_set;
 mod codes;
 mod expert;
 mod figures;
@@ -19,6 +20,7 @@ pub use channel::{
     EmbeddedInput, EmbeddedOutput, InputKind, OutputKind, inputs, outputs, protection_groups,
     rearming_command, short_circuit_status,
 };
+pub use channel_set::{ChannelNumbers, ChannelSet};
 pub use codes::{ApplicationError, BootProjectStatus, IoStatus, PLC_W_KEY, PlcCommand, PlcStatus, StopCause};
 pub use expert::{
     ExpertLimits, FAST_INPUTS, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS,
