@@ -48,10 +48,9 @@ pub trait Application: Send {
     /// Whether a task writes into byte `byte` of %Q (controller:PRIO-05).
     fn writes_output(&self, task: usize, byte: u32) -> bool;
 
-    /// The outputs that a task writes, bit n for %Q bit n below 32 (controller:FRC-05). Whole bytes, unless the
-    /// application knows better.
-    fn written_outputs(&self, task: usize) -> u32 {
-        (0..4).filter(|byte| self.writes_output(task, *byte)).fold(0, |bits, byte| bits | 0xFF << (8 * byte))
+    /// Whether a task writes bit `bit` of %Q (controller:FRC-05). Whole bytes, unless the application knows better.
+    fn writes_output_bit(&self, task: usize, bit: u32) -> bool {
+        self.writes_output(task, bit / 8)
     }
 
     /// Whether a task reads bit `bit` of %I (controller:PRIO-04).

@@ -61,6 +61,7 @@ pub use endpoint::{
 pub use event_source::EventSource;
 pub use external::{Disturbance, FAULT_BITS};
 pub use files::{FileError, FileProbe, FileUser, LONGEST_PATH};
+pub use io::ForcedChannels;
 pub use led::{Led, LedPattern};
 pub use location::{RegisterFormat, VariableLocation};
 pub use log::LogEntry;

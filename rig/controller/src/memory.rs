@@ -1,6 +1,6 @@
 //! The memory that application and controller share: the images of inputs and outputs, and %M.
 
-use profile::{Profile, REMANENT_WORDS};
+use profile::{ChannelSet, Profile, REMANENT_WORDS};
 use signal::{Address, Area, Cause, Image, Size, Value};
 
 /// %I, %Q and %M (controller:MEM-06, controller:ADDR-01), with the last writer of every output bit.
@@ -101,8 +101,8 @@ impl Memory {
     }
 
     /// Who wrote a bit of %Q last; unknown for a bit that nobody wrote since the memory was cleared.
-    pub(crate) fn writer(&self, output_bit: u32) -> Cause {
-        self.writers.get(output_bit as usize).copied().unwrap_or_default()
+    pub(crate) fn writer(&self, output_bit: usize) -> Cause {
+        self.writers.get(output_bit).copied().unwrap_or_default()
     }
 
     /// Sets every bit to 0 and forgets who wrote it. Watched places stay watched.
@@ -132,33 +132,39 @@ impl Memory {
         self.remanent_dirty = true;
     }
 
-    /// Sets the input bits of `mask`; whether any changed.
+    /// Sets the bits in %I of the embedded inputs `which`, to 1 those of `on`; whether any changed.
     #[inline]
-    pub(crate) fn set_input_bits(&mut self, bits: u32, mask: u32) -> bool {
-        set_low_bits(&mut self.inputs, bits, mask) != 0
+    pub(crate) fn set_inputs(&mut self, on: ChannelSet, which: ChannelSet) -> bool {
+        !set_channels(&mut self.inputs, on, which).is_empty()
     }
 
-    /// The first 32 bits of %Q.
+    /// Sets a place of %I; whether it changed.
     #[inline]
-    pub(crate) fn output_bits(&self) -> u32 {
-        low_bits(&self.outputs)
+    pub(crate) fn set_input(&mut self, at: Address, value: u64) -> bool {
+        self.inputs.set(at, value)
     }
 
-    /// Sets the output bits of `mask`; whether any changed. Changed ones have the writer `cause`.
+    /// The embedded outputs whose bits in %Q are 1.
     #[inline]
-    pub(crate) fn set_output_bits(&mut self, bits: u32, mask: u32, cause: Cause) -> bool {
-        let mut changed = set_low_bits(&mut self.outputs, bits, mask);
-        let any = changed != 0;
-        while changed != 0 {
-            self.writers[changed.trailing_zeros() as usize] = cause;
-            changed &= changed - 1;
+    pub(crate) fn outputs(&self) -> ChannelSet {
+        self.outputs.bytes().first_chunk().map_or(ChannelSet::EMPTY, |word| ChannelSet::from_image(*word))
+    }
+
+    /// Sets the bits in %Q of the embedded outputs `which`, to 1 those of `on`; whether any changed. Changed ones have the
+    /// writer `cause`.
+    #[inline]
+    pub(crate) fn set_outputs(&mut self, on: ChannelSet, which: ChannelSet, cause: Cause) -> bool {
+        let changed = set_channels(&mut self.outputs, on, which);
+        for output in changed {
+            self.writers[output] = cause;
         }
-        any
+        !changed.is_empty()
     }
 
-    /// Which of the first 32 output bits somebody wrote since they were cleared.
-    pub(crate) fn written_outputs(&self) -> u32 {
-        (0..32).filter(|bit| self.writer(*bit) != Cause::Unknown).fold(0, |mask, bit| mask | 1 << bit)
+    /// The embedded outputs whose bits in %Q somebody wrote since they were cleared.
+    pub(crate) fn written_outputs(&self) -> ChannelSet {
+        let written = |output: &usize| self.writer(*output) != Cause::Unknown;
+        (0..ChannelSet::CAPACITY).filter(written).collect()
     }
 
     /// The bytes of %MW0...%MW999.
@@ -178,17 +184,13 @@ impl Memory {
     }
 }
 
+/// Sets the bits of embedded channels; which of them changed.
 #[inline]
-fn low_bits(image: &Image) -> u32 {
-    image.bytes().first_chunk::<4>().map_or(0, |bytes| u32::from_le_bytes(*bytes))
-}
-
-#[inline]
-fn set_low_bits(image: &mut Image, bits: u32, mask: u32) -> u32 {
-    let Some(bytes) = image.bytes_mut().first_chunk_mut::<4>() else { return 0 };
-    let old = u32::from_le_bytes(*bytes);
-    let new = old & !mask | bits & mask;
-    *bytes = new.to_le_bytes();
+fn set_channels(image: &mut Image, on: ChannelSet, which: ChannelSet) -> ChannelSet {
+    let Some(word) = image.bytes_mut().first_chunk_mut() else { return ChannelSet::EMPTY };
+    let old = ChannelSet::from_image(*word);
+    let new = old - which | on & which;
+    *word = new.to_image();
     old ^ new
 }
 
@@ -217,8 +219,8 @@ mod tests {
         memory.set_cause(program);
         memory.store(at("%QX0.4"), 1);
         assert_eq!((memory.writer(4), memory.writer(5)), (program, Cause::Unknown));
-        assert_eq!((memory.output_bits(), memory.written_outputs()), (0x10, 0x10));
-        memory.set_output_bits(0, 0xFF, Cause::Controller);
+        assert_eq!((memory.outputs(), memory.written_outputs()), (ChannelSet::of(4), ChannelSet::of(4)));
+        memory.set_outputs(ChannelSet::EMPTY, ChannelSet::first(8), Cause::Controller);
         assert_eq!(memory.writer(4), Cause::Controller);
         assert_eq!(memory.writer(5), Cause::Unknown, "it did not change");
     }

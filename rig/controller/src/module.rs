@@ -21,8 +21,7 @@ pub struct ModuleChannel {
     pub channel: Channel,
     /// Its place in %I or %Q.
     pub address: Address,
-    /// What the place of an output takes where outputs are set to their default values (controller:STOP-03). Those of
-    /// the embedded outputs are in [`crate::Config::output_defaults`].
+    /// What the place of an output takes where outputs are set to their default values (controller:STOP-03).
     pub default: u64,
 }
 
@@ -168,9 +167,13 @@ impl<'a> Sharing<'a> {
         self.uses(rank, at) || (Some(rank) == self.bus_cycle && as_bus_cycle())
     }
 
-    /// The embedded outputs that the programs of a task write, bit n for Qn (controller:FRC-05).
-    pub(crate) fn written_outputs(&self, rank: usize) -> u32 {
-        self.application.written_outputs(self.places[rank])
+    /// Whether the programs of a task write this very place of %Q (controller:FRC-05); [`Sharing::exchanges`] goes by whole
+    /// bytes.
+    pub fn writes(&self, rank: usize, at: Address) -> bool {
+        let first = at.bit_offset();
+        let mut bits = first..first + at.bit_len();
+        at.area() == Area::Output
+            && bits.any(|bit| self.application.writes_output_bit(self.places[rank], bit))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use expert::{ExpertConfig, FunctionConfig, FunctionKind, FunctionProbe, WaveConfig};
-use profile::{BounceFilter, InputFilter};
+use profile::{BounceFilter, ChannelSet, InputFilter};
 use scanrig_controller::*;
 use signal::{Level, Span, Time, Value};
 
@@ -84,7 +84,7 @@ fn outputs_of_functions_rest_in_stopped() {
             let mut rig = with(|config| {
                 config.outputs_in_stop = option;
                 config.update_io_in_stop = update;
-                config.output_defaults = 0b1_0001;
+                config.output_defaults = ChannelSet::from_iter([0, 4]);
             });
             rig.after(ms(5));
             rig.command(Command::Stop).unwrap();
@@ -109,7 +109,7 @@ fn outputs_of_functions_show_defaults_behind_downloads_and_resets() {
         (Command::ResetOrigin, Level::HighZ),
     ] {
         let mut rig = with(|config| {
-            config.output_defaults = 0b1_0001;
+            config.output_defaults = ChannelSet::from_iter([0, 4]);
             config.outputs_in_stop = OutputsInStop::Keep;
         });
         rig.after(ms(5));

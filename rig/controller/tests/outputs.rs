@@ -1,7 +1,7 @@
 //! Outputs and inputs by state, and forcing.
 
 use crate::support::*;
-use profile::{InputFilter, Profile};
+use profile::{ChannelSet, InputFilter, Profile};
 use scanrig_controller::*;
 use signal::{Cause, Level, Value};
 
@@ -33,7 +33,7 @@ fn write(rig: &mut Rig, place: &str, value: u64) {
 
 /// Q4 with its default value 0, Q6 with 1.
 fn fallback(config: &mut Config) {
-    config.output_defaults = 1 << 6;
+    config.output_defaults.insert(6);
 }
 
 // controller:STOP-03, controller:STOP-04
@@ -87,7 +87,7 @@ fn outputs_through_a_boot() {
     let mut script = script();
     script.located = vec![(at("%QX0.2"), 1), (at("%QX1.0"), 0)];
     let mut config = config();
-    config.output_defaults = 1 << 2 | 1 << 6 | 1 << 8;
+    config.output_defaults = ChannelSet::from_iter([2, 6, 8]);
     let mut rig = Rig::off(config.clone(), script.clone());
     rig.plc.commission(b"app", State::Stopped).unwrap();
     assert_eq!((rig.terminal(0), rig.terminal(4)), (Level::HighZ, Level::Low));

@@ -5,6 +5,7 @@ use crate::counter::Counter;
 use crate::filter::Filter;
 use crate::wave::Wave;
 use crate::{Effects, ExpertConfig, FunctionKind, FunctionProbe, InputConditions, Operation};
+use profile::ChannelSet;
 use signal::{Time, Value};
 
 /// An edge at the terminal of an input.
@@ -47,12 +48,12 @@ pub struct ExpertFunctions {
     filters: Vec<Filter>,
     /// By input number: the units that look at it, bit n for unit n.
     listeners: Vec<u32>,
-    /// Inputs whose filters have something to come, bit n for In.
-    pending: u32,
+    /// Inputs whose filters have something to come.
+    pending: ChannelSet,
     /// When the first of them does, and when the first unit does something by itself.
     filter_next: Time,
     unit_next: Time,
-    outputs: u32,
+    outputs: ChannelSet,
     /// The task whose cycle calls blocks.
     task: Option<usize>,
     fx: Effects,
@@ -80,15 +81,16 @@ impl ExpertFunctions {
         let used = |unit: &FunctionUnit| each!(unit, it => it.inputs());
         let listeners = (0..inputs.len())
             .map(|input| {
-                (0..).zip(&units).fold(0, |mask, (place, unit)| mask | (used(unit) >> input & 1) << place)
+                let looks = |unit| u32::from(used(unit).contains(input));
+                (0..).zip(&units).fold(0, |units, (place, unit)| units | looks(unit) << place)
             })
             .collect();
-        let outputs = units.iter().fold(0, |mask, unit| mask | each!(unit, it => it.outputs()));
+        let outputs = units.iter().flat_map(|unit| each!(unit, it => it.outputs())).collect();
         ExpertFunctions {
             units,
             filters: inputs.iter().map(Filter::new).collect(),
             listeners,
-            pending: 0,
+            pending: ChannelSet::EMPTY,
             filter_next: Time::MAX,
             unit_next: Time::MAX,
             outputs,
@@ -98,10 +100,10 @@ impl ExpertFunctions {
         }
     }
 
-    /// Hardware counts the pulses at these inputs, bit n for In: counters whose pulses they are take what it counted by
+    /// Hardware counts the pulses at these inputs: counters whose pulses they are take what it counted by
     /// [`ExpertFunctions::count`], and no edges of their phases.
     #[must_use]
-    pub fn counted(mut self, inputs: u32) -> ExpertFunctions {
+    pub fn counted(mut self, inputs: ChannelSet) -> ExpertFunctions {
         for unit in &mut self.units {
             if let FunctionUnit::Counter(counter) = unit {
                 counter.counted(inputs);
@@ -133,18 +135,18 @@ impl ExpertFunctions {
         self.observed
     }
 
-    /// The outputs that functions drive, bit n for Qn: images have no say in them.
+    /// The outputs that functions drive: images have no say in them.
     #[inline]
-    pub const fn outputs(&self) -> u32 {
+    pub const fn outputs(&self) -> ChannelSet {
         self.outputs
     }
 
-    /// Square waves on these outputs, bit n for Qn, are made by hardware from now on: their functions bring about
+    /// Square waves on these outputs are made by hardware from now on: their functions bring about
     /// [`crate::Effect::Wave`] in place of edges, and nobody counts their pulses.
-    pub fn offload_pulses(&mut self, outputs: u32) {
+    pub fn offload_pulses(&mut self, outputs: ChannelSet) {
         for unit in &mut self.units {
             if let FunctionUnit::Pwm(wave) | FunctionUnit::Generator(wave) = unit
-                && wave.outputs() & outputs != 0
+                && wave.outputs().intersects(outputs)
             {
                 wave.offload_pulses();
             }
@@ -163,7 +165,7 @@ impl ExpertFunctions {
         if self.filters[input].set(at, high) {
             self.report_suppressed_pulse(at, input);
         }
-        self.pending |= 1 << input;
+        self.pending.insert(input);
         self.filter_next = self.filter_next.min(self.filters[input].next());
         if self.filter_next <= at {
             self.fire(at);
@@ -261,10 +263,7 @@ impl ExpertFunctions {
 
     /// Levels that filters accept at `at` go to the functions.
     fn pass_inputs(&mut self, at: Time) {
-        let mut left = std::mem::take(&mut self.pending);
-        while left != 0 {
-            let input = left.trailing_zeros() as usize;
-            left &= left - 1;
+        for input in std::mem::take(&mut self.pending) {
             let filter = &mut self.filters[input];
             if let Some(high) = filter.accept(at) {
                 let mut units = self.listeners[input];
@@ -274,17 +273,15 @@ impl ExpertFunctions {
                     each!(&mut self.units[place], it => it.edge(at, input as u8, high, &mut self.fx));
                 }
             }
-            self.pending |= u32::from(self.filters[input].next() != Time::MAX) << input;
+            self.pending.set(input, self.filters[input].next() != Time::MAX);
         }
     }
 
     /// Works out when something happens next.
     fn schedule(&mut self) {
         self.filter_next = Time::MAX;
-        let mut left = self.pending;
-        while left != 0 {
-            self.filter_next = self.filter_next.min(self.filters[left.trailing_zeros() as usize].next());
-            left &= left - 1;
+        for input in self.pending {
+            self.filter_next = self.filter_next.min(self.filters[input].next());
         }
         self.unit_next =
             self.units.iter().map(|unit| each!(unit, it => it.next())).min().unwrap_or(Time::MAX);
@@ -299,9 +296,9 @@ impl ExpertFunctions {
         self.schedule();
     }
 
-    /// Outputs whose stages protection switched off from `now` on, bit n for Qn: axes on them go to ErrorStop
+    /// Outputs whose stages protection switched off from `now` on: axes on them go to ErrorStop
     /// (io:STD-PTO-14).
-    pub fn protect(&mut self, now: Time, cut: u32) {
+    pub fn protect(&mut self, now: Time, cut: ChannelSet) {
         self.fire(now);
         for unit in &mut self.units {
             if let FunctionUnit::Axis(axis) = unit {

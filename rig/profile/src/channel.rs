@@ -1,6 +1,6 @@
 //! The embedded channels: their addresses and what they do to a signal.
 
-use crate::{Family, Reference, RegularOutputs};
+use crate::{ChannelSet, Family, Reference, RegularOutputs};
 use signal::Span;
 
 /// What an embedded input is.
@@ -96,11 +96,11 @@ pub fn rearming_command(reference: &Reference) -> Option<(u32, u32)> {
     (reference.family == Family::M241).then_some((2, 0))
 }
 
-/// The groups of outputs that are protected together, bit n for Qn: the fast outputs; Q4...Q7; Q8 to the last (io:OUT-09,
+/// The groups of outputs that are protected together: the fast outputs; Q4...Q7; Q8 to the last (io:OUT-09,
 /// rig definition: no document says which outputs share a group). Relays have no such protection: their groups are
 /// empty.
-pub fn protection_groups(reference: &Reference) -> [u32; 3] {
-    let mut groups = [0; 3];
+pub fn protection_groups(reference: &Reference) -> [ChannelSet; 3] {
+    let mut groups = [ChannelSet::EMPTY; 3];
     for output in outputs(reference) {
         let group = match (output.kind, output.index) {
             (OutputKind::Fast, _) => 0,
@@ -108,7 +108,7 @@ pub fn protection_groups(reference: &Reference) -> [u32; 3] {
             (OutputKind::Transistor, _) => 2,
             (OutputKind::Relay, _) => continue,
         };
-        groups[group] |= 1 << output.index;
+        groups[group].insert(output.index);
     }
     groups
 }
@@ -157,11 +157,13 @@ mod tests {
     // io:OUT-09
     #[test]
     fn groups_of_protection() {
-        let groups = |name| protection_groups(Reference::find(name).unwrap());
-        assert_eq!(groups("TM241CEC24T"), [0xF, 0xF0, 0x300]);
-        assert_eq!(groups("TM241CE40U"), [0xF, 0xF0, 0xFF00]);
-        assert_eq!(groups("TM241CE40R"), [0xF, 0, 0]);
-        assert_eq!(groups("TM251MESC"), [0, 0, 0]);
+        let groups = |name| {
+            protection_groups(Reference::find(name).unwrap()).map(|group| group.iter().collect::<Vec<_>>())
+        };
+        assert_eq!(groups("TM241CEC24T"), [vec![0, 1, 2, 3], vec![4, 5, 6, 7], vec![8, 9]]);
+        assert_eq!(groups("TM241CE40U"), [(0..4).collect(), (4..8).collect(), (8..16).collect::<Vec<_>>()]);
+        assert_eq!(groups("TM241CE40R"), [vec![0, 1, 2, 3], vec![], vec![]]);
+        assert_eq!(groups("TM251MESC"), [vec![], vec![], vec![]]);
     }
 
     // io:REF-05, io:STD-OUT-01, io:STD-IN-02

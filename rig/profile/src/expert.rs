@@ -1,6 +1,6 @@
 //! What expert functions a controller can have, and how fast they are.
 
-use crate::{Profile, Reference, RegularOutputs};
+use crate::{ChannelSet, Profile, Reference, RegularOutputs};
 
 /// Fast outputs of every M241: Q0...Q3 (io:REF-01, io:REF-07).
 pub const FAST_OUTPUTS: usize = 4;
@@ -28,13 +28,13 @@ pub struct ExpertLimits {
     pub main_inputs: usize,
     /// Capture inputs of one main counter (io:STD-ASG-01).
     pub captures: u8,
-    /// The inputs that functions can use, bit n for In (io:STD-ASG-01). A counter needs one of its own, so there are no
+    /// The inputs that functions can use (io:STD-ASG-01). A counter needs one of its own, so there are no
     /// more counters and meters, nor HSC Simple beside others, than io: section 6.2 allows.
-    pub inputs: u32,
-    /// The outputs that can be reflex outputs, bit n for Qn (io:STD-ASG-01).
-    pub reflexes: u32,
-    /// The outputs that can make pulses, bit n for Qn (io:EXP-04, io:STD-ASG-01).
-    pub pulses: u32,
+    pub inputs: ChannelSet,
+    /// The outputs that can be reflex outputs (io:STD-ASG-01).
+    pub reflexes: ChannelSet,
+    /// The outputs that can make pulses (io:EXP-04, io:STD-ASG-01).
+    pub pulses: ChannelSet,
 }
 
 impl Profile {
@@ -42,7 +42,7 @@ impl Profile {
     /// give no numbers of functions, so those of 2019 hold there too, as far as the fast channels go (io:EXP-02).
     pub fn expert_limits(self, reference: &Reference) -> ExpertLimits {
         let channels = if self == Profile::M241_2014 { (FAST_INPUTS, FAST_OUTPUTS) } else { (16, 8) };
-        let first = |most: usize, there: usize| (1_u32 << most.min(there)) - 1;
+        let first = |most: usize, there: usize| ChannelSet::first(most.min(there));
         let reflexes = first(channels.1, reference.output_count());
         let relay = reference.outputs == RegularOutputs::Relay;
         let embedded = reference.input_count() > 0;
@@ -57,7 +57,7 @@ impl Profile {
             captures: if self == Profile::M241_2014 { 2 } else { 1 },
             inputs: first(channels.0, reference.input_count()),
             reflexes,
-            pulses: if relay { reflexes & first(FAST_OUTPUTS, FAST_OUTPUTS) } else { reflexes },
+            pulses: if relay { reflexes & ChannelSet::first(FAST_OUTPUTS) } else { reflexes },
         }
     }
 }
@@ -75,17 +75,19 @@ mod tests {
     fn numbers_and_channels() {
         let small = limits(Profile::M241_2019, "TM241CEC24T");
         assert_eq!((small.shared, small.axes), (4, 4));
-        assert_eq!((small.inputs, small.reflexes, small.pulses), (0x3FFF, 0xFF, 0xFF));
+        let first = ChannelSet::first;
+        assert_eq!((small.inputs, small.reflexes, small.pulses), (first(14), first(8), first(8)));
         let large = limits(Profile::M241_2019, "TM241CE40R");
-        assert_eq!(large.inputs, 0xFFFF);
-        assert_eq!((large.reflexes, large.pulses), (0xFF, 0x0F));
+        assert_eq!(large.inputs, first(16));
+        assert_eq!((large.reflexes, large.pulses), (first(8), first(4)));
     }
 
     // io:EXP-01, io:EXP-02
     #[test]
     fn in_2014_only_fast_channels() {
         let old = limits(Profile::M241_2014, "TM241CEC24T");
-        assert_eq!((old.inputs, old.reflexes, old.pulses), (0xFF, 0x0F, 0x0F));
+        let first = ChannelSet::first;
+        assert_eq!((old.inputs, old.reflexes, old.pulses), (first(8), first(4), first(4)));
         assert_eq!((old.axes, old.main_inputs), (2, 6));
     }
 
@@ -94,7 +96,7 @@ mod tests {
     fn none_without_embedded_channels() {
         let none = limits(Profile::M251_2024, "TM251MESC");
         assert_eq!((none.shared, none.axes), (0, 0));
-        assert_eq!((none.inputs, none.pulses), (0, 0));
+        assert_eq!((none.inputs, none.pulses), (ChannelSet::EMPTY, ChannelSet::EMPTY));
     }
 
     // io:REF-07

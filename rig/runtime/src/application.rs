@@ -102,8 +102,8 @@ pub struct ProgramApplication {
     profile: Profile,
     /// Per task the bytes of %Q that its programs can write.
     output_bytes: Vec<Vec<u32>>,
-    /// Per task those of the first 32 bits of %Q that its programs can write.
-    output_bits: Vec<u32>,
+    /// Per task the places in %Q that its programs can write.
+    outputs: Vec<Vec<Address>>,
     /// Per task the places in %I that its programs read.
     inputs: Vec<Vec<Address>>,
     /// Where it leaves what of it ran.
@@ -121,7 +121,10 @@ impl ProgramApplication {
     pub fn new(program: Arc<Program>, tasks: &[Vec<usize>], profile: Profile) -> Result<Self, LoadError> {
         let machine = Machine::new(Arc::clone(&program), tasks).map_err(|_| LoadError::Bundle)?;
         let output_bytes = tasks.iter().map(|programs| written_bytes(&program, programs)).collect();
-        let output_bits = tasks.iter().map(|programs| written_bits(&program, programs)).collect();
+        let outputs = tasks
+            .iter()
+            .map(|programs| programs.iter().flat_map(|place| program.outputs_of(*place)).collect())
+            .collect();
         let inputs = tasks
             .iter()
             .map(|programs| programs.iter().flat_map(|place| program.inputs_of(*place)).collect())
@@ -131,7 +134,7 @@ impl ProgramApplication {
             places: tasks.to_vec(),
             profile,
             output_bytes,
-            output_bits,
+            outputs,
             inputs,
             collector: None,
             names: VariableNumbers::default(),
@@ -183,14 +186,6 @@ fn written_bytes(program: &Program, programs: &[usize]) -> Vec<u32> {
     bytes.sort_unstable();
     bytes.dedup();
     bytes
-}
-
-fn written_bits(program: &Program, programs: &[usize]) -> u32 {
-    let written = programs.iter().flat_map(|place| program.outputs_of(*place));
-    written
-        .filter(|address| address.bit_offset() < u32::BITS)
-        .map(|address| (u64::MAX >> (64 - address.bit_len().min(64)) << address.bit_offset()) as u32)
-        .fold(0, |bits, written| bits | written)
 }
 
 /// The controller's memory as the machine's host.
@@ -273,8 +268,9 @@ impl Application for ProgramApplication {
         self.output_bytes.get(task).is_some_and(|bytes| bytes.binary_search(&byte).is_ok())
     }
 
-    fn written_outputs(&self, task: usize) -> u32 {
-        self.output_bits.get(task).copied().unwrap_or(0)
+    fn writes_output_bit(&self, task: usize, bit: u32) -> bool {
+        let bit = Address::bit(Area::Output, bit);
+        self.outputs.get(task).is_some_and(|outputs| outputs.iter().any(|written| written.overlaps(&bit)))
     }
 
     fn reads_input(&self, task: usize, bit: u32) -> bool {

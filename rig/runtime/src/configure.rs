@@ -79,10 +79,13 @@ pub fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, V
     }
     inputs::configure(&mut config, settings, &files.plan.name)?;
     for (address, on) in &settings.output_defaults {
-        if address.bit_offset() as usize >= files.reference.output_count() {
+        let output = address.bit_offset() as usize;
+        if output >= files.reference.output_count() {
             return Err(vec![no_output(*address, files)]);
         }
-        config.output_defaults |= u32::from(*on) << address.bit_offset();
+        if *on {
+            config.output_defaults.insert(output);
+        }
     }
     functions::check(&config, settings, &files.plan.name)?;
     Ok(config)

@@ -2,6 +2,7 @@
 
 use super::{Config, TaskKind};
 use crate::event_source::EventSource;
+use profile::ChannelSet;
 
 impl Config {
     /// Whether the input of an event is configured to raise it, on a controller that has the event. An advanced input
@@ -15,15 +16,12 @@ impl Config {
         }
     }
 
-    /// The inputs that raise events on rising edges because a task is started by them, bit n for In (io:EVT-03).
-    pub(crate) fn advanced_inputs(&self) -> u32 {
-        self.tasks.iter().fold(0, |mask, task| match task.kind {
-            TaskKind::ExternalEvent { source: EventSource::Input(input) }
-                if (self.reference.fast_inputs..32).contains(&input) =>
-            {
-                mask | 1 << input
-            }
-            _ => mask,
-        })
+    /// The inputs that raise events on rising edges because a task is started by them (io:EVT-03).
+    pub(crate) fn advanced_inputs(&self) -> ChannelSet {
+        let inputs = self.tasks.iter().filter_map(|task| match task.kind {
+            TaskKind::ExternalEvent { source: EventSource::Input(input) } => Some(input),
+            _ => None,
+        });
+        inputs.filter(|input| *input >= self.reference.fast_inputs).collect()
     }
 }

@@ -16,7 +16,7 @@ pub use task::{TaskConfig, TaskKind, Watchdog};
 pub use warnings::Warning;
 
 use expert::{ExpertConfig, ExpertError, InputConditions, ReservedChannels};
-use profile::{MINIMUM_CYCLE, PRIORITIES, Profile, Reference};
+use profile::{ChannelSet, MINIMUM_CYCLE, PRIORITIES, Profile, Reference};
 use signal::Span;
 
 /// The configuration of a controller. The place of a task in `tasks` is its number everywhere.
@@ -32,8 +32,8 @@ pub struct Config {
     pub inputs: Vec<InputConfig>,
     /// The Run/Stop input: n for In (controller:RS-03).
     pub run_stop_input: Option<usize>,
-    /// Default value of each embedded output, bit n for Qn (controller:OUT-01).
-    pub output_defaults: u32,
+    /// The embedded outputs whose default value is 1 (controller:OUT-01).
+    pub output_defaults: ChannelSet,
     /// Behaviour for outputs in Stop (controller:DEV-10).
     pub outputs_in_stop: OutputsInStop,
     /// What outputs do in HALT.
@@ -60,8 +60,8 @@ pub struct Config {
     pub always_update: AlwaysUpdate,
     /// Fast counters and pulse generators (io: section 6).
     pub expert: ExpertConfig,
-    /// Inputs behind whose terminals hardware counts, bit n for In: fast counters take its counts in place of edges.
-    pub counted: u32,
+    /// Inputs behind whose terminals hardware counts: fast counters take its counts in place of edges.
+    pub counted: ChannelSet,
 }
 
 impl Config {
@@ -74,7 +74,7 @@ impl Config {
             tasks: vec![TaskConfig::mast()],
             inputs: Vec::new(),
             run_stop_input: None,
-            output_defaults: 0,
+            output_defaults: ChannelSet::EMPTY,
             outputs_in_stop: OutputsInStop::default(),
             halt_outputs: HaltOutputs::default(),
             update_io_in_stop: true,
@@ -88,7 +88,7 @@ impl Config {
             bus_cycle_task: BusCycle::default(),
             always_update: AlwaysUpdate::default_of(profile),
             expert: ExpertConfig::default(),
-            counted: 0,
+            counted: ChannelSet::EMPTY,
         }
     }
 
@@ -194,7 +194,7 @@ impl Config {
             return Err(ConfigError::Expert(*error));
         }
         let outputs = self.reference.output_count();
-        if u64::from(self.output_defaults) >> outputs != 0 {
+        if !(self.output_defaults - ChannelSet::first(outputs)).is_empty() {
             return Err(ConfigError::OutputDefaults { outputs });
         }
         if self.alarm_output.is_some_and(|output| output >= outputs) {
@@ -210,9 +210,7 @@ impl Config {
     pub fn check_expert(&self) -> Vec<ExpertError> {
         let advanced = self.inputs.iter().enumerate().filter(|(_, input)| input.is_expert());
         let taken = ReservedChannels {
-            advanced: advanced.fold(0, |mask, (n, _)| {
-                mask | u32::try_from(n).map_or(0, |n| 1_u32.checked_shl(n).unwrap_or(0))
-            }),
+            advanced: advanced.map(|(input, _)| input).collect(),
             run_stop: self.run_stop_input,
             alarm: self.alarm_output,
         };
@@ -238,8 +236,7 @@ impl Config {
         }
         let used = self.expert.inputs();
         for (input, config) in self.inputs.iter().enumerate() {
-            let used = used.checked_shr(input as u32).is_some_and(|bits| bits & 1 == 1);
-            let checked = config.check(input, used, self.reference);
+            let checked = config.check(input, used.contains(input), self.reference);
             checked.map_err(|fault| ConfigError::Input { input, fault })?;
         }
         if let Some(input) = self.run_stop_input {
@@ -292,7 +289,7 @@ mod tests {
             Err(ConfigError::Interval { task: 0, interval: short })
         );
         assert_eq!(with(|c| c.profile = Profile::M251_2024), Err(ConfigError::Reference));
-        assert_eq!(with(|c| c.output_defaults = 1 << 10), Err(ConfigError::OutputDefaults { outputs: 10 }));
+        assert_eq!(with(|c| c.output_defaults.insert(10)), Err(ConfigError::OutputDefaults { outputs: 10 }));
         assert_eq!(
             with(|c| c.inputs = vec![InputConfig::default(); 15]),
             Err(ConfigError::Inputs { found: 15, inputs: 14 })

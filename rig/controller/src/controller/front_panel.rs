@@ -1,7 +1,7 @@
 //! What a person before the controller sees and can move, and what is forced in it.
 
 use super::Controller;
-use crate::{Led, LedPattern, State};
+use crate::{ForcedChannels, Led, LedPattern, State};
 use signal::Time;
 
 /// The controller from outside.
@@ -15,10 +15,10 @@ pub struct FrontPanel {
     pub switch: bool,
     /// It has its supply.
     pub supply: bool,
-    /// The inputs that are forced, bit n for In, and their values.
-    pub forced_inputs: (u32, u32),
-    /// The outputs that are forced, bit n for Qn, and their values.
-    pub forced_outputs: (u32, u32),
+    /// The inputs that are forced.
+    pub forced_inputs: ForcedChannels,
+    /// The outputs that are forced.
+    pub forced_outputs: ForcedChannels,
 }
 
 impl Controller {

@@ -11,11 +11,11 @@ impl Controller {
     /// Square waves of expert functions on these embedded outputs are made by hardware: what is reported of them is
     /// [`crate::Effect::Wave`], and no edges. To be called without power; it stays so.
     pub fn offload_pulses(&mut self, outputs: &[Channel]) {
-        let bit = |channel: &Channel| match channel {
-            Channel::Output(output) => 1u32.checked_shl(*output as u32).unwrap_or(0),
-            Channel::Input(_) => 0,
-        };
-        self.io.offload_pulses(outputs.iter().fold(0, |mask, channel| mask | bit(channel)));
+        let outputs = outputs.iter().filter_map(|channel| match channel {
+            Channel::Output(output) => Some(*output),
+            Channel::Input(_) => None,
+        });
+        self.io.offload_pulses(outputs.collect());
     }
 
     /// So many edges at terminal I`input` are known to be missing before `now`: an expert function that counts them is off by

@@ -112,7 +112,7 @@ impl Controller {
             if self.probes.update(place, value) {
                 let cause = match probe {
                     Probe::Address(address) if address.area() == Area::Output => {
-                        self.memory.writer(address.bit_offset())
+                        self.memory.writer(address.bit_offset() as usize)
                     }
                     _ => cause,
                 };

@@ -4,7 +4,9 @@ use super::Controller;
 use crate::last_state::{Dates, save_last_state};
 use crate::probes::class;
 use crate::{Application, Effect, Effects, HaltOutputs, LogEntry, OutputsInStop, State, TaskConfig};
-use profile::{ApplicationError, BOOT_STAGES, BootProjectStatus, OUTPUT_INITIALIZATION, Profile, StopCause};
+use profile::{
+    ApplicationError, BOOT_STAGES, BootProjectStatus, ChannelSet, OUTPUT_INITIALIZATION, Profile, StopCause,
+};
 use signal::{Cause, Span, Time};
 
 /// What the outputs of an application begin with.
@@ -136,12 +138,12 @@ impl Controller {
             // In RUNNING forcing waits for the outputs' tasks (controller:FRC-05).
             self.io.act_forcing(None);
         }
-        let mask = self.io.output_mask();
+        let all = self.io.all_outputs();
         let old = self.config.profile == Profile::M241_2014;
         let defaults = match (old, state) {
-            (true, State::Stopped) => mask,
-            (true, _) => 0,
-            (false, _) => mask & !self.memory.written_outputs(),
+            (true, State::Stopped) => all,
+            (true, _) => ChannelSet::EMPTY,
+            (false, _) => all - self.memory.written_outputs(),
         };
         let first = if old { state == State::Stopped } else { beginning == ApplicationStart::Download };
         self.io.begin_initialization(now.saturating_add(OUTPUT_INITIALIZATION), defaults);

@@ -1,21 +1,23 @@
 //! The embedded inputs and outputs as module 0.
 
-use super::{EmbeddedIo, TaskChannels};
+use super::{EmbeddedIo, OutputWrite, TaskChannels};
+use crate::config::Config;
 use crate::memory::Memory;
 use crate::module::{Cycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
 use crate::terminal::Channel;
-use profile::{IoStatus, Reference};
+use profile::IoStatus;
 use signal::{Address, Area, Level, Time, Value};
 
-/// The embedded channels of a reference with their places in the images (io:ADR-01, io:ADR-02).
-pub(super) fn channels(reference: &Reference) -> Vec<ModuleChannel> {
-    let inputs = profile::inputs(reference).map(|input| {
+/// The embedded channels of a configuration with their places in the images (io:ADR-01, io:ADR-02).
+pub(super) fn channels(config: &Config) -> Vec<ModuleChannel> {
+    let inputs = profile::inputs(config.reference).map(|input| {
         let address = Address::bit(Area::Input, input.byte * 8 + input.bit);
         ModuleChannel::new(Channel::Input(input.index), address)
     });
-    let outputs = profile::outputs(reference).map(|output| {
+    let outputs = profile::outputs(config.reference).map(|output| {
         let address = Address::bit(Area::Output, output.byte * 8 + output.bit);
-        ModuleChannel::new(Channel::Output(output.index), address)
+        let default = config.output_defaults.contains(output.index).into();
+        ModuleChannel { default, ..ModuleChannel::new(Channel::Output(output.index), address) }
     });
     inputs.chain(outputs).collect()
 }
@@ -26,17 +28,24 @@ impl IoModule for EmbeddedIo {
     }
 
     fn share(&mut self, sharing: &Sharing<'_>) {
-        // Their bits, and those of status and rearming command, are among the first 32 of the images.
-        let mask = |rank: usize, area: Area| {
-            let exchanged = (0..32).filter(|bit| sharing.exchanges(rank, Address::bit(area, *bit)));
-            exchanged.fold(0, |mask, bit| mask | 1 << bit)
-        };
-        let written = (0..sharing.tasks()).fold(0, |mask, rank| mask | sharing.written_outputs(rank));
         for (rank, own) in self.tasks.iter_mut().enumerate().take(sharing.tasks()) {
-            let (inputs, outputs) = (mask(rank, Area::Input), mask(rank, Area::Output));
-            // Forcing comes to an output with the task that writes it, else with that which exchanges it.
-            let forced_with = sharing.written_outputs(rank) | outputs & !written;
-            *own = TaskChannels { inputs, outputs, forced_with };
+            let exchanges = |at: Option<Address>| at.is_some_and(|at| sharing.exchanges(rank, at));
+            let status = exchanges(self.status);
+            let rearming = exchanges(self.rearming);
+            *own = TaskChannels { status, rearming, ..TaskChannels::default() };
+            for ModuleChannel { channel, address, .. } in &self.channels {
+                let exchanged = sharing.exchanges(rank, *address);
+                match *channel {
+                    Channel::Input(input) => own.inputs.set(input, exchanged),
+                    Channel::Output(output) => {
+                        own.outputs.set(output, exchanged);
+                        // Forcing comes to an output with the task that writes it, else with that which exchanges it.
+                        let written = (0..sharing.tasks()).any(|other| sharing.writes(other, *address));
+                        let own_write = sharing.writes(rank, *address);
+                        own.forced_with.set(output, own_write || exchanged && !written);
+                    }
+                }
+            }
         }
     }
 
@@ -60,27 +69,33 @@ impl IoModule for EmbeddedIo {
 
     #[inline]
     fn sample(&mut self, now: Time, cycle: Cycle, memory: &mut Memory) -> bool {
-        let which = cycle.rank.map_or(!0, |rank| self.tasks[rank].inputs);
-        let (levels, mask) = self.inputs.read(now, cycle.mast);
-        let bits = self.forced_inputs.apply(levels);
-        let status = self.status_bit;
-        let bits = if self.protection.reported() { bits | status } else { bits & !status };
-        memory.set_input_bits(bits, (mask | status) & which)
+        let task = self.exchanged(cycle.rank);
+        let (on, readable) = self.inputs.read(now, cycle.mast);
+        let changed = memory.set_inputs(self.forced_inputs.apply(on), readable & task.inputs);
+        let status = self.status.filter(|_| task.status);
+        status.is_some_and(|at| memory.set_input(at, self.protection.reported().into())) || changed
     }
 
     /// At once, or where the bus cycle task reads its inputs next (controller:PRIO-08).
     #[inline]
     fn drive(&mut self, now: Time, cycle: Cycle, memory: &mut Memory) -> Written {
-        let Some(rank) = cycle.rank else { return self.write(now, !0, memory) };
-        self.act_forcing(Some(rank));
-        let which = self.tasks[rank].outputs;
-        if !self.writes_late {
-            return self.write(now, which, memory);
+        if cycle.rank.is_some() {
+            self.act_forcing(cycle.rank);
         }
-        let image_changed = self.force_image(which, memory);
-        let (bits, waiting) = self.late_write.unwrap_or_default();
-        let image = memory.output_bits();
-        self.late_write = Some((bits & !which | image & which, waiting | which));
+        let task = self.exchanged(cycle.rank);
+        let image_changed = self.force_image(task.outputs, memory);
+        let write = self.image(task, memory);
+        if cycle.rank.is_none() || !self.writes_late {
+            self.late_write = None;
+            let stages_changed = self.drive(now, write, memory);
+            return Written { image_changed, stages_changed };
+        }
+        let waiting = self.late_write.unwrap_or_default();
+        self.late_write = Some(OutputWrite {
+            on: waiting.on - write.which | write.on & write.which,
+            which: waiting.which | write.which,
+            rearming: write.rearming.or(waiting.rearming),
+        });
         Written { image_changed, stages_changed: false }
     }
 

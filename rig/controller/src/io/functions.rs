@@ -7,6 +7,7 @@
 use crate::config::{Config, OutputsInStop};
 use crate::state::State;
 use expert::{Effect, ExpertFunctions, FunctionKind, FunctionProbe, Operation};
+use profile::ChannelSet;
 use signal::{Time, Value};
 
 /// The functions, and what the controller lets them do.
@@ -17,18 +18,18 @@ pub(super) struct Functions {
     initial: ExpertFunctions,
     pub(super) operation: Operation,
     /// Outputs of pulse trains, which have no defaults (io:PLS-04).
-    pulses: u32,
-    /// What the outputs show while the functions rest, bit n for Qn.
-    pub(super) rest: u32,
+    pulses: ChannelSet,
+    /// What the outputs show while the functions rest: the outputs that are at 1.
+    pub(super) rest: ChannelSet,
     /// Something happened with an edge and nobody looked at it yet.
     due: Time,
     /// The place of the next effect.
     place: usize,
     observed: bool,
-    /// Outputs whose square waves hardware makes, bit n for Qn.
-    offloaded: u32,
-    /// Outputs that protection has switched off, as the functions know it, bit n for Qn.
-    cut: u32,
+    /// Outputs whose square waves hardware makes.
+    offloaded: ChannelSet,
+    /// Outputs that protection has switched off, as the functions know it.
+    cut: ChannelSet,
 }
 
 impl Functions {
@@ -41,34 +42,31 @@ impl Functions {
             initial: expert.clone(),
             expert,
             operation: Operation::Off,
-            pulses: axes.fold(0, |mask, axis| mask | axis.kind.outputs()),
-            rest: 0,
+            pulses: axes.flat_map(|axis| axis.kind.outputs()).collect(),
+            rest: ChannelSet::EMPTY,
             due: Time::MAX,
             place: 0,
             observed: false,
-            offloaded: 0,
-            cut: 0,
+            offloaded: ChannelSet::EMPTY,
+            cut: ChannelSet::EMPTY,
         }
     }
 
-    /// hardware makes the square waves on these outputs.
-    pub(super) fn offload_pulses(&mut self, outputs: u32) {
+    /// Hardware makes the square waves on these outputs.
+    pub(super) fn offload_pulses(&mut self, outputs: ChannelSet) {
         self.offloaded = outputs;
         self.expert.offload_pulses(outputs);
     }
 
-    /// The outputs that functions drive, bit n for Qn.
+    /// The outputs that functions drive.
     #[inline]
-    pub(super) const fn outputs(&self) -> u32 {
+    pub(super) const fn outputs(&self) -> ChannelSet {
         self.expert.outputs()
     }
 
     /// Whether a function drives Q`output`.
     pub(super) fn drives(&self, output: usize) -> bool {
-        u32::try_from(output)
-            .ok()
-            .and_then(|n| self.outputs().checked_shr(n))
-            .is_some_and(|bits| bits & 1 == 1)
+        self.outputs().contains(output)
     }
 
     /// The functions as blocks reach them.
@@ -124,10 +122,10 @@ impl Functions {
     }
 
     /// Protection has the stages of these outputs switched off from `now` on (io:STD-PTO-14).
-    pub(super) fn protect(&mut self, now: Time, cut: u32) {
+    pub(super) fn protect(&mut self, now: Time, cut: ChannelSet) {
         let cut = cut & self.outputs();
         // That it let go is to be known, too: an axis can be reset then.
-        if cut | self.cut != 0 {
+        if !(cut | self.cut).is_empty() {
             self.expert.protect(now, cut);
         }
         self.cut = cut;
@@ -143,7 +141,8 @@ impl Functions {
     /// The electronics of the inputs come up: everything after the terminals starts again, with the levels there.
     pub(super) fn power_on(&mut self, now: Time, inputs: usize, high: impl Fn(usize) -> bool) {
         self.expert.clone_from(&self.initial);
-        (self.operation, self.rest, self.due, self.place, self.cut) = (Operation::Off, 0, Time::MAX, 0, 0);
+        (self.operation, self.due, self.place) = (Operation::Off, Time::MAX, 0);
+        (self.rest, self.cut) = (ChannelSet::EMPTY, ChannelSet::EMPTY);
         self.offload_pulses(self.offloaded);
         if self.observed {
             self.observe();
@@ -171,16 +170,16 @@ impl Functions {
     }
 
     /// What their outputs will show while they rest (io:OUT-19).
-    pub(super) fn prepare_rest(&mut self, outputs: OutputsInStop, defaults: u32) {
+    pub(super) fn prepare_rest(&mut self, outputs: OutputsInStop, defaults: ChannelSet) {
         self.rest = match outputs {
-            OutputsInStop::Keep => 0,
-            OutputsInStop::Default => defaults & self.outputs() & !self.pulses,
+            OutputsInStop::Keep => ChannelSet::EMPTY,
+            OutputsInStop::Default => defaults & self.outputs() - self.pulses,
         };
     }
 
     /// The application is gone, and with it all that the functions know.
     pub(super) fn unload(&mut self, now: Time) {
-        self.rest = 0;
+        self.rest = ChannelSet::EMPTY;
         self.operate(now, Operation::Off);
         self.expert.reset(now);
         while self.take().is_some() {}

@@ -8,23 +8,23 @@ mod input;
 mod output;
 mod protection;
 
+pub use forced::ForcedChannels;
 pub(crate) use input::InputEvent;
 
 use crate::config::{Config, OutputsInStop};
 use crate::memory::Memory;
-use crate::module::{ModuleChannel, Written};
+use crate::module::ModuleChannel;
 use crate::probe::{InputProbe, OutputState};
 use crate::state::State;
 use expert::{Effect, ExpertFunctions, FunctionProbe, Operation};
-use forced::Forced;
 use functions::{Functions, operation_in};
 use input::Inputs;
 use output::Outputs;
-use profile::Profile;
+use profile::{ChannelSet, Profile};
 use protection::Protection;
-use signal::{Cause, Span, Time, Value};
+use signal::{Address, Area, Cause, Span, Time, Value};
 
-/// The embedded inputs and outputs. In the masks bit n stands for In or Qn, of which there are at most 24.
+/// The embedded inputs and outputs.
 #[derive(Clone, Debug)]
 pub(crate) struct EmbeddedIo {
     channels: Vec<ModuleChannel>,
@@ -32,27 +32,28 @@ pub(crate) struct EmbeddedIo {
     outputs: Outputs,
     functions: Functions,
     protection: Protection,
-    forced_inputs: Forced,
-    forced_outputs: Forced,
+    forced_inputs: ForcedChannels,
+    forced_outputs: ForcedChannels,
     /// What acts on the outputs: the forced values that their tasks have come to (controller:FRC-05).
-    acting: Forced,
+    acting: ForcedChannels,
     /// What each task exchanges, by rank.
     tasks: Vec<TaskChannels>,
-    /// What was written to the outputs, and to which, to be driven where the bus cycle task reads its inputs next
-    /// (controller:PRIO-08).
-    late_write: Option<(u32, u32)>,
+    /// To be driven where the bus cycle task reads its inputs next (controller:PRIO-08).
+    late_write: Option<OutputWrite>,
     /// Outputs show their initialization values up to then, and these take their default values then.
-    initialization: Option<(Time, u32)>,
-    /// What the outputs are set to at each update in STOPPED and HALT; none to keep what is in %Q.
-    stop_image: Option<u32>,
-    defaults: u32,
+    initialization: Option<(Time, ChannelSet)>,
+    /// The outputs that are set to 1 at each update in STOPPED and HALT, and the others to 0; none to keep what is in %Q.
+    /// Unlike those of other modules they can be initial values of the program (controller:OUT-05).
+    stop_image: Option<ChannelSet>,
+    /// The outputs whose default value is 1, as [`ModuleChannel::default`] says.
+    defaults: ChannelSet,
     alarm_output: Option<usize>,
     /// The alarm output shows faults of the outputs, too (io:OUT-03).
     alarm_shows_faults: bool,
-    /// The bit of %I that reports faults of the outputs; 0 without outputs.
-    status_bit: u32,
-    /// The bit of %Q that rearms the outputs; 0 without outputs.
-    rearming_bit: u32,
+    /// The bit of %I that reports faults of the outputs, where there are outputs.
+    status: Option<Address>,
+    /// The bit of %Q that rearms the outputs, where there are outputs.
+    rearming: Option<Address>,
     /// Outputs are written where the bus cycle task reads its inputs next.
     writes_late: bool,
     /// The controller is RUNNING.
@@ -65,11 +66,37 @@ pub(crate) struct EmbeddedIo {
 #[derive(Clone, Copy, Debug, Default)]
 struct TaskChannels {
     /// The inputs that it reads.
-    inputs: u32,
+    inputs: ChannelSet,
+    /// It reads whether the outputs have a fault.
+    status: bool,
     /// The outputs that it writes, by whole bytes.
-    outputs: u32,
+    outputs: ChannelSet,
+    /// It writes the rearming command.
+    rearming: bool,
     /// The outputs that forcing comes to with it (controller:FRC-05).
-    forced_with: u32,
+    forced_with: ChannelSet,
+}
+
+impl TaskChannels {
+    /// What is exchanged without a task.
+    const ALL: TaskChannels = TaskChannels {
+        inputs: ChannelSet::ALL,
+        status: true,
+        outputs: ChannelSet::ALL,
+        rearming: true,
+        forced_with: ChannelSet::ALL,
+    };
+}
+
+/// What of %Q goes to the drivers.
+#[derive(Clone, Copy, Debug, Default)]
+struct OutputWrite {
+    /// The outputs that are at 1.
+    on: ChannelSet,
+    /// The outputs that are written.
+    which: ChannelSet,
+    /// The rearming command, where it is written.
+    rearming: Option<bool>,
 }
 
 /// Something that an expert function did.
@@ -81,23 +108,19 @@ pub(crate) enum FunctionEffect {
     Raised(Effect),
 }
 
-/// A bit by its byte and its place in it, among the first 32 of an image.
-const fn low_bit((byte, bit): (u32, u32)) -> u32 {
-    1 << (8 * byte + bit)
-}
-
 impl EmbeddedIo {
     /// Those of a configuration that was checked, without power.
     pub(crate) fn new(config: &Config) -> EmbeddedIo {
+        let bit = |area| move |(byte, bit): (u32, u32)| Address::bit(area, 8 * byte + bit);
         EmbeddedIo {
-            channels: embedded::channels(config.reference),
+            channels: embedded::channels(config),
             inputs: Inputs::new(config),
             outputs: Outputs::new(profile::outputs(config.reference)),
             functions: Functions::new(config),
             protection: Protection::new(config.reference, config.rearming),
-            forced_inputs: Forced::default(),
-            forced_outputs: Forced::default(),
-            acting: Forced::default(),
+            forced_inputs: ForcedChannels::default(),
+            forced_outputs: ForcedChannels::default(),
+            acting: ForcedChannels::default(),
             tasks: vec![TaskChannels::default(); config.tasks.len()],
             late_write: None,
             initialization: None,
@@ -105,8 +128,8 @@ impl EmbeddedIo {
             defaults: config.output_defaults,
             alarm_output: config.alarm_output,
             alarm_shows_faults: config.profile != Profile::M241_2014,
-            status_bit: profile::short_circuit_status(config.reference).map_or(0, low_bit),
-            rearming_bit: profile::rearming_command(config.reference).map_or(0, low_bit),
+            status: profile::short_circuit_status(config.reference).map(bit(Area::Input)),
+            rearming: profile::rearming_command(config.reference).map(bit(Area::Output)),
             writes_late: config.minimize_jitter,
             running: false,
             powered: false,
@@ -154,22 +177,22 @@ impl EmbeddedIo {
 
 /// Outputs.
 impl EmbeddedIo {
-    /// A 1 for every output.
-    pub(crate) fn output_mask(&self) -> u32 {
-        self.outputs.mask()
+    /// Every output.
+    pub(crate) fn all_outputs(&self) -> ChannelSet {
+        self.outputs.all()
     }
 
     /// What the stage of an output does.
     pub(crate) fn output_state(&self, output: usize) -> Option<OutputState> {
         let level = self.outputs.level(output)?;
-        let protected = self.protection.off() >> output & 1 == 1;
+        let protected = self.protection.off().contains(output);
         Some(if protected { OutputState::Protected } else { OutputState::from(level) })
     }
 
     /// What cycles left for the beginning of one of the bus cycle task (controller:PRIO-08); whether stages changed.
     #[inline]
     pub(crate) fn write_late(&mut self, now: Time, memory: &Memory) -> bool {
-        self.late_write.take().is_some_and(|(bits, which)| self.drive(now, bits, which, memory))
+        self.late_write.take().is_some_and(|write| self.drive(now, write, memory))
     }
 
     /// Whether cycles left something for the beginning of one of the bus cycle task.
@@ -178,41 +201,43 @@ impl EmbeddedIo {
         self.late_write.is_some()
     }
 
-    /// %Q, changed by the forcing that acts (controller:FRC-02, controller:FRC-05), -> drivers.
+    /// What a task exchanges, by its rank; without one everything.
     #[inline]
-    fn write(&mut self, now: Time, which: u32, memory: &mut Memory) -> Written {
-        let image_changed = self.force_image(which, memory);
-        self.late_write = None;
-        let stages_changed = self.drive(now, memory.output_bits(), which, memory);
-        Written { image_changed, stages_changed }
+    fn exchanged(&self, rank: Option<usize>) -> TaskChannels {
+        rank.map_or(TaskChannels::ALL, |rank| self.tasks[rank])
+    }
+
+    /// What a task writes, as it is in %Q.
+    #[inline]
+    fn image(&self, task: TaskChannels, memory: &Memory) -> OutputWrite {
+        let rearming = self.rearming.filter(|_| task.rearming).map(|at| memory.load(at) != 0);
+        OutputWrite { on: memory.outputs(), which: task.outputs, rearming }
     }
 
     #[inline]
-    fn force_image(&mut self, which: u32, memory: &mut Memory) -> bool {
-        let Forced { mask, bits } = self.acting;
-        mask & which != 0 && memory.set_output_bits(bits, mask & which, Cause::Controller)
+    fn force_image(&mut self, which: ChannelSet, memory: &mut Memory) -> bool {
+        let which = self.acting.channels() & which;
+        !which.is_empty() && memory.set_outputs(self.acting.on(), which, Cause::Controller)
     }
 
-    /// Commands the drivers of `which` outputs at `now`, and the rearming command among the bits after them. Whether
-    /// protection had a part in it.
+    /// Commands the drivers at `now`, and rearming. Whether protection had a part in it.
     #[inline]
-    fn drive(&mut self, now: Time, image: u32, which: u32, memory: &Memory) -> bool {
-        let which = which & !self.functions.outputs();
-        let bits = self.with_alarm(image);
-        let all = self.outputs.commanded() & !which | bits & which;
+    fn drive(&mut self, now: Time, write: OutputWrite, memory: &Memory) -> bool {
+        let which = write.which - self.functions.outputs();
+        let on = self.with_alarm(write.on);
+        let all = self.outputs.commanded() - which | on & which;
         let quiet = self.protection.is_quiet();
-        if which & self.rearming_bit == 0 {
-            self.protection.update_without_write(now, all);
-        } else {
-            self.protection.update(now, all, image & self.rearming_bit != 0);
+        match write.rearming {
+            Some(command) => self.protection.update(now, all, command),
+            None => self.protection.update_without_write(now, all),
         }
         if quiet && self.protection.is_quiet() {
-            self.outputs.drive(now, bits, which, memory);
+            self.outputs.drive(now, on, which, memory);
             return false;
         }
         // A stage that protection switches off with this write must not come on with it.
         self.cut_outputs(now);
-        self.outputs.drive(now, self.with_alarm(image), which, memory);
+        self.outputs.drive(now, self.with_alarm(write.on), which, memory);
         self.drive_alarm(now, memory);
         true
     }
@@ -222,8 +247,8 @@ impl EmbeddedIo {
         self.initialization = None;
     }
 
-    /// Initialization values show until then; `defaults` take their default values behind them.
-    pub(crate) fn begin_initialization(&mut self, until: Time, defaults: u32) {
+    /// Initialization values show until then; `defaults` take their default values after them.
+    pub(crate) fn begin_initialization(&mut self, until: Time, defaults: ChannelSet) {
         self.initialization = Some((until, defaults));
     }
 
@@ -241,10 +266,10 @@ impl EmbeddedIo {
     /// Whether %Q changed; none where there was nothing to end.
     pub(crate) fn end_initialization(&mut self, outputs: OutputsInStop, memory: &mut Memory) -> Option<bool> {
         let (_, defaults) = self.initialization.take()?;
-        let changed = memory.set_output_bits(self.defaults, defaults, Cause::Controller);
+        let changed = memory.set_outputs(self.defaults, defaults, Cause::Controller);
         self.stop_image = match outputs {
             OutputsInStop::Keep => None,
-            OutputsInStop::Default => Some(memory.output_bits() & self.outputs.mask()),
+            OutputsInStop::Default => Some(memory.outputs()),
         };
         Some(changed)
     }
@@ -260,8 +285,8 @@ impl EmbeddedIo {
 
     /// Sets %Q to what outputs are set to in STOPPED and HALT; whether it changed.
     pub(crate) fn set_stop_image(&mut self, memory: &mut Memory) -> bool {
-        let mask = self.outputs.mask();
-        self.stop_image.is_some_and(|bits| memory.set_output_bits(bits, mask, Cause::Controller))
+        let all = self.outputs.all();
+        self.stop_image.is_some_and(|on| memory.set_outputs(on, all, Cause::Controller))
     }
 }
 
@@ -319,7 +344,7 @@ impl EmbeddedIo {
     /// Stages that protection switches off, or that have no supply.
     fn cut_outputs(&mut self, now: Time) {
         let off = self.protection.off();
-        let unsupplied = if self.protection.supplied() { 0 } else { self.outputs.mask() };
+        let unsupplied = if self.protection.supplied() { ChannelSet::EMPTY } else { self.outputs.all() };
         self.outputs.cut(now, off | unsupplied);
         self.functions.protect(now, off);
     }
@@ -331,20 +356,20 @@ impl EmbeddedIo {
 
     /// The alarm output is no longer the program's; only forcing goes before it (controller:FRC-02).
     #[inline]
-    fn with_alarm(&self, bits: u32) -> u32 {
-        match self.alarm_output {
-            Some(output) if self.acting.mask >> output & 1 == 0 => {
-                bits & !(1 << output) | u32::from(self.alarm()) << output
-            }
-            _ => bits,
+    fn with_alarm(&self, mut on: ChannelSet) -> ChannelSet {
+        if let Some(output) = self.alarm_output
+            && !self.acting.channels().contains(output)
+        {
+            on.set(output, self.alarm());
         }
+        on
     }
 
     /// The alarm output follows the state at once, also where no outputs are updated (controller:STOP-02).
     pub(crate) fn drive_alarm(&mut self, now: Time, memory: &Memory) {
         if let Some(output) = self.alarm_output.filter(|_| !self.outputs.initialized()) {
-            let bits = self.with_alarm(self.outputs.commanded());
-            self.outputs.drive(now, bits, 1 << output, memory);
+            let on = self.with_alarm(self.outputs.commanded());
+            self.outputs.drive(now, on, ChannelSet::of(output), memory);
         }
     }
 }
@@ -364,7 +389,7 @@ impl EmbeddedIo {
     }
 
     /// Hardware makes the square waves of these outputs.
-    pub(crate) fn offload_pulses(&mut self, outputs: u32) {
+    pub(crate) fn offload_pulses(&mut self, outputs: ChannelSet) {
         self.functions.offload_pulses(outputs);
     }
 
@@ -407,12 +432,12 @@ impl EmbeddedIo {
     }
 
     fn command_pulse(&mut self, at: Time, output: u8, on: bool) {
-        let bit = 1 << output;
-        self.outputs.command(at, if on { bit } else { 0 }, bit);
+        let output = ChannelSet::of(output.into());
+        self.outputs.command(at, if on { output } else { ChannelSet::EMPTY }, output);
     }
 
     fn command_wave(&mut self, at: Time, output: u8, period: Span, high: Span) {
-        self.outputs.pulse(at, output, period, high);
+        self.outputs.pulse(at, output.into(), period, high);
     }
 
     /// Whether the functions do something else in this state than what they do now.
@@ -426,7 +451,7 @@ impl EmbeddedIo {
         self.functions.operate(now, operation);
         let which = self.functions.outputs();
         match operation {
-            Operation::Running => self.outputs.command(now, 0, which),
+            Operation::Running => self.outputs.command(now, ChannelSet::EMPTY, which),
             Operation::Stopped => self.outputs.command(now, self.functions.rest, which),
             Operation::Off => {}
         }
@@ -473,32 +498,29 @@ impl EmbeddedIo {
     /// Forcing comes to act on the outputs of a task that has executed, or without one on all of them.
     #[inline]
     pub(crate) fn act_forcing(&mut self, rank: Option<usize>) {
-        if self.forced_outputs.mask | self.acting.mask != 0 {
-            let which = rank.map_or(u32::MAX, |rank| self.tasks[rank].forced_with);
-            self.acting.take(self.forced_outputs, which);
+        if !(self.forced_outputs.is_empty() && self.acting.is_empty()) {
+            self.acting.take(self.forced_outputs, self.exchanged(rank).forced_with);
         }
     }
 
     /// Ends all forcing.
     pub(crate) fn clear_forcing(&mut self) {
-        (self.forced_inputs, self.forced_outputs, self.acting) =
-            (Forced::default(), Forced::default(), Forced::default());
+        self.restore_forced([ForcedChannels::default(); 2]);
+        self.acting = ForcedChannels::default();
     }
 
     /// Whether anything is forced.
     pub(crate) const fn has_forced(&self) -> bool {
-        self.forced_inputs.mask | self.forced_outputs.mask != 0
+        !(self.forced_inputs.is_empty() && self.forced_outputs.is_empty())
     }
 
-    /// Which inputs and which outputs are forced, each with their values.
-    pub(crate) const fn forced(&self) -> [(u32, u32); 2] {
-        let Forced { mask, bits } = self.forced_inputs;
-        [(mask, bits), (self.forced_outputs.mask, self.forced_outputs.bits)]
+    /// Which inputs and which outputs are forced.
+    pub(crate) const fn forced(&self) -> [ForcedChannels; 2] {
+        [self.forced_inputs, self.forced_outputs]
     }
 
     /// What [`EmbeddedIo::forced`] said is forced again, and acts later.
-    pub(crate) fn restore_forced(&mut self, [inputs, outputs]: [(u32, u32); 2]) {
-        self.forced_inputs = Forced { mask: inputs.0, bits: inputs.1 };
-        self.forced_outputs = Forced { mask: outputs.0, bits: outputs.1 };
+    pub(crate) fn restore_forced(&mut self, [inputs, outputs]: [ForcedChannels; 2]) {
+        (self.forced_inputs, self.forced_outputs) = (inputs, outputs);
     }
 }

@@ -3,7 +3,7 @@
 use crate::effect::Effect;
 use crate::memory::Memory;
 use crate::terminal;
-use profile::{EmbeddedOutput, OutputKind};
+use profile::{ChannelSet, EmbeddedOutput, OutputKind};
 use signal::{Cause, Level, Span, Time, Value};
 
 /// What a terminal does.
@@ -34,27 +34,27 @@ struct Terminal {
 pub(super) struct Outputs {
     terminals: Vec<Terminal>,
     /// Outputs that are not driven under hardware initialization values (controller:OUT-02).
-    floating: u32,
+    floating: ChannelSet,
     /// What the drivers are commanded: 1, and not driven at all.
-    on: u32,
-    undriven: u32,
+    on: ChannelSet,
+    undriven: ChannelSet,
     /// What of it pulses.
-    pulsing: u32,
+    pulsing: ChannelSet,
     /// Outputs whose stages are switched off whatever they are commanded, by protection or for want of a supply.
-    cut: u32,
+    cut: ChannelSet,
     /// Terminals with an edge to come, and the first of these edges.
-    pending: u32,
+    pending: ChannelSet,
     first: Time,
 }
 
 impl Outputs {
     /// Outputs in hardware initialization values.
     pub(super) fn new(outputs: impl Iterator<Item = EmbeddedOutput>) -> Outputs {
-        let mut floating = 0;
+        let mut floating = ChannelSet::EMPTY;
         let terminals = outputs
             .map(|output| {
                 let floats = output.kind == OutputKind::Fast;
-                floating |= u32::from(floats) << output.index;
+                floating.set(output.index, floats);
                 let shown = Shown::Level(if floats { Level::HighZ } else { Level::Low });
                 Terminal {
                     on_delay: output.on_delay,
@@ -70,18 +70,18 @@ impl Outputs {
         Outputs {
             terminals,
             floating,
-            on: 0,
+            on: ChannelSet::EMPTY,
             undriven: floating,
-            pulsing: 0,
-            cut: 0,
-            pending: 0,
+            pulsing: ChannelSet::EMPTY,
+            cut: ChannelSet::EMPTY,
+            pending: ChannelSet::EMPTY,
             first: Time::MAX,
         }
     }
 
-    /// A 1 for every output.
-    pub(super) fn mask(&self) -> u32 {
-        ((1u64 << self.terminals.len()) - 1) as u32
+    /// Every output.
+    pub(super) fn all(&self) -> ChannelSet {
+        ChannelSet::first(self.terminals.len())
     }
 
     /// The level at a terminal; none beyond the reference's outputs, and while hardware makes its pulses.
@@ -92,86 +92,86 @@ impl Outputs {
         }
     }
 
-    /// What the drivers are commanded, a 1 for on; 0 for outputs that are not driven.
+    /// The outputs whose drivers are commanded to be on.
     #[inline]
-    pub(super) fn commanded(&self) -> u32 {
+    pub(super) fn commanded(&self) -> ChannelSet {
         self.on
     }
 
     /// Whether the outputs are in hardware initialization values.
     pub(super) fn initialized(&self) -> bool {
-        self.undriven != 0
+        !self.undriven.is_empty()
     }
 
-    /// Commands every output at `now`: bit n drives Qn. The cause of an edge is the last writer of its %Q bit.
+    /// Commands these outputs at `now`, on those of `on`. The cause of an edge is the last writer of its %Q bit.
     #[inline]
-    pub(super) fn drive(&mut self, now: Time, bits: u32, which: u32, memory: &Memory) {
-        self.command_by(now, bits, which, |n| memory.writer(n));
+    pub(super) fn drive(&mut self, now: Time, on: ChannelSet, which: ChannelSet, memory: &Memory) {
+        self.command_by(now, on, which, |output| memory.writer(output));
     }
 
     /// Commands these outputs at `now`, for an expert function: no bit of %Q has a part in it.
     #[inline]
-    pub(super) fn command(&mut self, now: Time, bits: u32, which: u32) {
-        self.command_by(now, bits, which, |_| Cause::Controller);
+    pub(super) fn command(&mut self, now: Time, on: ChannelSet, which: ChannelSet) {
+        self.command_by(now, on, which, |_| Cause::Controller);
     }
 
     /// Has an output pulse at `now`, for an expert function whose pulses hardware makes.
-    pub(super) fn pulse(&mut self, now: Time, output: u8, period: Span, high: Span) {
-        let bit = 1 << output & self.mask();
-        let Some(terminal) = self.terminals.get_mut(usize::from(output)) else { return };
+    pub(super) fn pulse(&mut self, now: Time, output: usize, period: Span, high: Span) {
+        let Some(terminal) = self.terminals.get_mut(output) else { return };
         terminal.wave = Shown::Wave { period, high };
-        (self.on, self.undriven, self.pulsing) = (self.on | bit, self.undriven & !bit, self.pulsing | bit);
-        self.aim(now, bit, |_| Cause::Controller);
+        self.on.insert(output);
+        self.undriven.remove(output);
+        self.pulsing.insert(output);
+        self.aim(now, ChannelSet::of(output), |_| Cause::Controller);
     }
 
     #[inline]
-    fn command_by(&mut self, now: Time, bits: u32, which: u32, cause: impl Fn(u32) -> Cause) {
-        let changed = (bits ^ self.on | self.undriven | self.pulsing) & self.mask() & which;
-        if changed != 0 {
-            self.pulsing &= !changed;
-            (self.on, self.undriven) = (self.on ^ (bits ^ self.on) & changed, self.undriven & !changed);
+    fn command_by(&mut self, now: Time, on: ChannelSet, which: ChannelSet, cause: impl Fn(usize) -> Cause) {
+        let changed = (on ^ self.on | self.undriven | self.pulsing) & self.all() & which;
+        if !changed.is_empty() {
+            self.on = self.on - changed | on & changed;
+            self.undriven -= changed;
+            self.pulsing -= changed;
             self.aim(now, changed, cause);
         }
     }
 
     /// Commands hardware initialization values at `now` (controller:OUT-02).
     pub(super) fn initialize(&mut self, now: Time) {
-        (self.on, self.undriven, self.pulsing) = (0, self.floating, 0);
-        self.aim(now, self.mask(), |_| Cause::Controller);
+        (self.on, self.undriven, self.pulsing) = (ChannelSet::EMPTY, self.floating, ChannelSet::EMPTY);
+        self.aim(now, self.all(), |_| Cause::Controller);
     }
 
     /// Switches the stages of these outputs off at once, without delay, and lets the others follow their commands.
-    pub(super) fn cut(&mut self, now: Time, cut: u32) {
+    pub(super) fn cut(&mut self, now: Time, cut: ChannelSet) {
         let changed = cut ^ std::mem::replace(&mut self.cut, cut);
-        if changed != 0 {
-            self.aim(now, changed & self.mask(), |_| Cause::Controller);
+        if !changed.is_empty() {
+            self.aim(now, changed & self.all(), |_| Cause::Controller);
         }
     }
 
-    fn aim(&mut self, now: Time, mut which: u32, cause: impl Fn(u32) -> Cause) {
-        while which != 0 {
-            let n = which.trailing_zeros();
-            which &= which - 1;
-            let has = |mask: u32| mask >> n & 1 == 1;
-            let cut = has(self.cut);
-            let terminal = &mut self.terminals[n as usize];
-            let shown = match cut || has(self.undriven) {
-                true if has(self.floating) => Shown::Level(Level::HighZ),
+    fn aim(&mut self, now: Time, which: ChannelSet, cause: impl Fn(usize) -> Cause) {
+        for output in which {
+            let cut = self.cut.contains(output);
+            let terminal = &mut self.terminals[output];
+            let shown = match cut || self.undriven.contains(output) {
+                true if self.floating.contains(output) => Shown::Level(Level::HighZ),
                 true => Shown::Level(Level::Low),
-                false if has(self.pulsing) => terminal.wave,
-                false => Shown::Level(Level::from_bool(has(self.on))),
+                false if self.pulsing.contains(output) => terminal.wave,
+                false => Shown::Level(Level::from_bool(self.on.contains(output))),
             };
             if shown == terminal.shown {
                 terminal.next = shown;
-                self.pending &= !(1 << n);
+                self.pending.remove(output);
             } else if shown != terminal.next || cut {
                 let delay = match (cut, shown) {
                     (true, _) => Span::ZERO,
                     (false, Shown::Level(Level::High) | Shown::Wave { .. }) => terminal.on_delay,
                     (false, _) => terminal.off_delay,
                 };
-                (terminal.next, terminal.at, terminal.cause) = (shown, now.saturating_add(delay), cause(n));
-                self.pending |= 1 << n;
+                (terminal.next, terminal.at, terminal.cause) =
+                    (shown, now.saturating_add(delay), cause(output));
+                self.pending.insert(output);
             }
         }
         self.find_first();
@@ -179,10 +179,8 @@ impl Outputs {
 
     fn find_first(&mut self) {
         self.first = Time::MAX;
-        let mut left = self.pending;
-        while left != 0 {
-            self.first = self.first.min(self.terminals[left.trailing_zeros() as usize].at);
-            left &= left - 1;
+        for output in self.pending {
+            self.first = self.first.min(self.terminals[output].at);
         }
     }
 
@@ -197,15 +195,12 @@ impl Outputs {
         if self.first > now {
             return;
         }
-        let mut left = self.pending;
-        while left != 0 {
-            let n = left.trailing_zeros();
-            left &= left - 1;
-            let terminal = &mut self.terminals[n as usize];
+        for output in self.pending {
+            let terminal = &mut self.terminals[output];
             if terminal.at <= now {
                 terminal.shown = terminal.next;
-                self.pending &= !(1 << n);
-                let (output, at, cause) = (n as usize, terminal.at, terminal.cause);
+                self.pending.remove(output);
+                let (at, cause) = (terminal.at, terminal.cause);
                 report(match terminal.shown {
                     Shown::Level(level) => {
                         let (terminal, value) = (terminal::Terminal::output(output), Value::from(level));
@@ -238,7 +233,7 @@ mod tests {
     fn delays_by_kind_and_direction() {
         let (mut out, mut fx, memory) =
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
-        out.drive(us(0), 0b1_0001, !0, &memory);
+        out.drive(us(0), ChannelSet::from_iter([0, 4]), ChannelSet::ALL, &memory);
         assert_eq!(out.next(), us(2));
         out.fire(us(2), |effect| fx.push(effect));
         assert_eq!(
@@ -248,11 +243,11 @@ mod tests {
         assert_eq!(out.next(), us(34));
         out.fire(us(34), |effect| fx.push(effect));
         assert_eq!(out.level(4), Some(Level::High));
-        out.drive(us(100), 0, !0, &memory);
+        out.drive(us(100), ChannelSet::EMPTY, ChannelSet::ALL, &memory);
         out.fire(us(102), |effect| fx.push(effect));
         assert_eq!(out.next(), us(350));
         let mut relay = outputs("TM241CEC24R");
-        relay.drive(us(0), 0b1_0000, !0, &memory);
+        relay.drive(us(0), ChannelSet::of(4), ChannelSet::ALL, &memory);
         relay.fire(us(2), |effect| fx.push(effect));
         assert_eq!(relay.next(), us(10_000));
     }
@@ -263,7 +258,7 @@ mod tests {
         let (mut out, mut fx, memory) =
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
         assert_eq!((out.level(3), out.level(4)), (Some(Level::HighZ), Some(Level::Low)));
-        out.drive(us(0), 0x3FF, !0, &memory);
+        out.drive(us(0), ChannelSet::first(10), ChannelSet::ALL, &memory);
         out.fire(us(1_000), |effect| fx.push(effect));
         out.initialize(us(2_000));
         out.initialize(us(2_100));
@@ -280,19 +275,19 @@ mod tests {
     fn a_stage_that_is_cut_is_off_at_once() {
         let (mut out, mut fx, memory) =
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
-        out.drive(us(0), 0b11_0001, !0, &memory);
+        out.drive(us(0), ChannelSet::from_iter([0, 4, 5]), ChannelSet::ALL, &memory);
         out.fire(us(34), |effect| fx.push(effect));
-        out.drive(us(100), 0b10_0001, !0, &memory);
-        out.cut(us(110), 0xFF);
+        out.drive(us(100), ChannelSet::from_iter([0, 5]), ChannelSet::ALL, &memory);
+        out.cut(us(110), ChannelSet::first(8));
         assert_eq!(out.next(), us(110), "sooner than the off delay under way");
         out.fire(us(110), |effect| fx.push(effect));
         assert_eq!(
             [0, 1, 4, 5, 8].map(|n| out.level(n).unwrap()),
             [Level::HighZ, Level::HighZ, Level::Low, Level::Low, Level::Low]
         );
-        out.drive(us(200), 0b11_0001, !0, &memory);
+        out.drive(us(200), ChannelSet::from_iter([0, 4, 5]), ChannelSet::ALL, &memory);
         assert_eq!(out.next(), Time::MAX, "a command changes nothing");
-        out.cut(us(300), 0);
+        out.cut(us(300), ChannelSet::EMPTY);
         out.fire(us(302), |effect| fx.push(effect));
         out.fire(us(334), |effect| fx.push(effect));
         assert_eq!(
@@ -305,13 +300,13 @@ mod tests {
     fn a_command_taken_back_in_time_leaves_no_edge() {
         let (mut out, mut fx, memory) =
             (outputs("TM241CEC24T"), Effects::new(), Memory::new(Profile::default()));
-        out.drive(us(0), 0, !0, &memory);
+        out.drive(us(0), ChannelSet::EMPTY, ChannelSet::ALL, &memory);
         out.fire(us(2), |effect| fx.push(effect));
         fx.list.clear();
-        out.drive(us(10), 0b1_0000, !0, &memory);
-        out.drive(us(40), 0, !0, &memory);
+        out.drive(us(10), ChannelSet::of(4), ChannelSet::ALL, &memory);
+        out.drive(us(40), ChannelSet::EMPTY, ChannelSet::ALL, &memory);
         assert_eq!(out.next(), Time::MAX);
-        out.drive(us(50), 0b1_0000, !0, &memory);
+        out.drive(us(50), ChannelSet::of(4), ChannelSet::ALL, &memory);
         assert_eq!(out.next(), us(84), "the delay starts again");
         assert!(fx.list.is_empty());
     }

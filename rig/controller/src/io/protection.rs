@@ -1,7 +1,7 @@
 //! Protection of the transistor outputs: groups that switch off on a fault, and how they come back (io:OUT-06...09).
 
 use crate::config::Rearming;
-use profile::{PROTECTION_RETRY, PROTECTION_TEST, Reference};
+use profile::{ChannelSet, PROTECTION_RETRY, PROTECTION_TEST, Reference};
 use signal::Time;
 
 /// What a group is doing.
@@ -17,8 +17,7 @@ enum Phase {
 
 #[derive(Clone, Copy, Debug)]
 struct Group {
-    /// Its outputs, bit n for Qn.
-    outputs: u32,
+    outputs: ChannelSet,
     phase: Phase,
     /// A fault is reported.
     reported: bool,
@@ -32,9 +31,9 @@ pub(super) struct Protection {
     groups: [Group; 3],
     rearming: Rearming,
     /// Outputs with a short circuit at their terminals.
-    shorted: u32,
+    shorted: ChannelSet,
     /// Outputs that are too hot.
-    hot: u32,
+    hot: ChannelSet,
     /// The supply of inputs and outputs is there.
     supplied: bool,
     /// Level of the rearming command at the last write.
@@ -51,8 +50,8 @@ impl Protection {
         Protection {
             groups: profile::protection_groups(reference).map(group),
             rearming,
-            shorted: 0,
-            hot: 0,
+            shorted: ChannelSet::EMPTY,
+            hot: ChannelSet::EMPTY,
             supplied: true,
             command: false,
             idle: true,
@@ -62,12 +61,12 @@ impl Protection {
 
     /// Outputs in no group are not protected: nothing is seen of their short circuits.
     pub(super) fn short_circuit(&mut self, output: usize, on: bool) {
-        set(&mut self.shorted, output, on);
+        self.shorted.set(output, on);
         self.idle = false;
     }
 
     pub(super) fn over_temperature(&mut self, output: usize, on: bool) {
-        set(&mut self.hot, output, on);
+        self.hot.set(output, on);
         self.idle = false;
     }
 
@@ -96,9 +95,9 @@ impl Protection {
     }
 
     /// Outputs that protection switches off.
-    pub(super) fn off(&self) -> u32 {
+    pub(super) fn off(&self) -> ChannelSet {
         let off = |group: &&Group| matches!(group.phase, Phase::Off { .. });
-        self.groups.iter().filter(off).fold(0, |mask, group| mask | group.outputs)
+        self.groups.iter().filter(off).fold(ChannelSet::EMPTY, |all, group| all | group.outputs)
     }
 
     /// When something is due; [`Time::MAX`] for nothing.
@@ -109,7 +108,7 @@ impl Protection {
 
     /// Looks at all groups at `now`, with what the outputs are commanded and the level of the rearming command.
     #[inline]
-    pub(super) fn update(&mut self, now: Time, on: u32, command: bool) {
+    pub(super) fn update(&mut self, now: Time, on: ChannelSet, command: bool) {
         let before = std::mem::replace(&mut self.command, command);
         let rises = command && !before;
         if !self.idle {
@@ -118,7 +117,7 @@ impl Protection {
     }
 
     /// Looks at all groups at `now`, with no write of the outputs.
-    pub(super) fn update_without_write(&mut self, now: Time, on: u32) {
+    pub(super) fn update_without_write(&mut self, now: Time, on: ChannelSet) {
         if !self.idle {
             self.update_groups(now, on, false);
         }
@@ -130,12 +129,12 @@ impl Protection {
         self.idle
     }
 
-    fn update_groups(&mut self, now: Time, on: u32, rises: bool) {
+    fn update_groups(&mut self, now: Time, on: ChannelSet, rises: bool) {
         let (faults, automatic) = (self.faults(on), self.rearming == Rearming::Automatic);
         self.next = Time::MAX;
-        let mut quiet = self.shorted | self.hot == 0;
+        let mut quiet = (self.shorted | self.hot).is_empty();
         for group in &mut self.groups {
-            let fault = faults & group.outputs != 0;
+            let fault = faults.intersects(group.outputs);
             group.phase = match group.phase {
                 Phase::Off { .. } if rises && !automatic => {
                     group.reported = false;
@@ -172,14 +171,9 @@ impl Protection {
     }
 
     /// Outputs whose stages have a fault while they are commanded so.
-    fn faults(&self, on: u32) -> u32 {
-        if self.supplied { self.hot | self.shorted & on } else { 0 }
+    fn faults(&self, on: ChannelSet) -> ChannelSet {
+        if self.supplied { self.hot | self.shorted & on } else { ChannelSet::EMPTY }
     }
-}
-
-fn set(mask: &mut u32, output: usize, on: bool) {
-    let bit = 1u32.checked_shl(output as u32).unwrap_or(0);
-    *mask = if on { *mask | bit } else { *mask & !bit };
 }
 
 #[cfg(test)]
@@ -191,6 +185,12 @@ mod tests {
         Protection::new(Reference::find("TM241CEC24T").unwrap(), rearming)
     }
 
+    const NONE: ChannelSet = ChannelSet::EMPTY;
+
+    fn group(outputs: std::ops::Range<usize>) -> ChannelSet {
+        outputs.collect()
+    }
+
     fn ms(n: i64) -> Time {
         Time::ZERO + Span::from_millis(n)
     }
@@ -200,18 +200,18 @@ mod tests {
     fn automatic_attempts_come_every_second() {
         let mut it = protection(Rearming::Automatic);
         it.short_circuit(5, true);
-        it.update(ms(5), 0, false);
-        assert_eq!((it.off(), it.reported()), (0, false), "no current, no fault");
-        it.update(ms(10), 1 << 5, false);
-        assert_eq!((it.off(), it.reported(), it.next()), (0xF0, true, ms(1_010)));
-        it.update(ms(1_010), 1 << 5, false);
-        assert_eq!((it.off(), it.reported(), it.next()), (0, true, ms(1_011)));
-        it.update(ms(1_011), 1 << 5, true);
-        assert_eq!((it.off(), it.next()), (0xF0, ms(2_010)), "the command does nothing");
+        it.update(ms(5), NONE, false);
+        assert_eq!((it.off(), it.reported()), (NONE, false), "no current, no fault");
+        it.update(ms(10), ChannelSet::of(5), false);
+        assert_eq!((it.off(), it.reported(), it.next()), (group(4..8), true, ms(1_010)));
+        it.update(ms(1_010), ChannelSet::of(5), false);
+        assert_eq!((it.off(), it.reported(), it.next()), (NONE, true, ms(1_011)));
+        it.update(ms(1_011), ChannelSet::of(5), true);
+        assert_eq!((it.off(), it.next()), (group(4..8), ms(2_010)), "the command does nothing");
         it.short_circuit(5, false);
-        it.update(ms(2_010), 1 << 5, false);
-        it.update(ms(2_011), 1 << 5, false);
-        assert_eq!((it.off(), it.reported(), it.next()), (0, false, Time::MAX));
+        it.update(ms(2_010), ChannelSet::of(5), false);
+        it.update(ms(2_011), ChannelSet::of(5), false);
+        assert_eq!((it.off(), it.reported(), it.next()), (NONE, false, Time::MAX));
     }
 
     // io:OUT-08
@@ -219,15 +219,15 @@ mod tests {
     fn manual_waits_for_a_rising_edge() {
         let mut it = protection(Rearming::Manual);
         it.over_temperature(0, true);
-        it.update(ms(10), 0, true);
-        assert_eq!((it.off(), it.reported(), it.next()), (0xF, true, Time::MAX));
-        it.update(ms(5_000), 0, true);
-        assert_eq!(it.off(), 0xF, "no edge");
-        it.update(ms(5_100), 0, false);
-        it.update(ms(5_200), 0, true);
-        assert_eq!((it.off(), it.reported(), it.next()), (0, false, ms(5_201)));
-        it.update(ms(5_201), 0, true);
-        assert_eq!((it.off(), it.reported(), it.next()), (0xF, true, Time::MAX));
+        it.update(ms(10), NONE, true);
+        assert_eq!((it.off(), it.reported(), it.next()), (group(0..4), true, Time::MAX));
+        it.update(ms(5_000), NONE, true);
+        assert_eq!(it.off(), group(0..4), "no edge");
+        it.update(ms(5_100), NONE, false);
+        it.update(ms(5_200), NONE, true);
+        assert_eq!((it.off(), it.reported(), it.next()), (NONE, false, ms(5_201)));
+        it.update(ms(5_201), NONE, true);
+        assert_eq!((it.off(), it.reported(), it.next()), (group(0..4), true, Time::MAX));
     }
 
     #[test]
@@ -235,10 +235,10 @@ mod tests {
         let mut it = protection(Rearming::Automatic);
         it.supply(false);
         it.short_circuit(8, true);
-        it.update(ms(0), 0x3FF, false);
-        assert_eq!((it.off(), it.reported()), (0, false));
+        it.update(ms(0), ChannelSet::first(10), false);
+        assert_eq!((it.off(), it.reported()), (NONE, false));
         it.supply(true);
-        it.update(ms(1), 0x3FF, false);
-        assert_eq!((it.off(), it.reported()), (0x300, true));
+        it.update(ms(1), ChannelSet::first(10), false);
+        assert_eq!((it.off(), it.reported()), (group(8..10), true));
     }
 }

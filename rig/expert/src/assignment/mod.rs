@@ -6,7 +6,7 @@ mod error;
 pub use error::{ExpertError, ExpertFault, ExpertWarning};
 
 use crate::{AxisRole, CounterKind, CounterRole, ExpertConfig, FunctionKind, InputConditions, WaveRole};
-use profile::{ExpertLimits, FAST_INPUTS, Profile, Reference};
+use profile::{ChannelSet, ExpertLimits, FAST_INPUTS, Profile, Reference};
 use std::fmt;
 
 /// An input or output of the controller.
@@ -32,8 +32,8 @@ pub enum ChannelRole {
 /// What else the controller uses of its inputs and outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReservedChannels {
-    /// The inputs with Latch or Event, bit n for In.
-    pub advanced: u32,
+    /// The inputs with Latch or Event.
+    pub advanced: ChannelSet,
     /// The Run/Stop input: n for In.
     pub run_stop: Option<usize>,
     /// The alarm output: n for Qn.
@@ -71,20 +71,22 @@ impl FunctionKind {
         }
     }
 
-    /// The inputs that the function looks at, bit n for In.
-    pub fn inputs(&self) -> u32 {
-        self.terminals().iter().fold(0, |mask, (_, terminal)| match terminal {
-            Terminal::Input(n) => mask | bit(*n),
-            Terminal::Output(_) => mask,
-        })
+    /// The inputs that the function looks at.
+    pub fn inputs(&self) -> ChannelSet {
+        let inputs = self.terminals().into_iter().filter_map(|(_, terminal)| match terminal {
+            Terminal::Input(n) => Some(usize::from(n)),
+            Terminal::Output(_) => None,
+        });
+        inputs.collect()
     }
 
-    /// The outputs that the function may drive, bit n for Qn.
-    pub fn outputs(&self) -> u32 {
-        self.terminals().iter().fold(0, |mask, (_, terminal)| match terminal {
-            Terminal::Input(_) => mask,
-            Terminal::Output(n) => mask | bit(*n),
-        })
+    /// The outputs that the function may drive.
+    pub fn outputs(&self) -> ChannelSet {
+        let outputs = self.terminals().into_iter().filter_map(|(_, terminal)| match terminal {
+            Terminal::Input(_) => None,
+            Terminal::Output(n) => Some(usize::from(n)),
+        });
+        outputs.collect()
     }
 
     /// Whether it is of the class of which there are few: whatever is no HSC Simple (io:EXP-08).
@@ -102,14 +104,15 @@ fn both<R>(
     inputs.chain(outputs.map(|(it, n)| (role(it), Terminal::Output(n)))).collect()
 }
 
-fn bit(n: u8) -> u32 {
-    1_u32.checked_shl(n.into()).unwrap_or(0)
-}
-
 impl ExpertConfig {
-    /// The inputs that functions look at, bit n for In.
-    pub fn inputs(&self) -> u32 {
-        self.functions.iter().fold(0, |mask, function| mask | function.kind.inputs())
+    /// The inputs that functions look at.
+    pub fn inputs(&self) -> ChannelSet {
+        self.functions.iter().flat_map(|function| function.kind.inputs()).collect()
+    }
+
+    /// The outputs that functions may drive.
+    pub fn outputs(&self) -> ChannelSet {
+        self.functions.iter().flat_map(|function| function.kind.outputs()).collect()
     }
 
     /// Everything for which no controller of the profile accepts these functions, in the order of the functions.
@@ -235,7 +238,7 @@ impl Check<'_> {
         if usize::from(n) >= there {
             return Some(ExpertFault::Missing(terminal));
         }
-        if usable & bit(n) == 0 {
+        if !usable.contains(n.into()) {
             return Some(ExpertFault::Unusable(terminal));
         }
         if matches!(role, ChannelRole::Counter(CounterRole::Capture(capture)) if capture >= self.limits.captures)
@@ -244,10 +247,12 @@ impl Check<'_> {
         }
         match terminal {
             Terminal::Input(_) if is(self.taken.run_stop) => Some(ExpertFault::RunStop(terminal)),
-            Terminal::Input(_) if self.taken.advanced & bit(n) != 0 => Some(ExpertFault::Advanced(terminal)),
+            Terminal::Input(_) if self.taken.advanced.contains(n.into()) => {
+                Some(ExpertFault::Advanced(terminal))
+            }
             Terminal::Output(_) if is(self.taken.alarm) => Some(ExpertFault::Alarm(terminal)),
             Terminal::Output(_)
-                if !matches!(role, ChannelRole::Counter(_)) && self.limits.pulses & bit(n) == 0 =>
+                if !matches!(role, ChannelRole::Counter(_)) && !self.limits.pulses.contains(n.into()) =>
             {
                 Some(ExpertFault::Pulses(terminal))
             }

@@ -23,6 +23,7 @@ use ramp::HERTZ;
 pub(crate) use touch_probe::CaptureTrigger;
 
 use crate::{Effect, Effects, FunctionProbe, Operation};
+use ::profile::ChannelSet;
 use command::{CommandResults, QueuedCommand};
 use homing::{HomingEvent, HomingRun};
 use motion::Motion;
@@ -57,8 +58,8 @@ pub(crate) struct Axis {
     motion: Motion,
     parameters: AxisParameters,
     state: AxisState,
-    /// The levels of the inputs, bit n for In.
-    levels: u32,
+    /// The inputs that are at 1.
+    high: ChannelSet,
     /// The application runs.
     operating: bool,
     /// The program wants power.
@@ -91,7 +92,7 @@ impl Axis {
             config: config.clone(),
             place,
             state: AxisState::Disabled,
-            levels: 0,
+            high: ChannelSet::EMPTY,
             operating: false,
             enabled: false,
             cut: false,
@@ -112,11 +113,10 @@ impl Axis {
 
     /// The accepted level of input `input` from `at` on.
     pub fn edge(&mut self, at: Time, input: u8, high: bool, fx: &mut Effects) {
-        let bit = 1 << input;
-        if (self.levels & bit != 0) == high {
+        if self.high.contains(input.into()) == high {
             return;
         }
-        self.levels ^= bit;
+        self.high.set(input.into(), high);
         let becomes =
             |it: Option<DriveInput>| it.filter(|it| it.input == input).map(|it| high != it.inverted);
         let config = &self.config;
@@ -137,7 +137,7 @@ impl Axis {
     }
 
     fn is_on(&self, input: Option<DriveInput>) -> bool {
-        input.is_some_and(|it| (self.levels >> it.input & 1 != 0) != it.inverted)
+        input.is_some_and(|it| self.high.contains(it.input.into()) != it.inverted)
     }
 
     fn drive_is_ready(&self) -> bool {
@@ -176,7 +176,7 @@ impl Axis {
     pub fn reset(&mut self, now: Time, fx: &mut Effects) {
         let mut fresh = Axis::new(&self.config, self.place);
         self.disable(now, AxisFault::ApplicationStopped, fx);
-        fresh.levels = self.levels;
+        fresh.high = self.high;
         fresh.operating = self.operating;
         fresh.cut = self.cut;
         // Blocks keep the numbers of their commands in variables that a download may keep.
@@ -185,8 +185,8 @@ impl Axis {
     }
 
     /// Protection switched these outputs off (io:STD-PTO-14).
-    pub fn protect(&mut self, now: Time, cut: u32, fx: &mut Effects) {
-        self.cut = cut & self.outputs() != 0;
+    pub fn protect(&mut self, now: Time, cut: ChannelSet, fx: &mut Effects) {
+        self.cut = cut.intersects(self.outputs());
         if self.cut && !matches!(self.state, AxisState::Disabled | AxisState::ErrorStop) {
             self.fail(now, AxisFault::OutputProtection, fx);
         }
@@ -208,14 +208,14 @@ impl Axis {
         })
     }
 
-    /// The outputs that it may drive, bit n for Qn.
-    pub fn outputs(&self) -> u32 {
-        self.config.outputs().fold(0, |mask, (_, output)| mask | 1 << output)
+    /// The outputs that it may drive.
+    pub fn outputs(&self) -> ChannelSet {
+        self.config.outputs().map(|(_, output)| usize::from(output)).collect()
     }
 
-    /// The inputs that it looks at, bit n for In.
-    pub fn inputs(&self) -> u32 {
-        self.config.inputs().fold(0, |mask, (_, input)| mask | 1 << input)
+    /// The inputs that it looks at.
+    pub fn inputs(&self) -> ChannelSet {
+        self.config.inputs().map(|(_, input)| usize::from(input)).collect()
     }
 
     pub const fn state(&self) -> AxisState {

@@ -22,6 +22,7 @@ use compare::Comparator;
 use decode::{DecodeTable, MissedEdgeError};
 use meter::Meter;
 use param::CounterParams;
+use profile::ChannelSet;
 use rate_limit::PulseRateLimit;
 use signal::{Time, Value};
 
@@ -372,14 +373,14 @@ impl Counter {
         }
     }
 
-    /// The outputs that it may drive, bit n for Qn.
-    pub fn outputs(&self) -> u32 {
-        self.outputs.iter().flatten().fold(0, |mask, output| mask | 1 << (output & 31))
+    /// The outputs that it may drive.
+    pub fn outputs(&self) -> ChannelSet {
+        self.outputs.iter().flatten().map(|output| usize::from(*output)).collect()
     }
 
-    /// The inputs that it looks at, bit n for In.
-    pub fn inputs(&self) -> u32 {
-        (0..).zip(&self.roles).fold(0, |mask, (n, role)| mask | u32::from(*role != 0) << n)
+    /// The inputs that it looks at.
+    pub fn inputs(&self) -> ChannelSet {
+        (0..self.roles.len()).filter(|input| self.roles[*input] != 0).collect()
     }
 
     /// Thresholds raise their events.

@@ -2,13 +2,14 @@
 
 use super::{Counter, CounterMode, LimitsMode, diag, role};
 use crate::{Effect, Effects};
+use profile::ChannelSet;
 use signal::Time;
 
 impl Counter {
-    /// Hardware counts its pulses at one of these inputs, bit n for In: the levels of its phases mean nothing then.
-    pub fn counted(&mut self, inputs: u32) {
+    /// Hardware counts its pulses at one of these inputs: the levels of its phases mean nothing then.
+    pub fn counted(&mut self, inputs: ChannelSet) {
         let place = self.roles.iter().position(|roles| roles & role::A != 0);
-        let input = place.filter(|place| inputs >> place & 1 == 1);
+        let input = place.filter(|place| inputs.contains(*place));
         if let Some(input) = input {
             self.fed = Some(input as u8);
             self.roles.iter_mut().for_each(|roles| *roles &= !(role::A | role::B));

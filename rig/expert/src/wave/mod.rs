@@ -6,7 +6,7 @@ mod tests;
 
 use crate::{Effect, Effects, FunctionProbe, Operation};
 use period::Period;
-use profile::{EventEdges, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS};
+use profile::{ChannelSet, EventEdges, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS};
 use signal::{Time, Value};
 use std::fmt;
 
@@ -354,13 +354,13 @@ impl Wave {
         }
     }
 
-    /// The outputs that it may drive, bit n for Qn.
-    pub fn outputs(&self) -> u32 {
-        1 << self.output
+    /// The outputs that it may drive.
+    pub fn outputs(&self) -> ChannelSet {
+        ChannelSet::of(self.output.into())
     }
 
-    /// The inputs that it looks at, bit n for In.
-    pub fn inputs(&self) -> u32 {
-        self.enable_input.map_or(0, |input| 1 << input) | self.sync_input.map_or(0, |input| 1 << input)
+    /// The inputs that it looks at.
+    pub fn inputs(&self) -> ChannelSet {
+        [self.enable_input, self.sync_input].into_iter().flatten().map(usize::from).collect()
     }
 }

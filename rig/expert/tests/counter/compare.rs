@@ -1,6 +1,7 @@
 //! Thresholds, their events, and reflex outputs (io:STD-HSC-11, io:STD-HSC-12).
 
 use crate::rig::{Rig, dual, free};
+use profile::ChannelSet;
 use scanrig_expert::*;
 use signal::Value;
 
@@ -100,7 +101,7 @@ fn reflexes() -> CounterConfig {
 #[test]
 fn reflexes_follow_the_zone_at_once() {
     let mut rig = counting(reflexes());
-    assert_eq!(rig.expert.outputs(), 1 << 4 | 1 << 5);
+    assert_eq!(rig.expert.outputs(), ChannelSet::from_iter([4, 5]));
     rig.call(&[("EN_Out0", 1)]);
     let began = rig.now;
     for value in 1..=45 {

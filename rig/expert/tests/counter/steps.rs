@@ -2,6 +2,7 @@
 
 use crate::props::running;
 use crate::rig::{dual, free, single};
+use profile::ChannelSet;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use scanrig_expert::*;
@@ -80,7 +81,7 @@ proptest! {
         (config, most) in with_thresholds(),
         steps in vec(-40i64..40, 1..12),
     ) {
-        let mut counted = running(&config, InputConditions::default(), &PINS).counted(1 << config.a);
+        let mut counted = running(&config, InputConditions::default(), &PINS).counted(ChannelSet::of(config.a.into()));
         let mut pulsed = running(&config, InputConditions::default(), &PINS);
         let (mut of_counts, mut of_pulses) = (Vec::new(), Vec::new());
         taken(&mut counted, &mut of_counts);
@@ -116,7 +117,8 @@ proptest! {
 #[test]
 fn phases_of_a_counter_that_hardware_counts_for_mean_nothing() {
     let config = dual(PhaseMode::X4, free(0, LimitsMode::Rollover));
-    let mut expert = running(&config, InputConditions::default(), &PINS).counted(1 << config.a);
+    let mut expert =
+        running(&config, InputConditions::default(), &PINS).counted(ChannelSet::of(config.a.into()));
     for (micros, input, high) in [(10, 0, true), (20, 1, true), (30, 0, false)] {
         expert.edge(Time::from_nanos(micros * 1_000), input, high);
     }
@@ -135,7 +137,8 @@ fn phases_of_a_counter_that_hardware_counts_for_mean_nothing() {
 #[test]
 fn many_turns_at_once_end_where_they_should() {
     let config = single(CounterMode::ModuloLoop { modulo: 7 });
-    let mut expert = running(&config, InputConditions::default(), &PINS).counted(1 << config.a);
+    let mut expert =
+        running(&config, InputConditions::default(), &PINS).counted(ChannelSet::of(config.a.into()));
     let mut expected = 0;
     for (micros, steps) in [(1, 1_000_003), (2, -999_999), (3, i64::from(i32::MAX)), (4, -5)] {
         expert.count(Time::from_nanos(micros * 1_000), usize::from(config.a), steps);
@@ -147,7 +150,8 @@ fn many_turns_at_once_end_where_they_should() {
 #[test]
 fn a_counter_that_stands_takes_no_counts() {
     let config = single(CounterMode::ModuloLoop { modulo: 100 });
-    let mut expert = running(&config, InputConditions::default(), &[]).counted(1 << config.a);
+    let mut expert =
+        running(&config, InputConditions::default(), &[]).counted(ChannelSet::of(config.a.into()));
     expert.count(Time::from_nanos(1_000), usize::from(config.a), 5);
     assert_eq!(expert.read(0, FunctionProbe::Value), Value::Int(0));
 }

@@ -242,13 +242,10 @@ impl<'a> Executor<'a> {
 
     fn release_all(&mut self) -> CommandOutcome {
         let Some(front) = self.parts.subject.front() else { return Err(ScanCommandError::NoModel) };
-        for (mask, channel) in [
-            (front.forced_inputs.0, Channel::Input as fn(usize) -> Channel),
-            (front.forced_outputs.0, Channel::Output),
-        ] {
-            for place in (0..u32::BITS as usize).filter(|place| mask >> place & 1 == 1) {
-                self.command(&Command::Unforce(channel(place)))?;
-            }
+        let inputs = front.forced_inputs.iter().map(|(input, _)| Channel::Input(input));
+        let outputs = front.forced_outputs.iter().map(|(output, _)| Channel::Output(output));
+        for channel in inputs.chain(outputs) {
+            self.command(&Command::Unforce(channel))?;
         }
         Ok(None)
     }

@@ -6,22 +6,22 @@ use document::Diagnostic;
 use drivers::{BoardFile, ChannelKind};
 use expert::{ChannelRole, CounterMode, CounterRole, ExpertConfig, FunctionKind, Terminal};
 use plans::plan::Settings;
-use profile::Reference;
+use profile::{ChannelSet, Reference};
 use signal::Area;
 
-/// The inputs of the model behind whose terminals hardware counts, bit n for In.
-pub fn counted(board: &BoardFile, reference: &Reference) -> u32 {
+/// The inputs of the model behind whose terminals hardware counts.
+pub fn counted(board: &BoardFile, reference: &Reference) -> ChannelSet {
     let counts = |channel: drivers::ChannelId| {
         let channel = board.circuit.channels.get(usize::from(channel.0));
         channel.is_some_and(|channel| channel.kind == ChannelKind::Count)
     };
     let inputs = board.bind.iter().filter(|binding| binding.address.area() == Area::Input);
-    inputs.filter(|binding| counts(binding.channel)).fold(0, |mask, binding| {
-        match controller::Channel::at(binding.address, reference) {
-            Some(controller::Channel::Input(input)) => mask | 1u32.checked_shl(input as u32).unwrap_or(0),
-            _ => mask,
-        }
-    })
+    let counted = inputs.filter(|binding| counts(binding.channel));
+    let numbers = counted.filter_map(|binding| match controller::Channel::at(binding.address, reference)? {
+        controller::Channel::Input(input) => Some(input),
+        controller::Channel::Output(_) => None,
+    });
+    numbers.collect()
 }
 
 /// What functions cannot do with counts.
@@ -30,7 +30,7 @@ pub fn counted(board: &BoardFile, reference: &Reference) -> u32 {
 /// The findings, each at the key that names such an input.
 pub fn check(
     config: &ExpertConfig,
-    counted: u32,
+    counted: ChannelSet,
     settings: &Settings,
     plan: &str,
 ) -> Result<(), Vec<Diagnostic>> {
@@ -38,7 +38,7 @@ pub fn check(
     for (function, said) in config.functions.iter().zip(&settings.expert) {
         for (role, terminal) in function.kind.terminals() {
             let Terminal::Input(input) = terminal else { continue };
-            if counted.checked_shr(input.into()).is_none_or(|bits| bits & 1 == 0) {
+            if !counted.contains(input.into()) {
                 continue;
             }
             let (code, message, help) = match (&function.kind, role) {

@@ -62,7 +62,7 @@ fn kind_of(name: &str) -> String {
 pub fn points(catalogue: &Catalogue, file: &BoardFile, board: &dyn Board, devices: &Devices) -> Vec<Point> {
     let reference = catalogue.reference();
     let (inputs, outputs) = (reference.input_count() as u32, reference.output_count() as u32);
-    let expert = catalogue.functions().functions.iter().fold(0, |mask, known| mask | known.kind.outputs());
+    let expert = catalogue.functions().outputs();
     let channel = |id: ChannelId| {
         let channel = board.channels().get(usize::from(id.0))?;
         Some(OnBoard {
@@ -82,7 +82,7 @@ pub fn points(catalogue: &Catalogue, file: &BoardFile, board: &dyn Board, device
             kind: SignalKind::Bool,
             channel: file.channel_of(address).and_then(channel),
             image: Some(address.to_string()),
-            forcible: area == Area::Input || expert >> number & 1 == 0,
+            forcible: area == Area::Input || !expert.contains(number as usize),
         }
     };
     let inputs = (0..inputs).map(|number| terminal(Area::Input, 'I', number));

@@ -6,7 +6,7 @@ use control::{
     BusStatus, Description, DeviceStatus, Forced, Led as Lit, PointStatus, RigStatus, Status, StatusWarning,
     TaskStatus, WireValue,
 };
-use controller::{FrontPanel, JitterCounts, Led, LedPattern, TaskFigures};
+use controller::{ForcedChannels, FrontPanel, JitterCounts, Led, LedPattern, TaskFigures};
 use drivers::BusState;
 use host::Machine;
 use signal::{Address, Area, Span, Time, Value};
@@ -189,10 +189,10 @@ fn task(figures: &TaskFigures, jitter: &JitterCounts) -> TaskStatus {
 }
 
 fn forced(front: &FrontPanel) -> Vec<Forced> {
-    let of = |area: Area, (mask, bits): (u32, u32)| {
-        (0..u32::BITS).filter(move |bit| mask >> bit & 1 == 1).map(move |bit| Forced {
-            address: Address::bit(area, bit).to_string(),
-            value: WireValue(Value::Bool(bits >> bit & 1 == 1)),
+    let of = |area: Area, channels: ForcedChannels| {
+        channels.iter().map(move |(channel, on)| Forced {
+            address: Address::bit(area, channel as u32).to_string(),
+            value: WireValue(Value::Bool(on)),
             by: None,
         })
     };

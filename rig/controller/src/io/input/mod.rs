@@ -7,6 +7,7 @@ mod tests;
 use crate::config::Config;
 use crate::probe::InputProbe;
 use channel::Channel;
+use profile::ChannelSet;
 use signal::{Level, Span, Time, Value};
 
 /// An edge that the controller has to act on.
@@ -23,21 +24,21 @@ pub(crate) enum InputEvent {
 /// Most edges that wait at one instant: two per input and an overdriven terminal each.
 const MOST_ACCEPTED: usize = 96;
 
-/// All embedded inputs. In the masks, bit n stands for In.
+/// All embedded inputs.
 #[derive(Clone, Debug)]
 pub(in crate::io) struct Inputs {
     channels: Vec<Channel>,
-    /// Levels behind the filters.
-    filtered: u32,
+    /// Those at 1 after the filters.
+    filtered: ChannelSet,
     /// Channels that have to be evaluated.
-    moving: u32,
+    moving: ChannelSet,
     roles: Roles,
     /// Latches that hold a pulse.
-    latched: u32,
+    latched: ChannelSet,
     /// The controller runs, so latches and events do (controller:STOP-05).
     operating: bool,
     /// The next falling edge raises no event (io:EIO-11).
-    first_fall: u32,
+    first_fall: ChannelSet,
     /// Whether inputs that are on at power-on ignore it.
     ignores_first_fall: bool,
     /// Events raised, by input.
@@ -51,20 +52,21 @@ pub(in crate::io) struct Inputs {
 /// What the inputs are for.
 #[derive(Clone, Copy, Debug, Default)]
 struct Roles {
-    latch: u32,
-    rising: u32,
-    falling: u32,
+    latch: ChannelSet,
+    rising: ChannelSet,
+    falling: ChannelSet,
     /// Events on both edges.
-    both: u32,
-    run_stop: u32,
+    both: ChannelSet,
+    run_stop: Option<usize>,
     /// Observed.
-    watched: u32,
+    watched: ChannelSet,
 }
 
 impl Roles {
     /// Inputs whose turns are acted on when they happen, not when somebody looks.
-    const fn attentive(&self) -> u32 {
-        self.rising | self.falling | self.run_stop | self.watched
+    fn attentive(&self) -> ChannelSet {
+        let run_stop = self.run_stop.map_or(ChannelSet::EMPTY, ChannelSet::of);
+        self.rising | self.falling | run_stop | self.watched
     }
 }
 
@@ -74,72 +76,72 @@ struct Speed {
     /// The shortest period of a regular input.
     period: Span,
     /// The regular inputs.
-    regular: u32,
+    regular: ChannelSet,
     /// Last rising edge at each terminal.
     rose: Vec<Time>,
     /// Driven faster.
-    over: u32,
+    over: ChannelSet,
 }
 
 impl Inputs {
     /// The inputs of a configuration that was checked.
     pub(in crate::io) fn new(config: &Config) -> Inputs {
         let mut roles = Roles::default();
-        let mut regular = 0;
+        let mut regular = ChannelSet::EMPTY;
         let advanced = config.advanced_inputs();
         let used = config.expert.inputs();
         let channels: Vec<Channel> = profile::inputs(config.reference)
             .map(|input| {
                 let own = config.inputs.get(input.index).copied().unwrap_or_default();
-                let bit = 1 << input.index;
-                roles.latch |= if own.latch { bit } else { 0 };
-                if let Some(edges) = own.event {
-                    let (up, down) = (edges.includes(true), edges.includes(false));
-                    roles.rising |= if up { bit } else { 0 };
-                    roles.falling |= if down { bit } else { 0 };
-                    roles.both |= if up && down { bit } else { 0 };
-                }
-                roles.rising |= advanced & bit;
-                regular |= if input.kind == profile::InputKind::Regular { bit } else { 0 };
-                Channel::new(input.delay, &own, used & bit != 0)
+                let n = input.index;
+                roles.latch.set(n, own.latch);
+                let raises = |high| own.event.is_some_and(|edges| edges.includes(high));
+                let (up, down) = (raises(true), raises(false));
+                roles.rising.set(n, up || advanced.contains(n));
+                roles.falling.set(n, down);
+                roles.both.set(n, up && down);
+                regular.set(n, input.kind == profile::InputKind::Regular);
+                Channel::new(input.delay, &own, used.contains(n))
             })
             .collect();
-        roles.run_stop = config.run_stop_input.map_or(0, |input| 1 << input);
+        roles.run_stop = config.run_stop_input;
         let hertz = config.profile.regular_input_hertz().unwrap_or(u32::MAX);
         let count = channels.len();
         Inputs {
             channels,
-            filtered: 0,
-            moving: 0,
+            filtered: ChannelSet::EMPTY,
+            moving: ChannelSet::EMPTY,
             roles,
-            latched: 0,
+            latched: ChannelSet::EMPTY,
             operating: false,
-            first_fall: 0,
+            first_fall: ChannelSet::EMPTY,
             ignores_first_fall: config.profile == profile::Profile::M241_2019,
             events: vec![0; count],
             speed: Speed {
                 period: Span::from_nanos(1_000_000_000 / i64::from(hertz)),
                 regular,
                 rose: vec![Time::MIN; count],
-                over: 0,
+                over: ChannelSet::EMPTY,
             },
             accepted: Vec::with_capacity(MOST_ACCEPTED),
             next: Time::MAX,
         }
     }
 
-    /// A 1 for every input.
-    pub(in crate::io) fn mask(&self) -> u32 {
-        ((1u64 << self.channels.len()) - 1) as u32
+    /// Every input.
+    pub(in crate::io) fn all(&self) -> ChannelSet {
+        ChannelSet::first(self.channels.len())
     }
 
     /// The inputs' electronics come up at `now`: everything behind the terminals starts from 0.
     pub(in crate::io) fn power_on(&mut self, now: Time) {
-        (self.filtered, self.moving, self.latched, self.first_fall) = (0, 0, 0, 0);
+        self.filtered = ChannelSet::EMPTY;
+        self.latched = ChannelSet::EMPTY;
+        self.first_fall = ChannelSet::EMPTY;
         self.accepted.clear();
         self.events.fill(0);
         for (n, channel) in self.channels.iter_mut().enumerate() {
-            self.moving |= u32::from(channel.power_on(now)) << n;
+            self.moving.set(n, channel.power_on(now));
         }
         if self.ignores_first_fall {
             self.first_fall = self.moving & self.roles.both;
@@ -151,7 +153,7 @@ impl Inputs {
     pub(in crate::io) fn operate(&mut self, now: Time, operating: bool) {
         self.evaluate(now);
         if self.operating != operating {
-            (self.operating, self.latched) = (operating, 0);
+            (self.operating, self.latched) = (operating, ChannelSet::EMPTY);
         }
     }
 
@@ -164,13 +166,13 @@ impl Inputs {
         let before = self.filtered;
         // At rest the filter stands at its end, so the time since then adds nothing.
         self.advance(input, now);
-        let turned = (before ^ self.filtered) & self.roles.watched != 0;
+        let turned = (before ^ self.filtered).intersects(self.roles.watched);
         let rose = self.channels[input].set(now, high) && high;
         if !high && !self.channels[input].out() {
             // What was on at power-on is off again before it was accepted: no falling edge of it will come.
-            self.first_fall &= !(1 << input);
+            self.first_fall.remove(input);
         }
-        self.moving |= 1 << input;
+        self.moving.insert(input);
         if rose {
             self.check_speed(input, now);
         }
@@ -186,38 +188,36 @@ impl Inputs {
         let speed = &mut self.speed;
         let soon = now < speed.rose[input].saturating_add(speed.period);
         speed.rose[input] = now;
-        let bit = 1 << input;
-        if soon && speed.regular & bit != 0 && speed.over & bit == 0 {
-            speed.over |= bit;
+        if soon && speed.regular.contains(input) && !speed.over.contains(input) {
+            speed.over.insert(input);
             self.accepted.push(InputEvent::Overdriven(input));
         }
     }
 
-    /// The levels behind the filters at `now`.
+    /// The inputs at 1 after the filters at `now`.
     #[inline]
-    pub(in crate::io) fn levels(&mut self, now: Time) -> u32 {
-        if self.moving != 0 {
+    pub(in crate::io) fn levels(&mut self, now: Time) -> ChannelSet {
+        if !self.moving.is_empty() {
             self.evaluate(now);
         }
         self.filtered
     }
 
-    /// What a task reads at `now`, and which inputs it reads: only MAST reads latched ones, and that read empties
+    /// The inputs that a task finds at 1 at `now`, and which inputs it reads: only MAST reads latched ones, and that read empties
     /// their latches (io:STD-IN-04).
     #[inline]
-    pub(in crate::io) fn read(&mut self, now: Time, mast: bool) -> (u32, u32) {
+    pub(in crate::io) fn read(&mut self, now: Time, mast: bool) -> (ChannelSet, ChannelSet) {
         let levels = self.levels(now);
         if mast {
-            (levels | std::mem::take(&mut self.latched), self.mask())
+            (levels | std::mem::take(&mut self.latched), self.all())
         } else {
-            (levels, self.mask() & !self.roles.latch)
+            (levels, self.all() - self.roles.latch)
         }
     }
 
     /// The level behind the filter of the Run/Stop input at `now`, where one is configured.
     pub(in crate::io) fn run_stop(&mut self, now: Time) -> Option<bool> {
-        let mask = self.roles.run_stop;
-        (mask != 0).then(|| self.levels(now) & mask != 0)
+        self.roles.run_stop.map(|input| self.levels(now).contains(input))
     }
 
     /// Whether terminal I`input` is at 1.
@@ -249,7 +249,7 @@ impl Inputs {
     /// Observes an input from now on.
     pub(in crate::io) fn watch(&mut self, input: usize) {
         if input < self.channels.len() {
-            self.roles.watched |= 1 << input;
+            self.roles.watched.insert(input);
             self.schedule();
         }
     }
@@ -257,46 +257,42 @@ impl Inputs {
     /// What an observer sees of an input; unknown for one that the reference does not have.
     pub(in crate::io) fn show(&self, input: usize, part: InputProbe) -> Value {
         let Some(events) = self.events.get(input) else { return Value::Unknown };
-        let bit = |mask: u32| Value::Bool(mask >> input & 1 == 1);
+        let is_in = |set: ChannelSet| Value::Bool(set.contains(input));
         match part {
-            InputProbe::Filtered => bit(self.filtered),
-            InputProbe::Latched => bit(self.latched),
+            InputProbe::Filtered => is_in(self.filtered),
+            InputProbe::Latched => is_in(self.latched),
             InputProbe::Events => Value::Int(i64::from(*events)),
-            InputProbe::Overdriven => bit(self.speed.over),
+            InputProbe::Overdriven => is_in(self.speed.over),
         }
     }
 
     fn evaluate(&mut self, now: Time) {
-        let mut left = self.moving;
-        while left != 0 {
-            let n = left.trailing_zeros() as usize;
-            left &= left - 1;
-            self.advance(n, now);
-            if !self.channels[n].moves() {
-                self.moving &= !(1 << n);
+        for input in self.moving {
+            self.advance(input, now);
+            if !self.channels[input].moves() {
+                self.moving.remove(input);
             }
         }
     }
 
     fn advance(&mut self, n: usize, now: Time) {
-        let bit = 1 << n;
         let Inputs { channels, filtered, roles, latched, first_fall, events, accepted, .. } = self;
         let operating = self.operating;
         channels[n].advance(now, |_, high| {
-            *filtered = if high { *filtered | bit } else { *filtered & !bit };
-            if operating && high {
-                *latched |= bit & roles.latch;
+            filtered.set(n, high);
+            if operating && high && roles.latch.contains(n) {
+                latched.insert(n);
             }
-            let ignored = !high && *first_fall & bit != 0;
+            let ignored = !high && first_fall.contains(n);
             if ignored {
-                *first_fall &= !bit;
+                first_fall.remove(n);
             }
-            let wanted = if high { roles.rising } else { roles.falling } & bit != 0;
+            let wanted = if high { roles.rising } else { roles.falling }.contains(n);
             if operating && wanted && !ignored {
                 events[n] = events[n].wrapping_add(1);
                 accepted.push(InputEvent::Event(n));
             }
-            if roles.run_stop & bit != 0 {
+            if roles.run_stop == Some(n) {
                 accepted.push(InputEvent::RunStop(high));
             }
         });
@@ -313,11 +309,8 @@ impl Inputs {
     /// Works out when the next attentive input turns.
     fn schedule(&mut self) {
         self.next = Time::MAX;
-        let mut left = self.moving & self.roles.attentive();
-        while left != 0 {
-            let channel = &self.channels[left.trailing_zeros() as usize];
-            self.next = self.next.min(channel.next());
-            left &= left - 1;
+        for input in self.moving & self.roles.attentive() {
+            self.next = self.next.min(self.channels[input].next());
         }
     }
 }

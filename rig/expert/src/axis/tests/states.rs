@@ -1,6 +1,7 @@
 //! States of an axis, limits, and what ends its motions.
 
 use super::*;
+use ::profile::ChannelSet;
 
 fn usual() -> Ramps {
     ramps(10, 10, 0)
@@ -28,11 +29,11 @@ fn nothing_moves_without_power_or_in_error() {
     assert_eq!(bench.try_order(MotionCommand::By(5), 100, usual()), Err(AxisFault::Disabled));
     bench.with(|axis, now, fx| axis.power(now, true, fx));
     assert_eq!(bench.axis.state(), AxisState::Standstill);
-    bench.with(|axis, now, fx| axis.protect(now, 1, fx));
+    bench.with(|axis, now, fx| axis.protect(now, ChannelSet::of(0), fx));
     assert_eq!(bench.axis.state(), AxisState::ErrorStop);
     assert_eq!(bench.try_order(MotionCommand::By(5), 100, usual()), Err(AxisFault::ErrorStopActive));
     assert_eq!(bench.axis.acknowledge(), Err(AxisFault::OutputProtection));
-    bench.with(|axis, now, fx| axis.protect(now, 0b100, fx));
+    bench.with(|axis, now, fx| axis.protect(now, ChannelSet::of(2), fx));
     assert_eq!(bench.axis.acknowledge(), Ok(true));
     assert_eq!(bench.axis.state(), AxisState::Standstill);
 }
@@ -311,13 +312,13 @@ fn the_velocity_is_observed_from_the_last_change_on() {
 fn power_on_protected_outputs_is_an_error() {
     let mut bench = Bench::new(&slow());
     bench.with(|axis, now, fx| axis.power(now, false, fx));
-    bench.with(|axis, now, fx| axis.protect(now, 0b10, fx));
+    bench.with(|axis, now, fx| axis.protect(now, ChannelSet::of(1), fx));
     assert_eq!(bench.axis.state(), AxisState::Disabled);
     bench.with(|axis, now, fx| axis.power(now, true, fx));
     assert_eq!(bench.axis.fault(), Some(AxisFault::OutputProtection));
     // Without power a reset leads to Disabled, where no position is known.
     bench.with(|axis, now, fx| axis.power(now, false, fx));
-    bench.with(|axis, now, fx| axis.protect(now, 0, fx));
+    bench.with(|axis, now, fx| axis.protect(now, ChannelSet::EMPTY, fx));
     assert_eq!(bench.axis.acknowledge(), Ok(true));
     assert_eq!((bench.axis.state(), bench.axis.homed()), (AxisState::Disabled, false));
 }

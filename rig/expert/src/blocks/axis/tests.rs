@@ -7,6 +7,7 @@ use crate::{
     AxisConfig, DriveInput, Effect, ExpertConfig, ExpertFunctions, FunctionConfig, FunctionKind,
     FunctionProbe, InputConditions, Operation,
 };
+use profile::ChannelSet;
 
 /// A program with one axis, whose outputs are followed.
 struct Program {
@@ -317,11 +318,11 @@ fn readers_tell_what_the_axis_does() {
     let shown = program.with("MC_ReadMotionState_PTO", &status);
     assert_eq!(shown, "Valid Busy ConstantVelocity DirectionNegative");
     assert_eq!(program.with("MC_ReadActualVelocity_PTO", &[]), "");
-    program.expert.protect(Time::from_nanos(program.now), 1);
+    program.expert.protect(Time::from_nanos(program.now), ChannelSet::of(0));
     assert_eq!(program.with("MC_ReadAxisError_PTO", &status), "Valid Busy AxisErrorID=1007");
     assert_eq!(program.with("MC_ReadStatus_PTO", &status), "Valid Busy ErrorStop IsHomed");
     assert_eq!(program.with("MC_Reset_PTO", &[("Execute", 1)]), "Error ErrorID=1007");
-    program.expert.protect(Time::from_nanos(program.now), 0);
+    program.expert.protect(Time::from_nanos(program.now), ChannelSet::EMPTY);
     assert_eq!(program.with("MC_Reset_PTO", &[("Execute", 1)]), "Done");
 }
 
