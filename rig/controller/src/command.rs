@@ -2,7 +2,7 @@
 
 use crate::application::LoadError;
 use crate::state::State;
-use crate::terminal::Channel;
+use profile::IoChannel;
 use std::fmt;
 
 /// A command of a user or a tool.
@@ -45,12 +45,12 @@ pub enum Command {
     /// Force the value of an embedded input or output (controller:FRC-01).
     Force {
         /// What is forced.
-        channel: Channel,
+        channel: IoChannel,
         /// Its value.
         on: bool,
     },
     /// End the forcing of an embedded input or output.
-    Unforce(Channel),
+    Unforce(IoChannel),
     /// Move the Run/Stop switch: TRUE to Run (controller:RS-01).
     Switch(bool),
     /// Go on with another application that keeps the values of its variables (controller:TR-17, controller:TR-18).
@@ -102,7 +102,7 @@ pub enum CommandError {
     /// A stop is under way: a cycle is being finished.
     Stopping,
     /// The reference has no such channel.
-    NoChannel(Channel),
+    NoChannel(IoChannel),
     /// An expert function drives the output (io:OUT-21).
     ExpertOutput(usize),
     /// No programming tool is connected (controller:FRC-01).
@@ -128,8 +128,8 @@ impl fmt::Display for CommandError {
             CommandError::SwitchAtStop => f.write_str("the Run/Stop switch is at Stop"),
             CommandError::RunStopInput => f.write_str("the Run/Stop input is 0"),
             CommandError::Stopping => f.write_str("a stop is under way"),
-            CommandError::NoChannel(Channel::Input(n)) => write!(f, "the reference has no input I{n}"),
-            CommandError::NoChannel(Channel::Output(n)) => write!(f, "the reference has no output Q{n}"),
+            CommandError::NoChannel(IoChannel::Input(n)) => write!(f, "the reference has no input I{n}"),
+            CommandError::NoChannel(IoChannel::Output(n)) => write!(f, "the reference has no output Q{n}"),
             CommandError::ExpertOutput(n) => write!(f, "an expert function drives Q{n}"),
             CommandError::Application(error) | CommandError::Change(error) => {
                 write!(f, "the application is not valid: {error}")

@@ -80,4 +80,4 @@ pub use store::{
     RETAIN_MAP, RIGHTS_FILE, STATE_FILE,
 };
 pub use system_variable::{SystemType, SystemVariable};
-pub use terminal::{Channel, Terminal};
+pub use terminal::Terminal;

@@ -9,8 +9,8 @@ use crate::config::{AlwaysUpdate, OutputsInStop};
 use crate::effect::{Effect, Effects};
 use crate::memory::Memory;
 use crate::state::State;
-use crate::terminal::{Channel, Terminal};
-use profile::IoStatus;
+use crate::terminal::Terminal;
+use profile::{IoChannel, IoStatus};
 use signal::{Address, Area, Cause, Time, Value};
 use std::fmt;
 
@@ -18,7 +18,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModuleChannel {
     /// The channel.
-    pub channel: Channel,
+    pub channel: IoChannel,
     /// Its place in %I or %Q.
     pub address: Address,
     /// What the place of an output takes where outputs are set to their default values (controller:STOP-03).
@@ -27,7 +27,7 @@ pub struct ModuleChannel {
 
 impl ModuleChannel {
     /// A channel whose default value is 0.
-    pub const fn new(channel: Channel, address: Address) -> ModuleChannel {
+    pub const fn new(channel: IoChannel, address: Address) -> ModuleChannel {
         ModuleChannel { channel, address, default: 0 }
     }
 }
@@ -104,7 +104,7 @@ pub struct OutputChanges<'a> {
 impl OutputChanges<'_> {
     /// The terminal of an output shows another value from `at` on.
     pub fn push(&mut self, at: Time, output: usize, value: Value, cause: Cause) {
-        let terminal = Terminal { module: self.module, channel: Channel::Output(output) };
+        let terminal = Terminal { module: self.module, channel: IoChannel::Output(output) };
         self.report(Effect::Terminal { at, terminal, value, cause });
     }
 
@@ -224,7 +224,7 @@ impl Modules {
         }
         let mut changed = false;
         for channel in self.list.iter().flat_map(|module| module.channels()) {
-            if matches!(channel.channel, Channel::Output(_)) {
+            if matches!(channel.channel, IoChannel::Output(_)) {
                 changed |= memory.load(channel.address) != channel.default;
                 memory.set_cause(Cause::Controller);
                 memory.store(channel.address, channel.default);

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use expert::{ExpertConfig, FunctionConfig, FunctionKind, FunctionProbe, WaveConfig};
-use profile::{BounceFilter, ChannelSet, InputFilter};
+use profile::{BounceFilter, ChannelSet, InputFilter, IoChannel};
 use scanrig_controller::*;
 use signal::{Level, Span, Time, Value};
 
@@ -127,7 +127,7 @@ fn outputs_of_functions_show_defaults_behind_downloads_and_resets() {
 #[test]
 fn outputs_of_functions_cannot_be_forced() {
     let mut rig = with(|_| ());
-    let force = |output| Command::Force { channel: Channel::Output(output), on: true };
+    let force = |output| Command::Force { channel: IoChannel::Output(output), on: true };
     assert_eq!(rig.command(force(0)), Err(CommandError::ExpertOutput(0)));
     assert_eq!(rig.command(force(4)), Err(CommandError::ExpertOutput(4)));
     assert_eq!(rig.command(force(1)), Ok(()));
@@ -240,7 +240,7 @@ fn an_output_whose_pulses_somebody_else_makes_follows_state_protection_and_suppl
     config.expert = functions();
     let mut rig = Rig::off(config, script());
     rig.plc.commission(b"app", State::Running).unwrap();
-    rig.plc.offload_pulses(&[Channel::Output(0)]);
+    rig.plc.offload_pulses(&[IoChannel::Output(0)]);
     rig.power_on();
     let begin = run_at(Span::ZERO);
     rig.to(begin + ms(50));

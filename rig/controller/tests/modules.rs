@@ -1,7 +1,7 @@
 //! Modules after the embedded I/O: an analogue one, and a digital one with more channels than a word has bits.
 
 use crate::support::*;
-use profile::IoStatus;
+use profile::{IoChannel, IoStatus};
 use scanrig_controller::*;
 use signal::{Address, Cause, Time, Value};
 
@@ -31,9 +31,9 @@ impl Analogue {
         let channel = |channel, text| ModuleChannel::new(channel, at(text));
         Box::new(Analogue {
             channels: vec![
-                channel(Channel::Input(0), "%IW3"),
-                channel(Channel::Input(1), "%IW4"),
-                ModuleChannel { default: DEFAULT, ..channel(Channel::Output(0), "%QW2") },
+                channel(IoChannel::Input(0), "%IW3"),
+                channel(IoChannel::Input(1), "%IW4"),
+                ModuleChannel { default: DEFAULT, ..channel(IoChannel::Output(0), "%QW2") },
             ],
             shared: Vec::new(),
             terminals: [0; 2],
@@ -185,7 +185,7 @@ impl IoModule for Digital {
 }
 
 /// The output of the analogue module, where it is module 1.
-const OUTPUT: Probe = Probe::Terminal(Terminal { module: 1, channel: Channel::Output(0) });
+const OUTPUT: Probe = Probe::Terminal(Terminal { module: 1, channel: IoChannel::Output(0) });
 
 /// MAST copies %IW3 to %QW2 and nothing else.
 fn copying() -> Script {
@@ -193,13 +193,13 @@ fn copying() -> Script {
 }
 
 fn input(module: usize, input: usize) -> Terminal {
-    Terminal { module, channel: Channel::Input(input) }
+    Terminal { module, channel: IoChannel::Input(input) }
 }
 
 #[test]
 fn an_analogue_value_goes_through_the_images() {
     let mut rig = Rig::running_with(config(), copying(), vec![Analogue::boxed(IoStatus::Ok)]);
-    let output = Terminal { module: 1, channel: Channel::Output(0) };
+    let output = Terminal { module: 1, channel: IoChannel::Output(0) };
     assert_eq!(rig.plc.terminal(at("%IW3")), Some(input(1, 0)));
     assert_eq!(rig.plc.terminal(at("%QW2")), Some(output));
     assert_eq!(rig.plc.terminal(at("%IW5")), None);
@@ -246,7 +246,7 @@ fn a_module_that_is_not_in_order_shows_in_the_status_of_expansion_modules() {
 #[test]
 fn a_module_has_any_number_of_channels() {
     let place = |n: usize| Address::bit(signal::Area::Input, 64 + n as u32);
-    let channels = (0..40).map(|n| ModuleChannel::new(Channel::Input(n), place(n))).collect();
+    let channels = (0..40).map(|n| ModuleChannel::new(IoChannel::Input(n), place(n))).collect();
     let module = Digital { channels, levels: vec![false; 40], shared: Vec::new() };
     let script = Script::new(vec![vec![(1_000, Act::Copy(at("%IX12.7"), at("%MX2.0")))]]);
     let modules: Vec<Box<dyn IoModule>> = vec![Analogue::boxed(IoStatus::Ok), Box::new(module)];

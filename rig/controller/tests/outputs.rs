@@ -1,7 +1,7 @@
 //! Outputs and inputs by state, and forcing.
 
 use crate::support::*;
-use profile::{ChannelSet, InputFilter, Profile};
+use profile::{ChannelSet, InputFilter, IoChannel, Profile};
 use scanrig_controller::*;
 use signal::{Cause, Level, Value};
 
@@ -117,7 +117,7 @@ fn outputs_through_a_boot() {
 #[test]
 fn forced_outputs() {
     let mut rig = with(|_| {});
-    let q4 = Channel::at(at("%QX0.4"), config().reference).unwrap();
+    let q4 = IoChannel::at(at("%QX0.4"), config().reference).unwrap();
     rig.to(run_at(ms(55)));
     rig.command(Command::Force { channel: q4, on: false }).unwrap();
     rig.to(run_at(ms(59)));
@@ -141,17 +141,17 @@ fn forced_outputs() {
     rig.command(Command::ResetWarm).unwrap();
     rig.after(ms(21));
     assert_eq!(rig.terminal(4), Level::Low, "a reset ends forcing");
-    let none = Channel::Output(10);
+    let none = IoChannel::Output(10);
     assert_eq!(rig.command(Command::Force { channel: none, on: true }), Err(CommandError::NoChannel(none)));
 }
 
 #[test]
 fn forced_inputs() {
     let mut rig = with(|_| {});
-    rig.command(Command::Force { channel: Channel::Input(0), on: true }).unwrap();
+    rig.command(Command::Force { channel: IoChannel::Input(0), on: true }).unwrap();
     rig.after(ms(20));
     assert_eq!((rig.memory("%IX0.0"), rig.terminal(5)), (1, Level::High));
-    rig.command(Command::Unforce(Channel::Input(0))).unwrap();
+    rig.command(Command::Unforce(IoChannel::Input(0))).unwrap();
     rig.after(ms(20));
     assert_eq!((rig.memory("%IX0.0"), rig.terminal(5)), (0, Level::Low));
 }

@@ -22,7 +22,7 @@ mod line_events;
 mod operation;
 mod wave;
 
-pub use assignment::{ChannelRole, ExpertError, ExpertFault, ExpertWarning, ReservedChannels, Terminal};
+pub use assignment::{ChannelRole, ExpertError, ExpertFault, ExpertWarning, ReservedChannels};
 pub use axis::{
     AxisConfig, AxisFault, AxisParameterError, AxisRole, AxisState, DriveInput, PulseOutput, RampUnit,
 };

@@ -1,12 +1,12 @@
 //! Which functions a controller can have, and on which inputs and outputs.
 
-use profile::{ChannelSet, EventEdges, Profile, Reference};
+use profile::{ChannelSet, EventEdges, IoChannel, Profile, Reference};
 use proptest::prelude::*;
 use scanrig_expert::{
     AxisConfig, AxisParameterError, AxisRole, CaptureInput, ChannelRole, CounterConfig, CounterKind,
     CounterMode, CounterRole, DriveInput, ExpertConfig, ExpertError, ExpertFault, ExpertFunctions,
     FunctionConfig, FunctionKind, FunctionProbe, InputConditions, PhaseMode, PulseOutput, Reflex,
-    ReservedChannels, SyncInput, Terminal, Threshold, ThresholdEvent, WaveConfig, WaveRole,
+    ReservedChannels, SyncInput, Threshold, ThresholdEvent, WaveConfig, WaveRole,
 };
 use signal::{Span, Time, Value};
 
@@ -101,14 +101,14 @@ fn an_axis_takes_its_inputs_and_outputs() {
         limit_positive: input(0),
         ..AxisConfig::new(2, 3)
     };
-    let roles: Vec<_> = FunctionKind::Axis(axis.clone()).terminals();
-    assert_eq!(roles[0], (ChannelRole::Axis(AxisRole::Reference), Terminal::Input(0)));
+    let roles: Vec<_> = FunctionKind::Axis(axis.clone()).channels();
+    assert_eq!(roles[0], (ChannelRole::Axis(AxisRole::Reference), IoChannel::Input(0)));
     let errors =
         check(Profile::M241_2019, SMALL, &ReservedChannels::default(), &config([FunctionKind::Axis(axis)]));
     assert_eq!(errors.iter().map(ToString::to_string).collect::<Vec<_>>(), ["limP: I0 is REF already"]);
     assert_eq!(
         faults("TM241CEC24R", [pto(3)]),
-        [(0, ExpertFault::Pulses(Terminal::Output(4)))],
+        [(0, ExpertFault::Pulses(IoChannel::Output(4)))],
         "the second output of a PTO is no relay"
     );
     let fast = FunctionKind::Axis(AxisConfig { max_velocity: 1_001, ..AxisConfig::new(4, 5) });
@@ -138,17 +138,17 @@ fn single_output(a: u8) -> AxisConfig {
 #[test]
 fn one_counter_more_than_there_are_is_refused() {
     let fifteen = (0..14).map(simple).chain([simple(0)]);
-    let first = (Terminal::Input(0), 0, ChannelRole::Counter(CounterRole::A));
-    let assigned = |(terminal, function, role)| ExpertFault::Assigned { terminal, function, role };
+    let first = (IoChannel::Input(0), 0, ChannelRole::Counter(CounterRole::A));
+    let assigned = |(channel, function, role)| ExpertFault::Assigned { channel, function, role };
     assert_eq!(faults(SMALL, fifteen), [(14, assigned(first))]);
     // The 40 I/O have 24 inputs, of which counters can use 16.
     let seventeen = (0..17).map(simple);
-    assert_eq!(faults(LARGE, seventeen), [(16, ExpertFault::Unusable(Terminal::Input(16)))]);
+    assert_eq!(faults(LARGE, seventeen), [(16, ExpertFault::Unusable(IoChannel::Input(16)))]);
     // Inputs run out before numbers do.
     let duals = (0..4).map(|n| dual(2 * n)).chain((8..17).map(simple));
-    assert_eq!(faults(LARGE, duals), [(12, ExpertFault::Unusable(Terminal::Input(16)))]);
-    assert_eq!(faults(SMALL, [simple(14)]), [(0, ExpertFault::Missing(Terminal::Input(14)))]);
-    assert_eq!(faults(SMALL, [simple(255)]), [(0, ExpertFault::Missing(Terminal::Input(255)))]);
+    assert_eq!(faults(LARGE, duals), [(12, ExpertFault::Unusable(IoChannel::Input(16)))]);
+    assert_eq!(faults(SMALL, [simple(14)]), [(0, ExpertFault::Missing(IoChannel::Input(14)))]);
+    assert_eq!(faults(SMALL, [simple(255)]), [(0, ExpertFault::Missing(IoChannel::Input(255)))]);
 }
 
 // io:STD-ASG-01, io:EXP-01
@@ -198,7 +198,7 @@ fn an_input_or_output_has_one_role() {
     );
     let both = FunctionKind::Pwm(WaveConfig { enable: Some(3), sync: Some(3), ..WaveConfig::new(0) });
     let role = ChannelRole::Wave(WaveRole::Enable);
-    let assigned = ExpertFault::Assigned { terminal: Terminal::Input(3), function: 0, role };
+    let assigned = ExpertFault::Assigned { channel: IoChannel::Input(3), function: 0, role };
     assert_eq!(faults(SMALL, [both]), [(0, assigned)]);
 }
 
@@ -237,9 +237,9 @@ fn outputs_have_the_roles_of_the_table() {
             );
         }
     }
-    assert_eq!(faults("TM241CE40R", [generator(4)]), [(0, ExpertFault::Pulses(Terminal::Output(4)))]);
-    assert_eq!(faults(SMALL, [generator(8)]), [(0, ExpertFault::Unusable(Terminal::Output(8)))]);
-    assert_eq!(faults(SMALL, [generator(10)]), [(0, ExpertFault::Missing(Terminal::Output(10)))]);
+    assert_eq!(faults("TM241CE40R", [generator(4)]), [(0, ExpertFault::Pulses(IoChannel::Output(4)))]);
+    assert_eq!(faults(SMALL, [generator(8)]), [(0, ExpertFault::Unusable(IoChannel::Output(8)))]);
+    assert_eq!(faults(SMALL, [generator(10)]), [(0, ExpertFault::Missing(IoChannel::Output(10)))]);
 }
 
 // io:EXP-05, io:RS-06, io:OUT-05, io:EIO-12
@@ -252,9 +252,9 @@ fn what_the_controller_uses_itself_is_not_free() {
     assert_eq!(
         found,
         [
-            (1, ExpertFault::RunStop(Terminal::Input(1))),
-            (2, ExpertFault::Advanced(Terminal::Input(2))),
-            (5, ExpertFault::Alarm(Terminal::Output(5)))
+            (1, ExpertFault::RunStop(IoChannel::Input(1))),
+            (2, ExpertFault::Advanced(IoChannel::Input(2))),
+            (5, ExpertFault::Alarm(IoChannel::Output(5)))
         ]
     );
 }
@@ -352,10 +352,10 @@ proptest! {
         let mut inputs = Vec::new();
         let mut outputs = Vec::new();
         for function in &config.functions {
-            for (_, terminal) in function.kind.terminals() {
-                match terminal {
-                    Terminal::Input(n) => inputs.push(n),
-                    Terminal::Output(n) => outputs.push(n),
+            for (_, channel) in function.kind.channels() {
+                match channel {
+                    IoChannel::Input(n) => inputs.push(n),
+                    IoChannel::Output(n) => outputs.push(n),
                 }
             }
         }
@@ -373,7 +373,7 @@ proptest! {
         if accepted {
             let mut expert = ExpertFunctions::new(&config, &[InputConditions::default(); 24]);
             expert.fire(Time::from_nanos(1));
-            let driven = outputs.iter().map(|n| usize::from(*n)).collect();
+            let driven = outputs.into_iter().collect();
             prop_assert_eq!(expert.outputs(), driven);
             prop_assert_eq!(expert.read(99, FunctionProbe::Value), Value::Unknown);
         }

@@ -10,6 +10,7 @@ mod codes;
 mod expert;
 mod figures;
 mod input;
+mod io_channel;
 mod limits;
 mod port;
 mod reference;
@@ -33,6 +34,7 @@ pub use figures::{
     TIME_SLICE, TRIGGER_TICK,
 };
 pub use input::{EventEdges, input_level};
+pub use io_channel::IoChannel;
 pub use limits::{
     APPLICATION_BYTES, BounceFilter, DEFAULT_PRIORITY, FOREGROUND_PRIORITIES, IMAGE_BITS, InputFilter,
     MEMORY_WORDS, PRIORITIES, REMANENT_BYTES, REMANENT_WORDS, TaskLimits,

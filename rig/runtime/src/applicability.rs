@@ -5,13 +5,14 @@ use crate::describe::show_fault;
 use crate::external::NOT_RUNNING;
 use crate::frames;
 use crate::prepare::{fault_on, state_info};
-use controller::{Channel, State};
+use controller::State;
 use drivers::{Board, BoardExt, FaultKind};
 use plans::bench::is_same_for;
 use plans::plan::{Initial, StepCondition};
 use plans::signals::{SignalBinding, SignalSource};
 use plans::steps::Stimulus;
 use plans::{Case, PlanStep, StepTime, value_of};
+use profile::IoChannel;
 use signal::{SignalInfo, Value};
 
 /// Why a case does not apply to this controller on this board, if it does not.
@@ -79,7 +80,7 @@ fn unreachable_reason(binding: &SignalBinding, files: &CaseFiles, board: &dyn Bo
     let external = files.board.subject.is_external();
     let has = |channel: &str| board.find(channel).is_some();
     match &binding.source {
-        SignalSource::Line(address) if Channel::at(*address, files.reference).is_some() => {
+        SignalSource::Line(address) if IoChannel::at(*address, files.reference).is_some() => {
             let bound = files.board.channel_of(*address).is_some();
             (!bound).then(|| format!("the board binds no channel to {address}"))
         }

@@ -8,11 +8,12 @@ use crate::schedule::FileAction;
 use crate::subject::{Disturbances, ExpertFunctions, FileAccess, Observation, Ports, Subject};
 use crate::variable_numbers::VariableNumbers;
 use controller::{
-    Channel, Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, Endpoint,
+    Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, Endpoint,
     FileError, FileProbe, FrontPanel, IoModule, JitterCounts, LoadError, NonVolatile, PortEvent, PortMessage,
     Probe, ProbeId, State, TaskFigures, Terminal, WriteError,
 };
 use plans::steps::FileOperation;
+use profile::IoChannel;
 use program::Program;
 use signal::{Address, Cause, Span, Time, Value, When};
 use std::sync::Arc;
@@ -281,7 +282,7 @@ impl Ports for Model {
 }
 
 impl ExpertFunctions for Model {
-    fn offload_pulses(&mut self, outputs: &[Channel]) {
+    fn offload_pulses(&mut self, outputs: &[IoChannel]) {
         self.controller.offload_pulses(outputs);
     }
 

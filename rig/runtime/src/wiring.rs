@@ -3,8 +3,9 @@
 use crate::external;
 use crate::frames::Watch;
 use crate::subject::Subject;
-use controller::{Channel, ProbeId, Terminal};
+use controller::{ProbeId, Terminal};
 use drivers::{BoardFile, BusId, ChannelId};
+use profile::IoChannel;
 use signal::{Area, Cause, SignalId, Size, Span};
 
 /// An input terminal at a channel.
@@ -69,11 +70,11 @@ impl Wiring {
             for binding in &file.bind {
                 let Some(terminal) = subject.terminal(binding.address) else { continue };
                 match terminal.channel {
-                    Channel::Input(_) => {
+                    IoChannel::Input(_) => {
                         let analog = binding.address.size() != Size::Bit;
                         wiring.bind_input(binding.channel, WiredInput { terminal, analog });
                     }
-                    Channel::Output(_) => wiring.bind_output(terminal, binding.channel),
+                    IoChannel::Output(_) => wiring.bind_output(terminal, binding.channel),
                 }
             }
             return wiring;
@@ -104,7 +105,7 @@ impl Wiring {
 
     /// A terminal drives a channel; that of an input drives none.
     pub fn bind_output(&mut self, terminal: Terminal, channel: ChannelId) {
-        let Channel::Output(output) = terminal.channel else { return };
+        let IoChannel::Output(output) = terminal.channel else { return };
         if self.outputs.len() <= terminal.module {
             self.outputs.resize(terminal.module + 1, Vec::new());
         }
@@ -136,14 +137,14 @@ impl Wiring {
     /// The channel at the terminal of an output.
     #[inline]
     pub fn channel_of(&self, terminal: Terminal) -> Option<ChannelId> {
-        let Channel::Output(output) = terminal.channel else { return None };
+        let IoChannel::Output(output) = terminal.channel else { return None };
         self.outputs.get(terminal.module)?.get(output).copied().flatten()
     }
 
     /// The output terminals that drive a channel, by module and number.
     pub fn outputs(&self) -> impl Iterator<Item = (Terminal, ChannelId)> {
         self.outputs.iter().enumerate().flat_map(|(module, outputs)| {
-            let terminal = move |output| Terminal { module, channel: Channel::Output(output) };
+            let terminal = move |output| Terminal { module, channel: IoChannel::Output(output) };
             let outputs = outputs.iter().enumerate();
             outputs.filter_map(move |(output, channel)| Some((terminal(output), (*channel)?)))
         })

@@ -1,10 +1,8 @@
 //! Modules of inputs and outputs, from the board to the program and back: terminals that a board file binds to channels.
 
 use crate::texts::Texts;
-use controller::{
-    Channel, Cycle, IoModule, Memory, ModuleChannel, OutputChanges, Sharing, Terminal, Written,
-};
-use profile::IoStatus;
+use controller::{Cycle, IoModule, Memory, ModuleChannel, OutputChanges, Sharing, Terminal, Written};
+use profile::{IoChannel, IoStatus};
 use scanrig_runtime::clock::VirtualClock;
 use scanrig_runtime::subject::Subject;
 use signal::{Address, Cause, Span, Time, Value};
@@ -32,7 +30,7 @@ impl Loop {
     fn boxed() -> Box<dyn IoModule> {
         let channel = |channel, text| ModuleChannel::new(channel, Address::parse(text).unwrap());
         Box::new(Loop {
-            channels: [channel(Channel::Input(0), "%IW3"), channel(Channel::Output(0), "%QW2")],
+            channels: [channel(IoChannel::Input(0), "%IW3"), channel(IoChannel::Output(0), "%QW2")],
             shared: Vec::new(),
             pressure: 0.0,
             converted: 0,
@@ -150,8 +148,8 @@ fn an_analogue_value_goes_from_the_board_through_the_program_and_back() {
     let (mut model, mut parts) = Texts(&texts).parts_with_modules(1, vec![Loop::boxed()]).unwrap();
     let terminal = |channel| Terminal { module: 1, channel };
     let at = |text: &str| Address::parse(text).unwrap();
-    assert_eq!(model.terminal(at("%IW3")), Some(terminal(Channel::Input(0))));
-    assert_eq!(model.terminal(at("%QW2")), Some(terminal(Channel::Output(0))));
+    assert_eq!(model.terminal(at("%IW3")), Some(terminal(IoChannel::Input(0))));
+    assert_eq!(model.terminal(at("%QW2")), Some(terminal(IoChannel::Output(0))));
     let ran = parts.run(&mut VirtualClock::default(), &mut model);
     assert_eq!(ran.fault, None);
     let trace = parts.recorder.trace();

@@ -8,13 +8,14 @@ use super::Controller;
 use crate::module::{Cycle, Sharing, Written, fire};
 use crate::probes::class;
 use crate::{Effects, ModuleChannel, Terminal};
+use profile::IoChannel;
 use signal::{Address, Cause, Time, Value};
 
 impl Controller {
     /// What is at the terminal of an input from `now` on: a level, or a number in the unit of an analogue channel.
     /// Terminals that there are not are ignored.
     pub fn input(&mut self, now: Time, terminal: Terminal, value: Value) {
-        let crate::Channel::Input(input) = terminal.channel else { return };
+        let IoChannel::Input(input) = terminal.channel else { return };
         if let Some(module) = self.modules.with(&mut self.io).nth(terminal.module) {
             module.set_input(now, input, value);
         }
@@ -34,7 +35,7 @@ impl Controller {
     pub(super) fn read_terminal(&self, terminal: Terminal) -> Value {
         let module = self.modules.get(&self.io, terminal.module);
         match (module, terminal.channel) {
-            (Some(module), crate::Channel::Output(output)) => module.output(output),
+            (Some(module), IoChannel::Output(output)) => module.output(output),
             _ => Value::Unknown,
         }
     }

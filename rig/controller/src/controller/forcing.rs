@@ -1,11 +1,12 @@
 //! Forcing: who may force, and when it ends (controller: section 12).
 
 use super::Controller;
-use crate::{Channel, CommandError, State};
+use crate::{CommandError, State};
+use profile::IoChannel;
 
 impl Controller {
     /// Forcing acts at the next end of the output's task (controller:FRC-05) or read of the inputs.
-    pub(super) fn force(&mut self, channel: Channel, on: Option<bool>) -> Result<(), CommandError> {
+    pub(super) fn force(&mut self, channel: IoChannel, on: Option<bool>) -> Result<(), CommandError> {
         if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
             return Err(CommandError::State(self.state));
         }
@@ -13,13 +14,13 @@ impl Controller {
             return Err(CommandError::NotConnected);
         }
         match channel {
-            Channel::Input(input) if input < self.config.reference.input_count() => {
+            IoChannel::Input(input) if input < self.config.reference.input_count() => {
                 self.io.force_input(input, on);
             }
-            Channel::Output(output) if self.io.drives(output) => {
+            IoChannel::Output(output) if self.io.drives(output) => {
                 return Err(CommandError::ExpertOutput(output));
             }
-            Channel::Output(output) if output < self.config.reference.output_count() => {
+            IoChannel::Output(output) if output < self.config.reference.output_count() => {
                 self.io.force_output(output, on);
             }
             channel => return Err(CommandError::NoChannel(channel)),

@@ -3,17 +3,18 @@
 use super::Controller;
 use crate::io::FunctionEffect;
 use crate::probes::class;
-use crate::{Channel, Effects, EventSource, LogEntry, State};
+use crate::{Effects, EventSource, LogEntry, State};
 use expert::Effect;
+use profile::IoChannel;
 use signal::{Cause, Time};
 
 impl Controller {
     /// Square waves of expert functions on these embedded outputs are made by hardware: what is reported of them is
     /// [`crate::Effect::Wave`], and no edges. To be called without power; it stays so.
-    pub fn offload_pulses(&mut self, outputs: &[Channel]) {
+    pub fn offload_pulses(&mut self, outputs: &[IoChannel]) {
         let outputs = outputs.iter().filter_map(|channel| match channel {
-            Channel::Output(output) => Some(*output),
-            Channel::Input(_) => None,
+            IoChannel::Output(output) => Some(*output),
+            IoChannel::Input(_) => None,
         });
         self.io.offload_pulses(outputs.collect());
     }

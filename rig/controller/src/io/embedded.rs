@@ -4,20 +4,19 @@ use super::{EmbeddedIo, OutputWrite, TaskChannels};
 use crate::config::Config;
 use crate::memory::Memory;
 use crate::module::{Cycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
-use crate::terminal::Channel;
-use profile::IoStatus;
+use profile::{IoChannel, IoStatus};
 use signal::{Address, Area, Level, Time, Value};
 
 /// The embedded channels of a configuration with their places in the images (io:ADR-01, io:ADR-02).
 pub(super) fn channels(config: &Config) -> Vec<ModuleChannel> {
     let inputs = profile::inputs(config.reference).map(|input| {
         let address = Address::bit(Area::Input, input.byte * 8 + input.bit);
-        ModuleChannel::new(Channel::Input(input.index), address)
+        ModuleChannel::new(IoChannel::Input(input.index), address)
     });
     let outputs = profile::outputs(config.reference).map(|output| {
         let address = Address::bit(Area::Output, output.byte * 8 + output.bit);
         let default = config.output_defaults.contains(output.index).into();
-        ModuleChannel { default, ..ModuleChannel::new(Channel::Output(output.index), address) }
+        ModuleChannel { default, ..ModuleChannel::new(IoChannel::Output(output.index), address) }
     });
     inputs.chain(outputs).collect()
 }
@@ -36,8 +35,8 @@ impl IoModule for EmbeddedIo {
             for ModuleChannel { channel, address, .. } in &self.channels {
                 let exchanged = sharing.exchanges(rank, *address);
                 match *channel {
-                    Channel::Input(input) => own.inputs.set(input, exchanged),
-                    Channel::Output(output) => {
+                    IoChannel::Input(input) => own.inputs.set(input, exchanged),
+                    IoChannel::Output(output) => {
                         own.outputs.set(output, exchanged);
                         // Forcing comes to an output with the task that writes it, else with that which exchanges it.
                         let written = (0..sharing.tasks()).any(|other| sharing.writes(other, *address));

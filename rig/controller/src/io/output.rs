@@ -2,7 +2,7 @@
 
 use crate::effect::Effect;
 use crate::memory::Memory;
-use crate::terminal;
+use crate::terminal::Terminal;
 use profile::{ChannelSet, EmbeddedOutput, OutputKind};
 use signal::{Cause, Level, Span, Time, Value};
 
@@ -17,7 +17,7 @@ enum Shown {
 
 /// One terminal. Its delays are inertial: a command that is taken back before its edge came out leaves none.
 #[derive(Clone, Debug)]
-struct Terminal {
+struct OutputTerminal {
     on_delay: Span,
     off_delay: Span,
     shown: Shown,
@@ -32,7 +32,7 @@ struct Terminal {
 /// All embedded outputs.
 #[derive(Clone, Debug)]
 pub(super) struct Outputs {
-    terminals: Vec<Terminal>,
+    terminals: Vec<OutputTerminal>,
     /// Outputs that are not driven under hardware initialization values (controller:OUT-02).
     floating: ChannelSet,
     /// What the drivers are commanded: 1, and not driven at all.
@@ -56,7 +56,7 @@ impl Outputs {
                 let floats = output.kind == OutputKind::Fast;
                 floating.set(output.index, floats);
                 let shown = Shown::Level(if floats { Level::HighZ } else { Level::Low });
-                Terminal {
+                OutputTerminal {
                     on_delay: output.on_delay,
                     off_delay: output.off_delay,
                     shown,
@@ -203,7 +203,7 @@ impl Outputs {
                 let (at, cause) = (terminal.at, terminal.cause);
                 report(match terminal.shown {
                     Shown::Level(level) => {
-                        let (terminal, value) = (terminal::Terminal::output(output), Value::from(level));
+                        let (terminal, value) = (Terminal::output(output), Value::from(level));
                         Effect::Terminal { at, terminal, value, cause }
                     }
                     Shown::Wave { period, high } => Effect::Wave { at, output, period, high, cause },

@@ -1,7 +1,8 @@
 //! Why functions cannot be configured so.
 
-use super::{ChannelRole, Terminal};
+use super::ChannelRole;
 use crate::{AxisParameterError, CounterFault};
+use profile::IoChannel;
 use signal::Span;
 use std::fmt;
 
@@ -49,26 +50,26 @@ pub enum ExpertFault {
     /// Counters of the profile have no such capture input (io:STD-ASG-01).
     Capture,
     /// The reference has no such input or output.
-    Missing(Terminal),
+    Missing(IoChannel),
     /// No expert function can use it (io:EXP-02, io:EXP-09, io:STD-ASG-01).
-    Unusable(Terminal),
+    Unusable(IoChannel),
     /// A relay, or an output of a relay reference that is no fast one: it makes no pulses (io:EXP-04).
-    Pulses(Terminal),
+    Pulses(IoChannel),
     /// Another role has it, of the function at this place (io:EXP-10).
     Assigned {
         /// The input or output.
-        terminal: Terminal,
+        channel: IoChannel,
         /// The other function, by its place.
         function: usize,
         /// What it is there.
         role: ChannelRole,
     },
     /// It is the Run/Stop input (io:RS-06).
-    RunStop(Terminal),
+    RunStop(IoChannel),
     /// It has Latch or Event (io:EIO-12).
-    Advanced(Terminal),
+    Advanced(IoChannel),
     /// It is the alarm output (io:OUT-05).
-    Alarm(Terminal),
+    Alarm(IoChannel),
 }
 
 impl fmt::Display for ExpertError {
@@ -103,15 +104,15 @@ impl fmt::Display for ExpertFault {
                 write!(f, "{found} inputs, a main counter has {most} at most")
             }
             ExpertFault::Capture => f.write_str("counters of the profile have one capture input"),
-            ExpertFault::Missing(terminal) => write!(f, "the reference has no {terminal}"),
-            ExpertFault::Unusable(terminal) => write!(f, "no expert function can use {terminal}"),
-            ExpertFault::Pulses(terminal) => {
-                write!(f, "{terminal} makes no pulses: of a reference with relays only the fast outputs do")
+            ExpertFault::Missing(channel) => write!(f, "the reference has no {channel}"),
+            ExpertFault::Unusable(channel) => write!(f, "no expert function can use {channel}"),
+            ExpertFault::Pulses(channel) => {
+                write!(f, "{channel} makes no pulses: of a reference with relays only the fast outputs do")
             }
-            ExpertFault::Assigned { terminal, role, .. } => write!(f, "{terminal} is {role} already"),
-            ExpertFault::RunStop(terminal) => write!(f, "{terminal} is the Run/Stop input"),
-            ExpertFault::Advanced(terminal) => write!(f, "{terminal} has Latch or Event"),
-            ExpertFault::Alarm(terminal) => write!(f, "{terminal} is the alarm output"),
+            ExpertFault::Assigned { channel, role, .. } => write!(f, "{channel} is {role} already"),
+            ExpertFault::RunStop(channel) => write!(f, "{channel} is the Run/Stop input"),
+            ExpertFault::Advanced(channel) => write!(f, "{channel} has Latch or Event"),
+            ExpertFault::Alarm(channel) => write!(f, "{channel} is the alarm output"),
         }
     }
 }

@@ -6,17 +6,8 @@ mod error;
 pub use error::{ExpertError, ExpertFault, ExpertWarning};
 
 use crate::{AxisRole, CounterKind, CounterRole, ExpertConfig, FunctionKind, InputConditions, WaveRole};
-use profile::{ChannelSet, ExpertLimits, FAST_INPUTS, Profile, Reference};
+use profile::{ChannelSet, ExpertLimits, FAST_INPUTS, IoChannel, Profile, Reference};
 use std::fmt;
-
-/// An input or output of the controller.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Terminal {
-    /// n for In.
-    Input(u8),
-    /// n for Qn.
-    Output(u8),
-}
 
 /// What an input or output is to a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,15 +31,6 @@ pub struct ReservedChannels {
     pub alarm: Option<usize>,
 }
 
-impl fmt::Display for Terminal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Terminal::Input(n) => write!(f, "I{n}"),
-            Terminal::Output(n) => write!(f, "Q{n}"),
-        }
-    }
-}
-
 impl fmt::Display for ChannelRole {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -61,7 +43,7 @@ impl fmt::Display for ChannelRole {
 
 impl FunctionKind {
     /// The inputs and outputs that the function takes, and what for.
-    pub fn terminals(&self) -> Vec<(ChannelRole, Terminal)> {
+    pub fn channels(&self) -> Vec<(ChannelRole, IoChannel)> {
         match self {
             FunctionKind::Counter(it) => both(it.inputs(), it.outputs(), ChannelRole::Counter),
             FunctionKind::Axis(it) => both(it.inputs(), it.outputs(), ChannelRole::Axis),
@@ -73,18 +55,18 @@ impl FunctionKind {
 
     /// The inputs that the function looks at.
     pub fn inputs(&self) -> ChannelSet {
-        let inputs = self.terminals().into_iter().filter_map(|(_, terminal)| match terminal {
-            Terminal::Input(n) => Some(usize::from(n)),
-            Terminal::Output(_) => None,
+        let inputs = self.channels().into_iter().filter_map(|(_, channel)| match channel {
+            IoChannel::Input(n) => Some(n),
+            IoChannel::Output(_) => None,
         });
         inputs.collect()
     }
 
     /// The outputs that the function may drive.
     pub fn outputs(&self) -> ChannelSet {
-        let outputs = self.terminals().into_iter().filter_map(|(_, terminal)| match terminal {
-            Terminal::Input(_) => None,
-            Terminal::Output(n) => Some(usize::from(n)),
+        let outputs = self.channels().into_iter().filter_map(|(_, channel)| match channel {
+            IoChannel::Input(_) => None,
+            IoChannel::Output(n) => Some(n),
         });
         outputs.collect()
     }
@@ -99,9 +81,9 @@ fn both<R>(
     inputs: impl Iterator<Item = (R, u8)>,
     outputs: impl Iterator<Item = (R, u8)>,
     role: fn(R) -> ChannelRole,
-) -> Vec<(ChannelRole, Terminal)> {
-    let inputs = inputs.map(|(it, n)| (role(it), Terminal::Input(n)));
-    inputs.chain(outputs.map(|(it, n)| (role(it), Terminal::Output(n)))).collect()
+) -> Vec<(ChannelRole, IoChannel)> {
+    let inputs = inputs.map(|(it, n)| (role(it), IoChannel::Input(n.into())));
+    inputs.chain(outputs.map(|(it, n)| (role(it), IoChannel::Output(n.into())))).collect()
 }
 
 impl ExpertConfig {
@@ -176,8 +158,8 @@ impl Check<'_> {
                 self.error(function, None, ExpertFault::Axes { most: self.limits.axes });
             }
             self.parameters(function, &it.kind);
-            for (role, terminal) in it.kind.terminals() {
-                self.terminal(function, role, terminal);
+            for (role, channel) in it.kind.channels() {
+                self.channel(function, role, channel);
             }
         }
         self.errors
@@ -220,55 +202,53 @@ impl Check<'_> {
         }
     }
 
-    fn terminal(&mut self, function: usize, role: ChannelRole, terminal: Terminal) {
-        let fault = self.own_fault(role, terminal).or_else(|| self.assigned(function, role, terminal));
+    fn channel(&mut self, function: usize, role: ChannelRole, channel: IoChannel) {
+        let fault = self.own_fault(role, channel).or_else(|| self.assigned(function, role, channel));
         if let Some(fault) = fault {
             self.error(function, Some(role), fault);
         }
     }
 
     /// What is wrong with an input or output whatever else functions take.
-    fn own_fault(&self, role: ChannelRole, terminal: Terminal) -> Option<ExpertFault> {
-        let (there, usable) = match terminal {
-            Terminal::Input(_) => (self.reference.input_count(), self.limits.inputs),
-            Terminal::Output(_) => (self.reference.output_count(), self.limits.reflexes),
+    fn own_fault(&self, role: ChannelRole, channel: IoChannel) -> Option<ExpertFault> {
+        let (there, usable) = match channel {
+            IoChannel::Input(_) => (self.reference.input_count(), self.limits.inputs),
+            IoChannel::Output(_) => (self.reference.output_count(), self.limits.reflexes),
         };
-        let (Terminal::Input(n) | Terminal::Output(n)) = terminal;
-        let is = |place: Option<usize>| place == Some(usize::from(n));
-        if usize::from(n) >= there {
-            return Some(ExpertFault::Missing(terminal));
+        let (IoChannel::Input(n) | IoChannel::Output(n)) = channel;
+        let is = |place: Option<usize>| place == Some(n);
+        if n >= there {
+            return Some(ExpertFault::Missing(channel));
         }
-        if !usable.contains(n.into()) {
-            return Some(ExpertFault::Unusable(terminal));
+        if !usable.contains(n) {
+            return Some(ExpertFault::Unusable(channel));
         }
         if matches!(role, ChannelRole::Counter(CounterRole::Capture(capture)) if capture >= self.limits.captures)
         {
             return Some(ExpertFault::Capture);
         }
-        match terminal {
-            Terminal::Input(_) if is(self.taken.run_stop) => Some(ExpertFault::RunStop(terminal)),
-            Terminal::Input(_) if self.taken.advanced.contains(n.into()) => {
-                Some(ExpertFault::Advanced(terminal))
-            }
-            Terminal::Output(_) if is(self.taken.alarm) => Some(ExpertFault::Alarm(terminal)),
-            Terminal::Output(_)
-                if !matches!(role, ChannelRole::Counter(_)) && !self.limits.pulses.contains(n.into()) =>
+        match channel {
+            IoChannel::Input(_) if is(self.taken.run_stop) => Some(ExpertFault::RunStop(channel)),
+            IoChannel::Input(_) if self.taken.advanced.contains(n) => Some(ExpertFault::Advanced(channel)),
+            IoChannel::Output(_) if is(self.taken.alarm) => Some(ExpertFault::Alarm(channel)),
+            IoChannel::Output(_)
+                if !matches!(role, ChannelRole::Counter(_)) && !self.limits.pulses.contains(n) =>
             {
-                Some(ExpertFault::Pulses(terminal))
+                Some(ExpertFault::Pulses(channel))
             }
             _ => None,
         }
     }
 
-    /// Whether a role before this one has the terminal.
-    fn assigned(&self, function: usize, role: ChannelRole, terminal: Terminal) -> Option<ExpertFault> {
+    /// Whether a role before this one has the channel.
+    fn assigned(&self, function: usize, role: ChannelRole, channel: IoChannel) -> Option<ExpertFault> {
         let before = self.config.functions[..=function].iter().enumerate();
         let mut roles = before.flat_map(|(place, it)| {
-            it.kind.terminals().into_iter().map(move |(role, terminal)| (place, role, terminal))
+            it.kind.channels().into_iter().map(move |(role, channel)| (place, role, channel))
         });
-        let (other, its, _) = roles.find(|(_, _, its)| *its == terminal)?;
+        let (other, its, _) = roles.find(|(_, _, its)| *its == channel)?;
         ((other, its) != (function, role)).then_some(ExpertFault::Assigned {
-            terminal,
+            channel,
             function: other,
             role: its,
         })

@@ -7,10 +7,11 @@ use crate::wiring::Wiring;
 use controller::Terminal;
 use drivers::{BoardExt, Channel, ChannelId, Emission, Origin};
 use plans::steps::CasePart;
+use profile::IoChannel;
 use signal::{Cause, Time, Value, When};
 
 /// The embedded outputs of the subject at which a channel makes waves without end.
-pub(super) fn offloaded_outputs(wiring: &Wiring, channels: &[Channel]) -> Vec<controller::Channel> {
+pub(super) fn offloaded_outputs(wiring: &Wiring, channels: &[Channel]) -> Vec<IoChannel> {
     let makes = |channel: ChannelId| {
         let known = channels.get(usize::from(channel.0));
         known.and_then(|known| known.emits).is_some_and(|emits| emits.endless)

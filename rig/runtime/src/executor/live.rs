@@ -6,8 +6,9 @@ use crate::rig_fault::RigFault;
 use crate::scan_port::{Role, ScanCommand, ScanCommandError, ScanPort, ScanRequest, Source};
 use crate::subject::{NO_PROBE, SubjectExt};
 use control::Action;
-use controller::{Channel, Command, Probe};
+use controller::{Command, Probe};
 use drivers::{BusEvent, ChannelId, LossReason};
+use profile::IoChannel;
 use signal::{Cause, Time, Value, When};
 use std::sync::atomic::Ordering;
 
@@ -242,8 +243,8 @@ impl<'a> Executor<'a> {
 
     fn release_all(&mut self) -> CommandOutcome {
         let Some(front) = self.parts.subject.front() else { return Err(ScanCommandError::NoModel) };
-        let inputs = front.forced_inputs.iter().map(|(input, _)| Channel::Input(input));
-        let outputs = front.forced_outputs.iter().map(|(output, _)| Channel::Output(output));
+        let inputs = front.forced_inputs.iter().map(|(input, _)| IoChannel::Input(input));
+        let outputs = front.forced_outputs.iter().map(|(output, _)| IoChannel::Output(output));
         for channel in inputs.chain(outputs) {
             self.command(&Command::Unforce(channel))?;
         }

@@ -4,9 +4,9 @@ use super::configure::key_of;
 use crate::codes;
 use document::Diagnostic;
 use drivers::{BoardFile, ChannelKind};
-use expert::{ChannelRole, CounterMode, CounterRole, ExpertConfig, FunctionKind, Terminal};
+use expert::{ChannelRole, CounterMode, CounterRole, ExpertConfig, FunctionKind};
 use plans::plan::Settings;
-use profile::{ChannelSet, Reference};
+use profile::{ChannelSet, IoChannel, Reference};
 use signal::Area;
 
 /// The inputs of the model behind whose terminals hardware counts.
@@ -17,9 +17,9 @@ pub fn counted(board: &BoardFile, reference: &Reference) -> ChannelSet {
     };
     let inputs = board.bind.iter().filter(|binding| binding.address.area() == Area::Input);
     let counted = inputs.filter(|binding| counts(binding.channel));
-    let numbers = counted.filter_map(|binding| match controller::Channel::at(binding.address, reference)? {
-        controller::Channel::Input(input) => Some(input),
-        controller::Channel::Output(_) => None,
+    let numbers = counted.filter_map(|binding| match IoChannel::at(binding.address, reference)? {
+        IoChannel::Input(input) => Some(input),
+        IoChannel::Output(_) => None,
     });
     numbers.collect()
 }
@@ -36,9 +36,9 @@ pub fn check(
 ) -> Result<(), Vec<Diagnostic>> {
     let mut found = Vec::new();
     for (function, said) in config.functions.iter().zip(&settings.expert) {
-        for (role, terminal) in function.kind.terminals() {
-            let Terminal::Input(input) = terminal else { continue };
-            if !counted.contains(input.into()) {
+        for (role, channel) in function.kind.channels() {
+            let IoChannel::Input(input) = channel else { continue };
+            if !counted.contains(input) {
                 continue;
             }
             let (code, message, help) = match (&function.kind, role) {

@@ -6,7 +6,7 @@ use control::{
 };
 use controller::{TaskConfig, TaskKind};
 use drivers::{Board, BoardExt, BoardFile, BusId, BusKind, ChannelId, ChannelKind};
-use expert::{CounterKind, CounterMode, FunctionKind, Terminal};
+use expert::{CounterKind, CounterMode, FunctionKind};
 use program::Storage;
 use signal::{Address, Area, CanFrame, SerialErrors, SerialMessage, Time};
 
@@ -164,15 +164,11 @@ pub fn functions(catalogue: &Catalogue) -> Vec<FunctionInfo> {
     let facts: Vec<String> = crate::functions::names(config).collect();
     let function = |known: &expert::FunctionConfig| {
         let prefix = format!("{}.", known.name);
-        let terminal = |terminal: &Terminal| match terminal {
-            Terminal::Input(n) => format!("I{n}"),
-            Terminal::Output(n) => format!("Q{n}"),
-        };
         FunctionInfo {
             name: known.name.clone(),
             kind: words(&known.kind).into(),
             signals: facts.iter().filter(|fact| fact.starts_with(&prefix)).cloned().collect(),
-            terminals: known.kind.terminals().iter().map(|(_, it)| terminal(it)).collect(),
+            terminals: known.kind.channels().iter().map(|(_, channel)| channel.to_string()).collect(),
         }
     };
     config.functions.iter().map(function).collect()

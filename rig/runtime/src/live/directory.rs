@@ -8,6 +8,7 @@ use crate::scan_port::Source;
 use control::{Fault, Signal, SignalKind};
 use controller::Probe;
 use drivers::{BoardFile, Channel, ChannelId, ChannelKind};
+use profile::IoChannel;
 use signal::{Address, AddressLimits, Area, Kind, Span, Value};
 use std::collections::BTreeMap;
 
@@ -152,13 +153,13 @@ impl Directory {
     }
 
     /// The embedded input or output whose image or line a signal is.
-    pub fn embedded_channel(&self, signal: u32) -> Option<controller::Channel> {
+    pub fn embedded_channel(&self, signal: u32) -> Option<IoChannel> {
         let address = match self.source(signal)?.1 {
             Source::Inside(Probe::Address(address)) => address,
             Source::Inside(_) => return None,
             Source::Channel(channel) => self.channels.get(usize::from(channel.0))?.terminal?,
         };
-        controller::Channel::at(address, self.catalogue.reference())
+        IoChannel::at(address, self.catalogue.reference())
     }
 
     /// The value as a signal takes it.

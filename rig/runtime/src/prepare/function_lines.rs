@@ -7,6 +7,7 @@ use document::Diagnostic;
 use drivers::{Channel, TimestampSource};
 use expert::{AxisConfig, FunctionKind, WaveConfig};
 use plans::plan::{FunctionSettings, Settings};
+use profile::IoChannel;
 
 /// What the lines behind the outputs of the functions cannot do, and what they do not promise.
 pub(super) fn on_lines(settings: &Settings, plan: &str, bench: &TestBench<'_>) -> Vec<Diagnostic> {
@@ -67,8 +68,8 @@ fn axis_on_lines(
 /// The channel behind an output.
 fn behind<'b>(output: u8, bench: &'b TestBench<'_>) -> Option<&'b Channel> {
     let of = |binding: &&drivers::Binding| {
-        let embedded = controller::Channel::at(binding.address, bench.reference);
-        embedded == Some(controller::Channel::Output(output.into()))
+        let embedded = IoChannel::at(binding.address, bench.reference);
+        embedded == Some(IoChannel::Output(output.into()))
     };
     let binding = bench.file.bind.iter().find(of)?;
     bench.board.channels().get(usize::from(binding.channel.0))

@@ -11,6 +11,7 @@ use drivers::{BoardKind, Channel, ChannelId, FaultKind};
 use plans::PlanStep;
 use plans::lang::Literal;
 use plans::steps::LineFault;
+use profile::IoChannel;
 use signal::{Area, Level, Span, Value};
 
 /// The code of pulses that the board does not promise: a case with such a step gets no verdict.
@@ -82,7 +83,7 @@ pub(super) fn embedded_channel(
     bench: &TestBench<'_>,
     step: &PlanStep,
     out: &mut Findings,
-) -> Option<controller::Channel> {
+) -> Option<IoChannel> {
     let address = match names.meaning(name)? {
         Meaning::Channel(_, Some(address)) => Some(address),
         Meaning::Channel(channel, None) => {
@@ -91,7 +92,7 @@ pub(super) fn embedded_channel(
         Meaning::Inside(Observable { probe: Probe::Address(address), .. }) => Some(address),
         Meaning::Inside(_) | Meaning::OfBus => None,
     };
-    let channel = address.and_then(|address| controller::Channel::at(address, bench.reference));
+    let channel = address.and_then(|address| IoChannel::at(address, bench.reference));
     if channel.is_none() {
         let help = "only inputs and outputs of the controller are forced; a variable is written with `write`";
         out.error(codes::NOT_A_LINE, step.span.clone(), format!("`{name}` is no input or output"), help);
@@ -190,8 +191,8 @@ pub(super) fn warn_if_too_fast(
 ) {
     let Some(hertz) = bench.profile.regular_input_hertz() else { return };
     let mut bound = bench.file.bind.iter().filter(|binding| binding.channel == channel);
-    let regular = bound.find(|binding| match controller::Channel::at(binding.address, bench.reference) {
-        Some(controller::Channel::Input(input)) => input >= bench.reference.fast_inputs,
+    let regular = bound.find(|binding| match IoChannel::at(binding.address, bench.reference) {
+        Some(IoChannel::Input(input)) => input >= bench.reference.fast_inputs,
         _ => false,
     });
     if let Some(binding) = regular.filter(|_| millihertz > u64::from(hertz) * 1_000) {

@@ -5,10 +5,11 @@ use crate::catalogue::Catalogue;
 use crate::codes;
 use crate::observable::Observable;
 use crate::subject::SubjectExt;
-use controller::{Channel, Probe};
+use controller::Probe;
 use document::Findings;
 use drivers::{BoardExt, ChannelId};
 use plans::signals::{SignalBinding, SignalSource, TaskFigure};
+use profile::IoChannel;
 use signal::{Address, Kind, SignalId};
 
 /// What a name turned out to be.
@@ -30,7 +31,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
             let channel = bench.file.channel_of(*address);
             channel.map(|channel| Meaning::Channel(channel, Some(*address))).or_else(|| {
                 // A terminal that the reference does not have is no line; nor is one that the board leaves open.
-                let known = Channel::at(*address, bench.reference).is_some()
+                let known = IoChannel::at(*address, bench.reference).is_some()
                     || bench.subject.terminal(*address).is_some();
                 let help = match known {
                     false => format!("{} has no such terminal", bench.reference.name),

@@ -8,7 +8,7 @@ use crate::catalogue::Catalogue;
 use crate::codes;
 use crate::schedule::{Act, AwaitedChange, Expected, FileAction, PlannedStep, Timing};
 use crate::subject::SubjectExt;
-use controller::{Channel, Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
+use controller::{Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
 use document::Findings;
 use drivers::{BoardExt, Fault};
 use plans::lang::Literal;
@@ -16,6 +16,7 @@ use plans::plan::StepCondition;
 use plans::steps::ProgramRef;
 use plans::steps::Stimulus;
 use plans::{PlanStep, StepTime};
+use profile::IoChannel;
 use signal::{Address, Kind, SignalId, SignalInfo, Span, Trace, Value};
 
 pub(super) fn plan_step(
@@ -258,8 +259,8 @@ fn disturbance(
     out: &mut Findings,
 ) -> Option<Disturbance> {
     use plans::steps::DisturbanceKind;
-    let mut output = |address: Address| match Channel::at(address, bench.reference) {
-        Some(Channel::Output(output)) => Some(output),
+    let mut output = |address: Address| match IoChannel::at(address, bench.reference) {
+        Some(IoChannel::Output(output)) => Some(output),
         _ => {
             let help = format!("{} has no such terminal", bench.reference.name);
             out.error(codes::NO_TERMINAL, step.span.clone(), format!("no output is at {address}"), help);

@@ -3,8 +3,9 @@
 
 use super::snapshot::Snapshot;
 use control::{Action, PlanEvent};
-use controller::{Channel, CommandError, Probe, WriteError};
+use controller::{CommandError, Probe, WriteError};
 use drivers::{BoardError, BusId, ChannelId};
+use profile::IoChannel;
 use rtrb::{Consumer, Producer, RingBuffer};
 use signal::{CanFrame, SerialMessage, Span, Time, Value, When};
 
@@ -45,9 +46,9 @@ pub enum ScanCommand {
     /// Something is written.
     Write(Source, Value),
     /// An embedded input or output is forced.
-    Force(Channel, bool),
+    Force(IoChannel, bool),
     /// No more.
-    Release(Channel),
+    Release(IoChannel),
     /// None at all.
     ReleaseAll,
     /// A command.

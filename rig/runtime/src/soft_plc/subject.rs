@@ -7,10 +7,11 @@ use crate::subject::{
     Disturbances, ExpertFunctions, FileAccess, Observation, Ports, Startup, Subject, SubjectExt,
 };
 use controller::{
-    Channel, Command, CommandError, Effect, Effects, FrontPanel, JitterCounts, LogEntry, PortEvent,
-    PortMessage, Probe, ProbeId, State, TaskFigures, Terminal, WriteError,
+    Command, CommandError, Effect, Effects, FrontPanel, JitterCounts, LogEntry, PortEvent, PortMessage,
+    Probe, ProbeId, State, TaskFigures, Terminal, WriteError,
 };
 use drivers::SubjectLines;
+use profile::IoChannel;
 use signal::{Address, Cause, Span, Time, Value, When};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::SyncSender;
@@ -421,7 +422,7 @@ impl Ports for SoftPlc {
 }
 
 impl ExpertFunctions for SoftPlc {
-    fn offload_pulses(&mut self, outputs: &[Channel]) {
+    fn offload_pulses(&mut self, outputs: &[IoChannel]) {
         self.model.offload_pulses(outputs);
     }
 

@@ -3,9 +3,10 @@
 use crate::hook::HookError;
 use crate::schedule::FileAction;
 use controller::{
-    Channel, Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId,
-    TaskFigures, WriteError,
+    Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId, TaskFigures,
+    WriteError,
 };
+use profile::IoChannel;
 use signal::{Cause, Span, Time, Value};
 use std::sync::atomic::AtomicBool;
 
@@ -99,7 +100,7 @@ pub trait Disturbances {
 pub trait ExpertFunctions {
     /// What is connected to these embedded outputs makes square waves by itself: those of its functions are reported
     /// as [`controller::Effect::Wave`]. Before it has power.
-    fn offload_pulses(&mut self, outputs: &[Channel]);
+    fn offload_pulses(&mut self, outputs: &[IoChannel]);
 
     /// So many changes of an input terminal's line are known to be missing before `now`.
     fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32);

@@ -5,9 +5,10 @@ use crate::hook::HookError;
 use crate::observable::Observable;
 use crate::schedule::FileAction;
 use controller::{
-    Channel, Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId,
-    TaskFigures, WriteError,
+    Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId, TaskFigures,
+    WriteError,
 };
+use profile::IoChannel;
 use signal::{Cause, Span, Time, Value};
 use std::sync::atomic::AtomicBool;
 
@@ -170,7 +171,7 @@ pub trait SubjectExt: Subject {
     }
 
     /// As [`ExpertFunctions::offload_pulses`](super::ExpertFunctions::offload_pulses).
-    fn offload_pulses(&mut self, outputs: &[Channel]) {
+    fn offload_pulses(&mut self, outputs: &[IoChannel]) {
         if let Some(functions) = self.expert_functions() {
             functions.offload_pulses(outputs);
         }

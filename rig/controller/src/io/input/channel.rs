@@ -8,7 +8,7 @@ use signal::{Span, Time};
 /// The own delay is inertial: a level counts once it has lasted that long. Nothing is ticked: a channel is brought to
 /// an instant when somebody looks at it, and tells when it would turn by itself.
 #[derive(Clone, Debug)]
-pub(super) struct Channel {
+pub(super) struct InputChannel {
     delay: Span,
     stage: FilterStage,
     /// Level at the terminal.
@@ -33,15 +33,15 @@ enum FilterStage {
     AntiBounce { bounce: Span, since: Time },
 }
 
-impl Channel {
+impl InputChannel {
     /// A channel at rest at 0; `expert` where an expert function looks at the input (io:EIO-12).
-    pub(super) fn new(delay: Span, config: &InputConfig, expert: bool) -> Channel {
+    pub(super) fn new(delay: Span, config: &InputConfig, expert: bool) -> InputChannel {
         let stage = if expert || config.is_expert() {
             FilterStage::AntiBounce { bounce: config.bounce.span(), since: Time::MIN }
         } else {
             FilterStage::Integrator { full: config.filter.span().as_nanos(), sum: 0 }
         };
-        Channel {
+        InputChannel {
             delay,
             stage,
             terminal: false,

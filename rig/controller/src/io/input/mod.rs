@@ -6,7 +6,7 @@ mod tests;
 
 use crate::config::Config;
 use crate::probe::InputProbe;
-use channel::Channel;
+use channel::InputChannel;
 use profile::ChannelSet;
 use signal::{Level, Span, Time, Value};
 
@@ -27,7 +27,7 @@ const MOST_ACCEPTED: usize = 96;
 /// All embedded inputs.
 #[derive(Clone, Debug)]
 pub(in crate::io) struct Inputs {
-    channels: Vec<Channel>,
+    channels: Vec<InputChannel>,
     /// Those at 1 after the filters.
     filtered: ChannelSet,
     /// Channels that have to be evaluated.
@@ -90,7 +90,7 @@ impl Inputs {
         let mut regular = ChannelSet::EMPTY;
         let advanced = config.advanced_inputs();
         let used = config.expert.inputs();
-        let channels: Vec<Channel> = profile::inputs(config.reference)
+        let channels: Vec<InputChannel> = profile::inputs(config.reference)
             .map(|input| {
                 let own = config.inputs.get(input.index).copied().unwrap_or_default();
                 let n = input.index;
@@ -101,7 +101,7 @@ impl Inputs {
                 roles.falling.set(n, down);
                 roles.both.set(n, up && down);
                 regular.set(n, input.kind == profile::InputKind::Regular);
-                Channel::new(input.delay, &own, used.contains(n))
+                InputChannel::new(input.delay, &own, used.contains(n))
             })
             .collect();
         roles.run_stop = config.run_stop_input;
@@ -222,7 +222,7 @@ impl Inputs {
 
     /// Whether terminal I`input` is at 1.
     pub(in crate::io) fn terminal(&self, input: usize) -> bool {
-        self.channels.get(input).is_some_and(Channel::terminal)
+        self.channels.get(input).is_some_and(InputChannel::terminal)
     }
 
     /// When something here happens by itself; `Time::MAX` for never.
