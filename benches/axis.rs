@@ -4,8 +4,8 @@
 //! another number of pulses.
 
 use scanrig_expert::{
-    AxisConfig, BLOCKS, BlockCall, BlockType, Effect, ExpertConfig, ExpertFunctions, FunctionConfig,
-    FunctionKind, Operation, Pins,
+    AxisConfig, BLOCKS, BlockCall, BlockType, ExpertConfig, ExpertEffect, ExpertFunctions, ExpertOperation,
+    FunctionConfig, FunctionKind, Pins,
 };
 use signal::Time;
 use std::hint::black_box;
@@ -65,7 +65,7 @@ fn seconds(begin: Instant) -> f64 {
 fn train(jerk_ratio: i64) -> Option<(f64, i64)> {
     let axis = FunctionConfig { name: "PTO0".into(), kind: FunctionKind::Axis(AxisConfig::new(0, 1)) };
     let mut expert = ExpertFunctions::new(&ExpertConfig { functions: vec![axis] }, &[]);
-    expert.operate(Time::ZERO, Operation::Running);
+    expert.operate(Time::ZERO, ExpertOperation::Running);
     Block::new("MC_Power_PTO", &[("Axis", 1), ("Enable", 1)])?.call(Time::ZERO, &mut expert);
     let pins = [
         ("Axis", 1),
@@ -84,7 +84,7 @@ fn train(jerk_ratio: i64) -> Option<(f64, i64)> {
         expert.fire(expert.next());
         let mut place = 0;
         while let Some((at, effect)) = expert.take(place) {
-            pulses += i64::from(effect == Effect::Output { output: 0, on: true });
+            pulses += i64::from(effect == ExpertEffect::Output { output: 0, on: true });
             last = at;
             place += 1;
         }

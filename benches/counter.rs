@@ -7,8 +7,8 @@
 
 use scanrig_expert::{
     BLOCKS, BlockCall, BlockType, CounterConfig, CounterKind, CounterMode, ExpertConfig, ExpertFunctions,
-    FunctionConfig, FunctionKind, FunctionProbe, InputConditions, InputEdge, LimitsMode, LineEvents,
-    Operation, PhaseMode, Pins, RECORD, Reflex, Threshold, ThresholdEvent,
+    ExpertOperation, FunctionConfig, FunctionKind, FunctionProbe, InputConditions, InputEdge, LimitsMode,
+    LineEvents, PhaseMode, Pins, RECORD, Reflex, Threshold, ThresholdEvent,
 };
 use signal::{Span, Time, Value};
 use std::io::{Read, Write};
@@ -56,7 +56,7 @@ fn counter(kind: CounterKind, mode: CounterMode) -> ExpertFunctions {
     let conditions = InputConditions { delay: Span::from_micros(2), bounce: Span::from_micros(2) };
     let functions = vec![FunctionConfig { name: "HSC0".into(), kind: FunctionKind::Counter(config) }];
     let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[conditions; 16]);
-    expert.operate(Time::ZERO, Operation::Running);
+    expert.operate(Time::ZERO, ExpertOperation::Running);
     let block = BLOCKS.iter().copied().flatten().find(|block| block.name == "HSCMain_M241");
     let block = block.expect("a block of the table");
     let mut instance = Instance(block, vec![0; block.pins.len()]);

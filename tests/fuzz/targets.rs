@@ -13,7 +13,7 @@ use drivers::counting::CountFunction as Counting;
 use drivers::serial::{Marks, MessageAssembler, MessageTiming, Received, Symbol};
 use expert::{
     BLOCKS, BlockCall, CounterConfig, CounterKind, CounterMode, ExpertConfig, ExpertFunctions,
-    FunctionConfig, FunctionKind, FunctionProbe, InputConditions, LimitsMode, LineEvents, Operation,
+    ExpertOperation, FunctionConfig, FunctionKind, FunctionProbe, InputConditions, LimitsMode, LineEvents,
     PhaseMode, Pins, RECORD,
 };
 use host::{COUNTER_RECORD, CounterEvent, CounterEventKind, HostInstant};
@@ -491,7 +491,7 @@ pub fn lines(data: &[u8]) {
     let own = Span::from_nanos(if how & 4 == 0 { 0 } else { 2_000 });
     let conditions = InputConditions { delay: own, bounce: own };
     let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[conditions; 2]);
-    expert.operate(Time::MIN, Operation::Running);
+    expert.operate(Time::MIN, ExpertOperation::Running);
     let block = BLOCKS.iter().copied().flatten().find(|block| block.name == "HSCMain_M241").unwrap();
     (block.run)(&mut BlockCall { now: Time::MIN, pins: &mut AllOn, expert: &mut expert });
     let mut lines = LineEvents::new(&[(0, 0), (1, 1)], 0);

@@ -4,7 +4,7 @@ use signal::{Span, Time};
 
 /// Something that a function does at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effect {
+pub enum ExpertEffect {
     /// The stage of output Q`output` is commanded: a pulse, a reflex, the enable of a drive.
     Output {
         /// n for Qn.
@@ -51,30 +51,30 @@ pub enum Effect {
     },
 }
 
-/// Effects in the order in which they happened, with their instants.
+/// ExpertEffects in the order in which they happened, with their instants.
 #[derive(Clone, Debug)]
-pub struct Effects {
-    list: Vec<(Time, Effect)>,
+pub struct ExpertEffects {
+    list: Vec<(Time, ExpertEffect)>,
 }
 
 /// Between two looks at them the functions bring about no more: the caller looks at each instant, and no instant has
 /// more than a few of each function.
 const MOST: usize = 256;
 
-impl Effects {
+impl ExpertEffects {
     /// No effects, with room for those of one instant.
-    pub(crate) fn new() -> Effects {
-        Effects { list: Vec::with_capacity(MOST) }
+    pub(crate) fn new() -> ExpertEffects {
+        ExpertEffects { list: Vec::with_capacity(MOST) }
     }
 
     /// Adds one.
     #[inline]
-    pub(crate) fn push(&mut self, at: Time, effect: Effect) {
+    pub(crate) fn push(&mut self, at: Time, effect: ExpertEffect) {
         self.list.push((at, effect));
     }
 
     /// What happened so far.
-    pub fn as_slice(&self) -> &[(Time, Effect)] {
+    pub fn as_slice(&self) -> &[(Time, ExpertEffect)] {
         &self.list
     }
 
@@ -85,7 +85,7 @@ impl Effects {
     }
 
     /// The effect at a place, in their order; behind the last one the list is emptied.
-    pub fn take(&mut self, place: usize) -> Option<(Time, Effect)> {
+    pub fn take(&mut self, place: usize) -> Option<(Time, ExpertEffect)> {
         let effect = self.list.get(place).copied();
         if effect.is_none() {
             self.list.clear();

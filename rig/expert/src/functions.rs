@@ -4,7 +4,7 @@ use crate::axis::Axis;
 use crate::counter::Counter;
 use crate::filter::Filter;
 use crate::wave::Wave;
-use crate::{Effects, ExpertConfig, FunctionKind, FunctionProbe, InputConditions, Operation};
+use crate::{ExpertConfig, ExpertEffects, ExpertOperation, FunctionKind, FunctionProbe, InputConditions};
 use profile::ChannelSet;
 use signal::{Time, Value};
 
@@ -56,7 +56,7 @@ pub struct ExpertFunctions {
     outputs: ChannelSet,
     /// The task whose cycle calls blocks.
     task: Option<usize>,
-    fx: Effects,
+    fx: ExpertEffects,
     /// Somebody looks at what functions show.
     observed: bool,
 }
@@ -95,7 +95,7 @@ impl ExpertFunctions {
             unit_next: Time::MAX,
             outputs,
             task: None,
-            fx: Effects::new(),
+            fx: ExpertEffects::new(),
             observed: false,
         }
     }
@@ -142,7 +142,7 @@ impl ExpertFunctions {
     }
 
     /// Square waves on these outputs are made by hardware from now on: their functions bring about
-    /// [`crate::Effect::Wave`] in place of edges, and nobody counts their pulses.
+    /// [`crate::ExpertEffect::Wave`] in place of edges, and nobody counts their pulses.
     pub fn offload_pulses(&mut self, outputs: ChannelSet) {
         for unit in &mut self.units {
             if let FunctionUnit::Pwm(wave) | FunctionUnit::Generator(wave) = unit
@@ -207,8 +207,8 @@ impl ExpertFunctions {
         }
     }
 
-    /// Effects that nobody took yet.
-    pub fn effects(&self) -> &Effects {
+    /// ExpertEffects that nobody took yet.
+    pub fn effects(&self) -> &ExpertEffects {
         &self.fx
     }
 
@@ -235,7 +235,7 @@ impl ExpertFunctions {
         self.task
     }
 
-    /// When something happens by itself; [`Time::MAX`] for never. Effects that nobody took yet are due at once.
+    /// When something happens by itself; [`Time::MAX`] for never. ExpertEffects that nobody took yet are due at once.
     #[inline]
     pub fn next(&self) -> Time {
         self.filter_next.min(self.unit_next).min(self.fx.first())
@@ -288,7 +288,7 @@ impl ExpertFunctions {
     }
 
     /// What the controller lets the functions do from `now` on.
-    pub fn operate(&mut self, now: Time, operation: Operation) {
+    pub fn operate(&mut self, now: Time, operation: ExpertOperation) {
         self.fire(now);
         for unit in &mut self.units {
             each!(unit, it => it.operate(now, operation, &mut self.fx));
@@ -324,7 +324,7 @@ impl ExpertFunctions {
         now: Time,
         reference: i64,
         pick: fn(&mut FunctionUnit) -> Option<&mut U>,
-        body: impl FnOnce(&mut U, &mut Effects) -> R,
+        body: impl FnOnce(&mut U, &mut ExpertEffects) -> R,
     ) -> Option<R> {
         let place = usize::try_from(reference).ok()?.checked_sub(1)?;
         self.fire(now);
@@ -340,7 +340,7 @@ impl ExpertFunctions {
     }
 
     /// The next effect that happened, in their order; `place` counts from 0, and behind the last one they are forgotten.
-    pub fn take(&mut self, place: usize) -> Option<(Time, crate::Effect)> {
+    pub fn take(&mut self, place: usize) -> Option<(Time, crate::ExpertEffect)> {
         self.fx.take(place)
     }
 }

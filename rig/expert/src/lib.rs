@@ -32,10 +32,10 @@ pub use counter::{
     CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, LimitsMode,
     PeriodMeasurement, PhaseMode, Reflex, SyncInput, Threshold, ThresholdEvent,
 };
-pub use effect::{Effect, Effects};
+pub use effect::{ExpertEffect, ExpertEffects};
 pub use filter::InputConditions;
 pub use function_probe::FunctionProbe;
 pub use functions::{ExpertFunctions, InputEdge};
 pub use line_events::{LineEvents, RECORD};
-pub use operation::Operation;
+pub use operation::ExpertOperation;
 pub use wave::{WaveConfig, WaveRole};

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use scanrig_expert::{
-    BLOCKS, BlockCall, BlockType, Effect, ExpertConfig, ExpertFunctions, FunctionConfig, FunctionKind,
-    FunctionProbe, InputConditions, Operation, Pins, WaveConfig,
+    BLOCKS, BlockCall, BlockType, ExpertConfig, ExpertEffect, ExpertFunctions, ExpertOperation,
+    FunctionConfig, FunctionKind, FunctionProbe, InputConditions, Pins, WaveConfig,
 };
 use signal::{Span, Time, Value};
 
@@ -65,7 +65,7 @@ impl Rig {
             .map(|(place, kind)| FunctionConfig { name: format!("F{place}"), kind })
             .collect();
         let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[InputConditions::default(); 8]);
-        expert.operate(Time::ZERO, Operation::Running);
+        expert.operate(Time::ZERO, ExpertOperation::Running);
         Rig { expert, edges: Vec::new() }
     }
 
@@ -78,7 +78,7 @@ impl Rig {
     fn gather(&mut self) {
         let mut place = 0;
         while let Some((at, effect)) = self.expert.take(place) {
-            let Effect::Output { output, on } = effect else { panic!("{effect:?}") };
+            let ExpertEffect::Output { output, on } = effect else { panic!("{effect:?}") };
             self.edges.push((at.as_nanos(), output, on));
             place += 1;
         }
@@ -319,14 +319,14 @@ fn a_block_needs_a_function_of_its_kind() {
 fn outside_running_there_are_no_pulses() {
     let (mut rig, mut block) = kilohertz();
     rig.to(100 * US);
-    rig.expert.operate(Time::from_nanos(100 * US), Operation::Stopped);
-    rig.expert.operate(Time::from_nanos(5 * MS), Operation::Running);
+    rig.expert.operate(Time::from_nanos(100 * US), ExpertOperation::Stopped);
+    rig.expert.operate(Time::from_nanos(5 * MS), ExpertOperation::Running);
     assert_eq!(rig.to(10 * MS).edges(), [(0, true), (100 * US, false)]);
     // The program takes it up again.
     block.call(&mut rig.expert, 10 * MS);
     assert_eq!(rig.to(11 * MS - 1).edges(), [(10 * MS, true), (10_250 * US, false)]);
     assert_eq!(rig.fact(FunctionProbe::Pulses), Value::Word(2));
-    rig.expert.operate(Time::from_nanos(11 * MS), Operation::Off);
+    rig.expert.operate(Time::from_nanos(11 * MS), ExpertOperation::Off);
     assert_eq!(rig.fact(FunctionProbe::Pulses), Value::Word(0));
 }
 
@@ -446,8 +446,8 @@ proptest! {
                 Event::Enable(high) => rig.expert.edge(now, 0, *high),
                 Event::Sync(high) => rig.expert.edge(now, 1, *high),
                 Event::Stop => {
-                    rig.expert.operate(now, Operation::Stopped);
-                    rig.expert.operate(now, Operation::Running);
+                    rig.expert.operate(now, ExpertOperation::Stopped);
+                    rig.expert.operate(now, ExpertOperation::Running);
                 }
             }
         }

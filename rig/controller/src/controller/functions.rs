@@ -4,7 +4,7 @@ use super::Controller;
 use crate::io::FunctionEffect;
 use crate::probes::class;
 use crate::{Effects, EventSource, LogEntry, State};
-use expert::Effect;
+use expert::ExpertEffect;
 use profile::IoChannel;
 use signal::{Cause, Time};
 
@@ -58,20 +58,20 @@ impl Controller {
         }
     }
 
-    fn function_event(&mut self, at: Time, effect: Effect, fx: &mut Effects) {
+    fn function_event(&mut self, at: Time, effect: ExpertEffect, fx: &mut Effects) {
         match effect {
-            Effect::PeriodRestarted { output } => {
+            ExpertEffect::PeriodRestarted { output } => {
                 fx.push(crate::Effect::PeriodRestarted { at, output: output.into() });
             }
-            Effect::Threshold { counter, threshold } => {
+            ExpertEffect::Threshold { counter, threshold } => {
                 self.external_event(EventSource::Threshold { counter, threshold }, at, fx);
             }
-            Effect::Stop { counter } => self.external_event(EventSource::CounterStop(counter), at, fx),
-            Effect::Overdriven { function } => {
+            ExpertEffect::Stop { counter } => self.external_event(EventSource::CounterStop(counter), at, fx),
+            ExpertEffect::Overdriven { function } => {
                 self.log_entry(at, LogEntry::FunctionOverdriven { function: function.into() }, fx);
             }
             // Commands of outputs that rest; a fact of the axis and of its blocks.
-            Effect::Output { .. } | Effect::Wave { .. } | Effect::AxisError { .. } => {}
+            ExpertEffect::Output { .. } | ExpertEffect::Wave { .. } | ExpertEffect::AxisError { .. } => {}
         }
     }
 

@@ -6,7 +6,7 @@
 
 use crate::config::{Config, OutputsInStop};
 use crate::state::State;
-use expert::{Effect, ExpertFunctions, FunctionKind, FunctionProbe, Operation};
+use expert::{ExpertEffect, ExpertFunctions, ExpertOperation, FunctionKind, FunctionProbe};
 use profile::ChannelSet;
 use signal::{Time, Value};
 
@@ -16,7 +16,7 @@ pub(super) struct Functions {
     expert: ExpertFunctions,
     /// The functions as they are when the electronics come up.
     initial: ExpertFunctions,
-    pub(super) operation: Operation,
+    pub(super) operation: ExpertOperation,
     /// Outputs of pulse trains, which have no defaults (io:PLS-04).
     pulses: ChannelSet,
     /// What the outputs show while the functions rest: the outputs that are at 1.
@@ -41,7 +41,7 @@ impl Functions {
         Functions {
             initial: expert.clone(),
             expert,
-            operation: Operation::Off,
+            operation: ExpertOperation::Off,
             pulses: axes.flat_map(|axis| axis.kind.outputs()).collect(),
             rest: ChannelSet::EMPTY,
             due: Time::MAX,
@@ -115,7 +115,7 @@ impl Functions {
     }
 
     /// The next effect that nobody took yet.
-    pub(super) fn take(&mut self) -> Option<(Time, Effect)> {
+    pub(super) fn take(&mut self) -> Option<(Time, ExpertEffect)> {
         let effect = self.expert.take(self.place);
         self.place = if effect.is_some() { self.place + 1 } else { 0 };
         effect
@@ -141,7 +141,7 @@ impl Functions {
     /// The electronics of the inputs come up: everything after the terminals starts again, with the levels there.
     pub(super) fn power_on(&mut self, now: Time, inputs: usize, high: impl Fn(usize) -> bool) {
         self.expert.clone_from(&self.initial);
-        (self.operation, self.due, self.place) = (Operation::Off, Time::MAX, 0);
+        (self.operation, self.due, self.place) = (ExpertOperation::Off, Time::MAX, 0);
         (self.rest, self.cut) = (ChannelSet::EMPTY, ChannelSet::EMPTY);
         self.offload_pulses(self.offloaded);
         if self.observed {
@@ -164,7 +164,7 @@ impl Functions {
     }
 
     /// They do what the controller lets them from `now` on.
-    pub(super) fn operate(&mut self, now: Time, operation: Operation) {
+    pub(super) fn operate(&mut self, now: Time, operation: ExpertOperation) {
         self.operation = operation;
         self.expert.operate(now, operation);
     }
@@ -180,18 +180,18 @@ impl Functions {
     /// The application is gone, and with it all that the functions know.
     pub(super) fn unload(&mut self, now: Time) {
         self.rest = ChannelSet::EMPTY;
-        self.operate(now, Operation::Off);
+        self.operate(now, ExpertOperation::Off);
         self.expert.reset(now);
         while self.take().is_some() {}
     }
 }
 
 /// What a state lets the functions do.
-pub(super) const fn operation_in(state: State) -> Operation {
+pub(super) const fn operation_in(state: State) -> ExpertOperation {
     match state {
         // At a breakpoint only the tasks stand still (io:STD-PTO-13).
-        State::Running | State::Breakpoint => Operation::Running,
-        State::Stopped | State::Halt => Operation::Stopped,
-        State::Off | State::Booting | State::InvalidOs | State::Empty => Operation::Off,
+        State::Running | State::Breakpoint => ExpertOperation::Running,
+        State::Stopped | State::Halt => ExpertOperation::Stopped,
+        State::Off | State::Booting | State::InvalidOs | State::Empty => ExpertOperation::Off,
     }
 }

@@ -16,7 +16,7 @@ use crate::memory::Memory;
 use crate::module::ModuleChannel;
 use crate::probe::{InputProbe, OutputState};
 use crate::state::State;
-use expert::{Effect, ExpertFunctions, FunctionProbe, Operation};
+use expert::{ExpertEffect, ExpertFunctions, ExpertOperation, FunctionProbe};
 use functions::{Functions, operation_in};
 use input::Inputs;
 use output::Outputs;
@@ -105,7 +105,7 @@ pub(crate) enum FunctionEffect {
     /// An output was commanded.
     Driven,
     /// Something else, which is the controller's.
-    Raised(Effect),
+    Raised(ExpertEffect),
 }
 
 impl EmbeddedIo {
@@ -422,10 +422,12 @@ impl EmbeddedIo {
     /// The next thing that a function did. Commands of outputs have taken effect then.
     pub(crate) fn take_function_effect(&mut self) -> Option<(Time, FunctionEffect)> {
         let (at, effect) = self.functions.take()?;
-        let running = self.functions.operation == Operation::Running;
+        let running = self.functions.operation == ExpertOperation::Running;
         match effect {
-            Effect::Output { output, on } if running => self.command_pulse(at, output, on),
-            Effect::Wave { output, period, high } if running => self.command_wave(at, output, period, high),
+            ExpertEffect::Output { output, on } if running => self.command_pulse(at, output, on),
+            ExpertEffect::Wave { output, period, high } if running => {
+                self.command_wave(at, output, period, high)
+            }
             effect => return Some((at, FunctionEffect::Raised(effect))),
         }
         Some((at, FunctionEffect::Driven))
@@ -451,9 +453,9 @@ impl EmbeddedIo {
         self.functions.operate(now, operation);
         let which = self.functions.outputs();
         match operation {
-            Operation::Running => self.outputs.command(now, ChannelSet::EMPTY, which),
-            Operation::Stopped => self.outputs.command(now, self.functions.rest, which),
-            Operation::Off => {}
+            ExpertOperation::Running => self.outputs.command(now, ChannelSet::EMPTY, which),
+            ExpertOperation::Stopped => self.outputs.command(now, self.functions.rest, which),
+            ExpertOperation::Off => {}
         }
     }
 

@@ -6,12 +6,17 @@ use super::motion::{MotionProgress, MotionTarget};
 use super::profile::Ramps;
 use super::touch_probe::CaptureTrigger;
 use super::{Axis, AxisFault, AxisState, PulseOutput};
-use crate::{Effect, Effects};
+use crate::{ExpertEffect, ExpertEffects};
 use signal::Time;
 
 impl Axis {
     /// Takes a command, or says why not. The number stands for it from then on.
-    pub fn command(&mut self, now: Time, command: AxisCommand, fx: &mut Effects) -> Result<u32, AxisFault> {
+    pub fn command(
+        &mut self,
+        now: Time,
+        command: AxisCommand,
+        fx: &mut ExpertEffects,
+    ) -> Result<u32, AxisFault> {
         self.allows(&command.order)?;
         let direction = self.direction(&command.order);
         if direction == Some(false) && self.config.output == PulseOutput::Pulse {
@@ -108,7 +113,7 @@ impl Axis {
     }
 
     /// An axis that goes into a limit ends with an error, or searches on the other way.
-    pub(super) fn guard(&mut self, now: Time, fx: &mut Effects) {
+    pub(super) fn guard(&mut self, now: Time, fx: &mut ExpertEffects) {
         if !self.motion.train.goes_on() || self.state == AxisState::ErrorStop {
             return;
         }
@@ -141,7 +146,7 @@ impl Axis {
     }
 
     /// A command takes the axis.
-    fn begin(&mut self, now: Time, job: QueuedCommand, fx: &mut Effects) {
+    fn begin(&mut self, now: Time, job: QueuedCommand, fx: &mut ExpertEffects) {
         self.active = Some(job);
         let AxisCommand { order, velocity, ramps, .. } = job.command;
         let position = self.position();
@@ -182,7 +187,7 @@ impl Axis {
     }
 
     /// Something became of the aim.
-    pub(super) fn progress(&mut self, now: Time, progress: MotionProgress, fx: &mut Effects) {
+    pub(super) fn progress(&mut self, now: Time, progress: MotionProgress, fx: &mut ExpertEffects) {
         match progress {
             MotionProgress::Moves => self.guard(now, fx),
             MotionProgress::Steady if self.state == AxisState::ContinuousMotion => self.follow(now, fx),
@@ -191,7 +196,7 @@ impl Axis {
         }
     }
 
-    fn arrive(&mut self, now: Time, fx: &mut Effects) {
+    fn arrive(&mut self, now: Time, fx: &mut ExpertEffects) {
         match self.state {
             AxisState::Stopping => {
                 self.end_active(CommandPhase::Done);
@@ -215,7 +220,7 @@ impl Axis {
     }
 
     /// The command that waits for the current one may begin.
-    fn follow(&mut self, now: Time, fx: &mut Effects) {
+    fn follow(&mut self, now: Time, fx: &mut ExpertEffects) {
         match self.queued {
             Some(job) if job.command.mode == BufferMode::BufferedDelay => {
                 self.delayed = now.saturating_add(job.command.delay);
@@ -226,7 +231,7 @@ impl Axis {
     }
 
     /// The command that waits begins.
-    pub(super) fn begin_queued(&mut self, now: Time, fx: &mut Effects) {
+    pub(super) fn begin_queued(&mut self, now: Time, fx: &mut ExpertEffects) {
         if let Some(job) = self.queued.take() {
             self.delayed = Time::MAX;
             self.end_active(CommandPhase::Aborted);
@@ -235,7 +240,7 @@ impl Axis {
     }
 
     /// The current command goes over into the next one, where both go the same way.
-    fn blend(&mut self, now: Time, first: &AxisCommand, second: &AxisCommand, fx: &mut Effects) {
+    fn blend(&mut self, now: Time, first: &AxisCommand, second: &AxisCommand, fx: &mut ExpertEffects) {
         let MotionTarget::Position { target, velocity, .. } = self.motion.aim() else { return };
         let end = second.mode.blend(velocity, second.velocity);
         let forward =
@@ -251,7 +256,7 @@ impl Axis {
         }
     }
 
-    pub(super) fn mark(&mut self, now: Time, mark: HomingEvent, fx: &mut Effects) {
+    pub(super) fn mark(&mut self, now: Time, mark: HomingEvent, fx: &mut ExpertEffects) {
         let (forward, position) = (self.motion.train.forward(), self.position());
         if let (Some(search), Some(job)) = (&mut self.search, self.active)
             && search.mark(mark, forward, position)
@@ -263,7 +268,7 @@ impl Axis {
         }
     }
 
-    pub(super) fn probe_edge(&mut self, now: Time, on: bool, fx: &mut Effects) {
+    pub(super) fn probe_edge(&mut self, now: Time, on: bool, fx: &mut ExpertEffects) {
         let trigger = self.queued.is_some_and(|job| job.command.mode == BufferMode::Trigger);
         if self.probe.edge(on, self.position()) && trigger {
             self.begin_queued(now, fx);
@@ -348,7 +353,7 @@ impl Axis {
     }
 
     /// An error of the axis (io:STD-PTO-10).
-    pub(super) fn fail(&mut self, now: Time, fault: AxisFault, fx: &mut Effects) {
+    pub(super) fn fail(&mut self, now: Time, fault: AxisFault, fx: &mut ExpertEffects) {
         if self.state == AxisState::ErrorStop {
             return;
         }
@@ -356,12 +361,12 @@ impl Axis {
         self.state = AxisState::ErrorStop;
         self.fault = Some(fault);
         self.stop = 0;
-        fx.push(now, Effect::AxisError { function: self.place });
+        fx.push(now, ExpertEffect::AxisError { function: self.place });
         self.motion.retarget(now, MotionTarget::Stop, self.fast_stop(), fx);
     }
 
     /// Power off: pulses end, what ran has failed.
-    pub(super) fn disable(&mut self, now: Time, why: AxisFault, fx: &mut Effects) {
+    pub(super) fn disable(&mut self, now: Time, why: AxisFault, fx: &mut ExpertEffects) {
         self.motion.cut(now, fx);
         self.switch_drive(now, false, fx);
         self.end_all(CommandPhase::Failed(why), CommandPhase::Failed(why));
@@ -373,7 +378,7 @@ impl Axis {
     }
 
     /// The program gives the axis power or takes it.
-    pub fn power(&mut self, now: Time, enable: bool, fx: &mut Effects) {
+    pub fn power(&mut self, now: Time, enable: bool, fx: &mut ExpertEffects) {
         self.enabled = enable;
         if enable {
             self.switch_drive(now, self.operating, fx);
@@ -384,7 +389,7 @@ impl Axis {
     }
 
     /// An axis with power is no longer Disabled.
-    pub(super) fn update_power(&mut self, now: Time, fx: &mut Effects) {
+    pub(super) fn update_power(&mut self, now: Time, fx: &mut ExpertEffects) {
         if self.state == AxisState::Disabled && self.powered() {
             self.state = AxisState::Standstill;
             if self.cut {

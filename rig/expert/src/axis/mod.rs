@@ -22,7 +22,7 @@ pub(crate) use profile::Ramps;
 use ramp::HERTZ;
 pub(crate) use touch_probe::CaptureTrigger;
 
-use crate::{Effect, Effects, FunctionProbe, Operation};
+use crate::{ExpertEffect, ExpertEffects, ExpertOperation, FunctionProbe};
 use ::profile::ChannelSet;
 use command::{CommandResults, QueuedCommand};
 use homing::{HomingEvent, HomingRun};
@@ -112,7 +112,7 @@ impl Axis {
     }
 
     /// The accepted level of input `input` from `at` on.
-    pub fn edge(&mut self, at: Time, input: u8, high: bool, fx: &mut Effects) {
+    pub fn edge(&mut self, at: Time, input: u8, high: bool, fx: &mut ExpertEffects) {
         if self.high.contains(input.into()) == high {
             return;
         }
@@ -150,7 +150,7 @@ impl Axis {
         self.motion.next().min(self.delayed)
     }
 
-    pub fn fire(&mut self, now: Time, fx: &mut Effects) {
+    pub fn fire(&mut self, now: Time, fx: &mut ExpertEffects) {
         while self.motion.next() <= now {
             let at = self.motion.next();
             if let Some(progress) = self.motion.fire(fx) {
@@ -163,8 +163,8 @@ impl Axis {
         }
     }
 
-    pub fn operate(&mut self, now: Time, operation: Operation, fx: &mut Effects) {
-        self.operating = operation == Operation::Running;
+    pub fn operate(&mut self, now: Time, operation: ExpertOperation, fx: &mut ExpertEffects) {
+        self.operating = operation == ExpertOperation::Running;
         if !self.operating {
             self.enabled = false;
             self.disable(now, AxisFault::ApplicationStopped, fx);
@@ -173,7 +173,7 @@ impl Axis {
     }
 
     /// After a cold reset or a download (io:STD-HSC-15).
-    pub fn reset(&mut self, now: Time, fx: &mut Effects) {
+    pub fn reset(&mut self, now: Time, fx: &mut ExpertEffects) {
         let mut fresh = Axis::new(&self.config, self.place);
         self.disable(now, AxisFault::ApplicationStopped, fx);
         fresh.high = self.high;
@@ -185,7 +185,7 @@ impl Axis {
     }
 
     /// Protection switched these outputs off (io:STD-PTO-14).
-    pub fn protect(&mut self, now: Time, cut: ChannelSet, fx: &mut Effects) {
+    pub fn protect(&mut self, now: Time, cut: ChannelSet, fx: &mut ExpertEffects) {
         self.cut = cut.intersects(self.outputs());
         if self.cut && !matches!(self.state, AxisState::Disabled | AxisState::ErrorStop) {
             self.fail(now, AxisFault::OutputProtection, fx);
@@ -263,11 +263,11 @@ impl Axis {
         self.enabled && self.operating && self.drive_is_ready()
     }
 
-    fn switch_drive(&mut self, now: Time, on: bool, fx: &mut Effects) {
+    fn switch_drive(&mut self, now: Time, on: bool, fx: &mut ExpertEffects) {
         if self.drive != on {
             self.drive = on;
             if let Some(output) = self.config.drive_enable {
-                fx.push(now, Effect::Output { output, on });
+                fx.push(now, ExpertEffect::Output { output, on });
             }
         }
     }

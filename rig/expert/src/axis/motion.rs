@@ -4,7 +4,7 @@ use super::config::AxisConfig;
 use super::profile::{MotionEnd, MotionProfile, Ramps};
 use super::ramp::{HERTZ, PULSE, RampRate};
 use super::train::{ENDLESS, MotionState, PulseTrain, TrainEvent};
-use crate::Effects;
+use crate::ExpertEffects;
 use signal::Time;
 
 /// What an axis shall do.
@@ -84,7 +84,7 @@ impl Motion {
 
     /// Does the first thing that is due.
     #[inline]
-    pub fn fire(&mut self, fx: &mut Effects) -> Option<MotionProgress> {
+    pub fn fire(&mut self, fx: &mut ExpertEffects) -> Option<MotionProgress> {
         if self.steady <= self.train.due() {
             self.steady = Time::MAX;
             self.in_velocity = true;
@@ -131,7 +131,7 @@ impl Motion {
         now: Time,
         aim: MotionTarget,
         ramps: Ramps,
-        fx: &mut Effects,
+        fx: &mut ExpertEffects,
     ) -> Option<MotionProgress> {
         self.aim = aim;
         self.ramps = ramps;
@@ -219,7 +219,7 @@ impl Motion {
     }
 
     /// Begins a motion from rest, if the aim needs one.
-    fn depart(&mut self, now: Time, fx: &mut Effects) -> Option<MotionProgress> {
+    fn depart(&mut self, now: Time, fx: &mut ExpertEffects) -> Option<MotionProgress> {
         let ramps = self.ramps;
         let first = self.first_velocity();
         match self.aim {
@@ -261,7 +261,7 @@ impl Motion {
     }
 
     /// Ends everything at once (io:STD-PTO-13).
-    pub fn cut(&mut self, now: Time, fx: &mut Effects) {
+    pub fn cut(&mut self, now: Time, fx: &mut ExpertEffects) {
         self.train.cut(now, fx);
         self.aim = MotionTarget::Rest;
         self.turning = false;

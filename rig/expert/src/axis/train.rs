@@ -3,7 +3,7 @@
 use super::config::{AxisConfig, PulseOutput};
 use super::profile::{MotionBegin, MotionProfile};
 use super::ramp::PULSE;
-use crate::{Effect, Effects};
+use crate::{ExpertEffect, ExpertEffects};
 use signal::{Span, Time};
 
 /// As many pulses as nobody counts.
@@ -185,7 +185,7 @@ impl PulseTrain {
         pulses: u64,
         first_velocity: i64,
         profile: impl FnOnce(i128, i128, MotionBegin) -> MotionProfile,
-        fx: &mut Effects,
+        fx: &mut ExpertEffects,
     ) {
         self.play = self.play_towards(forward);
         self.forward = forward;
@@ -241,7 +241,7 @@ impl PulseTrain {
     }
 
     /// Ends the motion at once and switches the outputs off (io:STD-PTO-13).
-    pub fn cut(&mut self, now: Time, fx: &mut Effects) {
+    pub fn cut(&mut self, now: Time, fx: &mut ExpertEffects) {
         self.withdraw();
         self.rolls = Time::MIN;
         self.set(now, A | B, false, fx);
@@ -257,7 +257,7 @@ impl PulseTrain {
 
     /// Does what is due.
     #[inline]
-    pub fn fire(&mut self, fx: &mut Effects) -> TrainEvent {
+    pub fn fire(&mut self, fx: &mut ExpertEffects) -> TrainEvent {
         let now = self.due;
         if self.part < self.parts() {
             self.edge(now, fx);
@@ -322,7 +322,7 @@ impl PulseTrain {
 
     /// The edge at the beginning of a part.
     #[inline]
-    fn edge(&mut self, now: Time, fx: &mut Effects) {
+    fn edge(&mut self, now: Time, fx: &mut ExpertEffects) {
         let (line, on) = match self.output {
             PulseOutput::PulseDirection | PulseOutput::Pulse => (A, self.part == 0),
             PulseOutput::ClockwiseCounterclockwise => (if self.forward { A } else { B }, self.part == 0),
@@ -335,11 +335,11 @@ impl PulseTrain {
     }
 
     #[inline]
-    fn set(&mut self, now: Time, lines: u8, on: bool, fx: &mut Effects) {
+    fn set(&mut self, now: Time, lines: u8, on: bool, fx: &mut ExpertEffects) {
         for (line, output) in [(A, self.a), (B, self.b)] {
             if lines & line != 0 && (self.levels & line != 0) != on {
                 self.levels ^= line;
-                fx.push(now, Effect::Output { output, on });
+                fx.push(now, ExpertEffect::Output { output, on });
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The blocks of counters (io:STD-HSC-02, io:STD-HSC-03), and those that read and set their parameters.
 
 use super::{BlockCall, BlockType, PinKind, PinType, Pins, ValueType, pin};
-use crate::Effects;
+use crate::ExpertEffects;
 use crate::FunctionProbe;
 use crate::counter::{Controls, Counter, CounterParam, Flag, ParamFault};
 use crate::functions::FunctionUnit;
@@ -264,7 +264,7 @@ fn once(
     done: usize,
     result: Option<usize>,
     last: usize,
-    body: impl FnOnce(&mut Counter, &mut Effects) -> Result<i64, i64>,
+    body: impl FnOnce(&mut Counter, &mut ExpertEffects) -> Result<i64, i64>,
 ) {
     let (pins, now) = (&mut *call.pins, call.now);
     let (error, id) = (done + 2, done + 3);

@@ -3,13 +3,13 @@
 use super::decode::ILLEGAL;
 use super::meter::{Measurement, Meter};
 use super::{Controls, Counter, CounterMode, LimitsMode, diag, role};
-use crate::{Effect, Effects};
+use crate::{ExpertEffect, ExpertEffects};
 use signal::Time;
 
 impl Counter {
     /// Levels of these roles changed at `at`.
     #[inline]
-    pub(super) fn take_levels(&mut self, at: Time, changed: u8, fx: &mut Effects) {
+    pub(super) fn take_levels(&mut self, at: Time, changed: u8, fx: &mut ExpertEffects) {
         if changed & role::ENABLE != 0 {
             self.refresh_enable(at);
         }
@@ -24,7 +24,7 @@ impl Counter {
 
     /// Phases changed while it counts.
     #[inline]
-    fn take_phases(&mut self, at: Time, changed: u8, fx: &mut Effects) {
+    fn take_phases(&mut self, at: Time, changed: u8, fx: &mut ExpertEffects) {
         let rises = changed & self.levels;
         for (phase, role) in [role::A, role::B].into_iter().enumerate() {
             if rises & role != 0 && self.paces[phase].is_excess(at) {
@@ -48,7 +48,7 @@ impl Counter {
 
     /// The value counts one up or down (io: section 17.3).
     #[inline]
-    fn count(&mut self, at: Time, counts: i64, fx: &mut Effects) {
+    fn count(&mut self, at: Time, counts: i64, fx: &mut ExpertEffects) {
         if self.params.is_changed() {
             self.take_params(at, fx);
         }
@@ -90,13 +90,13 @@ impl Counter {
         }
         if self.value == 0 && matches!(self.params.mode(), CounterMode::OneShot { .. }) {
             self.active = false;
-            fx.push(at, Effect::Stop { counter: self.number });
+            fx.push(at, ExpertEffect::Stop { counter: self.number });
         }
     }
 
     /// The value becomes this, and whatever compares it follows.
     #[inline]
-    pub(super) fn set(&mut self, at: Time, value: i64, fx: &mut Effects) {
+    pub(super) fn set(&mut self, at: Time, value: i64, fx: &mut ExpertEffects) {
         self.value = value;
         if !self.compare.stays(value) {
             let raised = self.compare.moved(value);
@@ -107,7 +107,7 @@ impl Counter {
 
     /// Changed parameters count from here on (io:STD-HSC-14).
     #[cold]
-    pub(super) fn take_params(&mut self, at: Time, fx: &mut Effects) {
+    pub(super) fn take_params(&mut self, at: Time, fx: &mut ExpertEffects) {
         self.params.take();
         let raised = self.compare.change(self.params.thresholds(), self.value);
         self.raise(at, raised, fx);
@@ -115,7 +115,7 @@ impl Counter {
     }
 
     /// A meter completed a measurement.
-    pub(super) fn measured(&mut self, at: Time, measurement: Option<Measurement>, fx: &mut Effects) {
+    pub(super) fn measured(&mut self, at: Time, measurement: Option<Measurement>, fx: &mut ExpertEffects) {
         let Some(Measurement { value, valid }) = measurement else { return };
         if self.params.is_changed() {
             self.take_params(at, fx);
@@ -154,7 +154,7 @@ impl Counter {
     }
 
     /// The preset condition of input SYNC (io:STD-HSC-05).
-    fn take_sync(&mut self, at: Time, changed: u8, fx: &mut Effects) {
+    fn take_sync(&mut self, at: Time, changed: u8, fx: &mut ExpertEffects) {
         let Some(sync) = self.sync else { return };
         let high = |role: u8| self.levels & role != 0;
         if changed & role::SYNC != 0
@@ -167,7 +167,7 @@ impl Counter {
     }
 
     /// A preset, whether it is enabled or not (io:STD-HSC-05). Meters have none.
-    pub fn preset(&mut self, at: Time, fx: &mut Effects) {
+    pub fn preset(&mut self, at: Time, fx: &mut ExpertEffects) {
         if self.params.is_changed() {
             self.take_params(at, fx);
         }
@@ -192,11 +192,11 @@ impl Counter {
 
     /// The value may be off by so many counts more.
     #[cold]
-    pub(super) fn add_uncertainty(&mut self, at: Time, counts: u64, fx: &mut Effects) {
+    pub(super) fn add_uncertainty(&mut self, at: Time, counts: u64, fx: &mut ExpertEffects) {
         self.excess = self.excess.saturating_add(counts);
         if !self.overdriven {
             self.overdriven = true;
-            fx.push(at, Effect::Overdriven { function: self.place });
+            fx.push(at, ExpertEffect::Overdriven { function: self.place });
         }
     }
 }

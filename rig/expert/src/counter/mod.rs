@@ -17,7 +17,7 @@ pub use config::{
 };
 pub(crate) use param::{CounterParam, ParamFault};
 
-use crate::{Effect, Effects, FunctionProbe, Operation};
+use crate::{ExpertEffect, ExpertEffects, ExpertOperation, FunctionProbe};
 use compare::Comparator;
 use decode::{DecodeTable, MissedEdgeError};
 use meter::Meter;
@@ -225,7 +225,7 @@ impl Counter {
 
     /// The accepted level of input `input` from `at` on. It acts with the [`Counter::fire`] of this instant.
     #[inline]
-    pub fn edge(&mut self, at: Time, input: u8, high: bool, _fx: &mut Effects) {
+    pub fn edge(&mut self, at: Time, input: u8, high: bool, _fx: &mut ExpertEffects) {
         let bit = self.roles[usize::from(input & 31)];
         self.changed |= bit;
         self.levels = if high { self.levels | bit } else { self.levels & !bit };
@@ -239,7 +239,7 @@ impl Counter {
     }
 
     #[inline]
-    pub fn fire(&mut self, now: Time, fx: &mut Effects) {
+    pub fn fire(&mut self, now: Time, fx: &mut ExpertEffects) {
         while self.meter.next() <= now {
             let at = self.meter.next();
             let measurement = self.meter.elapse();
@@ -253,12 +253,14 @@ impl Counter {
     }
 
     /// What the controller lets it do (io:HSC-06, io:STD-HSC-15).
-    pub fn operate(&mut self, now: Time, operation: Operation, fx: &mut Effects) {
-        self.operating = operation == Operation::Running;
+    pub fn operate(&mut self, now: Time, operation: ExpertOperation, fx: &mut ExpertEffects) {
+        self.operating = operation == ExpertOperation::Running;
         match operation {
-            Operation::Running => {}
-            Operation::Stopped => self.active &= !matches!(self.params.mode(), CounterMode::OneShot { .. }),
-            Operation::Off => self.clear(),
+            ExpertOperation::Running => {}
+            ExpertOperation::Stopped => {
+                self.active &= !matches!(self.params.mode(), CounterMode::OneShot { .. })
+            }
+            ExpertOperation::Off => self.clear(),
         }
         self.refresh_enable(now);
         self.refresh_outputs(now, fx);
@@ -266,14 +268,14 @@ impl Counter {
     }
 
     /// After a cold reset or a download (io:STD-HSC-15).
-    pub fn reset(&mut self, now: Time, fx: &mut Effects) {
+    pub fn reset(&mut self, now: Time, fx: &mut ExpertEffects) {
         self.clear();
         self.refresh_outputs(now, fx);
         self.next = self.meter.next();
     }
 
     /// What the program tells it from `now` on.
-    pub fn control(&mut self, now: Time, controls: Controls, fx: &mut Effects) {
+    pub fn control(&mut self, now: Time, controls: Controls, fx: &mut ExpertEffects) {
         if controls != self.controls {
             self.controls = controls;
             self.refresh_enable(now);
@@ -328,7 +330,7 @@ impl Counter {
 
     /// A pulse at the terminal of an input was too short for its filters. That is what filters are for, but at a rate
     /// beyond the limit nobody knows whether a real counter would miss it, too.
-    pub fn report_suppressed_pulse(&mut self, at: Time, input: u8, fx: &mut Effects) {
+    pub fn report_suppressed_pulse(&mut self, at: Time, input: u8, fx: &mut ExpertEffects) {
         let role = self.roles[usize::from(input & 31)];
         if role & (role::A | role::B) != 0 && self.enabled && self.active {
             let pulses = self.paces[usize::from(role == role::B)].report_suppressed_pulse(at);
@@ -339,7 +341,7 @@ impl Counter {
     }
 
     /// So many edges of an input are known to be missing (io: section 18): the value may be off.
-    pub fn report_missed_edges(&mut self, at: Time, input: u8, edges: u32, fx: &mut Effects) {
+    pub fn report_missed_edges(&mut self, at: Time, input: u8, edges: u32, fx: &mut ExpertEffects) {
         let role = self.roles[usize::from(input & 31)];
         self.diag |= diag::LOST;
         let counts = match role {
@@ -385,14 +387,14 @@ impl Counter {
 
     /// Thresholds raise their events.
     #[inline]
-    fn raise(&self, at: Time, thresholds: u8, fx: &mut Effects) {
+    fn raise(&self, at: Time, thresholds: u8, fx: &mut ExpertEffects) {
         for threshold in (0..4).filter(|n| thresholds >> n & 1 == 1) {
-            fx.push(at, Effect::Threshold { counter: self.number, threshold });
+            fx.push(at, ExpertEffect::Threshold { counter: self.number, threshold });
         }
     }
 
     /// The outputs follow what they depend on (io:STD-HSC-12); suspended, they stay.
-    fn refresh_outputs(&mut self, at: Time, fx: &mut Effects) {
+    fn refresh_outputs(&mut self, at: Time, fx: &mut ExpertEffects) {
         if self.operating && self.compare.is_suspended() {
             return;
         }
@@ -403,7 +405,7 @@ impl Counter {
             if on != self.out[n] {
                 self.out[n] = on;
                 if let Some(output) = self.outputs[n] {
-                    fx.push(at, Effect::Output { output, on });
+                    fx.push(at, ExpertEffect::Output { output, on });
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Counts that hardware made of the pulses.
 
 use super::{Counter, CounterMode, LimitsMode, diag, role};
-use crate::{Effect, Effects};
+use crate::{ExpertEffect, ExpertEffects};
 use profile::ChannelSet;
 use signal::Time;
 
@@ -20,7 +20,7 @@ impl Counter {
     ///
     /// The value goes all the way: what it passes is compared as pulse by pulse, at one instant. What it would pass for a
     /// third time round a modulo is left out, as nothing new comes of it.
-    pub fn take_steps(&mut self, at: Time, input: u8, steps: i64, fx: &mut Effects) {
+    pub fn take_steps(&mut self, at: Time, input: u8, steps: i64, fx: &mut ExpertEffects) {
         if self.fed != Some(input) || steps == 0 || !self.enabled || !self.active {
             return;
         }
@@ -34,7 +34,7 @@ impl Counter {
                 self.move_value(at, (self.value - pulses.min(self.value)).max(0), fx);
                 if self.value == 0 {
                     self.active = false;
-                    fx.push(at, Effect::Stop { counter: self.number });
+                    fx.push(at, ExpertEffect::Stop { counter: self.number });
                 }
             }
             CounterMode::ModuloLoop { modulo } => self.count_modulo(at, i64::from(modulo), steps, fx),
@@ -46,7 +46,7 @@ impl Counter {
     }
 
     /// Round from 0 to the modulo less 1.
-    fn count_modulo(&mut self, at: Time, modulo: i64, steps: i64, fx: &mut Effects) {
+    fn count_modulo(&mut self, at: Time, modulo: i64, steps: i64, fx: &mut ExpertEffects) {
         let last = modulo - 1;
         let whole = steps / modulo;
         let mut left = steps - whole * modulo + whole.signum() * modulo;
@@ -63,7 +63,7 @@ impl Counter {
     }
 
     /// Through all values of a DINT.
-    fn count_free(&mut self, at: Time, limits: LimitsMode, steps: i64, fx: &mut Effects) {
+    fn count_free(&mut self, at: Time, limits: LimitsMode, steps: i64, fx: &mut ExpertEffects) {
         let (low, high) = (i64::from(i32::MIN), i64::from(i32::MAX));
         let mut value = self.value.saturating_add(steps);
         if limits == LimitsMode::Lock {
@@ -85,7 +85,7 @@ impl Counter {
     }
 
     /// The value goes to another, through every zone on its way.
-    fn move_value(&mut self, at: Time, to: i64, fx: &mut Effects) {
+    fn move_value(&mut self, at: Time, to: i64, fx: &mut ExpertEffects) {
         while self.value != to {
             let next = self.compare.next_border(self.value, to);
             self.set(at, next, fx);

@@ -4,7 +4,7 @@ mod period;
 #[cfg(test)]
 mod tests;
 
-use crate::{Effect, Effects, FunctionProbe, Operation};
+use crate::{ExpertEffect, ExpertEffects, ExpertOperation, FunctionProbe};
 use period::Period;
 use profile::{ChannelSet, EventEdges, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS};
 use signal::{Time, Value};
@@ -180,7 +180,7 @@ impl Wave {
     }
 
     /// One call of a block: what is asked for holds from now on, and stays after the call.
-    pub fn call(&mut self, now: Time, request: &WaveRequest, fx: &mut Effects) -> WaveStatus {
+    pub fn call(&mut self, now: Time, request: &WaveRequest, fx: &mut ExpertEffects) -> WaveStatus {
         let wanted = request.shape.filter(|shape| shape.frequency <= self.most);
         let asked = request.enable || request.enable_by_input;
         self.refused = asked && wanted.is_none();
@@ -211,7 +211,7 @@ impl Wave {
 
     /// The shape from the next period on. An output that does not pulse has no edge that tells of its periods, but
     /// they pass all the same.
-    fn request_shape(&mut self, now: Time, shape: WaveShape, fx: &mut Effects) {
+    fn request_shape(&mut self, now: Time, shape: WaveShape, fx: &mut ExpertEffects) {
         self.wanted = shape;
         let Some(period) = &mut self.period else { return };
         if period.shape.frequency == 0 {
@@ -236,7 +236,7 @@ impl Wave {
 
     /// A period begins; `rest` is what its start lies behind `at`, in parts of a nanosecond of which the frequency says
     /// how many there are.
-    fn begin(&mut self, at: Time, rest: u32, fx: &mut Effects) {
+    fn begin(&mut self, at: Time, rest: u32, fx: &mut ExpertEffects) {
         let period = Period { shape: self.wanted, start: at, rest };
         let is_made = self.offloaded && !period.is_constant();
         if is_made {
@@ -248,26 +248,26 @@ impl Wave {
         self.period = Some(period);
     }
 
-    fn drive(&mut self, at: Time, on: bool, fx: &mut Effects) {
+    fn drive(&mut self, at: Time, on: bool, fx: &mut ExpertEffects) {
         let pulsed = self.reported.take().is_some();
         if self.level != on || pulsed {
             self.level = on;
             self.pulses += u64::from(on);
-            fx.push(at, Effect::Output { output: self.output, on });
+            fx.push(at, ExpertEffect::Output { output: self.output, on });
         }
     }
 
     /// Tells whoever makes the pulses what a period that is not constant looks like, where that is news.
-    fn report_wave(&mut self, at: Time, period: &Period, fx: &mut Effects) {
+    fn report_wave(&mut self, at: Time, period: &Period, fx: &mut ExpertEffects) {
         if self.reported != Some(period.shape) {
             self.reported = Some(period.shape);
             let (period, high) = period.rounded();
-            fx.push(at, Effect::Wave { output: self.output, period, high });
+            fx.push(at, ExpertEffect::Wave { output: self.output, period, high });
         }
     }
 
     /// Starts or ends the wave, as what enables it says.
-    fn update_enable(&mut self, now: Time, fx: &mut Effects) {
+    fn update_enable(&mut self, now: Time, fx: &mut ExpertEffects) {
         let enabled = self.running && (self.enable || self.enable_by_input && self.input);
         if enabled && self.period.is_none() {
             self.begin(now, 0, fx);
@@ -279,17 +279,17 @@ impl Wave {
     }
 
     /// Sync: the period starts again (io:STD-PWM-02).
-    fn restart(&mut self, now: Time, fx: &mut Effects) {
+    fn restart(&mut self, now: Time, fx: &mut ExpertEffects) {
         if self.period.is_some() {
             if self.reported.is_some() {
-                fx.push(now, Effect::PeriodRestarted { output: self.output });
+                fx.push(now, ExpertEffect::PeriodRestarted { output: self.output });
             }
             self.begin(now, 0, fx);
         }
     }
 
     /// The accepted level of input `input` from `at` on.
-    pub fn edge(&mut self, at: Time, input: u8, high: bool, fx: &mut Effects) {
+    pub fn edge(&mut self, at: Time, input: u8, high: bool, fx: &mut ExpertEffects) {
         if self.enable_input == Some(input) {
             self.input = high;
             self.update_enable(at, fx);
@@ -304,7 +304,7 @@ impl Wave {
         self.due
     }
 
-    pub fn fire(&mut self, now: Time, fx: &mut Effects) {
+    pub fn fire(&mut self, now: Time, fx: &mut ExpertEffects) {
         while self.due <= now {
             let at = self.due;
             // Without a period nothing is due.
@@ -320,22 +320,22 @@ impl Wave {
     }
 
     /// Expert functions cease to operate outside RUNNING (io:OUT-20), and begin again by the next call of their block.
-    pub fn operate(&mut self, now: Time, operation: Operation, fx: &mut Effects) {
-        self.running = operation == Operation::Running;
+    pub fn operate(&mut self, now: Time, operation: ExpertOperation, fx: &mut ExpertEffects) {
+        self.running = operation == ExpertOperation::Running;
         if !self.running {
             self.clear(now, fx);
         }
-        if operation == Operation::Off {
+        if operation == ExpertOperation::Off {
             self.pulses = 0;
         }
     }
 
     /// After a cold reset or a download.
-    pub fn reset(&mut self, now: Time, fx: &mut Effects) {
+    pub fn reset(&mut self, now: Time, fx: &mut ExpertEffects) {
         self.clear(now, fx);
     }
 
-    fn clear(&mut self, now: Time, fx: &mut Effects) {
+    fn clear(&mut self, now: Time, fx: &mut ExpertEffects) {
         (self.enable, self.enable_by_input, self.sync_by_input, self.refused) = (false, false, false, false);
         self.update_enable(now, fx);
     }

@@ -9,7 +9,7 @@ const US: i64 = 1_000;
 /// A offloaded PWM, and what it reported since it was asked last.
 struct OffloadedPwm {
     wave: Wave,
-    fx: Effects,
+    fx: ExpertEffects,
     request: WaveRequest,
 }
 
@@ -18,20 +18,20 @@ fn at(nanos: i64) -> Time {
 }
 
 /// A square wave with this period and this high part, in microseconds.
-fn pulses(period: i64, high: i64) -> Effect {
-    Effect::Wave { output: 0, period: Span::from_micros(period), high: Span::from_micros(high) }
+fn pulses(period: i64, high: i64) -> ExpertEffect {
+    ExpertEffect::Wave { output: 0, period: Span::from_micros(period), high: Span::from_micros(high) }
 }
 
-const fn level(on: bool) -> Effect {
-    Effect::Output { output: 0, on }
+const fn level(on: bool) -> ExpertEffect {
+    ExpertEffect::Output { output: 0, on }
 }
 
 impl OffloadedPwm {
     fn new() -> OffloadedPwm {
         let mut wave = Wave::pwm(&WaveConfig { sync: Some(1), ..WaveConfig::new(0) });
         wave.offload_pulses();
-        let mut fx = Effects::new();
-        wave.operate(at(0), Operation::Running, &mut fx);
+        let mut fx = ExpertEffects::new();
+        wave.operate(at(0), ExpertOperation::Running, &mut fx);
         let shape = Some(WaveShape { frequency: 10_000, duty: 250 });
         let request =
             WaveRequest { enable: true, enable_by_input: false, sync: false, sync_by_input: false, shape };
@@ -44,10 +44,10 @@ impl OffloadedPwm {
         self.wave.call(at(now), &self.request, &mut self.fx)
     }
 
-    fn to(&mut self, now: i64) -> Vec<(i64, Effect)> {
+    fn to(&mut self, now: i64) -> Vec<(i64, ExpertEffect)> {
         self.wave.fire(at(now), &mut self.fx);
         let told = self.fx.as_slice().iter().map(|(at, effect)| (at.as_nanos(), *effect)).collect();
-        self.fx = Effects::new();
+        self.fx = ExpertEffects::new();
         told
     }
 }
@@ -104,7 +104,7 @@ fn a_constant_output_is_a_level_from_the_end_of_the_period() {
     pwm.call(13 * MS, 1_000, 50);
     assert_eq!(pwm.to(13 * MS), [(13 * MS, pulses(1_000, 500))]);
     // io:OUT-20
-    pwm.wave.operate(at(14 * MS), Operation::Stopped, &mut pwm.fx);
+    pwm.wave.operate(at(14 * MS), ExpertOperation::Stopped, &mut pwm.fx);
     assert_eq!(pwm.to(14 * MS), [(14 * MS, level(false))]);
 }
 
@@ -116,7 +116,7 @@ fn a_period_that_begins_anew_is_told_where_there_is_one() {
     pwm.wave.edge(at(300 * US), 1, true, &mut pwm.fx);
     assert_eq!(
         pwm.to(400 * US),
-        [(0, pulses(1_000, 250)), (300 * US, Effect::PeriodRestarted { output: 0 })]
+        [(0, pulses(1_000, 250)), (300 * US, ExpertEffect::PeriodRestarted { output: 0 })]
     );
     pwm.call(400 * US, 1_000, 0);
     assert_eq!(pwm.to(2 * MS), [(1_300 * US, level(false))]);

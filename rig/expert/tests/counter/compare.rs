@@ -28,7 +28,7 @@ fn raised(rig: &mut Rig) -> Vec<(u8, i64)> {
     let taken = rig.taken().into_iter();
     taken
         .filter_map(|(at, effect)| match effect {
-            Effect::Threshold { counter: 0, threshold } => Some((threshold, at)),
+            ExpertEffect::Threshold { counter: 0, threshold } => Some((threshold, at)),
             _ => None,
         })
         .collect()
@@ -112,7 +112,7 @@ fn reflexes_follow_the_zone_at_once() {
         assert_eq!(rig.shows(["Out0", "Out1"]), [expected[0], 0]);
     }
     let switched: Vec<_> = rig.taken();
-    let at = |pulse: i64, on: bool| (began + (pulse - 1) * 10_000, Effect::Output { output: 4, on });
+    let at = |pulse: i64, on: bool| (began + (pulse - 1) * 10_000, ExpertEffect::Output { output: 4, on });
     assert_eq!(switched, [at(10, true), at(20, false), at(30, true), at(40, false)]);
     rig.call(&[("F_Out0", 1), ("EN_Out1", 1)]);
     assert_eq!(rig.shows(["Out0", "Out1"]), [1, 1]);
@@ -151,7 +151,7 @@ fn suspended_comparison_stays_as_it_is() {
     assert_eq!(rig.shows(["Reflex0", "Out0", "Out1"]), [0, 0, 1]);
     assert_eq!(numbers(&mut rig), []);
     // In STOPPED all outputs are off, suspended or not.
-    rig.call(&[("SuspendCompare", 1)]).operate(Operation::Stopped);
+    rig.call(&[("SuspendCompare", 1)]).operate(ExpertOperation::Stopped);
     assert_eq!(rig.shows(["Out0", "Out1"]), [0, 0]);
 }
 

@@ -8,7 +8,7 @@ use signal::{Span, Time, Value};
 const MS: i64 = 1_000_000;
 
 fn stops(rig: &mut Rig) -> Vec<i64> {
-    let stop = Effect::Stop { counter: 0 };
+    let stop = ExpertEffect::Stop { counter: 0 };
     rig.taken().into_iter().filter(|(_, effect)| *effect == stop).map(|(at, _)| at).collect()
 }
 
@@ -295,16 +295,20 @@ fn captures_store_the_value_once_until_acknowledged() {
 #[test]
 fn in_stopped_nothing_is_counted() {
     let mut rig = Rig::new(dual(PhaseMode::UpDown, free(10, LimitsMode::Lock)));
-    rig.call(&[("F_Enable", 1)]).press("F_Preset").pulses(0, 5).operate(Operation::Stopped).pulses(0, 5);
+    rig.call(&[("F_Enable", 1)])
+        .press("F_Preset")
+        .pulses(0, 5)
+        .operate(ExpertOperation::Stopped)
+        .pulses(0, 5);
     assert_eq!(
         (rig.reads(FunctionProbe::Value), rig.reads(FunctionProbe::Run)),
         (Value::Int(15), Value::Bool(false))
     );
-    rig.operate(Operation::Running).pulses(0, 1);
+    rig.operate(ExpertOperation::Running).pulses(0, 1);
     assert_eq!(rig.shows(["CurrentValue", "Validity", "Run", "Preset_Flag"]), [16, 1, 1, 1]);
-    rig.operate(Operation::Stopped);
+    rig.operate(ExpertOperation::Stopped);
     rig.expert.reset(Time::from_nanos(rig.now));
-    rig.operate(Operation::Running);
+    rig.operate(ExpertOperation::Running);
     rig.pulses(0, 1);
     assert_eq!(rig.shows(["CurrentValue", "Validity", "Run", "Preset_Flag"]), [0, 0, 0, 0]);
 }
@@ -313,7 +317,7 @@ fn in_stopped_nothing_is_counted() {
 fn a_one_shot_does_not_go_on_behind_a_stop() {
     let mut rig = Rig::new(single(CounterMode::OneShot { preset: 9 }));
     rig.call(&[("F_Enable", 1)]).press("F_Preset").pulses(0, 2);
-    rig.operate(Operation::Stopped).operate(Operation::Running).pulses(0, 2);
+    rig.operate(ExpertOperation::Stopped).operate(ExpertOperation::Running).pulses(0, 2);
     assert_eq!(rig.shows(["CurrentValue", "Validity", "Run"]), [7, 1, 0]);
     assert_eq!(stops(&mut rig), []);
 }
@@ -350,7 +354,7 @@ fn in_stopped_nothing_is_preset_or_captured() {
     config.sync = Some(SyncInput { input: 3, edges: EventEdges::Rising, while_enable: None });
     config.captures[0] = Some(CaptureInput { input: 4, edges: EventEdges::Rising });
     let mut rig = Rig::new(config);
-    rig.call(&[("EN_Preset", 1), ("EN_Cap", 1)]).operate(Operation::Stopped);
+    rig.call(&[("EN_Preset", 1), ("EN_Cap", 1)]).operate(ExpertOperation::Stopped);
     rig.level(3, true).level(4, true).pass(10);
     let flags = [FunctionProbe::PresetFlag, FunctionProbe::CaptureFlag];
     assert_eq!(flags.map(|fact| rig.reads(fact)), [Value::Bool(false); 2]);
@@ -392,12 +396,12 @@ fn a_new_beginning_forgets_all() {
         rig.call(&[("F_Enable", 1), ("EN_Cap", 1)]).pulses(0, 15).level(4, true).pass(10);
         assert_eq!((rig.value(), rig.reads(FunctionProbe::Captured)), (5, Value::Int(5)));
         if off {
-            rig.operate(Operation::Off);
+            rig.operate(ExpertOperation::Off);
         } else {
-            rig.operate(Operation::Stopped);
+            rig.operate(ExpertOperation::Stopped);
             rig.expert.reset(Time::from_nanos(rig.now));
         }
-        rig.operate(Operation::Running).pulses(0, 3);
+        rig.operate(ExpertOperation::Running).pulses(0, 3);
         let facts = [
             FunctionProbe::Value,
             FunctionProbe::Captured,

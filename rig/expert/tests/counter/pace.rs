@@ -58,7 +58,7 @@ fn what_is_beyond_the_limit_is_counted_and_said_once() {
     assert_eq!(rig.value(), 1000);
     // Half of them, but for the half period that the first may be early.
     assert_eq!(excess(&rig), Value::Int(499));
-    assert_eq!(rig.taken(), [(began + 5_000, Effect::Overdriven { function: 0 })]);
+    assert_eq!(rig.taken(), [(began + 5_000, ExpertEffect::Overdriven { function: 0 })]);
     assert_eq!(rig.shows(["Error", "Validity"]), [0, 1]);
     train(&mut rig, 0, [2_500; 10]);
     assert_eq!(rig.taken(), []);

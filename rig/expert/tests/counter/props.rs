@@ -8,7 +8,7 @@ use scanrig_expert::*;
 use signal::{Span, Time, Value};
 
 /// All that can be seen of a counter in the end, and what it did.
-type Seen = (Vec<(i64, Effect)>, Vec<Value>);
+type Seen = (Vec<(i64, ExpertEffect)>, Vec<Value>);
 
 const FACTS: [FunctionProbe; 16] = [
     FunctionProbe::Value,
@@ -32,7 +32,7 @@ const FACTS: [FunctionProbe; 16] = [
 pub fn running(config: &CounterConfig, conditions: InputConditions, on: &[&str]) -> ExpertFunctions {
     let functions = vec![FunctionConfig { name: "HSC0".into(), kind: FunctionKind::Counter(config.clone()) }];
     let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[conditions; 8]);
-    expert.operate(Time::ZERO, Operation::Running);
+    expert.operate(Time::ZERO, ExpertOperation::Running);
     let mut block = Instance::new("HSCMain_M241");
     block.with(&[("HSC_REF_IN", 1)]);
     for pin in on {
@@ -42,7 +42,7 @@ pub fn running(config: &CounterConfig, conditions: InputConditions, on: &[&str])
     expert
 }
 
-fn gather(expert: &mut ExpertFunctions, effects: &mut Vec<(i64, Effect)>) {
+fn gather(expert: &mut ExpertFunctions, effects: &mut Vec<(i64, ExpertEffect)>) {
     let mut place = 0;
     while let Some((at, effect)) = expert.take(place) {
         effects.push((at.as_nanos(), effect));
@@ -50,7 +50,7 @@ fn gather(expert: &mut ExpertFunctions, effects: &mut Vec<(i64, Effect)>) {
     }
 }
 
-fn seen(mut expert: ExpertFunctions, mut effects: Vec<(i64, Effect)>, end: i64) -> Seen {
+fn seen(mut expert: ExpertFunctions, mut effects: Vec<(i64, ExpertEffect)>, end: i64) -> Seen {
     expert.fire(Time::from_nanos(end));
     gather(&mut expert, &mut effects);
     (effects, FACTS.map(|fact| expert.read(0, fact)).to_vec())
@@ -280,7 +280,7 @@ pub const ALL: [PhaseMode; 8] = [
 
 /// What a counter with these thresholds does whose value takes these values, by definition (io:STD-HSC-11,
 /// io:STD-HSC-12).
-fn compared(values: &[(i64, i64)], config: &CounterConfig) -> Vec<(i64, Effect)> {
+fn compared(values: &[(i64, i64)], config: &CounterConfig) -> Vec<(i64, ExpertEffect)> {
     let mut effects = Vec::new();
     let on = |value: i64, n: usize| {
         let zone = config.thresholds.iter().filter(|it| value >= it.value.into()).count();
@@ -304,12 +304,12 @@ fn compared(values: &[(i64, i64)], config: &CounterConfig) -> Vec<(i64, Effect)>
                 ThresholdEvent::None => false,
             };
             if raised {
-                effects.push((at, Effect::Threshold { counter: 0, threshold: n }));
+                effects.push((at, ExpertEffect::Threshold { counter: 0, threshold: n }));
             }
         }
         for n in 0..2 {
             if on(before, n) != on(after, n) {
-                effects.push((at, Effect::Output { output: n as u8, on: on(after, n) }));
+                effects.push((at, ExpertEffect::Output { output: n as u8, on: on(after, n) }));
             }
         }
     }

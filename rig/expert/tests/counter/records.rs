@@ -61,7 +61,7 @@ fn a_gap_is_a_fault_of_the_counter() {
     assert_eq!((fact(&expert, FunctionProbe::Error), fact(&expert, FunctionProbe::Excess)), (0, 0));
     // Edges 3 to 7 are gone, two or three rising ones among them.
     lines.read(&record(90_000, 2, 3, 8), &mut expert);
-    assert_eq!(expert.take(0), Some((Time::from_nanos(90_000), Effect::Overdriven { function: 0 })));
+    assert_eq!(expert.take(0), Some((Time::from_nanos(90_000), ExpertEffect::Overdriven { function: 0 })));
     assert_eq!(
         (fact(&expert, FunctionProbe::Error), fact(&expert, FunctionProbe::Excess), lines.lost()),
         (8, 3, 5)

@@ -60,7 +60,7 @@ pub struct Rig {
     pub expert: ExpertFunctions,
     pub block: Instance,
     pub now: i64,
-    pub effects: Vec<(i64, Effect)>,
+    pub effects: Vec<(i64, ExpertEffect)>,
 }
 
 impl Rig {
@@ -76,7 +76,7 @@ impl Rig {
         block.with(&[("HSC_REF_IN", 1)]);
         let functions = vec![FunctionConfig { name: "HSC0".into(), kind: FunctionKind::Counter(config) }];
         let mut expert = ExpertFunctions::new(&ExpertConfig { functions }, &[conditions; 16]);
-        expert.operate(Time::ZERO, Operation::Running);
+        expert.operate(Time::ZERO, ExpertOperation::Running);
         Rig { expert, block, now: 0, effects: Vec::new() }
     }
 
@@ -125,7 +125,7 @@ impl Rig {
         self
     }
 
-    pub fn operate(&mut self, operation: Operation) -> &mut Rig {
+    pub fn operate(&mut self, operation: ExpertOperation) -> &mut Rig {
         self.expert.operate(Time::from_nanos(self.now), operation);
         self.gather()
     }
@@ -139,7 +139,7 @@ impl Rig {
         self
     }
 
-    pub fn taken(&mut self) -> Vec<(i64, Effect)> {
+    pub fn taken(&mut self) -> Vec<(i64, ExpertEffect)> {
         std::mem::take(&mut self.effects)
     }
 

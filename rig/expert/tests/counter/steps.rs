@@ -65,7 +65,7 @@ fn with_thresholds() -> impl Strategy<Value = (CounterConfig, i64)> {
     })
 }
 
-fn taken(expert: &mut ExpertFunctions, effects: &mut Vec<Effect>) {
+fn taken(expert: &mut ExpertFunctions, effects: &mut Vec<ExpertEffect>) {
     let mut place = 0;
     while let Some((_, effect)) = expert.take(place) {
         effects.push(effect);

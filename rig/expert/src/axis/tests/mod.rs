@@ -15,8 +15,8 @@ pub const S: i64 = 1_000_000_000;
 pub struct Bench {
     pub axis: Axis,
     pub now: i64,
-    fx: Effects,
-    pub log: Vec<(i64, Effect)>,
+    fx: ExpertEffects,
+    pub log: Vec<(i64, ExpertEffect)>,
     a: u8,
     b: u8,
 }
@@ -28,12 +28,12 @@ impl Bench {
         let mut bench = Bench {
             axis: Axis::new(config, 0),
             now: 0,
-            fx: Effects::new(),
+            fx: ExpertEffects::new(),
             log: Vec::new(),
             a: config.a,
             b: config.b.unwrap_or(255),
         };
-        bench.axis.operate(bench.time(), Operation::Running, &mut bench.fx);
+        bench.axis.operate(bench.time(), ExpertOperation::Running, &mut bench.fx);
         bench.axis.power(bench.time(), true, &mut bench.fx);
         bench
     }
@@ -105,14 +105,14 @@ impl Bench {
         self.collect();
     }
 
-    pub fn with(&mut self, body: impl FnOnce(&mut Axis, Time, &mut Effects)) {
+    pub fn with(&mut self, body: impl FnOnce(&mut Axis, Time, &mut ExpertEffects)) {
         body(&mut self.axis, Time::from_nanos(self.now), &mut self.fx);
         self.collect();
     }
 
     /// When an output went on.
     pub fn rises(&self, output: u8) -> Vec<i64> {
-        let rises = self.log.iter().filter(|(_, fx)| *fx == Effect::Output { output, on: true });
+        let rises = self.log.iter().filter(|(_, fx)| *fx == ExpertEffect::Output { output, on: true });
         rises.map(|(at, _)| *at).collect()
     }
 
@@ -121,7 +121,7 @@ impl Bench {
         let (mut a, mut b) = (false, false);
         let mut waves = Vec::new();
         for (at, fx) in &self.log {
-            if let Effect::Output { output, on } = fx {
+            if let ExpertEffect::Output { output, on } = fx {
                 if *output == self.a {
                     assert_ne!(a, *on, "an edge that is none at {at}");
                     a = *on;

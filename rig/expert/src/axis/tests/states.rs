@@ -62,12 +62,12 @@ fn a_stopped_application_leaves_an_axis_disabled() {
     let ticket = bench.order(MotionCommand::Velocity(Some(true)), 1000, usual());
     bench.until(155 * MS);
     let edges = bench.log.len();
-    bench.with(|axis, now, fx| axis.operate(now, Operation::Stopped, fx));
-    assert!(bench.log[edges..].iter().all(|(_, fx)| matches!(fx, Effect::Output { on: false, .. })));
+    bench.with(|axis, now, fx| axis.operate(now, ExpertOperation::Stopped, fx));
+    assert!(bench.log[edges..].iter().all(|(_, fx)| matches!(fx, ExpertEffect::Output { on: false, .. })));
     assert_eq!(bench.axis.phase(ticket), CommandPhase::Failed(AxisFault::ApplicationStopped));
     assert_eq!(bench.axis.state(), AxisState::Disabled);
     assert_eq!(bench.axis.position(), pulses(&bench));
-    bench.with(|axis, now, fx| axis.operate(now, Operation::Running, fx));
+    bench.with(|axis, now, fx| axis.operate(now, ExpertOperation::Running, fx));
     assert_eq!(bench.axis.state(), AxisState::Disabled);
 }
 

@@ -7,7 +7,7 @@ mod reads;
 mod tests;
 
 use super::{BlockCall, BlockType, PinKind, PinType, Pins, ValueType, pin};
-use crate::Effects;
+use crate::ExpertEffects;
 use crate::axis::{Axis, AxisFault, CommandPhase};
 use crate::functions::FunctionUnit;
 use signal::Time;
@@ -92,7 +92,7 @@ struct Body<'a> {
     now: Time,
     axis: &'a mut Axis,
     pins: &'a mut dyn Pins,
-    fx: &'a mut Effects,
+    fx: &'a mut ExpertEffects,
 }
 
 /// One call of a block that acts with the rising edge of Execute: `start` gives the command, `phase` tells how far it is.

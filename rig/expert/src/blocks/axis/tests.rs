@@ -4,8 +4,8 @@ use super::super::BLOCKS;
 use super::*;
 use crate::axis::AxisState;
 use crate::{
-    AxisConfig, DriveInput, Effect, ExpertConfig, ExpertFunctions, FunctionConfig, FunctionKind,
-    FunctionProbe, InputConditions, Operation,
+    AxisConfig, DriveInput, ExpertConfig, ExpertEffect, ExpertFunctions, ExpertOperation, FunctionConfig,
+    FunctionKind, FunctionProbe, InputConditions,
 };
 use profile::ChannelSet;
 
@@ -82,7 +82,7 @@ impl Program {
         let config = ExpertConfig { functions: vec![function] };
         let inputs = [InputConditions::default(); 8];
         let mut program = Program { expert: ExpertFunctions::new(&config, &inputs), now: 0, pulses: 0 };
-        program.expert.operate(Time::ZERO, Operation::Running);
+        program.expert.operate(Time::ZERO, ExpertOperation::Running);
         program.call(&mut Block::new("MC_Power_PTO", &[("Enable", 1)]));
         program
     }
@@ -101,7 +101,7 @@ impl Program {
     fn follow(&mut self) {
         let mut place = 0;
         while let Some((_, effect)) = self.expert.take(place) {
-            self.pulses += usize::from(effect == Effect::Output { output: 0, on: true });
+            self.pulses += usize::from(effect == ExpertEffect::Output { output: 0, on: true });
             place += 1;
         }
     }
@@ -407,9 +407,9 @@ fn an_error_of_the_axis_is_shown_by_the_command_that_ran() {
     program.call(&mut block);
     program.wait(100);
     let pulses = program.pulses;
-    program.expert.operate(Time::from_nanos(program.now), Operation::Stopped);
+    program.expert.operate(Time::from_nanos(program.now), ExpertOperation::Stopped);
     program.wait(100);
-    program.expert.operate(Time::from_nanos(program.now), Operation::Running);
+    program.expert.operate(Time::from_nanos(program.now), ExpertOperation::Running);
     assert_eq!(program.call(&mut block), "Error ErrorID=1006");
     assert_eq!((program.pulses, program.position()), (pulses, pulses as i64));
     assert_eq!(program.call(&mut relative(5)), "Error ErrorID=1001");
