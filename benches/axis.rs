@@ -4,8 +4,8 @@
 //! another number of pulses.
 
 use scanrig_expert::{
-    AxisConfig, BLOCKS, BlockCall, BlockType, ExpertConfig, ExpertEffect, ExpertFunctions, ExpertOperation,
-    FunctionConfig, FunctionKind, Pins,
+    AxisConfig, BLOCKS, BlockCall, BlockPins, BlockType, ExpertConfig, ExpertEffect, ExpertFunctions,
+    ExpertOperation, FunctionConfig, FunctionKind,
 };
 use signal::Time;
 use std::hint::black_box;
@@ -27,7 +27,7 @@ struct Block {
 
 struct Values(Vec<i64>);
 
-impl Pins for Values {
+impl BlockPins for Values {
     fn get(&self, pin: usize) -> i64 {
         self.0.get(pin).copied().unwrap_or(0)
     }

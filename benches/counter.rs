@@ -6,9 +6,9 @@
 //! The exit code is 1 where a rate is below its floor.
 
 use scanrig_expert::{
-    BLOCKS, BlockCall, BlockType, CounterConfig, CounterKind, CounterMode, ExpertConfig, ExpertFunctions,
-    ExpertOperation, FunctionConfig, FunctionKind, FunctionProbe, InputConditions, InputEdge, LimitsMode,
-    LineEvents, PhaseMode, Pins, RECORD, Reflex, Threshold, ThresholdEvent,
+    BLOCKS, BlockCall, BlockPins, BlockType, CounterConfig, CounterKind, CounterMode, ExpertConfig,
+    ExpertFunctions, ExpertOperation, FunctionConfig, FunctionKind, FunctionProbe, InputConditions,
+    InputEdge, LimitsMode, LineEvents, PhaseMode, RECORD, Reflex, Threshold, ThresholdEvent,
 };
 use signal::{Span, Time, Value};
 use std::io::{Read, Write};
@@ -26,7 +26,7 @@ const RECORD_FLOOR: f64 = 2e6;
 /// The pins of one block.
 struct Instance(&'static BlockType, Vec<i64>);
 
-impl Pins for Instance {
+impl BlockPins for Instance {
     fn get(&self, pin: usize) -> i64 {
         self.1[pin]
     }

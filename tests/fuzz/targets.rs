@@ -12,9 +12,9 @@ use drivers::counter::{CounterSpec, FindCount, FindCounter, Follower, Reading};
 use drivers::counting::CountFunction as Counting;
 use drivers::serial::{Marks, MessageAssembler, MessageTiming, Received, Symbol};
 use expert::{
-    BLOCKS, BlockCall, CounterConfig, CounterKind, CounterMode, ExpertConfig, ExpertFunctions,
+    BLOCKS, BlockCall, BlockPins, CounterConfig, CounterKind, CounterMode, ExpertConfig, ExpertFunctions,
     ExpertOperation, FunctionConfig, FunctionKind, FunctionProbe, InputConditions, LimitsMode, LineEvents,
-    PhaseMode, Pins, RECORD,
+    PhaseMode, RECORD,
 };
 use host::{COUNTER_RECORD, CounterEvent, CounterEventKind, HostInstant};
 use plans::frames::DataPattern;
@@ -471,7 +471,7 @@ pub fn counter(data: &[u8]) {
 /// The pins of a block that is called once: its reference is 1, and all that enables and presets is on.
 struct AllOn;
 
-impl Pins for AllOn {
+impl BlockPins for AllOn {
     fn get(&self, pin: usize) -> i64 {
         i64::from(pin < 9)
     }

@@ -8,9 +8,9 @@ use crate::ExpertFunctions;
 use signal::Time;
 use std::fmt;
 
-/// Who may set a pin.
+/// Who may set a pin. The language of the caller has such kinds, too; neither crate knows the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PinKind {
+pub enum BlockPinKind {
     /// Set by the caller.
     Input,
     /// Read by the caller.
@@ -44,13 +44,13 @@ pub struct PinType {
     /// Name as documented; programs may write it in any case of letters.
     pub name: &'static str,
     /// Who may set it.
-    pub kind: PinKind,
+    pub kind: BlockPinKind,
     /// Its type.
     pub ty: ValueType,
 }
 
 /// The pins of an instance during a call, by their places; all are 0 at first.
-pub trait Pins {
+pub trait BlockPins {
     /// The value of a pin; 0 where there is no such pin.
     fn get(&self, pin: usize) -> i64;
     /// Sets a pin, cut to its type.
@@ -62,14 +62,14 @@ pub struct BlockCall<'a> {
     /// Modelled time at which it takes effect.
     pub now: Time,
     /// The pins of the instance.
-    pub pins: &'a mut dyn Pins,
+    pub pins: &'a mut dyn BlockPins,
     /// The functions.
     pub expert: &'a mut ExpertFunctions,
 }
 
 impl fmt::Debug for BlockCall<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Call").field("now", &self.now).finish_non_exhaustive()
+        f.debug_struct("BlockCall").field("now", &self.now).finish_non_exhaustive()
     }
 }
 
@@ -78,14 +78,14 @@ impl fmt::Debug for BlockCall<'_> {
 pub struct BlockType {
     /// Name as documented.
     pub name: &'static str,
-    /// Pins in the order of positional parameters.
+    /// BlockPins in the order of positional parameters.
     pub pins: &'static [PinType],
     /// One call: allocates nothing, ends in bounded time.
     pub run: fn(&mut BlockCall<'_>),
 }
 
 /// A pin of a table.
-const fn pin(name: &'static str, kind: PinKind, ty: ValueType) -> PinType {
+const fn pin(name: &'static str, kind: BlockPinKind, ty: ValueType) -> PinType {
     PinType { name, kind, ty }
 }
 

@@ -3,7 +3,7 @@
 use crate::axis::Axis;
 use crate::counter::Counter;
 use crate::filter::Filter;
-use crate::wave::Wave;
+use crate::wave::SquareWave;
 use crate::{ExpertConfig, ExpertEffects, ExpertOperation, FunctionKind, FunctionProbe, InputConditions};
 use profile::ChannelSet;
 use signal::{Time, Value};
@@ -24,8 +24,8 @@ pub struct InputEdge {
 pub(crate) enum FunctionUnit {
     Counter(Box<Counter>),
     Axis(Box<Axis>),
-    Pwm(Wave),
-    Generator(Wave),
+    Pwm(SquareWave),
+    Generator(SquareWave),
 }
 
 /// Calls a method of whatever the unit is.
@@ -74,8 +74,8 @@ impl ExpertFunctions {
                     FunctionUnit::Counter(Box::new(Counter::new(it, place, counters - 1)))
                 }
                 FunctionKind::Axis(it) => FunctionUnit::Axis(Box::new(Axis::new(it, place))),
-                FunctionKind::Pwm(it) => FunctionUnit::Pwm(Wave::pwm(it)),
-                FunctionKind::Generator(it) => FunctionUnit::Generator(Wave::generator(it)),
+                FunctionKind::Pwm(it) => FunctionUnit::Pwm(SquareWave::pwm(it)),
+                FunctionKind::Generator(it) => FunctionUnit::Generator(SquareWave::generator(it)),
             })
             .collect();
         let used = |unit: &FunctionUnit| each!(unit, it => it.inputs());

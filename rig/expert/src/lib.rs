@@ -26,7 +26,7 @@ pub use assignment::{ChannelRole, ExpertError, ExpertFault, ExpertWarning, Reser
 pub use axis::{
     AxisConfig, AxisFault, AxisParameterError, AxisRole, AxisState, DriveInput, PulseOutput, RampUnit,
 };
-pub use blocks::{BLOCKS, BlockCall, BlockType, PinKind, PinType, Pins, ValueType};
+pub use blocks::{BLOCKS, BlockCall, BlockPinKind, BlockPins, BlockType, PinType, ValueType};
 pub use config::{ExpertConfig, FunctionConfig, FunctionKind};
 pub use counter::{
     CaptureInput, CounterConfig, CounterFault, CounterKind, CounterMode, CounterRole, LimitsMode,

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use scanrig_expert::{
-    BLOCKS, BlockCall, BlockType, ExpertConfig, ExpertEffect, ExpertFunctions, ExpertOperation,
-    FunctionConfig, FunctionKind, FunctionProbe, InputConditions, Pins, WaveConfig,
+    BLOCKS, BlockCall, BlockPins, BlockType, ExpertConfig, ExpertEffect, ExpertFunctions, ExpertOperation,
+    FunctionConfig, FunctionKind, FunctionProbe, InputConditions, WaveConfig,
 };
 use signal::{Span, Time, Value};
 
@@ -13,7 +13,7 @@ struct Instance {
     pins: Vec<i64>,
 }
 
-impl Pins for Instance {
+impl BlockPins for Instance {
     fn get(&self, pin: usize) -> i64 {
         self.pins.get(pin).copied().unwrap_or_default()
     }

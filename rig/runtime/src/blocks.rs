@@ -28,9 +28,9 @@ fn native(place: u16, block: &BlockType) -> Native {
         .map(|pin| Pin {
             name: pin.name.to_ascii_uppercase().leak(),
             kind: match pin.kind {
-                expert::PinKind::Input => PinKind::Input,
-                expert::PinKind::Output => PinKind::Output,
-                expert::PinKind::Hidden => PinKind::Hidden,
+                expert::BlockPinKind::Input => PinKind::Input,
+                expert::BlockPinKind::Output => PinKind::Output,
+                expert::BlockPinKind::Hidden => PinKind::Hidden,
             },
             ty: match pin.ty {
                 ValueType::Bool => Elementary::Bool,
@@ -95,7 +95,7 @@ fn is_name(text: &str) -> bool {
 /// The pins of a call, as the bodies see them.
 struct CallPins<'a, 'b>(&'a mut Pins<'b>);
 
-impl expert::Pins for CallPins<'_, '_> {
+impl expert::BlockPins for CallPins<'_, '_> {
     fn get(&self, pin: usize) -> i64 {
         self.0.get(pin)
     }

@@ -250,7 +250,7 @@ impl Application for Player {
 /// Pins of a block by place.
 struct Values([i64; 32]);
 
-impl expert::Pins for Values {
+impl expert::BlockPins for Values {
     fn get(&self, pin: usize) -> i64 {
         self.0[pin]
     }

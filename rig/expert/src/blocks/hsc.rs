@@ -1,6 +1,6 @@
 //! The blocks of counters (io:STD-HSC-02, io:STD-HSC-03), and those that read and set their parameters.
 
-use super::{BlockCall, BlockType, PinKind, PinType, Pins, ValueType, pin};
+use super::{BlockCall, BlockPinKind, BlockPins, BlockType, PinType, ValueType, pin};
 use crate::ExpertEffects;
 use crate::FunctionProbe;
 use crate::counter::{Controls, Counter, CounterParam, Flag, ParamFault};
@@ -18,15 +18,15 @@ pub(super) const BLOCKS: &[BlockType] = &[
 ];
 
 const fn input(name: &'static str) -> PinType {
-    pin(name, PinKind::Input, ValueType::Bool)
+    pin(name, BlockPinKind::Input, ValueType::Bool)
 }
 
 const fn output(name: &'static str) -> PinType {
-    pin(name, PinKind::Output, ValueType::Bool)
+    pin(name, BlockPinKind::Output, ValueType::Bool)
 }
 
 const SIMPLE: &[PinType] = &[
-    pin("HSC_REF_IN", PinKind::Input, ValueType::Reference),
+    pin("HSC_REF_IN", BlockPinKind::Input, ValueType::Reference),
     input("Enable"),
     input("Sync"),
     input("ACK_Modulo"),
@@ -34,12 +34,12 @@ const SIMPLE: &[PinType] = &[
     output("Error"),
     output("Run"),
     output("Modulo_Flag"),
-    pin("CurrentValue", PinKind::Output, ValueType::Dint),
-    pin("last inputs", PinKind::Hidden, ValueType::Word),
+    pin("CurrentValue", BlockPinKind::Output, ValueType::Dint),
+    pin("last inputs", BlockPinKind::Hidden, ValueType::Word),
 ];
 
 const MAIN: &[PinType] = &[
-    pin("HSC_REF_IN", PinKind::Input, ValueType::Reference),
+    pin("HSC_REF_IN", BlockPinKind::Input, ValueType::Reference),
     input("EN_Enable"),
     input("EN_Preset"),
     input("EN_Cap"),
@@ -68,8 +68,8 @@ const MAIN: &[PinType] = &[
     output("Reflex1"),
     output("Out0"),
     output("Out1"),
-    pin("CurrentValue", PinKind::Output, ValueType::Dint),
-    pin("last inputs", PinKind::Hidden, ValueType::Word),
+    pin("CurrentValue", BlockPinKind::Output, ValueType::Dint),
+    pin("last inputs", BlockPinKind::Hidden, ValueType::Word),
 ];
 
 const REFERENCE: usize = 0;
@@ -87,7 +87,7 @@ fn main(unit: &mut FunctionUnit) -> Option<&mut Counter> {
 }
 
 /// Which of the inputs at these places rose since the last call; bit n for the n-th place.
-fn rises(pins: &mut dyn Pins, places: &[usize], last: usize) -> u8 {
+fn rises(pins: &mut dyn BlockPins, places: &[usize], last: usize) -> u8 {
     let now =
         places.iter().enumerate().fold(0, |mask, (n, place)| mask | i64::from(pins.get(*place) != 0) << n);
     let before = pins.get(last);
@@ -96,7 +96,7 @@ fn rises(pins: &mut dyn Pins, places: &[usize], last: usize) -> u8 {
 }
 
 /// Shows what facts say at the pins from `first` on; 0 for those that there are not.
-fn show(pins: &mut dyn Pins, shown: &[(usize, FunctionProbe)], counter: Option<&Counter>) {
+fn show(pins: &mut dyn BlockPins, shown: &[(usize, FunctionProbe)], counter: Option<&Counter>) {
     for (place, fact) in shown {
         let value = counter.and_then(|it| it.read(*fact)).and_then(|value| value.as_bool());
         pins.set(*place, value.unwrap_or(false).into());
@@ -184,10 +184,10 @@ fn run_main(call: &mut BlockCall<'_>) {
     }
 }
 
-const REFERENCE_PIN: PinType = pin("HSC_REF_IN", PinKind::Input, ValueType::Reference);
+const REFERENCE_PIN: PinType = pin("HSC_REF_IN", BlockPinKind::Input, ValueType::Reference);
 const EXECUTE_PIN: PinType = input("Execute");
-const ERROR_ID_PIN: PinType = pin("ErrID", PinKind::Output, ValueType::Word);
-const LAST_PIN: PinType = pin("last Execute", PinKind::Hidden, ValueType::Bool);
+const ERROR_ID_PIN: PinType = pin("ErrID", BlockPinKind::Output, ValueType::Word);
+const LAST_PIN: PinType = pin("last Execute", BlockPinKind::Hidden, ValueType::Bool);
 
 const IMMEDIATE: &[PinType] = &[
     REFERENCE_PIN,
@@ -196,19 +196,19 @@ const IMMEDIATE: &[PinType] = &[
     output("Busy"),
     output("Error"),
     ERROR_ID_PIN,
-    pin("ImmediateValue", PinKind::Output, ValueType::Dint),
+    pin("ImmediateValue", BlockPinKind::Output, ValueType::Dint),
     LAST_PIN,
 ];
 
 const CAPTURED: &[PinType] = &[
     REFERENCE_PIN,
     EXECUTE_PIN,
-    pin("CaptureNumber", PinKind::Input, ValueType::Word),
+    pin("CaptureNumber", BlockPinKind::Input, ValueType::Word),
     output("Done"),
     output("Busy"),
     output("Error"),
     ERROR_ID_PIN,
-    pin("CaptureValue", PinKind::Output, ValueType::Dint),
+    pin("CaptureValue", BlockPinKind::Output, ValueType::Dint),
     LAST_PIN,
 ];
 
@@ -219,27 +219,27 @@ const DIAG: &[PinType] = &[
     output("Busy"),
     output("Error"),
     ERROR_ID_PIN,
-    pin("EXPERTDiag", PinKind::Output, ValueType::Word),
+    pin("EXPERTDiag", BlockPinKind::Output, ValueType::Word),
     LAST_PIN,
 ];
 
 const GET_PARAM: &[PinType] = &[
     REFERENCE_PIN,
     EXECUTE_PIN,
-    pin("Param", PinKind::Input, ValueType::Word),
+    pin("Param", BlockPinKind::Input, ValueType::Word),
     output("Done"),
     output("Busy"),
     output("Error"),
     ERROR_ID_PIN,
-    pin("ParamValue", PinKind::Output, ValueType::Dint),
+    pin("ParamValue", BlockPinKind::Output, ValueType::Dint),
     LAST_PIN,
 ];
 
 const SET_PARAM: &[PinType] = &[
     REFERENCE_PIN,
     EXECUTE_PIN,
-    pin("Param", PinKind::Input, ValueType::Word),
-    pin("ParamValue", PinKind::Input, ValueType::Dint),
+    pin("Param", BlockPinKind::Input, ValueType::Word),
+    pin("ParamValue", BlockPinKind::Input, ValueType::Dint),
     output("Done"),
     output("Busy"),
     output("Error"),

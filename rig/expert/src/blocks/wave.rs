@@ -1,8 +1,8 @@
 //! The blocks of pulse width modulation and frequency generators (io:STD-PWM-02, io:STD-FG-01).
 
-use super::{BlockCall, BlockType, PinKind, PinType, ValueType, pin};
+use super::{BlockCall, BlockPinKind, BlockType, PinType, ValueType, pin};
 use crate::functions::FunctionUnit;
-use crate::wave::{HALF, INVALID_PARAMETER, Wave, WaveRequest, WaveShape};
+use crate::wave::{HALF, INVALID_PARAMETER, SquareWave, WaveRequest, WaveShape};
 
 /// The blocks.
 pub(super) const BLOCKS: &[BlockType] = &[
@@ -11,33 +11,33 @@ pub(super) const BLOCKS: &[BlockType] = &[
 ];
 
 const PWM: &[PinType] = &[
-    pin("PWM_REF_IN", PinKind::Input, ValueType::Reference),
-    pin("Enable", PinKind::Input, ValueType::Bool),
-    pin("Frequency", PinKind::Input, ValueType::Udint),
-    pin("Duty", PinKind::Input, ValueType::Udint),
-    pin("Sync", PinKind::Input, ValueType::Bool),
-    pin("EN_Enable", PinKind::Input, ValueType::Bool),
-    pin("EN_Sync", PinKind::Input, ValueType::Bool),
-    pin("HighPrecision", PinKind::Input, ValueType::Bool),
-    pin("InFrequency", PinKind::Output, ValueType::Bool),
-    pin("Busy", PinKind::Output, ValueType::Bool),
-    pin("Error", PinKind::Output, ValueType::Bool),
-    pin("ErrorID", PinKind::Output, ValueType::Word),
-    pin("last Sync", PinKind::Hidden, ValueType::Bool),
+    pin("PWM_REF_IN", BlockPinKind::Input, ValueType::Reference),
+    pin("Enable", BlockPinKind::Input, ValueType::Bool),
+    pin("Frequency", BlockPinKind::Input, ValueType::Udint),
+    pin("Duty", BlockPinKind::Input, ValueType::Udint),
+    pin("Sync", BlockPinKind::Input, ValueType::Bool),
+    pin("EN_Enable", BlockPinKind::Input, ValueType::Bool),
+    pin("EN_Sync", BlockPinKind::Input, ValueType::Bool),
+    pin("HighPrecision", BlockPinKind::Input, ValueType::Bool),
+    pin("InFrequency", BlockPinKind::Output, ValueType::Bool),
+    pin("Busy", BlockPinKind::Output, ValueType::Bool),
+    pin("Error", BlockPinKind::Output, ValueType::Bool),
+    pin("ErrorID", BlockPinKind::Output, ValueType::Word),
+    pin("last Sync", BlockPinKind::Hidden, ValueType::Bool),
 ];
 
 const GENERATOR: &[PinType] = &[
-    pin("FREQGEN_REF_IN", PinKind::Input, ValueType::Reference),
-    pin("Enable", PinKind::Input, ValueType::Bool),
-    pin("Frequency", PinKind::Input, ValueType::Udint),
-    pin("Sync", PinKind::Input, ValueType::Bool),
-    pin("EN_Enable", PinKind::Input, ValueType::Bool),
-    pin("EN_Sync", PinKind::Input, ValueType::Bool),
-    pin("InFrequency", PinKind::Output, ValueType::Bool),
-    pin("Busy", PinKind::Output, ValueType::Bool),
-    pin("Error", PinKind::Output, ValueType::Bool),
-    pin("ErrorID", PinKind::Output, ValueType::Word),
-    pin("last Sync", PinKind::Hidden, ValueType::Bool),
+    pin("FREQGEN_REF_IN", BlockPinKind::Input, ValueType::Reference),
+    pin("Enable", BlockPinKind::Input, ValueType::Bool),
+    pin("Frequency", BlockPinKind::Input, ValueType::Udint),
+    pin("Sync", BlockPinKind::Input, ValueType::Bool),
+    pin("EN_Enable", BlockPinKind::Input, ValueType::Bool),
+    pin("EN_Sync", BlockPinKind::Input, ValueType::Bool),
+    pin("InFrequency", BlockPinKind::Output, ValueType::Bool),
+    pin("Busy", BlockPinKind::Output, ValueType::Bool),
+    pin("Error", BlockPinKind::Output, ValueType::Bool),
+    pin("ErrorID", BlockPinKind::Output, ValueType::Word),
+    pin("last Sync", BlockPinKind::Hidden, ValueType::Bool),
 ];
 
 /// Where the pins of a block are.
@@ -52,7 +52,7 @@ struct Places {
     error: usize,
     error_id: usize,
     last_sync: usize,
-    pick: fn(&mut FunctionUnit) -> Option<&mut Wave>,
+    pick: fn(&mut FunctionUnit) -> Option<&mut SquareWave>,
 }
 
 const REFERENCE: usize = 0;

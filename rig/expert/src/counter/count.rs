@@ -1,7 +1,7 @@
 //! What levels do to a counter.
 
 use super::decode::ILLEGAL;
-use super::meter::{Measurement, Meter};
+use super::meter::{Meter, MeterReading};
 use super::{Controls, Counter, CounterMode, LimitsMode, diag, role};
 use crate::{ExpertEffect, ExpertEffects};
 use signal::Time;
@@ -115,8 +115,8 @@ impl Counter {
     }
 
     /// A meter completed a measurement.
-    pub(super) fn measured(&mut self, at: Time, measurement: Option<Measurement>, fx: &mut ExpertEffects) {
-        let Some(Measurement { value, valid }) = measurement else { return };
+    pub(super) fn measured(&mut self, at: Time, measurement: Option<MeterReading>, fx: &mut ExpertEffects) {
+        let Some(MeterReading { value, valid }) = measurement else { return };
         if self.params.is_changed() {
             self.take_params(at, fx);
         }

@@ -5,7 +5,7 @@ use signal::{Span, Time};
 
 /// A measurement that a meter completed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Measurement {
+pub(super) struct MeterReading {
     pub value: i64,
     pub valid: bool,
 }
@@ -85,25 +85,25 @@ impl Meter {
     }
 
     /// What is due at [`Meter::next`] happens.
-    pub fn elapse(&mut self) -> Option<Measurement> {
+    pub fn elapse(&mut self) -> Option<MeterReading> {
         match self {
             Meter::None => None,
             Meter::Window { window, scale, pulses, end, empty } => {
                 *empty = *pulses == 0;
                 let value = (std::mem::take(pulses) * *scale).min(i64::from(i32::MAX));
                 *end = end.saturating_add(*window);
-                Some(Measurement { value, valid: true })
+                Some(MeterReading { value, valid: true })
             }
             Meter::Period { from, end, .. } => {
                 (*from, *end) = (None, Time::MAX);
-                Some(Measurement { value: 0, valid: false })
+                Some(MeterReading { value: 0, valid: false })
             }
         }
     }
 
     /// An edge of A while it measures.
     #[inline]
-    pub fn edge(&mut self, at: Time, rises: bool) -> Option<Measurement> {
+    pub fn edge(&mut self, at: Time, rises: bool) -> Option<MeterReading> {
         match self {
             Meter::None => None,
             Meter::Window { window, pulses, end, empty, .. } => {
@@ -125,7 +125,7 @@ impl Meter {
                 let value = (at - begun).as_nanos() / *resolution;
                 // Longer than a DINT can tell: what it shows is too short.
                 let most = i64::from(i32::MAX);
-                Some(Measurement { value: value.min(most), valid: value <= most })
+                Some(MeterReading { value: value.min(most), valid: value <= most })
             }
         }
     }

@@ -105,7 +105,7 @@ pub(crate) struct WaveStatus {
 
 /// A square wave on one output.
 #[derive(Clone, Debug)]
-pub(crate) struct Wave {
+pub(crate) struct SquareWave {
     output: u8,
     enable_input: Option<u8>,
     sync_input: Option<u8>,
@@ -138,21 +138,21 @@ pub(crate) struct Wave {
     reported: Option<WaveShape>,
 }
 
-impl Wave {
+impl SquareWave {
     /// A pulse width modulation.
-    pub fn pwm(config: &WaveConfig) -> Wave {
-        Wave::new(config, PWM_TENTHS)
+    pub fn pwm(config: &WaveConfig) -> SquareWave {
+        SquareWave::new(config, PWM_TENTHS)
     }
 
     /// A frequency generator.
-    pub fn generator(config: &WaveConfig) -> Wave {
-        Wave::new(config, GENERATOR_TENTHS)
+    pub fn generator(config: &WaveConfig) -> SquareWave {
+        SquareWave::new(config, GENERATOR_TENTHS)
     }
 
     /// `most` is the highest frequency of a fast output.
-    fn new(config: &WaveConfig, most: u32) -> Wave {
+    fn new(config: &WaveConfig, most: u32) -> SquareWave {
         let fast = usize::from(config.output) < FAST_OUTPUTS;
-        Wave {
+        SquareWave {
             output: config.output,
             enable_input: config.enable,
             sync_input: config.sync,

@@ -8,7 +8,7 @@ const US: i64 = 1_000;
 
 /// A offloaded PWM, and what it reported since it was asked last.
 struct OffloadedPwm {
-    wave: Wave,
+    wave: SquareWave,
     fx: ExpertEffects,
     request: WaveRequest,
 }
@@ -28,7 +28,7 @@ const fn level(on: bool) -> ExpertEffect {
 
 impl OffloadedPwm {
     fn new() -> OffloadedPwm {
-        let mut wave = Wave::pwm(&WaveConfig { sync: Some(1), ..WaveConfig::new(0) });
+        let mut wave = SquareWave::pwm(&WaveConfig { sync: Some(1), ..WaveConfig::new(0) });
         wave.offload_pulses();
         let mut fx = ExpertEffects::new();
         wave.operate(at(0), ExpertOperation::Running, &mut fx);

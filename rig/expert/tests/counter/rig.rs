@@ -12,7 +12,7 @@ pub struct Instance {
     pins: Vec<i64>,
 }
 
-impl Pins for Instance {
+impl BlockPins for Instance {
     fn get(&self, pin: usize) -> i64 {
         self.pins.get(pin).copied().unwrap_or(0)
     }
@@ -36,7 +36,7 @@ impl Instance {
     pub fn with(&mut self, pins: &[(&str, i64)]) -> &mut Instance {
         for (name, value) in pins {
             let place = self.place(name);
-            assert_eq!(self.block.pins[place].kind, PinKind::Input, "{name}");
+            assert_eq!(self.block.pins[place].kind, BlockPinKind::Input, "{name}");
             self.pins[place] = *value;
         }
         self
@@ -50,7 +50,7 @@ impl Instance {
 
     pub fn shows(&self, name: &str) -> i64 {
         let place = self.place(name);
-        assert_eq!(self.block.pins[place].kind, PinKind::Output, "{name}");
+        assert_eq!(self.block.pins[place].kind, BlockPinKind::Output, "{name}");
         self.pins[place]
     }
 }

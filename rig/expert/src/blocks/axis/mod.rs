@@ -6,7 +6,7 @@ mod reads;
 #[cfg(test)]
 mod tests;
 
-use super::{BlockCall, BlockType, PinKind, PinType, Pins, ValueType, pin};
+use super::{BlockCall, BlockPinKind, BlockPins, BlockType, PinType, ValueType, pin};
 use crate::ExpertEffects;
 use crate::axis::{Axis, AxisFault, CommandPhase};
 use crate::functions::FunctionUnit;
@@ -20,19 +20,19 @@ const AXIS: usize = 0;
 const EXECUTE: usize = 1;
 
 const fn input(name: &'static str, ty: ValueType) -> PinType {
-    pin(name, PinKind::Input, ty)
+    pin(name, BlockPinKind::Input, ty)
 }
 
 const fn output(name: &'static str, ty: ValueType) -> PinType {
-    pin(name, PinKind::Output, ty)
+    pin(name, BlockPinKind::Output, ty)
 }
 
 /// The block's own memory: Execute of the last call, the command that runs, what became of it, and whether that was
 /// shown by a call.
-const LAST: PinType = pin("last Execute", PinKind::Hidden, ValueType::Bool);
-const TICKET: PinType = pin("command", PinKind::Hidden, ValueType::Udint);
-const OUTCOME: PinType = pin("outcome", PinKind::Hidden, ValueType::Int);
-const SHOWN: PinType = pin("outcome shown", PinKind::Hidden, ValueType::Bool);
+const LAST: PinType = pin("last Execute", BlockPinKind::Hidden, ValueType::Bool);
+const TICKET: PinType = pin("command", BlockPinKind::Hidden, ValueType::Udint);
+const OUTCOME: PinType = pin("outcome", BlockPinKind::Hidden, ValueType::Int);
+const SHOWN: PinType = pin("outcome shown", BlockPinKind::Hidden, ValueType::Bool);
 
 fn pick(unit: &mut FunctionUnit) -> Option<&mut Axis> {
     if let FunctionUnit::Axis(axis) = unit { Some(axis.as_mut()) } else { None }
@@ -91,7 +91,7 @@ fn failed(fault: AxisFault) -> i64 {
 struct Body<'a> {
     now: Time,
     axis: &'a mut Axis,
-    pins: &'a mut dyn Pins,
+    pins: &'a mut dyn BlockPins,
     fx: &'a mut ExpertEffects,
 }
 
@@ -153,7 +153,7 @@ fn execute(
 }
 
 /// The reference is none of an axis (io:EXP-06).
-fn unknown(pins: &mut dyn Pins, error: usize, error_id: usize) {
+fn unknown(pins: &mut dyn BlockPins, error: usize, error_id: usize) {
     pins.set(error, 1);
     pins.set(error_id, AxisFault::UnknownAxis.number().into());
 }

@@ -18,7 +18,7 @@ struct Program {
 
 struct Values(Vec<i64>);
 
-impl Pins for Values {
+impl BlockPins for Values {
     fn get(&self, pin: usize) -> i64 {
         self.0.get(pin).copied().unwrap_or(0)
     }
@@ -51,20 +51,20 @@ impl Block {
 
     fn set(&mut self, pin: &str, value: i64) {
         let place = self.place(pin);
-        assert_eq!(self.block.pins[place].kind, PinKind::Input, "{pin}");
+        assert_eq!(self.block.pins[place].kind, BlockPinKind::Input, "{pin}");
         self.values.set(place, value);
     }
 
     fn get(&self, pin: &str) -> i64 {
         let place = self.place(pin);
-        assert_eq!(self.block.pins[place].kind, PinKind::Output, "{pin}");
+        assert_eq!(self.block.pins[place].kind, BlockPinKind::Output, "{pin}");
         self.values.get(place)
     }
 
     /// The outputs that are TRUE, and ErrorID where it is not 0.
     fn shows(&self) -> String {
         let mut shown: Vec<String> = Vec::new();
-        for pin in self.block.pins.iter().filter(|pin| pin.kind == PinKind::Output) {
+        for pin in self.block.pins.iter().filter(|pin| pin.kind == BlockPinKind::Output) {
             match (pin.ty, self.get(pin.name)) {
                 (_, 0) => {}
                 (ValueType::Bool, _) => shown.push(pin.name.into()),
