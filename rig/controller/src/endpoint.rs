@@ -1,7 +1,7 @@
 //! What the controller asks of a protocol endpoint, and what passes between the endpoint and its port.
 //!
 //! An endpoint knows neither clocks nor wires nor tasks. What came on its line is handed to it with its instants; what it
-//! sends goes into an [`Outbox`] with the instant at which it may begin. What it does takes processor time: it says how much
+//! sends goes into a [`PortOutbox`] with the instant at which it may begin. What it does takes processor time: it says how much
 //! its next step takes ([`Endpoint::work`]), and the step is carried out when the processor has had that time for it. Nothing
 //! of it allocates between two starts of communication.
 
@@ -18,23 +18,23 @@ pub const OUTBOX_MESSAGES: usize = 16;
 pub trait Endpoint: fmt::Debug + Send {
     /// The controller is in another state, or communication starts again. In OFF and BOOTING nothing comes and nothing goes;
     /// what was in the outbox and the step under way are gone by then.
-    fn enter(&mut self, now: Time, life: PortLife, outbox: &mut Outbox);
+    fn enter(&mut self, now: Time, life: PortLife, outbox: &mut PortOutbox);
 
     /// Something happened at the port, by `now`.
-    fn receive(&mut self, now: Time, event: &PortEvent, outbox: &mut Outbox);
+    fn receive(&mut self, now: Time, event: &PortEvent, outbox: &mut PortOutbox);
 
     /// When it wants to be called by itself; [`Time::MAX`] for never.
     fn next(&self) -> Time;
 
     /// It wanted to be called by `now`.
-    fn fire(&mut self, now: Time, outbox: &mut Outbox);
+    fn fire(&mut self, now: Time, outbox: &mut PortOutbox);
 
     /// The processor time that its next step takes, at least 1 ns; `None` where it has nothing to do. It is asked after each
     /// call, and not again while a step is under way.
     fn work(&self) -> Option<Span>;
 
     /// The step that it asked for takes effect: the only place where it reaches the controller's memory.
-    fn step(&mut self, now: Time, registers: &mut dyn RegisterAccess, outbox: &mut Outbox);
+    fn step(&mut self, now: Time, registers: &mut dyn RegisterAccess, outbox: &mut PortOutbox);
 }
 
 /// What happens to the controller that an endpoint is part of.
@@ -156,16 +156,16 @@ impl std::error::Error for OutboxFull {}
 
 /// What waits at a port to be sent, in the order in which it was put there.
 #[derive(Clone, Debug)]
-pub struct Outbox {
+pub struct PortOutbox {
     queue: VecDeque<(Time, PortMessage)>,
     /// How many of the first were announced to whoever sends them.
     announced: usize,
     dropped: u64,
 }
 
-impl Outbox {
-    pub(crate) fn new() -> Outbox {
-        Outbox { queue: VecDeque::with_capacity(OUTBOX_MESSAGES), announced: 0, dropped: 0 }
+impl PortOutbox {
+    pub(crate) fn new() -> PortOutbox {
+        PortOutbox { queue: VecDeque::with_capacity(OUTBOX_MESSAGES), announced: 0, dropped: 0 }
     }
 
     /// Sends a message from `at` on, and not before those that are here already.
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn messages_keep_their_order_and_their_instants() {
-        let mut outbox = Outbox::new();
+        let mut outbox = PortOutbox::new();
         outbox.push(at(10), bytes(1)).unwrap();
         outbox.push(at(5), bytes(2)).unwrap();
         assert_eq!(outbox.next(), at(10));
@@ -247,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_full_outbox_refuses_and_counts() {
-        let mut outbox = Outbox::new();
+        let mut outbox = PortOutbox::new();
         (0..OUTBOX_MESSAGES).for_each(|n| outbox.push(at(0), bytes(n as u8)).unwrap());
         assert_eq!(outbox.push(at(0), bytes(99)), Err(OutboxFull));
         assert_eq!((outbox.len(), outbox.dropped()), (OUTBOX_MESSAGES, 1));

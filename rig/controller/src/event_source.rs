@@ -6,7 +6,7 @@ use std::fmt;
 
 /// What starts an external event task (controller:TASK-41, io:EVT-02).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum EventSource {
+pub enum ExternalEventSource {
     /// An edge at In.
     Input(usize),
     /// A threshold of a fast counter.
@@ -22,17 +22,17 @@ pub enum EventSource {
     CanSync,
 }
 
-impl EventSource {
+impl ExternalEventSource {
     /// The event of this name: the address of an input, or the name of the profile's documents (io:EVT-04), such as
     /// `HSC0_STOP` (`BLOCK0_HSCSTOP` in 2014), `HSC0_TH1` (`BLOCK0_TH1`), `CAN_1_SYNC`, in any case of letters.
-    pub fn find(name: &str, profile: Profile) -> Option<EventSource> {
+    pub fn find(name: &str, profile: Profile) -> Option<ExternalEventSource> {
         if let Ok(at) = Address::parse(name) {
             let input = at.area() == Area::Input && at.size() == Size::Bit;
-            return usize::try_from(at.bit_offset()).ok().filter(|_| input).map(EventSource::Input);
+            return usize::try_from(at.bit_offset()).ok().filter(|_| input).map(ExternalEventSource::Input);
         }
         let name = name.to_ascii_uppercase();
         if name == "CAN_1_SYNC" {
-            return Some(EventSource::CanSync);
+            return Some(ExternalEventSource::CanSync);
         }
         let (block, stop) = match profile {
             Profile::M241_2014 => ("BLOCK", "HSCSTOP"),
@@ -42,9 +42,9 @@ impl EventSource {
         let digit = |text: &str| text.parse().ok().filter(|_| text.len() == 1);
         let counter = digit(counter)?;
         if event == stop {
-            return Some(EventSource::CounterStop(counter));
+            return Some(ExternalEventSource::CounterStop(counter));
         }
-        Some(EventSource::Threshold { counter, threshold: digit(event.strip_prefix("TH")?)? })
+        Some(ExternalEventSource::Threshold { counter, threshold: digit(event.strip_prefix("TH")?)? })
     }
 
     /// Whether this controller has the event: an M241 those of the inputs I0...I7, in 2014 of I8...I11 too, and those
@@ -52,22 +52,24 @@ impl EventSource {
     pub fn exists(self, profile: Profile, reference: &Reference) -> bool {
         let inputs = if profile == Profile::M241_2014 { 12 } else { 8 };
         match self {
-            EventSource::Input(input) => {
+            ExternalEventSource::Input(input) => {
                 reference.family == Family::M241 && input < inputs && input < reference.input_count()
             }
-            EventSource::Threshold { .. } | EventSource::CounterStop(_) => reference.family == Family::M241,
-            EventSource::CanSync => reference.has_can(),
+            ExternalEventSource::Threshold { .. } | ExternalEventSource::CounterStop(_) => {
+                reference.family == Family::M241
+            }
+            ExternalEventSource::CanSync => reference.has_can(),
         }
     }
 }
 
-impl fmt::Display for EventSource {
+impl fmt::Display for ExternalEventSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            EventSource::Input(input) => write!(f, "%IX{}.{}", input / 8, input % 8),
-            EventSource::Threshold { counter, threshold } => write!(f, "HSC{counter}_TH{threshold}"),
-            EventSource::CounterStop(counter) => write!(f, "HSC{counter}_STOP"),
-            EventSource::CanSync => f.write_str("CAN_1_SYNC"),
+            ExternalEventSource::Input(input) => write!(f, "%IX{}.{}", input / 8, input % 8),
+            ExternalEventSource::Threshold { counter, threshold } => write!(f, "HSC{counter}_TH{threshold}"),
+            ExternalEventSource::CounterStop(counter) => write!(f, "HSC{counter}_STOP"),
+            ExternalEventSource::CanSync => f.write_str("CAN_1_SYNC"),
         }
     }
 }
@@ -81,7 +83,7 @@ mod tests {
     fn events_of_each_profile() {
         let (old, new, m251) = (Profile::M241_2014, Profile::M241_2019, Profile::M251_2024);
         let exists = |name: &str, profile: Profile| {
-            EventSource::find(name, profile)
+            ExternalEventSource::find(name, profile)
                 .is_some_and(|source| source.exists(profile, profile.default_reference()))
         };
         for (name, expected) in [
@@ -104,6 +106,6 @@ mod tests {
             assert_eq!([old, new, m251].map(|profile| exists(name, profile)), expected, "{name}");
         }
         let mese = Reference::find("TM251MESE").unwrap();
-        assert!(!EventSource::CanSync.exists(m251, mese));
+        assert!(!ExternalEventSource::CanSync.exists(m251, mese));
     }
 }

@@ -50,15 +50,15 @@ pub use application::{
 pub use command::{Command, CommandError, DeviceReset, WriteError};
 pub use config::{
     AlwaysUpdate, BusCycle, Config, ConfigError, HaltOutputs, InputConfig, InputFault, OutputsInStop,
-    Rearming, RelocationConfig, RelocationPart, RunStopFault, StartingMode, TaskConfig, TaskKind, Warning,
-    Watchdog, WatchdogBasis,
+    Rearming, RelocationConfig, RelocationPart, RunStopFault, StartingMode, TaskConfig, TaskKind,
+    TaskWatchdog, Warning, WatchdogBasis,
 };
 pub use controller::{Controller, FrontPanel};
 pub use effect::{Effect, Effects};
 pub use endpoint::{
-    Endpoint, OUTBOX_MESSAGES, Outbox, OutboxFull, PortEvent, PortLife, PortMessage, SerialBytes,
+    Endpoint, OUTBOX_MESSAGES, OutboxFull, PortEvent, PortLife, PortMessage, PortOutbox, SerialBytes,
 };
-pub use event_source::EventSource;
+pub use event_source::ExternalEventSource;
 pub use external::{Disturbance, FAULT_BITS};
 pub use files::{FileError, FileProbe, FileUser, LONGEST_PATH};
 pub use io::ForcedChannels;
@@ -66,7 +66,7 @@ pub use led::{Led, LedPattern};
 pub use location::{RegisterFormat, VariableLocation};
 pub use log::LogEntry;
 pub use memory::Memory;
-pub use module::{Cycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
+pub use module::{ExchangeCycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
 pub use ports::PortStatus;
 pub use probe::{InputProbe, OutputState, Probe, ProbeId, RegisterProbe};
 pub use register_access::{Identification, RegisterAccess};

@@ -34,7 +34,7 @@ impl ModuleChannel {
 
 /// Which cycle exchanges the images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cycle {
+pub struct ExchangeCycle {
     /// The rank of the task whose cycle it is; none for an update in STOPPED and HALT, which exchanges every channel.
     pub rank: Option<usize>,
     /// It is one of MAST, or an update without a task: latches are read (io:STD-IN-04).
@@ -70,10 +70,10 @@ pub trait IoModule: fmt::Debug + Send {
     fn set_input(&mut self, now: Time, input: usize, value: Value);
 
     /// The inputs that this cycle exchanges -> %I, at its beginning; whether %I changed.
-    fn sample(&mut self, now: Time, cycle: Cycle, memory: &mut Memory) -> bool;
+    fn sample(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool;
 
     /// %Q -> the outputs that this cycle exchanges, at its end.
-    fn drive(&mut self, now: Time, cycle: Cycle, memory: &mut Memory) -> Written;
+    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written;
 
     /// Outputs show their hardware initialization values from `now` on (controller:OUT-02).
     fn initialize(&mut self, now: Time);

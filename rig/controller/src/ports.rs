@@ -3,7 +3,7 @@
 //! Communication has the lowest priority: its steps take processor time that no task wants (ethernet:NET-08), one at a
 //! time, port by port in turn.
 
-use crate::endpoint::{Endpoint, Outbox, PortEvent, PortLife, PortMessage};
+use crate::endpoint::{Endpoint, PortEvent, PortLife, PortMessage, PortOutbox};
 use crate::register_access::RegisterAccess;
 use crate::state::State;
 use signal::{Span, Time};
@@ -27,7 +27,7 @@ pub struct PortStatus {
 #[derive(Debug)]
 struct Port {
     endpoint: Option<Box<dyn Endpoint>>,
-    outbox: Outbox,
+    outbox: PortOutbox,
     status: PortStatus,
 }
 
@@ -59,7 +59,7 @@ pub(crate) struct Ports {
 impl Ports {
     /// So many ports, none with an endpoint, without power.
     pub(crate) fn new(ports: usize) -> Ports {
-        let port = || Port { endpoint: None, outbox: Outbox::new(), status: PortStatus::default() };
+        let port = || Port { endpoint: None, outbox: PortOutbox::new(), status: PortStatus::default() };
         Ports { list: (0..ports).map(|_| port()).collect(), quiet: true, ..Ports::default() }
     }
 

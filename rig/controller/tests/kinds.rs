@@ -222,7 +222,7 @@ fn rig(plans: &[Plan], mast: usize) -> Rig {
                 Kind::Cyclic(every) => TaskKind::Cyclic { interval: us(every) },
                 Kind::Freewheeling => TaskKind::Freewheeling,
                 Kind::Event => TaskKind::Event { trigger: bit(rank) },
-                Kind::External => TaskKind::ExternalEvent { source: EventSource::CounterStop(0) },
+                Kind::External => TaskKind::ExternalEvent { source: ExternalEventSource::CounterStop(0) },
             },
         })
         .collect();
@@ -254,7 +254,7 @@ proptest! {
         rig.slices = slices;
         for event in &external {
             rig.to(run_at(us(*event)));
-            rig.plc.external_event(EventSource::CounterStop(0), rig.now, &mut rig.fx);
+            rig.plc.external_event(ExternalEventSource::CounterStop(0), rig.now, &mut rig.fx);
         }
         rig.to(run_at(us(until)));
         let since = |time: Time| (time - run_at(Span::ZERO)).as_nanos();

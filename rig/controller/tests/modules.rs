@@ -46,7 +46,7 @@ impl Analogue {
         })
     }
 
-    fn exchanges(&self, cycle: Cycle, channel: usize) -> bool {
+    fn exchanges(&self, cycle: ExchangeCycle, channel: usize) -> bool {
         cycle.rank.is_none_or(|rank| self.shared[rank][channel])
     }
 }
@@ -77,7 +77,7 @@ impl IoModule for Analogue {
         }
     }
 
-    fn sample(&mut self, _now: Time, cycle: Cycle, memory: &mut Memory) -> bool {
+    fn sample(&mut self, _now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
         let mut changed = false;
         for input in (0..2).filter(|input| self.exchanges(cycle, *input)) {
             let address = self.channels[input].address;
@@ -88,7 +88,7 @@ impl IoModule for Analogue {
         changed
     }
 
-    fn drive(&mut self, now: Time, cycle: Cycle, memory: &mut Memory) -> Written {
+    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written {
         let command = memory.load(self.channels[2].address);
         if self.exchanges(cycle, 2) && command != self.command {
             (self.command, self.output_due) = (command, now + us(SETTLING));
@@ -152,7 +152,7 @@ impl IoModule for Digital {
         }
     }
 
-    fn sample(&mut self, _now: Time, cycle: Cycle, memory: &mut Memory) -> bool {
+    fn sample(&mut self, _now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
         let mut changed = false;
         for (n, channel) in self.channels.iter().enumerate() {
             if cycle.rank.is_none_or(|rank| self.shared[rank][n]) {
@@ -163,7 +163,7 @@ impl IoModule for Digital {
         changed
     }
 
-    fn drive(&mut self, _: Time, _: Cycle, _: &mut Memory) -> Written {
+    fn drive(&mut self, _: Time, _: ExchangeCycle, _: &mut Memory) -> Written {
         Written::default()
     }
 

@@ -30,7 +30,7 @@ impl Reader {
 }
 
 impl Endpoint for Reader {
-    fn enter(&mut self, now: Time, life: PortLife, _: &mut Outbox) {
+    fn enter(&mut self, now: Time, life: PortLife, _: &mut PortOutbox) {
         self.heard.lock().unwrap().push((now, life));
         self.requests.clear();
         self.due = match (life, self.period) {
@@ -39,7 +39,7 @@ impl Endpoint for Reader {
         };
     }
 
-    fn receive(&mut self, _: Time, event: &PortEvent, _: &mut Outbox) {
+    fn receive(&mut self, _: Time, event: &PortEvent, _: &mut PortOutbox) {
         if let PortEvent::Serial(message) = event
             && message.is_sound()
             && let Ok(request) = message.data().try_into()
@@ -52,7 +52,7 @@ impl Endpoint for Reader {
         self.due
     }
 
-    fn fire(&mut self, now: Time, outbox: &mut Outbox) {
+    fn fire(&mut self, now: Time, outbox: &mut PortOutbox) {
         let frame = signal::CanFrame::classic(0x701, false, &[5]).unwrap();
         let _ = outbox.push(now, PortMessage::Can(frame));
         self.due = self.period.map_or(Time::MAX, |period| self.due + period);
@@ -62,7 +62,7 @@ impl Endpoint for Reader {
         (!self.requests.is_empty()).then_some(self.cost)
     }
 
-    fn step(&mut self, now: Time, registers: &mut dyn RegisterAccess, outbox: &mut Outbox) {
+    fn step(&mut self, now: Time, registers: &mut dyn RegisterAccess, outbox: &mut PortOutbox) {
         let Some([kind, a, b, c, d]) = self.requests.pop_front() else { return };
         let (first, value) = (u16::from_be_bytes([a, b]), u16::from_be_bytes([c, d]));
         let mut words = [0; 4];

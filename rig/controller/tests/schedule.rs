@@ -107,7 +107,7 @@ proptest! {
                 .clone()
                 .map(|(rank, plan)| {
                     let name = if rank == 0 { "MAST".into() } else { format!("T{rank}") };
-                    let watchdog = Some(Watchdog { time: us(400), sensitivity: 2 });
+                    let watchdog = Some(TaskWatchdog { time: us(400), sensitivity: 2 });
                     TaskConfig { watchdog, ..task(&name, 25 + rank as u8, us(plan.interval)) }
                 })
                 .collect();

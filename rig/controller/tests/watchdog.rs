@@ -16,7 +16,7 @@ fn with(change: impl FnOnce(&mut Config), ops: Vec<Vec<Op>>) -> Rig {
 }
 
 fn guarded(time: Span, sensitivity: u32) -> impl FnOnce(&mut Config) {
-    move |config| config.tasks[0].watchdog = Some(Watchdog { time, sensitivity })
+    move |config| config.tasks[0].watchdog = Some(TaskWatchdog { time, sensitivity })
 }
 
 // controller:WD-04, controller:WD-10, controller:WD-11
@@ -103,7 +103,7 @@ fn preemption_counts_as_configured() {
 // controller:TASK-12
 #[test]
 fn a_short_interval_has_its_own_limit() {
-    let short = |watchdog: Option<Watchdog>| {
+    let short = |watchdog: Option<TaskWatchdog>| {
         with(
             move |config| {
                 config.tasks[0].kind = TaskKind::Cyclic { interval: ms(2) };
@@ -112,7 +112,7 @@ fn a_short_interval_has_its_own_limit() {
             vec![vec![]],
         )
     };
-    let guarded = Some(Watchdog { time: ms(100), sensitivity: 1 });
+    let guarded = Some(TaskWatchdog { time: ms(100), sensitivity: 1 });
     for (watchdog, cycle, ends) in [
         (guarded, us(3_000), State::Running),
         (guarded, us(3_001), State::Halt),
@@ -214,7 +214,7 @@ fn faults_end_in_their_class() {
 fn watching_never_delays_the_end_of_a_cycle() {
     for watched in [false, true] {
         let mut config = config();
-        config.tasks[0].watchdog = Some(Watchdog { time: ms(5), sensitivity: 1 });
+        config.tasks[0].watchdog = Some(TaskWatchdog { time: ms(5), sensitivity: 1 });
         let mut script = Script::new(vec![vec![(5_000_000, Act::Add(0, 1))]]);
         script.variables = vec![(0, Keep::Plain)];
         let mut rig = Rig::running(config, script);

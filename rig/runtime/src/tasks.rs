@@ -2,7 +2,9 @@
 //! what a plan says of either.
 
 use crate::codes;
-use controller::{BusCycle, Config, ConfigError, EventSource, TaskConfig, TaskKind, Warning, Watchdog};
+use controller::{
+    BusCycle, Config, ConfigError, ExternalEventSource, TaskConfig, TaskKind, TaskWatchdog, Warning,
+};
 use document::{Diagnostic, SourceFile};
 use plans::plan::{Settings, TaskSettings, TaskType};
 use profile::Profile;
@@ -230,8 +232,8 @@ fn named(settings: &Settings, program: &str) -> bool {
 /// Puts what a plan says of a task over what is known of it.
 fn overlay(task: &mut TaskConfig, said: &TaskSettings) {
     task.priority = said.priority.unwrap_or(task.priority);
-    let watchdog = task.watchdog.unwrap_or(Watchdog { time: Span::from_millis(100), sensitivity: 1 });
-    task.watchdog = said.enabled.unwrap_or(true).then(|| Watchdog {
+    let watchdog = task.watchdog.unwrap_or(TaskWatchdog { time: Span::from_millis(100), sensitivity: 1 });
+    task.watchdog = said.enabled.unwrap_or(true).then(|| TaskWatchdog {
         time: said.watchdog.unwrap_or(watchdog.time),
         sensitivity: said.sensitivity.unwrap_or(watchdog.sensitivity),
     });
@@ -260,7 +262,7 @@ fn kind_of(
             let Some(event) = &said.event else {
                 return Err(format!("the external event task `{}` has no `event`", said.name));
             };
-            let source = EventSource::find(event, profile);
+            let source = ExternalEventSource::find(event, profile);
             let source = source.ok_or_else(|| format!("{} has no event `{event}`", profile.name()))?;
             TaskKind::ExternalEvent { source }
         }

@@ -1,7 +1,7 @@
 //! Modules of inputs and outputs, from the board to the program and back: terminals that a board file binds to channels.
 
 use crate::texts::Texts;
-use controller::{Cycle, IoModule, Memory, ModuleChannel, OutputChanges, Sharing, Terminal, Written};
+use controller::{ExchangeCycle, IoModule, Memory, ModuleChannel, OutputChanges, Sharing, Terminal, Written};
 use profile::{IoChannel, IoStatus};
 use scanrig_runtime::clock::VirtualClock;
 use scanrig_runtime::subject::Subject;
@@ -66,7 +66,7 @@ impl IoModule for Loop {
         }
     }
 
-    fn sample(&mut self, _: Time, cycle: Cycle, memory: &mut Memory) -> bool {
+    fn sample(&mut self, _: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
         let address = self.channels[0].address;
         let changed =
             cycle.rank.is_none_or(|rank| self.shared[rank][0]) && memory.load(address) != self.converted;
@@ -76,7 +76,7 @@ impl IoModule for Loop {
         changed
     }
 
-    fn drive(&mut self, now: Time, cycle: Cycle, memory: &mut Memory) -> Written {
+    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written {
         let command = memory.load(self.channels[1].address);
         if cycle.rank.is_none_or(|rank| self.shared[rank][1]) && command != self.command {
             (self.command, self.due) = (command, now.saturating_add(SETTLING));

@@ -3,7 +3,7 @@
 
 use crate::allocation::Noting;
 use crate::texts::{Parted, Texts};
-use controller::{Endpoint, Outbox, PortEvent, PortLife, PortMessage, RegisterAccess, State};
+use controller::{Endpoint, PortEvent, PortLife, PortMessage, PortOutbox, RegisterAccess, State};
 use drivers::{
     Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Health,
 };
@@ -73,7 +73,7 @@ impl Reader {
 }
 
 impl Endpoint for Reader {
-    fn enter(&mut self, now: Time, life: PortLife, _: &mut Outbox) {
+    fn enter(&mut self, now: Time, life: PortLife, _: &mut PortOutbox) {
         self.requests.clear();
         if let PortLife::State(state) = life {
             let running = state == State::Running;
@@ -81,7 +81,7 @@ impl Endpoint for Reader {
         }
     }
 
-    fn receive(&mut self, now: Time, event: &PortEvent, _: &mut Outbox) {
+    fn receive(&mut self, now: Time, event: &PortEvent, _: &mut PortOutbox) {
         let mut seen = self.seen.lock().unwrap();
         match event {
             PortEvent::Serial(message) if message.is_sound() => self.requests.push_back(*message),
@@ -99,7 +99,7 @@ impl Endpoint for Reader {
         self.due
     }
 
-    fn fire(&mut self, now: Time, outbox: &mut Outbox) {
+    fn fire(&mut self, now: Time, outbox: &mut PortOutbox) {
         let frame = CanFrame::classic(0x701, false, &[5]).unwrap();
         let _ = outbox.push(now, PortMessage::Can(frame));
         self.due = self.period.map_or(Time::MAX, |period| self.due + period);
@@ -110,7 +110,7 @@ impl Endpoint for Reader {
         Some(RequestCosts::RIG.of(u16::from(words)))
     }
 
-    fn step(&mut self, now: Time, registers: &mut dyn RegisterAccess, outbox: &mut Outbox) {
+    fn step(&mut self, now: Time, registers: &mut dyn RegisterAccess, outbox: &mut PortOutbox) {
         let Some(request) = self.requests.pop_front() else { return };
         let mut answer = [0; 256];
         let len = match *request.data() {

@@ -1,7 +1,7 @@
 //! Why a configuration is not accepted.
 
 use super::{InputFault, RunStopFault};
-use crate::event_source::EventSource;
+use crate::event_source::ExternalEventSource;
 use expert::ExpertError;
 use profile::{MINIMUM_CYCLE, PRIORITIES};
 use signal::Span;
@@ -37,14 +37,14 @@ pub enum ConfigError {
         /// Place of the task.
         task: usize,
         /// Its event.
-        source: EventSource,
+        source: ExternalEventSource,
     },
     /// The input that starts an external event task raises no event (controller:TASK-45).
     NoEvent {
         /// Place of the task.
         task: usize,
         /// Its event.
-        source: EventSource,
+        source: ExternalEventSource,
     },
     /// The bus cycle task is an event task (controller:PRIO-06, io:EVT-08), or there is no such task.
     BusCycleTask,

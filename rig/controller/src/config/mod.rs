@@ -12,7 +12,7 @@ pub use choice::{AlwaysUpdate, BusCycle, HaltOutputs, OutputsInStop, Rearming, S
 pub use error::ConfigError;
 pub use input::{InputConfig, InputFault, RunStopFault};
 pub use relocation::{RelocationConfig, RelocationPart};
-pub use task::{TaskConfig, TaskKind, Watchdog};
+pub use task::{TaskConfig, TaskKind, TaskWatchdog};
 pub use warnings::Warning;
 
 use expert::{ExpertConfig, ExpertError, InputConditions, ReservedChannels};

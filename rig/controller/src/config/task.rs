@@ -1,6 +1,6 @@
 //! How a task is configured (controller:TASK-02).
 
-use crate::event_source::EventSource;
+use crate::event_source::ExternalEventSource;
 use signal::Span;
 
 /// One task (controller:TASK-02).
@@ -13,7 +13,7 @@ pub struct TaskConfig {
     /// What starts its cycles.
     pub kind: TaskKind,
     /// Its watchdog, where enabled.
-    pub watchdog: Option<Watchdog>,
+    pub watchdog: Option<TaskWatchdog>,
 }
 
 /// What starts the cycles of a task.
@@ -34,13 +34,13 @@ pub enum TaskKind {
     /// An event of the hardware (controller:TASK-40).
     ExternalEvent {
         /// The event.
-        source: EventSource,
+        source: ExternalEventSource,
     },
 }
 
 /// A task watchdog (controller:WD-10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Watchdog {
+pub struct TaskWatchdog {
     /// A cycle longer than this is an exception.
     pub time: Span,
     /// Consecutive exceptions that make the application error; 0 acts as 1.
@@ -55,7 +55,7 @@ impl TaskConfig {
             name: "MAST".into(),
             priority: profile::DEFAULT_PRIORITY,
             kind: TaskKind::Cyclic { interval: Span::from_millis(20) },
-            watchdog: Some(Watchdog { time: Span::from_millis(100), sensitivity: 1 }),
+            watchdog: Some(TaskWatchdog { time: Span::from_millis(100), sensitivity: 1 }),
         }
     }
 

@@ -1,7 +1,7 @@
 //! What a controller accepts of a configuration with a warning.
 
 use super::{Config, TaskConfig, TaskKind};
-use crate::event_source::EventSource;
+use crate::event_source::ExternalEventSource;
 use profile::Profile;
 use signal::Span;
 use std::fmt;
@@ -85,12 +85,12 @@ impl Config {
                 TaskKind::Freewheeling if self.may_be_long(task) => {
                     found.push(Warning::LongTasks { task: place });
                 }
-                TaskKind::ExternalEvent { source: EventSource::Input(input) }
+                TaskKind::ExternalEvent { source: ExternalEventSource::Input(input) }
                     if self.profile == Profile::M241_2014 && input >= 8 =>
                 {
                     found.push(Warning::InputAlias { task: place, input });
                 }
-                TaskKind::ExternalEvent { source: EventSource::Input(input) }
+                TaskKind::ExternalEvent { source: ExternalEventSource::Input(input) }
                     if input < self.reference.fast_inputs
                         && self.inputs.get(input).is_none_or(|own| own.event.is_none()) =>
                 {

@@ -3,7 +3,7 @@
 use super::Controller;
 use crate::io::InputEvent;
 use crate::probes::class;
-use crate::{CommandError, Effects, EventSource, LogEntry};
+use crate::{CommandError, Effects, ExternalEventSource, LogEntry};
 use profile::StopCause;
 use signal::{Cause, Time};
 
@@ -18,7 +18,7 @@ impl Controller {
         while let Some(event) = self.io.take_input_event(place) {
             place += 1;
             match event {
-                InputEvent::Event(input) => self.external_event(EventSource::Input(input), now, fx),
+                InputEvent::Event(input) => self.external_event(ExternalEventSource::Input(input), now, fx),
                 InputEvent::RunStop(high) => self.turn_run_stop(high, now, fx),
                 InputEvent::Overdriven(input) => self.log_entry(now, LogEntry::Overdriven { input }, fx),
             }

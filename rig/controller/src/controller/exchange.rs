@@ -5,7 +5,7 @@
 //! "Always update variables" (controller:DEV-10, controller:DEV-12; docs/decisions/0011-exchange-of-inputs-and-outputs.md).
 
 use super::Controller;
-use crate::module::{Cycle, Sharing, Written, fire};
+use crate::module::{ExchangeCycle, Sharing, Written, fire};
 use crate::probes::class;
 use crate::{Effects, ModuleChannel, Terminal};
 use profile::IoChannel;
@@ -79,7 +79,7 @@ impl Controller {
         let mast = rank.is_none_or(|rank| self.scheduler.is_mast(self.scheduler.place(rank)));
         let mut changed = false;
         for module in self.modules.with(&mut self.io) {
-            changed |= module.sample(at, Cycle { rank, mast }, &mut self.memory);
+            changed |= module.sample(at, ExchangeCycle { rank, mast }, &mut self.memory);
         }
         if changed {
             self.observe(class::MEMORY, at, Cause::Board, fx);
@@ -93,7 +93,7 @@ impl Controller {
     pub(super) fn exchange_outputs(&mut self, rank: Option<usize>, at: Time, fx: &mut Effects) {
         let mut written = Written::default();
         for module in self.modules.with(&mut self.io) {
-            let it = module.drive(at, Cycle { rank, mast: false }, &mut self.memory);
+            let it = module.drive(at, ExchangeCycle { rank, mast: false }, &mut self.memory);
             written.image_changed |= it.image_changed;
             written.stages_changed |= it.stages_changed;
         }

@@ -3,7 +3,7 @@
 use super::Controller;
 use crate::io::FunctionEffect;
 use crate::probes::class;
-use crate::{Effects, EventSource, LogEntry, State};
+use crate::{Effects, ExternalEventSource, LogEntry, State};
 use expert::ExpertEffect;
 use profile::IoChannel;
 use signal::{Cause, Time};
@@ -64,9 +64,11 @@ impl Controller {
                 fx.push(crate::Effect::PeriodRestarted { at, output: output.into() });
             }
             ExpertEffect::Threshold { counter, threshold } => {
-                self.external_event(EventSource::Threshold { counter, threshold }, at, fx);
+                self.external_event(ExternalEventSource::Threshold { counter, threshold }, at, fx);
             }
-            ExpertEffect::Stop { counter } => self.external_event(EventSource::CounterStop(counter), at, fx),
+            ExpertEffect::Stop { counter } => {
+                self.external_event(ExternalEventSource::CounterStop(counter), at, fx)
+            }
             ExpertEffect::Overdriven { function } => {
                 self.log_entry(at, LogEntry::FunctionOverdriven { function: function.into() }, fx);
             }

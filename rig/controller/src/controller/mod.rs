@@ -36,7 +36,7 @@ use crate::power::Power;
 use crate::probes::ObservedProbes;
 use crate::registers::Registers;
 use crate::remanent::RemanentContext;
-use crate::scheduler::{Scheduler, Trigger};
+use crate::scheduler::{Scheduler, TaskTrigger};
 use crate::system::System;
 use crate::{
     Application, Config, ConfigError, Effects, IoModule, LoadError, Loader, Memory, NonVolatile, Probe,
@@ -243,7 +243,7 @@ impl Controller {
             return Err(LoadError::Relocation { part, row });
         }
         let trigger = |task: &TaskConfig| match &task.kind {
-            TaskKind::Event { trigger } => Trigger::find(&*application, trigger).is_none(),
+            TaskKind::Event { trigger } => TaskTrigger::find(&*application, trigger).is_none(),
             _ => false,
         };
         if let Some(task) = self.config.tasks.iter().position(trigger) {

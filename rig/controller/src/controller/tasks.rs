@@ -1,16 +1,16 @@
 //! Tasks as users and programs see them: figures, intervals, events and triggers that start them.
 
 use super::Controller;
-use crate::scheduler::Trigger;
-use crate::{Application, Effects, EventSource, JitterCounts, LogEntry, Memory, State, TaskFigures};
+use crate::scheduler::TaskTrigger;
+use crate::{Application, Effects, ExternalEventSource, JitterCounts, LogEntry, Memory, State, TaskFigures};
 use profile::{ApplicationError, Profile};
 use signal::{Span, Time};
 
 /// Whether the trigger of an event task is TRUE.
-fn level(trigger: Trigger, memory: &Memory, application: Option<&dyn Application>) -> bool {
+fn level(trigger: TaskTrigger, memory: &Memory, application: Option<&dyn Application>) -> bool {
     match trigger {
-        Trigger::Address(at) => memory.value(at).as_bool() == Some(true),
-        Trigger::Variable(variable) => {
+        TaskTrigger::Address(at) => memory.value(at).as_bool() == Some(true),
+        TaskTrigger::Variable(variable) => {
             application.is_some_and(|it| it.read(variable).as_bool() == Some(true))
         }
     }
@@ -89,7 +89,7 @@ impl Controller {
     /// An event of the hardware at `now`: it releases the external event tasks of this source
     /// [`profile::EVENT_LATENCY`] later (controller:TASK-40, io:EVT-01). Nothing happens outside RUNNING. More
     /// events than the 2019 profile takes stop the application (controller:TASK-43).
-    pub fn external_event(&mut self, source: EventSource, now: Time, fx: &mut Effects) {
+    pub fn external_event(&mut self, source: ExternalEventSource, now: Time, fx: &mut Effects) {
         for rank in 0..self.scheduler.len() {
             if self.state != State::Running || self.scheduler.stopping().is_some() {
                 return;

@@ -3,7 +3,7 @@
 use super::{EmbeddedIo, OutputWrite, TaskChannels};
 use crate::config::Config;
 use crate::memory::Memory;
-use crate::module::{Cycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
+use crate::module::{ExchangeCycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
 use profile::{IoChannel, IoStatus};
 use signal::{Address, Area, Level, Time, Value};
 
@@ -67,7 +67,7 @@ impl IoModule for EmbeddedIo {
     }
 
     #[inline]
-    fn sample(&mut self, now: Time, cycle: Cycle, memory: &mut Memory) -> bool {
+    fn sample(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
         let task = self.exchanged(cycle.rank);
         let (on, readable) = self.inputs.read(now, cycle.mast);
         let changed = memory.set_inputs(self.forced_inputs.apply(on), readable & task.inputs);
@@ -77,7 +77,7 @@ impl IoModule for EmbeddedIo {
 
     /// At once, or where the bus cycle task reads its inputs next (controller:PRIO-08).
     #[inline]
-    fn drive(&mut self, now: Time, cycle: Cycle, memory: &mut Memory) -> Written {
+    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written {
         if cycle.rank.is_some() {
             self.act_forcing(cycle.rank);
         }

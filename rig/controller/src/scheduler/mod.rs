@@ -10,7 +10,7 @@ mod task;
 mod time_slice;
 mod watchdog;
 
-pub(crate) use release::Trigger;
+pub(crate) use release::TaskTrigger;
 pub(crate) use watchdog::SystemWatchdog;
 
 pub use load::Overload;

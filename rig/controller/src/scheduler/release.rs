@@ -4,26 +4,26 @@ use super::Scheduler;
 use super::load::Load;
 use crate::application::Application;
 use crate::config::TaskKind;
-use crate::event_source::EventSource;
+use crate::event_source::ExternalEventSource;
 use profile::{EVENT_LATENCY, FREEWHEELING_PAUSE, MINIMUM_CYCLE, TRIGGER_TICK};
 use signal::{Address, Span, Time};
 
 /// What starts an event task (controller:TASK-30).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Trigger {
+pub(crate) enum TaskTrigger {
     /// A bit of memory.
     Address(Address),
     /// A variable of the application by its number.
     Variable(u32),
 }
 
-impl Trigger {
+impl TaskTrigger {
     /// What the trigger of a configuration means in an application: an address, or the path of a variable.
-    pub(crate) fn find(application: &dyn Application, trigger: &str) -> Option<Trigger> {
+    pub(crate) fn find(application: &dyn Application, trigger: &str) -> Option<TaskTrigger> {
         if trigger.starts_with('%') {
-            return Address::parse(trigger).ok().map(Trigger::Address);
+            return Address::parse(trigger).ok().map(TaskTrigger::Address);
         }
-        application.variable(trigger).map(Trigger::Variable)
+        application.variable(trigger).map(TaskTrigger::Variable)
     }
 }
 
@@ -77,7 +77,7 @@ impl Scheduler {
     }
 
     /// What starts the event task of this rank.
-    pub(crate) fn trigger(&self, rank: usize) -> Option<Trigger> {
+    pub(crate) fn trigger(&self, rank: usize) -> Option<TaskTrigger> {
         self.tasks[rank].trigger
     }
 
@@ -91,7 +91,7 @@ impl Scheduler {
     pub(crate) fn find_triggers(&mut self, application: Option<&dyn Application>) {
         for task in &mut self.tasks {
             if let TaskKind::Event { trigger } = &task.kind {
-                task.trigger = application.and_then(|it| Trigger::find(it, trigger));
+                task.trigger = application.and_then(|it| TaskTrigger::find(it, trigger));
             }
         }
     }
@@ -124,7 +124,7 @@ impl Scheduler {
 
     /// RUNNING is entered at `now`: cyclic and freewheeling tasks start at once (controller:TR-06, controller:TR-08), the
     /// others with their next event. `level` reads a trigger.
-    pub(crate) fn begin_running(&mut self, now: Time, level: impl Fn(Trigger) -> bool) {
+    pub(crate) fn begin_running(&mut self, now: Time, level: impl Fn(TaskTrigger) -> bool) {
         self.tick = Time::MAX;
         for rank in 0..self.tasks.len() {
             let task = &mut self.tasks[rank];
@@ -158,7 +158,7 @@ impl Scheduler {
 
     /// An event of the hardware at `now` is on its way to the task of this rank, where that waits for it
     /// (controller:TASK-40, io:EVT-01).
-    pub(crate) fn put_event(&mut self, rank: usize, source: EventSource, now: Time) -> bool {
+    pub(crate) fn put_event(&mut self, rank: usize, source: ExternalEventSource, now: Time) -> bool {
         if self.tasks[rank].source != Some(source) {
             return false;
         }

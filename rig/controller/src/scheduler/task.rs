@@ -1,9 +1,9 @@
 //! The run-time state of a task and its figures.
 
-use super::release::Trigger;
+use super::release::TaskTrigger;
 use super::time_slice::TimeSlice;
-use crate::config::{TaskConfig, TaskKind, Watchdog};
-use crate::event_source::EventSource;
+use crate::config::{TaskConfig, TaskKind, TaskWatchdog};
+use crate::event_source::ExternalEventSource;
 use profile::{SHORT_INTERVAL, SHORT_INTERVAL_TOLERANCE};
 use signal::{Span, Time, Value};
 
@@ -166,14 +166,14 @@ pub(super) struct Task {
     pub turn: TimeSlice,
     pub kind: TaskKind,
     /// The event of an external event task.
-    pub source: Option<EventSource>,
+    pub source: Option<ExternalEventSource>,
     /// What starts an event task, once the application is there, and what it showed last.
-    pub trigger: Option<Trigger>,
+    pub trigger: Option<TaskTrigger>,
     pub trigger_was: bool,
     /// Interval of a cyclic task: the one that holds, and the one from the next release on.
     pub interval: Option<Span>,
     pub set_interval: Option<Span>,
-    watchdog: Option<Watchdog>,
+    watchdog: Option<TaskWatchdog>,
     pub next_release: Time,
     /// Since when the cycle that waits, or the one under way, was due.
     pub due: Time,
