@@ -7,7 +7,7 @@ use expert::ExpertFunctions;
 use profile::ApplicationError;
 use signal::{Span, Time, Value};
 use std::any::Any;
-use std::fmt;
+use thiserror::Error;
 
 /// The user's code and variables, resumable in modelled time.
 ///
@@ -236,16 +236,19 @@ pub trait Loader: Send {
 }
 
 /// Why a bundle is no valid application of this controller.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum LoadError {
     /// The bytes are no application bundle, or a damaged one.
+    #[error("the application bundle is foreign, cut off or damaged")]
     Bundle,
     /// The program does not compile.
+    #[error("the program of the bundle has {errors} errors")]
     Program {
         /// Number of errors.
         errors: usize,
     },
     /// The bundle was built for another number of tasks.
+    #[error("the bundle was built for {found} tasks, the controller is configured with {expected}")]
     Tasks {
         /// Tasks of the controller's configuration.
         expected: usize,
@@ -253,11 +256,13 @@ pub enum LoadError {
         found: usize,
     },
     /// More remanent data than the store holds (controller:MEM-08).
+    #[error("{bytes} bytes of remanent variables, the store holds {}", profile::REMANENT_BYTES)]
     Remanent {
         /// Bytes that the application asks for.
         bytes: usize,
     },
     /// A row of the relocation table does not fit (controller:REL-02).
+    #[error("row {} of the {part} part of the relocation table is beyond its {} words", row + 1, profile::TABLE_WORDS)]
     Relocation {
         /// Its part.
         part: RelocationPart,
@@ -265,11 +270,13 @@ pub enum LoadError {
         row: usize,
     },
     /// The variable that starts an event task is missing (controller:TASK-30).
+    #[error("the application has no variable that starts the event task {task}")]
     Trigger {
         /// The task, by its place in the configuration.
         task: usize,
     },
     /// Two tasks write outputs of one byte, which these profiles refuse (controller:PRIO-05).
+    #[error("outputs of %QB{byte} are written by tasks {} and {}: use one task", tasks.0, tasks.1)]
     SharedOutputByte {
         /// Byte of %Q.
         byte: u32,
@@ -277,42 +284,3 @@ pub enum LoadError {
         tasks: (usize, usize),
     },
 }
-
-impl fmt::Display for LoadError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            LoadError::Bundle => f.write_str("the application bundle is foreign, cut off or damaged"),
-            LoadError::Program { errors } => write!(f, "the program of the bundle has {errors} errors"),
-            LoadError::Tasks { expected, found } => {
-                write!(
-                    f,
-                    "the bundle was built for {found} tasks, the controller is configured with {expected}"
-                )
-            }
-            LoadError::Remanent { bytes } => {
-                write!(f, "{bytes} bytes of remanent variables, the store holds {}", profile::REMANENT_BYTES)
-            }
-            LoadError::Relocation { part, row } => {
-                let part = if *part == RelocationPart::Read { "read" } else { "write" };
-                let most = profile::TABLE_WORDS;
-                write!(
-                    f,
-                    "row {} of the {part} part of the relocation table is beyond its {most} words",
-                    row + 1
-                )
-            }
-            LoadError::Trigger { task } => {
-                write!(f, "the application has no variable that starts the event task {task}")
-            }
-            LoadError::SharedOutputByte { byte, tasks } => {
-                write!(
-                    f,
-                    "outputs of %QB{byte} are written by tasks {} and {}: use one task",
-                    tasks.0, tasks.1
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for LoadError {}

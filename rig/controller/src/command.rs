@@ -3,7 +3,7 @@
 use crate::application::LoadError;
 use crate::state::State;
 use profile::IoChannel;
-use std::fmt;
+use thiserror::Error;
 
 /// A command of a user or a tool.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -91,84 +91,60 @@ pub struct DeviceReset {
 }
 
 /// Why a command was not obeyed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum CommandError {
     /// Not possible in this state (controller:TR-24, controller:TR-28, controller:WD-14).
+    #[error("not possible in state {0}")]
     State(State),
     /// The Run/Stop switch is at Stop.
+    #[error("the Run/Stop switch is at Stop")]
     SwitchAtStop,
     /// The Run/Stop input is 0.
+    #[error("the Run/Stop input is 0")]
     RunStopInput,
     /// A stop is under way: a cycle is being finished.
+    #[error("a stop is under way")]
     Stopping,
     /// The reference has no such channel.
+    #[error("the reference has no {} {}", .0.kind(), .0)]
     NoChannel(IoChannel),
     /// An expert function drives the output (io:OUT-21).
+    #[error("an expert function drives Q{0}")]
     ExpertOutput(usize),
     /// No programming tool is connected (controller:FRC-01).
+    #[error("no programming tool is connected")]
     NotConnected,
     /// The controller does not know this command.
+    #[error("the controller has no such command")]
     NoSuchCommand,
     /// The downloaded application is not valid. The old one is already erased: the state is EMPTY
     /// (controller:DL-04).
-    Application(LoadError),
+    #[error("the application is not valid: {0}")]
+    Application(#[source] LoadError),
     /// The application of an online change is not valid; the old one runs on.
-    Change(LoadError),
+    #[error("the application is not valid: {0}")]
+    Change(#[source] LoadError),
     /// No statement stands in the line or behind it.
+    #[error("no statement stands in line {line} or behind it")]
     NoStatement {
         /// The line.
         line: u32,
     },
 }
 
-impl fmt::Display for CommandError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            CommandError::State(state) => write!(f, "not possible in state {state}"),
-            CommandError::SwitchAtStop => f.write_str("the Run/Stop switch is at Stop"),
-            CommandError::RunStopInput => f.write_str("the Run/Stop input is 0"),
-            CommandError::Stopping => f.write_str("a stop is under way"),
-            CommandError::NoChannel(IoChannel::Input(n)) => write!(f, "the reference has no input I{n}"),
-            CommandError::NoChannel(IoChannel::Output(n)) => write!(f, "the reference has no output Q{n}"),
-            CommandError::ExpertOutput(n) => write!(f, "an expert function drives Q{n}"),
-            CommandError::Application(error) | CommandError::Change(error) => {
-                write!(f, "the application is not valid: {error}")
-            }
-            CommandError::NoStatement { line } => {
-                write!(f, "no statement stands in line {line} or behind it")
-            }
-            CommandError::NoSuchCommand => f.write_str("the controller has no such command"),
-            CommandError::NotConnected => f.write_str("no programming tool is connected"),
-        }
-    }
-}
-
-impl std::error::Error for CommandError {}
-
 /// Why a value was not written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum WriteError {
     /// No service answers in this state, or there is no application.
+    #[error("cannot be written in state {0}")]
     State(State),
     /// The probe can only be read.
+    #[error("can only be read: write a variable or a %M, %Q or %I address")]
     ReadOnly,
     /// The value is no number.
+    #[error("the value is no number")]
     NotANumber,
     /// The register cannot be written (controller:MEM-07).
+    #[error("the register is closed to writing, exception 02")]
     IllegalAddress,
 }
-
-impl fmt::Display for WriteError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            WriteError::State(state) => write!(f, "cannot be written in state {state}"),
-            WriteError::ReadOnly => {
-                f.write_str("can only be read: write a variable or a %M, %Q or %I address")
-            }
-            WriteError::NotANumber => f.write_str("the value is no number"),
-            WriteError::IllegalAddress => f.write_str("the register is closed to writing, exception 02"),
-        }
-    }
-}
-
-impl std::error::Error for WriteError {}

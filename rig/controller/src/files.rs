@@ -5,7 +5,7 @@ use crate::store::{APPLICATION_FILE, NonVolatile};
 use crate::system_log::SystemLog;
 use profile::{Profile, Reference, TreeEntry, USER_DISK_BYTES};
 use signal::{Time, Value};
-use std::fmt;
+use thiserror::Error;
 
 /// Longest path of a file, in bytes (rig definition).
 pub const LONGEST_PATH: usize = 255;
@@ -24,36 +24,27 @@ pub enum FileUser {
 }
 
 /// Why a file was not reached.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum FileError {
     /// No service answers in this state (controller:MEM-03).
+    #[error("no service answers in state {0}")]
     State(State),
     /// The path is none: it begins with `/` and a disk, and has no empty or dotted parts.
+    #[error("no path of a file: write it as in /usr/Rcp/mix.rcp")]
     Path,
     /// There is no such file.
+    #[error("there is no such file")]
     NotFound,
     /// The path is closed to whoever asks (controller:NV-10), or the controller keeps the file itself.
+    #[error("the path is closed")]
     Denied,
     /// There is no card in the slot.
+    #[error("there is no card")]
     NoCard,
     /// The file does not fit on the disk; a log loses the entry (controller:NV-06).
+    #[error("the disk is full")]
     Full,
 }
-
-impl fmt::Display for FileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            FileError::State(state) => write!(f, "no service answers in state {state}"),
-            FileError::Path => f.write_str("no path of a file: write it as in /usr/Rcp/mix.rcp"),
-            FileError::NotFound => f.write_str("there is no such file"),
-            FileError::Denied => f.write_str("the path is closed"),
-            FileError::NoCard => f.write_str("there is no card"),
-            FileError::Full => f.write_str("the disk is full"),
-        }
-    }
-}
-
-impl std::error::Error for FileError {}
 
 /// What can be asked of files and of the log.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -25,6 +25,16 @@ impl IoChannel {
     }
 }
 
+impl IoChannel {
+    /// Whether it is an input or an output, in a word.
+    pub const fn kind(self) -> &'static str {
+        match self {
+            IoChannel::Input(_) => "input",
+            IoChannel::Output(_) => "output",
+        }
+    }
+}
+
 impl fmt::Display for IoChannel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -164,13 +164,13 @@ impl Tasks {
             ConfigError::WatchdogTime { task } => {
                 format!("the watchdog time of the task `{}` is not above 0", name(task))
             }
-            ConfigError::Event { task, source } => {
+            ConfigError::Event { task, event: source } => {
                 format!(
                     "the task `{}` is started by {source}, an event that the controller does not have",
                     name(task)
                 )
             }
-            ConfigError::NoEvent { task, source } => format!(
+            ConfigError::NoEvent { task, event: source } => format!(
                 "the task `{}` is started by {source}, which raises no event: give the input an `event`",
                 name(task)
             ),

@@ -5,16 +5,19 @@ use crate::event_source::ExternalEventSource;
 use expert::ExpertError;
 use profile::{MINIMUM_CYCLE, PRIORITIES};
 use signal::Span;
-use std::fmt;
+use thiserror::Error;
 
 /// A configuration that no controller of the profile accepts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ConfigError {
     /// The reference belongs to another profile.
+    #[error("the reference belongs to another profile")]
     Reference,
     /// No task is named MAST (controller:TASK-51).
+    #[error("no task is named MAST: the application cannot be built without it")]
     NoMast,
     /// More tasks than the profile allows (controller:TASK-01).
+    #[error("{found} tasks, the profile allows {most}")]
     TooManyTasks {
         /// Tasks in the configuration.
         found: usize,
@@ -22,6 +25,7 @@ pub enum ConfigError {
         most: usize,
     },
     /// More tasks of one kind than the profile allows (controller:TASK-01).
+    #[error("{found} {kind} tasks, the profile allows {most}")]
     TooManyOfKind {
         /// The kind in words.
         kind: &'static str,
@@ -31,33 +35,41 @@ pub enum ConfigError {
         most: usize,
     },
     /// MAST is neither cyclic nor freewheeling (controller:TASK-50).
+    #[error("MAST is cyclic or freewheeling, not started by events")]
     MastKind,
     /// The controller does not have the event of an external event task (controller:TASK-41).
+    #[error("task {task} is started by {event}, an event that the controller does not have")]
     Event {
         /// Place of the task.
         task: usize,
         /// Its event.
-        source: ExternalEventSource,
+        event: ExternalEventSource,
     },
     /// The input that starts an external event task raises no event (controller:TASK-45).
+    #[error("task {task} is started by {event}, an input without an event")]
     NoEvent {
         /// Place of the task.
         task: usize,
         /// Its event.
-        source: ExternalEventSource,
+        event: ExternalEventSource,
     },
     /// The bus cycle task is an event task (controller:PRIO-06, io:EVT-08), or there is no such task.
+    #[error("the bus cycle task is a cyclic or freewheeling task of the application")]
     BusCycleTask,
     /// The profile does not have this choice of "Always update variables" (controller:DEV-10).
+    #[error("the profile does not have this choice of \"Always update variables\"")]
     AlwaysUpdate,
     /// An expert function (io: section 6.2).
-    Expert(ExpertError),
+    #[error("the expert function {}: {}", .0.function + 1, .0)]
+    Expert(#[source] ExpertError),
     /// Two tasks have one name.
+    #[error("tasks {} and {} have one name", tasks.0, tasks.1)]
     SameName {
         /// Their places.
         tasks: (usize, usize),
     },
     /// Two tasks have one priority (controller:PRIO-02). The M241 of 2014 accepts it.
+    #[error("tasks {} and {} both have priority {priority}: give each its own", tasks.0, tasks.1)]
     SamePriority {
         /// Their places.
         tasks: (usize, usize),
@@ -65,6 +77,7 @@ pub enum ConfigError {
         priority: u8,
     },
     /// A priority above 31 (controller:PRIO-01).
+    #[error("task {task} has priority {priority}: the lowest is {}", PRIORITIES.end())]
     Priority {
         /// Place of the task.
         task: usize,
@@ -72,6 +85,7 @@ pub enum ConfigError {
         priority: u8,
     },
     /// An interval below the minimum cycle.
+    #[error("task {task} has an interval of {interval}: the least is {MINIMUM_CYCLE}")]
     Interval {
         /// Place of the task.
         task: usize,
@@ -79,25 +93,31 @@ pub enum ConfigError {
         interval: Span,
     },
     /// A watchdog time of 0 or less.
+    #[error("the watchdog time of task {task} is not above 0")]
     WatchdogTime {
         /// Place of the task.
         task: usize,
     },
     /// Parameters that an input cannot have together.
+    #[error("I{input} {fault}")]
     Input {
         /// The input: n for In.
         input: usize,
         /// What does not go together.
+        #[source]
         fault: InputFault,
     },
     /// An input that cannot be the Run/Stop input.
+    #[error("I{input} cannot be the Run/Stop input: {fault}")]
     RunStopInput {
         /// The input: n for In.
         input: usize,
         /// Why.
+        #[source]
         fault: RunStopFault,
     },
     /// Parameters of more inputs than the reference has.
+    #[error("parameters of {found} inputs for a reference with {inputs}")]
     Inputs {
         /// Inputs in the configuration.
         found: usize,
@@ -105,83 +125,18 @@ pub enum ConfigError {
         inputs: usize,
     },
     /// Default values for outputs that the reference does not have.
+    #[error("default values for outputs above the reference's {outputs}")]
     OutputDefaults {
         /// Outputs of the reference.
         outputs: usize,
     },
     /// An alarm output that the reference does not have (controller:RS-08).
+    #[error("the alarm output is above the reference's {outputs} outputs")]
     AlarmOutput {
         /// Outputs of the reference.
         outputs: usize,
     },
     /// An option of embedded outputs for a reference without them (controller:PRIO-08, io:OUT-08).
+    #[error("the reference has no embedded outputs to rearm or to write with less jitter")]
     NoOutputs,
 }
-
-impl fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            ConfigError::Reference => f.write_str("the reference belongs to another profile"),
-            ConfigError::NoMast => {
-                f.write_str("no task is named MAST: the application cannot be built without it")
-            }
-            ConfigError::TooManyTasks { found, most } => {
-                write!(f, "{found} tasks, the profile allows {most}")
-            }
-            ConfigError::TooManyOfKind { kind, found, most } => {
-                write!(f, "{found} {kind} tasks, the profile allows {most}")
-            }
-            ConfigError::MastKind => f.write_str("MAST is cyclic or freewheeling, not started by events"),
-            ConfigError::Event { task, source } => {
-                write!(f, "task {task} is started by {source}, an event that the controller does not have")
-            }
-            ConfigError::NoEvent { task, source } => {
-                write!(f, "task {task} is started by {source}, an input without an event")
-            }
-            ConfigError::BusCycleTask => {
-                f.write_str("the bus cycle task is a cyclic or freewheeling task of the application")
-            }
-            ConfigError::AlwaysUpdate => {
-                f.write_str("the profile does not have this choice of \"Always update variables\"")
-            }
-            ConfigError::Expert(error) => {
-                write!(f, "the expert function {}: {error}", error.function + 1)
-            }
-            ConfigError::SameName { tasks } => write!(f, "tasks {} and {} have one name", tasks.0, tasks.1),
-            ConfigError::SamePriority { tasks, priority } => {
-                write!(
-                    f,
-                    "tasks {} and {} both have priority {priority}: give each its own",
-                    tasks.0, tasks.1
-                )
-            }
-            ConfigError::Priority { task, priority } => {
-                write!(f, "task {task} has priority {priority}: the lowest is {}", PRIORITIES.end())
-            }
-            ConfigError::Interval { task, interval } => {
-                write!(f, "task {task} has an interval of {interval}: the least is {MINIMUM_CYCLE}")
-            }
-            ConfigError::WatchdogTime { task } => {
-                write!(f, "the watchdog time of task {task} is not above 0")
-            }
-            ConfigError::Input { input, fault } => write!(f, "I{input} {fault}"),
-            ConfigError::RunStopInput { input, fault } => {
-                write!(f, "I{input} cannot be the Run/Stop input: {fault}")
-            }
-            ConfigError::Inputs { found, inputs } => {
-                write!(f, "parameters of {found} inputs for a reference with {inputs}")
-            }
-            ConfigError::OutputDefaults { outputs } => {
-                write!(f, "default values for outputs above the reference's {outputs}")
-            }
-            ConfigError::AlarmOutput { outputs } => {
-                write!(f, "the alarm output is above the reference's {outputs} outputs")
-            }
-            ConfigError::NoOutputs => {
-                f.write_str("the reference has no embedded outputs to rearm or to write with less jitter")
-            }
-        }
-    }
-}
-
-impl std::error::Error for ConfigError {}

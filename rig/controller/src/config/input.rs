@@ -1,7 +1,7 @@
 //! The parameters of the embedded inputs and what they exclude (io: section 3).
 
 use profile::{BounceFilter, EventEdges, InputFilter, Profile, Reference};
-use std::fmt;
+use thiserror::Error;
 
 /// The parameters of one input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,42 +52,36 @@ impl InputConfig {
 }
 
 /// Parameters that one input cannot have together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum InputFault {
     /// A filter beside Latch or Event (io:EIO-04).
+    #[error("has a filter beside Latch or Event")]
     FilterWithExpert,
     /// Latch and Event (io:EIO-05).
+    #[error("has both Latch and Event")]
     LatchWithEvent,
     /// Latch or Event on a regular input (io:EIO-06).
+    #[error("has Latch or Event, which only fast inputs have")]
     NotFast,
     /// A bounce time without Latch, Event and expert functions (io:EIO-07).
+    #[error("has a bounce time without Latch or Event, and no expert function uses it")]
     BounceAlone,
 }
 
-impl fmt::Display for InputFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            InputFault::FilterWithExpert => "has a filter beside Latch or Event",
-            InputFault::LatchWithEvent => "has both Latch and Event",
-            InputFault::NotFast => "has Latch or Event, which only fast inputs have",
-            InputFault::BounceAlone => {
-                "has a bounce time without Latch or Event, and no expert function uses it"
-            }
-        })
-    }
-}
-
 /// Why an input cannot be the Run/Stop input.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum RunStopFault {
     /// The profile has none (controller:RS-01).
+    #[error("the controller has none")]
     NoneAtAll,
     /// The profile allows only the first ones (controller:RS-03).
+    #[error("the controller takes I0 to I{}", most.saturating_sub(1))]
     Beyond {
         /// How many, from I0.
         most: usize,
     },
     /// It has Latch or Event (controller:RS-05).
+    #[error("the input has Latch or Event")]
     Expert,
 }
 
@@ -104,18 +98,6 @@ impl RunStopFault {
             most if input >= most => Err(RunStopFault::Beyond { most }),
             _ if config.is_some_and(InputConfig::is_expert) => Err(RunStopFault::Expert),
             _ => Ok(()),
-        }
-    }
-}
-
-impl fmt::Display for RunStopFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RunStopFault::NoneAtAll => f.write_str("the controller has none"),
-            RunStopFault::Beyond { most } => {
-                write!(f, "the controller takes I0 to I{}", most.saturating_sub(1))
-            }
-            RunStopFault::Expert => f.write_str("the input has Latch or Event"),
         }
     }
 }

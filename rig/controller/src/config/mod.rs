@@ -163,12 +163,12 @@ impl Config {
             if let TaskKind::ExternalEvent { source } = task.kind
                 && !source.exists(self.profile, self.reference)
             {
-                return Err(ConfigError::Event { task: place, source });
+                return Err(ConfigError::Event { task: place, event: source });
             }
             if let TaskKind::ExternalEvent { source } = task.kind
                 && !self.raises(source)
             {
-                return Err(ConfigError::NoEvent { task: place, source });
+                return Err(ConfigError::NoEvent { task: place, event: source });
             }
             if task.watchdog.is_some_and(|watchdog| watchdog.time <= Span::ZERO) {
                 return Err(ConfigError::WatchdogTime { task: place });

@@ -1,6 +1,7 @@
 //! The relocation table as it is configured (controller: section 6).
 
 use profile::{READ_TABLE, WRITE_TABLE};
+use std::fmt;
 
 /// The relocation table as configured: one for a controller (controller:REL-01). Names or full paths, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -18,6 +19,15 @@ pub enum RelocationPart {
     Read,
     /// From %MW62200 on.
     Write,
+}
+
+impl fmt::Display for RelocationPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            RelocationPart::Read => "read",
+            RelocationPart::Write => "write",
+        })
+    }
 }
 
 impl RelocationPart {

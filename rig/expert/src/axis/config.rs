@@ -3,6 +3,7 @@
 use super::ramp::RampRate;
 use signal::Span;
 use std::fmt;
+use thiserror::Error;
 
 /// What the outputs of a pulse train say (io:STD-PTO-01).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -138,9 +139,10 @@ pub const LONGEST_RAMP_MS: u32 = 80_000;
 pub const STEEPEST: u32 = 100_000;
 
 /// A parameter of an axis that cannot be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum AxisParameterError {
     /// A number out of its range.
+    #[error("{} is {given}, and has to be {}...{}", parameter.replace('_', " "), range.0, range.1)]
     OutOfRange {
         /// The parameter: the name of its field.
         parameter: &'static str,
@@ -150,38 +152,20 @@ pub enum AxisParameterError {
         range: (i64, i64),
     },
     /// The output mode needs an output B.
+    #[error("this output mode needs an output B")]
     NoB,
     /// The output mode has no output B.
+    #[error("the output mode pulse has no output B")]
     NeedlessB,
     /// A parameter that only the output mode quadrature has.
+    #[error("backlash is compensated only in the output mode quadrature")]
     OnlyQuadrature,
     /// A parameter that only the output mode pulse and direction has: the name of its field.
+    #[error("{} belongs to the output mode pulse and direction alone", .0.replace('_', " "))]
     OnlyDirection(&'static str),
     /// The lower software limit is not below the upper one.
+    #[error("the lower software limit has to be below the upper one")]
     Limits,
-}
-
-impl fmt::Display for AxisParameterError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            AxisParameterError::OutOfRange { parameter, given, range: (least, most) } => {
-                write!(f, "{} is {given}, and has to be {least}...{most}", parameter.replace('_', " "))
-            }
-            AxisParameterError::NoB => f.write_str("this output mode needs an output B"),
-            AxisParameterError::NeedlessB => f.write_str("the output mode pulse has no output B"),
-            AxisParameterError::OnlyQuadrature => {
-                f.write_str("backlash is compensated only in the output mode quadrature")
-            }
-            AxisParameterError::OnlyDirection(parameter) => write!(
-                f,
-                "{} belongs to the output mode pulse and direction alone",
-                parameter.replace('_', " ")
-            ),
-            AxisParameterError::Limits => {
-                f.write_str("the lower software limit has to be below the upper one")
-            }
-        }
-    }
 }
 
 impl AxisConfig {

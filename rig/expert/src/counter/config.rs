@@ -3,6 +3,7 @@
 use profile::EventEdges;
 use signal::Span;
 use std::fmt;
+use thiserror::Error;
 
 /// The parameters of a counter or meter.
 #[derive(Clone, Debug, PartialEq)]
@@ -185,37 +186,52 @@ pub struct Reflex {
 }
 
 /// What of a counter's parameters cannot be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum CounterFault {
     /// This type of counter does not have this mode.
+    #[error("this type of counter does not have this mode")]
     Mode,
     /// The preset value is not in 1...2 147 483 647.
+    #[error("a preset value of {0} is not in 1...2147483647")]
     Preset(i32),
     /// The modulo is not in 2...2 147 483 647.
+    #[error("a modulo of {0} is not in 2...2147483647")]
     Modulo(i32),
     /// The window is none of those of the mode.
+    #[error("this mode has no window of {0}")]
     Window(Span),
     /// The resolution is none of 0.1, 1, 100 and 1000 us.
+    #[error("a resolution of {0} is none of 100 ns, 1 us, 100 us and 1 ms")]
     Resolution(Span),
     /// The timeout is negative.
+    #[error("a timeout of {0} is negative")]
     Timeout(Span),
     /// This type or mode has no input for this.
+    #[error("this counter has no input {0}")]
     Input(CounterRole),
     /// SYNC asks for a level of EN, and there is no EN.
+    #[error("SYNC asks for a level of EN, and there is no EN")]
     SyncWithoutEnable,
     /// This type or mode does not compare.
+    #[error("this counter does not compare its value with thresholds")]
     Thresholds,
     /// There are more than four thresholds.
+    #[error("{0} thresholds are more than four")]
     TooManyThresholds(usize),
     /// Threshold n is not above the one before it.
+    #[error("threshold {0} is not above the one before it")]
     ThresholdOrder(u8),
     /// Threshold n is no value that the counter can have.
+    #[error("threshold {0} is outside the values that this counter can have")]
     ThresholdRange(u8),
     /// Threshold n raises its event between it and the next one, which there is not.
+    #[error("threshold {0} is the last one: there is none that its event could lie below")]
     NoNextThreshold(u8),
     /// Reflex n has an output or zones, and there is no threshold.
+    #[error("reflex {0} needs thresholds, and there is none")]
     ReflexWithoutThreshold(u8),
     /// Reflex n is on in a zone that there is not.
+    #[error("reflex {0} is on in a zone that there is not")]
     ReflexZone(u8),
 }
 
@@ -406,38 +422,6 @@ impl fmt::Display for CounterRole {
             CounterRole::Sync => f.write_str("SYNC"),
             CounterRole::Capture(n) => write!(f, "CAP{n}"),
             CounterRole::Reflex(n) => write!(f, "reflex output {n}"),
-        }
-    }
-}
-
-impl fmt::Display for CounterFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            CounterFault::Mode => f.write_str("this type of counter does not have this mode"),
-            CounterFault::Preset(preset) => write!(f, "a preset value of {preset} is not in 1...2147483647"),
-            CounterFault::Modulo(modulo) => write!(f, "a modulo of {modulo} is not in 2...2147483647"),
-            CounterFault::Window(window) => write!(f, "this mode has no window of {window}"),
-            CounterFault::Resolution(it) => {
-                write!(f, "a resolution of {it} is none of 100 ns, 1 us, 100 us and 1 ms")
-            }
-            CounterFault::Timeout(timeout) => write!(f, "a timeout of {timeout} is negative"),
-            CounterFault::Input(role) => write!(f, "this counter has no input {role}"),
-            CounterFault::SyncWithoutEnable => f.write_str("SYNC asks for a level of EN, and there is no EN"),
-            CounterFault::Thresholds => {
-                f.write_str("this counter does not compare its value with thresholds")
-            }
-            CounterFault::TooManyThresholds(count) => write!(f, "{count} thresholds are more than four"),
-            CounterFault::ThresholdOrder(n) => write!(f, "threshold {n} is not above the one before it"),
-            CounterFault::ThresholdRange(n) => {
-                write!(f, "threshold {n} is outside the values that this counter can have")
-            }
-            CounterFault::NoNextThreshold(n) => {
-                write!(f, "threshold {n} is the last one: there is none that its event could lie below")
-            }
-            CounterFault::ReflexWithoutThreshold(n) => {
-                write!(f, "reflex {n} needs thresholds, and there is none")
-            }
-            CounterFault::ReflexZone(n) => write!(f, "reflex {n} is on in a zone that there is not"),
         }
     }
 }
