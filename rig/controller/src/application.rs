@@ -24,7 +24,7 @@ pub trait Application: Send {
     /// Runs a task's cycle from `now` for at most `budget`. Operations complete as long as their cost fits; those
     /// without cost complete with the one before them.
     /// Calls of function blocks reach the expert functions, which are at `now` or before it; where one of these calls
-    /// made something due sooner, or is observed, the slice ends behind it with [`SliceEnd::Touched`].
+    /// made something due sooner, or is observed, the slice ends after it with [`SliceEnd::Touched`].
     fn resume(
         &mut self,
         task: usize,

@@ -31,7 +31,7 @@ struct Port {
     status: PortStatus,
 }
 
-/// What the endpoints have to be told.
+/// What is to be reported to the endpoints.
 #[derive(Clone, Copy, Debug, Default)]
 struct Notices {
     /// Since when.
@@ -113,8 +113,8 @@ impl Ports {
         self.notices.at.unwrap_or(Time::MAX).min(ports)
     }
 
-    /// Tells the endpoints what happened to the controller; whether what they sent breaks off.
-    pub(crate) fn tell(&mut self, now: Time) -> bool {
+    /// Reports to the endpoints what happened to the controller; whether what they sent breaks off.
+    pub(crate) fn notify(&mut self, now: Time) -> bool {
         let Notices { at, restarted, state, cleared } = std::mem::take(&mut self.notices);
         if at.is_none() {
             return false;

@@ -77,7 +77,7 @@ impl RemanentContext {
         newest
     }
 
-    /// Makes room for the images of an application that was loaded, so that a save allocates nothing. `boot` tells
+    /// Makes room for the images of an application that was loaded, so that a save allocates nothing. `boot` says
     /// whether it is the boot application, too.
     pub(crate) fn prepare(&mut self, application: &dyn Application, boot: bool, store: &mut dyn NonVolatile) {
         self.declarations = application.declarations();

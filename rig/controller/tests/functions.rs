@@ -55,7 +55,7 @@ fn a_function_drives_its_output_and_the_image_has_no_say() {
     let begin = rig.now;
     rig.after(Span::from_micros(1_700));
     let us = |us: i64, level| (begin + Span::from_micros(us), level);
-    // 2 us behind each command (io:STD-OUT-01); Q0 is driven to 0 before.
+    // 2 us after each command (io:STD-OUT-01); Q0 is driven to 0 before.
     let expected = [us(3, Level::High), us(503, Level::Low), us(1003, Level::High), us(1503, Level::Low)];
     assert_eq!(edges(&rig, 0, begin + Span::from_micros(3)), expected);
     assert_eq!(rig.terminal(1), Level::High);
@@ -212,7 +212,7 @@ fn levels_at_power_on_reach_the_functions() {
 }
 
 /// What Q0 was commanded, waves and levels.
-fn told(rig: &Rig, from: Time) -> Vec<(Time, &'static str)> {
+fn shown(rig: &Rig, from: Time) -> Vec<(Time, &'static str)> {
     let what = |effect: &Effect| match *effect {
         Effect::Terminal { at, terminal, value, .. } if terminal == Terminal::output(0) && at >= from => {
             Some((
@@ -244,7 +244,7 @@ fn an_output_whose_pulses_somebody_else_makes_follows_state_protection_and_suppl
     rig.power_on();
     let begin = run_at(Span::ZERO);
     rig.to(begin + ms(50));
-    assert_eq!(told(&rig, begin), [(begin + us(3), "pulses")]);
+    assert_eq!(shown(&rig, begin), [(begin + us(3), "pulses")]);
     assert_eq!(rig.plc.read(&Probe::Terminal(Terminal::output(0))), Value::Unknown);
     let mut at = rig.now;
     rig.plc.disturb(at, Disturbance::IoSupply(false), &mut rig.fx);
@@ -252,20 +252,20 @@ fn an_output_whose_pulses_somebody_else_makes_follows_state_protection_and_suppl
     rig.plc.disturb(rig.now, Disturbance::IoSupply(true), &mut rig.fx);
     rig.after(ms(10));
     let back = at + ms(10) + us(2);
-    assert_eq!(told(&rig, at), [(at, "Z"), (back, "pulses")]);
+    assert_eq!(shown(&rig, at), [(at, "Z"), (back, "pulses")]);
     at = rig.now;
     rig.command(Command::Stop).unwrap();
     rig.after(ms(30));
-    assert_eq!(told(&rig, at).iter().map(|(_, what)| *what).collect::<Vec<_>>(), ["0"]);
+    assert_eq!(shown(&rig, at).iter().map(|(_, what)| *what).collect::<Vec<_>>(), ["0"]);
     at = rig.now;
     rig.command(Command::Run).unwrap();
     rig.after(ms(30));
-    assert_eq!(told(&rig, at).iter().map(|(_, what)| *what).collect::<Vec<_>>(), ["pulses"]);
+    assert_eq!(shown(&rig, at).iter().map(|(_, what)| *what).collect::<Vec<_>>(), ["pulses"]);
     // It stays so over a power cycle.
     at = rig.now;
     rig.power_off();
     rig.after(ms(500));
     rig.power_on();
     rig.after(Span::from_secs(3));
-    assert_eq!(told(&rig, at).last().map(|(_, what)| *what), Some("pulses"));
+    assert_eq!(shown(&rig, at).last().map(|(_, what)| *what), Some("pulses"));
 }

@@ -6,7 +6,7 @@ use signal::{Area, Cause, SerialMessage, Span, Time, Value, When};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
-/// What the endpoint was told of the controller.
+/// What was reported to the endpoint of the controller.
 type Heard = Arc<Mutex<Vec<(Time, PortLife)>>>;
 
 /// Answers requests of a line: `R first count` with words, `W first value` with `w`, `B first` with a bit of %Q. Every

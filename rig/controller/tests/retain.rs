@@ -43,7 +43,7 @@ fn a_cut_anywhere_in_a_cycle_keeps_a_whole_context() {
     }
 }
 
-/// A cycle ends 0.4 ms behind its start; its save takes 1 ms. Byte by byte of the image.
+/// A cycle ends 0.4 ms after its start; its save takes 1 ms. Byte by byte of the image.
 #[test]
 fn a_cut_anywhere_in_a_save_keeps_the_context_before() {
     let start = run_at(us(100_400));

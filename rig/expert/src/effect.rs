@@ -84,7 +84,7 @@ impl ExpertEffects {
         self.list.first().map_or(Time::MAX, |(at, _)| *at)
     }
 
-    /// The effect at a place, in their order; behind the last one the list is emptied.
+    /// The effect at a place, in their order; after the last one the list is emptied.
     pub fn take(&mut self, place: usize) -> Option<(Time, ExpertEffect)> {
         let effect = self.list.get(place).copied();
         if effect.is_none() {

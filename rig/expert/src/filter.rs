@@ -94,7 +94,7 @@ impl Filter {
         self.due
     }
 
-    /// The level that it accepts at `at`, if it does; `at` is not behind [`Filter::next`].
+    /// The level that it accepts at `at`, if it does; `at` is not after [`Filter::next`].
     #[inline]
     pub fn accept(&mut self, at: Time) -> Option<bool> {
         if self.due > at {

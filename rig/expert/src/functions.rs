@@ -183,7 +183,7 @@ impl ExpertFunctions {
         }
     }
 
-    /// [`ExpertFunctions::edge`] for one after the other, up to the first behind which there are effects to take. Returns how many
+    /// [`ExpertFunctions::edge`] for one after the other, up to the first after which there are effects to take. Returns how many
     /// it took.
     pub fn edges(&mut self, edges: &[InputEdge]) -> usize {
         for (place, edge) in edges.iter().enumerate() {
@@ -195,7 +195,7 @@ impl ExpertFunctions {
         edges.len()
     }
 
-    /// So many edges at the terminal of an input are known to be missing before `at`: counters that look at it tell how
+    /// So many edges at the terminal of an input are known to be missing before `at`: counters that look at it report how
     /// far they may be off.
     pub fn report_missed_edges(&mut self, at: Time, input: usize, edges: u32) {
         self.fire(at);
@@ -339,7 +339,7 @@ impl ExpertFunctions {
         unit.and_then(|unit| each!(unit, it => it.read(fact))).unwrap_or(Value::Unknown)
     }
 
-    /// The next effect that happened, in their order; `place` counts from 0, and behind the last one they are forgotten.
+    /// The next effect that happened, in their order; `place` counts from 0, and after the last one they are forgotten.
     pub fn take(&mut self, place: usize) -> Option<(Time, crate::ExpertEffect)> {
         self.fx.take(place)
     }

@@ -6,7 +6,7 @@
 //! instant. Nothing ticks: [`ExpertFunctions::next`] says when something happens by itself.
 //!
 //! Goals: exact to the edge, whatever the profile and however the time is cut; tens of millions of edges a second; no
-//! allocation behind [`ExpertFunctions::new`]. Not goals: images, tasks and states of the controller (they are the crate
+//! allocation after [`ExpertFunctions::new`]. Not goals: images, tasks and states of the controller (they are the crate
 //! `controller`'s, which owns an `ExpertFunctions`), wires, the language of the blocks' caller.
 
 mod assignment;

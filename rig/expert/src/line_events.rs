@@ -14,7 +14,7 @@ const INPUTS: usize = 32;
 /// Hands the edges of some lines to the inputs that stand for them, and finds out which edges are missing.
 ///
 /// The kernel numbers the events of each line without gaps, and drops the oldest when nobody fetches them in time. Each
-/// record tells its level, so levels are right from the first record behind a gap on.
+/// record has its level, so levels are right from the first record after a gap on.
 #[derive(Clone, Debug)]
 pub struct LineEvents {
     /// Offset of the line of each input.
@@ -48,7 +48,7 @@ impl LineEvents {
         events
     }
 
-    /// Hands on the edges of whole records, up to the first behind which there are effects to take. Returns the bytes
+    /// Hands on the edges of whole records, up to the first after which there are effects to take. Returns the bytes
     /// that it took; what is left of them can be less than a record.
     pub fn read(&mut self, bytes: &[u8], expert: &mut ExpertFunctions) -> usize {
         let mut taken = 0;
@@ -89,7 +89,7 @@ impl LineEvents {
             let offset = word(12)?;
             let input = self.lines.iter().position(|line| *line == Some(offset))?;
             let missing = word(20)?.wrapping_sub(self.numbers[input]);
-            // Numbers start again behind the last of their width; more than half of them ahead is behind.
+            // Numbers start again after the last of their width; more than half of them ahead means back.
             (missing <= u32::MAX / 2).then_some((at, high, input, missing))
         })();
         let Some((at, high, input, missing)) = read else {

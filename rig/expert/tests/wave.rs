@@ -149,7 +149,7 @@ fn periods_are_exact_on_average() {
 #[test]
 fn a_change_waits_for_the_next_period() {
     let (mut rig, mut block) = kilohertz();
-    // In the middle of a pulse, and once more in the gap behind it: the last one counts.
+    // In the middle of a pulse, and once more in the gap after it: the last one counts.
     rig.to(100 * US);
     block.with(&[("Duty", 75)]).call(&mut rig.expert, 100 * US);
     assert_eq!(block.shows(), [0, 1, 0, 0]);
@@ -330,7 +330,7 @@ fn outside_running_there_are_no_pulses() {
     assert_eq!(rig.fact(FunctionProbe::Pulses), Value::Word(0));
 }
 
-/// What happens to a function, and how long behind the last thing.
+/// What happens to a function, and how long after the last thing.
 #[derive(Clone, Debug)]
 enum Event {
     Call { enable: bool, frequency: u32, duty: u16, sync: bool },
@@ -353,7 +353,7 @@ fn event() -> impl Strategy<Value = (i64, Event)> {
 }
 
 /// The edges of a PWM up to `end`, worked out nanosecond by nanosecond from the definition: pulse k since the wave began,
-/// was synchronised or changed its frequency rises k periods behind that.
+/// was synchronised or changed its frequency rises k periods after that.
 fn by_the_nanosecond(events: &[(i64, Event)], end: i64) -> Vec<(i64, bool)> {
     let mut edges: Vec<(i64, bool)> = Vec::new();
     let mut level = false;

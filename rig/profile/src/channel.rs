@@ -85,7 +85,7 @@ pub fn outputs(reference: &Reference) -> impl Iterator<Item = EmbeddedOutput> + 
     })
 }
 
-/// Byte and bit of `%IX` at which the outputs' short circuit is reported: the byte behind the last input byte, so
+/// Byte and bit of `%IX` at which the outputs' short circuit is reported: the byte after the last input byte, so
 /// %IX2.0 with 24 channels and %IX3.0 with 40 (io:ADR-01, io:ADR-02). None without embedded outputs.
 pub fn short_circuit_status(reference: &Reference) -> Option<(u32, u32)> {
     (reference.family == Family::M241).then(|| (place(reference.input_count() - 1).0 + 1, 0))

@@ -60,7 +60,7 @@ pub const PROTECTION_RETRY: Span = Span::from_secs(1);
 pub const PROTECTION_TEST: Span = Span::from_millis(1);
 
 /// Time from a download or the command to create the boot application until its file is whole (rig definition). Less
-/// than any hold-up time, so that a loss of power behind the command never finds half a file.
+/// than any hold-up time, so that a loss of power after the command never finds half a file.
 pub const BOOT_APPLICATION_SAVE: Span = Span::from_millis(2);
 
 /// What a controller's clock shows when its power first comes on, in seconds since 1970-01-01 00:00 UTC (rig definition:

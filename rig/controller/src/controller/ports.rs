@@ -39,7 +39,7 @@ impl Controller {
         if self.ports.next() > now {
             return;
         }
-        if self.ports.tell(now) {
+        if self.ports.notify(now) {
             for port in self.ports.attached() {
                 fx.push(Effect::PortSilent { at: now, port });
             }

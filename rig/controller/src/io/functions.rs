@@ -91,7 +91,7 @@ impl Functions {
         self.due = now;
     }
 
-    /// Hardware behind terminal I`input` has counted so far, by `now`.
+    /// Hardware at terminal I`input` counted so many steps more by `now`.
     pub(super) fn count(&mut self, now: Time, input: usize, steps: i64) {
         self.expert.count(now, input, steps);
         self.due = now;

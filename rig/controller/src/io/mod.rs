@@ -398,7 +398,7 @@ impl EmbeddedIo {
         self.functions.report_missed_edges(now, input, edges);
     }
 
-    /// Hardware after terminal I`input` counted so many steps more by `now`.
+    /// Hardware at terminal I`input` counted so many steps more by `now`.
     pub(crate) fn count(&mut self, now: Time, input: usize, steps: i64) {
         self.functions.count(now, input, steps);
     }

@@ -2,7 +2,7 @@
 //!
 //! The load is evaluated at the ends of slots of [`LOAD_PERIOD`] since RUNNING was entered. An overload begins at the
 //! instant from which on the processor time is always more than 85 % of the time that has passed. It is over at the
-//! end of a slot at which the load of the window behind it is no longer more than 85 %. The window is
+//! end of a slot at which the load of the window before it is no longer more than 85 %. The window is
 //! [`LOAD_WINDOW`], or the longest interval of a cyclic task where that is longer: a load that repeats is measured
 //! over its repetition. All of it is whole numbers of nanoseconds and depends on nothing but who had the processor
 //! when (docs/decisions/0010-tasks-events-and-load.md).
@@ -79,11 +79,11 @@ impl LoadWatch {
         self.newest = (self.newest + 1) % SLOTS;
         self.ends[self.newest] = self.excess;
         let window = Span::from_nanos(LOAD_PERIOD.as_nanos() * self.window as i64);
-        let behind = match self.at - self.since > window {
+        let window_start = match self.at - self.since > window {
             true => self.ends[(self.newest + SLOTS - self.window) % SLOTS],
             false => self.least,
         };
-        if self.excess <= behind {
+        if self.excess <= window_start {
             (self.least, self.since) = (self.excess, self.at);
         }
         let exceeded = self.at - self.since > SYSTEM_WATCHDOG_OVERLOAD;

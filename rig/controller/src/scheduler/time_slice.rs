@@ -38,10 +38,10 @@ impl Scheduler {
             return top;
         }
         let turn = self.tasks[self.first_peer(top)].turn;
-        let behind = u32::try_from(turn.rank).map_or(0, |rank| peers & (!1u64 << rank) as u32);
+        let after = u32::try_from(turn.rank).map_or(0, |rank| peers & (!1u64 << rank) as u32);
         match turn.rank {
             rank if turn.left > Span::ZERO && rank < 32 && peers >> rank & 1 == 1 => rank,
-            _ if behind != 0 => behind.trailing_zeros() as usize,
+            _ if after != 0 => after.trailing_zeros() as usize,
             _ => top,
         }
     }

@@ -540,7 +540,7 @@ pub fn us(n: i64) -> Span {
     Span::from_micros(n)
 }
 
-/// `span` behind the start of RUNNING.
+/// `span` after the start of RUNNING.
 pub fn run_at(span: Span) -> Time {
     Time::ZERO + BOOT + span
 }

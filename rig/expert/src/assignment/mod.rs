@@ -151,7 +151,7 @@ impl Check<'_> {
             }
             shared += usize::from(it.kind.is_shared());
             axes += usize::from(matches!(it.kind, FunctionKind::Axis(_)));
-            // What is one too many is reported of the first that is, and of every one behind it.
+            // What is one too many is reported of the first that is, and of every one after it.
             if it.kind.is_shared() && shared > self.limits.shared {
                 self.error(function, None, ExpertFault::Shared { most: self.limits.shared });
             } else if matches!(it.kind, FunctionKind::Axis(_)) && axes > self.limits.axes {

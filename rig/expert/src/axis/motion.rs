@@ -186,7 +186,7 @@ impl Motion {
         });
     }
 
-    /// Pulses up to a position in the direction of travel, behind the current one.
+    /// Pulses up to a position in the direction of travel, after the current one.
     fn pulses_to(&self, forward: bool, target: i64) -> u64 {
         let away = if forward { target - self.train.position() } else { self.train.position() - target };
         u64::try_from(away).map_or(0, |away| self.train.pulses_to(forward, away))

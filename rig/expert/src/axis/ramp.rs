@@ -31,7 +31,7 @@ impl RampRate {
         i64::try_from(time).unwrap_or(i64::MAX)
     }
 
-    /// The velocity behind one millisecond from 0: the first or last one where none is configured (io:STD-PTO-06).
+    /// The velocity after one millisecond from 0: the first or last one where none is configured (io:STD-PTO-06).
     pub fn behind_one_ms(self) -> i64 {
         let velocity = u128::from(self.velocity) * 1_000_000 / u128::from(self.nanos.max(1));
         i64::try_from(velocity).unwrap_or(i64::MAX).max(1)
@@ -107,13 +107,13 @@ impl ProfileSegment {
         it
     }
 
-    /// The part of the stretch that is over `t` nanoseconds behind its beginning, in 2^-64.
+    /// The part of the stretch that is over `t` nanoseconds after its beginning, in 2^-64.
     #[inline]
     fn part(&self, t: i64) -> u64 {
         ((t as u128 * u128::from(self.reciprocal)) >> self.shift) as u64
     }
 
-    /// The velocity `t` nanoseconds behind its beginning.
+    /// The velocity `t` nanoseconds after its beginning.
     #[inline]
     pub fn velocity(&self, t: i64) -> i64 {
         let part = match self.curve {
@@ -131,7 +131,7 @@ impl ProfileSegment {
         self.from + ((i128::from(self.change) * i128::from(part)) >> 64) as i64
     }
 
-    /// The position `t` nanoseconds behind its beginning.
+    /// The position `t` nanoseconds after its beginning.
     #[inline]
     pub fn position(&self, t: i64) -> i128 {
         // The mean velocity up to here is `from` and this part of `change`.
@@ -147,7 +147,7 @@ impl ProfileSegment {
                 u - third(times(u, u))
             }
         };
-        // 24 of the bits behind the point of a velocity are kept: times 2^37 ns, what is cut is nothing.
+        // 24 of the bits after the point of a velocity are kept: times 2^37 ns, what is cut is nothing.
         let change = (i128::from(self.change) * i128::from(part)) >> 40;
         self.origin + i128::from(self.from) * i128::from(t) + ((change * i128::from(t)) >> 24)
     }
@@ -157,7 +157,7 @@ impl ProfileSegment {
         self.change.signum()
     }
 
-    /// The first nanosecond behind its beginning at which the position is at least `target`, which it is at its end;
+    /// The first nanosecond after its beginning at which the position is at least `target`, which it is at its end;
     /// the result does not depend on `guess`.
     #[inline]
     pub fn reach(&self, target: i128, guess: i64) -> i64 {
@@ -183,7 +183,7 @@ impl ProfileSegment {
             } else if gap > 0 && gap <= velocity.into() {
                 t + 1
             } else if gap <= 0 && gap > (-velocity).into() {
-                // Likely the place: the nanosecond before has to tell.
+                // Likely the place: the nanosecond before decides.
                 t - 1
             } else {
                 t.saturating_add(over(gap, velocity))

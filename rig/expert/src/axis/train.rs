@@ -208,7 +208,7 @@ impl PulseTrain {
         self.due = start;
     }
 
-    /// Gives the motion that is under way another course from `now` on: behind the current pulse `more` pulses.
+    /// Gives the motion that is under way another course from `now` on: after the current pulse `more` pulses.
     pub fn turn(
         &mut self,
         now: Time,

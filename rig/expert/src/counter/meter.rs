@@ -123,7 +123,7 @@ impl Meter {
                     (PeriodMeasurement::Period, false) => None,
                 }?;
                 let value = (at - begun).as_nanos() / *resolution;
-                // Longer than a DINT can tell: what it shows is too short.
+                // Longer than a DINT can hold: what it shows is too short.
                 let most = i64::from(i32::MAX);
                 Some(MeterReading { value: value.min(most), valid: value <= most })
             }

@@ -38,7 +38,7 @@ mod role {
     pub const CAPTURE: [u8; 2] = [16, 32];
 }
 
-/// What a program tells a counter, in bits (io:STD-HSC-03).
+/// What a program commands a counter, in bits (io:STD-HSC-03).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Controls(pub u16);
 
@@ -274,7 +274,7 @@ impl Counter {
         self.next = self.meter.next();
     }
 
-    /// What the program tells it from `now` on.
+    /// What the program commands it from `now` on.
     pub fn control(&mut self, now: Time, controls: Controls, fx: &mut ExpertEffects) {
         if controls != self.controls {
             self.controls = controls;

@@ -66,7 +66,7 @@ impl PulseRateLimit {
         excess
     }
 
-    /// A pulse came that filters suppressed. How many to tell: once pulses come faster than the limit for longer than a
+    /// A pulse came that filters suppressed. How many to report: once pulses come faster than the limit for longer than a
     /// burst, all of them.
     pub fn report_suppressed_pulse(&mut self, at: Time) -> u64 {
         self.suppressed.pass(at, self.period);

@@ -92,7 +92,7 @@ pub(crate) struct WaveRequest {
     pub shape: Option<WaveShape>,
 }
 
-/// What a block shows behind its call. At most one of the three is set.
+/// What a block shows after its call. At most one of the three is set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct WaveStatus {
     /// The output has the shape that was asked for.
@@ -132,7 +132,7 @@ pub(crate) struct SquareWave {
     due: Time,
     /// Rising edges since power-on.
     pulses: u64,
-    /// hardware makes the pulses.
+    /// Hardware makes the pulses.
     offloaded: bool,
     /// What they make now, if anything.
     reported: Option<WaveShape>,
@@ -209,7 +209,7 @@ impl SquareWave {
         WaveStatus { in_frequency: reached, busy: !reached, refused: false }
     }
 
-    /// The shape from the next period on. An output that does not pulse has no edge that tells of its periods, but
+    /// The shape from the next period on. An output that does not pulse has no edge that shows its periods, but
     /// they pass all the same.
     fn request_shape(&mut self, now: Time, shape: WaveShape, fx: &mut ExpertEffects) {
         self.wanted = shape;
@@ -234,7 +234,7 @@ impl SquareWave {
         }
     }
 
-    /// A period begins; `rest` is what its start lies behind `at`, in parts of a nanosecond of which the frequency says
+    /// A period begins; `rest` is what its start lies after `at`, in parts of a nanosecond of which the frequency says
     /// how many there are.
     fn begin(&mut self, at: Time, rest: u32, fx: &mut ExpertEffects) {
         let period = Period { shape: self.wanted, start: at, rest };

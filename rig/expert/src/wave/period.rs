@@ -9,7 +9,7 @@ const TENTH: u64 = 10_000_000_000;
 /// What a tenth of a percent is of that.
 const STEP: u64 = TENTH / 1000;
 
-/// A period. It begins `rest / frequency` nanoseconds behind `start`: edges lie at whole nanoseconds, and the next period
+/// A period. It begins `rest / frequency` nanoseconds after `start`: edges lie at whole nanoseconds, and the next period
 /// carries on with what was cut off, so that edge k of a wave lies at the whole nanosecond of k periods.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Period {
@@ -29,7 +29,7 @@ impl Period {
         self.place(STEP * u64::from(self.shape.duty)).0
     }
 
-    /// When the next one begins, and what it lies behind that; not for frequency 0.
+    /// When the next one begins, and what it lies after that; not for frequency 0.
     pub fn end(&self) -> (Time, u32) {
         self.place(TENTH)
     }
@@ -41,14 +41,14 @@ impl Period {
         (nearest(TENTH), nearest(STEP * u64::from(self.shape.duty)))
     }
 
-    /// The instant `parts` behind its begin, of which the frequency makes a nanosecond.
+    /// The instant `parts` after its begin, of which the frequency makes a nanosecond.
     fn place(&self, parts: u64) -> (Time, u32) {
         let (sum, frequency) = (u64::from(self.rest) + parts, u64::from(self.shape.frequency));
         let at = self.start.saturating_add(Span::from_nanos((sum / frequency) as i64));
         (at, (sum % frequency) as u32)
     }
 
-    /// Passes over all periods but the one that ends next, at `now` or behind it; not for frequency 0.
+    /// Passes over all periods but the one that ends next, at `now` or after it; not for frequency 0.
     pub fn skip(&mut self, now: Time) {
         let frequency = i128::from(self.shape.frequency);
         let passed = i128::from((now - self.start).as_nanos()) * frequency - i128::from(self.rest);

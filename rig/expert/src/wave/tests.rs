@@ -46,9 +46,9 @@ impl OffloadedPwm {
 
     fn to(&mut self, now: i64) -> Vec<(i64, ExpertEffect)> {
         self.wave.fire(at(now), &mut self.fx);
-        let told = self.fx.as_slice().iter().map(|(at, effect)| (at.as_nanos(), *effect)).collect();
+        let reported = self.fx.as_slice().iter().map(|(at, effect)| (at.as_nanos(), *effect)).collect();
         self.fx = ExpertEffects::new();
-        told
+        reported
     }
 }
 

@@ -154,7 +154,7 @@ fn a_frequency_is_the_pulses_of_a_window() {
     }
 }
 
-// Empty windows go by without anybody looking, and those behind them end where they would have.
+// Empty windows go by without anybody looking, and those after them end where they would have.
 #[test]
 fn empty_windows_keep_their_ends() {
     let mut rig = Rig::new(single(CounterMode::Frequency { window: millis(10) }));
@@ -368,7 +368,7 @@ fn a_preset_of_a_disabled_event_counter_begins_no_window() {
     assert_eq!(rig.shows(["CurrentValue", "Validity", "Preset_Flag"]), [7, 1, 1]);
 }
 
-// What a DINT cannot tell is not valid.
+// What a DINT cannot hold is not valid.
 #[test]
 fn a_period_can_be_too_long() {
     let mut rig = period(PeriodMeasurement::Period, Span::from_nanos(100), Span::ZERO);

@@ -14,7 +14,7 @@ fn round(a: u8) -> CounterConfig {
     CounterConfig { a, ..single(CounterMode::ModuloLoop { modulo: i32::MAX }) }
 }
 
-/// Pulses on an input, each so long behind the last.
+/// Pulses on an input, each so long after the last.
 fn train(rig: &mut Rig, input: usize, gaps: impl IntoIterator<Item = i64>) {
     for gap in gaps {
         rig.level(input, true).pass(gap / 2).level(input, false).pass(gap - gap / 2);

@@ -6,7 +6,7 @@ use signal::{Span, Time};
 /// The channel model of one input.
 ///
 /// The own delay is inertial: a level counts once it has lasted that long. Nothing is ticked: a channel is brought to
-/// an instant when somebody looks at it, and tells when it would turn by itself.
+/// an instant when somebody looks at it, and says when it would turn by itself.
 #[derive(Clone, Debug)]
 pub(super) struct InputChannel {
     delay: Span,

@@ -129,15 +129,15 @@ fn only_the_read_of_mast_empties_a_latch() {
 
 // io:REF-03, controller:HW-03
 #[test]
-fn a_regular_input_that_is_driven_too_fast_is_told_once() {
+fn a_regular_input_that_is_driven_too_fast_is_reported_once() {
     for (profile, period) in [(Profile::M241_2014, 200), (Profile::M241_2019, 1_000)] {
-        for (input, shorter, told) in [(8, 0, 0), (8, 1, 1), (7, 1, 0)] {
+        for (input, shorter, reports) in [(8, 0, 0), (8, 1, 1), (7, 1, 0)] {
             let mut inputs = of(profile, input, InputConfig::default());
             for k in 0..4 {
                 inputs.set(us(k * (period - shorter)), input, Level::High);
                 inputs.set(us(k * (period - shorter) + 60), input, Level::Low);
             }
-            assert_eq!(taken(&mut inputs), vec![InputEvent::Overdriven(8); told]);
+            assert_eq!(taken(&mut inputs), vec![InputEvent::Overdriven(8); reports]);
         }
     }
 }

@@ -116,7 +116,7 @@ impl Bench {
         rises.map(|(at, _)| *at).collect()
     }
 
-    /// The levels of A and B behind each change.
+    /// The levels of A and B after each change.
     pub fn waves(&self) -> Vec<(i64, bool, bool)> {
         let (mut a, mut b) = (false, false);
         let mut waves = Vec::new();

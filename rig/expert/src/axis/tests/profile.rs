@@ -40,7 +40,7 @@ impl Oracle {
         }
     }
 
-    /// The part of a ramp's change that is over behind a part of its time, and the integral of that.
+    /// The part of a ramp's change that is over after a part of its time, and the integral of that.
     fn curve(&self, u: f64) -> (f64, f64) {
         let r = self.ratio;
         if r == 0.0 {
@@ -193,7 +193,7 @@ impl Lines {
     }
 }
 
-/// Velocities given one after the other, at instants within ramps or behind them; then a halt.
+/// Velocities given one after the other, at instants within ramps or after them; then a halt.
 fn check_changes(first: i64, changes: &[(i64, i64)], rise: u32, fall: u32) {
     let mut config = AxisConfig::new(0, 1);
     (config.start_velocity, config.stop_velocity) = (50, 70);
@@ -220,7 +220,7 @@ fn check_changes(first: i64, changes: &[(i64, i64)], rise: u32, fall: u32) {
     let (velocity, position) = oracle.at(bench.now as f64 / 1e9);
     let begun = |position: f64| position.floor() as usize + 1;
     assert!((begun(position - most)..=begun(position + most)).contains(&rises.len()), "{position}");
-    // The halt ends with the first whole pulse behind the way that it takes to slow down.
+    // The halt ends with the first whole pulse after the way that it takes to slow down.
     bench.order(MotionCommand::Halt, 0, ramps(rise, fall, 0));
     bench.settle();
     let way = (velocity.powi(2) - 70_f64.min(velocity).powi(2)) / (2.0 * d);

@@ -100,8 +100,8 @@ fn sequence(seed: u64) {
     assert_spacing(&bench, &config, fastest.max(20_000), seed);
 }
 
-/// No pulse is shorter than half the period of the highest velocity, none comes sooner than a period behind the one
-/// before, and none too soon behind a change of direction.
+/// No pulse is shorter than half the period of the highest velocity, none comes sooner than a period after the one
+/// before, and none too soon after a change of direction.
 fn assert_spacing(bench: &Bench, config: &AxisConfig, fastest: i64, seed: u64) {
     let period = S / fastest - 3;
     if config.output == PulseOutput::PulseDirection {

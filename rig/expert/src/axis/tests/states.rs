@@ -183,7 +183,7 @@ fn commands_follow_each_other() {
     bench.settle();
     let rises = bench.rises(0);
     assert_eq!(rises.len(), 300);
-    // The last pulse of the first ends a period of 100 Hz behind its beginning, the next comes 50 ms later.
+    // The last pulse of the first ends a period of 100 Hz after its beginning, the next comes 50 ms later.
     let gap = rises[200] - rises[199];
     assert!((55 * MS..61 * MS).contains(&gap), "{gap}");
     assert_eq!((bench.axis.phase(first), bench.axis.phase(second)), (CommandPhase::Done, CommandPhase::Done));

@@ -38,7 +38,7 @@ fn pick(unit: &mut FunctionUnit) -> Option<&mut Axis> {
     if let FunctionUnit::Axis(axis) = unit { Some(axis.as_mut()) } else { None }
 }
 
-/// Where the outputs of a block with Execute are. Its memory begins behind them, in the order of the constants above.
+/// Where the outputs of a block with Execute are. Its memory begins after them, in the order of the constants above.
 struct Places {
     done: usize,
     busy: usize,
@@ -95,7 +95,7 @@ struct Body<'a> {
     fx: &'a mut ExpertEffects,
 }
 
-/// One call of a block that acts with the rising edge of Execute: `start` gives the command, `phase` tells how far it is.
+/// One call of a block that acts with the rising edge of Execute: `start` gives the command, `phase` says how far it is.
 /// Its end is shown until Execute is FALSE, and by one call at least.
 fn execute(
     call: &mut BlockCall<'_>,

@@ -1,4 +1,4 @@
-//! Blocks that tell something about an axis.
+//! Blocks that read something of an axis.
 
 use super::{AXIS, BlockCall, BlockType, PinType, ValueType, input, output, pick, unknown};
 use crate::axis::{Axis, AxisFault, AxisState};
@@ -110,8 +110,8 @@ fn motion_state(axis: &Axis, now: Time, _: i64) -> Result<[i64; 5], AxisFault> {
     ])
 }
 
-/// One call of a block that works while Enable is TRUE. Valid, Busy, Error and ErrorID stand at `first`, what it tells
-/// behind them; a number that it asks for stands at place 2.
+/// One call of a block that works while Enable is TRUE. Valid, Busy, Error and ErrorID stand at `first`, what it reads
+/// after them; a number that it asks for stands at place 2.
 fn read<const N: usize>(
     call: &mut BlockCall<'_>,
     first: usize,

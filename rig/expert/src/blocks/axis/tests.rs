@@ -180,7 +180,7 @@ fn an_aborted_command_says_so_and_the_next_one_goes_on() {
     assert_eq!(program.call(&mut second), "InVelocity Busy Active");
     let mut third = relative(100);
     third.set("BufferMode", 1);
-    // Buffered behind a velocity that is reached: it begins at once.
+    // Buffered after a velocity that is reached: it begins at once.
     assert_eq!(program.call(&mut third), "Busy Active");
     assert_eq!(program.call(&mut second), "CommandAborted");
     program.wait(1000);
